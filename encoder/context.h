@@ -1,0 +1,41 @@
+/* What every stage of the encoder is handed besides its data: where messages and progress go, how
+ * many threads and how much memory it may use, and whether the user wants it to stop.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_CONTEXT_H
+#define OPENBTF_ENCODER_CONTEXT_H
+
+#include <openbtf/result.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+struct progress; /* decoder/tools/progress.h */
+
+typedef struct enc_context {
+    btf_log log;
+    struct progress *progress; /* may be NULL: no progress shown */
+    int threads;               /* OpenMP threads, >= 1 */
+    size_t memory;             /* bytes the working set may take, 0 = unbounded */
+} enc_context;
+
+/* printf-style message to context->log; does nothing without a callback. context may be NULL. */
+void enc_log(const enc_context *context, btf_log_level level, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* enc_log at level error, then returns `result`: `return enc_fail(context, BTF_ERROR_IO, "...")`. */
+btf_result enc_fail(const enc_context *context, btf_result result, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* Starts a named stage of `total` steps. Stages follow one another; one is active at a time. */
+void enc_stage_begin(const enc_context *context, const char *name, size_t total);
+/* Adds `steps` finished steps; callable from any thread. */
+void enc_stage_step(const enc_context *context, size_t steps);
+/* Ends the stage; its wall time is kept by the progress object under its name. */
+void enc_stage_end(const enc_context *context);
+
+/* True once the user asked to stop (SIGINT, SIGTERM). Long loops test it once an iteration and return
+ * BTF_ERROR_INTERRUPTED. */
+bool enc_cancelled(const enc_context *context);
+
+#endif

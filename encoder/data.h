@@ -1,0 +1,79 @@
+/* A BTF as the analysis sees it: linear radiance samples in texel-major order.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_DATA_H
+#define OPENBTF_ENCODER_DATA_H
+
+#include "context.h"
+#include <stdint.h>
+
+/* A sampled direction in the tangent frame of FORMAT.md: x along +u, y along +v, z the normal.
+ * theta from z, phi from x towards y, both in degrees; xyz the unit vector rounded to float. */
+typedef struct enc_direction {
+    double theta, phi;
+    float xyz[3];
+} enc_direction;
+
+/* Fills xyz from theta and phi. */
+enc_direction enc_direction_from_angles(double theta_degrees, double phi_degrees);
+
+/* One BTF. Samples are float32, linear Rec. 709 radiance over (normal-incidence irradiance / pi),
+ * cosine included: a white Lambertian lit from l holds l.z.
+ *
+ * Sample order, innermost last: [texel][view][channel][light], texel = row * width + column, row 0 at
+ * the top of the image (+v), channel 0..2 = R, G, B. So the light profile of (texel, view) is
+ * 3 * n_lights contiguous floats, and all samples of a texel are n_views * 3 * n_lights.
+ *
+ * Directions are in paper order: theta ascending, then phi ascending from 0. Both lists hold up to
+ * 256 directions, need not be equal, and have no duplicates. */
+typedef struct enc_data {
+    int width, height;
+    int n_views, n_lights;
+    enc_direction *views;  /* [n_views] */
+    enc_direction *lights; /* [n_lights] */
+    int top_view;          /* index of the view nearest to the pole */
+    float *samples;        /* all samples, or NULL when they lie in the scratch file */
+    int scratch_fd;        /* -1 when samples != NULL */
+    uint64_t negative;     /* samples clamped to 0 on reading */
+    char *source;          /* what was read, for messages and reports */
+} enc_data;
+
+static inline size_t enc_data_texel_count(const enc_data *data) {
+    return (size_t)data->width * (size_t)data->height;
+}
+/* Floats of one texel. */
+static inline size_t enc_data_texel_stride(const enc_data *data) {
+    return (size_t)data->n_views * 3 * (size_t)data->n_lights;
+}
+
+/* Makes a BTF of zeros with copies of the direction lists. Samples are held in memory when they fit
+ * half of context->memory (0: always), else in an unlinked scratch file in $TMPDIR (default /var/tmp),
+ * whose size is announced and checked against free space first.
+ * Errors: BTF_ERROR_USAGE (sizes), BTF_ERROR_MEMORY, BTF_ERROR_IO (scratch file, free space). */
+btf_result enc_data_create(const enc_context *context, int width, int height, int n_views,
+                           const enc_direction *views, int n_lights, const enc_direction *lights,
+                           enc_data **out_data);
+void enc_data_destroy(enc_data **data);
+
+/* The samples of texels first .. first+count-1. Points into data->samples when they are in memory; else
+ * reads them into `buffer` (count * enc_data_texel_stride floats) and points there.
+ * Thread-safe. Errors: BTF_ERROR_IO. */
+btf_result enc_data_texels(const enc_context *context, const enc_data *data, size_t first, size_t count,
+                           float *buffer, const float **out_samples);
+
+/* Gathers every image of one view: out[light][texel][channel], n_lights * texels * 3 floats.
+ * Thread-safe. Errors: BTF_ERROR_IO. */
+btf_result enc_data_view(const enc_context *context, const enc_data *data, int view, float *out);
+
+/* Stores all samples of texels first .. first+count-1, in the order above. Concurrent calls must not
+ * overlap. Errors: BTF_ERROR_IO. */
+btf_result enc_data_store_texels(const enc_context *context, enc_data *data, size_t first, size_t count,
+                                 const float *samples);
+
+/* Rec. 709 luminance: what thresholds on a value mean. */
+static inline float enc_luminance(float r, float g, float b) {
+    return 0.2126f * r + 0.7152f * g + 0.0722f * b;
+}
+
+#endif
