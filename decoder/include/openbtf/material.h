@@ -1,0 +1,216 @@
+/* OpenBTF: an encoded material in memory: open, save, look inside.
+ *
+ * The library reads and writes the format of FORMAT.md and nothing else: it makes no GL context, window or
+ * thread, and does not decode. Everything here is plain data; textures come in the layout a GPU takes.
+ *
+ * Thread rule: a btf_material is immutable once made; any number of threads may read it. Opening, saving and
+ * closing different materials on different threads is safe.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_MATERIAL_H
+#define OPENBTF_MATERIAL_H
+
+#include <openbtf/result.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define BTF_FORMAT_VERSION 1
+
+/** Upper bounds of the format (FORMAT.md). */
+#define BTF_MAX_SIZE 16384
+#define BTF_MAX_DIRECTIONS 256
+#define BTF_MAX_LOBES 4
+#define BTF_MAX_COMPONENTS 256
+#define BTF_MAX_CENTRES 65536
+/** A white gain of the codes 1..255: 128 is 1. */
+#define BTF_GAIN_SCALE 0x1p-7f
+#define BTF_GAIN_ONE 128
+
+typedef enum btf_layout {
+    BTF_LAYOUT_PAPER = 0, /**< one RGBA8UI atlas, as in section 3.1 of the paper */
+    BTF_LAYOUT_TIGHT = 1, /**< a texture an effect, no padding */
+} btf_layout;
+
+typedef enum btf_domain {
+    BTF_DOMAIN_LINEAR = 0, /**< the model gives radiance */
+    BTF_DOMAIN_SQRT = 1,   /**< the model gives its square root; the decoder squares */
+} btf_domain;
+
+typedef enum btf_colour {
+    BTF_COLOUR_MONO = 0, /**< one colour a texel, scaled by diffuse term and lobes */
+    BTF_COLOUR_RGB = 1,  /**< an RGB diffuse term and an RGB weight a lobe */
+    BTF_COLOUR_NONE = 2, /**< no SBRDF parameters: the residual alone */
+} btf_colour;
+
+/** Effects, a bit mask; the names and bits of FORMAT.md section 3. */
+typedef enum btf_effect {
+    BTF_EFFECT_SHADOW = 1,
+    BTF_EFFECT_SHIFT = 2,
+    BTF_EFFECT_HIDDEN = 4,
+    BTF_EFFECT_GAIN = 8,
+    BTF_EFFECT_RESIDUAL = 16,
+    BTF_EFFECT_ALL = 31,
+} btf_effect;
+
+typedef enum btf_format {
+    BTF_FORMAT_NONE = 0,
+    BTF_FORMAT_R8UI,
+    BTF_FORMAT_RG8UI,
+    BTF_FORMAT_RGBA8UI,
+    BTF_FORMAT_RGBA8I,
+    BTF_FORMAT_RGBA16UI,
+    BTF_FORMAT_RGBA16F,
+    BTF_FORMAT_RGBA32F,
+} btf_format;
+
+/** @return bytes of one texel; 0 for BTF_FORMAT_NONE. */
+size_t btf_format_size(btf_format format);
+
+/** The textures of FORMAT.md section 3. */
+typedef enum btf_texture_id {
+    BTF_TEXTURE_SBRDF = 0,
+    BTF_TEXTURE_MAPS,
+    BTF_TEXTURE_SHADOW,
+    BTF_TEXTURE_SHIFT,
+    BTF_TEXTURE_GAIN,
+    BTF_TEXTURE_CENTRES,
+    BTF_TEXTURE_RESIDUAL_TEXELS,
+    BTF_TEXTURE_RESIDUAL_DIRECTIONS,
+    BTF_TEXTURE_RESIDUAL_SCALES,
+    BTF_TEXTURE_VIEW_TABLE,
+    BTF_TEXTURE_LIGHT_TABLE,
+    BTF_TEXTURE_COUNT
+} btf_texture_id;
+
+/** @return the texture's name in FORMAT.md, e.g. "residual_texels". */
+const char *btf_texture_name(btf_texture_id id);
+
+/** One texture, ready to upload. data is [layer][row][column][channel], tightly packed, row 0 the top of the
+ *  image; NULL and format NONE when the material does not have it. is_array: a 2D array texture (also when it
+ *  has one layer), else a 2D texture with layers = 1. */
+typedef struct btf_texture {
+    btf_format format;
+    int is_array;
+    uint32_t width, height, layers;
+    const void *data;
+    size_t size; /**< bytes */
+} btf_texture;
+
+/** What a material is. */
+typedef struct btf_material_info {
+    size_t struct_size; /**< sizeof(btf_material_info), set by the caller */
+    uint32_t width, height;
+    uint32_t n_views, n_lights;
+    btf_layout layout;
+    btf_domain domain;
+    btf_colour colour;
+    int half_float;       /**< SBRDF parameters are halves */
+    uint32_t lobes;       /**< J */
+    uint32_t effects;     /**< btf_effect bits present */
+    uint32_t centres;     /**< K */
+    uint32_t components;  /**< k of the residual */
+    uint32_t atlas_width, atlas_height; /**< layout paper, else 0 */
+    float radiance_scale, shadow_scale, gain_scale, centre_scale;
+    size_t gpu_bytes;       /**< FORMAT.md section 3: without tables */
+    size_t table_bytes;     /**< direction tables and residual scales */
+    const char *method;     /**< provenance; "" when not given */
+    const char *options;
+    const char *source;
+} btf_material_info;
+
+/** One row of the errors that the encoder measured. */
+typedef struct btf_material_error {
+    uint32_t effects;  /**< btf_effect bits decoded */
+    float psnr_linear; /**< dB over all samples clipped to [0, 1] */
+    float psnr_srgb;   /**< dB, likewise after sRGB coding */
+    float gpu_bytes;
+} btf_material_error;
+
+typedef struct btf_material btf_material;
+
+/** A list of directions, triangulated and gridded as FORMAT.md section 6 says. */
+typedef struct btf_directions {
+    uint32_t count;
+    const float *xyz;        /**< [count][3] */
+    const uint16_t *vertices; /**< [count][2] */
+    uint32_t triangle_count;
+    const uint8_t *triangles; /**< [triangle_count][3] */
+    uint32_t hull_count;
+    const uint8_t *hull;      /**< [hull_count] */
+    uint32_t grid;            /**< G */
+    const uint16_t *cells;    /**< for each of G * G cells: count, then record numbers */
+    size_t cells_length;      /**< entries of cells */
+} btf_directions;
+
+/** Opens a *.btf.exr file. Every rule of FORMAT.md section 2 is checked.
+ *  Errors: BTF_ERROR_IO (cannot read), BTF_ERROR_BAD_FILE, BTF_ERROR_UNSUPPORTED (newer version),
+ *  BTF_ERROR_MEMORY. @p log may be NULL. On error *out_material is NULL. */
+btf_result btf_material_open(const char *path, const btf_log *log, btf_material **out_material);
+
+/** The same from memory; the bytes are not needed after the call. */
+btf_result btf_material_open_memory(const void *data, size_t size, const btf_log *log,
+                                    btf_material **out_material);
+
+/** Frees *material and sets it to NULL. NULL and a pointer to NULL are accepted. */
+void btf_material_close(btf_material **material);
+
+/** Fills *out_info up to its struct_size. Strings belong to the material. */
+btf_result btf_material_get_info(const btf_material *material, btf_material_info *out_info);
+
+/** @return the texture; format NONE when absent. Data belong to the material. */
+btf_texture btf_material_texture(const btf_material *material, btf_texture_id id);
+
+btf_directions btf_material_views(const btf_material *material);
+btf_directions btf_material_lights(const btf_material *material);
+
+/** @return the encoder's measured errors, *out_count rows, owned by the material; NULL when there are none. */
+const btf_material_error *btf_material_errors(const btf_material *material, size_t *out_count);
+
+/** What an encoder hands over to make a material. Textures as in btf_texture, of which only `data` is read
+ *  (sizes and formats follow from the rest; see btf_material_texture_shape); entries that the effects do not
+ *  call for must be NULL. residual_scales is BTF_TEXTURE_RESIDUAL_SCALES; the two tables are made here. */
+typedef struct btf_material_desc {
+    size_t struct_size; /**< sizeof(btf_material_desc) */
+    btf_material_info info; /**< inputs: everything but gpu_bytes and table_bytes; strings may be NULL */
+    const float *views;  /**< [n_views][3], unit, z > 0, paper order, no duplicates */
+    const float *lights; /**< [n_lights][3] */
+    const void *texture[BTF_TEXTURE_COUNT];
+    const btf_material_error *errors;
+    size_t error_count;
+} btf_material_desc;
+
+/** The shape (format, is_array, width, height, layers, size; data NULL) that a texture of a material with this
+ *  info has; format NONE when it has none. The tables have no shape before they are made. */
+btf_texture btf_material_texture_shape(const btf_material_info *info, btf_texture_id id);
+
+/** The smallest legal atlas of layout `paper` (FORMAT.md section 5) for info's width, height, n_views, n_lights
+ *  and effects: sets *out_width, *out_height and *out_room (centres). BTF_ERROR_UNSUPPORTED when there is none. */
+btf_result btf_material_atlas(const btf_material_info *info, uint32_t *out_width, uint32_t *out_height,
+                              uint32_t *out_room);
+
+/** The atlas column (*out_x) and first row (*out_y) of centre i in an atlas of info's size. */
+void btf_material_atlas_centre(const btf_material_info *info, uint32_t i, uint32_t *out_x, uint32_t *out_y);
+
+/** Makes a material from textures, copying them; triangulates the directions; checks everything that opening
+ *  a file checks. Errors: BTF_ERROR_USAGE (names the value), BTF_ERROR_UNSUPPORTED, BTF_ERROR_MEMORY. */
+btf_result btf_material_create(const btf_material_desc *desc, const btf_log *log, btf_material **out_material);
+
+/** Writes to a temporary name beside @p path, then renames. Errors: BTF_ERROR_IO, BTF_ERROR_MEMORY. */
+btf_result btf_material_save(const btf_material *material, const char *path, const btf_log *log);
+
+/** Writes to memory; *out_data is to be freed with btf_free. */
+btf_result btf_material_save_memory(const btf_material *material, const btf_log *log, void **out_data,
+                                    size_t *out_size);
+
+/** Frees what the library handed over. */
+void btf_free(void *pointer);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,106 @@
+/* OpenBTF reference decoder: what a decoder must give, bit for bit (decoder/FORMAT.md, sections 5 to 9).
+ *
+ * Plain C, no dependency, no thread, no allocation; clarity over speed. Compile with -ffp-contract=off and
+ * never with fast-math; btf_ref_self_test() tells whether the build is sound.
+ *
+ * Thread rule: every function is pure; a btf_ref_material may be shared by any number of threads.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_REFERENCE_H
+#define OPENBTF_REFERENCE_H
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Bits of FORMAT.md section 3. */
+enum {
+    BTF_REF_SHADOW = 1,
+    BTF_REF_SHIFT = 2,
+    BTF_REF_HIDDEN = 4,
+    BTF_REF_GAIN = 8,
+    BTF_REF_RESIDUAL = 16,
+};
+
+enum { BTF_REF_MONO = 0, BTF_REF_RGB = 1, BTF_REF_NONE = 2 };
+
+/** A material as plain textures, exactly as FORMAT.md section 3 has them: [layer][row][column][channel], row 0
+ *  the top. Pointers of absent textures are null. The data must have passed the checks of section 2. */
+typedef struct btf_ref_material {
+    uint32_t width, height, n_views, n_lights;
+    int layout_tight; /**< 0: `maps` is used; 1: shadow, shift, gain, centres are */
+    int domain_sqrt;
+    int colour;       /**< BTF_REF_MONO, _RGB, _NONE */
+    int half_float;   /**< sbrdf holds 16-bit halves */
+    uint32_t lobes, effects, centres, components;
+    uint32_t atlas_width, atlas_height;
+    float radiance_scale, shadow_scale, gain_scale, centre_scale;
+    const void *sbrdf;                  /**< float or half bits */
+    const uint8_t *maps;                /**< RGBA */
+    const uint8_t *shadow;              /**< R */
+    const uint8_t *shift;               /**< RG */
+    const uint8_t *gain;                /**< R */
+    const uint8_t *centre;              /**< RGBA */
+    const int8_t *residual_texels;      /**< RGBA */
+    const int8_t *residual_directions;  /**< RGBA */
+    const float *residual_scales;       /**< RGBA */
+    const uint16_t *view_table;         /**< RGBA */
+    const uint16_t *light_table;        /**< RGBA */
+    uint32_t view_grid, light_grid;     /**< G of each table */
+} btf_ref_material;
+
+enum { BTF_REF_NEAREST = 0, BTF_REF_LINEAR = 1 }; /**< directions */
+enum { BTF_REF_TEXEL = 0, BTF_REF_BILINEAR = 1 }; /**< filter */
+
+/** How to decode. */
+typedef struct btf_ref_options {
+    uint32_t effects;    /**< those present in both this mask and the material are decoded */
+    uint32_t components; /**< at most this many residual components; UINT32_MAX: all */
+    int interpolation;   /**< BTF_REF_NEAREST or BTF_REF_LINEAR */
+    int filter;          /**< BTF_REF_TEXEL or BTF_REF_BILINEAR */
+} btf_ref_options;
+
+/** Three neighbours and integer weights that sum to 4096. */
+typedef struct btf_ref_neighbours {
+    uint32_t index[3];
+    uint32_t weight[3];
+} btf_ref_neighbours;
+
+/** Radiance of FORMAT.md section 9 at texture coordinates (u, v), light l, viewer v: linear Rec. 709, cosine
+ *  included, for unit irradiance / pi; 0 below the horizon. Finite and >= 0 for every argument. */
+void btf_ref_evaluate(const btf_ref_material *material, const btf_ref_options *options, float u, float v,
+                      const float light[3], const float view[3], float out_rgb[3]);
+
+/** The same at texel (column, row), without texture addressing. */
+void btf_ref_evaluate_texel(const btf_ref_material *material, const btf_ref_options *options, uint32_t column,
+                            uint32_t row, const float light[3], const float view[3], float out_rgb[3]);
+
+/** Integer steps, each as FORMAT.md says. */
+void btf_ref_project(const float direction[3], int32_t out_q[2]);
+btf_ref_neighbours btf_ref_lookup(const uint16_t *table, uint32_t grid, const int32_t q[2]);
+btf_ref_neighbours btf_ref_nearest(btf_ref_neighbours neighbours);
+uint32_t btf_ref_coordinate(float c, uint32_t size); /**< t of section 9 */
+void btf_ref_bilinear(uint32_t t, uint32_t size, uint32_t *out_c0, uint32_t *out_c1, uint32_t *out_weight1);
+void btf_ref_tile(const btf_ref_material *material, uint32_t tile, uint32_t column, uint32_t row,
+                  uint32_t *out_x, uint32_t *out_y); /**< layout paper */
+void btf_ref_centre(const btf_ref_material *material, uint32_t centre, uint32_t light, uint32_t *out_x,
+                    uint32_t *out_y); /**< texel of a centre in `maps` or `centres` */
+uint32_t btf_ref_wrap(uint32_t position, int32_t shift, uint32_t size);
+
+/** Exact arithmetic. */
+float btf_ref_log2(float x);
+float btf_ref_exp2(float x);
+float btf_ref_pow(float base, float exponent);
+float btf_ref_reciprocal(float x);
+float btf_ref_half(uint16_t bits); /**< half to float, exact */
+
+/** @return 1 when this build rounds and orders as section 8 demands, else 0. */
+int btf_ref_self_test(void);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
