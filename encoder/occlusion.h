@@ -12,11 +12,12 @@
 
 /* All arrays are [view][texel], texel = row * width + column, row 0 at the top.
  * A point x of view v that is not hidden shows the surface point that the top view shows at
- * x' = x + shift(x, v), wrapped over the tile: motionVector of the paper, in whole texels. */
+ * x' = x + shift(x, v), wrapped over the tile: motionVector of the paper, in whole texels. Where hidden, the
+ * shift is what the vote found all the same, kept for pictures and reports alone. */
 typedef struct enc_occlusion {
     int n_views;
     size_t n_texels;
-    int8_t *shift;         /* [view][texel][2] = (columns, rows); (0, 0) where hidden */
+    int8_t *shift;         /* [view][texel][2] = (columns, rows) */
     uint8_t *hidden;       /* 1: hidden, shown by a cluster centre; 0: shown by the shifted source */
     uint8_t *hidden_voted; /* `hidden` as the vote left it, before refinement (figure 11a) */
     float *ratio;          /* HiddenRatio, 0..1: share of the voted lights whose flow calls it hidden */

@@ -197,6 +197,14 @@ void enc_cv_flow_destroy(enc_cv_flow **flow) {
     *flow = nullptr;
 }
 
+void enc_cv_flow_tune(enc_cv_flow *flow, int finest_level, int patch_stride, int descent_steps,
+                      int smoothing_rounds) {
+    flow->dis->setFinestScale(finest_level);
+    flow->dis->setPatchStride(patch_stride);
+    flow->dis->setGradientDescentIterations(descent_steps);
+    flow->dis->setVariationalRefinementIterations(smoothing_rounds);
+}
+
 int enc_cv_flow_compute(enc_cv_flow *flow, int width, int height, const unsigned char *from,
                         const unsigned char *to, float *out_xy) {
     const btf_result result = guarded(

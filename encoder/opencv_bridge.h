@@ -54,6 +54,11 @@ typedef struct enc_cv_flow enc_cv_flow;
 enc_cv_flow *enc_cv_flow_create(void);
 void enc_cv_flow_destroy(enc_cv_flow **flow);
 
+/* Replaces the preset's settings: the finest pyramid level that is searched (0: full resolution, 1: half),
+ * the distance between 8x8 patches, descent steps a patch, and rounds of variational smoothing. */
+void enc_cv_flow_tune(enc_cv_flow *flow, int finest_level, int patch_stride, int descent_steps,
+                      int smoothing_rounds);
+
 /* Dense flow between two grey images [row][column]: from(x, y) is seen at to(x + out_xy[0], y + out_xy[1]),
  * out_xy[row][column][2] = (columns to the right, rows down). Deterministic. Returns 0, or -1 on failure
  * (images too small, out of memory). */
