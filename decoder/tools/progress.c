@@ -1,0 +1,188 @@
+/* Progress of long work on stderr: a bar with stage, percent and time left on a tty, plain lines in a log.
+ *
+ * Workers add to one atomic counter; whoever finds that a redraw is due and the drawing lock free draws, so
+ * no worker ever waits for another.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "progress.h"
+
+#include "output.h"
+
+#include <signal.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+struct progress {
+    bool quiet, tty;
+    bool active;
+    char *name; /* of the active stage */
+    size_t total;
+    double began;
+    atomic_size_t done;
+    atomic_flag drawing;
+    double drawn;    /* time of the last drawing; guarded by `drawing`, as is: */
+    int drawn_tenth; /* tenth of the stage in the last plain line */
+
+    progress_stage *stages;
+    size_t n_stages, n_allocated;
+};
+
+static const double tty_interval = 0.1;   /* seconds between two drawings of the bar */
+static const double plain_interval = 1.0; /* seconds between two plain lines */
+
+static volatile sig_atomic_t cancelled;
+
+static void on_signal(int number) {
+    if (cancelled) {
+        output_remove_all();
+        signal(number, SIG_DFL);
+        raise(number);
+    }
+    cancelled = 1;
+}
+
+static double now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+progress *progress_create(bool quiet) {
+    progress *p = calloc(1, sizeof *p);
+    if (!p)
+        return NULL;
+    p->quiet = quiet;
+    p->tty = isatty(STDERR_FILENO) == 1;
+    atomic_init(&p->done, 0);
+    atomic_flag_clear(&p->drawing);
+    struct sigaction action = {.sa_handler = on_signal, .sa_flags = SA_RESTART};
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+    return p;
+}
+
+void progress_destroy(progress **p) {
+    if (!p || !*p)
+        return;
+    progress_end(*p);
+    for (size_t i = 0; i < (*p)->n_stages; i++)
+        free((char *)(*p)->stages[i].name);
+    free((*p)->stages);
+    free(*p);
+    *p = NULL;
+}
+
+static void format_duration(char *out, size_t size, double seconds) {
+    const long s = (long)(seconds + 0.5);
+    if (s >= 3600)
+        snprintf(out, size, "%ld:%02ld:%02ld", s / 3600, s / 60 % 60, s % 60);
+    else
+        snprintf(out, size, "%ld:%02ld", s / 60, s % 60);
+}
+
+static void draw_bar(const progress *p, double fraction, double elapsed) {
+    char bar[25], left[32] = "";
+    const int filled = (int)(fraction * (double)(sizeof bar - 1));
+    memset(bar, '.', sizeof bar - 1);
+    memset(bar, '#', (size_t)filled);
+    bar[sizeof bar - 1] = '\0';
+    if (fraction > 0.0 && elapsed > 1.0) {
+        format_duration(left, sizeof left, elapsed * (1.0 - fraction) / fraction);
+        strcat(left, " left");
+    }
+    /* The cursor returns to the first column, so that a message in between starts there. */
+    fprintf(stderr, "\r\033[K%-12s [%s] %3d%%  %s\r", p->name, bar, (int)(fraction * 100.0), left);
+    fflush(stderr);
+}
+
+static void draw(progress *p) {
+    if (p->quiet || !p->active || p->total == 0 || atomic_flag_test_and_set(&p->drawing))
+        return;
+    const double time = now();
+    const size_t done = atomic_load(&p->done);
+    const double fraction = done >= p->total ? 1.0 : (double)done / (double)p->total;
+    if (p->tty) {
+        if (time - p->drawn >= tty_interval) {
+            draw_bar(p, fraction, time - p->began);
+            p->drawn = time;
+        }
+    } else {
+        const int tenth = (int)(fraction * 10.0);
+        if (tenth > p->drawn_tenth && tenth < 10 && time - p->drawn >= plain_interval) {
+            char left[32];
+            format_duration(left, sizeof left, (time - p->began) * (1.0 - fraction) / fraction);
+            fprintf(stderr, "%s: %d%%, %s left\n", p->name, (int)(fraction * 100.0), left);
+            p->drawn = time;
+            p->drawn_tenth = tenth;
+        }
+    }
+    atomic_flag_clear(&p->drawing);
+}
+
+void progress_begin(progress *p, const char *stage, size_t total) {
+    progress_end(p);
+    p->name = strdup(stage);
+    if (!p->name)
+        return; /* the stage goes unseen */
+    p->total = total;
+    atomic_store(&p->done, 0);
+    p->began = now();
+    p->drawn = p->tty ? 0.0 : p->began;
+    p->drawn_tenth = 0;
+    p->active = true;
+    draw(p);
+}
+
+void progress_step(progress *p, size_t steps) {
+    atomic_fetch_add(&p->done, steps);
+    draw(p);
+}
+
+/* Adds the seconds of a finished stage; takes ownership of name. */
+static void add_stage(progress *p, char *name, double seconds) {
+    for (size_t i = 0; i < p->n_stages; i++) {
+        if (strcmp(p->stages[i].name, name) == 0) {
+            p->stages[i].seconds += seconds;
+            free(name);
+            return;
+        }
+    }
+    if (p->n_stages == p->n_allocated) {
+        const size_t n = p->n_allocated ? 2 * p->n_allocated : 16;
+        progress_stage *stages = realloc(p->stages, n * sizeof *stages);
+        if (!stages) {
+            free(name);
+            return;
+        }
+        p->stages = stages;
+        p->n_allocated = n;
+    }
+    p->stages[p->n_stages++] = (progress_stage){name, seconds};
+}
+
+void progress_end(progress *p) {
+    if (!p->active)
+        return;
+    p->active = false;
+    const double seconds = now() - p->began;
+    if (!p->quiet)
+        fprintf(stderr, "%s%s: %s after %.1f s\n", p->tty ? "\r\033[K" : "", p->name,
+                cancelled ? "stopped" : "done", seconds);
+    add_stage(p, p->name, seconds);
+    p->name = NULL;
+}
+
+bool progress_cancelled(void) {
+    return cancelled != 0;
+}
+
+const progress_stage *progress_stages(const progress *p, size_t *out_count) {
+    *out_count = p->n_stages;
+    return p->stages;
+}

@@ -1,0 +1,247 @@
+/* A BTF's samples, in memory or in a scratch file.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "data.h"
+
+#include "data_fill.h"
+
+#include <assert.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+enum { MAX_SIDE = 16384, MAX_DIRECTIONS = 256 };
+
+/* sin and cos of multiples of 90 degrees are exactly 0, 1 or -1. */
+static float direction_component(double value) {
+    return fabs(value) < 1e-12 ? 0.0f : (float)value;
+}
+
+enc_direction enc_direction_from_angles(double theta_degrees, double phi_degrees) {
+    const double to_radians = 3.14159265358979323846 / 180.0;
+    const double theta = theta_degrees * to_radians, phi = phi_degrees * to_radians;
+    return (enc_direction){theta_degrees,
+                           phi_degrees,
+                           {direction_component(sin(theta) * cos(phi)),
+                            direction_component(sin(theta) * sin(phi)), direction_component(cos(theta))}};
+}
+
+static enc_direction *copy_directions(const enc_direction *list, int count) {
+    enc_direction *copy = malloc((size_t)count * sizeof *copy);
+    if (copy)
+        memcpy(copy, list, (size_t)count * sizeof *copy);
+    return copy;
+}
+
+/* Opens an unlinked file of `size` zero bytes in $TMPDIR. */
+static btf_result open_scratch(const enc_context *context, uint64_t size, int *out_fd) {
+    const char *folder = getenv("TMPDIR");
+    if (!folder || !*folder)
+        folder = "/var/tmp";
+    struct statvfs space;
+    if (statvfs(folder, &space) != 0)
+        return enc_fail(context, BTF_ERROR_IO, "scratch file: %s (set TMPDIR): %s", folder,
+                        strerror(errno));
+    const double available = (double)space.f_bavail * (double)space.f_frsize;
+    if (available < (double)size)
+        return enc_fail(
+            context, BTF_ERROR_IO,
+            "scratch file: %.2f GB needed in %s, %.2f GB free (set TMPDIR, or allow more --memory)",
+            (double)size * 1e-9, folder, available * 1e-9);
+    const size_t length = strlen(folder) + sizeof "/btf-scratch-XXXXXX";
+    char *path = malloc(length);
+    if (!path)
+        return BTF_ERROR_MEMORY;
+    strcpy(path, folder);
+    strcat(path, "/btf-scratch-XXXXXX");
+    const int fd = mkostemp(path, O_CLOEXEC);
+    if (fd >= 0)
+        unlink(path);
+    free(path);
+    if (fd < 0 || ftruncate(fd, (off_t)size) != 0) {
+        const int error = errno;
+        if (fd >= 0)
+            close(fd);
+        return enc_fail(context, BTF_ERROR_IO, "scratch file: cannot create one of %.2f GB in %s: %s",
+                        (double)size * 1e-9, folder, strerror(error));
+    }
+    enc_log(context, BTF_LOG_INFO,
+            "samples: %.2f GB exceed half of the allowed memory, %.2f GB: scratch file in %s",
+            (double)size * 1e-9, (double)context->memory * 1e-9, folder);
+    *out_fd = fd;
+    return BTF_OK;
+}
+
+btf_result enc_data_create(const enc_context *context, int width, int height, int n_views,
+                           const enc_direction *views, int n_lights, const enc_direction *lights,
+                           enc_data **out_data) {
+    *out_data = NULL;
+    if (width < 1 || height < 1 || width > MAX_SIDE || height > MAX_SIDE)
+        return enc_fail(context, BTF_ERROR_USAGE, "size %dx%d is not usable: each side is 1 to %d", width,
+                        height, MAX_SIDE);
+    if (n_views < 1 || n_lights < 1 || n_views > MAX_DIRECTIONS || n_lights > MAX_DIRECTIONS)
+        return enc_fail(context, BTF_ERROR_USAGE, "%d views and %d lights are not usable: each is 1 to %d",
+                        n_views, n_lights, MAX_DIRECTIONS);
+    /* At most 2^28 texels of 3 * 2^16 floats: no overflow in 64 bits. */
+    const uint64_t bytes =
+        (uint64_t)width * (uint64_t)height * (uint64_t)n_views * 3 * (uint64_t)n_lights * sizeof(float);
+    if (bytes > SIZE_MAX / 2)
+        return BTF_ERROR_MEMORY;
+
+    btf_result result = BTF_ERROR_MEMORY;
+    enc_data *data = calloc(1, sizeof *data);
+    if (!data)
+        return BTF_ERROR_MEMORY;
+    data->scratch_fd = -1;
+    data->width = width;
+    data->height = height;
+    data->n_views = n_views;
+    data->n_lights = n_lights;
+    data->views = copy_directions(views, n_views);
+    data->lights = copy_directions(lights, n_lights);
+    if (!data->views || !data->lights)
+        goto fail;
+    for (int i = 1; i < n_views; i++)
+        if (views[i].theta < views[data->top_view].theta)
+            data->top_view = i;
+
+    if (!context || context->memory == 0 || bytes <= context->memory / 2) {
+        data->samples = calloc((size_t)bytes, 1);
+        if (!data->samples) {
+            result = enc_fail(context, BTF_ERROR_MEMORY, "samples: no memory for %.2f GB (see --memory)",
+                              (double)bytes * 1e-9);
+            goto fail;
+        }
+    } else {
+        result = open_scratch(context, bytes, &data->scratch_fd);
+        if (result != BTF_OK)
+            goto fail;
+    }
+    *out_data = data;
+    return BTF_OK;
+
+fail:
+    enc_data_destroy(&data);
+    return result;
+}
+
+void enc_data_destroy(enc_data **data) {
+    if (!data || !*data)
+        return;
+    enc_data *d = *data;
+    free(d->views);
+    free(d->lights);
+    free(d->samples);
+    if (d->scratch_fd >= 0)
+        close(d->scratch_fd);
+    free(d->source);
+    free(d);
+    *data = NULL;
+}
+
+/* Reads or writes `size` bytes at `offset` of the scratch file. */
+static btf_result scratch_read(const enc_context *context, const enc_data *data, uint64_t offset,
+                               size_t size, void *buffer) {
+    char *p = buffer;
+    while (size > 0) {
+        const ssize_t n = pread(data->scratch_fd, p, size, (off_t)offset);
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n <= 0)
+            return enc_fail(context, BTF_ERROR_IO, "scratch file: reading %zu bytes at %llu failed: %s",
+                            size, (unsigned long long)offset, n < 0 ? strerror(errno) : "end of file");
+        p += n;
+        offset += (uint64_t)n;
+        size -= (size_t)n;
+    }
+    return BTF_OK;
+}
+
+static btf_result scratch_write(const enc_context *context, enc_data *data, uint64_t offset, size_t size,
+                                const void *buffer) {
+    const char *p = buffer;
+    while (size > 0) {
+        const ssize_t n = pwrite(data->scratch_fd, p, size, (off_t)offset);
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n <= 0)
+            return enc_fail(context, BTF_ERROR_IO, "scratch file: writing %zu bytes at %llu failed: %s",
+                            size, (unsigned long long)offset, strerror(errno));
+        p += n;
+        offset += (uint64_t)n;
+        size -= (size_t)n;
+    }
+    return BTF_OK;
+}
+
+btf_result enc_data_texels(const enc_context *context, const enc_data *data, size_t first, size_t count,
+                           float *buffer, const float **out_samples) {
+    const size_t stride = enc_data_texel_stride(data);
+    assert(first + count <= enc_data_texel_count(data));
+    if (data->samples) {
+        *out_samples = data->samples + first * stride;
+        return BTF_OK;
+    }
+    *out_samples = buffer;
+    return scratch_read(context, data, (uint64_t)first * stride * sizeof(float),
+                        count * stride * sizeof(float), buffer);
+}
+
+btf_result enc_data_store_texels(const enc_context *context, enc_data *data, size_t first, size_t count,
+                                 const float *samples) {
+    const size_t stride = enc_data_texel_stride(data);
+    assert(first + count <= enc_data_texel_count(data));
+    if (data->samples) {
+        memcpy(data->samples + first * stride, samples, count * stride * sizeof(float));
+        return BTF_OK;
+    }
+    return scratch_write(context, data, (uint64_t)first * stride * sizeof(float),
+                         count * stride * sizeof(float), samples);
+}
+
+btf_result enc_data_store_run(const enc_context *context, enc_data *data, size_t texel, size_t at,
+                              size_t count, const float *samples) {
+    const size_t stride = enc_data_texel_stride(data);
+    assert(texel < enc_data_texel_count(data) && at + count <= stride);
+    if (data->samples) {
+        memcpy(data->samples + texel * stride + at, samples, count * sizeof(float));
+        return BTF_OK;
+    }
+    return scratch_write(context, data, ((uint64_t)texel * stride + at) * sizeof(float),
+                         count * sizeof(float), samples);
+}
+
+btf_result enc_data_view(const enc_context *context, const enc_data *data, int view, float *out) {
+    enum { BLOCK = 16 }; /* texels whose profiles are turned round together */
+    assert(view >= 0 && view < data->n_views);
+    const size_t texels = enc_data_texel_count(data), lights = (size_t)data->n_lights, profile = 3 * lights;
+    const size_t stride = enc_data_texel_stride(data);
+    btf_result result = BTF_OK;
+    float *buffer = NULL;
+    if (!data->samples && !(buffer = malloc(BLOCK * profile * sizeof *buffer)))
+        return BTF_ERROR_MEMORY;
+    for (size_t first = 0; first < texels && result == BTF_OK; first += BLOCK) {
+        const size_t count = texels - first < BLOCK ? texels - first : BLOCK;
+        const float *profiles[BLOCK];
+        for (size_t t = 0; t < count && result == BTF_OK; t++) {
+            const size_t at = (first + t) * stride + (size_t)view * profile;
+            profiles[t] = data->samples ? data->samples + at : buffer + t * profile;
+            if (!data->samples)
+                result = scratch_read(context, data, (uint64_t)at * sizeof(float), profile * sizeof(float),
+                                      buffer + t * profile);
+        }
+        if (result != BTF_OK)
+            break;
+        for (size_t l = 0; l < lights; l++)
+            for (size_t t = 0; t < count; t++)
+                for (size_t c = 0; c < 3; c++)
+                    out[(l * texels + first + t) * 3 + c] = profiles[t][c * lights + l];
+    }
+    free(buffer);
+    return result;
+}
