@@ -1,0 +1,60 @@
+/* Vote-based optical flow: which texel of the top view each texel of each view shows (paper 2.3.1).
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_FLOW_H
+#define OPENBTF_ENCODER_FLOW_H
+
+#include "data.h"
+#include "occlusion.h"
+
+/* Zero means the default beside the field. */
+typedef struct enc_flow_options {
+    int lights;             /* lights that vote, spread evenly over the list; default all */
+    float hidden_threshold; /* hidden where HiddenRatio exceeds it; default 0.7, the paper's */
+    float miss;             /* texels by which forward and backward flow may miss; default 1 */
+    float difference; /* relative luminance difference that still is one surface point; default 0.35 */
+    int padding;      /* texels of periodic continuation on each side, at least 16; default 16 */
+} enc_flow_options;
+
+/* Flow between two images of one light. target and top are luminances [texel], row 0 at the top;
+ * out_flow[texel][2] = (columns, rows): target(x) shows what top(x + flow) shows, not wrapped;
+ * out_hidden[texel] = 1 where the forward-backward flow misses by more than options->miss texels or the
+ * luminances, both images scaled to one mean, differ by more than options->difference of the larger one.
+ * An image without light gives zero flow and hides nothing.
+ * Errors: BTF_ERROR_USAGE (options), BTF_ERROR_MEMORY, BTF_ERROR_INTERNAL (OpenCV). Any thread. */
+btf_result enc_flow_pair(const enc_context *context, int width, int height, const float *target,
+                         const float *top, const enc_flow_options *options, float *out_flow,
+                         uint8_t *out_hidden);
+
+/* The vote over the lights, for every view but the top view, which is unmoved and not hidden:
+ *   HiddenRatio(x) = avg_l HiddenMap_l(x),  hidden where HiddenRatio(x) > hidden_threshold,
+ *   shift(x) = the integer vector with most votes among the lights whose flow does not hide x (of all
+ *   lights where each hides it); ties prefer the smaller shift, then the smaller row, then column.
+ * Flows are rounded to texels and wrapped over the tile, at most 127 texels long in columns and in rows.
+ * Lights under which either view is black do not vote. The stage is called "flow".
+ * Errors: BTF_ERROR_USAGE (options), BTF_ERROR_MEMORY, BTF_ERROR_IO (scratch file), BTF_ERROR_INTERNAL
+ * (OpenCV), BTF_ERROR_INTERRUPTED. */
+btf_result enc_flow_vote(const enc_context *context, const enc_data *data, const enc_flow_options *options,
+                         enc_occlusion **out_occlusion);
+
+/* End-point error against known shifts over one ring of views (one theta), in texels. */
+typedef struct enc_flow_ring {
+    double theta;        /* degrees */
+    size_t points;       /* known points of the ring */
+    size_t moved;        /* of them, those whose true shift is longer than `least` */
+    size_t moved_hidden; /* of these, those that the vote calls hidden */
+    double error;        /* mean error of the voted shift over `points` */
+    double zero;         /* the same for the shift 0 */
+    double moved_error;  /* mean error of the voted shift over `moved`, hidden ones included */
+    double moved_zero;   /* the same for the shift 0 */
+} enc_flow_ring;
+
+/* Compares with truth[view][texel][2] = (columns, rows), floats, any representative of the wrapped shift;
+ * points with exclude[view][texel] != 0 (exclude may be NULL) are left out. Differences are wrapped over
+ * the tile. Fills at most `capacity` rings in order of theta and returns how many there are. Means over
+ * nothing are 0. */
+int enc_flow_error(const enc_data *data, const enc_occlusion *occlusion, const float *truth,
+                   const uint8_t *exclude, double least, enc_flow_ring *out_rings, int capacity);
+
+#endif
