@@ -1,0 +1,34 @@
+/* A picture put together from images and captions, written as PNG.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_CANVAS_H
+#define OPENBTF_ENCODER_CANVAS_H
+
+#include "context.h"
+
+typedef struct enc_canvas {
+    int width, height;
+    unsigned char *rgb; /* [row][column][3], sRGB-coded */
+} enc_canvas;
+
+/* A white canvas. Errors: BTF_ERROR_MEMORY. */
+btf_result enc_canvas_create(const enc_context *context, int width, int height, enc_canvas *out_canvas);
+void enc_canvas_clear(enc_canvas *canvas);
+
+/* Draws a width x height image at (x, y), each pixel as a zoom x zoom block; what lies outside is cut off.
+ * `pixels` is [row][column][channels], linear; 3 channels are radiance, 1 is grey. All times `gain`. */
+void enc_canvas_image(enc_canvas *canvas, int x, int y, int zoom, int width, int height, int channels,
+                      const float *pixels, float gain);
+
+/* The same for values that are shown as they are: 8-bit grey, no sRGB coding. */
+void enc_canvas_codes(enc_canvas *canvas, int x, int y, int zoom, int width, int height, const unsigned char *codes);
+
+/* A caption whose base line starts at (x, y). */
+void enc_canvas_text(enc_canvas *canvas, int x, int y, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+
+/* Whole or absent. Errors: BTF_ERROR_IO, BTF_ERROR_MEMORY. */
+btf_result enc_canvas_write(const enc_context *context, const enc_canvas *canvas, const char *path);
+
+#endif

@@ -1,0 +1,169 @@
+/* Decoding a solution at its own sampled directions. See decode.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "decode.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+struct enc_decoder {
+    const enc_data *data;
+    const enc_solution *solution;
+    float *light_x, *light_y, *light_z; /* [light] */
+    float *cosine;                      /* [light]: m of FORMAT.md section 9 */
+    uint8_t *shadow;                    /* [texel][light]: a profile's codes side by side */
+    float *residual;                    /* [view][component][channel][light], scaled */
+};
+
+btf_result enc_decoder_create(const enc_context *context, const enc_data *data, const enc_solution *solution,
+                              enc_decoder **out_decoder) {
+    const size_t lights = (size_t)data->n_lights, texels = enc_solution_texels(solution);
+    const size_t k = solution->effects & BTF_EFFECT_RESIDUAL ? solution->n_components : 0;
+    *out_decoder = NULL;
+    enc_decoder *d = calloc(1, sizeof *d);
+    if (!d) {
+        return enc_fail(context, BTF_ERROR_MEMORY, "decoding: out of memory");
+    }
+    d->data = data;
+    d->solution = solution;
+    d->light_x = malloc(lights * sizeof(float));
+    d->light_y = malloc(lights * sizeof(float));
+    d->light_z = malloc(lights * sizeof(float));
+    d->cosine = malloc(lights * sizeof(float));
+    d->shadow = solution->shadow ? malloc(texels * lights) : NULL;
+    d->residual = k > 0 ? malloc((size_t)data->n_views * k * 3 * lights * sizeof(float)) : NULL;
+    if (!d->light_x || !d->light_y || !d->light_z || !d->cosine || (solution->shadow && !d->shadow) ||
+        (k > 0 && !d->residual)) {
+        enc_decoder_destroy(&d);
+        return enc_fail(context, BTF_ERROR_MEMORY, "decoding: out of memory");
+    }
+    for (size_t l = 0; l < lights; l++) {
+        const float *xyz = data->lights[l].xyz;
+        d->light_x[l] = xyz[0];
+        d->light_y[l] = xyz[1];
+        d->light_z[l] = xyz[2];
+        d->cosine[l] = solution->domain == BTF_DOMAIN_SQRT ? sqrtf(xyz[2]) : xyz[2];
+        for (size_t t = 0; d->shadow && t < texels; t++) {
+            d->shadow[t * lights + l] = solution->shadow[l * texels + t];
+        }
+    }
+    for (size_t v = 0; k > 0 && v < (size_t)data->n_views; v++) {
+        for (size_t i = 0; i < lights * 3; i++) {
+            const size_t l = i / 3, channel = i % 3;
+            const int8_t *in = solution->residual_directions + ((v * lights + l) * 3 + channel) * k;
+            for (size_t j = 0; j < k; j++) {
+                d->residual[((v * k + j) * 3 + channel) * lights + l] = solution->residual_scales[j] * in[j];
+            }
+        }
+    }
+    *out_decoder = d;
+    return BTF_OK;
+}
+
+void enc_decoder_destroy(enc_decoder **decoder) {
+    enc_decoder *d = decoder ? *decoder : NULL;
+    if (!d) {
+        return;
+    }
+    free(d->light_x);
+    free(d->light_y);
+    free(d->light_z);
+    free(d->cosine);
+    free(d->shadow);
+    free(d->residual);
+    free(d);
+    *decoder = NULL;
+}
+
+/* The cluster centre's radiance: out[channel * lights + light]. */
+static void decode_centre(const enc_solution *s, size_t centre, size_t lights, float *out) {
+    const uint8_t *codes = s->centre_codes + 3 * centre * lights;
+    for (size_t l = 0; l < lights; l++) {
+        for (size_t channel = 0; channel < 3; channel++) {
+            const float y = (float)codes[3 * l + channel] * s->centre_scale;
+            out[channel * lights + l] = y * y;
+        }
+    }
+}
+
+/* gain * m * (SBRDF * shadow + residual) of source texel `t` seen from `view`. */
+static void decode_source(const enc_decoder *d, uint32_t effects, size_t t, size_t view, float gain, float *out) {
+    const enc_solution *s = d->solution;
+    const size_t lights = (size_t)s->n_lights, n = 3 * lights;
+    if (s->sbrdf) {
+        enc_sbrdf_evaluate(s->sbrdf, t, d->data->views[view].xyz, (int)lights, d->light_x, d->light_y, d->light_z,
+                           out);
+        if (effects & BTF_EFFECT_SHADOW) {
+            const uint8_t *codes = d->shadow + t * lights;
+            for (size_t channel = 0; channel < 3; channel++) {
+                for (size_t l = 0; l < lights; l++) {
+                    out[channel * lights + l] *= (float)codes[l] * s->shadow_scale;
+                }
+            }
+        }
+    } else {
+        for (size_t i = 0; i < n; i++) {
+            out[i] = 0;
+        }
+    }
+    if (effects & BTF_EFFECT_RESIDUAL) {
+        const size_t k = s->n_components;
+        for (size_t j = 0; j < k; j++) {
+            const float u = s->residual_texels[t * k + j];
+            const float *v = d->residual + (view * k + j) * n;
+            for (size_t i = 0; i < n; i++) {
+                out[i] += u * v[i];
+            }
+        }
+    }
+    const bool square = s->domain == BTF_DOMAIN_SQRT;
+    for (size_t channel = 0; channel < 3; channel++) {
+        for (size_t l = 0; l < lights; l++) {
+            const float y = out[channel * lights + l] * d->cosine[l] * gain;
+            const float clamped = y >= 0x1p-30f ? fminf(y, 0x1p32f) : 0.0f;
+            out[channel * lights + l] = square ? clamped * clamped : clamped;
+        }
+    }
+}
+
+static btf_result decode_view(const void *user, int view, float *out) {
+    const enc_decoded *decoded = user;
+    const enc_decoder *d = decoded->decoder;
+    const enc_solution *s = d->solution;
+    const uint32_t effects = decoded->effects & s->effects;
+    const size_t lights = (size_t)s->n_lights, texels = enc_solution_texels(s);
+    const int width = s->width, height = s->height;
+    float *profile = malloc(3 * lights * sizeof *profile);
+    if (!profile) {
+        return BTF_ERROR_MEMORY;
+    }
+    for (size_t t = 0; t < texels; t++) {
+        const size_t at = (size_t)view * texels + t;
+        const int code = s->gain ? s->gain[at] : BTF_GAIN_ONE;
+        const bool hidden = (s->effects & BTF_EFFECT_HIDDEN) && code == 0;
+        if (hidden && (effects & BTF_EFFECT_HIDDEN)) {
+            decode_centre(s, s->centre[at], lights, profile);
+        } else {
+            size_t source = t;
+            if (!hidden && (effects & BTF_EFFECT_SHIFT)) {
+                const int column = (((int)(t % (size_t)width) + s->shift[2 * at]) % width + width) % width;
+                const int row = (((int)(t / (size_t)width) + s->shift[2 * at + 1]) % height + height) % height;
+                source = (size_t)row * (size_t)width + (size_t)column;
+            }
+            const float gain = !hidden && (effects & BTF_EFFECT_GAIN) ? (float)code * s->gain_scale : 1.0f;
+            decode_source(d, effects, source, (size_t)view, gain, profile);
+        }
+        for (size_t l = 0; l < lights; l++) {
+            for (size_t channel = 0; channel < 3; channel++) {
+                out[(l * texels + t) * 3 + channel] = profile[channel * lights + l] * s->radiance_scale;
+            }
+        }
+    }
+    free(profile);
+    return BTF_OK;
+}
+
+enc_image_source enc_decoded_images(const enc_decoded *decoded) {
+    return (enc_image_source){.view = decode_view, .user = decoded};
+}

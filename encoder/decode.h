@@ -1,0 +1,29 @@
+/* Decoding a solution at its own sampled directions: FORMAT.md section 9 where every weight is 4096, a light
+ * profile at a time. It measures and pictures what an encode gives; results agree with the reference decoder
+ * up to float rounding (tested), and are not normative.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_DECODE_H
+#define OPENBTF_ENCODER_DECODE_H
+
+#include "images.h"
+#include "solution.h"
+
+typedef struct enc_decoder enc_decoder;
+
+/* Keeps pointers to `data` (directions only) and `solution`. */
+btf_result enc_decoder_create(const enc_context *context, const enc_data *data, const enc_solution *solution,
+                              enc_decoder **out_decoder);
+void enc_decoder_destroy(enc_decoder **decoder);
+
+/* Decodes with the effects that both `effects` and the solution have. */
+typedef struct enc_decoded {
+    const enc_decoder *decoder;
+    uint32_t effects;
+} enc_decoded;
+
+/* An image source of the decoded BTF; `decoded` must outlive it. */
+enc_image_source enc_decoded_images(const enc_decoded *decoded);
+
+#endif

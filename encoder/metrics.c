@@ -1,0 +1,156 @@
+/* Accuracy of one BTF against another. See metrics.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "metrics.h"
+
+#include "ssim.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SRGB_STEPS = 1 << 14 };
+
+/* sRGB coding sampled at (i / SRGB_STEPS)^2: the squared spacing puts the samples where the curve bends, and linear
+ * interpolation stays within 3e-7 of it. */
+static float srgb_table[SRGB_STEPS + 2];
+
+static void __attribute__((constructor)) srgb_table_init(void) {
+    for (int i = 0; i < SRGB_STEPS + 2; i++) {
+        const double root = (double)i / SRGB_STEPS, x = root * root;
+        srgb_table[i] = (float)(x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055);
+    }
+}
+
+float enc_srgb_encode(float linear) {
+    const float clipped = linear > 0 ? (linear < 1 ? linear : 1.0f) : 0.0f;
+    const float at = sqrtf(clipped) * SRGB_STEPS;
+    const int i = (int)at;
+    return srgb_table[i] + (at - (float)i) * (srgb_table[i + 1] - srgb_table[i]);
+}
+
+static double psnr(double sum, double count) {
+    return sum > 0 ? 10 * log10(count / sum) : 100.0;
+}
+
+double enc_psnr_linear(const enc_error_sum *sum) {
+    return psnr(sum->linear, sum->count);
+}
+
+double enc_psnr_srgb(const enc_error_sum *sum) {
+    return psnr(sum->srgb, sum->count);
+}
+
+int enc_rings(const enc_direction *directions, int count, double *out_theta, int *out_ring_of) {
+    int rings = 0;
+    for (int i = 0; i < count; i++) {
+        int ring = 0;
+        while (ring < rings && fabs(out_theta[ring] - directions[i].theta) > 1e-3) {
+            ring++;
+        }
+        if (ring == rings) {
+            out_theta[rings++] = directions[i].theta;
+        }
+        out_ring_of[i] = ring;
+    }
+    return rings; /* directions are in paper order, so thetas came ascending */
+}
+
+static float clip(float x) {
+    return x > 0 ? (x < 1 ? x : 1.0f) : 0.0f;
+}
+
+/* Errors of one image; codes the two in sRGB into `coded` (2 * n floats) for SSIM. */
+static enc_error_sum image_error(size_t n, const float *a, const float *b, float *coded) {
+    enc_error_sum sum = {.count = (double)n};
+    for (size_t i = 0; i < n; i++) {
+        const double linear = (double)clip(a[i]) - clip(b[i]);
+        coded[i] = enc_srgb_encode(a[i]);
+        coded[n + i] = enc_srgb_encode(b[i]);
+        const double srgb = (double)coded[i] - coded[n + i];
+        sum.linear += linear * linear;
+        sum.srgb += srgb * srgb;
+    }
+    return sum;
+}
+
+static void add(enc_error_sum *to, const enc_error_sum *from) {
+    to->linear += from->linear;
+    to->srgb += from->srgb;
+    to->count += from->count;
+}
+
+/* All images of one view: error[light], and the sum of their SSIM. */
+static btf_result compare_view(const enc_data *shape, enc_image_source original, enc_image_source other, int view,
+                               bool with_ssim, enc_error_sum *error, double *out_ssim) {
+    const size_t texels = enc_data_texel_count(shape), image = texels * 3, lights = (size_t)shape->n_lights;
+    float *a = malloc(lights * image * sizeof *a), *b = malloc(lights * image * sizeof *b);
+    float *coded = malloc(2 * image * sizeof *coded);
+    enc_ssim *ssim = with_ssim ? enc_ssim_create(shape->width, shape->height) : NULL;
+    btf_result result = a && b && coded && (ssim || !with_ssim) ? BTF_OK : BTF_ERROR_MEMORY;
+    if (result == BTF_OK) {
+        result = original.view(original.user, view, a);
+    }
+    if (result == BTF_OK) {
+        result = other.view(other.user, view, b);
+    }
+    *out_ssim = 0;
+    for (size_t l = 0; result == BTF_OK && l < lights; l++) {
+        error[l] = image_error(image, a + l * image, b + l * image, coded);
+        if (with_ssim) {
+            *out_ssim += enc_ssim_images(ssim, coded, coded + image);
+        }
+    }
+    enc_ssim_destroy(&ssim);
+    free(coded);
+    free(b);
+    free(a);
+    return result;
+}
+
+btf_result enc_metrics_compare(const enc_context *context, const enc_data *shape, enc_image_source original,
+                               enc_image_source other, bool with_ssim, enc_metrics *out) {
+    const int views = shape->n_views, lights = shape->n_lights;
+    enc_error_sum *error = calloc((size_t)views * (size_t)lights, sizeof *error);
+    double *ssim = calloc((size_t)views, sizeof *ssim);
+    int view_ring_of[256], light_ring_of[256];
+    btf_result result = error && ssim ? BTF_OK : BTF_ERROR_MEMORY;
+#pragma omp parallel for schedule(dynamic) num_threads(context->threads)
+    for (int v = 0; v < views; v++) {
+        btf_result mine;
+#pragma omp atomic read
+        mine = result;
+        if (mine != BTF_OK) {
+            continue;
+        }
+        mine = enc_cancelled(context) ? BTF_ERROR_INTERRUPTED
+                                      : compare_view(shape, original, other, v, with_ssim,
+                                                     error + (size_t)v * (size_t)lights, &ssim[v]);
+        if (mine != BTF_OK) {
+#pragma omp atomic write
+            result = mine;
+        }
+        enc_stage_step(context, 1);
+    }
+    if (result != BTF_OK) {
+        free(ssim);
+        free(error);
+        return enc_fail(context, result, "comparing images: %s", btf_result_text(result));
+    }
+    memset(out, 0, sizeof *out);
+    out->n_view_rings = enc_rings(shape->views, views, out->view_ring_theta, view_ring_of);
+    out->n_light_rings = enc_rings(shape->lights, lights, out->light_ring_theta, light_ring_of);
+    for (int v = 0; v < views; v++) {
+        for (int l = 0; l < lights; l++) {
+            const enc_error_sum *e = &error[(size_t)v * (size_t)lights + (size_t)l];
+            add(&out->total, e);
+            add(&out->view_ring[view_ring_of[v]], e);
+            add(&out->light_ring[light_ring_of[l]], e);
+        }
+        out->ssim += ssim[v] / ((double)views * lights);
+    }
+    free(ssim);
+    free(error);
+    return BTF_OK;
+}

@@ -1,0 +1,40 @@
+/* Accuracy of one BTF against another: PSNR in linear and sRGB-coded values, SSIM, by view ring and light ring.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_METRICS_H
+#define OPENBTF_ENCODER_METRICS_H
+
+#include "images.h"
+
+/* Squared errors of values clipped to [0, 1]: linear, and after sRGB coding. */
+typedef struct enc_error_sum {
+    double linear, srgb;
+    double count;
+} enc_error_sum;
+
+typedef struct enc_metrics {
+    enc_error_sum total;
+    double ssim; /* mean over images; sRGB-coded luminance, Gaussian window (Wang et al. 2004), periodic edges */
+    int n_view_rings, n_light_rings;
+    double view_ring_theta[256], light_ring_theta[256]; /* degrees */
+    enc_error_sum view_ring[256], light_ring[256];
+} enc_metrics;
+
+/* PSNR in dB with peak 1; 100 for an error of zero. */
+double enc_psnr_linear(const enc_error_sum *sum);
+double enc_psnr_srgb(const enc_error_sum *sum);
+
+/* Compares all images. Working set: 2 * n_lights * texels * 3 floats a thread. Deterministic for any number of
+ * threads. with_ssim = false leaves ssim 0. Errors: those of the sources, BTF_ERROR_MEMORY,
+ * BTF_ERROR_INTERRUPTED. */
+btf_result enc_metrics_compare(const enc_context *context, const enc_data *shape, enc_image_source original,
+                               enc_image_source other, bool with_ssim, enc_metrics *out_metrics);
+
+/* sRGB coding of [0, 1], clipped: what pictures and sRGB errors use. */
+float enc_srgb_encode(float linear);
+
+/* Distinct thetas, ascending; ring_of[i] is the ring of direction i. Returns the number of rings. */
+int enc_rings(const enc_direction *directions, int count, double *out_theta, int *out_ring_of);
+
+#endif

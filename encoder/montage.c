@@ -1,0 +1,96 @@
+/* The picture a report comes with. See montage.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "montage.h"
+
+#include "canvas.h"
+#include "metrics.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+int enc_nearest_direction(const enc_direction *directions, int count, double theta, double phi) {
+    const enc_direction wanted = enc_direction_from_angles(theta, phi);
+    int best = 0;
+    double best_dot = -2;
+    for (int i = 0; i < count; i++) {
+        double dot = 0;
+        for (int axis = 0; axis < 3; axis++) {
+            dot += (double)wanted.xyz[axis] * directions[i].xyz[axis];
+        }
+        if (dot > best_dot + 1e-9) {
+            best_dot = dot;
+            best = i;
+        }
+    }
+    return best;
+}
+
+enum { GAP = 6, HEADER = 22, MARGIN = 78 };
+
+static int zoom_for(const enc_data *shape) {
+    const int zoom = 160 / (shape->width > shape->height ? shape->width : shape->height);
+    return zoom > 0 ? zoom : 1;
+}
+
+/* |a - b| of sRGB-coded values as codes, [row][column][3]. */
+static void draw_error(enc_canvas *canvas, int x, int y, int zoom, const enc_data *shape, const float *a,
+                       const float *b, float *work) {
+    const size_t samples = enc_data_texel_count(shape) * 3;
+    for (size_t i = 0; i < samples; i++) {
+        const float coded = fabsf(enc_srgb_encode(a[i]) - enc_srgb_encode(b[i])) * ENC_ERROR_GAIN;
+        /* enc_canvas_image codes linear values, so decode what shall be seen */
+        work[i] = coded <= 0.04045f ? coded / 12.92f : powf((coded + 0.055f) / 1.055f, 2.4f);
+    }
+    enc_canvas_image(canvas, x, y, zoom, shape->width, shape->height, 3, work, 1);
+}
+
+btf_result enc_montage_write(const enc_context *context, const enc_data *shape, int count,
+                             const enc_montage_column *columns, const char *path) {
+    double theta[256];
+    int ring_of[256];
+    const int rings = enc_rings(shape->views, shape->n_views, theta, ring_of);
+    const int light = enc_nearest_direction(shape->lights, shape->n_lights, 45, 60);
+    const int zoom = zoom_for(shape), cell_w = shape->width * zoom + GAP, cell_h = shape->height * zoom + GAP;
+    const size_t image = enc_data_texel_count(shape) * 3, all = image * (size_t)shape->n_lights;
+    float *original = malloc(all * sizeof *original), *other = malloc(all * sizeof *other);
+    float *work = malloc(image * sizeof *work);
+    enc_canvas canvas = {0};
+    btf_result result = enc_canvas_create(context, MARGIN + (count + 1) * cell_w, HEADER + rings * cell_h, &canvas);
+    if (result == BTF_OK && (!original || !other || !work)) {
+        result = enc_fail(context, BTF_ERROR_MEMORY, "no memory for the montage");
+    }
+    for (int c = 0; result == BTF_OK && c < count; c++) {
+        enc_canvas_text(&canvas, MARGIN + c * cell_w, HEADER - 8, "%s", columns[c].title);
+    }
+    if (result == BTF_OK) {
+        enc_canvas_text(&canvas, MARGIN + count * cell_w, HEADER - 8, "error x %d", ENC_ERROR_GAIN);
+    }
+    for (int r = 0; result == BTF_OK && r < rings; r++) {
+        const int view = enc_nearest_direction(shape->views, shape->n_views, theta[r], 120);
+        const int y = HEADER + r * cell_h;
+        enc_canvas_text(&canvas, 4, y + cell_h / 2, "view %.4g,%.4g", shape->views[view].theta,
+                        shape->views[view].phi);
+        for (int c = 0; result == BTF_OK && c < count; c++) {
+            float *pixels = c == 0 ? original : other;
+            result = columns[c].images.view(columns[c].images.user, view, pixels);
+            if (result == BTF_OK) {
+                enc_canvas_image(&canvas, MARGIN + c * cell_w, y, zoom, shape->width, shape->height, 3,
+                                 pixels + (size_t)light * image, 1);
+            }
+        }
+        if (result == BTF_OK) {
+            draw_error(&canvas, MARGIN + count * cell_w, y, zoom, shape, original + (size_t)light * image,
+                       other + (size_t)light * image, work);
+        }
+    }
+    if (result == BTF_OK) {
+        result = enc_canvas_write(context, &canvas, path);
+    }
+    enc_canvas_clear(&canvas);
+    free(work);
+    free(other);
+    free(original);
+    return result;
+}

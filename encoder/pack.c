@@ -1,0 +1,276 @@
+/* Packing (paper 3.1). See pack.h; the layouts are those of decoder/FORMAT.md sections 3 to 5.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "pack.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+void enc_solution_clear(enc_solution *s) {
+    enc_sbrdf_destroy(&s->sbrdf);
+    free(s->shadow);
+    free(s->shift);
+    free(s->gain);
+    free(s->centre);
+    free(s->centre_codes);
+    free(s->residual_texels);
+    free(s->residual_directions);
+    free(s->residual_scales);
+    memset(s, 0, sizeof *s);
+}
+
+uint16_t enc_half_from_float(float value) {
+    const float magnitude = fabsf(value);
+    const uint16_t sign = value < 0 ? 0x8000 : 0;
+    if (!(magnitude >= 0x1p-14f)) {
+        return 0;
+    }
+    if (magnitude >= 65504.0f) {
+        return sign | 0x7bff;
+    }
+    uint32_t bits;
+    memcpy(&bits, &magnitude, sizeof bits);
+    bits += 0xfff + ((bits >> 13) & 1); /* round to nearest, ties to even */
+    return (uint16_t)(sign | ((bits >> 13) - ((127 - 15) << 10)));
+}
+
+static btf_material_info describe(const enc_data *data, const enc_solution *s, const enc_pack_options *o) {
+    btf_material_info info = {.struct_size = sizeof info};
+    info.width = (uint32_t)s->width;
+    info.height = (uint32_t)s->height;
+    info.n_views = (uint32_t)s->n_views;
+    info.n_lights = (uint32_t)s->n_lights;
+    info.layout = o->layout;
+    info.domain = s->domain;
+    info.colour = !s->sbrdf ? BTF_COLOUR_NONE : s->sbrdf->rgb ? BTF_COLOUR_RGB : BTF_COLOUR_MONO;
+    info.half_float = o->half_float;
+    info.lobes = s->sbrdf ? (uint32_t)s->sbrdf->lobes : 0;
+    info.effects = s->effects;
+    info.centres = s->effects & BTF_EFFECT_HIDDEN ? s->n_centres : 0;
+    info.components = s->effects & BTF_EFFECT_RESIDUAL ? s->n_components : 0;
+    info.radiance_scale = s->radiance_scale;
+    info.shadow_scale = s->effects & BTF_EFFECT_SHADOW ? s->shadow_scale : 1.0f / 255.0f;
+    info.gain_scale = s->effects & BTF_EFFECT_GAIN ? s->gain_scale : BTF_GAIN_SCALE;
+    info.centre_scale = info.centres > 0 ? s->centre_scale : 1.0f / 255.0f;
+    info.method = o->method;
+    info.options = o->options;
+    info.source = o->source ? o->source : data->source;
+    return info;
+}
+
+/* Section 4: the parameter blocks of enc_sbrdf spread over RGBA layers. */
+static void pack_sbrdf(const enc_sbrdf *sbrdf, bool half, void *out) {
+    const size_t stride = enc_sbrdf_stride(sbrdf->lobes, sbrdf->rgb);
+    const size_t head = sbrdf->rgb ? 3 + 3 * (size_t)sbrdf->lobes : 4;
+    const size_t head_layers = (head + 3) / 4;
+    for (size_t t = 0; t < sbrdf->n_texels; t++) {
+        for (size_t i = 0; i < stride; i++) {
+            const size_t slot = i < head ? i : head_layers * 4 + (i - head);
+            const size_t at = ((slot / 4) * sbrdf->n_texels + t) * 4 + slot % 4;
+            const float value = sbrdf->values[t * stride + i];
+            if (half) {
+                ((uint16_t *)out)[at] = enc_half_from_float(value);
+            } else {
+                ((float *)out)[at] = value;
+            }
+        }
+    }
+}
+
+/* The two shift bytes of section 3 at [view * texels + texel]. */
+static void shift_bytes(const enc_solution *s, size_t at, uint8_t out[2]) {
+    if ((s->effects & BTF_EFFECT_HIDDEN) && s->gain[at] == 0) {
+        out[0] = (uint8_t)(s->centre[at] & 255);
+        out[1] = (uint8_t)(s->centre[at] >> 8);
+    } else if (s->effects & BTF_EFFECT_SHIFT) {
+        out[0] = (uint8_t)s->shift[2 * at];
+        out[1] = (uint8_t)s->shift[2 * at + 1];
+    } else {
+        out[0] = out[1] = 0;
+    }
+}
+
+static void pack_maps(const btf_material_info *info, const enc_solution *s, uint8_t *maps) {
+    const size_t width = info->width, height = info->height, texels = width * height;
+    const size_t columns = info->atlas_width / width;
+    const bool has_code = s->effects & (BTF_EFFECT_GAIN | BTF_EFFECT_HIDDEN);
+    const size_t tiles = info->n_views > info->n_lights ? info->n_views : info->n_lights;
+    for (size_t i = 0; i < tiles; i++) {
+        for (size_t t = 0; t < texels; t++) {
+            const size_t x = (i % columns) * width + t % width, y = (i / columns) * height + t / width;
+            uint8_t *out = maps + 4 * (y * info->atlas_width + x);
+            if (i < info->n_lights && (s->effects & BTF_EFFECT_SHADOW)) {
+                out[0] = s->shadow[i * texels + t];
+            }
+            if (i < info->n_views) {
+                out[1] = has_code ? s->gain[i * texels + t] : 0;
+                shift_bytes(s, i * texels + t, out + 2);
+            }
+        }
+    }
+    for (uint32_t c = 0; c < info->centres; c++) {
+        uint32_t x, y;
+        btf_material_atlas_centre(info, c, &x, &y);
+        for (uint32_t l = 0; l < info->n_lights; l++) {
+            memcpy(maps + 4 * ((size_t)(y + l) * info->atlas_width + x),
+                   s->centre_codes + 3 * ((size_t)c * info->n_lights + l), 3);
+        }
+    }
+}
+
+static void pack_centres(const btf_material_info *info, const enc_solution *s, const btf_texture *shape,
+                         uint8_t *out) {
+    for (uint32_t c = 0; c < info->centres; c++) {
+        const uint32_t row = c % shape->height, block = c / shape->height;
+        for (uint32_t l = 0; l < info->n_lights; l++) {
+            memcpy(out + 4 * ((size_t)row * shape->width + (size_t)block * info->n_lights + l),
+                   s->centre_codes + 3 * ((size_t)c * info->n_lights + l), 3);
+        }
+    }
+}
+
+static void pack_residual_texels(const enc_solution *s, int8_t *out) {
+    const size_t texels = enc_solution_texels(s), k = s->n_components;
+    for (size_t t = 0; t < texels; t++) {
+        for (size_t j = 0; j < k; j++) {
+            out[((j / 4) * texels + t) * 4 + j % 4] = s->residual_texels[t * k + j];
+        }
+    }
+}
+
+static void pack_residual_directions(const enc_solution *s, int8_t *out) {
+    const size_t pairs = (size_t)s->n_views * (size_t)s->n_lights, k = s->n_components;
+    for (size_t p = 0; p < pairs; p++) {
+        for (size_t channel = 0; channel < 3; channel++) {
+            for (size_t j = 0; j < k; j++) {
+                out[((3 * (j / 4) + channel) * pairs + p) * 4 + j % 4] =
+                    s->residual_directions[(p * 3 + channel) * k + j];
+            }
+        }
+    }
+}
+
+static void fill(const btf_material_info *info, const enc_solution *s, btf_texture_id id, const btf_texture *shape,
+                 void *out) {
+    const size_t map_texels = (size_t)s->n_views * enc_solution_texels(s);
+    switch (id) {
+    case BTF_TEXTURE_SBRDF:
+        pack_sbrdf(s->sbrdf, info->half_float, out);
+        break;
+    case BTF_TEXTURE_MAPS:
+        pack_maps(info, s, out);
+        break;
+    case BTF_TEXTURE_SHADOW:
+        memcpy(out, s->shadow, shape->size);
+        break;
+    case BTF_TEXTURE_SHIFT:
+        for (size_t i = 0; i < map_texels; i++) {
+            shift_bytes(s, i, (uint8_t *)out + 2 * i);
+        }
+        break;
+    case BTF_TEXTURE_GAIN:
+        memcpy(out, s->gain, shape->size);
+        break;
+    case BTF_TEXTURE_CENTRES:
+        pack_centres(info, s, shape, out);
+        break;
+    case BTF_TEXTURE_RESIDUAL_TEXELS:
+        pack_residual_texels(s, out);
+        break;
+    case BTF_TEXTURE_RESIDUAL_DIRECTIONS:
+        pack_residual_directions(s, out);
+        break;
+    case BTF_TEXTURE_RESIDUAL_SCALES:
+        memcpy(out, s->residual_scales, s->n_components * sizeof(float));
+        break;
+    default:
+        assert(!"a table is not packed here");
+    }
+}
+
+static float *copy_directions(const enc_direction *directions, int count) {
+    float *xyz = malloc((size_t)count * 3 * sizeof *xyz);
+    if (xyz) {
+        for (int i = 0; i < count; i++) {
+            memcpy(xyz + 3 * i, directions[i].xyz, 3 * sizeof *xyz);
+        }
+    }
+    return xyz;
+}
+
+btf_result enc_pack(const enc_context *context, const enc_data *data, const enc_solution *solution,
+                    const enc_pack_options *options, btf_material **out_material) {
+    *out_material = NULL;
+    btf_material_desc desc = {.struct_size = sizeof desc};
+    void *textures[BTF_TEXTURE_COUNT] = {NULL};
+    float *views = NULL, *lights = NULL;
+    btf_result result = BTF_OK;
+    desc.info = describe(data, solution, options);
+    if (options->layout == BTF_LAYOUT_PAPER) {
+        uint32_t room = 0;
+        result = btf_material_atlas(&desc.info, &desc.info.atlas_width, &desc.info.atlas_height, &room);
+        if (result != BTF_OK) {
+            enc_fail(context, result, "no atlas of up to %d texels a side holds %d x %d with %d views and %d lights",
+                     BTF_MAX_SIZE, solution->width, solution->height, solution->n_views, solution->n_lights);
+            goto done;
+        }
+        if (desc.info.centres > room) {
+            result = enc_fail(context, BTF_ERROR_INTERNAL, "%u centres do not fit the atlas, which holds %u",
+                              desc.info.centres, room);
+            goto done;
+        }
+    }
+    views = copy_directions(data->views, data->n_views);
+    lights = copy_directions(data->lights, data->n_lights);
+    if (!views || !lights) {
+        result = enc_fail(context, BTF_ERROR_MEMORY, "packing: out of memory");
+        goto done;
+    }
+    for (int id = 0; id < BTF_TEXTURE_VIEW_TABLE; id++) {
+        const btf_texture shape = btf_material_texture_shape(&desc.info, (btf_texture_id)id);
+        if (shape.format == BTF_FORMAT_NONE) {
+            continue;
+        }
+        textures[id] = calloc(1, shape.size);
+        if (!textures[id]) {
+            result = enc_fail(context, BTF_ERROR_MEMORY, "packing: no memory for %zu bytes of %s", shape.size,
+                              btf_texture_name((btf_texture_id)id));
+            goto done;
+        }
+        fill(&desc.info, solution, (btf_texture_id)id, &shape, textures[id]);
+        desc.texture[id] = textures[id];
+    }
+    desc.views = views;
+    desc.lights = lights;
+    desc.errors = options->errors;
+    desc.error_count = options->error_count;
+    result = btf_material_create(&desc, context ? &context->log : NULL, out_material);
+done:
+    for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
+        free(textures[id]);
+    }
+    free(views);
+    free(lights);
+    return result;
+}
+
+btf_result enc_pack_centre_room(const enc_context *context, int width, int height, int n_views, int n_lights,
+                                uint32_t *out_room) {
+    btf_material_info info = {.struct_size = sizeof info,
+                              .width = (uint32_t)width,
+                              .height = (uint32_t)height,
+                              .n_views = (uint32_t)n_views,
+                              .n_lights = (uint32_t)n_lights,
+                              .layout = BTF_LAYOUT_PAPER,
+                              .effects = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN};
+    uint32_t atlas_width, atlas_height;
+    const btf_result result = btf_material_atlas(&info, &atlas_width, &atlas_height, out_room);
+    if (result != BTF_OK) {
+        return enc_fail(context, result, "no atlas of up to %d texels a side holds %d x %d with %d views and %d lights",
+                        BTF_MAX_SIZE, width, height, n_views, n_lights);
+    }
+    return BTF_OK;
+}

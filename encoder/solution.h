@@ -1,0 +1,46 @@
+/* What a method of analysis hands to the packer: every map of the model before it is laid out in textures.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_SOLUTION_H
+#define OPENBTF_ENCODER_SOLUTION_H
+
+#include "data.h"
+#include "sbrdf.h"
+#include <openbtf/material.h>
+
+/* Codes and scales mean what FORMAT.md sections 3 and 4 say. Arrays that `effects` does not call for are NULL. */
+typedef struct enc_solution {
+    int width, height, n_views, n_lights;
+    btf_domain domain;
+    uint32_t effects; /* btf_effect bits */
+    float radiance_scale;
+
+    enc_sbrdf *sbrdf; /* NULL: colour `none` */
+
+    uint8_t *shadow; /* [light][texel] */
+    float shadow_scale;
+
+    int8_t *shift; /* [view][texel][2]: columns, rows; (0, 0) where hidden */
+    uint8_t *gain; /* [view][texel]: 0 hidden, else the gain code; BTF_GAIN_ONE without gain */
+    float gain_scale;
+
+    uint16_t *centre;      /* [view][texel], read where gain is 0 */
+    uint8_t *centre_codes; /* [centre][light][3] */
+    uint32_t n_centres;
+    float centre_scale;
+
+    int8_t *residual_texels;     /* [texel][component] */
+    int8_t *residual_directions; /* [view][light][channel][component] */
+    float *residual_scales;      /* [component] */
+    uint32_t n_components;
+} enc_solution;
+
+static inline size_t enc_solution_texels(const enc_solution *s) {
+    return (size_t)s->width * (size_t)s->height;
+}
+
+/* Frees every array and the SBRDF, and zeroes the struct. */
+void enc_solution_clear(enc_solution *solution);
+
+#endif

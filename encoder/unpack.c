@@ -1,0 +1,171 @@
+/* Unpacking. See unpack.h; the layouts are those of decoder/FORMAT.md sections 3 to 5.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "unpack.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static float half_to_float(uint16_t bits) {
+    const uint32_t sign = (uint32_t)(bits & 0x8000) << 16, exponent = (bits >> 10) & 31, fraction = bits & 1023;
+    if (exponent == 0) {
+        const float magnitude = (float)fraction * 0x1p-24f;
+        return sign ? -magnitude : magnitude;
+    }
+    const uint32_t word = sign | ((exponent + 127 - 15) << 23) | (fraction << 13);
+    float value;
+    memcpy(&value, &word, sizeof value);
+    return value;
+}
+
+static void unpack_sbrdf(const btf_material_info *info, const void *texture, enc_sbrdf *sbrdf) {
+    const size_t stride = enc_sbrdf_stride(sbrdf->lobes, sbrdf->rgb);
+    const size_t head = sbrdf->rgb ? 3 + 3 * (size_t)sbrdf->lobes : 4;
+    const size_t head_layers = (head + 3) / 4;
+    for (size_t t = 0; t < sbrdf->n_texels; t++) {
+        for (size_t i = 0; i < stride; i++) {
+            const size_t slot = i < head ? i : head_layers * 4 + (i - head);
+            const size_t at = ((slot / 4) * sbrdf->n_texels + t) * 4 + slot % 4;
+            sbrdf->values[t * stride + i] =
+                info->half_float ? half_to_float(((const uint16_t *)texture)[at]) : ((const float *)texture)[at];
+        }
+    }
+}
+
+/* Gain code and shift bytes of one (view, texel) into the solution's maps. */
+static void unpack_point(enc_solution *s, size_t at, uint8_t code, const uint8_t bytes[2]) {
+    s->gain[at] = code;
+    if ((s->effects & BTF_EFFECT_HIDDEN) && code == 0) {
+        s->centre[at] = (uint16_t)(bytes[0] | bytes[1] << 8);
+    } else {
+        s->shift[2 * at] = (int8_t)bytes[0];
+        s->shift[2 * at + 1] = (int8_t)bytes[1];
+    }
+}
+
+static void unpack_maps(const btf_material_info *info, const uint8_t *maps, enc_solution *s) {
+    const size_t width = info->width, texels = enc_solution_texels(s), columns = info->atlas_width / width;
+    const size_t tiles = info->n_views > info->n_lights ? info->n_views : info->n_lights;
+    const bool has_code = s->effects & (BTF_EFFECT_GAIN | BTF_EFFECT_HIDDEN);
+    for (size_t i = 0; i < tiles; i++) {
+        for (size_t t = 0; t < texels; t++) {
+            const size_t x = (i % columns) * width + t % width, y = (i / columns) * info->height + t / width;
+            const uint8_t *in = maps + 4 * (y * info->atlas_width + x);
+            if (i < info->n_lights && s->shadow) {
+                s->shadow[i * texels + t] = in[0];
+            }
+            if (i < info->n_views) {
+                unpack_point(s, i * texels + t, has_code ? in[1] : BTF_GAIN_ONE, in + 2);
+            }
+        }
+    }
+    for (uint32_t c = 0; c < info->centres; c++) {
+        uint32_t x, y;
+        btf_material_atlas_centre(info, c, &x, &y);
+        for (uint32_t l = 0; l < info->n_lights; l++) {
+            memcpy(s->centre_codes + 3 * ((size_t)c * info->n_lights + l),
+                   maps + 4 * ((size_t)(y + l) * info->atlas_width + x), 3);
+        }
+    }
+}
+
+static void unpack_tight(const btf_material_info *info, const btf_material *material, enc_solution *s) {
+    const size_t points = (size_t)info->n_views * enc_solution_texels(s);
+    const uint8_t *shadow = btf_material_texture(material, BTF_TEXTURE_SHADOW).data;
+    const uint8_t *shift = btf_material_texture(material, BTF_TEXTURE_SHIFT).data;
+    const uint8_t *gain = btf_material_texture(material, BTF_TEXTURE_GAIN).data;
+    const btf_texture centres = btf_material_texture(material, BTF_TEXTURE_CENTRES);
+    static const uint8_t none[2] = {0, 0};
+    if (shadow) {
+        memcpy(s->shadow, shadow, (size_t)info->n_lights * enc_solution_texels(s));
+    }
+    for (size_t i = 0; i < points; i++) {
+        unpack_point(s, i, gain ? gain[i] : BTF_GAIN_ONE, shift ? shift + 2 * i : none);
+    }
+    for (uint32_t c = 0; c < info->centres; c++) {
+        const size_t row = c % centres.height, block = c / centres.height;
+        for (uint32_t l = 0; l < info->n_lights; l++) {
+            memcpy(s->centre_codes + 3 * ((size_t)c * info->n_lights + l),
+                   (const uint8_t *)centres.data + 4 * (row * centres.width + block * info->n_lights + l), 3);
+        }
+    }
+}
+
+static void unpack_residual(const btf_material *material, enc_solution *s) {
+    const int8_t *u = btf_material_texture(material, BTF_TEXTURE_RESIDUAL_TEXELS).data;
+    const int8_t *v = btf_material_texture(material, BTF_TEXTURE_RESIDUAL_DIRECTIONS).data;
+    const size_t texels = enc_solution_texels(s), k = s->n_components;
+    const size_t pairs = (size_t)s->n_views * (size_t)s->n_lights;
+    for (size_t t = 0; t < texels; t++) {
+        for (size_t j = 0; j < k; j++) {
+            s->residual_texels[t * k + j] = u[((j / 4) * texels + t) * 4 + j % 4];
+        }
+    }
+    for (size_t p = 0; p < pairs; p++) {
+        for (size_t channel = 0; channel < 3; channel++) {
+            for (size_t j = 0; j < k; j++) {
+                s->residual_directions[(p * 3 + channel) * k + j] =
+                    v[((3 * (j / 4) + channel) * pairs + p) * 4 + j % 4];
+            }
+        }
+    }
+    memcpy(s->residual_scales, btf_material_texture(material, BTF_TEXTURE_RESIDUAL_SCALES).data, k * sizeof(float));
+}
+
+btf_result enc_unpack(const enc_context *context, const btf_material *material, enc_solution *s) {
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_result result = btf_material_get_info(material, &info);
+    if (result != BTF_OK) {
+        return result;
+    }
+    const size_t texels = (size_t)info.width * info.height, points = texels * info.n_views;
+    *s = (enc_solution){.width = (int)info.width,
+                        .height = (int)info.height,
+                        .n_views = (int)info.n_views,
+                        .n_lights = (int)info.n_lights,
+                        .domain = info.domain,
+                        .effects = info.effects,
+                        .radiance_scale = info.radiance_scale,
+                        .shadow_scale = info.shadow_scale,
+                        .gain_scale = info.gain_scale,
+                        .n_centres = info.centres,
+                        .centre_scale = info.centre_scale,
+                        .n_components = info.components};
+    if (info.colour != BTF_COLOUR_NONE) {
+        result = enc_sbrdf_create(texels, (int)info.lobes, info.colour == BTF_COLOUR_RGB, &s->sbrdf);
+    }
+    s->shift = calloc(points, 2);
+    s->gain = calloc(points, 1);
+    s->centre = calloc(points, sizeof *s->centre);
+    bool ok = result == BTF_OK && s->shift && s->gain && s->centre;
+    if (info.effects & BTF_EFFECT_SHADOW) {
+        ok = (s->shadow = calloc(texels, info.n_lights)) && ok;
+    }
+    if (info.centres > 0) {
+        ok = (s->centre_codes = calloc((size_t)info.centres * info.n_lights, 3)) && ok;
+    }
+    if (info.components > 0) {
+        ok = (s->residual_texels = calloc(texels, info.components)) && ok;
+        ok = (s->residual_directions = calloc((size_t)info.n_views * info.n_lights * 3, info.components)) && ok;
+        ok = (s->residual_scales = calloc(info.components, sizeof *s->residual_scales)) && ok;
+    }
+    if (!ok) {
+        enc_solution_clear(s);
+        return enc_fail(context, BTF_ERROR_MEMORY, "unpacking: out of memory");
+    }
+    if (s->sbrdf) {
+        unpack_sbrdf(&info, btf_material_texture(material, BTF_TEXTURE_SBRDF).data, s->sbrdf);
+    }
+    if (info.layout == BTF_LAYOUT_TIGHT) {
+        unpack_tight(&info, material, s);
+    } else if (btf_material_texture(material, BTF_TEXTURE_MAPS).data) {
+        unpack_maps(&info, btf_material_texture(material, BTF_TEXTURE_MAPS).data, s);
+    } else {
+        memset(s->gain, BTF_GAIN_ONE, points);
+    }
+    if (info.components > 0) {
+        unpack_residual(material, s);
+    }
+    return BTF_OK;
+}

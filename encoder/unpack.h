@@ -1,0 +1,14 @@
+/* Unpacking: from the textures of a material back to a solution. The inverse of pack.h, so that what is
+ * measured is what the file holds.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_UNPACK_H
+#define OPENBTF_ENCODER_UNPACK_H
+
+#include "solution.h"
+
+/* Fills a zeroed solution; half-float parameters come back as floats. Errors: BTF_ERROR_MEMORY. */
+btf_result enc_unpack(const enc_context *context, const btf_material *material, enc_solution *out_solution);
+
+#endif

@@ -1,0 +1,49 @@
+#!/bin/bash
+# Builds and runs every test on a Debian 12 machine, installing what is missing (as root).
+# The last line is "N passed, N failed, N skipped"; the exit code is 0 when nothing failed.
+#
+#   tests/run.sh          all tests of the release build, then all unit tests under the sanitizers
+#   tests/run.sh --long   the same with the long conformance, variant and exhaustive runs
+set -u
+root=$(cd "$(dirname "$0")/.." && pwd)
+. "$root/.ci/setup.sh"
+
+long=0
+for argument in "$@"; do
+    case $argument in
+    --long) long=1 ;;
+    -h | --help)
+        sed -n '2,6s/^# \{0,1\}//p' "$0"
+        exit 0
+        ;;
+    *)
+        echo "tests/run.sh: unknown argument '$argument' (expected --long)" >&2
+        exit 1
+        ;;
+    esac
+done
+
+install_packages
+export BTF_SOURCE_ROOT=$root BTF_SHARED=${BTF_SHARED:-$root/../shared}
+logs=()
+
+# run_suite FOLDER [meson test option...]
+run_suite() {
+    local folder=$1
+    shift
+    meson test -C "$folder" --no-rebuild --print-errorlogs "$@" || true
+    logs+=("$folder/meson-logs/testlog.json")
+}
+
+build "$root/build" -Dwerror=true
+if [ "$long" = 1 ]; then
+    run_suite "$root/build" --timeout-multiplier 10
+else
+    run_suite "$root/build" --no-suite long
+fi
+
+build "$root/build-sanitize" -Dwerror=true -Dbuildtype=debugoptimized -Db_sanitize=address,undefined -Db_lundef=false
+export ASAN_OPTIONS=detect_leaks=1:abort_on_error=0 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
+run_suite "$root/build-sanitize" --suite unit --no-suite long --timeout-multiplier 5
+
+exec python3 "$root/tests/summary.py" "${logs[@]}"
