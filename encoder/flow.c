@@ -73,11 +73,6 @@ static btf_result check_options(const enc_context *context, const enc_flow_optio
     return BTF_OK;
 }
 
-static int wrap_index(int i, int n) {
-    const int r = i % n;
-    return r < 0 ? r + n : r;
-}
-
 static void worker_free(flow_worker *w) {
     enc_cv_flow_destroy(&w->dis);
     free(w->root);
@@ -117,10 +112,10 @@ static const float cubic[4] = {-0.0703125f, 0.8671875f, 0.2265625f, -0.0234375f}
 /* Doubles a periodic signal of n samples `stride` apart into out of the same stride. */
 static void double_line(const float *in, int n, size_t stride, float *out) {
     for (int i = 0; i < n; i++) {
-        const float a = in[(size_t)wrap_index(i - 2, n) * stride],
-                    b = in[(size_t)wrap_index(i - 1, n) * stride];
-        const float c = in[(size_t)i * stride], d = in[(size_t)wrap_index(i + 1, n) * stride];
-        const float e = in[(size_t)wrap_index(i + 2, n) * stride];
+        const float a = in[(size_t)enc_occlusion_modulo(i - 2, n) * stride],
+                    b = in[(size_t)enc_occlusion_modulo(i - 1, n) * stride];
+        const float c = in[(size_t)i * stride], d = in[(size_t)enc_occlusion_modulo(i + 1, n) * stride];
+        const float e = in[(size_t)enc_occlusion_modulo(i + 2, n) * stride];
         out[(size_t)(2 * i) * stride] = cubic[3] * a + cubic[2] * b + cubic[1] * c + cubic[0] * d;
         out[(size_t)(2 * i + 1) * stride] = cubic[0] * b + cubic[1] * c + cubic[2] * d + cubic[3] * e;
     }
@@ -156,11 +151,11 @@ static btf_result image_make(flow_worker *w, const float *luminance, flow_image 
         double_line(w->tall + (size_t)r * (size_t)width, width, 1,
                     wide + (size_t)r * SCALE * (size_t)width);
     for (int r = 0; r < w->padded_height; r++) {
-        const float *row =
-            wide + (size_t)wrap_index(r - SCALE * w->padding, SCALE * height) * SCALE * (size_t)width;
+        const float *row = wide + (size_t)enc_occlusion_modulo(r - SCALE * w->padding, SCALE * height) *
+                                      SCALE * (size_t)width;
         unsigned char *to = image.grey + (size_t)r * (size_t)w->padded_width;
         for (int c = 0; c < w->padded_width; c++) {
-            const float v = row[wrap_index(c - SCALE * w->padding, SCALE * width)] * grey + 0.5f;
+            const float v = row[enc_occlusion_modulo(c - SCALE * w->padding, SCALE * width)] * grey + 0.5f;
             to[c] = (unsigned char)(v < 0 ? 0 : v > 255 ? 255 : v);
         }
     }
@@ -187,7 +182,7 @@ static void sample_flow(const float *field, int width, int height, float x, floa
 /* Bilinear value of a periodic image at (x, y) texels. */
 static float sample_periodic(const float *image, int width, int height, float x, float y) {
     const float left = floorf(x), top = floorf(y);
-    const int c = wrap_index((int)left, width), r = wrap_index((int)top, height);
+    const int c = enc_occlusion_modulo((int)left, width), r = enc_occlusion_modulo((int)top, height);
     const int c1 = c + 1 < width ? c + 1 : 0, r1 = r + 1 < height ? r + 1 : 0;
     const float fx = x - left, fy = y - top;
     const float *upper = image + (size_t)r * (size_t)width, *lower = image + (size_t)r1 * (size_t)width;
@@ -273,16 +268,6 @@ static int8_t whole_shift(float delta, int size) {
     return (int8_t)(n < -127 ? -127 : n > 127 ? 127 : n);
 }
 
-/* -1, 0, 1: a before b where votes are equal. */
-static int compare_shift(const int8_t a[2], const int8_t b[2]) {
-    const int la = a[0] * a[0] + a[1] * a[1], lb = b[0] * b[0] + b[1] * b[1];
-    if (la != lb)
-        return la < lb ? -1 : 1;
-    if (a[1] != b[1])
-        return a[1] < b[1] ? -1 : 1;
-    return (a[0] > b[0]) - (a[0] < b[0]);
-}
-
 /* The vector named most often among votes[n][2] whose `hidden` is at most `admitted`. seen[n][2] and
  * counts[n] are room for the distinct ones. */
 static void majority(int n, const int8_t *votes, const uint8_t *hidden, int admitted, int8_t *seen,
@@ -302,7 +287,7 @@ static void majority(int n, const int8_t *votes, const uint8_t *hidden, int admi
         counts[k]++;
     }
     for (int k = 0; k < distinct; k++) {
-        if (counts[k] > best || (counts[k] == best && compare_shift(seen + 2 * k, out) < 0)) {
+        if (counts[k] > best || (counts[k] == best && enc_occlusion_compare_shift(seen + 2 * k, out) < 0)) {
             best = counts[k];
             memcpy(out, seen + 2 * k, 2);
         }

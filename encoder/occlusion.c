@@ -52,17 +52,22 @@ size_t enc_occlusion_hidden_count(const enc_occlusion *occlusion, int view) {
     return count;
 }
 
-static int modulo(int a, int n) {
-    const int r = a % n;
-    return r < 0 ? r + n : r;
-}
-
 size_t enc_occlusion_source(int width, int height, size_t texel, int columns, int rows) {
     const int column = (int)(texel % (size_t)width), row = (int)(texel / (size_t)width);
-    return (size_t)modulo(row + rows, height) * (size_t)width + (size_t)modulo(column + columns, width);
+    return (size_t)enc_occlusion_modulo(row + rows, height) * (size_t)width +
+           (size_t)enc_occlusion_modulo(column + columns, width);
 }
 
 int enc_occlusion_wrap(int delta, int size) {
-    const int r = modulo(delta, size);
+    const int r = enc_occlusion_modulo(delta, size);
     return 2 * r > size || r > 127 ? r - size : r;
+}
+
+int enc_occlusion_compare_shift(const int8_t a[2], const int8_t b[2]) {
+    const int la = a[0] * a[0] + a[1] * a[1], lb = b[0] * b[0] + b[1] * b[1];
+    if (la != lb)
+        return la < lb ? -1 : 1;
+    if (a[1] != b[1])
+        return a[1] < b[1] ? -1 : 1;
+    return (a[0] > b[0]) - (a[0] < b[0]);
 }

@@ -12,8 +12,8 @@
 
 /* All arrays are [view][texel], texel = row * width + column, row 0 at the top.
  * A point x of view v that is not hidden shows the surface point that the top view shows at
- * x' = x + shift(x, v), wrapped over the tile: motionVector of the paper, in whole texels. Where hidden, the
- * shift is what the vote found all the same, kept for pictures and reports alone. */
+ * x' = x + shift(x, v), wrapped over the tile: motionVector of the paper, in whole texels. Where hidden,
+ * the shift is what the vote found all the same, for pictures and reports, until refinement makes it 0. */
 typedef struct enc_occlusion {
     int n_views;
     size_t n_texels;
@@ -31,6 +31,12 @@ void enc_occlusion_destroy(enc_occlusion **occlusion);
 /* Hidden points of one view, or of all views when view < 0. */
 size_t enc_occlusion_hidden_count(const enc_occlusion *occlusion, int view);
 
+/* i modulo n, 0 .. n - 1 for negative i too. */
+static inline int enc_occlusion_modulo(int i, int n) {
+    const int r = i % n;
+    return r < 0 ? r + n : r;
+}
+
 /* Texel index of `texel` moved by (columns, rows), wrapped. Any shift. */
 size_t enc_occlusion_source(int width, int height, size_t texel, int columns, int rows);
 
@@ -38,5 +44,9 @@ size_t enc_occlusion_source(int width, int height, size_t texel, int columns, in
  * 256; of two equal magnitudes the positive one, unless it is 128. Larger sizes: the caller keeps
  * |delta| <= 127. */
 int enc_occlusion_wrap(int delta, int size);
+
+/* -1, 0, 1: shift a is preferred to b where nothing else decides: the shorter one, then the smaller row,
+ * then the smaller column. */
+int enc_occlusion_compare_shift(const int8_t a[2], const int8_t b[2]);
 
 #endif
