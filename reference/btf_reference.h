@@ -78,6 +78,14 @@ void btf_ref_evaluate(const btf_ref_material *material, const btf_ref_options *o
 void btf_ref_evaluate_texel(const btf_ref_material *material, const btf_ref_options *options, uint32_t column,
                             uint32_t row, const float light[3], const float view[3], float out_rgb[3]);
 
+/** btf_ref_evaluate_texel() with neighbours that were looked up before, so that all texels of an image share one
+ *  look-up: @p lights and @p views are what btf_ref_lookup() gives for @p light and @p view; where options say
+ *  nearest, btf_ref_nearest() is applied to them here (once more does not change them). */
+void btf_ref_evaluate_neighbours(const btf_ref_material *material, const btf_ref_options *options,
+                                 uint32_t column, uint32_t row, const btf_ref_neighbours *lights,
+                                 const btf_ref_neighbours *views, const float light[3], const float view[3],
+                                 float out_rgb[3]);
+
 /** Integer steps, each as FORMAT.md says. */
 void btf_ref_project(const float direction[3], int32_t out_q[2]);
 btf_ref_neighbours btf_ref_lookup(const uint16_t *table, uint32_t grid, const int32_t q[2]);

@@ -1,0 +1,109 @@
+/* OpenBTF reference decoder: what its own files share. Not installed.
+ *
+ * The build. Every float operation must be one IEEE-754 binary32 operation, in the order of the source.
+ * Where the compiler says that it computes in a wider type (FLT_EVAL_METHOD > 0: the x87 of 32-bit x86) the
+ * build is refused below; contraction, reassociation and another rounding mode are found by
+ * btf_ref_self_test(), which probes every file of the decoder with the flags of that file.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_REFERENCE_PRIVATE_H
+#define OPENBTF_REFERENCE_PRIVATE_H
+
+#include "btf_reference.h"
+
+#include <float.h>
+#include <stdbool.h>
+
+#if FLT_RADIX != 2 || FLT_MANT_DIG != 24 || FLT_MAX_EXP != 128
+#error "the reference decoder needs IEEE-754 binary32 floats"
+#endif
+#if defined FLT_EVAL_METHOD && FLT_EVAL_METHOD > 0
+#error                                                                                                     \
+    "the reference decoder needs float operations in float: on 32-bit x86 compile with -msse2 -mfpmath=sse"
+#endif
+
+/** bits(x) of section 8. */
+static inline uint32_t btf_ref_bits(float x) {
+    union {
+        float value;
+        uint32_t bits;
+    } pun = {.value = x};
+    return pun.bits;
+}
+
+/** The float of the given bits. */
+static inline float btf_ref_float(uint32_t bits) {
+    union {
+        uint32_t bits;
+        float value;
+    } pun = {.bits = bits};
+    return pun.value;
+}
+
+/** Section 8: neither infinite nor NaN; a test of the bits, which no compiler option can remove. */
+static inline bool btf_ref_is_finite(float x) {
+    return (btf_ref_bits(x) & 0x7F800000u) != 0x7F800000u;
+}
+
+/** floor(x) of a float in -2^31 <= x < 2^31. The conversion truncates and is exact. */
+static inline int32_t btf_ref_floor(float x) {
+    int32_t truncated = (int32_t)x;
+    return (float)truncated > x ? truncated - 1 : truncated;
+}
+
+/** Whether the file that includes this was compiled to round and to order as written.
+ *
+ *  The operands come from volatile memory, so that arithmetic at run time is what is probed, and each
+ * result goes there at once, so that the expressions stay apart. They have the shapes that compilers
+ * rewrite: a product that is added to something (contraction; its operands are read anew, or a product that
+ * two sums share would be left alone), sums and products that are regrouped, a common factor. Each expected
+ * value differs from what the rewritten form gives. */
+static inline bool btf_ref_probe(void) {
+#ifdef __FAST_MATH__
+    return false;
+#else
+    enum { CHECKS = 13 };
+    static const uint32_t expected[CHECKS] = {
+        0x3F800000u, 0x3F800002u, 0x3F800002u, 0xBF800000u,              /* to the nearest, ties to even */
+        0x3A000000u, 0x3A000000u, 0xBA000000u, 0x3F801000u,              /* contraction keeps 2^-24 */
+        0,           0x3F800000u, 0x40400003u, 0x40400004u, 0x40800002u, /* another order */
+    };
+    volatile float result[CHECKS];
+    volatile float grown = 0x1.001p0f; /* 1 + 2^-12; the square is 1 + 2^-11 + 2^-24, a tie */
+    volatile float constants[4] = {1.0f, 0x1.000002p0f, 0x1p-24f, 3.0f};
+    const float one = constants[0];
+    const float next = constants[1]; /* 1 + 2^-23, the float after 1 */
+    const float tiny = constants[2]; /* 2^-24, half a step at 1 */
+    const float three = constants[3];
+
+    result[0] = one + tiny;
+    result[1] = one + three * tiny;
+    result[2] = next + tiny;
+    result[3] = -one - tiny;
+    float squared = grown * grown;
+    squared = squared - one;
+    result[4] = squared;
+    result[5] = grown * grown - one;
+    result[6] = one - grown * grown;
+    result[7] = tiny + grown * grown;
+    result[8] = (one + tiny) - one;
+    result[9] = (tiny + one) + tiny;
+    result[10] = (next * next) * three;
+    result[11] = next * (next * three);
+    result[12] = next * next + next * three; /* next * (next + three) is 0x40800001 */
+
+    bool sound = true;
+    for (int i = 0; i < CHECKS; ++i)
+        sound = sound && btf_ref_bits(result[i]) == expected[i];
+    return sound;
+#endif
+}
+
+/** btf_ref_probe() of each file. */
+bool btf_ref_probe_arithmetic(void);
+bool btf_ref_probe_addressing(void);
+bool btf_ref_probe_directions(void);
+bool btf_ref_probe_evaluate(void);
+
+#endif

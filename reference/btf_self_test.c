@@ -1,0 +1,165 @@
+/* OpenBTF reference decoder: whether this build computes what FORMAT.md, section 8, demands.
+ *
+ * Every file is probed for contraction, reassociation and rounding with its own compiler flags; then the
+ * arithmetic, the look-up and the whole evaluation of small made-up materials are run on seeded arguments,
+ * and a hash of all bits is compared with the one that sound builds agree on. Takes about a millisecond.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "btf_reference_private.h"
+
+#define ARITHMETIC_HASH 0xD17D2CC8u
+#define EVALUATION_HASH 0x3EE5763Bu
+
+enum {
+    SIZE = 2,
+    VIEWS = 3,
+    LIGHTS = 2,
+    LOBES = 2,
+    COMPONENTS = 5,
+    CENTRES = 10,
+    ATLAS_WIDTH = 8,
+    ATLAS_HEIGHT = 4,
+    SBRDF_LAYERS = 5, /* RGB: 9 numbers in 3 layers, 2 lobes */
+    RESIDUAL_LAYERS = 2,
+};
+
+/** Three views, a triangle; one cell, which lists the triangle and the three hull edges. */
+static const uint16_t view_table[4 * 9] = {
+    0,     4,     0,     0,                                              /* cell */
+    4000,  5000,  13000, 6000,  8000,  13000, 0 + 256 * 1, 2 + 256 * 16, /* triangle, shift 8 */
+    4000,  5000,  13000, 6000,  8000,  13000, 0 + 256 * 1, 2 + 256 * 17, /* edges, shift 8 */
+    13000, 6000,  8000,  13000, 4000,  5000,  1 + 256 * 2, 0 + 256 * 17,
+    8000,  13000, 4000,  5000,  13000, 6000,  2 + 256 * 0, 1 + 256 * 17,
+};
+
+/** Two lights: an edge there and back. */
+static const uint16_t light_table[4 * 5] = {
+    0,     2,    0,           0,
+    6000,  8192, 10000,       9000,
+    6000,  8192, 0 + 256 * 1, 0 + 256 * 11, /* shift 5 */
+    10000, 9000, 6000,        8192,
+    10000, 9000, 1 + 256 * 0, 1 + 256 * 11,
+};
+
+/** Contents of the made-up material. */
+typedef struct contents {
+    float sbrdf[SBRDF_LAYERS * SIZE * SIZE * 4];
+    float scales[RESIDUAL_LAYERS * 4];
+    uint8_t maps[ATLAS_HEIGHT * ATLAS_WIDTH * 4];
+    int8_t texels[RESIDUAL_LAYERS * SIZE * SIZE * 4];
+    int8_t directions[3 * RESIDUAL_LAYERS * VIEWS * LIGHTS * 4];
+} contents;
+
+/** Marsaglia's xorshift of 32 bits. */
+static uint32_t next_random(uint32_t *state) {
+    *state ^= *state << 13;
+    *state ^= *state >> 17;
+    *state ^= *state << 5;
+    return *state;
+}
+
+/** A float of 24 random bits in [low, low + span), as far as the rounding of this build allows. */
+static float random_float(uint32_t *state, float low, float span) {
+    float unit = (float)(next_random(state) >> 8) * 0x1p-24f;
+    float offset = unit * span;
+    return low + offset;
+}
+
+/** FNV-1a, a word at a time. */
+static void add_to_hash(uint32_t *hash, uint32_t word) {
+    *hash = (*hash ^ word) * 16777619u;
+    *hash ^= *hash >> 15;
+}
+
+static void add_float(uint32_t *hash, float x) {
+    add_to_hash(hash, btf_ref_bits(x));
+}
+
+static uint32_t hash_arithmetic(void) {
+    uint32_t hash = 2166136261u, state = 1;
+    for (int i = 0; i < 500; ++i) {
+        float positive = btf_ref_float(0x33800000u + next_random(&state) % 0x1B000000u); /* 2^-24 to 2^30 */
+        add_float(&hash, btf_ref_log2(positive));
+        add_float(&hash, btf_ref_exp2(random_float(&state, -60.0f, 100.0f)));
+        float base = random_float(&state, 0.0f, 1.5f), exponent = random_float(&state, 0.0f, 64.0f);
+        add_float(&hash, btf_ref_pow(base, exponent));
+        add_float(&hash, btf_ref_reciprocal(random_float(&state, 0.5f, 3.5f)));
+        add_float(&hash, btf_ref_half((uint16_t)(next_random(&state) & 0x7BFFu)));
+    }
+    return hash;
+}
+
+static void fill(contents *c) {
+    uint32_t state = 2;
+    for (unsigned i = 0; i < sizeof c->sbrdf / sizeof *c->sbrdf; ++i)
+        c->sbrdf[i] = random_float(&state, 0.1f, 1.2f);
+    for (unsigned i = 0; i < sizeof c->scales / sizeof *c->scales; ++i)
+        c->scales[i] = random_float(&state, 0x1p-18f, 0x1p-16f);
+    for (unsigned i = 0; i < sizeof c->texels; ++i)
+        c->texels[i] = (int8_t)((int)(next_random(&state) >> 8) % 255 - 127);
+    for (unsigned i = 0; i < sizeof c->directions; ++i)
+        c->directions[i] = (int8_t)((int)(next_random(&state) >> 8) % 255 - 127);
+    for (unsigned i = 0; i < sizeof c->maps; ++i)
+        c->maps[i] = (uint8_t)(next_random(&state) >> 8 | 1); /* no gain code 0 */
+    /* a texel of view 1 and one of view 2 are hidden, behind centres that the atlas has: 9 and 1 */
+    uint8_t *hidden = c->maps + 4 * (0 * ATLAS_WIDTH + SIZE);
+    hidden[1] = 0, hidden[2] = 9, hidden[3] = 0;
+    hidden = c->maps + 4 * (1 * ATLAS_WIDTH + 2 * SIZE + 1);
+    hidden[1] = 0, hidden[2] = 1, hidden[3] = 0;
+}
+
+static uint32_t hash_evaluation(void) {
+    contents c;
+    fill(&c);
+    btf_ref_material material = {
+        .width = SIZE,
+        .height = SIZE,
+        .n_views = VIEWS,
+        .n_lights = LIGHTS,
+        .lobes = LOBES,
+        .effects = BTF_REF_SHADOW | BTF_REF_SHIFT | BTF_REF_HIDDEN | BTF_REF_GAIN | BTF_REF_RESIDUAL,
+        .centres = CENTRES,
+        .components = COMPONENTS,
+        .atlas_width = ATLAS_WIDTH,
+        .atlas_height = ATLAS_HEIGHT,
+        .radiance_scale = 1.25f,
+        .shadow_scale = 0x1.010102p-8f, /* 1/255 */
+        .gain_scale = 0x1p-7f,
+        .centre_scale = 0x1.1p-8f,
+        .sbrdf = c.sbrdf,
+        .maps = c.maps,
+        .residual_texels = c.texels,
+        .residual_directions = c.directions,
+        .residual_scales = c.scales,
+        .view_table = view_table,
+        .light_table = light_table,
+        .view_grid = 1,
+        .light_grid = 1,
+    };
+    btf_ref_options options = {.effects = UINT32_MAX, .components = UINT32_MAX};
+
+    uint32_t hash = 2166136261u, state = 3;
+    for (int i = 0; i < 240; ++i) {
+        material.colour = i % 2 != 0 ? BTF_REF_RGB : BTF_REF_MONO;
+        material.domain_sqrt = i / 2 % 2;
+        options.interpolation = i % 3 != 0 ? BTF_REF_LINEAR : BTF_REF_NEAREST;
+        options.filter = i % 5 != 0 ? BTF_REF_BILINEAR : BTF_REF_TEXEL;
+        float light[3], view[3], radiance[3];
+        for (int k = 0; k < 3; ++k) { /* the decoder does not mind directions that are not of unit length */
+            light[k] = random_float(&state, k == 2 ? 0.01f : -0.8f, k == 2 ? 1.0f : 1.6f);
+            view[k] = random_float(&state, k == 2 ? 0.01f : -0.8f, k == 2 ? 1.0f : 1.6f);
+        }
+        float u = random_float(&state, -2.0f, 4.0f), v = random_float(&state, -2.0f, 4.0f);
+        btf_ref_evaluate(&material, &options, u, v, light, view, radiance);
+        for (int k = 0; k < 3; ++k)
+            add_float(&hash, radiance[k]);
+    }
+    return hash;
+}
+
+int btf_ref_self_test(void) {
+    return btf_ref_probe() && btf_ref_probe_arithmetic() && btf_ref_probe_addressing() &&
+           btf_ref_probe_directions() && btf_ref_probe_evaluate() && hash_arithmetic() == ARITHMETIC_HASH &&
+           hash_evaluation() == EVALUATION_HASH;
+}
