@@ -4,6 +4,8 @@
  */
 #include "decode.h"
 
+#include "occlusion.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -133,7 +135,6 @@ static btf_result decode_view(const void *user, int view, float *out) {
     const enc_solution *s = d->solution;
     const uint32_t effects = decoded->effects & s->effects;
     const size_t lights = (size_t)s->n_lights, texels = enc_solution_texels(s);
-    const int width = s->width, height = s->height;
     float *profile = malloc(3 * lights * sizeof *profile);
     if (!profile) {
         return BTF_ERROR_MEMORY;
@@ -147,9 +148,7 @@ static btf_result decode_view(const void *user, int view, float *out) {
         } else {
             size_t source = t;
             if (!hidden && (effects & BTF_EFFECT_SHIFT)) {
-                const int column = (((int)(t % (size_t)width) + s->shift[2 * at]) % width + width) % width;
-                const int row = (((int)(t / (size_t)width) + s->shift[2 * at + 1]) % height + height) % height;
-                source = (size_t)row * (size_t)width + (size_t)column;
+                source = enc_occlusion_source(s->width, s->height, t, s->shift[2 * at], s->shift[2 * at + 1]);
             }
             const float gain = !hidden && (effects & BTF_EFFECT_GAIN) ? (float)code * s->gain_scale : 1.0f;
             decode_source(d, effects, source, (size_t)view, gain, profile);

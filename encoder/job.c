@@ -1,0 +1,186 @@
+/* One encode from end to end. See job.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "job.h"
+
+#include "decode.h"
+#include "montage.h"
+#include "pack.h"
+#include "pictures.h"
+#include "report.h"
+#include "unpack.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <time.h>
+
+static double now(void) {
+    struct timespec time;
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
+}
+
+static btf_result make_folder(const enc_context *context, const char *path) {
+    if (mkdir(path, 0777) != 0 && errno != EEXIST) {
+        return enc_fail(context, BTF_ERROR_IO, "%s: cannot make the folder: %s", path, strerror(errno));
+    }
+    return BTF_OK;
+}
+
+/* "name=value name=value" for the material's provenance; the caller frees. */
+static char *join_options(const char *const *values) {
+    size_t length = 1;
+    for (int i = 0; values[i]; i++) {
+        length += strlen(values[i]) + 1;
+    }
+    char *text = malloc(length);
+    if (text) {
+        text[0] = 0;
+        for (int i = 0; values[i]; i += 2) {
+            strcat(strcat(strcat(strcat(text, i > 0 ? " " : ""), values[i]), "="), values[i + 1]);
+        }
+    }
+    return text;
+}
+
+static const char *base_name(const char *path) {
+    const char *slash = strrchr(path, '/');
+    return slash && slash[1] ? slash + 1 : path;
+}
+
+/* What a job holds while it runs. */
+typedef struct job_state {
+    enc_data *data;
+    enc_solution found, stored; /* what the method found; what the packed material holds */
+    enc_occlusion *occlusion;
+    btf_material *material;
+    char *options;
+} job_state;
+
+static btf_result analyse(const enc_context *context, const enc_job *job, job_state *s, enc_report *report) {
+    if (job->method == ENC_METHOD_PAPER) {
+        enc_paper_stats stats;
+        const btf_result result = enc_paper(context, s->data, &job->paper, &s->found, &s->occlusion, &stats);
+        report->has_hidden = stats.hidden_total > 0;
+        report->hidden_before = stats.hidden_before;
+        report->hidden_after = stats.hidden_after;
+        report->hidden_total = stats.hidden_total;
+        return result;
+    }
+    return enc_joint(context, s->data, &job->joint, &s->found);
+}
+
+/* Packs, measures what was packed, and packs again with the errors in the header. */
+static btf_result pack_and_measure(const enc_context *context, const enc_job *job, job_state *s,
+                                   enc_report *report) {
+    btf_material_error rows[2 * ENC_REPORT_STEPS];
+    enc_pack_options options = {.layout = job->layout,
+                                .half_float = job->half_float,
+                                .method = report->method,
+                                .options = s->options,
+                                .source = base_name(job->input)};
+    btf_result result = enc_pack(context, s->data, &s->found, &options, &s->material);
+    if (result == BTF_OK) {
+        result = enc_unpack(context, s->material, &s->stored);
+    }
+    if (result == BTF_OK) {
+        result = enc_report_measure(context, s->data, &s->stored, s->material, report);
+    }
+    if (result == BTF_OK) {
+        options.errors = rows;
+        options.error_count = enc_report_errors(report, rows);
+        btf_material_close(&s->material);
+        result = enc_pack(context, s->data, &s->found, &options, &s->material);
+    }
+    report->material = s->material;
+    return result;
+}
+
+static btf_result draw(const enc_context *context, const enc_job *job, job_state *s, const enc_report *report) {
+    char path[4096];
+    enc_decoder *decoder = NULL;
+    enc_decoded decoded[ENC_REPORT_STEPS];
+    enc_montage_column columns[1 + ENC_REPORT_STEPS] = {{.title = "original", .images = enc_data_images(s->data)}};
+    btf_result result = make_folder(context, job->pictures);
+    if (result == BTF_OK && snprintf(path, sizeof path, "%s/montage.png", job->pictures) >= (int)sizeof path) {
+        result = enc_fail(context, BTF_ERROR_USAGE, "%s: name too long", job->pictures);
+    }
+    if (result == BTF_OK) {
+        result = enc_decoder_create(context, s->data, &s->stored, &decoder);
+    }
+    enc_stage_begin(context, "pictures", 2);
+    for (int i = 0; result == BTF_OK && i < report->n_ladder; i++) {
+        decoded[i] = (enc_decoded){.decoder = decoder, .effects = report->ladder[i].effects};
+        columns[1 + i] = (enc_montage_column){report->ladder[i].name, enc_decoded_images(&decoded[i])};
+    }
+    if (result == BTF_OK) {
+        result = enc_montage_write(context, s->data, 1 + report->n_ladder, columns, path);
+    }
+    enc_stage_step(context, 1);
+    if (result == BTF_OK) {
+        const enc_pictures pictures = {.data = s->data,
+                                       .solution = &s->stored,
+                                       .decoder = decoder,
+                                       .material = s->material,
+                                       .occlusion = s->occlusion,
+                                       .t_error = job->method == ENC_METHOD_PAPER ? job->paper.fit.t_error : 0,
+                                       .t_btf = job->paper.fit.t_btf};
+        result = enc_pictures_write(context, &pictures, job->pictures);
+    }
+    enc_stage_end(context);
+    enc_decoder_destroy(&decoder);
+    return result;
+}
+
+btf_result enc_job_run(const enc_context *context, const enc_job *job) {
+    const double start = now();
+    job_state state = {.options = join_options(job->option_values)};
+    enc_report report = {.input = job->input,
+                         .output = job->output,
+                         .method = job->method == ENC_METHOD_PAPER ? "paper" : "joint",
+                         .progress = context->progress};
+    btf_result result = state.options ? enc_read(context, job->input, &job->read, &state.data)
+                                      : enc_fail(context, BTF_ERROR_MEMORY, "out of memory");
+    report.data = state.data;
+    if (result == BTF_OK) {
+        result = analyse(context, job, &state, &report);
+    }
+    if (result == BTF_OK) {
+        result = pack_and_measure(context, job, &state, &report);
+    }
+    if (result == BTF_OK && enc_cancelled(context)) {
+        result = BTF_ERROR_INTERRUPTED;
+    }
+    if (result == BTF_OK) {
+        result = btf_material_save(state.material, job->output, &context->log);
+    }
+    struct stat file;
+    if (result == BTF_OK) {
+        report.file_bytes = stat(job->output, &file) == 0 ? (size_t)file.st_size : 0;
+    }
+    if (result == BTF_OK && job->pictures) {
+        result = draw(context, job, &state, &report);
+    }
+    struct rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    report.peak_rss = (size_t)usage.ru_maxrss * 1024;
+    report.seconds_total = now() - start;
+    if (result == BTF_OK && job->report) {
+        result = enc_report_write(context, &report, job->option_values, job->report);
+    }
+    if (result == BTF_OK && !job->quiet) {
+        enc_report_print(&report, stdout);
+    }
+    btf_material_close(&state.material);
+    enc_solution_clear(&state.stored);
+    enc_solution_clear(&state.found);
+    enc_occlusion_destroy(&state.occlusion);
+    enc_data_destroy(&state.data);
+    free(state.options);
+    return result;
+}

@@ -1,0 +1,33 @@
+/* One encode from end to end: read, analyse, pack, measure, save, report, picture.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_JOB_H
+#define OPENBTF_ENCODER_JOB_H
+
+#include "joint.h"
+#include "method_paper.h"
+#include "reader.h"
+
+typedef enum enc_method { ENC_METHOD_JOINT = 0, ENC_METHOD_PAPER = 1 } enc_method;
+
+typedef struct enc_job {
+    const char *input;
+    const char *output;
+    enc_read_options read;
+    enc_method method;
+    enc_paper_options paper;
+    enc_joint_options joint;
+    btf_layout layout;
+    bool half_float;
+    const char *report;               /* JSON file; NULL: none */
+    const char *pictures;             /* folder, made when missing; NULL: none */
+    const char *const *option_values; /* alternating names and values, NULL at the end: for file and report */
+    bool quiet;                       /* no tables on stdout */
+} enc_job;
+
+/* Runs the job. Errors: those of the stages; a message was logged. On error or interruption no output exists that
+ * was not there before. */
+btf_result enc_job_run(const enc_context *context, const enc_job *job);
+
+#endif

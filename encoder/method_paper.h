@@ -1,0 +1,37 @@
+/* `--method paper`: the analysis of sections 2 and 3.1 as printed, stage after stage.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_METHOD_PAPER_H
+#define OPENBTF_ENCODER_METHOD_PAPER_H
+
+#include "cluster.h"
+#include "fit.h"
+#include "flow.h"
+#include "refine.h"
+#include "shadow.h"
+#include "solution.h"
+
+typedef struct enc_paper_options {
+    enc_fit_options fit;
+    enc_flow_options flow;
+    enc_refine_options refine;
+    enc_cluster_options cluster;
+    uint32_t effects; /* of shadow, shift, hidden; stages of the others do not run */
+    uint32_t centres; /* k; 0: what the smallest legal atlas has room for (paper: 1984) */
+} enc_paper_options;
+
+typedef struct enc_paper_stats {
+    enc_fit_stats fit;
+    size_t hidden_before, hidden_after, hidden_total; /* table 1; zeros when shift and hidden do not run */
+} enc_paper_stats;
+
+/* The paper's own settings. */
+enc_paper_options enc_paper_options_default(void);
+
+/* Runs fit, shadow, flow, refinement and clustering. out_occlusion may be NULL; it is set when flow ran.
+ * Errors: those of the stages. On error *out_solution is zeroed. */
+btf_result enc_paper(const enc_context *context, const enc_data *data, const enc_paper_options *options,
+                     enc_solution *out_solution, enc_occlusion **out_occlusion, enc_paper_stats *out_stats);
+
+#endif

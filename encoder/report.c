@@ -1,0 +1,314 @@
+/* The report of an encode. See report.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "report.h"
+
+#include "decode.h"
+#include "decoder/tools/cli.h"
+#include "decoder/tools/json.h"
+#include "decoder/tools/output.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const struct {
+    btf_effect effect;
+    const char *name;
+} effect_names[] = {{BTF_EFFECT_SHADOW, "shadow"},
+                    {BTF_EFFECT_SHIFT, "shift"},
+                    {BTF_EFFECT_HIDDEN, "hidden"},
+                    {BTF_EFFECT_GAIN, "gain"},
+                    {BTF_EFFECT_RESIDUAL, "residual"}};
+enum { EFFECT_COUNT = sizeof effect_names / sizeof effect_names[0] };
+
+size_t enc_report_gpu_bytes(const btf_material_info *info, uint32_t effects) {
+    btf_material_info reduced = *info;
+    reduced.effects &= effects;
+    const size_t texels = (size_t)info->width * info->height;
+    size_t bytes = 0;
+    for (int id = 0; id < BTF_TEXTURE_RESIDUAL_SCALES; id++) {
+        if (id == BTF_TEXTURE_MAPS && reduced.effects != info->effects) {
+            bytes += reduced.effects & BTF_EFFECT_SHADOW ? texels * info->n_lights : 0;
+            bytes += reduced.effects & (BTF_EFFECT_GAIN | BTF_EFFECT_HIDDEN) ? texels * info->n_views : 0;
+            bytes += reduced.effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN) ? 2 * texels * info->n_views : 0;
+            bytes += reduced.effects & BTF_EFFECT_HIDDEN ? (size_t)3 * info->centres * info->n_lights : 0;
+        } else {
+            bytes += btf_material_texture_shape(&reduced, (btf_texture_id)id).size;
+        }
+    }
+    return bytes;
+}
+
+static btf_result measure(const enc_context *context, const enc_data *data, const enc_decoder *decoder,
+                          const btf_material_info *info, const char *name, uint32_t effects, bool with_ssim,
+                          enc_report_step *step) {
+    const enc_decoded decoded = {.decoder = decoder, .effects = effects};
+    step->name = name;
+    step->effects = effects;
+    step->gpu_bytes = enc_report_gpu_bytes(info, effects);
+    return enc_metrics_compare(context, data, enc_data_images(data), enc_decoded_images(&decoded), with_ssim,
+                               &step->metrics);
+}
+
+btf_result enc_report_measure(const enc_context *context, const enc_data *data, const enc_solution *solution,
+                              const btf_material *material, enc_report *report) {
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_result result = btf_material_get_info(material, &info);
+    enc_decoder *decoder = NULL;
+    if (result == BTF_OK) {
+        result = enc_decoder_create(context, data, solution, &decoder);
+    }
+    uint32_t ladder[3], subset = 0;
+    const char *names[3] = {"sbrdf", "stvs", "full"};
+    int steps = 0, left_out = 0;
+    if (solution->sbrdf) {
+        ladder[steps++] = 0;
+        ladder[steps++] = info.effects & BTF_EFFECT_SHADOW;
+    } else {
+        names[0] = "full";
+    }
+    ladder[steps++] = info.effects;
+    for (int i = 0; i < EFFECT_COUNT; i++) {
+        left_out += (info.effects & effect_names[i].effect) != 0;
+    }
+    enc_stage_begin(context, "measure", (size_t)data->n_views * (size_t)(steps + left_out));
+    for (int i = 0; result == BTF_OK && i < steps; i++) {
+        result = measure(context, data, decoder, &info, names[i], ladder[i], true, &report->ladder[i]);
+        report->n_ladder = i + 1;
+    }
+    for (int i = 0; result == BTF_OK && i < EFFECT_COUNT; i++) {
+        if (info.effects & effect_names[i].effect) {
+            subset = info.effects & ~(uint32_t)effect_names[i].effect;
+            result = measure(context, data, decoder, &info, effect_names[i].name, subset, false,
+                             &report->without[report->n_without]);
+            report->n_without++;
+        }
+    }
+    enc_stage_end(context);
+    enc_decoder_destroy(&decoder);
+    return result;
+}
+
+static btf_material_error error_row(const enc_report_step *step) {
+    return (btf_material_error){.effects = step->effects,
+                                .psnr_linear = (float)enc_psnr_linear(&step->metrics.total),
+                                .psnr_srgb = (float)enc_psnr_srgb(&step->metrics.total),
+                                .gpu_bytes = (float)step->gpu_bytes};
+}
+
+size_t enc_report_errors(const enc_report *report, btf_material_error *rows) {
+    size_t count = 0;
+    for (int i = 0; i < report->n_ladder; i++) {
+        rows[count++] = error_row(&report->ladder[i]);
+    }
+    for (int i = 0; i < report->n_without; i++) {
+        bool known = false;
+        for (size_t j = 0; j < count; j++) {
+            known = known || rows[j].effects == report->without[i].effects;
+        }
+        if (!known) {
+            rows[count++] = error_row(&report->without[i]);
+        }
+    }
+    return count;
+}
+
+/* Bytes of the data as 8-bit RGB images, as table 2 counts them. */
+static double data_bytes(const enc_data *data) {
+    return (double)enc_data_texel_count(data) * 3 * data->n_views * data->n_lights;
+}
+
+static void print_rings(FILE *out, const char *what, int rings, const double *theta, const enc_report *report,
+                        bool lights) {
+    fprintf(out, "  %-20s", what);
+    for (int r = 0; r < rings; r++) {
+        fprintf(out, " %11.4g", theta[r]);
+    }
+    fprintf(out, "\n");
+    for (int i = 0; i < report->n_ladder; i++) {
+        const enc_metrics *m = &report->ladder[i].metrics;
+        fprintf(out, "  %-20s", report->ladder[i].name);
+        for (int r = 0; r < rings; r++) {
+            const enc_error_sum *sum = lights ? &m->light_ring[r] : &m->view_ring[r];
+            fprintf(out, " %5.2f/%5.2f", enc_psnr_linear(sum), enc_psnr_srgb(sum));
+        }
+        fprintf(out, "\n");
+    }
+}
+
+void enc_report_print(const enc_report *report, FILE *out) {
+    const enc_data *data = report->data;
+    const enc_metrics *first = &report->ladder[0].metrics;
+    const enc_report_step *full = &report->ladder[report->n_ladder - 1];
+    const double all = data_bytes(data);
+    fprintf(out, "\n%s: %d x %d texels, %d views, %d lights; method %s\n", report->input, data->width, data->height,
+            data->n_views, data->n_lights, report->method);
+    if (report->has_hidden) {
+        fprintf(out, "\nTable 1. Hidden surface points (paper, table 1)\n");
+        fprintf(out, "  %-24s %12s %12s\n", "", "not hidden", "hidden");
+        fprintf(out, "  %-24s %12zu %12zu\n", "before refinement", report->hidden_total - report->hidden_before,
+                report->hidden_before);
+        fprintf(out, "  %-24s %12zu %12zu\n", "after refinement", report->hidden_total - report->hidden_after,
+                report->hidden_after);
+    }
+    fprintf(out, "\nTable 2. Storage on the GPU (paper, table 2; MB = 10^6 bytes)\n");
+    fprintf(out, "  %-24s %10s %12s\n", "", "MB", "ratio");
+    fprintf(out, "  %-24s %10.3f %11.2f%%\n", "BTF", all / 1e6, 0.0);
+    for (int i = 0; i < report->n_ladder; i++) {
+        const double bytes = (double)report->ladder[i].gpu_bytes;
+        fprintf(out, "  %-24s %10.3f %11.2f%%\n", report->ladder[i].name, bytes / 1e6, 100 * (1 - bytes / all));
+    }
+    fprintf(out, "  %-24s %10.3f %11.2f%%\n", "material file", (double)report->file_bytes / 1e6,
+            100 * (1 - (double)report->file_bytes / all));
+    fprintf(out, "\nAccuracy over all samples, clipped to [0, 1] (PSNR in dB, linear and sRGB-coded)\n");
+    fprintf(out, "  %-20s %8s %8s %8s\n", "", "linear", "sRGB", "SSIM");
+    for (int i = 0; i < report->n_ladder; i++) {
+        const enc_metrics *m = &report->ladder[i].metrics;
+        fprintf(out, "  %-20s %8.2f %8.2f %8.4f\n", report->ladder[i].name, enc_psnr_linear(&m->total),
+                enc_psnr_srgb(&m->total), m->ssim);
+    }
+    for (int i = 0; i < report->n_without; i++) {
+        const enc_metrics *m = &report->without[i].metrics;
+        fprintf(out, "  without %-12s %8.2f %8.2f   (%s removes %.2f/%.2f dB)\n", report->without[i].name,
+                enc_psnr_linear(&m->total), enc_psnr_srgb(&m->total), report->without[i].name,
+                enc_psnr_linear(&full->metrics.total) - enc_psnr_linear(&m->total),
+                enc_psnr_srgb(&full->metrics.total) - enc_psnr_srgb(&m->total));
+    }
+    fprintf(out, "\n");
+    print_rings(out, "by view theta", first->n_view_rings, first->view_ring_theta, report, false);
+    fprintf(out, "\n");
+    print_rings(out, "by light theta", first->n_light_rings, first->light_ring_theta, report, true);
+    fprintf(out, "\nSeconds:");
+    size_t count = 0;
+    const progress_stage *stages = progress_stages(report->progress, &count);
+    for (size_t i = 0; i < count; i++) {
+        fprintf(out, " %s %.1f,", stages[i].name, stages[i].seconds);
+    }
+    fprintf(out, " total %.1f. Peak memory %.0f MB.\n\n", report->seconds_total, (double)report->peak_rss / 1e6);
+}
+
+static void write_psnr(json *j, const char *key, const enc_metrics *m) {
+    json_object(j, key);
+    json_number(j, "linear", enc_psnr_linear(&m->total));
+    json_number(j, "srgb", enc_psnr_srgb(&m->total));
+    json_number(j, "ssim", m->ssim);
+    json_object(j, "rings");
+    for (int side = 0; side < 2; side++) {
+        const int rings = side == 0 ? m->n_view_rings : m->n_light_rings;
+        json_array(j, side == 0 ? "view" : "light");
+        for (int r = 0; r < rings; r++) {
+            const enc_error_sum *sum = side == 0 ? &m->view_ring[r] : &m->light_ring[r];
+            json_object(j, NULL);
+            json_number(j, "theta", side == 0 ? m->view_ring_theta[r] : m->light_ring_theta[r]);
+            json_number(j, "linear", enc_psnr_linear(sum));
+            json_number(j, "srgb", enc_psnr_srgb(sum));
+            json_end(j);
+        }
+        json_end(j);
+    }
+    json_end(j);
+    json_end(j);
+}
+
+static void write_bytes(json *j, const enc_report *report, const btf_material_info *info) {
+    json_object(j, "bytes");
+    json_integer(j, "data", (int64_t)data_bytes(report->data));
+    json_integer(j, "file", (int64_t)report->file_bytes);
+    json_integer(j, "gpu", (int64_t)info->gpu_bytes);
+    json_integer(j, "tables", (int64_t)info->table_bytes);
+    json_object(j, "parts");
+    for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
+        const btf_texture texture = btf_material_texture(report->material, (btf_texture_id)id);
+        if (texture.format != BTF_FORMAT_NONE) {
+            json_integer(j, btf_texture_name((btf_texture_id)id), (int64_t)texture.size);
+        }
+    }
+    json_end(j);
+    json_end(j);
+}
+
+static void write_seconds(json *j, const enc_report *report) {
+    json_object(j, "seconds");
+    json_number(j, "total", report->seconds_total);
+    size_t count = 0;
+    const progress_stage *stages = progress_stages(report->progress, &count);
+    for (size_t i = 0; i < count; i++) {
+        json_number(j, stages[i].name, stages[i].seconds);
+    }
+    json_end(j);
+}
+
+static void write_effects(json *j, const enc_report *report) {
+    const enc_error_sum *full = &report->ladder[report->n_ladder - 1].metrics.total;
+    json_object(j, "effects");
+    for (int i = 0; i < report->n_without; i++) {
+        const enc_error_sum *sum = &report->without[i].metrics.total;
+        json_object(j, report->without[i].name);
+        json_number(j, "removes_linear", enc_psnr_linear(full) - enc_psnr_linear(sum));
+        json_number(j, "removes_srgb", enc_psnr_srgb(full) - enc_psnr_srgb(sum));
+        json_end(j);
+    }
+    json_end(j);
+}
+
+btf_result enc_report_write(const enc_context *context, const enc_report *report, const char *const *options,
+                            const char *path) {
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_material_get_info(report->material, &info);
+    json j = {0};
+    json_object(&j, NULL);
+    json_string(&j, "input", report->input);
+    json_string(&j, "output", report->output);
+    json_string(&j, "method", report->method);
+    json_integer(&j, "width", report->data->width);
+    json_integer(&j, "height", report->data->height);
+    json_integer(&j, "views", report->data->n_views);
+    json_integer(&j, "lights", report->data->n_lights);
+    write_bytes(&j, report, &info);
+    json_number(&j, "ratio", 1 - (double)info.gpu_bytes / data_bytes(report->data));
+    write_seconds(&j, report);
+    json_integer(&j, "peak_rss", (int64_t)report->peak_rss);
+    json_object(&j, "psnr");
+    static const char *const steps[] = {"sbrdf", "stvs", "full"};
+    for (int s = 0; s < 3; s++) {
+        const enc_report_step *found = NULL;
+        for (int i = 0; i < report->n_ladder; i++) {
+            found = strcmp(report->ladder[i].name, steps[s]) == 0 ? &report->ladder[i] : found;
+        }
+        if (found) {
+            write_psnr(&j, steps[s], &found->metrics);
+        } else {
+            json_null(&j, steps[s]);
+        }
+    }
+    json_end(&j);
+    if (report->has_hidden) {
+        json_object(&j, "hidden");
+        json_integer(&j, "before", (int64_t)report->hidden_before);
+        json_integer(&j, "after", (int64_t)report->hidden_after);
+        json_integer(&j, "total", (int64_t)report->hidden_total);
+        json_end(&j);
+    } else {
+        json_null(&j, "hidden");
+    }
+    write_effects(&j, report);
+    json_object(&j, "options");
+    for (int i = 0; options && options[i]; i += 2) {
+        json_string(&j, options[i], options[i + 1]);
+    }
+    json_end(&j);
+    json_end(&j);
+    const char *text = json_text(&j);
+    btf_result result = text ? BTF_OK : enc_fail(context, BTF_ERROR_MEMORY, "%s: out of memory", path);
+    output *file = NULL;
+    if (result == BTF_OK) {
+        result = output_open(path, context->log, &file);
+    }
+    if (result == BTF_OK) {
+        fputs(text, output_stream(file));
+        result = output_commit(&file);
+    }
+    json_free(&j);
+    return result;
+}

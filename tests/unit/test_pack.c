@@ -1,0 +1,206 @@
+/* Packing and unpacking are inverse; the atlas is the paper's; the encoder's own decoding agrees with the reference.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "decoder/tools/reference_view.h"
+#include "encoder/decode.h"
+#include "encoder/pack.h"
+#include "encoder/reference_images.h"
+#include "encoder/unpack.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const enc_context context = {.threads = 2};
+
+static uint32_t random_state;
+static uint32_t random_bits(void) {
+    random_state = random_state * 1664525u + 1013904223u;
+    return random_state >> 8;
+}
+static float random_float(float low, float high) {
+    return low + (high - low) * (float)random_bits() * 0x1p-24f;
+}
+static void *random_bytes(size_t size, int low, int high) {
+    uint8_t *bytes = malloc(size + 1);
+    assert_non_null(bytes);
+    for (size_t i = 0; i < size; i++) {
+        bytes[i] = (uint8_t)(low + (int)(random_bits() % (uint32_t)(high - low + 1)));
+    }
+    return bytes;
+}
+
+static enc_data *make_data(int width, int height, int views, int lights) {
+    enc_direction v[16], l[16];
+    v[0] = l[0] = enc_direction_from_angles(0, 0);
+    for (int i = 1; i < 16; i++) {
+        v[i] = enc_direction_from_angles(i < 8 ? 30 : 60, (i % 8) * 45);
+        l[i] = enc_direction_from_angles(i < 6 ? 25 : 70, (i % 10) * 36);
+    }
+    enc_data *data = NULL;
+    assert_int_equal(enc_data_create(&context, width, height, views, v, lights, l, &data), BTF_OK);
+    return data;
+}
+
+static enc_solution random_solution(const enc_data *data, uint32_t effects, btf_domain domain, int lobes, bool rgb) {
+    const size_t texels = enc_data_texel_count(data), points = texels * (size_t)data->n_views;
+    enc_solution s = {.width = data->width,
+                      .height = data->height,
+                      .n_views = data->n_views,
+                      .n_lights = data->n_lights,
+                      .domain = domain,
+                      .effects = effects,
+                      .radiance_scale = 1.5f,
+                      .shadow_scale = 2.0f / 255,
+                      .gain_scale = BTF_GAIN_SCALE};
+    if (lobes > 0) {
+        assert_int_equal(enc_sbrdf_create(texels, lobes, rgb, &s.sbrdf), BTF_OK);
+        const size_t stride = enc_sbrdf_stride(lobes, rgb);
+        for (size_t i = 0; i < texels * stride; i++) {
+            const size_t at = i % stride;
+            s.sbrdf->values[i] = at >= stride - 4 * (size_t)lobes && (stride - at) % 4 == 1 ? random_float(0.5f, 30)
+                                                                                            : random_float(0.1f, 0.9f);
+        }
+    }
+    if (effects & BTF_EFFECT_SHADOW) {
+        s.shadow = random_bytes(texels * (size_t)data->n_lights, 0, 255);
+    }
+    s.shift = random_bytes(points * 2, 0, 255);
+    s.gain = effects & BTF_EFFECT_GAIN ? random_bytes(points, 1, 255) : random_bytes(points, BTF_GAIN_ONE, BTF_GAIN_ONE);
+    s.centre = calloc(points, sizeof *s.centre);
+    if (!(effects & BTF_EFFECT_SHIFT)) {
+        memset(s.shift, 0, points * 2);
+    }
+    if (effects & BTF_EFFECT_HIDDEN) {
+        s.n_centres = 7;
+        s.centre_scale = 1.2f / 255;
+        s.centre_codes = random_bytes(7 * (size_t)data->n_lights * 3, 0, 255);
+        for (size_t i = 0; i < points; i += 3) {
+            s.gain[i] = 0;
+            s.centre[i] = (uint16_t)(random_bits() % 7);
+            s.shift[2 * i] = s.shift[2 * i + 1] = 0;
+        }
+    }
+    if (effects & BTF_EFFECT_RESIDUAL) {
+        s.n_components = 6;
+        s.residual_texels = random_bytes(texels * 6, 0, 254);
+        s.residual_directions = random_bytes((size_t)data->n_views * (size_t)data->n_lights * 18, 0, 254);
+        s.residual_scales = malloc(6 * sizeof(float));
+        assert_non_null(s.residual_scales);
+        for (size_t i = 0; i < texels * 6; i++) {
+            s.residual_texels[i] = (int8_t)((uint8_t)s.residual_texels[i] - 127);
+        }
+        for (size_t i = 0; i < (size_t)data->n_views * (size_t)data->n_lights * 18; i++) {
+            s.residual_directions[i] = (int8_t)((uint8_t)s.residual_directions[i] - 127);
+        }
+        for (int i = 0; i < 6; i++) {
+            s.residual_scales[i] = random_float(1e-6f, 2e-5f);
+        }
+    }
+    return s;
+}
+
+static void assert_equal_bytes(const void *a, const void *b, size_t size) {
+    assert_true((a == NULL) == (b == NULL));
+    if (a) {
+        assert_memory_equal(a, b, size);
+    }
+}
+
+static void check(int width, int height, int views, int lights, btf_layout layout, uint32_t effects, btf_domain domain,
+                  int lobes, bool rgb) {
+    enc_data *data = make_data(width, height, views, lights);
+    const size_t texels = enc_data_texel_count(data), points = texels * (size_t)views, image = texels * 3;
+    enc_solution s = random_solution(data, effects, domain, lobes, rgb), back;
+    const enc_pack_options options = {.layout = layout, .method = "test"};
+    btf_material *material = NULL;
+    assert_int_equal(enc_pack(&context, data, &s, &options, &material), BTF_OK);
+    assert_int_equal(enc_unpack(&context, material, &back), BTF_OK);
+    if (s.sbrdf) {
+        assert_equal_bytes(s.sbrdf->values, back.sbrdf->values, texels * enc_sbrdf_stride(lobes, rgb) * sizeof(float));
+    }
+    assert_equal_bytes(s.shadow, back.shadow, texels * (size_t)lights);
+    assert_equal_bytes(s.shift, back.shift, points * 2);
+    assert_equal_bytes(s.gain, back.gain, points);
+    assert_equal_bytes(s.centre, back.centre, points * sizeof *s.centre);
+    assert_equal_bytes(s.centre_codes, back.centre_codes, (size_t)s.n_centres * (size_t)lights * 3);
+    assert_equal_bytes(s.residual_texels, back.residual_texels, texels * s.n_components);
+    assert_equal_bytes(s.residual_directions, back.residual_directions,
+                       (size_t)views * (size_t)lights * 3 * s.n_components);
+
+    enc_decoder *decoder = NULL;
+    enc_reference_images reference = {.shape = data, .options = {.components = UINT32_MAX}};
+    reference_view(material, &reference.material);
+    assert_int_equal(enc_decoder_create(&context, data, &back, &decoder), BTF_OK);
+    float *fast = malloc(image * (size_t)lights * sizeof *fast), *exact = malloc(image * (size_t)lights * sizeof *exact);
+    assert_true(fast && exact);
+    for (uint32_t mask = 0; mask < 32; mask++) {
+        const enc_decoded decoded = {.decoder = decoder, .effects = mask};
+        const enc_image_source source = enc_decoded_images(&decoded), truth = enc_reference_image_source(&reference);
+        reference.options.effects = mask;
+        for (int v = 0; v < views; v++) {
+            assert_int_equal(source.view(source.user, v, fast), BTF_OK);
+            assert_int_equal(truth.view(truth.user, v, exact), BTF_OK);
+            for (size_t i = 0; i < image * (size_t)lights; i++) {
+                assert_true(fabsf(fast[i] - exact[i]) <= 2e-5f * (1 + fabsf(exact[i])));
+            }
+        }
+    }
+    free(exact);
+    free(fast);
+    enc_decoder_destroy(&decoder);
+    btf_material_close(&material);
+    enc_solution_clear(&back);
+    enc_solution_clear(&s);
+    enc_data_destroy(&data);
+}
+
+static void test_round_trip(void **state) {
+    (void)state;
+    random_state = 1;
+    for (int layout = 0; layout < 2; layout++) {
+        for (uint32_t effects = 0; effects < 32; effects += 3) {
+            check(5, 3, 4, 7, (btf_layout)layout, effects, effects & 1 ? BTF_DOMAIN_SQRT : BTF_DOMAIN_LINEAR,
+                  1 + (int)(effects % 4), effects & 2);
+        }
+        check(4, 8, 9, 3, (btf_layout)layout, 31, BTF_DOMAIN_SQRT, 3, true);
+    }
+    check(4, 4, 3, 3, BTF_LAYOUT_TIGHT, BTF_EFFECT_RESIDUAL | BTF_EFFECT_SHIFT, BTF_DOMAIN_SQRT, 0, false);
+}
+
+static void test_paper_room(void **state) {
+    (void)state;
+    uint32_t room = 0;
+    assert_int_equal(enc_pack_centre_room(&context, 64, 64, 81, 81, &room), BTF_OK);
+    assert_int_equal(room, 1984);
+}
+
+static void test_half(void **state) {
+    (void)state;
+    assert_int_equal(enc_half_from_float(1.0f), 0x3c00);
+    assert_int_equal(enc_half_from_float(-2.5f), 0xc100);
+    assert_int_equal(enc_half_from_float(65504.0f), 0x7bff);
+    assert_int_equal(enc_half_from_float(1e9f), 0x7bff);
+    assert_int_equal(enc_half_from_float(0x1p-14f), 0x0400);
+    assert_int_equal(enc_half_from_float(0x1p-15f), 0);
+    assert_int_equal(enc_half_from_float(NAN), 0);
+    assert_int_equal(enc_half_from_float(1 + 0x1p-11f), 0x3c00);           /* tie to even */
+    assert_int_equal(enc_half_from_float(1 + 0x1p-10f + 0x1p-11f), 0x3c02); /* tie to even */
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_round_trip),
+        cmocka_unit_test(test_paper_room),
+        cmocka_unit_test(test_half),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
