@@ -1,0 +1,305 @@
+/* Clusters of hidden points (paper 2.3.3): shares of the views, k-means in each, centres as codes.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "cluster.h"
+
+#include "kmeans.h"
+#include "profiles.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MAX_CENTRES = 65536, DEFAULT_ITERATIONS = 30 };
+
+/* What is left to a view after whole centres are dealt, as a fraction. */
+static size_t most_left(int n_views, const size_t *distinct, const size_t *shares, const double *left) {
+    size_t best = (size_t)n_views;
+    for (size_t v = 0; v < (size_t)n_views; v++)
+        if (shares[v] < distinct[v] && (best == (size_t)n_views || left[v] > left[best]))
+            best = v;
+    return best;
+}
+
+/* Sum over views of clamp(factor * hidden, 1, distinct), views without hidden points left out. */
+static double clamped_sum(int n_views, const size_t *hidden, const size_t *distinct, double factor) {
+    double sum = 0;
+    for (int v = 0; v < n_views; v++)
+        if (hidden[v] > 0)
+            sum += fmin(fmax(factor * (double)hidden[v], 1), (double)distinct[v]);
+    return sum;
+}
+
+void enc_cluster_shares(int n_views, const size_t *hidden, const size_t *distinct, size_t k_total,
+                        size_t *out_shares) {
+    size_t all_hidden = 0, all_distinct = 0, active = 0;
+    for (int v = 0; v < n_views; v++) {
+        assert((hidden[v] > 0) == (distinct[v] > 0) && distinct[v] <= hidden[v]);
+        all_hidden += hidden[v];
+        all_distinct += distinct[v];
+        active += hidden[v] > 0;
+        out_shares[v] = 0;
+    }
+    const size_t k = k_total < all_distinct ? k_total : all_distinct;
+    if (k == 0)
+        return;
+    double left[256];
+    assert(n_views <= 256);
+    size_t dealt = 0;
+    if (k < active) { /* one each, to those with most */
+        for (int v = 0; v < n_views; v++)
+            left[v] = (double)hidden[v];
+    } else {
+        bool bound = false;
+        for (int v = 0; v < n_views; v++) {
+            const size_t whole = k * hidden[v] / all_hidden, rest = k * hidden[v] % all_hidden;
+            out_shares[v] = whole;
+            left[v] = (double)rest / (double)all_hidden;
+            dealt += whole;
+            bound = bound || (hidden[v] > 0 && (whole < 1 || whole + (rest > 0) > distinct[v]));
+        }
+        if (bound) { /* the factor under which the clamped shares add up to k, by bisection from below */
+            double low = 0, high = (double)k;
+            for (int i = 0; i < 200; i++) {
+                const double middle = 0.5 * (low + high);
+                if (clamped_sum(n_views, hidden, distinct, middle) <= (double)k)
+                    low = middle;
+                else
+                    high = middle;
+            }
+            dealt = 0;
+            for (int v = 0; v < n_views; v++) {
+                const double share =
+                    hidden[v] == 0 ? 0 : fmin(fmax(low * (double)hidden[v], 1), (double)distinct[v]);
+                out_shares[v] = (size_t)share;
+                left[v] = share - (double)out_shares[v];
+                dealt += out_shares[v];
+            }
+        }
+    }
+    for (; dealt < k; dealt++) {
+        const size_t v = most_left(n_views, distinct, out_shares, left);
+        out_shares[v]++;
+        left[v] -= 1 + (k < active ? (double)all_hidden : 0);
+    }
+}
+
+/* Everything that the views share. */
+typedef struct cluster_stage {
+    const enc_context *context;
+    const enc_data *data;
+    enc_cluster_options options;
+    enc_occlusion *occlusion;
+    size_t n_texels, dimensions, stride;        /* of a row: [channel][light] */
+    size_t *hidden, *distinct, *shares, *first; /* [view] */
+    size_t k;
+    float *centres; /* [k][stride] */
+} cluster_stage;
+
+/* The hidden points of one view. */
+typedef struct view_points {
+    size_t n;
+    size_t *texels;  /* [n] */
+    float *rows;     /* [n][stride], square root of radiance unless options.linear */
+    uint32_t *index; /* [n] nearest centre, zeros */
+} view_points;
+
+static void points_free(view_points *p) {
+    free(p->texels);
+    free(p->rows);
+    free(p->index);
+}
+
+static btf_result points_of_view(const cluster_stage *s, int view, view_points *out) {
+    const uint8_t *hidden = s->occlusion->hidden + (size_t)view * s->n_texels;
+    view_points p = {.n = enc_occlusion_hidden_count(s->occlusion, view)};
+    *out = p;
+    if (p.n == 0)
+        return BTF_OK;
+    p.texels = malloc(p.n * sizeof *p.texels);
+    p.rows = calloc(p.n * s->stride, sizeof *p.rows);
+    p.index = calloc(p.n, sizeof *p.index);
+    float *profiles = enc_profiles_create(p.n, s->data->n_lights);
+    *out = p;
+    if (!p.texels || !p.rows || !p.index || !profiles) {
+        free(profiles);
+        return BTF_ERROR_MEMORY;
+    }
+    size_t n = 0;
+    for (size_t t = 0; t < s->n_texels; t++)
+        if (hidden[t])
+            p.texels[n++] = t;
+    const btf_result result = enc_profiles_of_texels(s->context, s->data, view, p.n, p.texels, profiles);
+    const size_t n_lights = (size_t)s->data->n_lights, lanes = enc_profile_lanes(s->data->n_lights);
+    for (size_t i = 0; result == BTF_OK && i < p.n; i++) {
+        for (size_t c = 0; c < 3; c++) {
+            for (size_t l = 0; l < n_lights; l++) {
+                const float v = profiles[(i * 3 + c) * lanes + l];
+                const float radiance = v > 0 ? v : 0;
+                p.rows[i * s->stride + c * n_lights + l] = s->options.linear ? radiance : sqrtf(radiance);
+            }
+        }
+    }
+    free(profiles);
+    return result;
+}
+
+/* First pass: how many points, and how many different ones. */
+static btf_result count_view(const cluster_stage *s, int view) {
+    view_points points;
+    btf_result result = points_of_view(s, view, &points);
+    if (result == BTF_OK)
+        result = enc_kmeans_distinct(points.n, s->stride, points.rows, &s->distinct[view]);
+    s->hidden[view] = points.n;
+    points_free(&points);
+    return result;
+}
+
+/* Second pass: the view's centres, as floats. */
+static btf_result find_centres(const cluster_stage *s, int view) {
+    if (s->shares[view] == 0)
+        return BTF_OK;
+    view_points points;
+    btf_result result = points_of_view(s, view, &points);
+    if (result == BTF_OK)
+        result = enc_kmeans(points.n, s->stride, points.rows, s->shares[view], s->options.iterations,
+                            s->options.seed + (uint64_t)view, s->options.data_points,
+                            s->centres + s->first[view] * s->stride, points.index);
+    points_free(&points);
+    return result;
+}
+
+/* Third pass: the nearest of the centres as stored. */
+static btf_result choose_centres(const cluster_stage *s, int view) {
+    view_points points;
+    btf_result result = points_of_view(s, view, &points);
+    const size_t first = s->shares[view] > 0 ? s->first[view] : 0;
+    if (result == BTF_OK && points.n > 0)
+        result = enc_kmeans_nearest(points.n, s->stride, points.rows,
+                                    s->shares[view] > 0 ? s->shares[view] : s->k,
+                                    s->centres + first * s->stride, points.index, NULL, NULL);
+    for (size_t i = 0; result == BTF_OK && i < points.n; i++)
+        s->occlusion->centre[(size_t)view * s->n_texels + points.texels[i]] =
+            (uint16_t)(first + points.index[i]);
+    points_free(&points);
+    return result;
+}
+
+static btf_result for_each_view(const cluster_stage *s, btf_result (*pass)(const cluster_stage *, int)) {
+    btf_result result = BTF_OK;
+#pragma omp parallel for num_threads(s->context->threads) schedule(dynamic, 1)
+    for (int view = 0; view < s->data->n_views; view++) {
+        btf_result mine = enc_cancelled(s->context) ? BTF_ERROR_INTERRUPTED : pass(s, view);
+        enc_stage_step(s->context, 1);
+#pragma omp critical(enc_cluster_result)
+        if (mine > result)
+            result = mine;
+    }
+    return result;
+}
+
+/* Rounds the centres to codes, and sets them to what the codes mean. */
+static btf_result make_codes(const cluster_stage *s, enc_centres *out) {
+    const size_t n_lights = (size_t)s->data->n_lights;
+    float most = 0;
+    for (size_t i = 0; i < s->k * s->stride; i++)
+        most = fmaxf(most, s->centres[i]);
+    if (s->options.linear)
+        most = sqrtf(most);
+    out->scale = most > 0 ? most / 255.0f : 1.0f / 255.0f;
+    out->k = (int)s->k;
+    out->n_lights = s->data->n_lights;
+    out->codes = malloc(s->k > 0 ? s->k * s->dimensions : 1);
+    if (out->codes == NULL)
+        return BTF_ERROR_MEMORY;
+    for (size_t j = 0; j < s->k; j++) {
+        for (size_t c = 0; c < 3; c++) {
+            for (size_t l = 0; l < n_lights; l++) {
+                float *value = &s->centres[j * s->stride + c * n_lights + l];
+                const float root = s->options.linear ? sqrtf(*value) : *value;
+                const long code = lrintf(root / out->scale);
+                out->codes[(j * n_lights + l) * 3 + c] = (uint8_t)(code > 255 ? 255 : code);
+                const float stored = (float)(code > 255 ? 255 : code) * out->scale;
+                *value = s->options.linear ? stored * stored : stored;
+            }
+        }
+    }
+    return BTF_OK;
+}
+
+static btf_result cluster_views(cluster_stage *s, int k_total, enc_centres *centres) {
+    btf_result result = for_each_view(s, count_view);
+    if (result != BTF_OK)
+        return result;
+    enc_cluster_shares(s->data->n_views, s->hidden, s->distinct, (size_t)k_total, s->shares);
+    for (int v = 0; v < s->data->n_views; v++) {
+        s->first[v] = s->k;
+        s->k += s->shares[v];
+    }
+    s->centres = calloc(s->k > 0 ? s->k * s->stride : 1, sizeof *s->centres);
+    if (s->centres == NULL)
+        return BTF_ERROR_MEMORY;
+    result = for_each_view(s, find_centres);
+    if (result == BTF_OK)
+        result = make_codes(s, centres);
+    if (result == BTF_OK)
+        result = for_each_view(s, choose_centres);
+    return result;
+}
+
+btf_result enc_cluster(const enc_context *context, const enc_data *data, const enc_cluster_options *options,
+                       int k_total, enc_occlusion *occlusion, enc_centres **out_centres) {
+    assert(context && data && occlusion && out_centres);
+    assert(occlusion->n_texels == enc_data_texel_count(data) && occlusion->n_views == data->n_views);
+    *out_centres = NULL;
+    cluster_stage s = {.context = context, .data = data, .occlusion = occlusion};
+    if (options != NULL)
+        s.options = *options;
+    if (s.options.iterations == 0)
+        s.options.iterations = DEFAULT_ITERATIONS;
+    if (s.options.seed == 0)
+        s.options.seed = 1;
+    const size_t hidden = enc_occlusion_hidden_count(occlusion, -1);
+    if (k_total < 0 || k_total > MAX_CENTRES || (k_total == 0 && hidden > 0))
+        return enc_fail(context, BTF_ERROR_USAGE,
+                        "cluster: %d centres for %zu hidden points, expected 1..%d", k_total, hidden,
+                        MAX_CENTRES);
+    if (s.options.iterations < 0)
+        return enc_fail(context, BTF_ERROR_USAGE, "cluster: %d iterations", s.options.iterations);
+    const size_t n_views = (size_t)data->n_views;
+    s.n_texels = occlusion->n_texels;
+    s.dimensions = 3 * (size_t)data->n_lights;
+    s.stride = enc_kmeans_stride(s.dimensions);
+    s.hidden = calloc(4 * n_views, sizeof *s.hidden);
+    enc_centres *centres = calloc(1, sizeof *centres);
+    btf_result result = BTF_ERROR_MEMORY;
+    if (s.hidden && centres) {
+        s.distinct = s.hidden + n_views;
+        s.shares = s.distinct + n_views;
+        s.first = s.shares + n_views;
+        memset(occlusion->centre, 0, n_views * s.n_texels * sizeof *occlusion->centre);
+        enc_stage_begin(context, "cluster", 3 * n_views);
+        result = cluster_views(&s, k_total, centres);
+        enc_stage_end(context);
+    }
+    free(s.hidden);
+    free(s.centres);
+    if (result != BTF_OK) {
+        enc_centres_destroy(&centres);
+        if (result == BTF_ERROR_INTERRUPTED)
+            return result;
+        return enc_fail(context, result, "cluster: %zu hidden points: %s", hidden, btf_result_text(result));
+    }
+    *out_centres = centres;
+    return BTF_OK;
+}
+
+void enc_centres_destroy(enc_centres **centres) {
+    if (centres == NULL || *centres == NULL)
+        return;
+    free((*centres)->codes);
+    free(*centres);
+    *centres = NULL;
+}
