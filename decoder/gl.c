@@ -1,0 +1,248 @@
+/* Uploads a material's textures to OpenGL and points a program's samplers at them.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "gl_functions.h"
+#include "internal.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct btf_gl {
+    btfi_gl_functions api;
+    uint32_t name[BTF_TEXTURE_COUNT]; /* 0: not uploaded */
+    int is_array[BTF_TEXTURE_COUNT];
+    size_t bytes;
+};
+
+btf_result btfi_gl_load(const btf_gl_options *options, const btf_log *log, btfi_gl_functions *out_gl) {
+    memset(out_gl, 0, sizeof *out_gl);
+    if (!options || options->struct_size < offsetof(btf_gl_options, shader) || !options->get_proc_address)
+        return btfi_fail(log, BTF_ERROR_USAGE, "gl: options without get_proc_address");
+#define LOAD(name, result, parameters)                                                                     \
+    {                                                                                                      \
+        btf_gl_function function = options->get_proc_address(options->user, "gl" #name);                   \
+        if (!function)                                                                                     \
+            return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "gl: the context has no gl" #name);               \
+        out_gl->name = (result(BTFI_GL_CALL *) parameters)function;                                        \
+    }
+    BTFI_GL_FUNCTIONS(LOAD)
+#undef LOAD
+    const char *version = (const char *)out_gl->GetString(GL_VERSION);
+    if (!version)
+        return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "gl: no context is current");
+    out_gl->is_es = strncmp(version, "OpenGL ES", 9) == 0;
+    out_gl->GetIntegerv(GL_MAJOR_VERSION, &out_gl->major);
+    out_gl->GetIntegerv(GL_MINOR_VERSION, &out_gl->minor);
+    int have = 10 * out_gl->major + out_gl->minor, need = out_gl->is_es ? 30 : 33;
+    if (have < need)
+        return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "gl: the context is \"%s\", needed is %s", version,
+                         out_gl->is_es ? "OpenGL ES 3.0" : "OpenGL 3.3");
+    return BTF_OK;
+}
+
+uint32_t btfi_gl_errors(const btfi_gl_functions *gl) {
+    enum { AT_MOST = 64 }; /* a lost context may report for ever */
+    uint32_t first = GL_NO_ERROR;
+    for (int i = 0; i < AT_MOST; ++i) {
+        uint32_t error = gl->GetError();
+        if (error == GL_NO_ERROR)
+            break;
+        if (first == GL_NO_ERROR)
+            first = error;
+    }
+    return first;
+}
+
+/* Bits of the textures to upload, and how many components of the residual. */
+static uint32_t choose_textures(const btf_material_info *info, const btf_shader_options *shader,
+                                uint32_t *out_components) {
+    *out_components = info->components;
+    if (!shader)
+        return (1u << BTF_TEXTURE_COUNT) - 1;
+    if (shader->components && shader->components < info->components)
+        *out_components = shader->components;
+    return btf_shader_textures(info, shader);
+}
+
+/* Refuses what the context cannot hold. */
+static btf_result check_limits(const btfi_gl_functions *gl, const char *name, const btf_texture *texture,
+                               const btf_log *log) {
+    int32_t side = 0, layers = 0;
+    gl->GetIntegerv(GL_MAX_TEXTURE_SIZE, &side);
+    gl->GetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &layers);
+    if ((int64_t)texture->width > side)
+        return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "%s: width %u exceeds GL_MAX_TEXTURE_SIZE %d", name,
+                         texture->width, side);
+    if ((int64_t)texture->height > side)
+        return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "%s: height %u exceeds GL_MAX_TEXTURE_SIZE %d", name,
+                         texture->height, side);
+    if (texture->is_array && (int64_t)texture->layers > layers)
+        return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "%s: %u layers exceed GL_MAX_ARRAY_TEXTURE_LAYERS %d",
+                         name, texture->layers, layers);
+    return BTF_OK;
+}
+
+/* Internal format, format and type of a texture. */
+static void gl_format(btf_format format, uint32_t out[3]) {
+    static const struct {
+        btf_format format;
+        uint32_t gl[3];
+    } table[] = {
+        {BTF_FORMAT_R8UI, {GL_R8UI, GL_RED_INTEGER, GL_UNSIGNED_BYTE}},
+        {BTF_FORMAT_RG8UI, {GL_RG8UI, GL_RG_INTEGER, GL_UNSIGNED_BYTE}},
+        {BTF_FORMAT_RGBA8UI, {GL_RGBA8UI, GL_RGBA_INTEGER, GL_UNSIGNED_BYTE}},
+        {BTF_FORMAT_RGBA8I, {GL_RGBA8I, GL_RGBA_INTEGER, GL_BYTE}},
+        {BTF_FORMAT_RGBA16UI, {GL_RGBA16UI, GL_RGBA_INTEGER, GL_UNSIGNED_SHORT}},
+        {BTF_FORMAT_RGBA16F, {GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT}},
+        {BTF_FORMAT_RGBA32F, {GL_RGBA32F, GL_RGBA, GL_FLOAT}},
+    };
+    for (size_t i = 0; i < sizeof table / sizeof *table; ++i)
+        if (table[i].format == format)
+            memcpy(out, table[i].gl, sizeof table[i].gl);
+}
+
+/* Makes one texture on the active unit, unpacking tightly. */
+static btf_result upload(btf_gl *gl, btf_texture_id id, const btf_texture *texture, const btf_log *log) {
+    const btfi_gl_functions *api = &gl->api;
+    const char *name = btf_texture_name(id);
+    btf_result result = check_limits(api, name, texture, log);
+    if (result != BTF_OK)
+        return result;
+    uint32_t target = texture->is_array ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D;
+    uint32_t format[3] = {0};
+    gl_format(texture->format, format);
+    api->GenTextures(1, &gl->name[id]);
+    gl->is_array[id] = texture->is_array;
+    api->BindTexture(target, gl->name[id]);
+    api->TexParameteri(target, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    api->TexParameteri(target, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    api->TexParameteri(target, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    api->TexParameteri(target, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    api->TexParameteri(target, GL_TEXTURE_BASE_LEVEL, 0);
+    api->TexParameteri(target, GL_TEXTURE_MAX_LEVEL, 0);
+    int32_t w = (int32_t)texture->width, h = (int32_t)texture->height, d = (int32_t)texture->layers;
+    if (texture->is_array)
+        api->TexImage3D(target, 0, (int32_t)format[0], w, h, d, 0, format[1], format[2], texture->data);
+    else
+        api->TexImage2D(target, 0, (int32_t)format[0], w, h, 0, format[1], format[2], texture->data);
+    uint32_t error = btfi_gl_errors(api);
+    if (error != GL_NO_ERROR)
+        return btfi_fail(log, error == GL_OUT_OF_MEMORY ? BTF_ERROR_MEMORY : BTF_ERROR_UNSUPPORTED,
+                         "%s: GL refuses %u x %u x %u texels with error 0x%04x", name, texture->width,
+                         texture->height, texture->layers, error);
+    gl->bytes += btf_format_size(texture->format) * texture->width * texture->height * texture->layers;
+    return BTF_OK;
+}
+
+/* The unpacking state; entry 0 is absent from OpenGL ES. */
+enum { UNPACK_COUNT = 7 };
+static const uint32_t unpack_names[UNPACK_COUNT] = {
+    GL_UNPACK_SWAP_BYTES,  GL_UNPACK_ALIGNMENT,   GL_UNPACK_ROW_LENGTH,  GL_UNPACK_SKIP_ROWS,
+    GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_IMAGES, GL_UNPACK_IMAGE_HEIGHT};
+
+btf_result btf_gl_upload(const btf_material *material, const btf_gl_options *options, const btf_log *log,
+                         btf_gl **out_gl) {
+    *out_gl = NULL;
+    btf_gl *gl = calloc(1, sizeof *gl);
+    if (!gl)
+        return btfi_fail(log, BTF_ERROR_MEMORY, "gl: out of memory");
+    const btfi_gl_functions *api = &gl->api;
+    btf_result result = btfi_gl_load(options, log, &gl->api);
+    btf_material_info info = {.struct_size = sizeof info};
+    if (result == BTF_OK)
+        result = btf_material_get_info(material, &info);
+    if (result != BTF_OK) {
+        free(gl);
+        return result;
+    }
+    btfi_gl_errors(api);
+    int32_t bound_2d = 0, bound_array = 0, buffer = 0, unpack[UNPACK_COUNT] = {0};
+    api->GetIntegerv(GL_TEXTURE_BINDING_2D, &bound_2d);
+    api->GetIntegerv(GL_TEXTURE_BINDING_2D_ARRAY, &bound_array);
+    api->GetIntegerv(GL_PIXEL_UNPACK_BUFFER_BINDING, &buffer);
+    api->BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+    for (int i = api->is_es; i < UNPACK_COUNT; ++i) {
+        api->GetIntegerv(unpack_names[i], &unpack[i]);
+        api->PixelStorei(unpack_names[i], unpack_names[i] == GL_UNPACK_ALIGNMENT ? 1 : 0);
+    }
+
+    const btf_shader_options *shader =
+        options->struct_size > offsetof(btf_gl_options, shader) ? options->shader : NULL;
+    uint32_t components, wanted = choose_textures(&info, shader, &components);
+    for (int id = 0; id < BTF_TEXTURE_COUNT && result == BTF_OK; ++id) {
+        btf_texture texture = btf_material_texture(material, (btf_texture_id)id);
+        if (texture.format == BTF_FORMAT_NONE || !(wanted >> id & 1))
+            continue;
+        /* Components are stored four a layer, so that the first ones are a prefix. */
+        uint32_t groups = (components + 3) / 4;
+        if (id == BTF_TEXTURE_RESIDUAL_TEXELS)
+            texture.layers = groups;
+        else if (id == BTF_TEXTURE_RESIDUAL_DIRECTIONS)
+            texture.layers = 3 * groups;
+        result = upload(gl, (btf_texture_id)id, &texture, log);
+    }
+
+    for (int i = api->is_es; i < UNPACK_COUNT; ++i)
+        api->PixelStorei(unpack_names[i], unpack[i]);
+    api->BindBuffer(GL_PIXEL_UNPACK_BUFFER, (uint32_t)buffer);
+    api->BindTexture(GL_TEXTURE_2D, (uint32_t)bound_2d);
+    api->BindTexture(GL_TEXTURE_2D_ARRAY, (uint32_t)bound_array);
+    if (result != BTF_OK)
+        btf_gl_destroy(&gl);
+    *out_gl = gl;
+    return result;
+}
+
+btf_result btf_gl_bind(btf_gl *gl, uint32_t program, uint32_t first_unit, const char *prefix,
+                       const btf_log *log, uint32_t *out_units) {
+    const btfi_gl_functions *api = &gl->api;
+    btf_result result = BTF_OK;
+    uint32_t units = 0;
+    int32_t current = 0, active = 0;
+    api->GetIntegerv(GL_CURRENT_PROGRAM, &current);
+    api->GetIntegerv(GL_ACTIVE_TEXTURE, &active);
+    api->UseProgram(program);
+    for (int id = 0; id < BTF_TEXTURE_COUNT && result == BTF_OK; ++id) {
+        char name[96];
+        snprintf(name, sizeof name, "%.48s_%s", prefix ? prefix : "btf",
+                 btf_texture_name((btf_texture_id)id));
+        int32_t location = api->GetUniformLocation(program, name);
+        if (location < 0)
+            continue;
+        if (!gl->name[id]) {
+            result = btfi_fail(log, BTF_ERROR_USAGE, "gl: program %u reads %s, which was not uploaded",
+                               program, name);
+            continue;
+        }
+        uint32_t unit = first_unit + units++;
+        api->ActiveTexture(GL_TEXTURE0 + unit);
+        api->BindTexture(gl->is_array[id] ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D, gl->name[id]);
+        api->BindSampler(unit, 0);
+        api->Uniform1i(location, (int32_t)unit);
+    }
+    api->UseProgram((uint32_t)current);
+    api->ActiveTexture((uint32_t)active);
+    if (out_units)
+        *out_units = units;
+    return result;
+}
+
+uint32_t btf_gl_texture(const btf_gl *gl, btf_texture_id id) {
+    return (unsigned)id < BTF_TEXTURE_COUNT ? gl->name[id] : 0;
+}
+
+size_t btf_gl_bytes(const btf_gl *gl) {
+    return gl->bytes;
+}
+
+void btf_gl_destroy(btf_gl **gl) {
+    if (!gl || !*gl)
+        return;
+    for (int id = 0; id < BTF_TEXTURE_COUNT; ++id)
+        if ((*gl)->name[id])
+            (*gl)->api.DeleteTextures(1, &(*gl)->name[id]);
+    free(*gl);
+    *gl = NULL;
+}

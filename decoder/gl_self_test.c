@@ -1,0 +1,184 @@
+/* Runs the GLSL self-test on the current context: one pixel into an RGBA32UI framebuffer, state restored.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "gl_functions.h"
+#include "internal.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What drawing one pixel touches. */
+static const uint32_t capabilities[] = {
+    GL_CULL_FACE,       GL_DEPTH_TEST,         GL_STENCIL_TEST,
+    GL_SCISSOR_TEST,    GL_RASTERIZER_DISCARD, GL_SAMPLE_ALPHA_TO_COVERAGE,
+    GL_SAMPLE_COVERAGE,
+};
+enum { CAPABILITY_COUNT = sizeof capabilities / sizeof *capabilities, PACK_COUNT = 4 };
+static const uint32_t pack_names[PACK_COUNT] = {GL_PACK_SWAP_BYTES, GL_PACK_ROW_LENGTH, GL_PACK_SKIP_ROWS,
+                                                GL_PACK_SKIP_PIXELS};
+
+typedef struct state {
+    uint8_t enabled[CAPABILITY_COUNT], mask[4];
+    int32_t viewport[4], draw, read, array, program, texture, pack_buffer, unpack_buffer, pack[PACK_COUNT];
+} state;
+
+static void save_state(const btfi_gl_functions *gl, state *s) {
+    for (int i = 0; i < CAPABILITY_COUNT; ++i) {
+        s->enabled[i] = gl->IsEnabled(capabilities[i]);
+        gl->Disable(capabilities[i]);
+    }
+    gl->GetBooleanv(GL_COLOR_WRITEMASK, s->mask);
+    gl->ColorMask(1, 1, 1, 1);
+    gl->GetIntegerv(GL_VIEWPORT, s->viewport);
+    gl->GetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &s->draw);
+    gl->GetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &s->read);
+    gl->GetIntegerv(GL_VERTEX_ARRAY_BINDING, &s->array);
+    gl->GetIntegerv(GL_CURRENT_PROGRAM, &s->program);
+    gl->GetIntegerv(GL_TEXTURE_BINDING_2D, &s->texture);
+    gl->GetIntegerv(GL_PIXEL_PACK_BUFFER_BINDING, &s->pack_buffer);
+    gl->GetIntegerv(GL_PIXEL_UNPACK_BUFFER_BINDING, &s->unpack_buffer);
+    gl->BindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+    gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+    for (int i = gl->is_es; i < PACK_COUNT; ++i) {
+        gl->GetIntegerv(pack_names[i], &s->pack[i]);
+        gl->PixelStorei(pack_names[i], 0);
+    }
+}
+
+static void restore_state(const btfi_gl_functions *gl, const state *s) {
+    for (int i = gl->is_es; i < PACK_COUNT; ++i)
+        gl->PixelStorei(pack_names[i], s->pack[i]);
+    gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, (uint32_t)s->unpack_buffer);
+    gl->BindBuffer(GL_PIXEL_PACK_BUFFER, (uint32_t)s->pack_buffer);
+    gl->BindTexture(GL_TEXTURE_2D, (uint32_t)s->texture);
+    gl->UseProgram((uint32_t)s->program);
+    gl->BindVertexArray((uint32_t)s->array);
+    gl->BindFramebuffer(GL_READ_FRAMEBUFFER, (uint32_t)s->read);
+    gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, (uint32_t)s->draw);
+    gl->Viewport(s->viewport[0], s->viewport[1], s->viewport[2], s->viewport[3]);
+    gl->ColorMask(s->mask[0], s->mask[1], s->mask[2], s->mask[3]);
+    for (int i = 0; i < CAPABILITY_COUNT; ++i)
+        if (s->enabled[i])
+            gl->Enable(capabilities[i]);
+}
+
+static uint32_t compile(const btfi_gl_functions *gl, uint32_t kind, int count, const char *const *text,
+                        const btf_log *log) {
+    uint32_t shader = gl->CreateShader(kind);
+    int32_t ok = 0;
+    gl->ShaderSource(shader, count, text, NULL);
+    gl->CompileShader(shader);
+    gl->GetShaderiv(shader, GL_COMPILE_STATUS, &ok);
+    if (!ok) {
+        char message[400] = "";
+        gl->GetShaderInfoLog(shader, (int32_t)sizeof message, NULL, message);
+        btfi_fail(log, BTF_ERROR_UNSUPPORTED, "gl: the self-test does not compile: %s", message);
+        gl->DeleteShader(shader);
+        return 0;
+    }
+    return shader;
+}
+
+/* The program of one pass; 0 when GL refuses it. */
+static uint32_t make_program(const btfi_gl_functions *gl, const char *version, int without_precise,
+                             const btf_log *log) {
+    static const char vertex_text[] = "void main() {\n"
+                                      "    gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0,\n"
+                                      "                       gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0);\n"
+                                      "}\n";
+    static const char main_text[] = "uniform highp uint btf_runtime_zero;\n"
+                                    "out highp uvec4 btf_result;\n"
+                                    "void main() {\n"
+                                    "    uint zero = btf_runtime_zero ^ uint(gl_FragCoord.x);\n"
+                                    "    btf_result = uvec4(btf_self_test(zero), 0x42544621u, 0u, 0u);\n"
+                                    "}\n";
+    const char *vertex_parts[] = {version, vertex_text};
+    const char *fragment_parts[] = {version, without_precise ? "#define BTF_HAVE_PRECISE 0\n" : "",
+                                    btf_shader_self_test(), main_text};
+    uint32_t vertex = compile(gl, GL_VERTEX_SHADER, 2, vertex_parts, log);
+    uint32_t fragment = vertex ? compile(gl, GL_FRAGMENT_SHADER, 4, fragment_parts, log) : 0;
+    uint32_t program = 0;
+    if (fragment) {
+        int32_t ok = 0;
+        program = gl->CreateProgram();
+        gl->AttachShader(program, vertex);
+        gl->AttachShader(program, fragment);
+        gl->LinkProgram(program);
+        gl->GetProgramiv(program, GL_LINK_STATUS, &ok);
+        if (!ok) {
+            btfi_fail(log, BTF_ERROR_UNSUPPORTED, "gl: the self-test does not link");
+            gl->DeleteProgram(program);
+            program = 0;
+        }
+    }
+    if (fragment)
+        gl->DeleteShader(fragment);
+    if (vertex)
+        gl->DeleteShader(vertex);
+    return program;
+}
+
+/* Draws the pixel and reads it. */
+static btf_result run_pass(const btfi_gl_functions *gl, const char *version, int without_precise,
+                           const btf_log *log, uint32_t *failures) {
+    uint32_t program = make_program(gl, version, without_precise, log);
+    if (!program)
+        return BTF_ERROR_UNSUPPORTED;
+    uint32_t pixel[4] = {0};
+    gl->UseProgram(program);
+    gl->DrawArrays(GL_TRIANGLES, 0, 3);
+    gl->ReadPixels(0, 0, 1, 1, GL_RGBA_INTEGER, GL_UNSIGNED_INT, pixel);
+    gl->DeleteProgram(program);
+    uint32_t error = btfi_gl_errors(gl);
+    if (error != GL_NO_ERROR || pixel[1] != 0x42544621u)
+        return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "gl: the self-test was not drawn (GL error 0x%04x)",
+                         error);
+    *failures |= pixel[0];
+    return BTF_OK;
+}
+
+btf_result btf_gl_self_test(const btf_gl_options *options, const btf_log *log, uint32_t *out_failures) {
+    *out_failures = 0;
+    btfi_gl_functions api;
+    btf_result result = btfi_gl_load(options, log, &api);
+    if (result != BTF_OK)
+        return result;
+    btfi_gl_errors(&api);
+    state saved;
+    save_state(&api, &saved);
+
+    uint32_t texture = 0, framebuffer = 0, array = 0;
+    api.GenTextures(1, &texture);
+    api.BindTexture(GL_TEXTURE_2D, texture);
+    api.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    api.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    api.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32UI, 1, 1, 0, GL_RGBA_INTEGER, GL_UNSIGNED_INT, NULL);
+    api.GenFramebuffers(1, &framebuffer);
+    api.BindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
+    api.BindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer);
+    api.FramebufferTexture2D(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
+    api.GenVertexArrays(1, &array);
+    api.BindVertexArray(array);
+    api.Viewport(0, 0, 1, 1);
+    if (api.CheckFramebufferStatus(GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+        result = btfi_fail(log, BTF_ERROR_UNSUPPORTED, "gl: an RGBA32UI framebuffer is refused");
+
+    char version[32];
+    if (api.is_es)
+        snprintf(version, sizeof version, "#version 3%d0 es\n", api.minor > 2 ? 2 : api.minor);
+    else
+        snprintf(version, sizeof version, "#version %d%d0 core\n", api.major, api.minor);
+    int has_precise = api.is_es ? 10 * api.major + api.minor >= 32 : api.major >= 4;
+    if (result == BTF_OK)
+        result = run_pass(&api, version, 1, log, out_failures);
+    if (result == BTF_OK && has_precise)
+        result = run_pass(&api, version, 0, log, out_failures);
+
+    api.DeleteVertexArrays(1, &array);
+    api.DeleteFramebuffers(1, &framebuffer);
+    restore_state(&api, &saved);
+    api.DeleteTextures(1, &texture);
+    return result;
+}

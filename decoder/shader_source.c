@@ -1,0 +1,287 @@
+/* Assembles the GLSL of a material: its macros, then the embedded library text, names prefixed as asked.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include <openbtf/shader.h>
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MAX_PREFIX = 32 };
+
+/* A text that grows; once memory runs out, `failed` stays set. */
+typedef struct text {
+    char *data;
+    size_t length, capacity;
+    int failed;
+} text;
+
+static void text_append(text *t, const char *data, size_t length) {
+    if (t->failed)
+        return;
+    if (length >= t->capacity - t->length) {
+        size_t capacity = 2 * (t->length + length) + 256;
+        char *grown = realloc(t->data, capacity);
+        if (!grown) {
+            t->failed = 1;
+            return;
+        }
+        t->data = grown;
+        t->capacity = capacity;
+    }
+    memcpy(t->data + t->length, data, length);
+    t->length += length;
+    t->data[t->length] = 0;
+}
+
+static void text_print(text *t, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void text_print(text *t, const char *format, ...) {
+    char line[256];
+    va_list arguments;
+    va_start(arguments, format);
+    int length = vsnprintf(line, sizeof line, format, arguments);
+    va_end(arguments);
+    if (length < 0 || (size_t)length >= sizeof line)
+        t->failed = 1;
+    else
+        text_append(t, line, (size_t)length);
+}
+
+/* A float as a constant expression that no compiler rounds. */
+static void define_float(text *t, const char *name, float value) {
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    text_print(t, "#define %s uintBitsToFloat(0x%08Xu)\n", name, bits);
+}
+
+/* A value that a user may have defined already, e.g. as a uniform. */
+static void define_uint(text *t, const char *name, uint32_t value) {
+    text_print(t, "#ifndef %s\n#define %s %uu\n#endif\n", name, name, value);
+}
+
+static void fail(const btf_log *log, const char *message) {
+    if (log && log->callback)
+        log->callback(log->user, BTF_LOG_ERROR, message);
+}
+
+/* The options as given, or the defaults. */
+static btf_shader_options read_options(const btf_shader_options *options) {
+    btf_shader_options all = {.struct_size = sizeof all};
+    if (options) {
+        size_t size = options->struct_size < sizeof all ? options->struct_size : sizeof all;
+        memcpy(&all, options, size);
+    }
+    if (!all.prefix)
+        all.prefix = "btf";
+    return all;
+}
+
+/* What is decoded of a material. */
+typedef struct variant {
+    uint32_t effects;    /* without the residual */
+    uint32_t components; /* 0: no residual */
+    int code_zero;       /* the file marks hidden points */
+} variant;
+
+static variant choose(const btf_material_info *info, const btf_shader_options *options) {
+    variant v = {0};
+    v.effects = info->effects & ~options->leave_out;
+    if (v.effects & BTF_EFFECT_RESIDUAL) {
+        v.components = info->components;
+        if (options->components && options->components < v.components)
+            v.components = options->components;
+    }
+    v.effects &= ~(uint32_t)BTF_EFFECT_RESIDUAL;
+    v.code_zero = (info->effects & BTF_EFFECT_HIDDEN) != 0;
+    return v;
+}
+
+uint32_t btf_shader_textures(const btf_material_info *info, const btf_shader_options *options) {
+    btf_shader_options all = read_options(options);
+    variant v = choose(info, &all);
+    uint32_t textures = 1u << BTF_TEXTURE_VIEW_TABLE | 1u << BTF_TEXTURE_LIGHT_TABLE;
+    int shadow = (v.effects & BTF_EFFECT_SHADOW) && info->colour != BTF_COLOUR_NONE;
+    int shift = (v.effects & BTF_EFFECT_SHIFT) != 0, hidden = (v.effects & BTF_EFFECT_HIDDEN) != 0;
+    int gain = (v.effects & BTF_EFFECT_GAIN) != 0;
+    if (info->colour != BTF_COLOUR_NONE)
+        textures |= 1u << BTF_TEXTURE_SBRDF;
+    if (info->layout == BTF_LAYOUT_PAPER) {
+        if (shadow || shift || hidden || gain)
+            textures |= 1u << BTF_TEXTURE_MAPS;
+    } else {
+        if (shadow)
+            textures |= 1u << BTF_TEXTURE_SHADOW;
+        if (shift || hidden)
+            textures |= 1u << BTF_TEXTURE_SHIFT;
+        if (gain || hidden || (shift && v.code_zero))
+            textures |= 1u << BTF_TEXTURE_GAIN;
+        if (hidden)
+            textures |= 1u << BTF_TEXTURE_CENTRES;
+    }
+    if (v.components > 0)
+        textures |= 1u << BTF_TEXTURE_RESIDUAL_TEXELS | 1u << BTF_TEXTURE_RESIDUAL_DIRECTIONS |
+                    1u << BTF_TEXTURE_RESIDUAL_SCALES;
+    return textures;
+}
+
+/* Lower-case letters, digits and single inner underscores, first a letter. */
+static int prefix_is_legal(const char *prefix) {
+    size_t length = strlen(prefix);
+    if (length < 1 || length > MAX_PREFIX || prefix[length - 1] == '_')
+        return 0;
+    for (size_t i = 0; i < length; ++i) {
+        char c = prefix[i];
+        int letter = c >= 'a' && c <= 'z', digit = c >= '0' && c <= '9';
+        if (!letter && (i == 0 || (!digit && (c != '_' || prefix[i - 1] == '_'))))
+            return 0;
+    }
+    return strcmp(prefix, "gl") != 0 && strncmp(prefix, "gl_", 3) != 0;
+}
+
+static int is_word(char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+}
+
+/* Appends a text in which names that begin with btf_ and BTF_ begin with the prefix instead. */
+static void append_prefixed(text *t, const char *source, const char *prefix) {
+    char upper[MAX_PREFIX + 1] = {0};
+    for (size_t i = 0; prefix[i]; ++i)
+        upper[i] = prefix[i] >= 'a' && prefix[i] <= 'z' ? (char)(prefix[i] - 'a' + 'A') : prefix[i];
+    const char *begin = source;
+    for (const char *p = source; *p; ++p) {
+        if (p != source && is_word(p[-1]))
+            continue;
+        int lower = strncmp(p, "btf_", 4) == 0;
+        if (!lower && strncmp(p, "BTF_", 4) != 0)
+            continue;
+        text_append(t, begin, (size_t)(p - begin));
+        text_append(t, lower ? prefix : upper, strlen(prefix));
+        begin = p + 3;
+    }
+    text_append(t, begin, strlen(begin));
+}
+
+/* The macros of shaders/options.glsl. */
+static void write_macros(text *t, const btf_material *material, const btf_material_info *info,
+                         const btf_shader_options *options) {
+    variant v = choose(info, options);
+    int shadow = (v.effects & BTF_EFFECT_SHADOW) && info->colour != BTF_COLOUR_NONE;
+    text_print(t, "#define BTF_LAYOUT_TIGHT %d\n", info->layout == BTF_LAYOUT_TIGHT);
+    text_print(t, "#define BTF_DOMAIN_SQRT %d\n", info->domain == BTF_DOMAIN_SQRT);
+    text_print(t, "#define BTF_COLOUR %d\n", (int)info->colour);
+    text_print(t, "#define BTF_LOBES %u\n", info->lobes);
+    text_print(t, "#define BTF_SHADOW %d\n", shadow);
+    text_print(t, "#define BTF_SHIFT %d\n", (v.effects & BTF_EFFECT_SHIFT) != 0);
+    text_print(t, "#define BTF_HIDDEN %d\n", (v.effects & BTF_EFFECT_HIDDEN) != 0);
+    text_print(t, "#define BTF_GAIN %d\n", (v.effects & BTF_EFFECT_GAIN) != 0);
+    text_print(t, "#define BTF_COMPONENTS %u\n", v.components);
+    text_print(t, "#define BTF_CODE_ZERO %d\n", v.code_zero);
+    text_print(t, "#define BTF_NEAREST %d\n", options->interpolation == BTF_INTERPOLATION_NEAREST);
+    text_print(t, "#define BTF_BILINEAR %d\n", options->filter == BTF_FILTER_BILINEAR);
+    text_print(t, "#define BTF_FAST_MATH %d\n", options->math == BTF_MATH_FAST);
+    if (options->have_precise)
+        text_print(t, "#define BTF_HAVE_PRECISE 1\n");
+
+    define_uint(t, "BTF_WIDTH", info->width);
+    define_uint(t, "BTF_HEIGHT", info->height);
+    define_uint(t, "BTF_N_LIGHTS", info->n_lights);
+    define_uint(t, "BTF_VIEW_GRID", btf_material_views(material).grid);
+    define_uint(t, "BTF_LIGHT_GRID", btf_material_lights(material).grid);
+    if (info->layout == BTF_LAYOUT_PAPER) {
+        define_uint(t, "BTF_ATLAS_WIDTH", info->atlas_width);
+        define_uint(t, "BTF_ATLAS_HEIGHT", info->atlas_height);
+        define_uint(t, "BTF_TILES", info->n_views > info->n_lights ? info->n_views : info->n_lights);
+    } else if (v.effects & BTF_EFFECT_HIDDEN) {
+        define_uint(t, "BTF_CENTRE_ROWS", btf_material_texture(material, BTF_TEXTURE_CENTRES).height);
+    }
+    define_float(t, "BTF_RADIANCE_SCALE", info->radiance_scale);
+    define_float(t, "BTF_SHADOW_SCALE", info->shadow_scale * 0x1p-12f);
+    define_float(t, "BTF_GAIN_SCALE", info->gain_scale);
+    define_float(t, "BTF_CENTRE_SCALE", info->centre_scale * 0x1p-12f);
+}
+
+/* The samplers' layout qualifiers; literals, since ESSL 310 takes no expression there. */
+static void write_bindings(text *t, const btf_shader_options *options) {
+    if (options->bindings == BTF_BINDINGS_NONE)
+        return;
+    for (uint32_t i = 0; i < BTF_TEXTURE_COUNT; ++i) {
+        char name[40] = {0};
+        const char *lower = btf_texture_name((btf_texture_id)i);
+        for (size_t c = 0; lower[c] && c + 1 < sizeof name; ++c)
+            name[c] = lower[c] >= 'a' && lower[c] <= 'z' ? (char)(lower[c] - 'a' + 'A') : lower[c];
+        text_print(t, "#define BTF_BINDING_%s %u\n", name, options->first_binding + i);
+    }
+    if (options->bindings == BTF_BINDINGS_VULKAN)
+        text_print(t, "#define BTF_UNIFORM(n) layout(set = %u, binding = n) uniform\n",
+                   options->descriptor_set);
+    else
+        text_print(t, "#define BTF_UNIFORM(n) layout(binding = n) uniform\n");
+}
+
+btf_result btf_shader_source(const btf_material *material, const btf_shader_options *options,
+                             const btf_log *log, char **out_text) {
+    *out_text = NULL;
+    btf_shader_options all = read_options(options);
+    if (!prefix_is_legal(all.prefix)) {
+        char message[160];
+        snprintf(message, sizeof message,
+                 "shader: prefix \"%.40s\" is not of lower-case letters, digits and single underscores",
+                 all.prefix);
+        fail(log, message);
+        return BTF_ERROR_USAGE;
+    }
+    if ((unsigned)all.interpolation > BTF_INTERPOLATION_NEAREST ||
+        (unsigned)all.filter > BTF_FILTER_BILINEAR || (unsigned)all.math > BTF_MATH_FAST ||
+        (unsigned)all.bindings > BTF_BINDINGS_VULKAN) {
+        char message[160];
+        snprintf(message, sizeof message,
+                 "shader: interpolation %d, filter %d, math %d or bindings %d is unknown",
+                 (int)all.interpolation, (int)all.filter, (int)all.math, (int)all.bindings);
+        fail(log, message);
+        return BTF_ERROR_USAGE;
+    }
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_result result = btf_material_get_info(material, &info);
+    if (result != BTF_OK)
+        return result;
+
+    text macros = {0}, assembled = {0};
+    write_macros(&macros, material, &info, &all);
+    write_bindings(&macros, &all);
+    if (!macros.failed) {
+        append_prefixed(&assembled, macros.data, all.prefix);
+        append_prefixed(&assembled, btf_shader_library(), all.prefix);
+    }
+    int failed = macros.failed || assembled.failed;
+    free(macros.data);
+    if (failed) {
+        free(assembled.data);
+        fail(log, "shader: out of memory");
+        return BTF_ERROR_MEMORY;
+    }
+    *out_text = assembled.data;
+    return BTF_OK;
+}
+
+void btf_self_test_names(uint32_t failures, char *out_names, size_t size) {
+    static const struct {
+        uint32_t bit;
+        const char *name;
+    } list[] = {
+#define NAME(id, bit, name, text) {bit, name},
+        BTF_SELF_TEST_LIST(NAME)
+#undef NAME
+    };
+    if (size == 0)
+        return;
+    snprintf(out_names, size, "%s", failures ? "" : "none");
+    size_t length = strlen(out_names);
+    for (size_t i = 0; i < sizeof list / sizeof *list; ++i)
+        if (failures & list[i].bit && length < size) {
+            int wrote =
+                snprintf(out_names + length, size - length, "%s%s", length ? ", " : "", list[i].name);
+            length += wrote > 0 ? (size_t)wrote : 0;
+        }
+}

@@ -1,0 +1,57 @@
+/* OpenBTF shaders: addition and multiplication with one rounding each (FORMAT.md section 8).
+ *
+ * Every float sum and product of the decoder is made here, so that this is the one place that keeps a
+ * compiler from contracting, factoring or reassociating them: with `precise` where the language has it;
+ * elsewhere each result passes through a bit cast, XORed with a zero that is known at run time only.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#if BTF_FAST_MATH
+#define BTF_PRECISE
+#define BTF_ROUND(x) (x)
+#else
+#if BTF_HAVE_PRECISE
+#define BTF_PRECISE precise
+#define BTF_ROUND(x) (x)
+#else
+#define BTF_PRECISE
+#define BTF_ROUND(x) uintBitsToFloat(floatBitsToUint(x) ^ BTF_ZERO)
+#endif
+#endif
+
+float btf_mul(float a, float b) {
+    BTF_PRECISE float r = BTF_ROUND(a * b);
+    return r;
+}
+vec3 btf_mul(vec3 a, vec3 b) {
+    BTF_PRECISE vec3 r = BTF_ROUND(a * b);
+    return r;
+}
+vec3 btf_mul(vec3 a, float b) {
+    BTF_PRECISE vec3 r = BTF_ROUND(a * b);
+    return r;
+}
+vec4 btf_mul(vec4 a, vec4 b) {
+    BTF_PRECISE vec4 r = BTF_ROUND(a * b);
+    return r;
+}
+vec4 btf_mul(vec4 a, float b) {
+    BTF_PRECISE vec4 r = BTF_ROUND(a * b);
+    return r;
+}
+float btf_add(float a, float b) {
+    BTF_PRECISE float r = BTF_ROUND(a + b);
+    return r;
+}
+vec3 btf_add(vec3 a, vec3 b) {
+    BTF_PRECISE vec3 r = BTF_ROUND(a + b);
+    return r;
+}
+
+/* n / d of integers, 0 <= n < 2^31, d > 0, n / d <= 4096. The float quotient is off by one at most, however
+ * the device divides; the remainder tells. Faster than most devices' integer division. */
+uint btf_divide(uint n, uint d) {
+    uint q = uint(float(n) / float(d));
+    int r = int(n) - int(q * d);
+    return r < 0 ? q - 1u : (r >= int(d) ? q + 1u : q);
+}

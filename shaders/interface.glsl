@@ -1,0 +1,60 @@
+/* OpenBTF shaders: the samplers, one a texture of FORMAT.md section 3, and the run-time zero.
+ *
+ * Only what the variant reads is declared. In Vulkan, BTF_UNIFORM(n) has to give set and binding. To use samplers
+ * of other names, define BTF_NO_INTERFACE and, say, btf_maps as the name of yours.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef BTF_UNIFORM
+#define BTF_UNIFORM(n) uniform
+#endif
+
+#ifndef BTF_BINDING_SBRDF
+#define BTF_BINDING_SBRDF 0
+#define BTF_BINDING_MAPS 1
+#define BTF_BINDING_SHADOW 2
+#define BTF_BINDING_SHIFT 3
+#define BTF_BINDING_GAIN 4
+#define BTF_BINDING_CENTRES 5
+#define BTF_BINDING_RESIDUAL_TEXELS 6
+#define BTF_BINDING_RESIDUAL_DIRECTIONS 7
+#define BTF_BINDING_RESIDUAL_SCALES 8
+#define BTF_BINDING_VIEW_TABLE 9
+#define BTF_BINDING_LIGHT_TABLE 10
+#endif
+
+#ifndef BTF_NO_INTERFACE
+#if BTF_COLOUR != 2
+BTF_UNIFORM(BTF_BINDING_SBRDF) highp sampler2DArray btf_sbrdf;
+#endif
+#if BTF_LAYOUT_TIGHT
+#if BTF_SHADOW
+BTF_UNIFORM(BTF_BINDING_SHADOW) highp usampler2DArray btf_shadow;
+#endif
+#if BTF_SHIFT || BTF_HIDDEN
+BTF_UNIFORM(BTF_BINDING_SHIFT) highp usampler2DArray btf_shift;
+#endif
+#if BTF_GAIN || BTF_HIDDEN || (BTF_SHIFT && BTF_CODE_ZERO)
+BTF_UNIFORM(BTF_BINDING_GAIN) highp usampler2DArray btf_gain;
+#endif
+#if BTF_HIDDEN
+BTF_UNIFORM(BTF_BINDING_CENTRES) highp usampler2D btf_centres;
+#endif
+#else
+#if BTF_SHADOW || BTF_SHIFT || BTF_HIDDEN || BTF_GAIN
+BTF_UNIFORM(BTF_BINDING_MAPS) highp usampler2D btf_maps;
+#endif
+#endif
+#if BTF_COMPONENTS > 0
+BTF_UNIFORM(BTF_BINDING_RESIDUAL_TEXELS) highp isampler2DArray btf_residual_texels;
+BTF_UNIFORM(BTF_BINDING_RESIDUAL_DIRECTIONS) highp isampler2DArray btf_residual_directions;
+BTF_UNIFORM(BTF_BINDING_RESIDUAL_SCALES) highp sampler2D btf_residual_scales;
+#endif
+BTF_UNIFORM(BTF_BINDING_VIEW_TABLE) highp usampler2D btf_view_table;
+BTF_UNIFORM(BTF_BINDING_LIGHT_TABLE) highp usampler2D btf_light_table;
+#endif
+
+#if !BTF_HAVE_PRECISE && !BTF_FAST_MATH && !defined(BTF_ZERO)
+uniform highp uint btf_zero;
+#define BTF_ZERO btf_zero
+#endif

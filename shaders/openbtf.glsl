@@ -1,0 +1,24 @@
+/* OpenBTF shaders: everything a shader needs to decode a material; see options.glsl for the macros.
+ *
+ * No #version, no main, no uniform but those of interface.glsl; every global name begins with btf_ or BTF_.
+ * In ESSL the default precision is highp from here on.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef BTF_OPENBTF_GLSL
+#define BTF_OPENBTF_GLSL
+#include "options.glsl"
+#include "interface.glsl"
+#include "exact.glsl"
+#include "elementary.glsl"
+#include "directions.glsl"
+#include "addressing.glsl"
+#include "layout.glsl"
+#include "shift.glsl"
+#include "shadow.glsl"
+#include "cluster.glsl"
+#include "lafortune.glsl"
+#include "residual.glsl"
+#include "compose.glsl"
+#include "evaluate.glsl"
+#endif

@@ -1,0 +1,64 @@
+/* OpenBTF shaders: the macros that choose a variant, and what each is when nobody says.
+ *
+ * btf_shader_source() writes these lines for a material; by hand, define them before openbtf.glsl.
+ *
+ *   structure (integer literals; they decide which code exists)
+ *     BTF_LAYOUT_TIGHT   0 layout `paper` (one atlas), 1 layout `tight`
+ *     BTF_DOMAIN_SQRT    0 linear, 1 the model gives the square root of radiance
+ *     BTF_COLOUR         0 mono, 1 rgb, 2 none (no SBRDF)
+ *     BTF_LOBES          J, 1..4; 0 with colour none
+ *     BTF_SHADOW BTF_SHIFT BTF_HIDDEN BTF_GAIN    1: the effect is in the file and is decoded
+ *     BTF_COMPONENTS     k' of the residual that are decoded, 0 none
+ *     BTF_CODE_ZERO      1: the file marks hidden points, decoded or not
+ *   values (any expressions, e.g. uniforms of your own)
+ *     BTF_WIDTH BTF_HEIGHT BTF_N_LIGHTS BTF_VIEW_GRID BTF_LIGHT_GRID          uint
+ *     BTF_ATLAS_WIDTH BTF_ATLAS_HEIGHT BTF_TILES     uint, layout paper; TILES = max(N_v, N_l)
+ *     BTF_CENTRE_ROWS                                uint, layout tight with hidden: R of section 3
+ *     BTF_RADIANCE_SCALE BTF_SHADOW_SCALE BTF_GAIN_SCALE BTF_CENTRE_SCALE     float; SHADOW_SCALE is
+ *                        shadowScale * 2^-12, CENTRE_SCALE is centreScale * 2^-12
+ *   how to decode
+ *     BTF_NEAREST        1: btf_evaluate takes the nearest directions, 0: it interpolates between three
+ *     BTF_BILINEAR       1: four decoded texels are blended, 0: one texel
+ *     BTF_FAST_MATH      1: the device's own log2 and exp2, and no order of operations kept
+ *   the device
+ *     BTF_HAVE_PRECISE   1: the qualifier `precise` exists. Told from the version; define it as 1 when you
+ *                        enabled GL_ARB_gpu_shader5 or GL_EXT_gpu_shader5
+ *     BTF_ZERO           a uint that is 0 at run time and that no compiler knows to be; needed without
+ *                        `precise`. Not defined: the uniform btf_zero is declared (0 until it is set)
+ *     BTF_UNIFORM(n)     what stands before the sampler of binding n; default `uniform`
+ *     BTF_BINDING_...    the bindings, all or none: _SBRDF, _MAPS and so on as in btf_texture_id, the default
+ *     BTF_NO_INTERFACE   defined: you declare the samplers yourself
+ *
+ * FORMAT.md is the specification; its sections are named where they are carried out.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef BTF_NEAREST
+#define BTF_NEAREST 0
+#endif
+#ifndef BTF_BILINEAR
+#define BTF_BILINEAR 0
+#endif
+#ifndef BTF_FAST_MATH
+#define BTF_FAST_MATH 0
+#endif
+#ifndef BTF_HAVE_PRECISE
+#if defined(GL_ES)
+#if __VERSION__ >= 320
+#define BTF_HAVE_PRECISE 1
+#else
+#define BTF_HAVE_PRECISE 0
+#endif
+#else
+#if __VERSION__ >= 400
+#define BTF_HAVE_PRECISE 1
+#else
+#define BTF_HAVE_PRECISE 0
+#endif
+#endif
+#endif
+
+#if defined(GL_ES) || defined(VULKAN)
+precision highp float;
+precision highp int;
+#endif

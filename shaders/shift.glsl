@@ -1,0 +1,43 @@
+/* OpenBTF shaders: what a view knows of a texel: gain code and shift bytes (FORMAT.md section 3).
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#define BTF_READS_CODE (BTF_GAIN || BTF_HIDDEN || (BTF_SHIFT && BTF_CODE_ZERO))
+#define BTF_READS_SHIFT (BTF_SHIFT || BTF_HIDDEN)
+
+/* (gain code, first shift byte, second shift byte); (128, 0, 0) where they are not decoded. */
+uvec3 btf_view_codes(uvec2 x, uint view) {
+    uvec3 codes = uvec3(128u, 0u, 0u);
+#if BTF_READS_CODE || BTF_READS_SHIFT
+#if BTF_LAYOUT_TIGHT
+#if BTF_READS_CODE
+    codes.x = texelFetch(btf_gain, ivec3(x, view), 0).x;
+#endif
+#if BTF_READS_SHIFT
+    codes.yz = texelFetch(btf_shift, ivec3(x, view), 0).xy;
+#endif
+#else
+    codes = texelFetch(btf_maps, ivec2(btf_tile(view, x)), 0).yzw;
+#endif
+#endif
+    return codes;
+}
+
+/* The two's complement of a byte. */
+int btf_signed_byte(uint b) {
+    return int(b ^ 128u) - 128;
+}
+
+/* The source of texel x: x itself where the file has no shift for it. */
+uvec2 btf_source(uvec2 x, uvec3 codes) {
+#if BTF_SHIFT
+#if BTF_CODE_ZERO
+    if (codes.x == 0u)
+        return x;
+#endif
+    return uvec2(btf_wrap(x.x, btf_signed_byte(codes.y), BTF_WIDTH),
+                 btf_wrap(x.y, btf_signed_byte(codes.z), BTF_HEIGHT));
+#else
+    return x;
+#endif
+}
