@@ -234,28 +234,35 @@ btf_result sample_scene_view(const sample_scene *scene, int view, float *images,
     uint8_t *shadow = NULL; /* [light][row][column] */
     if (truth)
         shadow = pole ? truth->top_shadow : truth->shadow + (size_t)view * o->n_lights * texels;
-    shading_point *points = malloc((size_t)o->width * rays * sizeof *points);
+    /* Bands of rows, so that a light's shadow is read from cache for many points at a time. */
+    const size_t row_points = (size_t)o->width * rays, band_points = 1 << 14;
+    const int band = row_points < band_points ? (int)(band_points / row_points) : 1;
+    shading_point *points = malloc((size_t)band * row_points * sizeof *points);
     if (!points)
         return BTF_ERROR_MEMORY;
-    for (int row = 0; row < o->height; ++row) {
-        for (int column = 0; column < o->width; ++column) {
-            for (int k = 0; k < rays; ++k) {
-                double x = (column + (k % s + 0.5) / s) / o->width;
-                double y = 1 - (row + (k / s + 0.5) / s) / o->height;
-                raycast_hit hit = raycast_view(scene->surface, x, y, v);
-                points[(size_t)column * rays + k] = prepare_point(scene, &hit, v);
-            }
-            if (truth && !pole)
-                record_geometry(scene, view, row, column, v, truth);
-        }
-        for (int light = 0; light < o->n_lights; ++light)
+    for (int first = 0; first < o->height; first += band) {
+        const int rows = o->height - first < band ? o->height - first : band;
+        for (int row = first; row < first + rows; ++row)
             for (int column = 0; column < o->width; ++column) {
-                size_t index = (size_t)light * texels + (size_t)row * o->width + column;
+                shading_point *out = points + (row - first) * row_points + (size_t)column * rays;
+                for (int k = 0; k < rays; ++k) {
+                    double x = (column + (k % s + 0.5) / s) / o->width;
+                    double y = 1 - (row + (k / s + 0.5) / s) / o->height;
+                    raycast_hit hit = raycast_view(scene->surface, x, y, v);
+                    out[k] = prepare_point(scene, &hit, v);
+                }
+                if (truth && !pole)
+                    record_geometry(scene, view, row, column, v, truth);
+            }
+        const size_t count = (size_t)rows * o->width;
+        for (int light = 0; light < o->n_lights; ++light)
+            for (size_t i = 0; i < count; ++i) {
+                size_t index = (size_t)light * texels + (size_t)first * o->width + i;
                 double sum[3] = {0, 0, 0};
                 int unlit = 0;
                 for (int k = 0; k < rays; ++k) {
                     double rgb[3];
-                    unlit += !shade_point(scene, &points[(size_t)column * rays + k], v, light, rgb);
+                    unlit += !shade_point(scene, &points[i * rays + k], v, light, rgb);
                     for (int c = 0; c < 3; ++c)
                         sum[c] += rgb[c];
                 }

@@ -1,0 +1,350 @@
+/* btf-sample: writes a BTF with known truth as a folder of images in the UBO2003 layout.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "decoder/tools/cli.h"
+#include "decoder/tools/exr_image.h"
+#include "decoder/tools/jpeg_image.h"
+#include "decoder/tools/png_image.h"
+#include "decoder/tools/progress.h"
+#include "directions.h"
+#include "sample.h"
+#include "truth_files.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <math.h>
+#include <omp.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+enum { FORMAT_PNG, FORMAT_PNG16, FORMAT_JPEG, FORMAT_EXR, FORMAT_COUNT };
+static const char *const EXTENSIONS[FORMAT_COUNT] = {"png", "png", "jpg", "exr"};
+
+static struct {
+    const char *out, *truth, *directions, *views, *lights;
+    int relief, format, quality, seed, supersample, grid, threads;
+    int size[2];
+    bool quiet;
+} options = {.directions = "ubo", .quality = 95, .supersample = 2, .grid = 1024, .size = {64, 64}};
+
+static const char *parse_relief(const char *text, void *value) {
+    relief_kind kind = relief_kind_from_name(text);
+    *(int *)value = kind;
+#define RELIEF_WORD(id, name, help) " " name
+    return kind < RELIEF_COUNT ? NULL : "one of" RELIEF_LIST(RELIEF_WORD);
+#undef RELIEF_WORD
+}
+
+/* "64" or "64x48". */
+static const char *parse_size(const char *text, void *value) {
+    int *size = value, end = 0;
+    if (sscanf(text, "%5dx%5d%n", &size[0], &size[1], &end) != 2 || text[end]) {
+        if (sscanf(text, "%5d%n", &size[0], &end) != 1 || text[end])
+            return "N or WIDTHxHEIGHT";
+        size[1] = size[0];
+    }
+    return size[0] >= 1 && size[0] <= 8192 && size[1] >= 1 && size[1] <= 8192 ? NULL : "sides of 1 to 8192";
+}
+
+static const cli_option table[] = {
+    {.short_name = 'o',
+     .name = "output",
+     .arg = "DIR",
+     .type = CLI_STRING,
+     .value = &options.out,
+     .help = "folder for the images, made if need be; files of the same name are replaced"},
+    {.name = "relief",
+     .arg = "NAME",
+     .type = CLI_CUSTOM,
+     .value = &options.relief,
+     .parse = parse_relief,
+     .help = "what to render, see below (default bricks)"},
+    {.name = "size",
+     .arg = "N|WxH",
+     .type = CLI_CUSTOM,
+     .value = options.size,
+     .parse = parse_size,
+     .help = "texels (default 64)"},
+    {.name = "truth",
+     .arg = "DIR",
+     .type = CLI_STRING,
+     .value = &options.truth,
+     .help = "also write the true positions, shifts, hidden points and shadows as .npy\nfiles, with a "
+             "README.txt"},
+    {.name = "format",
+     .type = CLI_CHOICE,
+     .value = &options.format,
+     .choices = "png|png16|jpeg|exr",
+     .help =
+         "8-bit sRGB PNG, 16-bit sRGB PNG, JPEG, or float OpenEXR, linear and not\nclipped (default png)"},
+    {.name = "quality",
+     .type = CLI_INT,
+     .value = &options.quality,
+     .minimum = 1,
+     .maximum = 100,
+     .help = "of JPEG (default 95)"},
+    {.name = "directions",
+     .arg = "LIST",
+     .type = CLI_STRING,
+     .value = &options.directions,
+     .help = "views and lights: ubo (81), ubo2014 (151), small (19), tiny (5), a number\n"
+             "of 1..256 on a spiral, or rings THETA:COUNT[:OFFSET],... (default ubo)"},
+    {.name = "views",
+     .arg = "LIST",
+     .type = CLI_STRING,
+     .value = &options.views,
+     .help = "views, where they differ from --directions"},
+    {.name = "lights",
+     .arg = "LIST",
+     .type = CLI_STRING,
+     .value = &options.lights,
+     .help = "lights, where they differ from --directions"},
+    {.name = "seed",
+     .type = CLI_INT,
+     .value = &options.seed,
+     .minimum = 0,
+     .maximum = INT_MAX,
+     .help = "another seed, another material of the kind (default 0)"},
+    {.name = "supersample",
+     .type = CLI_INT,
+     .value = &options.supersample,
+     .minimum = 1,
+     .maximum = 4,
+     .help = "rays along each side of a texel (default 2)"},
+    {.name = "grid",
+     .type = CLI_INT,
+     .value = &options.grid,
+     .minimum = 64,
+     .maximum = 4096,
+     .help = "cells along each side of the relief, a power of two (default 1024)"},
+    {.name = "threads",
+     .type = CLI_INT,
+     .value = &options.threads,
+     .minimum = 1,
+     .maximum = 256,
+     .help = "threads (default: all cores); the result does not depend on them"},
+    {.name = "quiet", .type = CLI_FLAG, .value = &options.quiet, .help = "no progress, no summary"},
+    {.type = CLI_END},
+};
+
+#define RELIEF_LINE(id, name, text) "\n  " name "\t" text
+
+static const cli_program program = {
+    .name = "btf-sample",
+    .usage = "-o DIR [options]",
+    .summary =
+        "Renders a BTF with known truth: a periodic relief with hard shadows, seen from every view under\n"
+        "every light, as images in the UBO2003 layout:\n"
+        "DIR/tvTTT_pvPPP/NNNNN tlTTT plPPP tvTTT pvPPP.png, NNNNN = views * light + view.",
+    .details = "Reliefs:" RELIEF_LIST(
+        RELIEF_LINE) "\n\n"
+                     "Values are radiance over (normal-incidence irradiance / pi), cosine included: a "
+                     "white Lambertian\n"
+                     "lit from l holds l.z. 8-bit and 16-bit images clip at 1.\n"
+                     "Exit codes: 0 ok, 1 usage, 2 I/O, 4 internal, 130 interrupted.",
+    .example = "btf-sample -o bricks --truth bricks-truth\n"
+               "btf-sample -o tiny --relief axes --size 32 --views 0:1,45:4 --lights small --format exr",
+    .options = table,
+};
+
+static btf_result make_folder(const char *path, btf_log log) {
+    char *part = strdup(path);
+    if (!part)
+        return BTF_ERROR_MEMORY;
+    int failed = 0;
+    for (char *at = part + 1; !failed; ++at)
+        if (*at == '/' || *at == '\0') {
+            char was = *at;
+            *at = '\0';
+            if (mkdir(part, 0777) != 0 && errno != EEXIST)
+                failed = errno;
+            *at = was;
+            if (!was)
+                break;
+        }
+    free(part);
+    enc_context context = {.log = log};
+    if (failed)
+        return enc_fail(&context, BTF_ERROR_IO, "%s: cannot make the folder: %s", path, strerror(failed));
+    return BTF_OK;
+}
+
+/* Least linear values that are coded as 1, 2 .. levels - 1 of sRGB (IEC 61966-2-1), round to nearest. */
+static void make_thresholds(int levels, double *out) {
+    for (int code = 1; code < levels; ++code) {
+        double coded = (code - 0.5) / (levels - 1);
+        out[code - 1] = coded <= 0.04045 ? coded / 12.92 : pow((coded + 0.055) / 1.055, 2.4);
+    }
+}
+
+/* How many thresholds lie at or below x: its code. */
+static int code_of(double x, const double *thresholds, int levels) {
+    int low = 0, high = levels - 1;
+    while (low < high) {
+        int middle = (low + high) / 2;
+        if (x >= thresholds[middle])
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/* What every view's job shares. */
+typedef struct job {
+    const sample_scene *scene;
+    sample_truth *truth; /* or NULL */
+    btf_log log;
+    double *thresholds; /* of the image format's depth */
+    int levels;         /* 256 or 65536 */
+} job;
+
+static btf_result write_image(const job *j, const char *path, const float *rgb, void *codes) {
+    const sample_options *o = sample_scene_options(j->scene);
+    const size_t count = 3 * (size_t)o->width * (size_t)o->height;
+    if (options.format == FORMAT_EXR)
+        return exr_image_write(path, o->width, o->height, rgb, false, j->log);
+    if (options.format == FORMAT_PNG16) {
+        unsigned short *wide = codes;
+        for (size_t i = 0; i < count; ++i)
+            wide[i] = (unsigned short)code_of(rgb[i], j->thresholds, j->levels);
+        return png_image_write16(path, o->width, o->height, wide, j->log);
+    }
+    unsigned char *bytes = codes;
+    for (size_t i = 0; i < count; ++i)
+        bytes[i] = (unsigned char)code_of(rgb[i], j->thresholds, j->levels);
+    if (options.format == FORMAT_JPEG)
+        return jpeg_image_write(path, o->width, o->height, bytes, options.quality, j->log);
+    return png_image_write8(path, o->width, o->height, bytes, j->log);
+}
+
+/* Renders one view and writes its images. images, codes: room for all images of a view, for one coded. */
+static btf_result write_view(const job *j, int view, float *images, void *codes) {
+    const sample_options *o = sample_scene_options(j->scene);
+    btf_result result = sample_scene_view(j->scene, view, images, j->truth);
+    if (result != BTF_OK || view == o->n_views)
+        return result;
+    char tv[16], pv[16], tl[16], pl[16], path[PATH_MAX];
+    directions_format_angle(o->views[view].theta, tv);
+    directions_format_angle(o->views[view].phi, pv);
+    snprintf(path, sizeof path, "%s/tv%s_pv%s", options.out, tv, pv);
+    result = make_folder(path, j->log);
+    for (int light = 0; light < o->n_lights && result == BTF_OK; ++light) {
+        directions_format_angle(o->lights[light].theta, tl);
+        directions_format_angle(o->lights[light].phi, pl);
+        snprintf(path, sizeof path, "%s/tv%s_pv%s/%05d tl%s pl%s tv%s pv%s.%s", options.out, tv, pv,
+                 o->n_views * light + view, tl, pl, tv, pv, EXTENSIONS[options.format]);
+        result = write_image(j, path, images + 3 * (size_t)light * o->width * o->height, codes);
+        if (result == BTF_OK && progress_cancelled())
+            result = BTF_ERROR_INTERRUPTED;
+    }
+    return result;
+}
+
+static btf_result write_views(const job *j, const enc_context *context) {
+    const sample_options *o = sample_scene_options(j->scene);
+    const size_t values = 3 * (size_t)o->width * o->height;
+    const int count = o->n_views + (j->truth ? 1 : 0);
+    btf_result result = BTF_OK;
+    enc_stage_begin(context, "render", (size_t)count);
+#pragma omp parallel num_threads(context->threads)
+    {
+        float *images = malloc(values * (size_t)o->n_lights * sizeof *images);
+        void *codes = malloc(values * sizeof(unsigned short));
+#pragma omp for schedule(dynamic)
+        for (int view = 0; view < count; ++view) {
+            btf_result so_far;
+#pragma omp critical(sample_write)
+            so_far = result;
+            if (so_far != BTF_OK)
+                continue;
+            btf_result one = !images || !codes        ? BTF_ERROR_MEMORY
+                             : enc_cancelled(context) ? BTF_ERROR_INTERRUPTED
+                                                      : write_view(j, view, images, codes);
+            if (one != BTF_OK) {
+#pragma omp critical(sample_write)
+                result = one;
+            }
+            enc_stage_step(context, 1);
+        }
+        free(images);
+        free(codes);
+    }
+    enc_stage_end(context);
+    if (result == BTF_ERROR_MEMORY)
+        enc_fail(context, result, "out of memory for the %d images of a view", o->n_lights);
+    return result;
+}
+
+static btf_result run(const enc_context *context) {
+    job j = {.log = context->log, .levels = options.format == FORMAT_PNG16 ? 65536 : 256};
+    sample_scene *scene = NULL;
+    enc_direction *views = NULL, *lights = NULL;
+    sample_options o = {.context = context,
+                        .relief = (relief_kind)options.relief,
+                        .seed = (uint32_t)options.seed,
+                        .width = options.size[0],
+                        .height = options.size[1],
+                        .supersample = options.supersample,
+                        .grid = options.grid};
+    btf_result result =
+        directions_parse(context, options.views ? options.views : options.directions, &views, &o.n_views);
+    if (result == BTF_OK)
+        result = directions_parse(context, options.lights ? options.lights : options.directions, &lights,
+                                  &o.n_lights);
+    o.views = views;
+    o.lights = lights;
+    if (result == BTF_OK && strlen(options.out) > PATH_MAX - 128)
+        result = enc_fail(context, BTF_ERROR_USAGE, "-o: the path is longer than %d", PATH_MAX - 128);
+    if (result == BTF_OK)
+        result = make_folder(options.out, context->log);
+    if (result == BTF_OK && options.truth)
+        result = make_folder(options.truth, context->log);
+    if (result == BTF_OK)
+        result = sample_scene_create(&o, &scene);
+    if (result == BTF_OK && options.truth)
+        result = sample_truth_create(scene, &j.truth);
+    if (result == BTF_OK) {
+        j.scene = scene;
+        j.thresholds = malloc((size_t)j.levels * sizeof *j.thresholds);
+        result = j.thresholds ? BTF_OK : enc_fail(context, BTF_ERROR_MEMORY, "out of memory");
+    }
+    if (result == BTF_OK) {
+        make_thresholds(j.levels, j.thresholds);
+        result = write_views(&j, context);
+    }
+    if (result == BTF_OK && j.truth)
+        result = truth_files_write(scene, j.truth, options.truth);
+    if (result == BTF_OK && !options.quiet)
+        printf("%s: %s, %dx%d texels, %d views, %d lights, depth %.4f%s%s\n", options.out,
+               relief_kind_name(o.relief), o.width, o.height, o.n_views, o.n_lights,
+               sample_scene_relief(scene)->depth, options.truth ? ", truth in " : "",
+               options.truth ? options.truth : "");
+    free(j.thresholds);
+    sample_truth_destroy(&j.truth);
+    sample_scene_destroy(&scene);
+    free(views);
+    free(lights);
+    return result;
+}
+
+int main(int argc, char **argv) {
+    cli_arguments arguments;
+    int exit_code;
+    if (!cli_parse(&program, argc, argv, &arguments, &exit_code))
+        return exit_code;
+    if (!options.out || !*options.out)
+        return cli_finish(&program, cli_error(&program, BTF_ERROR_USAGE, "-o DIR is missing"));
+    progress *p = progress_create(options.quiet);
+    if (!p)
+        return cli_finish(&program, cli_error(&program, BTF_ERROR_MEMORY, "out of memory"));
+    enc_context context = {.log = cli_log(&program, options.quiet),
+                           .progress = p,
+                           .threads = options.threads ? options.threads : omp_get_num_procs()};
+    btf_result result = run(&context);
+    progress_destroy(&p);
+    return cli_finish(&program, result);
+}
