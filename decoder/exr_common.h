@@ -1,0 +1,31 @@
+/* OpenBTF: what reading and writing OpenEXR files share.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_EXR_COMMON_H
+#define OPENBTF_EXR_COMMON_H
+
+#include "internal.h"
+#include <openexr.h>
+
+/* Words of attributes, by value of the enumeration. */
+extern const char *const btfi_layout_words[2]; /* btf_layout */
+extern const char *const btfi_domain_words[2]; /* btf_domain */
+extern const char *const btfi_colour_words[3]; /* btf_colour */
+
+/* "shadow,shift" for a mask of effects; "" for none. size >= 40. */
+void btfi_effects_text(uint32_t effects, char *buffer, size_t size);
+
+/* OpenEXR's last message; stands first in the user data of every context. */
+typedef struct btfi_exr_messages {
+    char last[256];
+} btfi_exr_messages;
+
+void btfi_exr_keep_message(exr_const_context_t context, exr_result_t code, const char *message);
+
+/* The half of an integer -128..255. */
+uint16_t btfi_half_from_int(int value);
+/* The integer that a half holds, or INT32_MIN when it holds none. */
+int32_t btfi_int_from_half(uint16_t bits);
+
+#endif

@@ -1,0 +1,304 @@
+/* OpenBTF: reading the header attributes of a file.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "header.h"
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A string of provenance longer than this is refused. */
+enum { MAX_STRING = 1 << 20 };
+
+/* The first error sticks, and makes the rest do nothing. */
+typedef struct reader {
+    exr_const_context_t context;
+    const btf_log *log;
+    btf_result result;
+} reader;
+
+static void __attribute__((format(printf, 2, 3))) refuse(reader *r, const char *format, ...) {
+    char message[512];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(message, sizeof message, format, arguments);
+    va_end(arguments);
+    if (!r->result)
+        r->result = btfi_fail(r->log, BTF_ERROR_BAD_FILE, "%s", message);
+}
+
+/* The attribute, or NULL when it is absent (refused if required) or of another type (refused). */
+static const exr_attribute_t *find(reader *r, const char *name, exr_attribute_type_t type,
+                                   const char *type_name, bool required) {
+    const exr_attribute_t *attribute = NULL;
+    if (r->result)
+        return NULL;
+    if (exr_get_attribute_by_name(r->context, 0, name, &attribute) != EXR_ERR_SUCCESS || !attribute) {
+        if (required)
+            refuse(r, "attribute %s is missing", name);
+        return NULL;
+    }
+    if (attribute->type != type) {
+        refuse(r, "attribute %s is of type %s, not %s", name,
+               attribute->type_name ? attribute->type_name : "unknown", type_name);
+        return NULL;
+    }
+    return attribute;
+}
+
+static uint32_t get_int(reader *r, const char *name, int32_t low, int32_t high) {
+    const exr_attribute_t *attribute = find(r, name, EXR_ATTR_INT, "int", true);
+    if (!attribute)
+        return 0;
+    if (attribute->i < low || attribute->i > high) {
+        refuse(r, "attribute %s is %d, not within %d to %d", name, (int)attribute->i, (int)low, (int)high);
+        return 0;
+    }
+    return (uint32_t)attribute->i;
+}
+
+static float get_float(reader *r, const char *name) {
+    const exr_attribute_t *attribute = find(r, name, EXR_ATTR_FLOAT, "float", true);
+    return attribute ? attribute->f : 0;
+}
+
+/* The text up to its first zero; *out_length without it. NULL when absent. */
+static const char *get_string(reader *r, const char *name, bool required, size_t *out_length) {
+    const exr_attribute_t *attribute = find(r, name, EXR_ATTR_STRING, "string", required);
+    *out_length = 0;
+    if (!attribute || !attribute->string || !attribute->string->str || attribute->string->length < 0)
+        return attribute ? "" : NULL;
+    if (attribute->string->length > MAX_STRING) {
+        refuse(r, "attribute %s of %d bytes exceeds %d", name, (int)attribute->string->length, MAX_STRING);
+        return NULL;
+    }
+    *out_length = strnlen(attribute->string->str, (size_t)attribute->string->length);
+    return attribute->string->str;
+}
+
+static int get_word(reader *r, const char *name, const char *const *words, int count) {
+    size_t length;
+    const char *text = get_string(r, name, true, &length);
+    if (!text)
+        return 0;
+    for (int i = 0; i < count; i++)
+        if (strlen(words[i]) == length && !memcmp(words[i], text, length))
+            return i;
+    refuse(r, "attribute %s is \"%.*s\", which is unknown", name, length < 40 ? (int)length : 40, text);
+    return 0;
+}
+
+static char *get_provenance(reader *r, const char *name) {
+    size_t length;
+    const char *text = get_string(r, name, false, &length);
+    if (r->result)
+        return NULL;
+    char *copy = btfi_copy_string(text, text ? length : 0);
+    if (!copy)
+        r->result = btfi_fail(r->log, BTF_ERROR_MEMORY, "out of memory for attribute %s", name);
+    return copy;
+}
+
+static uint32_t get_effects(reader *r) {
+    const char *const name = "openbtf.effects";
+    size_t length;
+    const char *text = get_string(r, name, true, &length);
+    if (!text)
+        return 0;
+    uint32_t effects = 0;
+    size_t at = 0;
+    for (int i = 0; btfi_effect_name(i) && at < length; i++) {
+        const char *word = btfi_effect_name(i);
+        size_t size = strlen(word);
+        if (length - at < size || memcmp(text + at, word, size) ||
+            (at + size < length && (text[at + size] != ',' || at + size + 1 == length)))
+            continue;
+        effects |= 1u << i;
+        at += size + (at + size < length);
+    }
+    if (at < length)
+        refuse(r, "attribute %s is \"%.*s\": unknown, repeated or out of order from \"%.*s\" on", name,
+               length < 60 ? (int)length : 60, text, length - at < 20 ? (int)(length - at) : 20, text + at);
+    return effects;
+}
+
+/* Numbers of a floatvector; *out_count is a multiple of `group`, at most group * most. NULL when absent. */
+static const float *get_floats(reader *r, const char *name, bool required, size_t group, size_t most,
+                               size_t *out_count) {
+    const exr_attribute_t *attribute = find(r, name, EXR_ATTR_FLOAT_VECTOR, "floatvector", required);
+    *out_count = 0;
+    if (!attribute)
+        return NULL;
+    const exr_attr_float_vector_t *v = attribute->floatvector;
+    size_t count = v && v->length > 0 && v->arr ? (size_t)v->length : 0;
+    if (count == 0 || count % group != 0 || count > group * most) {
+        refuse(r, "attribute %s holds %zu numbers, not 1 to %zu times %zu", name, count, most, group);
+        return NULL;
+    }
+    *out_count = count;
+    return v->arr;
+}
+
+static void out_of_memory(reader *r, const char *name) {
+    r->result = btfi_fail(r->log, BTF_ERROR_MEMORY, "out of memory for attribute %s", name);
+}
+
+/* Copies integers 0..high. `out` has elements of 1 or 2 bytes. */
+static void *copy_integers(reader *r, const char *name, const float *values, size_t count, unsigned high,
+                           size_t element) {
+    void *out = malloc(count * element);
+    if (!out) {
+        out_of_memory(r, name);
+        return NULL;
+    }
+    for (size_t i = 0; i < count; i++) {
+        if (!(values[i] >= 0 && values[i] <= (float)high) || values[i] != floorf(values[i])) {
+            refuse(r, "attribute %s: number %zu is %g, not an integer within 0 to %u", name, i,
+                   (double)values[i], high);
+            free(out);
+            return NULL;
+        }
+        if (element == 1)
+            ((uint8_t *)out)[i] = (uint8_t)values[i];
+        else
+            ((uint16_t *)out)[i] = (uint16_t)values[i];
+    }
+    return out;
+}
+
+static void *get_integers(reader *r, const char *name, bool required, size_t group, size_t most,
+                          unsigned high, size_t element, size_t *out_count) {
+    const float *values = get_floats(r, name, required, group, most, out_count);
+    return values ? copy_integers(r, name, values, *out_count, high, element) : NULL;
+}
+
+static void get_directions(reader *r, const char *list, const char *one, btfi_directions *d) {
+    char name[64];
+    size_t count;
+    const btfi_check check = {r->log, BTF_ERROR_BAD_FILE};
+#define NAME(format, word) (snprintf(name, sizeof name, "openbtf." format, word), name)
+    const float *xyz = get_floats(r, NAME("%s", list), true, 3, BTF_MAX_DIRECTIONS, &count);
+    if (!xyz)
+        return;
+    d->count = (uint32_t)(count / 3);
+    d->xyz = malloc(count * sizeof *d->xyz);
+    if (!d->xyz) {
+        out_of_memory(r, name);
+        return;
+    }
+    memcpy(d->xyz, xyz, count * sizeof *xyz);
+    d->vertices = get_integers(r, NAME("%sVertices", one), true, 2, d->count, 2 * BTFI_PLANE, 2, &count);
+    if (!r->result && count != 2 * (size_t)d->count)
+        refuse(r, "attribute %s holds %zu numbers, not 2 for each of %u directions", name, count,
+               (unsigned)d->count);
+    const unsigned last = d->count - 1;
+    d->triangles =
+        get_integers(r, NAME("%sTriangles", one), false, 3, 2 * (size_t)d->count, last, 1, &count);
+    d->triangle_count = (uint32_t)(count / 3);
+    d->hull = get_integers(r, NAME("%sHull", one), false, 1, 2 * (size_t)d->count, last, 1, &count);
+    d->hull_count = (uint32_t)count;
+    d->grid = get_int(r, NAME("%sGrid", one), 1, BTFI_MAX_GRID);
+    d->cells =
+        get_integers(r, NAME("%sCells", one), true, 1, BTFI_MAX_GRID * BTFI_MAX_GRID + BTFI_MAX_RECORDS,
+                     BTFI_MAX_RECORDS, 2, &d->cells_length);
+#undef NAME
+    if (!r->result)
+        r->result = btfi_directions_check(&check, list, d);
+    if (!r->result)
+        r->result = btfi_directions_make_table(r->log, d);
+}
+
+static void get_errors(reader *r, btf_material *m) {
+    size_t count;
+    const float *rows = get_floats(r, "openbtf.errors", false, 4, 4096, &count);
+    if (!rows)
+        return;
+    m->errors = malloc(count / 4 * sizeof *m->errors);
+    if (!m->errors) {
+        out_of_memory(r, "openbtf.errors");
+        return;
+    }
+    for (size_t i = 0; i < count / 4; i++, rows += 4) {
+        if (!(rows[0] >= 0 && rows[0] <= BTF_EFFECT_ALL) || rows[0] != floorf(rows[0])) {
+            refuse(r, "attribute openbtf.errors: row %zu has effects %g", i, (double)rows[0]);
+            return;
+        }
+        m->errors[i] = (btf_material_error){(uint32_t)rows[0], rows[1], rows[2], rows[3]};
+    }
+    m->error_count = count / 4;
+    r->result = btfi_check_errors(&(btfi_check){r->log, BTF_ERROR_BAD_FILE}, m->errors, m->error_count);
+}
+
+static void get_scales(reader *r, uint32_t components, float **out_scales) {
+    const char *const name = "openbtf.residualScales";
+    size_t count;
+    if (components == 0) {
+        if (!r->result && find(r, name, EXR_ATTR_FLOAT_VECTOR, "floatvector", false))
+            refuse(r, "attribute %s without the effect residual", name);
+        return;
+    }
+    const float *scales = get_floats(r, name, true, 1, BTF_MAX_COMPONENTS, &count);
+    if (!scales)
+        return;
+    if (count != components) {
+        refuse(r, "attribute %s holds %zu numbers for %u components", name, count, (unsigned)components);
+        return;
+    }
+    *out_scales = malloc(count * sizeof *scales);
+    if (!*out_scales)
+        out_of_memory(r, name);
+    else
+        memcpy(*out_scales, scales, count * sizeof *scales);
+}
+
+static void get_version(reader *r) {
+    const exr_attribute_t *attribute = NULL;
+    if (exr_get_attribute_by_name(r->context, 0, "openbtf.version", &attribute) != EXR_ERR_SUCCESS ||
+        !attribute) {
+        refuse(r, "no OpenBTF material: attribute openbtf.version is missing");
+    } else if (attribute->type == EXR_ATTR_INT && attribute->i > BTF_FORMAT_VERSION) {
+        r->result = btfi_fail(r->log, BTF_ERROR_UNSUPPORTED,
+                              "format version %d is above %d, which this library reads", (int)attribute->i,
+                              BTF_FORMAT_VERSION);
+    } else {
+        get_int(r, "openbtf.version", 1, BTF_FORMAT_VERSION);
+    }
+}
+
+btf_result btfi_header_read(exr_const_context_t context, const btf_log *log, btf_material *m,
+                            float **out_scales) {
+    reader r = {context, log, BTF_OK};
+    btf_material_info *info = &m->info;
+    get_version(&r);
+    info->layout = (btf_layout)get_word(&r, "openbtf.layout", btfi_layout_words, 2);
+    info->domain = (btf_domain)get_word(&r, "openbtf.domain", btfi_domain_words, 2);
+    info->width = get_int(&r, "openbtf.width", 1, BTF_MAX_SIZE);
+    info->height = get_int(&r, "openbtf.height", 1, BTF_MAX_SIZE);
+    info->effects = get_effects(&r);
+    info->lobes = get_int(&r, "openbtf.lobes", 0, BTF_MAX_LOBES);
+    info->colour = (btf_colour)get_word(&r, "openbtf.colour", btfi_colour_words, 3);
+    info->centres = get_int(&r, "openbtf.centres", 0, BTF_MAX_CENTRES);
+    info->components = get_int(&r, "openbtf.residual", 0, BTF_MAX_COMPONENTS);
+    info->radiance_scale = get_float(&r, "openbtf.radianceScale");
+    info->shadow_scale = get_float(&r, "openbtf.shadowScale");
+    info->gain_scale = get_float(&r, "openbtf.gainScale");
+    info->centre_scale = get_float(&r, "openbtf.centreScale");
+    if (!r.result && info->layout == BTF_LAYOUT_PAPER) {
+        info->atlas_width = get_int(&r, "openbtf.atlasWidth", 1, BTF_MAX_SIZE);
+        info->atlas_height = get_int(&r, "openbtf.atlasHeight", 1, BTF_MAX_SIZE);
+    }
+    get_directions(&r, "views", "view", &m->views);
+    get_directions(&r, "lights", "light", &m->lights);
+    info->n_views = m->views.count;
+    info->n_lights = m->lights.count;
+    if (!r.result)
+        r.result = btfi_check_info(&(btfi_check){log, BTF_ERROR_BAD_FILE}, info);
+    get_scales(&r, info->components, out_scales);
+    m->method = get_provenance(&r, "openbtf.method");
+    m->options = get_provenance(&r, "openbtf.options");
+    m->source = get_provenance(&r, "openbtf.source");
+    get_errors(&r, m);
+    return r.result;
+}

@@ -1,0 +1,210 @@
+/* OpenBTF: a material in memory: made from an encoder's textures, looked into, freed.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "internal.h"
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+btf_result btfi_fail(const btf_log *log, btf_result result, const char *format, ...) {
+    if (log && log->callback) {
+        char message[1024];
+        va_list arguments;
+        va_start(arguments, format);
+        vsnprintf(message, sizeof message, format, arguments);
+        va_end(arguments);
+        log->callback(log->user, BTF_LOG_ERROR, message);
+    }
+    return result;
+}
+
+char *btfi_copy_string(const char *text, size_t length) {
+    char *copy = malloc(length + 1);
+    if (copy) {
+        if (length)
+            memcpy(copy, text, length);
+        copy[length] = 0;
+    }
+    return copy;
+}
+
+void btf_free(void *pointer) {
+    free(pointer);
+}
+
+btf_material *btfi_material_new(void) {
+    return calloc(1, sizeof(btf_material));
+}
+
+void btf_material_close(btf_material **material) {
+    if (!material || !*material)
+        return;
+    btf_material *m = *material;
+    for (int id = 0; id < BTF_TEXTURE_COUNT; id++)
+        free(m->texture[id]);
+    btfi_directions_clear(&m->views);
+    btfi_directions_clear(&m->lights);
+    free(m->errors);
+    free(m->method);
+    free(m->options);
+    free(m->source);
+    free(m);
+    *material = NULL;
+}
+
+btf_result btfi_material_allocate(const btf_log *log, btf_material *m) {
+    for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
+        size_t size = btf_material_texture_shape(&m->info, (btf_texture_id)id).size;
+        if (size == 0)
+            continue;
+        m->texture[id] = calloc(1, size);
+        if (!m->texture[id])
+            return btfi_fail(log, BTF_ERROR_MEMORY, "%s: out of memory for %zu bytes",
+                             btf_texture_name((btf_texture_id)id), size);
+    }
+    return BTF_OK;
+}
+
+void btfi_material_finish(btf_material *m) {
+    m->info.struct_size = sizeof m->info;
+    m->info.gpu_bytes = btfi_gpu_bytes(&m->info);
+    m->info.table_bytes = btf_material_texture(m, BTF_TEXTURE_VIEW_TABLE).size +
+                          btf_material_texture(m, BTF_TEXTURE_LIGHT_TABLE).size +
+                          btf_material_texture(m, BTF_TEXTURE_RESIDUAL_SCALES).size;
+    m->info.method = m->method;
+    m->info.options = m->options;
+    m->info.source = m->source;
+}
+
+btf_result btf_material_get_info(const btf_material *material, btf_material_info *out_info) {
+    size_t size = out_info->struct_size;
+    if (size < sizeof size)
+        return BTF_ERROR_USAGE;
+    size_t filled = size < sizeof material->info ? size : sizeof material->info;
+    memcpy(out_info, &material->info, filled);
+    out_info->struct_size = size;
+    return BTF_OK;
+}
+
+static btf_texture table_texture(const btfi_directions *d) {
+    btf_texture texture = {.format = BTF_FORMAT_RGBA16UI,
+                           .width = BTFI_TABLE_WIDTH,
+                           .height = d->table_height,
+                           .layers = 1,
+                           .data = d->table};
+    texture.size = (size_t)texture.width * texture.height * btf_format_size(texture.format);
+    return texture;
+}
+
+btf_texture btf_material_texture(const btf_material *material, btf_texture_id id) {
+    if (id == BTF_TEXTURE_VIEW_TABLE)
+        return table_texture(&material->views);
+    if (id == BTF_TEXTURE_LIGHT_TABLE)
+        return table_texture(&material->lights);
+    btf_texture texture = btf_material_texture_shape(&material->info, id);
+    if (texture.format != BTF_FORMAT_NONE)
+        texture.data = material->texture[id];
+    return texture;
+}
+
+static btf_directions public_directions(const btfi_directions *d) {
+    return (btf_directions){
+        .count = d->count,
+        .xyz = d->xyz,
+        .vertices = d->vertices,
+        .triangle_count = d->triangle_count,
+        .triangles = d->triangles,
+        .hull_count = d->hull_count,
+        .hull = d->hull,
+        .grid = d->grid,
+        .cells = d->cells,
+        .cells_length = d->cells_length,
+    };
+}
+
+btf_directions btf_material_views(const btf_material *material) {
+    return public_directions(&material->views);
+}
+
+btf_directions btf_material_lights(const btf_material *material) {
+    return public_directions(&material->lights);
+}
+
+const btf_material_error *btf_material_errors(const btf_material *material, size_t *out_count) {
+    *out_count = material->error_count;
+    return material->error_count ? material->errors : NULL;
+}
+
+/* Copies the caller's textures: those that info calls for must be there, others must not. */
+static btf_result copy_textures(const btf_material_desc *desc, const btf_log *log, btf_material *m) {
+    for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
+        size_t size = btf_material_texture_shape(&m->info, (btf_texture_id)id).size;
+        const char *name = btf_texture_name((btf_texture_id)id);
+        if (size == 0 && desc->texture[id])
+            return btfi_fail(log, BTF_ERROR_USAGE, "%s: given, but the material has no such texture", name);
+        if (size != 0 && !desc->texture[id])
+            return btfi_fail(log, BTF_ERROR_USAGE, "%s: missing, %zu bytes", name, size);
+    }
+    btf_result result = btfi_material_allocate(log, m);
+    if (result)
+        return result;
+    for (int id = 0; id < BTF_TEXTURE_COUNT; id++)
+        if (m->texture[id])
+            memcpy(m->texture[id], desc->texture[id],
+                   btf_material_texture_shape(&m->info, (btf_texture_id)id).size);
+    return BTF_OK;
+}
+
+static btf_result copy_provenance(const btf_material_desc *desc, const btf_log *log, btf_material *m) {
+    const char *method = desc->info.method ? desc->info.method : "";
+    const char *options = desc->info.options ? desc->info.options : "";
+    const char *source = desc->info.source ? desc->info.source : "";
+    m->method = btfi_copy_string(method, strlen(method));
+    m->options = btfi_copy_string(options, strlen(options));
+    m->source = btfi_copy_string(source, strlen(source));
+    if (desc->error_count) {
+        m->errors = calloc(desc->error_count, sizeof *m->errors);
+        if (m->errors)
+            memcpy(m->errors, desc->errors, desc->error_count * sizeof *m->errors);
+    }
+    m->error_count = desc->error_count;
+    if (!m->method || !m->options || !m->source || (desc->error_count && !m->errors))
+        return btfi_fail(log, BTF_ERROR_MEMORY, "out of memory for the material's provenance");
+    return BTF_OK;
+}
+
+btf_result btf_material_create(const btf_material_desc *desc, const btf_log *log,
+                               btf_material **out_material) {
+    const btfi_check check = {log, BTF_ERROR_USAGE};
+    *out_material = NULL;
+    if (desc->struct_size != sizeof *desc)
+        return btfi_fail(log, BTF_ERROR_USAGE, "struct_size is %zu, not %zu", desc->struct_size,
+                         sizeof *desc);
+    if (!desc->views || !desc->lights)
+        return btfi_fail(log, BTF_ERROR_USAGE, "%s: missing", desc->views ? "lights" : "views");
+    if (desc->error_count && !desc->errors)
+        return btfi_fail(log, BTF_ERROR_USAGE, "errors: %zu rows, but no data", desc->error_count);
+    btf_result result = btfi_check_info(&check, &desc->info);
+    if (result)
+        return result;
+
+    btf_material *m = btfi_material_new();
+    if (!m)
+        return btfi_fail(log, BTF_ERROR_MEMORY, "out of memory for a material");
+    m->info = desc->info;
+    m->info.half_float = m->info.half_float && m->info.colour != BTF_COLOUR_NONE;
+    if ((result = copy_textures(desc, log, m)) ||
+        (result = btfi_check_values(&check, &m->info, m->texture)) ||
+        (result = btfi_directions_build(&check, "views", m->info.n_views, desc->views, &m->views)) ||
+        (result = btfi_directions_build(&check, "lights", m->info.n_lights, desc->lights, &m->lights)) ||
+        (result = btfi_check_errors(&check, desc->errors, desc->error_count)) ||
+        (result = copy_provenance(desc, log, m))) {
+        btf_material_close(&m);
+        return result;
+    }
+    btfi_material_finish(m);
+    *out_material = m;
+    return BTF_OK;
+}

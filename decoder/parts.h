@@ -1,0 +1,58 @@
+/* OpenBTF: how textures lie in the parts of a file (FORMAT.md sections 2 to 4); reader and writer share it.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_PARTS_H
+#define OPENBTF_PARTS_H
+
+#include "internal.h"
+
+enum { BTFI_MAX_PARTS = 8, BTFI_MAX_CHANNELS = 3 + 7 * BTF_MAX_LOBES };
+
+/* How a channel's values are stored. */
+typedef enum btfi_storage {
+    BTFI_STORAGE_UINT8, /* HALF in the file, 0..255 */
+    BTFI_STORAGE_INT8,  /* HALF in the file, -127..127 */
+    BTFI_STORAGE_HALF,
+    BTFI_STORAGE_FLOAT,
+} btfi_storage;
+
+/* A channel, and the layer and component of the texture that it fills (in a contact sheet, `layer` is not
+ * used). */
+typedef struct btfi_channel {
+    char name[20];
+    uint16_t layer, component;
+} btfi_channel;
+
+/* One part and its texture. */
+typedef struct btfi_part {
+    const char *name;
+    btf_texture_id id;
+    btf_texture shape;
+    btfi_storage storage;
+    uint32_t width, height; /* of the part's image */
+    uint32_t columns;       /* of the contact sheet; 1 when it is none */
+    uint32_t layers;        /* in the contact sheet; 1 when it is none */
+    int channel_count;
+    btfi_channel channels[BTFI_MAX_CHANNELS];
+} btfi_part;
+
+/* Lists the parts of a material with this (checked) info in the order in which they are written; returns
+ * their number. */
+int btfi_parts(const btf_material_info *info, btfi_part parts[BTFI_MAX_PARTS]);
+
+/* A run of texels: `count` pixels of a channel from (x, y) on, at elements offset, offset + stride, ... of
+ * the texture. Blank runs of a contact sheet have no texels. */
+typedef struct btfi_run {
+    bool blank;
+    uint32_t count;
+    size_t offset, stride;
+} btfi_run;
+
+btfi_run btfi_part_run(const btfi_part *part, int channel, uint32_t x, uint32_t y);
+
+/* Bytes of a texture element, and of a pixel of the file. */
+size_t btfi_storage_size(btfi_storage storage);
+size_t btfi_pixel_size(btfi_storage storage);
+
+#endif

@@ -1,0 +1,91 @@
+/* OpenBTF: a material to a file: to a temporary name beside it, then renamed, so that no half file is ever
+ * seen.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "internal.h"
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static bool write_data(int fd, const uint8_t *data, size_t size) {
+    while (size > 0) {
+        ssize_t written = write(fd, data, size < (1u << 30) ? size : (1u << 30));
+        if (written < 0 && errno == EINTR)
+            continue;
+        if (written <= 0) {
+            errno = written == 0 ? ENOSPC : errno;
+            return false;
+        }
+        data += written;
+        size -= (size_t)written;
+    }
+    return true;
+}
+
+static btf_result fail_io(const btf_log *log, const char *path, int error) {
+    return btfi_fail(log, BTF_ERROR_IO, "%s: %s", path, strerror(error));
+}
+
+/* A device or a pipe is written as it is. */
+static btf_result write_special(const btf_log *log, const char *path, const void *data, size_t size) {
+    int fd = open(path, O_WRONLY | O_CLOEXEC);
+    if (fd < 0)
+        return fail_io(log, path, errno);
+    bool good = write_data(fd, data, size);
+    int error = errno;
+    if (close(fd) != 0 && good) {
+        good = false;
+        error = errno;
+    }
+    return good ? BTF_OK : fail_io(log, path, error);
+}
+
+static btf_result write_file(const btf_log *log, const char *path, const void *data, size_t size) {
+    struct stat status;
+    if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))
+        return S_ISDIR(status.st_mode) ? fail_io(log, path, EISDIR) : write_special(log, path, data, size);
+
+    size_t room = strlen(path) + 40;
+    char *temporary = malloc(room);
+    if (!temporary)
+        return btfi_fail(log, BTF_ERROR_MEMORY, "out of memory");
+    int fd = -1;
+    for (int i = 0; i < 100 && fd < 0; i++) {
+        snprintf(temporary, room, "%s.%ld-%d.part", path, (long)getpid(), i);
+        fd = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (fd < 0 && errno != EEXIST)
+            break;
+    }
+    if (fd < 0) {
+        btf_result result = fail_io(log, path, errno);
+        free(temporary);
+        return result;
+    }
+    int error = 0;
+    if (!write_data(fd, data, size) || (fsync(fd) != 0 && errno != EINVAL && errno != EROFS))
+        error = errno;
+    if (close(fd) != 0 && !error)
+        error = errno;
+    if (!error && rename(temporary, path) != 0)
+        error = errno;
+    if (error)
+        unlink(temporary);
+    free(temporary);
+    return error ? fail_io(log, path, error) : BTF_OK;
+}
+
+btf_result btf_material_save(const btf_material *material, const char *path, const btf_log *log) {
+    void *data;
+    size_t size;
+    btf_result result = btf_material_save_memory(material, log, &data, &size);
+    if (result)
+        return result;
+    result = write_file(log, path, data, size);
+    btf_free(data);
+    return result;
+}

@@ -1,0 +1,243 @@
+/* OpenBTF: formats, names and shapes of the textures (FORMAT.md section 3), and what a header may say.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "internal.h"
+#include <assert.h>
+
+static const char *const texture_names[BTF_TEXTURE_COUNT] = {
+    "sbrdf",
+    "maps",
+    "shadow",
+    "shift",
+    "gain",
+    "centres",
+    "residual_texels",
+    "residual_directions",
+    "residual_scales",
+    "view_table",
+    "light_table",
+};
+
+static const char *const effect_names[] = {"shadow", "shift", "hidden", "gain", "residual"};
+
+const char *btfi_effect_name(int index) {
+    int count = (int)(sizeof effect_names / sizeof *effect_names);
+    return index >= 0 && index < count ? effect_names[index] : NULL;
+}
+
+uint32_t btfi_format_channels(btf_format format) {
+    switch (format) {
+    case BTF_FORMAT_NONE:
+        return 0;
+    case BTF_FORMAT_R8UI:
+        return 1;
+    case BTF_FORMAT_RG8UI:
+        return 2;
+    case BTF_FORMAT_RGBA8UI:
+    case BTF_FORMAT_RGBA8I:
+    case BTF_FORMAT_RGBA16UI:
+    case BTF_FORMAT_RGBA16F:
+    case BTF_FORMAT_RGBA32F:
+        return 4;
+    }
+    return 0;
+}
+
+size_t btf_format_size(btf_format format) {
+    switch (format) {
+    case BTF_FORMAT_RGBA16UI:
+    case BTF_FORMAT_RGBA16F:
+        return 8;
+    case BTF_FORMAT_RGBA32F:
+        return 16;
+    default:
+        return btfi_format_channels(format);
+    }
+}
+
+const char *btf_texture_name(btf_texture_id id) {
+    return (unsigned)id < BTF_TEXTURE_COUNT ? texture_names[id] : "unknown";
+}
+
+static uint32_t ceil_div(uint32_t a, uint32_t b) {
+    return (a + b - 1) / b;
+}
+
+static btf_texture shape(btf_format format, int is_array, uint32_t width, uint32_t height,
+                         uint32_t layers) {
+    btf_texture texture = {
+        .format = format, .is_array = is_array, .width = width, .height = height, .layers = layers};
+    texture.size = (size_t)width * height * layers * btf_format_size(format);
+    return texture;
+}
+
+btf_texture btf_material_texture_shape(const btf_material_info *info, btf_texture_id id) {
+    const btf_texture none = {0};
+    const uint32_t w = info->width, h = info->height, effects = info->effects;
+    const bool tight = info->layout == BTF_LAYOUT_TIGHT;
+    const uint32_t quads = ceil_div(info->components, 4);
+
+    switch (id) {
+    case BTF_TEXTURE_SBRDF: {
+        if (info->colour == BTF_COLOUR_NONE)
+            return none;
+        uint32_t lead = info->colour == BTF_COLOUR_MONO ? 1 : ceil_div(3 + 3 * info->lobes, 4);
+        return shape(info->half_float ? BTF_FORMAT_RGBA16F : BTF_FORMAT_RGBA32F, 1, w, h,
+                     lead + info->lobes);
+    }
+    case BTF_TEXTURE_MAPS:
+        return tight ? none : shape(BTF_FORMAT_RGBA8UI, 0, info->atlas_width, info->atlas_height, 1);
+    case BTF_TEXTURE_SHADOW:
+        return tight && effects & BTF_EFFECT_SHADOW ? shape(BTF_FORMAT_R8UI, 1, w, h, info->n_lights)
+                                                    : none;
+    case BTF_TEXTURE_SHIFT:
+        return tight && effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN)
+                   ? shape(BTF_FORMAT_RG8UI, 1, w, h, info->n_views)
+                   : none;
+    case BTF_TEXTURE_GAIN:
+        return tight && effects & (BTF_EFFECT_GAIN | BTF_EFFECT_HIDDEN)
+                   ? shape(BTF_FORMAT_R8UI, 1, w, h, info->n_views)
+                   : none;
+    case BTF_TEXTURE_CENTRES: {
+        if (!tight || !(effects & BTF_EFFECT_HIDDEN) || info->centres == 0)
+            return none;
+        uint32_t blocks = ceil_div(info->centres, 4096);
+        return shape(BTF_FORMAT_RGBA8UI, 0, info->n_lights * blocks, ceil_div(info->centres, blocks), 1);
+    }
+    case BTF_TEXTURE_RESIDUAL_TEXELS:
+        return effects & BTF_EFFECT_RESIDUAL ? shape(BTF_FORMAT_RGBA8I, 1, w, h, quads) : none;
+    case BTF_TEXTURE_RESIDUAL_DIRECTIONS:
+        return effects & BTF_EFFECT_RESIDUAL
+                   ? shape(BTF_FORMAT_RGBA8I, 1, info->n_lights, info->n_views, 3 * quads)
+                   : none;
+    case BTF_TEXTURE_RESIDUAL_SCALES:
+        return effects & BTF_EFFECT_RESIDUAL ? shape(BTF_FORMAT_RGBA32F, 0, quads, 1, 1) : none;
+    case BTF_TEXTURE_VIEW_TABLE:
+    case BTF_TEXTURE_LIGHT_TABLE:
+    case BTF_TEXTURE_COUNT:
+        return none;
+    }
+    return none;
+}
+
+size_t btfi_gpu_bytes(const btf_material_info *info) {
+    size_t bytes = 0;
+    for (int id = 0; id < BTF_TEXTURE_COUNT; id++)
+        if (id != BTF_TEXTURE_RESIDUAL_SCALES)
+            bytes += btf_material_texture_shape(info, (btf_texture_id)id).size;
+    return bytes;
+}
+
+static bool is_power_of_two(uint32_t n) {
+    return n != 0 && (n & (n - 1)) == 0;
+}
+
+static btf_result check_scale(const btfi_check *check, const char *name, float value) {
+    if (value > 0 && btfi_is_parameter(value))
+        return BTF_OK;
+    return btfi_fail(check->log, check->code, "%s %g is not within 2^-24 to 2^24", name, (double)value);
+}
+
+static btf_result check_effects(const btfi_check *check, const btf_material_info *info) {
+    if (info->effects & ~(uint32_t)BTF_EFFECT_ALL)
+        return btfi_fail(check->log, check->code, "effects 0x%x has unknown bits", (unsigned)info->effects);
+    if (info->effects & BTF_EFFECT_HIDDEN) {
+        if (info->centres < 1 || info->centres > BTF_MAX_CENTRES)
+            return btfi_fail(check->log, check->code,
+                             "centres %u is not within 1 to %d (effect hidden is present)",
+                             (unsigned)info->centres, BTF_MAX_CENTRES);
+    } else if (info->centres != 0) {
+        return btfi_fail(check->log, check->code, "centres %u without the effect hidden",
+                         (unsigned)info->centres);
+    }
+    if (info->effects & BTF_EFFECT_RESIDUAL) {
+        if (info->components < 1 || info->components > BTF_MAX_COMPONENTS)
+            return btfi_fail(check->log, check->code,
+                             "residual of %u components is not within 1 to %d (effect residual is present)",
+                             (unsigned)info->components, BTF_MAX_COMPONENTS);
+    } else if (info->components != 0) {
+        return btfi_fail(check->log, check->code, "residual of %u components without the effect residual",
+                         (unsigned)info->components);
+    }
+    return BTF_OK;
+}
+
+static btf_result check_model(const btfi_check *check, const btf_material_info *info) {
+    switch (info->colour) {
+    case BTF_COLOUR_MONO:
+    case BTF_COLOUR_RGB:
+        if (info->lobes < 1 || info->lobes > BTF_MAX_LOBES)
+            return btfi_fail(check->log, check->code, "lobes %u is not within 1 to %d",
+                             (unsigned)info->lobes, BTF_MAX_LOBES);
+        return BTF_OK;
+    case BTF_COLOUR_NONE:
+        if (info->lobes != 0)
+            return btfi_fail(check->log, check->code, "lobes %u with colour none", (unsigned)info->lobes);
+        if (!(info->effects & BTF_EFFECT_RESIDUAL))
+            return btfi_fail(check->log, check->code, "colour none without the effect residual");
+        return BTF_OK;
+    }
+    return btfi_fail(check->log, check->code, "unknown colour %d", (int)info->colour);
+}
+
+static btf_result check_layout(const btfi_check *check, const btf_material_info *info) {
+    const uint32_t aw = info->atlas_width, ah = info->atlas_height;
+    if (info->layout == BTF_LAYOUT_TIGHT) {
+        if (aw != 0 || ah != 0)
+            return btfi_fail(check->log, check->code, "atlas %u x %u with layout tight", (unsigned)aw,
+                             (unsigned)ah);
+        return BTF_OK;
+    }
+    if (info->layout != BTF_LAYOUT_PAPER)
+        return btfi_fail(check->log, check->code, "unknown layout %d", (int)info->layout);
+    if (!is_power_of_two(aw) || !is_power_of_two(ah) || aw < ah || aw > BTF_MAX_SIZE)
+        return btfi_fail(check->log, check->code,
+                         "atlas %u x %u: sides must be powers of two, width >= height, width <= %d",
+                         (unsigned)aw, (unsigned)ah, BTF_MAX_SIZE);
+    btfi_atlas atlas;
+    if (!btfi_atlas_plan(info, aw, ah, &atlas))
+        return btfi_fail(check->log, check->code, "atlas %u x %u cannot hold %u tiles of %u x %u",
+                         (unsigned)aw, (unsigned)ah,
+                         (unsigned)(info->n_views > info->n_lights ? info->n_views : info->n_lights),
+                         (unsigned)info->width, (unsigned)info->height);
+    if (info->centres > atlas.room)
+        return btfi_fail(check->log, check->code, "atlas %u x %u has room for %u centres, not for %u",
+                         (unsigned)aw, (unsigned)ah, (unsigned)atlas.room, (unsigned)info->centres);
+    return BTF_OK;
+}
+
+btf_result btfi_check_info(const btfi_check *check, const btf_material_info *info) {
+    if (info->width < 1 || info->width > BTF_MAX_SIZE || info->height < 1 || info->height > BTF_MAX_SIZE)
+        return btfi_fail(check->log, check->code, "size %u x %u is not within 1 to %d",
+                         (unsigned)info->width, (unsigned)info->height, BTF_MAX_SIZE);
+    if (info->n_views < 1 || info->n_views > BTF_MAX_DIRECTIONS)
+        return btfi_fail(check->log, check->code, "%u views, not 1 to %d", (unsigned)info->n_views,
+                         BTF_MAX_DIRECTIONS);
+    if (info->n_lights < 1 || info->n_lights > BTF_MAX_DIRECTIONS)
+        return btfi_fail(check->log, check->code, "%u lights, not 1 to %d", (unsigned)info->n_lights,
+                         BTF_MAX_DIRECTIONS);
+    if (info->domain != BTF_DOMAIN_LINEAR && info->domain != BTF_DOMAIN_SQRT)
+        return btfi_fail(check->log, check->code, "unknown domain %d", (int)info->domain);
+
+    btf_result result;
+    if ((result = check_effects(check, info)) || (result = check_model(check, info)) ||
+        (result = check_layout(check, info)) ||
+        (result = check_scale(check, "radianceScale", info->radiance_scale)) ||
+        (result = check_scale(check, "shadowScale", info->shadow_scale)) ||
+        (result = check_scale(check, "gainScale", info->gain_scale)) ||
+        (result = check_scale(check, "centreScale", info->centre_scale)))
+        return result;
+
+    if (sizeof(size_t) < 8) { /* 2^40 bytes at most: no wrap with 64 bits */
+        double bytes = 0;
+        for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
+            btf_texture t = btf_material_texture_shape(info, (btf_texture_id)id);
+            bytes += (double)t.width * t.height * t.layers * (double)btf_format_size(t.format);
+        }
+        if (bytes >= 0x1p31)
+            return btfi_fail(check->log, BTF_ERROR_UNSUPPORTED,
+                             "%.0f bytes of textures exceed the address space", bytes);
+    }
+    return BTF_OK;
+}

@@ -1,0 +1,240 @@
+/* OpenBTF: what the values of the textures may be (FORMAT.md sections 2 to 5).
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "internal.h"
+#include "parts.h"
+#include <math.h>
+
+typedef struct values {
+    const btfi_check *check;
+    const btf_material_info *info;
+} values;
+
+/* The name of the channel of `sbrdf` at (layer, component); NULL where there is none. */
+static const char *sbrdf_channel(const btfi_part *part, uint32_t layer, uint32_t component) {
+    for (int i = 0; i < part->channel_count; i++)
+        if (part->channels[i].layer == layer && part->channels[i].component == component)
+            return part->channels[i].name;
+    return NULL;
+}
+
+static btf_result refuse_parameter(const values *v, const btfi_part *part, uint32_t layer,
+                                   uint32_t component, size_t texel, double value) {
+    const char *name = sbrdf_channel(part, layer, component);
+    return btfi_fail(v->check->log, v->check->code,
+                     "sbrdf: channel %s at (%zu, %zu) holds %g, which is not %s", name ? name : "(unused)",
+                     texel % v->info->width, texel / v->info->width, value,
+                     name ? "0 or of magnitude 2^-24 to 2^24" : "0");
+}
+
+static double half_value(uint16_t bits) {
+    int exponent = bits >> 10 & 31, mantissa = bits & 1023;
+    double value = exponent == 31
+                       ? (mantissa ? NAN : INFINITY)
+                       : ldexp(exponent ? mantissa + 1024 : mantissa, (exponent ? exponent : 1) - 25);
+    return bits & 0x8000 ? -value : value;
+}
+
+static btf_result check_sbrdf(const values *v, void *data) {
+    btfi_part parts[BTFI_MAX_PARTS];
+    btfi_parts(v->info, parts);
+    const btfi_part *part = &parts[0];
+    const size_t texels = (size_t)v->info->width * v->info->height;
+    for (uint32_t layer = 0; layer < part->shape.layers; layer++) {
+        bool used[4];
+        for (uint32_t c = 0; c < 4; c++)
+            used[c] = sbrdf_channel(part, layer, c) != NULL;
+        for (size_t i = 0; i < 4 * texels; i++) {
+            size_t at = 4 * texels * layer + i;
+            if (v->info->half_float) {
+                uint16_t *h = (uint16_t *)data + at; /* a half is no smaller than 2^-24 and below 2^24 */
+                if ((*h & 0x7FFF) == 0)
+                    *h = 0;
+                else if ((*h & 0x7C00) == 0x7C00 || !used[i % 4])
+                    return refuse_parameter(v, part, layer, i % 4, i / 4, half_value(*h));
+            } else {
+                float *f = (float *)data + at;
+                if (*f == 0)
+                    *f = 0;
+                else if (!btfi_is_parameter(*f) || !used[i % 4])
+                    return refuse_parameter(v, part, layer, i % 4, i / 4, (double)*f);
+            }
+        }
+    }
+    return BTF_OK;
+}
+
+/* Gain code g and shift bytes of one texel and view. `where` names the texture. */
+static btf_result check_point(const values *v, const char *where, uint32_t column, uint32_t row,
+                              uint32_t view, unsigned g, unsigned b0, unsigned b1) {
+    const uint32_t effects = v->info->effects;
+    const btfi_check *check = v->check;
+    if (g == 0) {
+        if (!(effects & BTF_EFFECT_HIDDEN))
+            return btfi_fail(check->log, check->code,
+                             "%s: view %u, texel (%u, %u): gain code 0 without the effect hidden", where,
+                             (unsigned)view, (unsigned)column, (unsigned)row);
+        if (b0 + 256 * b1 >= v->info->centres)
+            return btfi_fail(check->log, check->code, "%s: view %u, texel (%u, %u): centre %u of %u", where,
+                             (unsigned)view, (unsigned)column, (unsigned)row, b0 + 256 * b1,
+                             (unsigned)v->info->centres);
+        return BTF_OK;
+    }
+    if (g != BTF_GAIN_ONE && !(effects & BTF_EFFECT_GAIN))
+        return btfi_fail(check->log, check->code,
+                         "%s: view %u, texel (%u, %u): gain code %u without the effect gain, not %d", where,
+                         (unsigned)view, (unsigned)column, (unsigned)row, g, BTF_GAIN_ONE);
+    if ((b0 | b1) != 0 && !(effects & BTF_EFFECT_SHIFT))
+        return btfi_fail(check->log, check->code,
+                         "%s: view %u, texel (%u, %u): shift bytes %u, %u without the effect shift", where,
+                         (unsigned)view, (unsigned)column, (unsigned)row, b0, b1);
+    return BTF_OK;
+}
+
+/* Textures shift and gain of layout tight; either may be NULL. */
+static btf_result check_tight_points(const values *v, const uint8_t *shift, const uint8_t *gain) {
+    const uint32_t w = v->info->width, h = v->info->height;
+    const char *where = gain ? "gain" : "shift";
+    size_t i = 0;
+    for (uint32_t view = 0; view < v->info->n_views; view++)
+        for (uint32_t row = 0; row < h; row++)
+            for (uint32_t column = 0; column < w; column++, i++) {
+                btf_result result = check_point(v, where, column, row, view, gain ? gain[i] : BTF_GAIN_ONE,
+                                                shift ? shift[2 * i] : 0, shift ? shift[2 * i + 1] : 0);
+                if (result)
+                    return result;
+            }
+    return BTF_OK;
+}
+
+static btf_result refuse_meaningless(const values *v, const char *where, size_t x, size_t y,
+                                     unsigned value) {
+    return btfi_fail(v->check->log, v->check->code,
+                     "%s: texel (%zu, %zu) holds %u where nothing has a meaning", where, x, y, value);
+}
+
+/* Texels of `centres`: alpha is 0, and so is what lies beyond centre K. */
+static btf_result check_tight_centres(const values *v, const uint8_t *data) {
+    btf_texture t = btf_material_texture_shape(v->info, BTF_TEXTURE_CENTRES);
+    for (uint32_t y = 0; y < t.height; y++)
+        for (uint32_t x = 0; x < t.width; x++, data += 4) {
+            bool used = x / v->info->n_lights * t.height + y < v->info->centres;
+            for (int c = used ? 3 : 0; c < 4; c++)
+                if (data[c])
+                    return refuse_meaningless(v, "centres", x, y, data[c]);
+        }
+    return BTF_OK;
+}
+
+/* Row `row` of a tile. */
+static btf_result check_tile_row(const values *v, uint32_t tile, uint32_t row, const uint8_t *data,
+                                 uint32_t x0, uint32_t y) {
+    const bool light = tile < v->info->n_lights && v->info->effects & BTF_EFFECT_SHADOW;
+    const bool view = tile < v->info->n_views;
+    for (uint32_t column = 0; column < v->info->width; column++, data += 4) {
+        if (data[0] && !light)
+            return refuse_meaningless(v, "maps", x0 + column, y, data[0]);
+        if (view) {
+            btf_result result = check_point(v, "maps", column, row, tile, data[1], data[2], data[3]);
+            if (result)
+                return result;
+        } else if (data[1] | data[2] | data[3]) {
+            return refuse_meaningless(v, "maps", x0 + column, y, data[1] | data[2] | data[3]);
+        }
+    }
+    return BTF_OK;
+}
+
+static btf_result check_maps(const values *v, const uint8_t *data) {
+    const btf_material_info *info = v->info;
+    btfi_atlas atlas;
+    if (!btfi_atlas_plan(info, info->atlas_width, info->atlas_height, &atlas))
+        return BTF_ERROR_INTERNAL; /* info was checked */
+    for (uint32_t y = 0; y < info->atlas_height; y++, data += 4 * (size_t)info->atlas_width) {
+        uint32_t first = y / info->height * atlas.columns, x = 0;
+        for (uint32_t i = 0; i < atlas.columns && first + i < atlas.tiles; i++, x += info->width) {
+            btf_result result = check_tile_row(v, first + i, y % info->height, data + 4 * (size_t)x, x, y);
+            if (result)
+                return result;
+        }
+        for (; x < info->atlas_width; x++) {
+            const uint8_t *texel = data + 4 * (size_t)x;
+            uint32_t centre;
+            if (!(texel[0] | texel[1] | texel[2] | texel[3]))
+                continue;
+            if (!btfi_atlas_centre_at(info, &atlas, x, y, &centre) || centre >= info->centres || texel[3])
+                return refuse_meaningless(v, "maps", x, y, texel[0] | texel[1] | texel[2] | texel[3]);
+        }
+    }
+    return BTF_OK;
+}
+
+/* Components k and beyond are 0; none is -128. */
+static btf_result check_residual(const values *v, btf_texture_id id, uint32_t layers_a_quad,
+                                 const int8_t *data) {
+    btf_texture t = btf_material_texture_shape(v->info, id);
+    const size_t texels = (size_t)t.width * t.height;
+    for (uint32_t layer = 0; layer < t.layers; layer++) {
+        uint32_t first = layer / layers_a_quad * 4;
+        for (size_t i = 0; i < 4 * texels; i++) {
+            int8_t value = *data++;
+            if (value == -128 || (value != 0 && first + i % 4 >= v->info->components))
+                return btfi_fail(v->check->log, v->check->code,
+                                 "%s: component %zu at (%zu, %zu) holds %d, which is not %s",
+                                 btf_texture_name(id), first + i % 4, i / 4 % t.width, i / 4 / t.width,
+                                 value, value == -128 ? "within -127 to 127" : "0");
+        }
+    }
+    return BTF_OK;
+}
+
+static btf_result check_residual_scales(const values *v, float *data) {
+    btf_texture t = btf_material_texture_shape(v->info, BTF_TEXTURE_RESIDUAL_SCALES);
+    for (uint32_t i = 0; i < 4 * t.width; i++) {
+        if (data[i] == 0)
+            data[i] = 0;
+        else if (!btfi_is_parameter(data[i]) || i >= v->info->components)
+            return btfi_fail(v->check->log, v->check->code,
+                             "residualScales: number %u is %g, which is not %s", (unsigned)i,
+                             (double)data[i],
+                             i >= v->info->components ? "0" : "0 or of magnitude 2^-24 to 2^24");
+    }
+    return BTF_OK;
+}
+
+btf_result btfi_check_values(const btfi_check *check, const btf_material_info *info,
+                             void *const texture[BTF_TEXTURE_COUNT]) {
+    const values v = {check, info};
+    btf_result result;
+    if (texture[BTF_TEXTURE_SBRDF] && (result = check_sbrdf(&v, texture[BTF_TEXTURE_SBRDF])))
+        return result;
+    if (texture[BTF_TEXTURE_MAPS] && (result = check_maps(&v, texture[BTF_TEXTURE_MAPS])))
+        return result;
+    if ((texture[BTF_TEXTURE_SHIFT] || texture[BTF_TEXTURE_GAIN]) &&
+        (result = check_tight_points(&v, texture[BTF_TEXTURE_SHIFT], texture[BTF_TEXTURE_GAIN])))
+        return result;
+    if (texture[BTF_TEXTURE_CENTRES] && (result = check_tight_centres(&v, texture[BTF_TEXTURE_CENTRES])))
+        return result;
+    if (info->effects & BTF_EFFECT_RESIDUAL &&
+        ((result =
+              check_residual(&v, BTF_TEXTURE_RESIDUAL_TEXELS, 1, texture[BTF_TEXTURE_RESIDUAL_TEXELS])) ||
+         (result = check_residual(&v, BTF_TEXTURE_RESIDUAL_DIRECTIONS, 3,
+                                  texture[BTF_TEXTURE_RESIDUAL_DIRECTIONS])) ||
+         (result = check_residual_scales(&v, texture[BTF_TEXTURE_RESIDUAL_SCALES]))))
+        return result;
+    return BTF_OK;
+}
+
+btf_result btfi_check_errors(const btfi_check *check, const btf_material_error *errors, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        const btf_material_error *e = &errors[i];
+        if (e->effects & ~(uint32_t)BTF_EFFECT_ALL)
+            return btfi_fail(check->log, check->code, "errors: row %zu has effects 0x%x", i,
+                             (unsigned)e->effects);
+        if (e->psnr_linear != e->psnr_linear || e->psnr_srgb != e->psnr_srgb || !(e->gpu_bytes >= 0))
+            return btfi_fail(check->log, check->code, "errors: row %zu is (%g, %g, %g)", i,
+                             (double)e->psnr_linear, (double)e->psnr_srgb, (double)e->gpu_bytes);
+    }
+    return BTF_OK;
+}

@@ -1,0 +1,566 @@
+/* Materials: made, saved, opened again bit for bit; the numbers of the atlas; every refusal of create.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "random_material.h"
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+/* The last message. */
+static char last_message[2048];
+
+static void keep(void *user, btf_log_level level, const char *message) {
+    (void)user;
+    (void)level;
+    snprintf(last_message, sizeof last_message, "%s", message);
+}
+
+static const btf_log log_keep = {keep, NULL};
+
+static void assert_same_directions(btf_directions a, btf_directions b) {
+    assert_int_equal(a.count, b.count);
+    assert_memory_equal(a.xyz, b.xyz, a.count * 3 * sizeof *a.xyz);
+    assert_memory_equal(a.vertices, b.vertices, a.count * 2 * sizeof *a.vertices);
+    assert_int_equal(a.triangle_count, b.triangle_count);
+    if (a.triangle_count)
+        assert_memory_equal(a.triangles, b.triangles, a.triangle_count * 3);
+    assert_int_equal(a.hull_count, b.hull_count);
+    if (a.hull_count)
+        assert_memory_equal(a.hull, b.hull, a.hull_count);
+    assert_int_equal(a.grid, b.grid);
+    assert_int_equal(a.cells_length, b.cells_length);
+    assert_memory_equal(a.cells, b.cells, a.cells_length * sizeof *a.cells);
+}
+
+static void assert_same_material(const btf_material *a, const btf_material *b) {
+    btf_material_info ia = {.struct_size = sizeof ia}, ib = {.struct_size = sizeof ib};
+    assert_int_equal(btf_material_get_info(a, &ia), BTF_OK);
+    assert_int_equal(btf_material_get_info(b, &ib), BTF_OK);
+    assert_string_equal(ia.method, ib.method);
+    assert_string_equal(ia.options, ib.options);
+    assert_string_equal(ia.source, ib.source);
+    ia.method = ib.method = ia.options = ib.options = ia.source = ib.source = NULL;
+    assert_memory_equal(&ia, &ib, sizeof ia);
+    for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
+        btf_texture ta = btf_material_texture(a, (btf_texture_id)id),
+                    tb = btf_material_texture(b, (btf_texture_id)id);
+        assert_int_equal(ta.format, tb.format);
+        assert_int_equal(ta.width, tb.width);
+        assert_int_equal(ta.height, tb.height);
+        assert_int_equal(ta.layers, tb.layers);
+        assert_int_equal(ta.is_array, tb.is_array);
+        assert_int_equal(ta.size, tb.size);
+        if (ta.size)
+            assert_memory_equal(ta.data, tb.data, ta.size);
+        else
+            assert_null(ta.data);
+    }
+    assert_same_directions(btf_material_views(a), btf_material_views(b));
+    assert_same_directions(btf_material_lights(a), btf_material_lights(b));
+    size_t na, nb;
+    const btf_material_error *ea = btf_material_errors(a, &na), *eb = btf_material_errors(b, &nb);
+    assert_int_equal(na, nb);
+    if (na)
+        assert_memory_equal(ea, eb, na * sizeof *ea);
+    else
+        assert_null(ea);
+}
+
+static btf_material *create(const btf_material_desc *desc) {
+    btf_material *material;
+    last_message[0] = 0;
+    btf_result result = btf_material_create(desc, &log_keep, &material);
+    if (result)
+        print_error("create: %s\n", last_message);
+    assert_int_equal(result, BTF_OK);
+    return material;
+}
+
+/* Creates, saves to memory, opens, compares, with what was given too. */
+static void round_trip(random_state *r, btf_material_desc *desc) {
+    random_material_fill(r, desc);
+    btf_material *a = create(desc), *b;
+    void *data, *again;
+    size_t size, again_size;
+    assert_int_equal(btf_material_save_memory(a, &log_keep, &data, &size), BTF_OK);
+    btf_result result = btf_material_open_memory(data, size, &log_keep, &b);
+    if (result)
+        print_error("open: %s\n", last_message);
+    assert_int_equal(result, BTF_OK);
+    assert_same_material(a, b);
+    for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
+        btf_texture t = btf_material_texture(b, (btf_texture_id)id);
+        if (desc->texture[id])
+            assert_memory_equal(t.data, desc->texture[id], t.size);
+    }
+    assert_memory_equal(btf_material_views(b).xyz, desc->views, desc->info.n_views * 3 * sizeof(float));
+    assert_memory_equal(btf_material_lights(b).xyz, desc->lights, desc->info.n_lights * 3 * sizeof(float));
+    assert_int_equal(btf_material_save_memory(b, &log_keep, &again, &again_size), BTF_OK);
+    assert_int_equal(size, again_size);
+    assert_memory_equal(data, again, size);
+    btf_free(data);
+    btf_free(again);
+    btf_material_close(&a);
+    btf_material_close(&b);
+    assert_null(a);
+}
+
+static void test_round_trip_effects(void **state) {
+    (void)state;
+    random_state r = {1};
+    for (int layout = 0; layout < 2; layout++)
+        for (uint32_t effects = 0; effects <= BTF_EFFECT_ALL; effects++) {
+            btf_material_desc desc = random_material_desc(5, 3, 9, 4, (btf_layout)layout, effects);
+            desc.info.domain = (btf_domain)(effects & 1);
+            round_trip(&r, &desc);
+            random_material_free(&desc);
+        }
+}
+
+static void test_round_trip_models(void **state) {
+    (void)state;
+    random_state r = {2};
+    for (int layout = 0; layout < 2; layout++)
+        for (int half = 0; half < 2; half++)
+            for (int colour = 0; colour < 3; colour++)
+                for (uint32_t lobes = 1; lobes <= BTF_MAX_LOBES; lobes++) {
+                    btf_material_desc desc =
+                        random_material_desc(3, 7, 1 + lobes, 11, (btf_layout)layout, BTF_EFFECT_ALL);
+                    desc.info.colour = (btf_colour)colour;
+                    desc.info.half_float = half && colour != BTF_COLOUR_NONE;
+                    desc.info.lobes = colour == BTF_COLOUR_NONE ? 0 : lobes;
+                    desc.info.components = 3 * lobes;
+                    round_trip(&r, &desc);
+                    random_material_free(&desc);
+                }
+}
+
+static void test_round_trip_extremes(void **state) {
+    (void)state;
+    static const uint32_t shapes[][6] = {/* W, H, views, lights, centres, components */
+                                         {1, 1, 1, 1, 1, 1},        {1, 1, 256, 2, 65536, 256},
+                                         {1, 9, 2, 256, 4097, 4},   {17, 1, 3, 2, 4096, 5},
+                                         {64, 64, 81, 81, 1984, 8}, {31, 65, 81, 17, 300, 33}};
+    random_state r = {3};
+    for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++)
+        for (int layout = 0; layout < 2; layout++) {
+            const uint32_t *s = shapes[i];
+            btf_material_desc desc =
+                random_material_desc(s[0], s[1], s[2], s[3], (btf_layout)layout, BTF_EFFECT_ALL);
+            desc.info.centres = s[4];
+            desc.info.components = s[5];
+            round_trip(&r, &desc);
+            random_material_free(&desc);
+        }
+}
+
+static void test_provenance(void **state) {
+    (void)state;
+    random_state r = {4};
+    btf_material_desc desc = random_material_desc(4, 4, 3, 3, BTF_LAYOUT_TIGHT, BTF_EFFECT_SHADOW);
+    const btf_material_error errors[2] = {{0, 20.5f, 18.25f, 1000},
+                                          {BTF_EFFECT_SHADOW, 24.5f, INFINITY, 1200}};
+    desc.errors = errors;
+    desc.error_count = 2;
+    desc.info.method = "joint";
+    desc.info.options = "threshold = 0.3; \xC3\xA9 \"quoted\"\n";
+    desc.info.source = "BRICKS64.zip";
+    desc.info.radiance_scale = 12.5f;
+    desc.info.shadow_scale = 1 / 255.0f;
+    desc.info.gain_scale = 0x1p-24f;
+    desc.info.centre_scale = 0x1p24f;
+    round_trip(&r, &desc);
+    random_material_free(&desc);
+}
+
+static void test_path(void **state) {
+    (void)state;
+    char folder[] = "/tmp/openbtf-test-XXXXXX", path[64], missing[80];
+    if (!mkdtemp(folder))
+        fail();
+    snprintf(path, sizeof path, "%s/a.btf.exr", folder);
+    snprintf(missing, sizeof missing, "%s/none/a.btf.exr", folder);
+    random_state r = {5};
+    btf_material_desc desc = random_material_desc(8, 8, 7, 7, BTF_LAYOUT_PAPER, BTF_EFFECT_ALL);
+    random_material_fill(&r, &desc);
+    btf_material *a = create(&desc), *b = NULL;
+    assert_int_equal(btf_material_save(a, path, &log_keep), BTF_OK);
+    assert_int_equal(btf_material_save(a, path, &log_keep), BTF_OK); /* over the old one */
+    assert_int_equal(btf_material_open(path, &log_keep, &b), BTF_OK);
+    assert_same_material(a, b);
+    btf_material_close(&b);
+
+    assert_int_equal(btf_material_save(a, missing, &log_keep), BTF_ERROR_IO);
+    assert_non_null(strstr(last_message, missing));
+    assert_non_null(strstr(last_message, "No such file or directory"));
+    assert_int_equal(btf_material_save(a, folder, &log_keep), BTF_ERROR_IO);
+    assert_non_null(strstr(last_message, "Is a directory"));
+    assert_int_equal(btf_material_open(missing, &log_keep, &b), BTF_ERROR_IO);
+    assert_non_null(strstr(last_message, "No such file or directory"));
+    assert_null(b);
+    assert_int_equal(btf_material_open(folder, &log_keep, &b), BTF_ERROR_IO);
+    assert_int_equal(btf_material_open("/dev/null", &log_keep, &b), BTF_ERROR_BAD_FILE);
+    assert_non_null(strstr(last_message, "/dev/null"));
+    assert_int_equal(btf_material_save(a, "/dev/full", &log_keep), BTF_ERROR_IO);
+    assert_non_null(strstr(last_message, "/dev/full"));
+    assert_int_equal(access("/dev/full", W_OK), 0); /* still there */
+
+    btf_material_close(&a);
+    btf_material_close(&a);
+    btf_material_close(NULL);
+    random_material_free(&desc);
+    assert_int_equal(unlink(path), 0);
+    assert_int_equal(rmdir(folder), 0); /* nothing was left behind */
+}
+
+static void check_atlas(uint32_t size_w, uint32_t size_h, uint32_t directions, uint32_t effects,
+                        uint32_t width, uint32_t height, uint32_t room) {
+    btf_material_info info = {
+        .width = size_w, .height = size_h, .n_views = directions, .n_lights = directions};
+    uint32_t aw, ah, ar;
+    info.effects = effects;
+    assert_int_equal(btf_material_atlas(&info, &aw, &ah, &ar), BTF_OK);
+    assert_int_equal(aw, width);
+    assert_int_equal(ah, height);
+    assert_int_equal(ar, room);
+}
+
+static void test_atlas_numbers(void **state) {
+    (void)state;
+    check_atlas(64, 64, 81, BTF_EFFECT_HIDDEN, 1024, 512, 1984);
+    check_atlas(64, 64, 81, 0, 1024, 512, 1984);
+    check_atlas(32, 32, 81, BTF_EFFECT_HIDDEN, 512, 256, 480);
+    check_atlas(256, 256, 81, BTF_EFFECT_HIDDEN, 4096, 2048, 35840);
+    check_atlas(400, 400, 151, BTF_EFFECT_HIDDEN, 8192, 4096, 52336);
+    check_atlas(1, 1, 1, 0, 1, 1, 0);
+
+    btf_material_info info = {
+        .width = 64, .height = 64, .n_views = 81, .n_lights = 81, .effects = BTF_EFFECT_ALL};
+    info.lobes = 3;
+    info.centres = 1984;
+    info.atlas_width = 1024;
+    info.atlas_height = 512;
+    info.effects &= ~(uint32_t)BTF_EFFECT_RESIDUAL;
+    uint32_t x, y;
+    btf_material_atlas_centre(&info, 0, &x, &y);
+    assert_int_equal(x, 64); /* 80 tiles fill 1024 x 320; tile 80 stands at (0, 320) */
+    assert_int_equal(y, 320);
+    btf_material_atlas_centre(&info, 959, &x, &y);
+    assert_int_equal(x, 1023);
+    assert_int_equal(y, 320);
+    btf_material_atlas_centre(&info, 960, &x, &y);
+    assert_int_equal(x, 0); /* the second band begins below the tile: row 401 > 320 + 64 */
+    assert_int_equal(y, 401);
+    btf_material_atlas_centre(&info, 1983, &x, &y);
+    assert_int_equal(x, 1023);
+
+    size_t gpu = 0;
+    for (int id = 0; id < BTF_TEXTURE_COUNT; id++)
+        gpu += btf_material_texture_shape(&info, (btf_texture_id)id).size;
+    assert_int_equal(gpu, 64 * 64 * 64 + 4 * 1024 * 512); /* 64 W H + 4 AW AH = 2.36 MB */
+
+    info.width = info.height = 4096;
+    info.n_views = info.n_lights = 17;
+    assert_int_equal(btf_material_atlas(&info, &x, &y, &info.centres), BTF_ERROR_UNSUPPORTED);
+    info.n_views = info.n_lights = 16; /* exactly full, no room for centres */
+    assert_int_equal(btf_material_atlas(&info, &x, &y, &info.centres), BTF_ERROR_UNSUPPORTED);
+    info.effects = 0;
+    assert_int_equal(btf_material_atlas(&info, &x, &y, &info.centres), BTF_OK);
+    assert_int_equal(x, 16384);
+    assert_int_equal(y, 16384);
+}
+
+/* Odd sizes: centres and tiles never meet, centres are distinct, and no smaller atlas would do. */
+static void test_atlas_disjoint(void **state) {
+    (void)state;
+    static const uint32_t shapes[][4] = {{3, 5, 7, 9},     {5, 3, 9, 7},     {13, 7, 30, 11},
+                                         {1, 1, 256, 1},   {20, 33, 81, 16}, {7, 50, 19, 3},
+                                         {64, 64, 81, 81}, {10, 10, 33, 5}};
+    for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
+        const uint32_t *s = shapes[i];
+        btf_material_info info = {.width = s[0], .height = s[1], .n_views = s[2], .n_lights = s[3]};
+        info.effects = BTF_EFFECT_HIDDEN;
+        uint32_t room, tiles = s[2] > s[3] ? s[2] : s[3];
+        assert_int_equal(btf_material_atlas(&info, &info.atlas_width, &info.atlas_height, &room), BTF_OK);
+        assert_true(room >= s[2]);
+        size_t area = (size_t)info.atlas_width * info.atlas_height;
+        uint8_t *taken = calloc(1, area);
+        assert_non_null(taken);
+        uint32_t columns = info.atlas_width / s[0];
+        for (uint32_t t = 0; t < tiles; t++)
+            for (uint32_t y = 0; y < s[1]; y++)
+                for (uint32_t x = 0; x < s[0]; x++) {
+                    size_t at =
+                        (size_t)(t / columns * s[1] + y) * info.atlas_width + t % columns * s[0] + x;
+                    assert_true(at < area && !taken[at]++);
+                }
+        for (uint32_t c = 0; c < room; c++) {
+            uint32_t x, y;
+            btf_material_atlas_centre(&info, c, &x, &y);
+            for (uint32_t l = 0; l < s[3]; l++) {
+                size_t at = (size_t)(y + l) * info.atlas_width + x;
+                assert_true(x < info.atlas_width && at < area && !taken[at]++);
+            }
+        }
+        free(taken);
+    }
+}
+
+static void test_info(void **state) {
+    (void)state;
+    random_state r = {6};
+    btf_material_desc desc = random_material_desc(4, 4, 3, 5, BTF_LAYOUT_TIGHT, BTF_EFFECT_ALL);
+    random_material_fill(&r, &desc);
+    btf_material *a = create(&desc);
+    btf_material_info info = {.struct_size = sizeof info};
+    assert_int_equal(btf_material_get_info(a, &info), BTF_OK);
+    /* 4 RGBA32F; 5 shadow maps; 3 x (gain 1, shift 2); 7 centres of 5 lights; U in 2 layers; V in 6 */
+    assert_int_equal(info.gpu_bytes, 16 * 64 + 16 * 5 + 16 * 3 * 3 + 7 * 5 * 4 + 16 * 2 * 4 + 15 * 6 * 4);
+    assert_int_equal(info.table_bytes, btf_material_texture(a, BTF_TEXTURE_VIEW_TABLE).size +
+                                           btf_material_texture(a, BTF_TEXTURE_LIGHT_TABLE).size + 2 * 16);
+    btf_material_info part = {.struct_size = offsetof(btf_material_info, n_views), .n_views = 77};
+    assert_int_equal(btf_material_get_info(a, &part), BTF_OK);
+    assert_int_equal(part.width, 4);
+    assert_int_equal(part.n_views, 77); /* beyond struct_size: untouched */
+    part.struct_size = 0;
+    assert_int_equal(btf_material_get_info(a, &part), BTF_ERROR_USAGE);
+    btf_material_close(&a);
+    random_material_free(&desc);
+}
+
+/* Creating must fail with a message that holds `text`. */
+static void refused(const btf_material_desc *desc, const char *text) {
+    btf_material *material;
+    last_message[0] = 0;
+    btf_result result = btf_material_create(desc, &log_keep, &material);
+    if (result != BTF_ERROR_USAGE || !strstr(last_message, text))
+        print_error("expected \"%s\", got %d \"%s\"\n", text, (int)result, last_message);
+    assert_int_equal(result, BTF_ERROR_USAGE);
+    assert_non_null(strstr(last_message, text));
+    assert_null(material);
+    assert_int_equal(btf_material_create(desc, NULL, &material), BTF_ERROR_USAGE);
+}
+
+static void test_create_refuses_info(void **state) {
+    (void)state;
+    random_state r = {7};
+    btf_material_desc good = random_material_desc(4, 4, 3, 3, BTF_LAYOUT_PAPER, BTF_EFFECT_ALL), bad;
+    random_material_fill(&r, &good);
+#define REFUSED(change, text)                                                                              \
+    do {                                                                                                   \
+        bad = good;                                                                                        \
+        bad.change;                                                                                        \
+        refused(&bad, text);                                                                               \
+    } while (0)
+    REFUSED(struct_size = 8, "struct_size is 8");
+    REFUSED(info.width = 0, "size 0 x 4");
+    REFUSED(info.height = 16385, "size 4 x 16385");
+    REFUSED(info.n_views = 0, "0 views");
+    REFUSED(info.n_lights = 257, "257 lights");
+    REFUSED(info.layout = (btf_layout)2, "layout 2");
+    REFUSED(info.domain = (btf_domain)3, "domain 3");
+    REFUSED(info.colour = (btf_colour)4, "colour 4");
+    REFUSED(info.effects = 63, "effects 0x3f");
+    REFUSED(info.lobes = 5, "lobes 5");
+    REFUSED(info.lobes = 0, "lobes 0");
+    REFUSED(info.colour = BTF_COLOUR_NONE, "lobes 3 with colour none");
+    REFUSED(info.centres = 0, "centres 0");
+    REFUSED(info.centres = 65537, "centres 65537");
+    REFUSED(info.centres = 5000, "not for 5000");
+    REFUSED(info.components = 0, "residual of 0");
+    REFUSED(info.components = 257, "residual of 257");
+    REFUSED(info.effects = 15, "residual of 5 components without");
+    REFUSED(info.effects = 27, "centres 7 without");
+    REFUSED(info.atlas_width = 24, "24 x");
+    REFUSED(info.atlas_height = 64, "sides must be");
+    REFUSED(info.atlas_width = 32768, "32768 x");
+    REFUSED(info.radiance_scale = 0, "radianceScale 0");
+    REFUSED(info.shadow_scale = -1, "shadowScale -1");
+    REFUSED(info.gain_scale = NAN, "gainScale");
+    REFUSED(info.centre_scale = 0x1p25f, "centreScale");
+    REFUSED(views = NULL, "views: missing");
+    REFUSED(lights = NULL, "lights: missing");
+    REFUSED(texture[BTF_TEXTURE_SBRDF] = NULL, "sbrdf: missing");
+    REFUSED(texture[BTF_TEXTURE_SHADOW] = good.texture[0], "shadow: given");
+    REFUSED(error_count = 1, "errors: 1 rows");
+    bad = good;
+    bad.info.effects &= ~(uint32_t)(BTF_EFFECT_RESIDUAL | BTF_EFFECT_HIDDEN);
+    bad.info.components = bad.info.centres = 0;
+    bad.info.colour = BTF_COLOUR_NONE;
+    bad.info.lobes = 0;
+    refused(&bad, "colour none without");
+    const float low[9] = {0, 0, 1, 0.6f, 0, 0.8f, 1, 0, 0}, twice[9] = {0, 0, 1, 0.6f, 0, 0.8f, 0, 0, 1},
+                longer[9] = {0, 0, 1.01f, 0.6f, 0, 0.8f, 0, 0.6f, 0.8f},
+                nan[9] = {0, 0, 1, NAN, 0, 0.8f, 0, 0.6f, 0.8f};
+    REFUSED(views = low, "views: direction 2");
+    REFUSED(lights = twice, "lights: directions 0 and 2 coincide");
+    REFUSED(lights = longer, "lights: direction 0");
+    REFUSED(views = nan, "views: direction 1");
+    btf_material_error errors[2] = {{0, 20, 20, 100}, {32, 20, 20, 100}};
+    bad = good;
+    bad.errors = errors;
+    bad.error_count = 2;
+    refused(&bad, "row 1 has effects 0x20");
+    errors[1] = (btf_material_error){1, NAN, 20, 100};
+    refused(&bad, "errors: row 1");
+    random_material_free(&good);
+}
+
+/* Sets element i of a texture to value, expects the message, sets it back. */
+static void refused_u8(btf_material_desc *desc, btf_texture_id id, size_t i, uint8_t value,
+                       const char *text) {
+    uint8_t *data = (uint8_t *)(uintptr_t)desc->texture[id], old = data[i];
+    data[i] = value;
+    refused(desc, text);
+    data[i] = old;
+}
+
+static void refused_float(btf_material_desc *desc, btf_texture_id id, size_t i, float value,
+                          const char *text) {
+    float *data = (float *)(uintptr_t)desc->texture[id], old = data[i];
+    data[i] = value;
+    refused(desc, text);
+    data[i] = old;
+}
+
+static void refused_half(btf_material_desc *desc, size_t i, uint16_t value, const char *text) {
+    uint16_t *data = (uint16_t *)(uintptr_t)desc->texture[BTF_TEXTURE_SBRDF], old = data[i];
+    data[i] = value;
+    refused(desc, text);
+    data[i] = old;
+}
+
+static void test_create_refuses_values(void **state) {
+    (void)state;
+    random_state r = {8};
+    btf_material_desc d = random_material_desc(4, 4, 5, 3, BTF_LAYOUT_TIGHT, BTF_EFFECT_ALL);
+    d.info.colour = BTF_COLOUR_RGB;
+    d.info.lobes = 1; /* 6 numbers in 2 layers: components 2 and 3 of layer 1 are unused */
+    random_material_fill(&r, &d);
+    uint8_t *gain = (uint8_t *)(uintptr_t)d.texture[BTF_TEXTURE_GAIN];
+    uint8_t *shift = (uint8_t *)(uintptr_t)d.texture[BTF_TEXTURE_SHIFT];
+
+    refused_float(&d, BTF_TEXTURE_SBRDF, 4 * 5 + 1, NAN, "sbrdf: channel G at (1, 1) holds nan");
+    refused_float(&d, BTF_TEXTURE_SBRDF, 0, INFINITY, "sbrdf: channel R at (0, 0) holds inf");
+    refused_float(&d, BTF_TEXTURE_SBRDF, 3, 0x1p-25f, "channel lobe1.R");
+    refused_float(&d, BTF_TEXTURE_SBRDF, 4 * 16 + 1, 1e-40f, "channel lobe1.B");
+    refused_float(&d, BTF_TEXTURE_SBRDF, 4 * 32 + 3, 0x1.000002p24f, "channel lobe1.n");
+    refused_float(&d, BTF_TEXTURE_SBRDF, 4 * 16 + 2, 1, "channel (unused)");
+    refused_float(&d, BTF_TEXTURE_RESIDUAL_SCALES, 1, -0x1p25f, "residualScales: number 1");
+    refused_float(&d, BTF_TEXTURE_RESIDUAL_SCALES, 5, 1, "residualScales: number 5");
+    refused_u8(&d, BTF_TEXTURE_RESIDUAL_TEXELS, 2, 0x80,
+               "residual_texels: component 2 at (0, 0) holds -128");
+    refused_u8(&d, BTF_TEXTURE_RESIDUAL_TEXELS, 4 * 16 + 1, 1, "component 5");
+    refused_u8(&d, BTF_TEXTURE_RESIDUAL_DIRECTIONS, 4 * 15 * 3 + 1, 1, "residual_directions: component 5");
+    refused_u8(&d, BTF_TEXTURE_CENTRES, 3, 1, "centres: texel (0, 0) holds 1");
+    uint8_t old = gain[0], b0 = shift[0], b1 = shift[1];
+    gain[0] = 0;
+    shift[0] = 7;
+    shift[1] = 0;
+    refused(&d, "gain: view 0, texel (0, 0): centre 7 of 7");
+    shift[0] = 1;
+    shift[1] = 1;
+    refused(&d, "centre 257 of 7");
+    shift[0] = b0;
+    shift[1] = b1;
+    gain[0] = old;
+
+    d.info.effects &= ~(uint32_t)BTF_EFFECT_SHIFT; /* some point has a shift */
+    refused(&d, "without the effect shift");
+    d.info.effects |= BTF_EFFECT_SHIFT;
+    d.info.effects &= ~(uint32_t)BTF_EFFECT_GAIN;
+    refused(&d, "without the effect gain");
+    d.info.effects |= BTF_EFFECT_GAIN;
+    random_material_free(&d);
+
+    d = random_material_desc(4, 4, 5, 3, BTF_LAYOUT_TIGHT, BTF_EFFECT_GAIN);
+    d.info.half_float = 1;
+    random_material_fill(&r, &d);
+    refused_u8(&d, BTF_TEXTURE_GAIN, 0, 0, "gain code 0 without");
+    refused_half(&d, 5, 0x7C00, "channel G at (1, 0) holds inf");
+    refused_half(&d, 5, 0xFE00, "nan");
+    random_material_free(&d);
+}
+
+static void test_create_refuses_maps(void **state) {
+    (void)state;
+    random_state r = {9};
+    btf_material_desc d = random_material_desc(4, 4, 3, 5, BTF_LAYOUT_PAPER, 15);
+    random_material_fill(&r, &d);
+    assert_int_equal(d.info.atlas_width,
+                     16); /* 4 columns: tile 4 stands at (0, 4), centres from row 4 on */
+    const size_t row = 4 * 16;
+    refused_u8(&d, BTF_TEXTURE_MAPS, 4 * 12 + 1, 3, "maps: texel (12, 0) holds 3 where"); /* no view 3 */
+    refused_u8(&d, BTF_TEXTURE_MAPS, 4 * row + 4 * 9 + 3, 2,
+               "maps: texel (9, 4) holds"); /* alpha of a centre */
+    size_t last = (size_t)d.info.atlas_width * d.info.atlas_height * 4 - 4;
+    refused_u8(&d, BTF_TEXTURE_MAPS, last, 9, "holds 9 where nothing has a meaning");
+    d.info.effects &= ~(uint32_t)BTF_EFFECT_SHADOW;
+    refused(&d, "where nothing has a meaning");
+    d.info.effects |= BTF_EFFECT_SHADOW;
+    random_material_free(&d);
+
+    d = random_material_desc(4, 4, 3, 3, BTF_LAYOUT_PAPER, BTF_EFFECT_SHADOW);
+    random_material_fill(&r, &d);
+    refused_u8(&d, BTF_TEXTURE_MAPS, 1, 0,
+               "maps: view 0, texel (0, 0): gain code 0 without the effect hidden");
+    refused_u8(&d, BTF_TEXTURE_MAPS, 1, 127, "gain code 127 without the effect gain");
+    refused_u8(&d, BTF_TEXTURE_MAPS, 3, 1, "shift bytes 0, 1 without the effect shift");
+    random_material_free(&d);
+}
+
+static void test_negative_zero(void **state) {
+    (void)state;
+    random_state r = {10};
+    btf_material_desc d = random_material_desc(2, 2, 3, 3, BTF_LAYOUT_TIGHT, BTF_EFFECT_RESIDUAL);
+    random_material_fill(&r, &d);
+    ((float *)(uintptr_t)d.texture[BTF_TEXTURE_SBRDF])[3] = -0.0f;
+    ((float *)(uintptr_t)d.texture[BTF_TEXTURE_RESIDUAL_SCALES])[3] = -0.0f;
+    btf_material *a = create(&d);
+    assert_false(signbit(((const float *)btf_material_texture(a, BTF_TEXTURE_SBRDF).data)[3]));
+    assert_false(signbit(((const float *)btf_material_texture(a, BTF_TEXTURE_RESIDUAL_SCALES).data)[3]));
+    btf_material_close(&a);
+    random_material_free(&d);
+}
+
+static void test_names(void **state) {
+    (void)state;
+    assert_string_equal(btf_texture_name(BTF_TEXTURE_RESIDUAL_TEXELS), "residual_texels");
+    assert_string_equal(btf_texture_name((btf_texture_id)99), "unknown");
+    assert_int_equal(btf_format_size(BTF_FORMAT_NONE), 0);
+    assert_int_equal(btf_format_size(BTF_FORMAT_RG8UI), 2);
+    assert_int_equal(btf_format_size(BTF_FORMAT_RGBA8I), 4);
+    assert_int_equal(btf_format_size(BTF_FORMAT_RGBA16F), 8);
+    assert_int_equal(btf_format_size(BTF_FORMAT_RGBA32F), 16);
+    assert_string_equal(btf_result_text(BTF_ERROR_BAD_FILE), "bad file");
+    assert_string_equal(btf_result_text((btf_result)99), "unknown result");
+    assert_int_equal(btf_result_exit_code(BTF_ERROR_UNSUPPORTED), 5);
+    assert_int_equal(btf_result_exit_code(BTF_OK), 0);
+    assert_int_equal(btf_result_exit_code((btf_result)99), 4);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_round_trip_effects),
+        cmocka_unit_test(test_round_trip_models),
+        cmocka_unit_test(test_round_trip_extremes),
+        cmocka_unit_test(test_provenance),
+        cmocka_unit_test(test_path),
+        cmocka_unit_test(test_atlas_numbers),
+        cmocka_unit_test(test_atlas_disjoint),
+        cmocka_unit_test(test_info),
+        cmocka_unit_test(test_create_refuses_info),
+        cmocka_unit_test(test_create_refuses_values),
+        cmocka_unit_test(test_create_refuses_maps),
+        cmocka_unit_test(test_negative_zero),
+        cmocka_unit_test(test_names),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
