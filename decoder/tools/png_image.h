@@ -1,4 +1,4 @@
-/* Writing RGB images as PNG.
+/* PNG images through libpng: writing RGB, and reading what the file holds.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -6,6 +6,7 @@
 #define OPENBTF_TOOLS_PNG_IMAGE_H
 
 #include <openbtf/result.h>
+#include <stddef.h>
 
 /* Writes rgb[row][column][3], row 0 at the top, values as they shall be seen (sRGB-coded: the file says
  * so). The file is whole or absent (output.h). Thread-safe. Errors, named on log: BTF_ERROR_IO,
@@ -15,5 +16,14 @@ btf_result png_image_write8(const char *path, int width, int height, const unsig
 /* The same with 16 bits a channel. */
 btf_result png_image_write16(const char *path, int width, int height, const unsigned short *rgb,
                              btf_log log);
+
+/* Decodes a PNG held in memory: pixels[row][column][channels], row 0 at the top, as coded (no gamma is
+ * applied), of unsigned char (*out_depth 8) or unsigned short (16). Palettes and grey of less than 8 bits
+ * are expanded, alpha is dropped; channels is 1 or 3. A truncated or damaged file is an error. At most
+ * max_pixels pixels. *out_pixels is malloc'ed, the caller frees. On failure message[message_size] says what
+ * was wrong. Errors: BTF_ERROR_BAD_FILE, BTF_ERROR_UNSUPPORTED (size), BTF_ERROR_MEMORY. */
+btf_result png_image_read(const void *data, size_t size, size_t max_pixels, int *out_width, int *out_height,
+                          int *out_channels, int *out_depth, void **out_pixels, char *message,
+                          size_t message_size);
 
 #endif

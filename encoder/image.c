@@ -1,0 +1,58 @@
+/* One image of a data set, decoded from memory: JPEG, PNG, Radiance HDR or OpenEXR.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "image.h"
+
+#include "../decoder/tools/exr_image.h"
+#include "../decoder/tools/jpeg_image.h"
+#include "../decoder/tools/png_image.h"
+#include "image_hdr.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool begins_with(const void *data, size_t size, const char *magic, size_t length) {
+    return size >= length && memcmp(data, magic, length) == 0;
+}
+
+btf_result enc_image_decode(const void *data, size_t size, enc_image *out_image, char *message,
+                            size_t message_size) {
+    enc_image image = {.depth = 8, .channels = 3};
+    btf_result result;
+    message[0] = '\0';
+    if (begins_with(data, size, "\xff\xd8", 2)) {
+        unsigned char *pixels = NULL;
+        result = jpeg_image_read(data, size, ENC_IMAGE_MAX_PIXELS, &image.width, &image.height,
+                                 &image.channels, &pixels, message, message_size);
+        image.pixels = pixels;
+    } else if (begins_with(data, size, "\x89PNG", 4)) {
+        result = png_image_read(data, size, ENC_IMAGE_MAX_PIXELS, &image.width, &image.height,
+                                &image.channels, &image.depth, &image.pixels, message, message_size);
+    } else if (begins_with(data, size, "#?", 2)) {
+        float *pixels = NULL;
+        result = enc_image_hdr_read(data, size, ENC_IMAGE_MAX_PIXELS, &image.width, &image.height,
+                                    &image.xyz, &pixels, message, message_size);
+        image.depth = 32;
+        image.pixels = pixels;
+    } else if (begins_with(data, size, "\x76\x2f\x31\x01", 4)) {
+        exr_image exr = {0};
+        result = exr_image_read(data, size, ENC_IMAGE_MAX_PIXELS, &exr, message, message_size);
+        image = (enc_image){exr.width, exr.height, exr.channels, 32, exr.xyz, exr.pixels};
+    } else {
+        snprintf(message, message_size,
+                 size == 0 ? "empty file" : "neither JPEG, PNG, Radiance HDR nor OpenEXR");
+        return BTF_ERROR_BAD_FILE;
+    }
+    if (result == BTF_OK)
+        *out_image = image;
+    else if (!message[0])
+        snprintf(message, message_size, "%s", btf_result_text(result));
+    return result;
+}
+
+void enc_image_clear(enc_image *image) {
+    free(image->pixels);
+    image->pixels = NULL;
+}

@@ -1,0 +1,34 @@
+/* One image of a data set, decoded from memory: JPEG, PNG, Radiance HDR or OpenEXR.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_IMAGE_H
+#define OPENBTF_ENCODER_IMAGE_H
+
+#include <openbtf/result.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+/* pixels[row][column][channel], row 0 at the top, as coded in the file: unsigned char (depth 8), unsigned
+ * short (16) or float (32, always linear). Alpha is dropped, palettes are resolved, EXIF rotation is not
+ * applied. */
+typedef struct enc_image {
+    int width, height;
+    int channels; /* 1 (grey) or 3 */
+    int depth;    /* 8, 16 or 32 */
+    bool xyz;     /* the file itself says that its channels are X, Y, Z */
+    void *pixels; /* malloc'ed */
+} enc_image;
+
+enum { ENC_IMAGE_MAX_PIXELS = 1 << 28 };
+
+/* Decodes by content, not by name. A truncated or damaged file is an error. On failure
+ * message[message_size] says what was wrong. Thread-safe. Errors: BTF_ERROR_BAD_FILE,
+ * BTF_ERROR_UNSUPPORTED, BTF_ERROR_MEMORY. */
+btf_result enc_image_decode(const void *data, size_t size, enc_image *out_image, char *message,
+                            size_t message_size);
+
+/* Frees the pixels. */
+void enc_image_clear(enc_image *image);
+
+#endif

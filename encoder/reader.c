@@ -1,0 +1,386 @@
+/* Reading a data set of images into a BTF: list, decode in blocks, transpose to texel-major order.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "reader.h"
+
+#include "data_fill.h"
+#include "grid.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    MAX_SIDE = 16384,
+    BATCH_FILES = 64,        /* files in memory at once, as they are on disk ... */
+    BATCH_BYTES = 64 << 20,  /* ... and when to take no more of them */
+    BLOCK_BYTES = 128 << 20, /* linear images of a block, when memory is unbounded */
+    CHUNK = 16,              /* texels transposed together: one cache line of each plane */
+    MESSAGE_SIZE = 256,
+};
+
+/* A file of a batch, and what became of it. */
+typedef struct batch_file {
+    void *data;
+    size_t size;
+    btf_result result;
+    char message[MESSAGE_SIZE];
+    uint64_t negative; /* samples below 0 */
+} batch_file;
+
+typedef struct reader {
+    const enc_context *context;
+    const enc_read_options *options;
+    enc_source *source;
+    enc_grid *grid;
+    enc_decoder *decoder;
+    enc_data *data;
+    int threads;
+    int file_width, file_height; /* of every image, as in the files */
+    enc_rectangle area;          /* the part that is used */
+    int width, height;           /* of the BTF */
+
+    void *first_file; /* the first image's file, read to learn the size */
+    size_t first_size;
+
+    size_t block;  /* images in a block */
+    float *planes; /* [block][channel][texel] */
+    uint64_t negative;
+    size_t n_negative_files, first_negative;
+} reader;
+
+static const char *path_of(const reader *r, size_t item) {
+    return r->source->paths[r->grid->items[item].source];
+}
+
+/* Reports a failed file from the main thread. */
+static btf_result report(const reader *r, size_t item, btf_result result, const char *message) {
+    return enc_fail(r->context, result, "%s: %s: %s", r->source->location, path_of(r, item),
+                    message[0] ? message : btf_result_text(result));
+}
+
+static btf_result check_options(const enc_context *context, const enc_read_options *o) {
+    if (o->transfer == ENC_TRANSFER_GAMMA && !(o->gamma > 0.0 && isfinite(o->gamma)))
+        return enc_fail(context, BTF_ERROR_USAGE, "gamma %g is not above 0", o->gamma);
+    if (!isfinite(o->azimuth_offset))
+        return enc_fail(context, BTF_ERROR_USAGE, "azimuth offset %g is not finite", o->azimuth_offset);
+    if ((o->size[0] != 0 || o->size[1] != 0) &&
+        (o->size[0] < 1 || o->size[1] < 1 || o->size[0] > MAX_SIDE || o->size[1] > MAX_SIDE))
+        return enc_fail(context, BTF_ERROR_USAGE, "size %dx%d is not usable: each side is 1 to %d",
+                        o->size[0], o->size[1], MAX_SIDE);
+    const bool no_crop = o->crop[0] == 0 && o->crop[1] == 0 && o->crop[2] == 0 && o->crop[3] == 0;
+    if (!no_crop && (o->crop[0] < 0 || o->crop[1] < 0 || o->crop[2] < 1 || o->crop[3] < 1))
+        return enc_fail(context, BTF_ERROR_USAGE, "crop %d,%d,%d,%d is not usable", o->crop[0], o->crop[1],
+                        o->crop[2], o->crop[3]);
+    return BTF_OK;
+}
+
+/* Reads the first image to learn the size of all, and settles what becomes of it. */
+static btf_result settle_size(reader *r) {
+    char message[MESSAGE_SIZE] = "";
+    enc_image image = {0};
+    btf_result result = r->source->read(r->source, r->grid->items[0].source, &r->first_file, &r->first_size,
+                                        message, sizeof message);
+    if (result == BTF_OK)
+        result = enc_image_decode(r->first_file, r->first_size, &image, message, sizeof message);
+    if (result != BTF_OK)
+        return report(r, 0, result, message);
+    r->file_width = image.width;
+    r->file_height = image.height;
+    enc_image_clear(&image);
+
+    const int *crop = r->options->crop, *size = r->options->size;
+    r->area = crop[2] ? (enc_rectangle){crop[0], crop[1], crop[2], crop[3]}
+                      : (enc_rectangle){0, 0, r->file_width, r->file_height};
+    if (r->area.x > r->file_width - r->area.width || r->area.y > r->file_height - r->area.height)
+        return enc_fail(r->context, BTF_ERROR_USAGE,
+                        "crop %d,%d,%d,%d does not lie within images of %dx%d pixels", crop[0], crop[1],
+                        crop[2], crop[3], r->file_width, r->file_height);
+    r->width = size[0] ? size[0] : r->area.width;
+    r->height = size[1] ? size[1] : r->area.height;
+    if (r->width > MAX_SIDE || r->height > MAX_SIDE)
+        return enc_fail(r->context, BTF_ERROR_UNSUPPORTED,
+                        "%s: size %dx%d is not usable: each side is 1 to %d (see --size and --crop)",
+                        r->source->location, r->width, r->height, MAX_SIDE);
+    return BTF_OK;
+}
+
+/* Names the first sample that is no number, or below 0 when that is refused; names[channel] in the message.
+ */
+static btf_result check_values(const reader *r, const float *pixels, const char *names,
+                               bool refuse_negative, batch_file *file) {
+    const size_t count = (size_t)r->area.width * (size_t)r->area.height * 3;
+    for (size_t i = 0; i < count; i++) {
+        const bool finite = isfinite(pixels[i]);
+        if (finite && !(refuse_negative && pixels[i] < 0.0f))
+            continue;
+        const size_t texel = i / 3, width = (size_t)r->area.width;
+        snprintf(file->message, sizeof file->message, "column %zu, row %zu, channel %c is %s (%g)",
+                 (size_t)r->area.x + texel % width, (size_t)r->area.y + texel / width, names[i % 3],
+                 finite ? "below 0" : "not a finite number", (double)pixels[i]);
+        return BTF_ERROR_BAD_FILE;
+    }
+    return BTF_OK;
+}
+
+/* Interleaved linear pixels to three planes, negative samples clamped and counted. */
+static void store_planes(const reader *r, const float *pixels, float *planes, batch_file *file) {
+    const size_t texels = (size_t)r->width * (size_t)r->height;
+    uint64_t negative = 0;
+    for (size_t c = 0; c < 3; c++) {
+        for (size_t t = 0; t < texels; t++) {
+            const float value = pixels[3 * t + c];
+            negative += value < 0.0f;
+            planes[c * texels + t] = value > 0.0f ? value : 0.0f;
+        }
+    }
+    file->negative = negative;
+}
+
+/* One file from bytes to planes[channel][texel]. Runs on any thread; does not log. */
+static btf_result convert(const reader *r, batch_file *file, float *planes) {
+    enc_image image = {0};
+    float *pixels = NULL, *resized = NULL;
+    const bool resize = r->width != r->area.width || r->height != r->area.height;
+    btf_result result =
+        enc_image_decode(file->data, file->size, &image, file->message, sizeof file->message);
+    if (result != BTF_OK)
+        return result;
+    if (image.width != r->file_width || image.height != r->file_height) {
+        snprintf(file->message, sizeof file->message, "%dx%d pixels, but the first image has %dx%d",
+                 image.width, image.height, r->file_width, r->file_height);
+        result = BTF_ERROR_BAD_FILE;
+        goto done;
+    }
+    if (image.xyz && r->options->colour != ENC_COLOUR_XYZ) {
+        snprintf(file->message, sizeof file->message, "the channels are X, Y, Z: use --colour xyz");
+        result = BTF_ERROR_BAD_FILE;
+        goto done;
+    }
+    result = BTF_ERROR_MEMORY;
+    const size_t count = (size_t)r->area.width * (size_t)r->area.height;
+    pixels = malloc(count * 3 * sizeof *pixels);
+    resized = resize ? malloc((size_t)r->width * (size_t)r->height * 3 * sizeof *resized) : NULL;
+    if (!pixels || (resize && !resized))
+        goto done;
+    enc_decode_pixels(r->decoder, &image, r->area, pixels);
+    enc_image_clear(&image);
+    if (r->options->colour == ENC_COLOUR_XYZ) {
+        result = check_values(r, pixels, "XYZ", false, file);
+        if (result != BTF_OK)
+            goto done;
+        enc_xyz_to_rgb(pixels, count);
+    }
+    result = check_values(r, pixels, "RGB", r->options->strict, file);
+    if (result != BTF_OK)
+        goto done;
+    if (r->options->flip_v)
+        enc_flip_rows(pixels, r->area.width, r->area.height);
+    if (resize)
+        result = enc_resize_area(pixels, r->area.width, r->area.height, resized, r->width, r->height);
+    if (result == BTF_OK)
+        store_planes(r, resize ? resized : pixels, planes, file);
+done:
+    enc_image_clear(&image);
+    free(pixels);
+    free(resized);
+    return result;
+}
+
+static void fetch(const reader *r, size_t item, batch_file *file) {
+    if (item == 0 && r->first_file) {
+        file->data = r->first_file;
+        file->size = r->first_size;
+        return;
+    }
+    file->result = r->source->read(r->source, r->grid->items[item].source, &file->data, &file->size,
+                                   file->message, sizeof file->message);
+}
+
+static void finish(const reader *r, batch_file *file, float *planes) {
+    if (file->result == BTF_OK)
+        file->result = convert(r, file, planes);
+    free(file->data);
+    file->data = NULL;
+}
+
+/* Reads up to `count` images from item `first` into the planes; *out_done says how many it was. A
+ * sequential source is read by one thread ahead of the decoding. */
+static btf_result read_batch(reader *r, size_t first, size_t count, float *planes, size_t *out_done) {
+    const size_t plane = (size_t)r->width * (size_t)r->height * 3;
+    batch_file *files = calloc(BATCH_FILES, sizeof *files);
+    if (!files)
+        return BTF_ERROR_MEMORY;
+    size_t n = 0;
+    if (r->source->is_sequential) {
+        size_t bytes = 0;
+        while (n < count && n < BATCH_FILES && bytes < BATCH_BYTES &&
+               (n == 0 || files[n - 1].result == BTF_OK)) {
+            fetch(r, first + n, &files[n]);
+            bytes += files[n++].size;
+        }
+    } else {
+        n = count < BATCH_FILES ? count : BATCH_FILES;
+    }
+#pragma omp parallel for schedule(dynamic) num_threads(r->threads)
+    for (size_t i = 0; i < n; i++) {
+        if (!r->source->is_sequential)
+            fetch(r, first + i, &files[i]);
+        finish(r, &files[i], planes + i * plane);
+    }
+    if (first == 0)
+        r->first_file = NULL; /* finish() freed it */
+
+    btf_result result = BTF_OK;
+    for (size_t i = 0; i < n && result == BTF_OK; i++) {
+        if (files[i].result != BTF_OK)
+            result = report(r, first + i, files[i].result, files[i].message);
+        if (files[i].negative > 0 && r->n_negative_files++ == 0)
+            r->first_negative = first + i;
+        r->negative += files[i].negative;
+    }
+    free(files);
+    *out_done = n;
+    return result;
+}
+
+/* One plane of the block and where it belongs in a texel's samples. */
+typedef struct plane_place {
+    size_t at;
+    const float *plane;
+} plane_place;
+
+static int by_place(const void *a, const void *b) {
+    const plane_place *x = a, *y = b;
+    return (x->at > y->at) - (x->at < y->at);
+}
+
+/* Turns a block of images to texel-major order. Neighbouring places are stored as one run. */
+static btf_result scatter(reader *r, size_t first, size_t count) {
+    const size_t texels = (size_t)r->width * (size_t)r->height, lights = (size_t)r->grid->n_lights;
+    const size_t n = 3 * count;
+    plane_place *places = malloc(n * sizeof *places);
+    if (!places)
+        return BTF_ERROR_MEMORY;
+    for (size_t i = 0; i < count; i++) {
+        const enc_grid_item *item = &r->grid->items[first + i];
+        for (size_t c = 0; c < 3; c++)
+            places[3 * i + c] = (plane_place){((size_t)item->view * 3 + c) * lights + (size_t)item->light,
+                                              r->planes + (3 * i + c) * texels};
+    }
+    qsort(places, n, sizeof *places, by_place);
+
+    btf_result result = BTF_OK;
+#pragma omp parallel num_threads(r->threads)
+    {
+        float *turned = malloc(CHUNK * n * sizeof *turned);
+        btf_result mine = turned ? BTF_OK : BTF_ERROR_MEMORY;
+#pragma omp for schedule(static)
+        for (size_t begin = 0; begin < texels; begin += CHUNK) {
+            const size_t width = texels - begin < CHUNK ? texels - begin : CHUNK;
+            for (size_t i = 0; i < n && mine == BTF_OK; i++)
+                for (size_t t = 0; t < width; t++)
+                    turned[t * n + i] = places[i].plane[begin + t];
+            for (size_t t = 0; t < width; t++) {
+                for (size_t i = 0, end; i < n && mine == BTF_OK; i = end) {
+                    for (end = i + 1; end < n && places[end].at == places[end - 1].at + 1;)
+                        end++;
+                    mine = enc_data_store_run(r->context, r->data, begin + t, places[i].at, end - i,
+                                              turned + t * n + i);
+                }
+            }
+        }
+        free(turned);
+        if (mine != BTF_OK) {
+#pragma omp critical(enc_reader_result)
+            result = mine;
+        }
+    }
+    free(places);
+    return result;
+}
+
+/* How many images a block holds: whole views where that is possible, so that runs are long. */
+static size_t block_size(const reader *r) {
+    const size_t image = (size_t)r->width * (size_t)r->height * 3 * sizeof(float);
+    size_t bytes = BLOCK_BYTES;
+    if (r->context->memory > 0 && !r->data->samples)
+        bytes = r->context->memory / 2;
+    else if (r->context->memory > 0 && r->context->memory / 8 < bytes)
+        bytes = r->context->memory / 8;
+    const size_t lights = (size_t)r->grid->n_lights;
+    size_t images = bytes / image;
+    if (images > lights)
+        images -= images % lights;
+    if (images > r->grid->count)
+        images = r->grid->count;
+    return images ? images : 1;
+}
+
+static btf_result read_images(reader *r) {
+    const size_t plane = (size_t)r->width * (size_t)r->height * 3;
+    r->block = block_size(r);
+    r->planes = malloc(r->block * plane * sizeof *r->planes);
+    if (!r->planes)
+        return enc_fail(r->context, BTF_ERROR_MEMORY, "no memory for %zu images of %dx%d", r->block,
+                        r->width, r->height);
+    btf_result result = BTF_OK;
+    enc_stage_begin(r->context, "read", r->grid->count);
+    for (size_t first = 0; first < r->grid->count && result == BTF_OK; first += r->block) {
+        const size_t count = r->grid->count - first < r->block ? r->grid->count - first : r->block;
+        for (size_t done = 0, n; done < count && result == BTF_OK; done += n) {
+            result = enc_cancelled(r->context)
+                         ? BTF_ERROR_INTERRUPTED
+                         : read_batch(r, first + done, count - done, r->planes + done * plane, &n);
+            if (result != BTF_OK)
+                break;
+            enc_stage_step(r->context, n);
+        }
+        if (result == BTF_OK)
+            result = scatter(r, first, count);
+    }
+    enc_stage_end(r->context);
+    return result;
+}
+
+btf_result enc_read(const enc_context *context, const char *input, const enc_read_options *options,
+                    enc_data **out_data) {
+    static const enc_context no_context = {.threads = 1};
+    reader r = {.context = context ? context : &no_context, .options = options};
+    r.threads = r.context->threads > 0 ? r.context->threads : 1;
+    *out_data = NULL;
+    btf_result result = check_options(context, options);
+    if (result == BTF_OK)
+        result = enc_source_open(context, input, &r.source);
+    if (result == BTF_OK)
+        result = enc_grid_create(context, r.source, options, &r.grid);
+    if (result == BTF_OK && !(r.decoder = enc_decoder_create(options->transfer, options->gamma)))
+        result = BTF_ERROR_MEMORY;
+    if (result == BTF_OK)
+        result = settle_size(&r);
+    if (result == BTF_OK)
+        result = enc_data_create(context, r.width, r.height, r.grid->n_views, r.grid->views,
+                                 r.grid->n_lights, r.grid->lights, &r.data);
+    if (result == BTF_OK && !(r.data->source = strdup(input)))
+        result = BTF_ERROR_MEMORY;
+    if (result == BTF_OK)
+        result = read_images(&r);
+    if (result == BTF_OK && r.negative > 0)
+        enc_log(context, BTF_LOG_WARNING,
+                "%s: %llu samples below 0 in %zu images were set to 0: first in %s (--strict refuses them)",
+                input, (unsigned long long)r.negative, r.n_negative_files, path_of(&r, r.first_negative));
+    if (result == BTF_OK) {
+        r.data->negative = r.negative;
+        *out_data = r.data;
+        r.data = NULL;
+    }
+    free(r.first_file);
+    free(r.planes);
+    enc_data_destroy(&r.data);
+    enc_decoder_destroy(&r.decoder);
+    enc_grid_destroy(&r.grid);
+    enc_source_close(&r.source);
+    return result;
+}

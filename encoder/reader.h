@@ -1,0 +1,48 @@
+/* Reading a data set of images into a BTF.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_READER_H
+#define OPENBTF_ENCODER_READER_H
+
+#include "colour.h"
+#include "data.h"
+
+typedef enum enc_colour {
+    ENC_COLOUR_RGB = 0, /* linear Rec. 709 */
+    ENC_COLOUR_XYZ,     /* CIE XYZ, white point D65 (UTIA's EXR) */
+} enc_colour;
+
+/* How images and names are to be understood. Zero means default. Applied in this order: transfer, colour,
+ * crop, flip_v, size, clamping of negative values. */
+typedef struct enc_read_options {
+    enc_transfer transfer;
+    double gamma; /* of ENC_TRANSFER_GAMMA, > 0 */
+    enc_colour colour;
+    int size[2];           /* width, height: area filter in linear light; 0, 0: as read */
+    int crop[4];           /* x, y, width, height in the file's pixels, y from the top; all 0: everything */
+    bool flip_v;           /* row 0 of the files is the bottom (-v) */
+    bool azimuth_cw;       /* azimuths of the names grow clockwise: phi becomes -phi */
+    double azimuth_offset; /* degrees, then added to every azimuth but those of theta 0 */
+    bool strict;           /* refuse negative values instead of clamping them to 0 and counting them */
+} enc_read_options;
+
+/* Reads a directory or an archive of images whose names say tl, pl, tv and pv (names.h, source.h) into a
+ * BTF. Directions are brought to paper order: theta ascending, then phi ascending from 0. The images have
+ * to be one full grid of views and lights, of one size, with a view within 5 degrees of the pole.
+ *
+ * Every image is read and decoded once (the first twice). Memory, besides enc_data's own samples (in memory
+ * up to half of context->memory, else in its scratch file): the linear images of one block, 12 bytes a
+ * texel each, together at most an eighth of context->memory (half of it when a scratch file is used, so
+ * that it is written in long pieces; 128 MB when memory is unbounded), but at least one image; up to 64
+ * files of 64 MB in all as they are on disk; and for each thread one image as decoded, plus the linear part
+ * of it that is used, 12 bytes a pixel.
+ *
+ * Errors, on the log with file names and counts: BTF_ERROR_USAGE (options), BTF_ERROR_IO,
+ * BTF_ERROR_BAD_FILE (missing, duplicate or wrong directions, unequal sizes, damaged images, NaN or
+ * infinity, negative values when strict), BTF_ERROR_UNSUPPORTED (formats, too many directions),
+ * BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
+btf_result enc_read(const enc_context *context, const char *input, const enc_read_options *options,
+                    enc_data **out_data);
+
+#endif

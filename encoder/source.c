@@ -1,0 +1,57 @@
+/* Where images come from: what directory and archive have in common.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "source.h"
+
+#include "names.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+btf_result enc_source_open(const enc_context *context, const char *path, enc_source **out_source) {
+    struct stat status;
+    *out_source = NULL;
+    if (stat(path, &status) != 0)
+        return enc_fail(context, BTF_ERROR_IO, "%s: %s", path, strerror(errno));
+    return S_ISDIR(status.st_mode) ? enc_source_open_directory(context, path, out_source)
+                                   : enc_source_open_archive(context, path, out_source);
+}
+
+void enc_source_close(enc_source **source) {
+    if (!source || !*source)
+        return;
+    (*source)->close(*source);
+    *source = NULL;
+}
+
+btf_result enc_source_add(enc_source *source, const char *path, size_t *n_allocated, bool *out_is_image) {
+    *out_is_image = enc_names_is_image(path);
+    if (source->count + source->n_others >= ENC_SOURCE_MAX_ENTRIES)
+        return BTF_ERROR_UNSUPPORTED;
+    if (!*out_is_image) {
+        source->n_others++;
+        return BTF_OK;
+    }
+    if (source->count == *n_allocated) {
+        const size_t n = *n_allocated ? 2 * *n_allocated : 1024;
+        char **paths = realloc(source->paths, n * sizeof *paths);
+        if (!paths)
+            return BTF_ERROR_MEMORY;
+        source->paths = paths;
+        *n_allocated = n;
+    }
+    char *copy = strdup(path);
+    if (!copy)
+        return BTF_ERROR_MEMORY;
+    source->paths[source->count++] = copy;
+    return BTF_OK;
+}
+
+void enc_source_free_paths(enc_source *source) {
+    for (size_t i = 0; i < source->count; i++)
+        free(source->paths[i]);
+    free(source->paths);
+}

@@ -1,0 +1,49 @@
+/* Where images come from: a directory or an archive, seen as a list of named byte strings.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_SOURCE_H
+#define OPENBTF_ENCODER_SOURCE_H
+
+#include "context.h"
+
+/* No image file may be larger, nor may there be more files in all, image or not. */
+#define ENC_SOURCE_MAX_FILE ((size_t)1 << 30)
+#define ENC_SOURCE_MAX_ENTRIES ((size_t)1 << 22)
+
+typedef struct enc_source enc_source;
+struct enc_source {
+    /* The image files (by their extension), with their folders inside the input; the strings belong to the
+     * source. Sorted by name in a directory; as they follow one another in an archive. */
+    size_t count;
+    char **paths;
+    size_t n_others;      /* files that are no images */
+    bool is_sequential;   /* read in rising order of index, from one thread; else in any order, from any */
+    const char *location; /* what paths are inside of, for messages */
+
+    /* Reads a whole file: *out_data is malloc'ed, the caller frees. Failures are described in
+     * message[message_size], since this may run on a thread that must not log.
+     * Errors: BTF_ERROR_IO, BTF_ERROR_BAD_FILE, BTF_ERROR_UNSUPPORTED (size), BTF_ERROR_MEMORY. */
+    btf_result (*read)(enc_source *source, size_t index, void **out_data, size_t *out_size, char *message,
+                       size_t message_size);
+    void (*close)(enc_source *source);
+};
+
+/* Opens a directory (searched recursively) or an archive by what the path is.
+ * Errors, named on the log: BTF_ERROR_IO, BTF_ERROR_BAD_FILE, BTF_ERROR_UNSUPPORTED (too many files),
+ * BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
+btf_result enc_source_open(const enc_context *context, const char *path, enc_source **out_source);
+void enc_source_close(enc_source **source);
+
+/* The two kinds, each in its own file. Links to folders are followed in a directory, to a depth of 32. An
+ * archive is anything zip, tar or 7zip that libarchive reads; only its list of names is read here, and its
+ * files then once, in order. Nothing is ever written to disk, so that names may point anywhere. */
+btf_result enc_source_open_directory(const enc_context *context, const char *path, enc_source **out_source);
+btf_result enc_source_open_archive(const enc_context *context, const char *path, enc_source **out_source);
+
+/* For the two kinds: keeps a copy of a path if it names an image, counts it otherwise. n_allocated is the
+ * length of source->paths. Errors: BTF_ERROR_UNSUPPORTED (too many), BTF_ERROR_MEMORY. */
+btf_result enc_source_add(enc_source *source, const char *path, size_t *n_allocated, bool *out_is_image);
+void enc_source_free_paths(enc_source *source);
+
+#endif
