@@ -99,7 +99,8 @@ static void bricks_material(uint32_t seed, double x, double y, relief_material *
     static const double soot[3] = {0.10, 0.08, 0.08};
     brick b = brick_at(seed, x, y);
     double fine = noise_fractal(seed + 4, x, y, 24, 24, 2), broad = noise_fractal(seed + 5, x, y, 6, 6, 2);
-    if (b.inside <= 0.002) {
+    if (b.inside <=
+        -0.001) { /* the walls are brick down to the mortar, cells that straddle their foot included */
         blend(m->albedo, cement, sand, clamp(0.5 + 0.8 * broad, 0, 1), 1 + 0.3 * fine);
         set_gloss(m, 0, 0, 0, 1);
         return;
