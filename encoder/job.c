@@ -4,7 +4,7 @@
  */
 #include "job.h"
 
-#include "decode.h"
+#include "playback.h"
 #include "montage.h"
 #include "pack.h"
 #include "pictures.h"
@@ -103,20 +103,20 @@ static btf_result pack_and_measure(const enc_context *context, const enc_job *jo
 
 static btf_result draw(const enc_context *context, const enc_job *job, job_state *s, const enc_report *report) {
     char path[4096];
-    enc_decoder *decoder = NULL;
-    enc_decoded decoded[ENC_REPORT_STEPS];
+    enc_playback *playback = NULL;
+    enc_played decoded[ENC_REPORT_STEPS];
     enc_montage_column columns[1 + ENC_REPORT_STEPS] = {{.title = "original", .images = enc_data_images(s->data)}};
     btf_result result = make_folder(context, job->pictures);
     if (result == BTF_OK && snprintf(path, sizeof path, "%s/montage.png", job->pictures) >= (int)sizeof path) {
         result = enc_fail(context, BTF_ERROR_USAGE, "%s: name too long", job->pictures);
     }
     if (result == BTF_OK) {
-        result = enc_decoder_create(context, s->data, &s->stored, &decoder);
+        result = enc_playback_create(context, s->data, &s->stored, &playback);
     }
     enc_stage_begin(context, "pictures", 2);
     for (int i = 0; result == BTF_OK && i < report->n_ladder; i++) {
-        decoded[i] = (enc_decoded){.decoder = decoder, .effects = report->ladder[i].effects};
-        columns[1 + i] = (enc_montage_column){report->ladder[i].name, enc_decoded_images(&decoded[i])};
+        decoded[i] = (enc_played){.playback = playback, .effects = report->ladder[i].effects};
+        columns[1 + i] = (enc_montage_column){report->ladder[i].name, enc_played_images(&decoded[i])};
     }
     if (result == BTF_OK) {
         result = enc_montage_write(context, s->data, 1 + report->n_ladder, columns, path);
@@ -125,7 +125,7 @@ static btf_result draw(const enc_context *context, const enc_job *job, job_state
     if (result == BTF_OK) {
         const enc_pictures pictures = {.data = s->data,
                                        .solution = &s->stored,
-                                       .decoder = decoder,
+                                       .playback = playback,
                                        .material = s->material,
                                        .occlusion = s->occlusion,
                                        .t_error = job->method == ENC_METHOD_PAPER ? job->paper.fit.t_error : 0,
@@ -133,7 +133,7 @@ static btf_result draw(const enc_context *context, const enc_job *job, job_state
         result = enc_pictures_write(context, &pictures, job->pictures);
     }
     enc_stage_end(context);
-    enc_decoder_destroy(&decoder);
+    enc_playback_destroy(&playback);
     return result;
 }
 

@@ -4,10 +4,10 @@
  */
 #include "report.h"
 
-#include "decode.h"
+#include "playback.h"
 #include "decoder/tools/cli.h"
-#include "decoder/tools/json.h"
 #include "decoder/tools/output.h"
+#include "metrics_json.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -40,14 +40,14 @@ size_t enc_report_gpu_bytes(const btf_material_info *info, uint32_t effects) {
     return bytes;
 }
 
-static btf_result measure(const enc_context *context, const enc_data *data, const enc_decoder *decoder,
+static btf_result measure(const enc_context *context, const enc_data *data, const enc_playback *playback,
                           const btf_material_info *info, const char *name, uint32_t effects, bool with_ssim,
                           enc_report_step *step) {
-    const enc_decoded decoded = {.decoder = decoder, .effects = effects};
+    const enc_played decoded = {.playback = playback, .effects = effects};
     step->name = name;
     step->effects = effects;
     step->gpu_bytes = enc_report_gpu_bytes(info, effects);
-    return enc_metrics_compare(context, data, enc_data_images(data), enc_decoded_images(&decoded), with_ssim,
+    return enc_metrics_compare(context, data, enc_data_images(data), enc_played_images(&decoded), with_ssim,
                                &step->metrics);
 }
 
@@ -55,9 +55,9 @@ btf_result enc_report_measure(const enc_context *context, const enc_data *data, 
                               const btf_material *material, enc_report *report) {
     btf_material_info info = {.struct_size = sizeof info};
     btf_result result = btf_material_get_info(material, &info);
-    enc_decoder *decoder = NULL;
+    enc_playback *playback = NULL;
     if (result == BTF_OK) {
-        result = enc_decoder_create(context, data, solution, &decoder);
+        result = enc_playback_create(context, data, solution, &playback);
     }
     uint32_t ladder[3], subset = 0;
     const char *names[3] = {"sbrdf", "stvs", "full"};
@@ -74,19 +74,19 @@ btf_result enc_report_measure(const enc_context *context, const enc_data *data, 
     }
     enc_stage_begin(context, "measure", (size_t)data->n_views * (size_t)(steps + left_out));
     for (int i = 0; result == BTF_OK && i < steps; i++) {
-        result = measure(context, data, decoder, &info, names[i], ladder[i], true, &report->ladder[i]);
+        result = measure(context, data, playback, &info, names[i], ladder[i], true, &report->ladder[i]);
         report->n_ladder = i + 1;
     }
     for (int i = 0; result == BTF_OK && i < EFFECT_COUNT; i++) {
         if (info.effects & effect_names[i].effect) {
             subset = info.effects & ~(uint32_t)effect_names[i].effect;
-            result = measure(context, data, decoder, &info, effect_names[i].name, subset, false,
+            result = measure(context, data, playback, &info, effect_names[i].name, subset, false,
                              &report->without[report->n_without]);
             report->n_without++;
         }
     }
     enc_stage_end(context);
-    enc_decoder_destroy(&decoder);
+    enc_playback_destroy(&playback);
     return result;
 }
 
@@ -188,29 +188,6 @@ void enc_report_print(const enc_report *report, FILE *out) {
     fprintf(out, " total %.1f. Peak memory %.0f MB.\n\n", report->seconds_total, (double)report->peak_rss / 1e6);
 }
 
-static void write_psnr(json *j, const char *key, const enc_metrics *m) {
-    json_object(j, key);
-    json_number(j, "linear", enc_psnr_linear(&m->total));
-    json_number(j, "srgb", enc_psnr_srgb(&m->total));
-    json_number(j, "ssim", m->ssim);
-    json_object(j, "rings");
-    for (int side = 0; side < 2; side++) {
-        const int rings = side == 0 ? m->n_view_rings : m->n_light_rings;
-        json_array(j, side == 0 ? "view" : "light");
-        for (int r = 0; r < rings; r++) {
-            const enc_error_sum *sum = side == 0 ? &m->view_ring[r] : &m->light_ring[r];
-            json_object(j, NULL);
-            json_number(j, "theta", side == 0 ? m->view_ring_theta[r] : m->light_ring_theta[r]);
-            json_number(j, "linear", enc_psnr_linear(sum));
-            json_number(j, "srgb", enc_psnr_srgb(sum));
-            json_end(j);
-        }
-        json_end(j);
-    }
-    json_end(j);
-    json_end(j);
-}
-
 static void write_bytes(json *j, const enc_report *report, const btf_material_info *info) {
     json_object(j, "bytes");
     json_integer(j, "data", (int64_t)data_bytes(report->data));
@@ -277,7 +254,7 @@ btf_result enc_report_write(const enc_context *context, const enc_report *report
             found = strcmp(report->ladder[i].name, steps[s]) == 0 ? &report->ladder[i] : found;
         }
         if (found) {
-            write_psnr(&j, steps[s], &found->metrics);
+            enc_metrics_json(&j, steps[s], &found->metrics, true);
         } else {
             json_null(&j, steps[s]);
         }

@@ -10,7 +10,7 @@
 #include <cmocka.h>
 
 #include "decoder/tools/reference_view.h"
-#include "encoder/decode.h"
+#include "encoder/playback.h"
 #include "encoder/pack.h"
 #include "encoder/reference_images.h"
 #include "encoder/unpack.h"
@@ -136,15 +136,15 @@ static void check(int width, int height, int views, int lights, btf_layout layou
     assert_equal_bytes(s.residual_directions, back.residual_directions,
                        (size_t)views * (size_t)lights * 3 * s.n_components);
 
-    enc_decoder *decoder = NULL;
+    enc_playback *playback = NULL;
     enc_reference_images reference = {.shape = data, .options = {.components = UINT32_MAX}};
     reference_view(material, &reference.material);
-    assert_int_equal(enc_decoder_create(&context, data, &back, &decoder), BTF_OK);
+    assert_int_equal(enc_playback_create(&context, data, &back, &playback), BTF_OK);
     float *fast = malloc(image * (size_t)lights * sizeof *fast), *exact = malloc(image * (size_t)lights * sizeof *exact);
     assert_true(fast && exact);
     for (uint32_t mask = 0; mask < 32; mask++) {
-        const enc_decoded decoded = {.decoder = decoder, .effects = mask};
-        const enc_image_source source = enc_decoded_images(&decoded), truth = enc_reference_image_source(&reference);
+        const enc_played decoded = {.playback = playback, .effects = mask};
+        const enc_image_source source = enc_played_images(&decoded), truth = enc_reference_image_source(&reference);
         reference.options.effects = mask;
         for (int v = 0; v < views; v++) {
             assert_int_equal(source.view(source.user, v, fast), BTF_OK);
@@ -156,7 +156,7 @@ static void check(int width, int height, int views, int lights, btf_layout layou
     }
     free(exact);
     free(fast);
-    enc_decoder_destroy(&decoder);
+    enc_playback_destroy(&playback);
     btf_material_close(&material);
     enc_solution_clear(&back);
     enc_solution_clear(&s);

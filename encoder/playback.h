@@ -4,26 +4,26 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_DECODE_H
-#define OPENBTF_ENCODER_DECODE_H
+#ifndef OPENBTF_ENCODER_PLAYBACK_H
+#define OPENBTF_ENCODER_PLAYBACK_H
 
 #include "images.h"
 #include "solution.h"
 
-typedef struct enc_decoder enc_decoder;
+typedef struct enc_playback enc_playback;
 
 /* Keeps pointers to `data` (directions only) and `solution`. */
-btf_result enc_decoder_create(const enc_context *context, const enc_data *data, const enc_solution *solution,
-                              enc_decoder **out_decoder);
-void enc_decoder_destroy(enc_decoder **decoder);
+btf_result enc_playback_create(const enc_context *context, const enc_data *data, const enc_solution *solution,
+                              enc_playback **out_playback);
+void enc_playback_destroy(enc_playback **playback);
 
 /* Decodes with the effects that both `effects` and the solution have. */
-typedef struct enc_decoded {
-    const enc_decoder *decoder;
+typedef struct enc_played {
+    const enc_playback *playback;
     uint32_t effects;
-} enc_decoded;
+} enc_played;
 
 /* An image source of the decoded BTF; `decoded` must outlive it. */
-enc_image_source enc_decoded_images(const enc_decoded *decoded);
+enc_image_source enc_played_images(const enc_played *decoded);
 
 #endif

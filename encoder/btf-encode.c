@@ -1,0 +1,175 @@
+/* btf-encode: compresses a BTF into a material.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "input_options.h"
+#include "job.h"
+
+#include <omp.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static struct {
+    enc_job job;
+    uint32_t effects;
+    int method, layout, threads, centres;
+    bool layout_given, effects_given;
+    uint64_t memory, budget;
+    double hidden_threshold, error_threshold, btf_threshold;
+    int window[2];
+    bool data_points, quiet;
+} o = {.effects = UINT32_MAX};
+
+static const cli_option table[] = {
+    {.short_name = 'o', .name = "output", .arg = "OUT", .type = CLI_STRING, .value = &o.job.output,
+     .help = "material to write, NAME.btf.exr; needed"},
+    {.name = "method", .type = CLI_CHOICE, .value = &o.method, .choices = "joint|paper",
+     .help = "joint (default): everything found together, best quality;\npaper: stage after stage, as printed"},
+    {.name = "preset", .type = CLI_CHOICE, .value = &o.job.joint.preset, .choices = "fast|medium|thorough|exhaustive",
+     .help = "joint: how long to search; default medium"},
+    {.name = "effects", .type = CLI_EFFECTS, .value = &o.effects, .given = &o.effects_given, .choices = "auto",
+     .help = "effects that may be used: auto (default), none, or of\nshadow,shift,hidden,gain,residual"},
+    {.name = "budget", .type = CLI_BYTES, .value = &o.budget,
+     .help = "joint: bytes on the GPU at most; default what the paper's\nlayout takes (2.36 MB for 64x64 and 81 directions)"},
+    {.name = "quality", .arg = "DB", .type = CLI_DOUBLE, .value = &o.job.joint.quality, .minimum = 0, .maximum = 100,
+     .help = "joint: the fewest bytes that reach this PSNR (sRGB-coded), at\nmost --budget"},
+    {.name = "metric", .type = CLI_CHOICE, .value = &o.job.joint.metric, .choices = "balanced|srgb|linear",
+     .help = "joint: whose error weighs more; default balanced"},
+    {.name = "layout", .type = CLI_CHOICE, .value = &o.layout, .given = &o.layout_given, .choices = "paper|tight",
+     .help = "paper: one atlas, as in 3.1; tight: a texture an effect; default\npaper for --method paper, tight for joint"},
+    {.name = "half", .type = CLI_FLAG, .value = &o.job.half_float, .help = "SBRDF parameters as half floats"},
+    ENC_INPUT_OPTIONS(o.job.read),
+    {.name = "lobes", .type = CLI_INT, .value = &o.job.paper.fit.lobes, .minimum = 1, .maximum = 4,
+     .help = "paper: Lafortune lobes; default 3"},
+    {.name = "rounds", .type = CLI_INT, .value = &o.job.paper.fit.rounds, .minimum = 0, .maximum = 16,
+     .help = "paper: shadow rejections of the fit; default 3"},
+    {.name = "starts", .type = CLI_INT, .value = &o.job.paper.fit.starts, .minimum = 1, .maximum = ENC_FIT_MAX_STARTS,
+     .help = "paper: starts of a texel's first fit; default 2"},
+    {.name = "error-threshold", .type = CLI_DOUBLE, .value = &o.error_threshold, .minimum = 0, .maximum = 1e6,
+     .help = "paper: relative error that means shadow; default 0.3"},
+    {.name = "btf-threshold", .type = CLI_DOUBLE, .value = &o.btf_threshold, .minimum = 0, .maximum = 1e6,
+     .help = "paper: luminance below which shadow is possible; default 0.3"},
+    {.name = "flow-lights", .type = CLI_INT, .value = &o.job.paper.flow.lights, .minimum = 1, .maximum = 256,
+     .help = "paper: lights that vote on shifts; default all"},
+    {.name = "hidden-threshold", .type = CLI_DOUBLE, .value = &o.hidden_threshold, .minimum = 0, .maximum = 1,
+     .help = "paper: HiddenRatio above which a point is hidden; default 0.7"},
+    {.name = "window", .type = CLI_SIZE, .value = o.window, .minimum = 1, .maximum = 16384,
+     .help = "paper: search window of the refinement; default 256x256"},
+    {.name = "centres", .type = CLI_INT, .value = &o.centres, .minimum = 1, .maximum = BTF_MAX_CENTRES,
+     .help = "paper: cluster centres; default what the atlas leaves room for"},
+    {.name = "data-points", .type = CLI_FLAG, .value = &o.data_points,
+     .help = "paper: centres are data points nearest to the centroids"},
+    {.name = "report", .arg = "FILE", .type = CLI_STRING, .value = &o.job.report, .help = "write the report as JSON"},
+    {.name = "pictures", .arg = "DIR", .type = CLI_STRING, .value = &o.job.pictures,
+     .help = "write pictures of the stages and a montage"},
+    {.name = "threads", .type = CLI_INT, .value = &o.threads, .minimum = 1, .maximum = 1024,
+     .help = "default: all cores. The output does not depend on it"},
+    {.name = "memory", .type = CLI_BYTES, .value = &o.memory,
+     .help = "bound of the working set; default half of the machine's.\nData beyond half of it go through a scratch file in $TMPDIR"},
+    {.short_name = 'q', .name = "quiet", .type = CLI_FLAG, .value = &o.quiet, .help = "no progress, no tables"},
+    {.type = CLI_END},
+};
+
+static const cli_program program = {
+    .name = "btf-encode",
+    .usage = "INPUT -o OUT.btf.exr [OPTION...]",
+    .summary = "Compresses a bidirectional texture function into a material of a few GPU textures.\n"
+               "INPUT is a folder or an archive (zip) of images whose names hold tl, pl, tv and pv, each\n"
+               "followed by an angle in degrees (UBO2003, ATRIUM, UTIA, Bonn spectral).",
+    .details = "The tables printed at the end, and the report, measure what the written material decodes to.",
+    .example = "btf-encode UBO_IMPALLA256.zip --size 64x64 -o impalla.btf.exr --pictures pictures",
+    .options = table,
+    .min_arguments = 1,
+    .max_arguments = 1,
+};
+
+static uint64_t machine_memory(void) {
+    return (uint64_t)sysconf(_SC_PHYS_PAGES) * (uint64_t)sysconf(_SC_PAGESIZE);
+}
+
+/* Names and values of what decides the result, for the material's provenance and the report. */
+static const char *const *describe(void) {
+    static char text[12][64];
+    static const char *values[32];
+    static const char *const presets[] = {"fast", "medium", "thorough", "exhaustive"};
+    int n = 0, used = 0;
+#define DESCRIBE(name, ...) (values[n++] = name, values[n++] = text[used], snprintf(text[used++], 64, __VA_ARGS__))
+    const enc_paper_options *paper = &o.job.paper;
+    DESCRIBE("layout", "%s", o.job.layout == BTF_LAYOUT_PAPER ? "paper" : "tight");
+    DESCRIBE("half", "%s", o.job.half_float ? "yes" : "no");
+    if (o.job.method == ENC_METHOD_PAPER) {
+        DESCRIBE("lobes", "%d", paper->fit.lobes);
+        DESCRIBE("rounds", "%d", paper->fit.rounds);
+        DESCRIBE("starts", "%d", paper->fit.starts);
+        DESCRIBE("error-threshold", "%g", paper->fit.t_error);
+        DESCRIBE("btf-threshold", "%g", paper->fit.t_btf);
+        DESCRIBE("flow-lights", "%d", paper->flow.lights);
+        DESCRIBE("hidden-threshold", "%g", paper->flow.hidden_threshold > 0 ? paper->flow.hidden_threshold : 0.7);
+        DESCRIBE("data-points", "%s", paper->cluster.data_points ? "yes" : "no");
+    } else {
+        DESCRIBE("preset", "%s", presets[o.job.joint.preset]);
+        DESCRIBE("budget", "%llu", (unsigned long long)o.budget);
+    }
+#undef DESCRIBE
+    values[n] = NULL;
+    return values;
+}
+
+static btf_result prepare(void) {
+    enc_job *job = &o.job;
+    const uint32_t paper_effects = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN;
+    if (!job->output) {
+        return cli_error(&program, BTF_ERROR_USAGE, "option --output is missing: expected -o OUT.btf.exr");
+    }
+    job->method = o.method == 1 ? ENC_METHOD_PAPER : ENC_METHOD_JOINT;
+    if (job->method == ENC_METHOD_PAPER && o.effects_given && o.effects != UINT32_MAX && (o.effects & ~paper_effects)) {
+        return cli_error(&program, BTF_ERROR_USAGE,
+                         "option --effects: --method paper has shadow, shift and hidden only");
+    }
+    job->layout = o.layout_given ? (o.layout == 1 ? BTF_LAYOUT_TIGHT : BTF_LAYOUT_PAPER)
+                                 : (job->method == ENC_METHOD_PAPER ? BTF_LAYOUT_PAPER : BTF_LAYOUT_TIGHT);
+    job->paper.effects = o.effects == UINT32_MAX ? paper_effects : o.effects;
+    job->paper.fit.t_error = (float)o.error_threshold;
+    job->paper.fit.t_btf = (float)o.btf_threshold;
+    job->paper.flow.hidden_threshold = (float)o.hidden_threshold;
+    job->paper.refine.columns = o.window[0];
+    job->paper.refine.rows = o.window[1];
+    job->paper.cluster.data_points = o.data_points;
+    job->paper.centres = (uint32_t)o.centres;
+    job->joint.effects = o.effects == UINT32_MAX ? BTF_EFFECT_ALL : o.effects;
+    job->joint.budget = o.budget;
+    job->option_values = describe();
+    job->quiet = o.quiet;
+    return BTF_OK;
+}
+
+int main(int argc, char **argv) {
+    cli_arguments arguments;
+    int exit_code;
+    o.job.paper = enc_paper_options_default();
+    o.error_threshold = o.job.paper.fit.t_error;
+    o.btf_threshold = o.job.paper.fit.t_btf;
+    o.job.joint = enc_joint_options_default();
+    o.threads = omp_get_num_procs();
+    o.memory = machine_memory() / 2;
+    if (!cli_parse(&program, argc, argv, &arguments, &exit_code)) {
+        return exit_code;
+    }
+    btf_result result = prepare();
+    if (result == BTF_OK) {
+        struct progress *progress = progress_create(o.quiet);
+        const enc_context context = {.log = cli_log(&program, o.quiet),
+                                     .progress = progress,
+                                     .threads = o.threads,
+                                     .memory = (size_t)o.memory};
+        o.job.input = arguments.values[0];
+        result = enc_job_run(&context, &o.job);
+        if (result == BTF_ERROR_INTERRUPTED) {
+            cli_error(&program, result, "interrupted; nothing was written");
+        }
+        progress_destroy(progress);
+    }
+    return cli_finish(&program, result);
+}

@@ -1,0 +1,50 @@
+/* The command-line options that say how a data set is read. See input_options.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "input_options.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char *enc_parse_transfer(const char *text, void *options) {
+    enc_read_options *r = options;
+    if (strcmp(text, "srgb") == 0) {
+        r->transfer = ENC_TRANSFER_SRGB;
+    } else if (strcmp(text, "linear") == 0) {
+        r->transfer = ENC_TRANSFER_LINEAR;
+    } else {
+        char *end = NULL;
+        const double gamma = strncmp(text, "gamma:", 6) == 0 ? strtod(text + 6, &end) : 0;
+        if (!end || *end || !(gamma >= 0.1 && gamma <= 10)) {
+            return "srgb, linear or gamma:G with G from 0.1 to 10";
+        }
+        r->transfer = ENC_TRANSFER_GAMMA;
+        r->gamma = gamma;
+    }
+    return NULL;
+}
+
+const char *enc_parse_colour(const char *text, void *options) {
+    enc_read_options *r = options;
+    if (strcmp(text, "rgb") == 0) {
+        r->colour = ENC_COLOUR_RGB;
+    } else if (strcmp(text, "xyz") == 0) {
+        r->colour = ENC_COLOUR_XYZ;
+    } else {
+        return "rgb or xyz";
+    }
+    return NULL;
+}
+
+const char *enc_parse_crop(const char *text, void *options) {
+    enc_read_options *r = options;
+    int c[4], length = 0;
+    if (sscanf(text, "%d,%d,%d,%d%n", &c[0], &c[1], &c[2], &c[3], &length) != 4 || text[length] != 0 || c[0] < 0 ||
+        c[1] < 0 || c[2] < 1 || c[3] < 1) {
+        return "X,Y,W,H in pixels: X and Y at least 0, W and H at least 1";
+    }
+    memcpy(r->crop, c, sizeof c);
+    return NULL;
+}

@@ -1,0 +1,33 @@
+#!/bin/bash
+# btf-decode, btf-info and btf-sample.
+. "$BTF_SOURCE_ROOT/tests/tools/common.sh"
+small_data --truth truth
+btf-encode data -o m.btf.exr --method paper -q || exit 99
+
+expect "one image" 0 btf-decode m.btf.exr -o one.png --view 40,60 --light 40,120
+expect_that "a PNG came" test "$(head -c 4 one.png | tail -c 3)" = PNG
+expect "one image as EXR" 0 btf-decode m.btf.exr -o one.exr --view 20,10 --light 30,5 --format exr --effects shadow
+expect "all images" 0 btf-decode m.btf.exr -o all --all --threads 2
+expect_that "as many images as the data has" test "$(find all -name '*.png' | wc -l)" = 49
+expect "they are a data set again" 0 btf-compare all m.btf.exr --json -q
+expect_that "and agree with the material up to 8 bits" python3 - <<'P'
+import json
+assert json.load(open("out"))["psnr"]["srgb"] > 50
+P
+expect "all images as EXR" 0 btf-decode m.btf.exr -o exr --all --format exr
+expect "the EXR set" 0 btf-compare exr m.btf.exr --json -q
+expect_that "and agree exactly" python3 - <<'P'
+import json
+assert json.load(open("out"))["psnr"]["linear"] > 90
+P
+expect "info as JSON" 0 btf-info m.btf.exr --json
+expect_that "which is JSON" python3 -c 'import json; r=json.load(open("out")); assert r'
+expect "decode without a view" 1 btf-decode m.btf.exr -o x.png
+expect "decode nothing" 2 btf-decode none.btf.exr -o x.png --view 0,0 --light 0,0
+expect "sample: an unknown relief" 1 btf-sample -o x --relief moon
+expect_that "truth was written" test -n "$(ls truth)"
+for relief in bumps weave flat axes; do
+    expect "sample $relief" 0 btf-sample -o "s-$relief" --relief $relief --size 12 --rings 0:1,45:4 --format exr --quiet
+    expect "encode $relief" 0 btf-encode "s-$relief" -o $relief.btf.exr --method paper -q
+done
+finish

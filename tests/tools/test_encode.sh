@@ -1,0 +1,72 @@
+#!/bin/bash
+# btf-encode and btf-compare: options and what they do.
+. "$BTF_SOURCE_ROOT/tests/tools/common.sh"
+small_data
+
+json() { python3 -c "import json,sys; r=json.load(open('$1')); print($2)"; }
+
+for tool in btf-encode btf-compare btf-info btf-decode btf-sample; do
+    expect "$tool --help" 0 $tool --help
+    expect_text "$tool --help shows an example" "xample" out
+    expect "$tool --version" 0 $tool --version
+    expect "$tool --no-such-option is refused" 1 $tool --no-such-option
+    expect_text "$tool names the option" "no-such-option" err
+done
+
+expect "paper" 0 btf-encode data -o paper.btf.exr --method paper --report paper.json --pictures pictures --threads 2
+for picture in montage abrdf steps shadow flow hidden atlas; do
+    expect_that "picture $picture" test -s pictures/$picture.png
+done
+expect_text "table 1" "Table 1" out
+expect_text "table 2" "Table 2" out
+expect_that "the report has every member" python3 - <<'P'
+import json
+r = json.load(open("paper.json"))
+for member in ("bytes", "ratio", "seconds", "peak_rss", "psnr", "hidden", "effects", "options"):
+    assert member in r, member
+assert set(r["psnr"]) == {"sbrdf", "stvs", "full"}
+for step in r["psnr"].values():
+    assert {"linear", "srgb", "rings"} <= set(step)
+assert {"file", "gpu", "parts"} <= set(r["bytes"])
+assert {"before", "after", "total"} <= set(r["hidden"])
+assert r["seconds"]["total"] > 0 and r["peak_rss"] > 1e6
+P
+expect "one thread" 0 btf-encode data -o one.btf.exr --method paper --threads 1 -q
+expect "two threads" 0 btf-encode data -o two.btf.exr --method paper --threads 2 -q
+expect_that "the same bytes for any number of threads" cmp one.btf.exr two.btf.exr
+expect "a scratch file" 0 env TMPDIR="$work" btf-encode data -o scratch.btf.exr --method paper --memory 1k -q
+expect_that "the same bytes through a scratch file" cmp one.btf.exr scratch.btf.exr
+
+expect "no effects" 0 btf-encode data -o none.btf.exr --method paper --effects none --report none.json -q
+expect_that "no effects, no maps" test "$(json none.json "'maps' in r['bytes']['parts']")" = False
+expect "shadow alone" 0 btf-encode data -o shadow.btf.exr --method paper --effects shadow -q
+expect "layout tight" 0 btf-encode data -o tight.btf.exr --method paper --layout tight -q
+expect "tight against paper" 0 btf-compare tight.btf.exr paper.btf.exr --json -q
+expect_text "layouts decode alike" '"linear": 100' out
+expect "half floats" 0 btf-encode data -o half.btf.exr --method paper --half --report half.json -q
+expect_that "half floats halve the parameters" test "$(json half.json "r['bytes']['parts']['sbrdf']")" = $((16 * 16 * 32))
+expect "one lobe" 0 btf-encode data -o lobe.btf.exr --method paper --lobes 1 -q
+expect "size" 0 btf-encode data -o size.btf.exr --method paper --size 8x12 --report size.json -q
+expect_that "size is taken" test "$(json size.json "(r['width'], r['height'])")" = "(8, 12)"
+expect "crop" 0 btf-encode data -o crop.btf.exr --method paper --crop 2,3,9,5 --report crop.json -q
+expect_that "crop is taken" test "$(json crop.json "(r['width'], r['height'])")" = "(9, 5)"
+expect "transfer" 0 btf-encode data -o transfer.btf.exr --method paper --transfer gamma:2.2 -q
+expect "orientation" 0 btf-encode data -o turned.btf.exr --method paper --flip-v --azimuth-cw --azimuth-offset 30 -q
+expect_text "the file tells how it was made" "rounds=3" <(btf-info paper.btf.exr)
+expect "rounds, thresholds, window, centres" 0 btf-encode data -o many.btf.exr --method paper --rounds 1 --starts 1 \
+    --error-threshold 1 --btf-threshold 0.5 --flow-lights 3 --hidden-threshold 0.2 --window 5x5 --centres 9 \
+    --data-points -q
+
+expect "compare" 0 btf-compare data paper.btf.exr
+expect_text "compare prints PSNR" "PSNR linear [0-9.]+ dB" out
+expect "compare nearest" 0 btf-compare data paper.btf.exr --interpolation nearest --effects none --no-ssim --json
+expect "compare a set with itself" 0 btf-compare data data --json
+expect_text "no error against itself" '"linear": 100' out
+expect_that "compare agrees with the report" python3 - <<'P'
+import json, subprocess
+report = json.load(open("paper.json"))["psnr"]["full"]
+compared = json.loads(subprocess.run(["btf-compare", "data", "paper.btf.exr", "--json", "-q"], capture_output=True).stdout)
+for key in ("linear", "srgb", "ssim"):
+    assert abs(report[key] - compared["psnr"][key]) < 2e-3, (key, report[key], compared["psnr"][key])
+P
+finish

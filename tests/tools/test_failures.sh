@@ -1,0 +1,65 @@
+#!/bin/bash
+# Bad input, full disks, interruption: the documented exit code, a message with name and value, no half file.
+. "$BTF_SOURCE_ROOT/tests/tools/common.sh"
+small_data
+
+expect "no output named" 1 btf-encode data
+expect "no input named" 1 btf-encode -o x.btf.exr
+expect "an unknown method" 1 btf-encode data -o x.btf.exr --method magic
+expect_text "says what was expected" "paper" err
+expect "lobes out of range" 1 btf-encode data -o x.btf.exr --lobes 9
+expect "a bad transfer" 1 btf-encode data -o x.btf.exr --transfer gamma:x
+expect_text "names the value" "gamma:x" err
+expect "an input that is not there" 2 btf-encode nothing -o x.btf.exr
+expect_text "names the input" "nothing" err
+echo "no archive" >broken.zip
+expect "an input that is no archive" 3 btf-encode broken.zip -o x.btf.exr
+
+cp -r data missing
+rm "$(find missing -name '*tl040 pl120 tv040 pv060*')"
+expect "a missing image" 3 btf-encode missing -o x.btf.exr
+expect_text "counts what is missing" "1 of 49" err
+cp -r data twice
+cp "$(find twice -name '*tl040 pl120 tv040 pv060*')" "twice/again tl040 pl120 tv040 pv060.png"
+expect "a duplicate image" 3 btf-encode twice -o x.btf.exr
+expect_text "names the duplicate" "again tl040" err
+cp -r data cut
+image=$(find cut -name '*tl040 pl120 tv040 pv060*')
+head -c 200 "$image" >cut.png && mv cut.png "$image"
+expect "a truncated image" 3 btf-encode cut -o x.btf.exr
+expect_text "names the image" "tl040 pl120 tv040 pv060" err
+expect "a crop beyond the image" 3 btf-encode data -o x.btf.exr --crop 10,10,10,10
+expect "no folder for the output" 2 btf-encode data -o no/such/folder/x.btf.exr --method paper -q
+
+expect "a material that is none" 3 btf-info data/../broken.zip
+expect "a material that is not there" 2 btf-info nothing.btf.exr
+expect "compare: not there" 2 btf-compare data nothing.btf.exr
+btf-encode data -o good.btf.exr --method paper -q || exit 99
+expect "compare: other size" 3 btf-compare <(true) good.btf.exr
+btf-sample -o other --relief flat --size 8 --rings 0:1,40:6 --quiet || exit 99
+expect "compare: sizes differ" 3 btf-compare other good.btf.exr
+expect_text "compare names both sizes" "16 x 16.*8 x 8" err
+head -c 3000 good.btf.exr >short.btf.exr
+expect "a truncated material" 3 btf-info short.btf.exr
+
+# interruption: the old output stays, nothing half-written appears
+cp good.btf.exr kept.btf.exr
+btf-sample -o larger --relief bricks --size 64 --rings 0:1,30:12,60:12 --quiet || exit 99
+setsid btf-encode larger -o kept.btf.exr --method paper -q 2>err &
+encoder=$!
+sleep 1
+kill -INT $encoder
+wait $encoder
+code=$?
+report "SIGINT gives 130" "$([ $code = 130 ] && echo ok || echo failed)" "got $code"
+expect_that "the old file is untouched" cmp good.btf.exr kept.btf.exr
+expect_that "no temporary file is left" test -z "$(find . -maxdepth 1 -name '.*.tmp')"
+
+if mkdir tiny && mount -t tmpfs -o size=64k tmpfs tiny 2>/dev/null; then
+    expect "a full disk" 2 btf-encode data -o tiny/x.btf.exr --method paper -q
+    expect_that "a full disk leaves nothing" test -z "$(ls -A tiny)"
+    umount tiny
+else
+    echo "SKIPPED: a full disk: cannot mount a tmpfs here"
+fi
+finish
