@@ -142,9 +142,10 @@ static bool edge_meets(const btfi_directions *d, uint32_t h, const cell *cell) {
     point ab = minus(b, a), ba = minus(a, b), cb = minus(b, c);
     bool strip = reaches(cell, ab, a) && reaches(cell, ba, b) && reaches(cell, (point){ab.y, -ab.x}, a);
     bool cone = reaches(cell, ab, b) && reaches(cell, cb, b);
-    if (strip || !cone)
-        return strip;
-    /* The cone of a convex corner lies outside both of its edges. */
+    if (strip || !cone || d->triangle_count == 0)
+        return strip || cone;
+    /* What lies inside the hull belongs to triangles; outside, a corner's cone is beyond one of its edges.
+     */
     point bc = minus(c, b);
     return reaches(cell, (point){ab.y, -ab.x}, b) || reaches(cell, (point){bc.y, -bc.x}, b);
 }

@@ -377,7 +377,7 @@ static void test_create_refuses_info(void **state) {
     REFUSED(info.components = 0, "residual of 0");
     REFUSED(info.components = 257, "residual of 257");
     REFUSED(info.effects = 15, "residual of 5 components without");
-    REFUSED(info.effects = 27, "centres 7 without");
+    REFUSED(info.effects = 27, "without the effect hidden");
     REFUSED(info.atlas_width = 24, "24 x");
     REFUSED(info.atlas_height = 64, "sides must be");
     REFUSED(info.atlas_width = 32768, "32768 x");

@@ -1,0 +1,436 @@
+/* Direction lists: triangulation, hull, look-up grid and GPU table, against brute force and geometry.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "btf_reference.h"
+#include "random_material.h"
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { END = 16384 };
+
+/* A material of one texel whose views are the list. */
+static btf_material *with_views(uint32_t count, const float *xyz) {
+    random_state r = {count};
+    btf_material_desc desc = random_material_desc(1, 1, 1, 1, BTF_LAYOUT_TIGHT, 0);
+    const float *spare = desc.views;
+    random_material_fill(&r, &desc);
+    desc.info.n_views = count;
+    desc.views = xyz;
+    btf_material *material = NULL;
+    assert_int_equal(btf_material_create(&desc, NULL, &material), BTF_OK);
+    desc.views = spare;
+    random_material_free(&desc);
+    return material;
+}
+
+typedef struct vec {
+    int64_t x, y;
+} vec;
+
+static vec at(const btf_directions *d, uint32_t i) {
+    return (vec){d->vertices[2 * i], d->vertices[2 * i + 1]};
+}
+
+static vec sub(vec a, vec b) {
+    return (vec){a.x - b.x, a.y - b.y};
+}
+
+static int64_t cross(vec a, vec b) {
+    return a.x * b.y - a.y * b.x;
+}
+
+static int64_t dot(vec a, vec b) {
+    return a.x * b.x + a.y * b.y;
+}
+
+static int shift_of(int64_t a) {
+    int s = 0;
+    while (a >> s >= 1 << 19)
+        s++;
+    return s;
+}
+
+/* The look-up of FORMAT.md section 6 over one record; returns false when it does not accept. */
+static bool look_up_record(const btf_directions *d, uint32_t record, vec q, btf_ref_neighbours *out) {
+    if (record < d->triangle_count) {
+        const uint8_t *t = d->triangles + 3 * record;
+        vec a = at(d, t[0]), b = at(d, t[1]), c = at(d, t[2]);
+        int64_t area = cross(sub(b, a), sub(c, a));
+        int64_t e0 = cross(sub(b, q), sub(c, q)), e1 = cross(sub(c, q), sub(a, q)),
+                e2 = cross(sub(a, q), sub(b, q));
+        if (e0 < 0 || e1 < 0 || e2 < 0)
+            return false;
+        int s = shift_of(area);
+        uint32_t w0 = (uint32_t)(((e0 >> s) << 12) / (area >> s)),
+                 w1 = (uint32_t)(((e1 >> s) << 12) / (area >> s));
+        *out = (btf_ref_neighbours){{t[0], t[1], t[2]}, {w0, w1, 4096 - w0 - w1}};
+        return true;
+    }
+    uint32_t h = record - d->triangle_count, n = d->hull_count;
+    uint32_t ia = d->hull[h], ib = d->hull[(h + 1) % n], ic = d->hull[(h + 2) % n];
+    vec a = at(d, ia), b = at(d, ib), c = at(d, ic);
+    int64_t t = dot(sub(q, a), sub(b, a)), length = dot(sub(b, a), sub(b, a));
+    if (t >= 0 && t <= length && cross(sub(b, a), sub(q, a)) <= 0) {
+        int s = shift_of(length);
+        uint32_t w1 = (uint32_t)(((t >> s) << 12) / (length >> s));
+        *out = (btf_ref_neighbours){{ia, ib, ia}, {4096 - w1, w1, 0}};
+        return true;
+    }
+    if (t >= length && dot(sub(q, b), sub(c, b)) <= 0) {
+        *out = (btf_ref_neighbours){{ib, ib, ib}, {4096, 0, 0}};
+        return true;
+    }
+    return false;
+}
+
+/* Over all records, without the grid. */
+static btf_ref_neighbours look_up_all(const btf_directions *d, vec q) {
+    btf_ref_neighbours out = {{0, 0, 0}, {4096, 0, 0}};
+    for (uint32_t record = 0; record < d->triangle_count + d->hull_count; record++)
+        if (look_up_record(d, record, q, &out))
+            break;
+    return out;
+}
+
+/* Through the grid of the header. */
+static btf_ref_neighbours look_up_cell(const btf_directions *d, const size_t *starts, vec q) {
+    uint32_t g = d->grid;
+    uint32_t cx = (uint32_t)(q.x < 16383 ? q.x : 16383) * g >> 14,
+             cy = (uint32_t)(q.y < 16383 ? q.y : 16383) * g >> 14;
+    const uint16_t *cell = d->cells + starts[cy * g + cx];
+    btf_ref_neighbours out = {{0, 0, 0}, {4096, 0, 0}};
+    for (uint32_t i = 1; i <= cell[0]; i++)
+        if (look_up_record(d, cell[i], q, &out))
+            break;
+    return out;
+}
+
+static void cell_starts(const btf_directions *d, size_t starts[64 * 64]) {
+    size_t position = 0;
+    for (uint32_t c = 0; c < d->grid * d->grid; c++) {
+        starts[c] = position;
+        position += 1u + d->cells[position];
+    }
+    assert_int_equal(position, d->cells_length);
+}
+
+/* The point that the weights stand for. */
+static void weighted(const btf_directions *d, const btf_ref_neighbours *n, double out[2]) {
+    out[0] = out[1] = 0;
+    for (int i = 0; i < 3; i++) {
+        vec p = at(d, n->index[i]);
+        out[0] += (double)n->weight[i] / 4096 * (double)p.x;
+        out[1] += (double)n->weight[i] / 4096 * (double)p.y;
+    }
+}
+
+/* The point of the hull (or of its inside) nearest to q. */
+static void nearest(const btf_directions *d, vec q, double out[2]) {
+    double best = INFINITY;
+    bool inside = d->triangle_count > 0;
+    for (uint32_t h = 0; h < d->hull_count; h++) {
+        vec a = at(d, d->hull[h]), b = at(d, d->hull[(h + 1) % d->hull_count]), ab = sub(b, a);
+        inside = inside && cross(ab, sub(q, a)) >= 0;
+        double t = (double)dot(sub(q, a), ab) / (double)dot(ab, ab);
+        t = t < 0 ? 0 : t > 1 ? 1 : t;
+        double x = (double)a.x + t * (double)ab.x, y = (double)a.y + t * (double)ab.y;
+        double distance = hypot(x - (double)q.x, y - (double)q.y);
+        if (distance < best) {
+            best = distance;
+            out[0] = x;
+            out[1] = y;
+        }
+    }
+    if (d->hull_count == 0) {
+        out[0] = d->vertices[0];
+        out[1] = d->vertices[1];
+    }
+    if (inside) {
+        out[0] = (double)q.x;
+        out[1] = (double)q.y;
+    }
+}
+
+/* The longest edge: what one step of a weight can move a point. */
+static double longest_edge(const btf_directions *d) {
+    double longest = 0;
+    for (uint32_t t = 0; t < d->triangle_count; t++)
+        for (int k = 0; k < 3; k++) {
+            vec e = sub(at(d, d->triangles[3 * t + (uint32_t)k]),
+                        at(d, d->triangles[3 * t + (uint32_t)(k + 1) % 3]));
+            longest = fmax(longest, sqrt((double)dot(e, e)));
+        }
+    for (uint32_t h = 0; h < d->hull_count; h++) {
+        vec e = sub(at(d, d->hull[h]), at(d, d->hull[(h + 1) % d->hull_count]));
+        longest = fmax(longest, sqrt((double)dot(e, e)));
+    }
+    return longest;
+}
+
+/* Everything that must hold at one q. */
+static void check_point(const btf_directions *d, const size_t *starts, const uint16_t *table, vec q) {
+    btf_ref_neighbours all = look_up_all(d, q), cell = look_up_cell(d, starts, q);
+    const int32_t q32[2] = {(int32_t)q.x, (int32_t)q.y};
+    btf_ref_neighbours gpu = btf_ref_lookup(table, d->grid, q32);
+    assert_memory_equal(&all, &cell, sizeof all);
+    assert_memory_equal(&all, &gpu, sizeof all);
+    assert_int_equal(all.weight[0] + all.weight[1] + all.weight[2], 4096);
+    for (int i = 0; i < 3; i++)
+        assert_true(all.weight[i] <= 4096 && all.index[i] < d->count);
+    double have[2], want[2];
+    weighted(d, &all, have);
+    nearest(d, q, want);
+    /* two weights rounded down, each after a shift that keeps at least 18 bits */
+    double tolerance = 2.1 * longest_edge(d) / 4096 + 1e-6;
+    assert_true(hypot(have[0] - want[0], have[1] - want[1]) <= tolerance);
+}
+
+static void check_delaunay(const btf_directions *d) {
+    int64_t sum = 0, hull = 0;
+    for (uint32_t t = 0; t < d->triangle_count; t++) {
+        const uint8_t *i = d->triangles + 3 * t;
+        vec a = at(d, i[0]), b = at(d, i[1]), c = at(d, i[2]);
+        int64_t area = cross(sub(b, a), sub(c, a));
+        assert_true(area > 0);
+        sum += area;
+        for (uint32_t k = 0; k < d->count; k++) {
+            vec p = at(d, k), u = sub(a, p), v = sub(b, p), w = sub(c, p);
+            int64_t in = dot(u, u) * cross(v, w) + dot(v, v) * cross(w, u) + dot(w, w) * cross(u, v);
+            assert_true(in <= 0);
+        }
+    }
+    for (uint32_t h = 0; h < d->hull_count; h++)
+        hull += cross(at(d, d->hull[h]), at(d, d->hull[(h + 1) % d->hull_count]));
+    assert_int_equal(sum, hull); /* the triangles fill the hull */
+}
+
+/* Checks a list of directions; q on a lattice of `step`, at every vertex and its neighbourhood, on edges.
+ */
+static void check_list(const char *name, uint32_t count, const float *xyz, int step) {
+    btf_material *material = with_views(count, xyz);
+    btf_directions d = btf_material_views(material);
+    btf_texture table = btf_material_texture(material, BTF_TEXTURE_VIEW_TABLE);
+    size_t starts[64 * 64];
+    assert_int_equal(d.count, count);
+    cell_starts(&d, starts);
+    assert_int_equal(table.format, BTF_FORMAT_RGBA16UI);
+    assert_int_equal(table.width, 256);
+    size_t records = d.cells_length - d.grid * d.grid;
+    assert_true(records <= 65535);
+    assert_int_equal(table.height, (d.grid * d.grid + 2 * records + 255) / 256);
+    print_message("%s: %u triangles, hull %u, grid %u, %.2f records a cell\n", name,
+                  (unsigned)d.triangle_count, (unsigned)d.hull_count, (unsigned)d.grid,
+                  (double)records / (d.grid * d.grid));
+    check_delaunay(&d);
+    for (uint32_t i = 0; i < count; i++) {
+        int32_t q[2];
+        btf_ref_project(xyz + 3 * i, q);
+        assert_int_equal(q[0], d.vertices[2 * i]);
+        assert_int_equal(q[1], d.vertices[2 * i + 1]);
+        btf_ref_neighbours n = look_up_all(&d, at(&d, i));
+        for (int k = 0; k < 3; k++)
+            assert_true(n.weight[k] == (n.index[k] == i && n.weight[k] ? 4096 : 0));
+        for (int dy = -1; dy <= 1; dy++)
+            for (int dx = -1; dx <= 1; dx++) {
+                vec near = {d.vertices[2 * i] + dx, d.vertices[2 * i + 1] + dy};
+                if (near.x >= 0 && near.x <= END && near.y >= 0 && near.y <= END)
+                    check_point(&d, starts, table.data, near);
+            }
+    }
+    for (uint32_t h = 0; h < d.hull_count; h++) { /* halfway along the hull */
+        vec a = at(&d, d.hull[h]), b = at(&d, d.hull[(h + 1) % d.hull_count]);
+        check_point(&d, starts, table.data, (vec){(a.x + b.x) / 2, (a.y + b.y) / 2});
+    }
+    for (int64_t y = 0; y <= END; y += step)
+        for (int64_t x = y * 7 % step; x <= END; x += step)
+            check_point(&d, starts, table.data, (vec){x, y});
+    for (int64_t x = 0; x <= END; x += 64) /* along the borders of the plane and of cells */
+        for (int64_t border = 0; border <= END; border += 4096) {
+            check_point(&d, starts, table.data, (vec){x, border});
+            check_point(&d, starts, table.data, (vec){border, x});
+            if (border > 0)
+                check_point(&d, starts, table.data, (vec){x, border - 1});
+        }
+    btf_material_close(&material);
+}
+
+static void test_measured_sets(void **state) {
+    (void)state;
+    float ubo2003[81][3], ubo2014[151][3];
+    random_ubo2003(ubo2003);
+    random_ubo2014(ubo2014);
+    check_list("UBO2003", 81, ubo2003[0], 149);
+    check_list("UBO2014", 151, ubo2014[0], 211);
+}
+
+static void test_random_sets(void **state) {
+    (void)state;
+    random_state r = {11};
+    static const uint32_t counts[] = {3, 4, 5, 9, 50, 256};
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
+        float xyz[256 * 3];
+        char name[32];
+        random_directions(&r, counts[i], i % 2 ? 89.9 : 60, xyz);
+        snprintf(name, sizeof name, "%u random", (unsigned)counts[i]);
+        check_list(name, counts[i], xyz, 293);
+    }
+}
+
+static void test_regular_sets(void **state) {
+    (void)state;
+    static const uint32_t counts[] = {7, 19, 37, 91, 217, 256};
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
+        float xyz[256 * 3];
+        char name[32];
+        random_rings(counts[i], 85, xyz);
+        snprintf(name, sizeof name, "%u in rings", (unsigned)counts[i]);
+        check_list(name, counts[i], xyz, 293);
+    }
+}
+
+static void test_one_and_two(void **state) {
+    (void)state;
+    const float one[3] = {0.6f, 0, 0.8f}, two[2][3] = {{0, 0, 1}, {0.48f, 0.64f, 0.6f}};
+    check_list("one", 1, one, 331);
+    check_list("two", 2, two[0], 331);
+}
+
+static void test_collinear(void **state) {
+    (void)state;
+    float line[9][3], slanted[5][3];
+    static const int order[9] = {4, 3, 5, 2, 6, 1, 7, 0, 8};
+    for (int i = 0; i < 9; i++) {
+        double angle = (order[i] - 4) * 0.3;
+        line[i][0] = (float)sin(angle);
+        line[i][1] = 0;
+        line[i][2] = (float)cos(angle);
+    }
+    for (int i = 0; i < 5; i++) {
+        double angle = (i - 2) * 0.5;
+        slanted[i][0] = slanted[i][1] = (float)(sin(angle) * sqrt(0.5));
+        slanted[i][2] = (float)cos(angle);
+    }
+    check_list("collinear", 9, line[0], 331);
+    check_list("collinear, slanted", 5, slanted[0], 331);
+
+    btf_material *material = with_views(9, line[0]);
+    btf_directions d = btf_material_views(material);
+    assert_int_equal(d.triangle_count, 0);
+    assert_int_equal(d.hull_count, 16); /* there and back */
+    btf_material_close(&material);
+
+    float corner[4][3]; /* three on a line and one beside it: the middle one is on the hull, too */
+    memcpy(corner, line, sizeof(float[3][3]));
+    corner[3][0] = 0;
+    corner[3][1] = 0.6f;
+    corner[3][2] = 0.8f;
+    check_list("three on a line", 4, corner[0], 331);
+}
+
+/* Exact ties: the diagonal that holds the smallest index. */
+static void test_cocircular(void **state) {
+    (void)state;
+    static const float square[4][3] = {
+        {0.6f, 0, 0.8f}, {0, 0.6f, 0.8f}, {-0.6f, 0, 0.8f}, {0, -0.6f, 0.8f}};
+    for (int first = 0; first < 4; first++) {
+        float xyz[4][3];
+        for (int i = 0; i < 4; i++)
+            memcpy(xyz[i], square[(i * 3 + first) % 4], sizeof xyz[i]);
+        btf_material *material = with_views(4, xyz[0]);
+        btf_directions d = btf_material_views(material);
+        assert_int_equal(d.triangle_count, 2);
+        for (uint32_t t = 0; t < 2; t++) /* sorted, each beginning with index 0: it is on the diagonal */
+            assert_int_equal(d.triangles[3 * t], 0);
+        btf_material_close(&material);
+        check_list("square", 4, xyz[0], 331);
+    }
+    float octagon[8][3];
+    static const float pattern[8][2] = {{0.48f, 0.36f},  {0.36f, 0.48f},   {-0.36f, 0.48f},
+                                        {-0.48f, 0.36f}, {-0.48f, -0.36f}, {-0.36f, -0.48f},
+                                        {0.36f, -0.48f}, {0.48f, -0.36f}};
+    for (int i = 0; i < 8; i++) {
+        octagon[i][0] = pattern[i * 3 % 8][0];
+        octagon[i][1] = pattern[i * 3 % 8][1];
+        octagon[i][2] = 0.8f;
+    }
+    btf_material *material = with_views(8, octagon[0]);
+    btf_directions d = btf_material_views(material);
+    assert_int_equal(d.triangle_count, 6);
+    for (uint32_t t = 0; t < 6; t++)
+        assert_int_equal(d.triangles[3 * t], 0); /* a fan */
+    btf_material_close(&material);
+    check_list("octagon", 8, octagon[0], 331);
+}
+
+/* One step of q moves the weighted point by little more than a step, also across edges and over the hull.
+ */
+static void test_continuity(void **state) {
+    (void)state;
+    float xyz[81][3];
+    random_ubo2003(xyz);
+    btf_material *material = with_views(81, xyz[0]);
+    btf_directions d = btf_material_views(material);
+    btf_texture table = btf_material_texture(material, BTF_TEXTURE_VIEW_TABLE);
+    const double rounding = 4.2 * longest_edge(&d) / 4096;
+    for (int32_t y = 5; y <= END; y += 997) {
+        double before[2] = {0, 0};
+        for (int32_t x = 0; x <= END; x++) {
+            const int32_t q[2] = {x, y};
+            btf_ref_neighbours n = btf_ref_lookup(table.data, d.grid, q);
+            double now[2];
+            weighted(&d, &n, now);
+            assert_true(x == 0 || hypot(now[0] - before[0], now[1] - before[1]) <= 1 + rounding);
+            before[0] = now[0];
+            before[1] = now[1];
+        }
+    }
+    btf_material_close(&material);
+}
+
+static void test_projection(void **state) {
+    (void)state;
+    random_state r = {12};
+    const float pole[3] = {0, 0, 1}, edge[3] = {1, 0, 0x1p-24f},
+                corner[3] = {-0.70710678f, -0.70710678f, 0x1p-24f};
+    btf_material *material = with_views(1, pole);
+    assert_int_equal(btf_material_views(material).vertices[0], 8192);
+    assert_int_equal(btf_material_views(material).vertices[1], 8192);
+    btf_material_close(&material);
+    material = with_views(1, edge);
+    assert_int_equal(btf_material_views(material).vertices[0], 16384);
+    btf_material_close(&material);
+    material = with_views(1, corner);
+    assert_int_equal(btf_material_views(material).vertices[0], 2399); /* 8192 - 5792.6 */
+    btf_material_close(&material);
+    for (int i = 0; i < 40; i++) {
+        float xyz[256 * 3];
+        random_directions(&r, 256, 90, xyz);
+        material = with_views(256, xyz);
+        for (uint32_t k = 0; k < 256; k++)
+            for (int c = 0; c < 2; c++) {
+                double exact =
+                    (double)xyz[3 * k + (uint32_t)c] / (1 + (double)xyz[3 * k + 2]) * 8192 + 8192;
+                assert_true(fabs(btf_material_views(material).vertices[2 * k + (uint32_t)c] - exact) <=
+                            0.51);
+            }
+        btf_material_close(&material);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_measured_sets), cmocka_unit_test(test_random_sets),
+        cmocka_unit_test(test_regular_sets),  cmocka_unit_test(test_one_and_two),
+        cmocka_unit_test(test_collinear),     cmocka_unit_test(test_cocircular),
+        cmocka_unit_test(test_continuity),    cmocka_unit_test(test_projection),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
