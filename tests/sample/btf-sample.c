@@ -300,11 +300,11 @@ static btf_result run(const enc_context *context) {
     if (result == BTF_OK && strlen(options.out) > PATH_MAX - 128)
         result = enc_fail(context, BTF_ERROR_USAGE, "-o: the path is longer than %d", PATH_MAX - 128);
     if (result == BTF_OK)
+        result = sample_scene_create(&o, &scene);
+    if (result == BTF_OK)
         result = make_folder(options.out, context->log);
     if (result == BTF_OK && options.truth)
         result = make_folder(options.truth, context->log);
-    if (result == BTF_OK)
-        result = sample_scene_create(&o, &scene);
     if (result == BTF_OK && options.truth)
         result = sample_truth_create(scene, &j.truth);
     if (result == BTF_OK) {

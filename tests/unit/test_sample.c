@@ -489,7 +489,7 @@ static void test_truth_files(void **state) {
     (void)state;
     const char *temporary = getenv("TMPDIR");
     char folder[400], path[512];
-    snprintf(folder, sizeof folder, "%s/btf-test-sample-XXXXXX", temporary ? temporary : "/tmp");
+    snprintf(folder, sizeof folder, "%s/btf-test-sample-XXXXXX", temporary ? temporary : P_tmpdir);
     assert_non_null(mkdtemp(folder));
     sample_options o = {.relief = RELIEF_BUMPS, .width = 9, .height = 5, .grid = 64};
     enc_direction *views = NULL, *lights = NULL;
