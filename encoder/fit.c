@@ -22,7 +22,7 @@ enc_fit_options enc_fit_options_default(void) {
         .rounds = 3,
         .t_error = 0.3f,
         .t_btf = 0.3f,
-        .starts = 2,
+        .starts = 4,
         .tolerance = 1e-3,
         .max_evaluations = 60,
     };

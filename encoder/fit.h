@@ -11,8 +11,10 @@
 
 enum { ENC_FIT_MAX_STARTS = 4 };
 
-/* Bounds of the search, in a scale where the largest target of the texel is about 1. */
-#define ENC_FIT_MIN_N 0.3
+/* Bounds of the search, in a scale where the largest target of the texel is about 1. In the file a lobe of
+ * strength f has |C| of about f^(1/n): n >= 0.5 keeps dim lobes (f = 0.01, C = 1e-4) well above the
+ * smallest number that can be stored, for 0.1 % of the cost against n >= 0.3. */
+#define ENC_FIT_MIN_N 0.5
 #define ENC_FIT_MAX_N 200.0
 #define ENC_FIT_MAX_C 3.0
 
@@ -23,7 +25,7 @@ typedef struct enc_fit_options {
     int rounds;          /* shadow rejections, each followed by a new fit; default 3, 0: plain fit */
     float t_error;       /* threshold_error of paper 2.1; default 0.3 */
     float t_btf;         /* threshold_BTF of paper 2.1, on linear luminance; default 0.3 */
-    int starts;          /* starts of a texel's first fit, 1 .. ENC_FIT_MAX_STARTS; default 2 */
+    int starts;          /* starts of a texel's first fit, 1 .. ENC_FIT_MAX_STARTS; default 4 */
     double tolerance;    /* stop after two steps that gain less than this part of the cost; default 1e-3 */
     int max_evaluations; /* passes over the samples from one start; default 60 */
 } enc_fit_options;
@@ -90,5 +92,9 @@ typedef struct enc_fit_result {
 btf_result enc_fit_texel(enc_fit_workspace *workspace, const enc_fit_samples *samples,
                          const enc_fit_options *options, const float *start, int starts,
                          float *out_parameters, enc_fit_result *out_result);
+
+/* The fixed start `index` (0 .. ENC_FIT_MAX_STARTS - 1) with colour (1, 1, 1), in the layout of one colour:
+ * 4 + 4 * lobes floats. */
+void enc_fit_fixed_start(int index, int lobes, float *out_parameters);
 
 #endif

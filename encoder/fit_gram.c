@@ -182,3 +182,24 @@ void enc_gram_accumulate(const enc_gram_samples *samples, int lobes, const enc_g
         }
     }
 }
+
+float enc_gram_peak(const enc_gram_samples *samples, const float c[3]) {
+    const enc_v16 zero = {0};
+    enc_v16 largest = zero + ENC_GRAM_MIN_BASE;
+    for (size_t at = 0; at < samples->n; at += ENC_LANES) {
+        const enc_v16 px = *(const enc_v16 *)(samples->product[0] + at);
+        const enc_v16 py = *(const enc_v16 *)(samples->product[1] + at);
+        const enc_v16 pz = *(const enc_v16 *)(samples->product[2] + at);
+        const enc_v16 base = (c[0] * px + c[1] * py) + c[2] * pz;
+        const enc_v16 room = largest - base;
+        enc_i16 above;
+        enc_v16_below(&room, 0.0f, &above);
+        enc_v16_select(&above, &base, &largest, &largest);
+    }
+    const float *lane = (const float *)&largest;
+    float peak = lane[0];
+    for (int i = 1; i < ENC_LANES; i++) {
+        peak = lane[i] > peak ? lane[i] : peak;
+    }
+    return peak;
+}

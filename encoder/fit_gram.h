@@ -46,4 +46,7 @@ static inline int enc_gram_columns(int lobes) {
 void enc_gram_accumulate(const enc_gram_samples *samples, int lobes, const enc_gram_point *point,
                          double *out_gram);
 
+/* The largest base Cx lx vx + Cy ly vy + Cz lz vz of the samples, at least ENC_GRAM_MIN_BASE. */
+float enc_gram_peak(const enc_gram_samples *samples, const float c[3]);
+
 #endif
