@@ -143,8 +143,7 @@ static const cli_program program = {
         RELIEF_LINE) "\n\n"
                      "Values are radiance over (normal-incidence irradiance / pi), cosine included: a "
                      "white Lambertian\n"
-                     "lit from l holds l.z. 8-bit and 16-bit images clip at 1.\n"
-                     "Exit codes: 0 ok, 1 usage, 2 I/O, 4 internal, 130 interrupted.",
+                     "lit from l holds l.z. 8-bit and 16-bit images clip at 1.",
     .example = "btf-sample -o bricks --truth bricks-truth\n"
                "btf-sample -o tiny --relief axes --size 32 --views 0:1,45:4 --lights small --format exr",
     .options = table,
