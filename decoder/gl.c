@@ -200,8 +200,10 @@ btf_result btf_gl_bind(btf_gl *gl, uint32_t program, uint32_t first_unit, const 
     const btfi_gl_functions *api = &gl->api;
     btf_result result = BTF_OK;
     uint32_t units = 0;
-    int32_t current = 0, active = 0;
+    int32_t current = 0, active = 0, deleted = 0;
     api->GetIntegerv(GL_CURRENT_PROGRAM, &current);
+    if (current) /* one that is deleted while current ends when another takes its place */
+        api->GetProgramiv((uint32_t)current, GL_DELETE_STATUS, &deleted);
     api->GetIntegerv(GL_ACTIVE_TEXTURE, &active);
     api->UseProgram(program);
     for (int id = 0; id < BTF_TEXTURE_COUNT && result == BTF_OK; ++id) {
@@ -222,7 +224,7 @@ btf_result btf_gl_bind(btf_gl *gl, uint32_t program, uint32_t first_unit, const 
         api->BindSampler(unit, 0);
         api->Uniform1i(location, (int32_t)unit);
     }
-    api->UseProgram((uint32_t)current);
+    api->UseProgram(deleted ? 0 : (uint32_t)current);
     api->ActiveTexture((uint32_t)active);
     if (out_units)
         *out_units = units;

@@ -43,9 +43,9 @@ btf_result btf_gl_upload(const btf_material *material, const btf_gl_options *opt
                          btf_gl **out_gl);
 
 /** Points the samplers of a linked program at the textures. Sets: the uniforms, and the texture bindings of
- * units first_unit .. first_unit + *out_units - 1, where they stay until you bind others. @p prefix as in
- *  btf_shader_options, NULL for "btf"; @p out_units may be NULL.
- *  Errors: BTF_ERROR_USAGE when the program reads a texture that was not uploaded. */
+ * units first_unit .. first_unit + *out_units - 1, where they stay until you bind others (sampler objects
+ * of these units are unbound). @p prefix as in btf_shader_options, NULL for "btf"; @p out_units may be
+ * NULL. Errors: BTF_ERROR_USAGE when the program reads a texture that was not uploaded. */
 btf_result btf_gl_bind(btf_gl *gl, uint32_t program, uint32_t first_unit, const char *prefix,
                        const btf_log *log, uint32_t *out_units);
 

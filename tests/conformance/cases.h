@@ -1,0 +1,23 @@
+/* Arguments to evaluate a material at: random ones, and those at which decoders go wrong.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_CONFORMANCE_CASES_H
+#define OPENBTF_CONFORMANCE_CASES_H
+
+#include "random.h"
+#include <openbtf/material.h>
+
+/* u, v, light xyz, view xyz, as bits: what gpu_run takes. */
+enum { CASE_WORDS = 8 };
+
+/* One case in eight has an extreme coordinate, one in four an extreme direction: the pole, 89.9 degrees,
+ * exactly a sampled direction, on an edge of the triangulation, at and below the horizon, not of unit
+ * length, not a number. */
+void case_make(random_state *r, const btf_material *material, uint32_t out[CASE_WORDS]);
+
+/* A texture coordinate, and a direction, of the same kinds. */
+float case_coordinate(random_state *r, uint32_t size);
+void case_direction(random_state *r, const btf_directions *list, float out[3]);
+
+#endif

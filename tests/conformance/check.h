@@ -1,0 +1,58 @@
+/* One material on one device against the reference, exactly: the integer steps, the arithmetic, the
+ * radiance.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_CONFORMANCE_CHECK_H
+#define OPENBTF_CONFORMANCE_CHECK_H
+
+#include "btf_reference.h"
+#include "gpu.h"
+#include <openbtf/material.h>
+
+/* What is compared, and where messages and pictures of failures go. */
+typedef struct check_subject {
+    gpu *gpu;
+    const btf_material *material;
+    const btf_shader_options *shader;
+    const char *preamble; /* GLSL before the decoder, e.g. other macros; NULL for none */
+    const char *(*tamper)(
+        char *library); /* changes the decoder's text in place or returns another; NULL: as it is */
+    const btf_log *log;
+    const char *dump_dir; /* folder for pictures of the first failing batch; NULL: none */
+    const char *label;    /* begins the names of pictures */
+} check_subject;
+
+typedef struct check_outcome {
+    uint64_t evaluated, different;
+    char step[24];  /* of the first difference */
+    uint64_t index; /* its element */
+    uint32_t inputs[GPU_INPUTS], expected[GPU_OUTPUTS], actual[GPU_OUTPUTS];
+} check_outcome;
+
+/* The integer steps and the arithmetic. `most` bounds the elements of a step; those that are not exhausted
+ * by it are drawn at random. A step may be named (`only`), NULL runs all. Adds to *outcome. Errors: those
+ * of GL and memory; a difference is none. */
+btf_result check_steps(const check_subject *subject, uint64_t seed, uint64_t most, const char *only,
+                       check_outcome *outcome);
+
+/* Names of the steps, ended by NULL. */
+extern const char *const check_step_names[];
+
+/* `count` evaluations of btf_evaluate at random and extreme arguments. Adds to *outcome. */
+btf_result check_radiance(const check_subject *subject, uint64_t seed, uint64_t count,
+                          check_outcome *outcome);
+
+/* The error of fast math. */
+typedef struct check_fast {
+    uint64_t evaluated;
+    uint64_t ulp_counts[34]; /* channels by error: 0, 1, 2..3, 4..7, ... ULP */
+    double worst_relative;   /* |fast - exact| / max(exact, 2^-10) */
+    double mean_relative;    /* the sum of all, until divided by 3 * evaluated */
+    double worst_absolute;
+} check_fast;
+
+/* Fast math against the reference at random arguments above the horizon; subject->shader asks for it. */
+btf_result check_fast_math(const check_subject *subject, uint64_t seed, uint64_t count, check_fast *out);
+
+#endif

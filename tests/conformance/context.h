@@ -1,0 +1,56 @@
+/* GL contexts for tools and tests: OSMesa, EGL without a surface, a hidden GLFW window. The library makes
+ * none.
+ *
+ * Each provider is one file; one that was not built, or that the machine cannot give, says so by name. A
+ * process holds one context at a time.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_CONFORMANCE_CONTEXT_H
+#define OPENBTF_CONFORMANCE_CONTEXT_H
+
+#include <openbtf/gl.h>
+
+typedef struct context context;
+
+/* What to make: OpenGL core (es = 0) or OpenGL ES, of at least this version. */
+typedef struct context_request {
+    int es, major, minor;
+} context_request;
+
+/* The functions of a provider. */
+typedef struct context_provider {
+    const char *name; /* "osmesa", "egl", "glfw" */
+    /* Makes a context current; NULL with the reason in why[why_size]. */
+    void *(*create)(const context_request *request, char *why, size_t why_size);
+    void (*destroy)(void *self);
+    btf_gl_function (*get_proc_address)(void *self, const char *name);
+} context_provider;
+
+extern const context_provider context_osmesa, context_egl, context_glfw;
+
+/* A named device: a provider, what it is asked for, and the environment it needs. */
+typedef struct context_device {
+    const char *name;
+    const context_provider *provider;
+    context_request request;
+    const char *gallium_driver; /* GALLIUM_DRIVER, NULL: as the machine has it */
+    const char *glsl;           /* the #version line's words */
+    int enable_gpu_shader5;     /* have_precise through GL_ARB_gpu_shader5 */
+} context_device;
+
+/* The devices that conformance knows; the list ends with a NULL name. Those of one driver differ in API and
+ * language version, hence in how exactness is kept. */
+extern const context_device context_devices[];
+
+/* Sets the environment of a device; to be called before anything loads a GL driver. */
+void context_prepare(const context_device *device);
+
+/* NULL with the reason in why[why_size]. */
+context *context_create(const context_device *device, char *why, size_t why_size);
+void context_destroy(context **c);
+
+/* For btf_gl_options: user is the context. */
+btf_gl_function context_get_proc_address(void *c, const char *name);
+
+#endif

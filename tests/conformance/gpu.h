@@ -1,0 +1,44 @@
+/* Runs a function of GLSL over a grid of integer inputs and reads integers back: what conformance is made
+ * of.
+ *
+ * Everything travels as bits in RGBA32UI, so that NaN and denormals arrive as they are and no result is
+ * rounded.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_CONFORMANCE_GPU_H
+#define OPENBTF_CONFORMANCE_GPU_H
+
+#include "context.h"
+#include <stdbool.h>
+
+enum { GPU_SIDE = 256, GPU_INPUTS = 8, GPU_OUTPUTS = 4 }; /* at most 256 x 256 elements a draw */
+
+typedef struct gpu gpu;
+
+/* NULL on failure, with the reason in why[why_size]. The device must have been prepared. */
+gpu *gpu_create(const context_device *device, char *why, size_t why_size);
+void gpu_destroy(gpu **g);
+
+/* What GL says it is: renderer and version. */
+const char *gpu_name(const gpu *g);
+btf_gl_options gpu_gl_options(gpu *g, const btf_shader_options *shader);
+
+/* Compiles `library` (the decoder), then `body`, which defines `uvec4 check(uvec4 a, uvec4 b)`; 0 on
+ * failure, with GL's message on log. `preamble` (may be NULL) stands before the library. */
+unsigned gpu_program(gpu *g, const char *preamble, const char *library, const char *body,
+                     const btf_log *log);
+void gpu_delete_program(gpu *g, unsigned program);
+
+/* The units that gpu_run uses itself are 0; textures of the decoder go to GPU_FIRST_UNIT onwards. */
+enum { GPU_FIRST_UNIT = 1 };
+
+/* Runs the program over `count` elements: inputs[count][8], outputs[count][4]; count at most GPU_SIDE^2. */
+btf_result gpu_run(gpu *g, unsigned program, size_t count, const uint32_t *inputs, uint32_t *outputs,
+                   const btf_log *log);
+
+/* Draws the program `repeats` times over side x side pixels of the inputs of the last gpu_run, and waits.
+ * For timing. */
+btf_result gpu_draw(gpu *g, unsigned program, int side, int repeats);
+
+#endif

@@ -1,0 +1,288 @@
+/* Random legal materials.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "synthetic.h"
+#include "random.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Up to `count` directions in rings; the last ring takes what is left. */
+static void make_rings(uint32_t count, float (*xyz)[3]) {
+    uint32_t made = 0;
+    for (int ring = 0; made < count; ++ring) {
+        uint32_t azimuths = ring == 0 ? 1 : (uint32_t)(6 * ring);
+        if (azimuths > count - made)
+            azimuths = count - made;
+        double theta = fmin(12.5 * ring, 89.0 - 40.0 / (ring + 1)) * M_PI / 180;
+        for (uint32_t i = 0; i < azimuths; ++i) {
+            double phi = 2 * M_PI * i / azimuths;
+            xyz[made][0] = (float)(sin(theta) * cos(phi));
+            xyz[made][1] = (float)(sin(theta) * sin(phi));
+            xyz[made++][2] = (float)cos(theta);
+        }
+    }
+}
+
+typedef struct polar {
+    double theta, phi;
+} polar;
+
+static int compare_polar(const void *a, const void *b) {
+    const polar *p = a, *q = b;
+    if (p->theta != q->theta)
+        return p->theta < q->theta ? -1 : 1;
+    return p->phi < q->phi ? -1 : p->phi > q->phi;
+}
+
+static void make_directions(random_state *r, synthetic_directions kind, uint32_t count, float (*xyz)[3]) {
+    polar list[BTF_MAX_DIRECTIONS];
+    if (kind == SYNTHETIC_RINGS) {
+        make_rings(count, xyz);
+        return;
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        if (kind == SYNTHETIC_COLLINEAR)
+            list[i] = (polar){count == 1 ? 20.0 : 80.0 * i / count, 30.0};
+        else
+            list[i] = (polar){random_between(r, 0, 89), random_between(r, 0, 360)};
+    }
+    qsort(list, count, sizeof *list, compare_polar);
+    for (uint32_t i = 0; i < count; ++i) {
+        double theta = list[i].theta * M_PI / 180, phi = list[i].phi * M_PI / 180;
+        xyz[i][0] = (float)(sin(theta) * cos(phi));
+        xyz[i][1] = (float)(sin(theta) * sin(phi));
+        xyz[i][2] = (float)cos(theta);
+    }
+}
+
+/* 0, or of magnitude 2^-24 .. 2^24 with any sign and mantissa. */
+static float extreme_float(random_state *r, int positive) {
+    if (!positive && random_below(r, 8) == 0)
+        return 0.0f;
+    uint32_t exponent = 127 - 24 + random_below(r, 48);
+    uint32_t mantissa = random_below(r, 4) ? random_below(r, 1u << 23) : 0;
+    return float_of_bits((positive ? 0u : random_below(r, 2) << 31) | exponent << 23 | mantissa);
+}
+
+static float plausible_float(random_state *r, double from, double to) {
+    float x = (float)random_between(r, from, to);
+    return fabsf(x) < 0x1p-24f ? 0.0f : x;
+}
+
+/* The nearest half of a parameter, as bits; magnitudes beyond 65504 become that. */
+static uint16_t half_of_float(float x) {
+    uint16_t sign = x < 0 ? 0x8000 : 0;
+    double magnitude = fmin(fabs((double)x), 65504.0);
+    if (magnitude < 0x1p-24)
+        return 0;
+    int exponent;
+    frexp(magnitude, &exponent);
+    if (exponent < -13)
+        exponent = -13;
+    uint32_t steps = (uint32_t)nearbyint(ldexp(magnitude, 11 - exponent)); /* of 2^(exponent - 11) */
+    if (steps == 2048) {
+        steps = 1024;
+        ++exponent;
+    }
+    uint16_t bits = steps < 1024 ? (uint16_t)steps : (uint16_t)(((exponent + 14) << 10) + (steps - 1024));
+    return (uint16_t)(sign | bits);
+}
+
+/* Is this component of this layer of `sbrdf` stored? And is it of a lobe's vector, its exponent, or a
+ * colour? */
+static char parameter_kind(const synthetic_spec *s, uint32_t layer, uint32_t component) {
+    uint32_t colour_layers = s->colour == BTF_COLOUR_MONO ? 1 : (3 + 3 * s->lobes + 3) / 4;
+    if (layer >= colour_layers)
+        return component == 3 ? 'n' : 'C';
+    if (s->colour == BTF_COLOUR_RGB && 4 * layer + component >= 3 + 3 * s->lobes)
+        return 0;
+    return 'c';
+}
+
+static void fill_sbrdf(random_state *r, const synthetic_spec *s, const btf_texture *t, void *data) {
+    size_t i = 0;
+    for (uint32_t layer = 0; layer < t->layers; ++layer)
+        for (size_t texel = 0; texel < (size_t)t->width * t->height; ++texel)
+            for (uint32_t c = 0; c < 4; ++c, ++i) {
+                char kind = parameter_kind(s, layer, c);
+                float x = 0;
+                if (kind && s->values == SYNTHETIC_EXTREME)
+                    x = extreme_float(r, 0);
+                else if (kind == 'c')
+                    x = plausible_float(r, 0, 1);
+                else if (kind == 'C')
+                    x = plausible_float(r, -1.5, 1.5);
+                else if (kind == 'n')
+                    x = (float)exp2(random_between(r, -1, 7));
+                if (s->half_float)
+                    ((uint16_t *)data)[i] = half_of_float(x);
+                else
+                    ((float *)data)[i] = x;
+            }
+}
+
+/* Gain code and shift bytes of one texel and view. */
+static void make_point(random_state *r, const synthetic_spec *s, uint32_t centres, uint8_t out[3]) {
+    out[0] = BTF_GAIN_ONE;
+    out[1] = out[2] = 0;
+    if ((s->effects & BTF_EFFECT_HIDDEN) && (s->all_hidden || random_below(r, 3) == 0)) {
+        uint32_t centre = random_below(r, centres);
+        out[0] = 0;
+        out[1] = (uint8_t)centre;
+        out[2] = (uint8_t)(centre >> 8);
+        return;
+    }
+    if (s->effects & BTF_EFFECT_GAIN)
+        out[0] = (uint8_t)(1 + random_below(r, 255));
+    if (s->effects & BTF_EFFECT_SHIFT) {
+        out[1] = (uint8_t)random_bits(r);
+        out[2] = (uint8_t)random_bits(r);
+    }
+}
+
+static void fill_maps(random_state *r, const synthetic_spec *s, const btf_material_info *info,
+                      uint8_t *data) {
+    uint32_t tiles = info->n_views > info->n_lights ? info->n_views : info->n_lights;
+    uint32_t columns = info->atlas_width / info->width;
+    for (uint32_t tile = 0; tile < tiles; ++tile)
+        for (uint32_t y = 0; y < info->height; ++y)
+            for (uint32_t x = 0; x < info->width; ++x) {
+                size_t column = (size_t)(tile % columns) * info->width + x;
+                size_t row = (size_t)(tile / columns) * info->height + y;
+                uint8_t *texel = data + 4 * (row * info->atlas_width + column);
+                if (tile < info->n_lights && (s->effects & BTF_EFFECT_SHADOW))
+                    texel[0] = (uint8_t)random_bits(r);
+                if (tile < info->n_views)
+                    make_point(r, s, info->centres, texel + 1);
+            }
+    for (uint32_t i = 0; i < info->centres; ++i) {
+        uint32_t x, y;
+        btf_material_atlas_centre(info, i, &x, &y);
+        for (uint32_t light = 0; light < info->n_lights; ++light)
+            for (int c = 0; c < 3; ++c)
+                data[4 * ((size_t)(y + light) * info->atlas_width + x) + (size_t)c] =
+                    (uint8_t)random_bits(r);
+    }
+}
+
+static void fill_tight(random_state *r, const synthetic_spec *s, const btf_material_info *info,
+                       void *const texture[BTF_TEXTURE_COUNT]) {
+    size_t points = (size_t)info->width * info->height * info->n_views;
+    uint8_t *shift = texture[BTF_TEXTURE_SHIFT], *gain = texture[BTF_TEXTURE_GAIN];
+    uint8_t *shadow = texture[BTF_TEXTURE_SHADOW], *centres = texture[BTF_TEXTURE_CENTRES];
+    for (size_t i = 0; i < points; ++i) {
+        uint8_t point[3];
+        make_point(r, s, info->centres, point);
+        if (gain)
+            gain[i] = point[0];
+        if (shift) {
+            shift[2 * i] = point[1];
+            shift[2 * i + 1] = point[2];
+        }
+    }
+    if (shadow)
+        for (size_t i = 0; i < (size_t)info->width * info->height * info->n_lights; ++i)
+            shadow[i] = (uint8_t)random_bits(r);
+    if (!centres)
+        return;
+    btf_texture t = btf_material_texture_shape(info, BTF_TEXTURE_CENTRES);
+    for (uint32_t i = 0; i < info->centres; ++i)
+        for (uint32_t light = 0; light < info->n_lights; ++light)
+            for (int c = 0; c < 3; ++c) {
+                size_t x = (size_t)(i / t.height) * info->n_lights + light;
+                centres[4 * ((size_t)(i % t.height) * t.width + x) + (size_t)c] = (uint8_t)random_bits(r);
+            }
+}
+
+static void fill_residual(random_state *r, const synthetic_spec *s, const btf_material_info *info,
+                          void *const texture[BTF_TEXTURE_COUNT]) {
+    for (int directions = 0; directions < 2; ++directions) {
+        btf_texture_id id = directions ? BTF_TEXTURE_RESIDUAL_DIRECTIONS : BTF_TEXTURE_RESIDUAL_TEXELS;
+        btf_texture t = btf_material_texture_shape(info, id);
+        int8_t *data = texture[id];
+        for (uint32_t layer = 0; layer < t.layers; ++layer)
+            for (size_t i = 0; i < 4 * (size_t)t.width * t.height; ++i, ++data) {
+                uint32_t component = layer / (directions ? 3 : 1) * 4 + i % 4;
+                *data = component < info->components ? (int8_t)((int)random_below(r, 255) - 127) : 0;
+            }
+    }
+    float *scales = texture[BTF_TEXTURE_RESIDUAL_SCALES];
+    for (uint32_t i = 0; i < info->components; ++i)
+        scales[i] = s->values == SYNTHETIC_EXTREME
+                        ? extreme_float(r, 0)
+                        : (float)random_between(r, 0.2, 1) * 0x1p-15f / (float)(1 + i);
+}
+
+static float make_scale(random_state *r, const synthetic_spec *s, float plausible) {
+    return s->values == SYNTHETIC_EXTREME ? extreme_float(r, 1) : plausible;
+}
+
+/* Everything of the info that the spec says. Sizes of the atlas and the number of centres follow from it.
+ */
+static btf_result make_info(random_state *r, const synthetic_spec *s, btf_material_info *info) {
+    *info = (btf_material_info){.struct_size = sizeof *info,
+                                .width = s->width,
+                                .height = s->height,
+                                .n_views = s->n_views,
+                                .n_lights = s->n_lights,
+                                .layout = s->layout,
+                                .domain = s->domain,
+                                .colour = s->colour,
+                                .half_float = s->half_float,
+                                .lobes = s->lobes,
+                                .effects = s->effects,
+                                .components = s->components,
+                                .radiance_scale = make_scale(r, s, 1.25f),
+                                .shadow_scale = make_scale(r, s, 2.0f / 255),
+                                .gain_scale = make_scale(r, s, BTF_GAIN_SCALE),
+                                .centre_scale = make_scale(r, s, 1.0f / 255),
+                                .method = "synthetic"};
+    uint32_t room = BTF_MAX_CENTRES;
+    if (s->layout == BTF_LAYOUT_PAPER) {
+        btf_result result = btf_material_atlas(info, &info->atlas_width, &info->atlas_height, &room);
+        if (result != BTF_OK)
+            return result;
+    }
+    if (s->effects & BTF_EFFECT_HIDDEN)
+        info->centres = s->centres < room ? s->centres : room;
+    return BTF_OK;
+}
+
+btf_result synthetic_create(const synthetic_spec *spec, const btf_log *log, btf_material **out_material) {
+    *out_material = NULL;
+    random_state r = {spec->seed};
+    btf_material_desc desc = {.struct_size = sizeof desc};
+    float views[BTF_MAX_DIRECTIONS][3], lights[BTF_MAX_DIRECTIONS][3];
+    void *texture[BTF_TEXTURE_COUNT] = {0};
+    btf_result result = make_info(&r, spec, &desc.info);
+    make_directions(&r, spec->directions, spec->n_views, views);
+    make_directions(&r, spec->directions, spec->n_lights, lights);
+    desc.views = views[0];
+    desc.lights = lights[0];
+    for (int id = 0; id < BTF_TEXTURE_VIEW_TABLE && result == BTF_OK; ++id) {
+        btf_texture t = btf_material_texture_shape(&desc.info, (btf_texture_id)id);
+        if (t.format == BTF_FORMAT_NONE)
+            continue;
+        desc.texture[id] = texture[id] = calloc(1, t.size);
+        if (!texture[id])
+            result = BTF_ERROR_MEMORY;
+    }
+    if (result == BTF_OK) {
+        if (spec->colour != BTF_COLOUR_NONE) {
+            btf_texture t = btf_material_texture_shape(&desc.info, BTF_TEXTURE_SBRDF);
+            fill_sbrdf(&r, spec, &t, texture[BTF_TEXTURE_SBRDF]);
+        }
+        if (spec->layout == BTF_LAYOUT_PAPER)
+            fill_maps(&r, spec, &desc.info, texture[BTF_TEXTURE_MAPS]);
+        else
+            fill_tight(&r, spec, &desc.info, texture);
+        if (spec->effects & BTF_EFFECT_RESIDUAL)
+            fill_residual(&r, spec, &desc.info, texture);
+        result = btf_material_create(&desc, log, out_material);
+    }
+    for (int id = 0; id < BTF_TEXTURE_COUNT; ++id)
+        free(texture[id]);
+    return result;
+}

@@ -1,0 +1,39 @@
+/* Random materials that are legal to the last bit: every corner of the format, none of its meaning.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_CONFORMANCE_SYNTHETIC_H
+#define OPENBTF_CONFORMANCE_SYNTHETIC_H
+
+#include <openbtf/material.h>
+
+/* How direction lists are made. */
+typedef enum synthetic_directions {
+    SYNTHETIC_RINGS,  /* rings of rising theta, azimuths counter-clockwise: co-circular ties everywhere */
+    SYNTHETIC_RANDOM, /* anywhere above the horizon */
+    SYNTHETIC_COLLINEAR, /* on one meridian */
+} synthetic_directions;
+
+typedef enum synthetic_values {
+    SYNTHETIC_PLAUSIBLE, /* parameters as fits give them */
+    SYNTHETIC_EXTREME,   /* magnitudes from 2^-24 to 2^24, both signs, many zeros */
+} synthetic_values;
+
+typedef struct synthetic_spec {
+    uint64_t seed;
+    uint32_t width, height, n_views, n_lights;
+    btf_layout layout;
+    btf_domain domain;
+    btf_colour colour;
+    int half_float;
+    uint32_t lobes, effects, components;
+    uint32_t centres; /* asked for; at most what the atlas holds; used with hidden */
+    int all_hidden;   /* with hidden: every point is; else about a third */
+    synthetic_directions directions;
+    synthetic_values values;
+} synthetic_spec;
+
+/* Makes it. Errors as btf_material_create. */
+btf_result synthetic_create(const synthetic_spec *spec, const btf_log *log, btf_material **out_material);
+
+#endif
