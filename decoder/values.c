@@ -132,15 +132,19 @@ static btf_result check_tile_row(const values *v, uint32_t tile, uint32_t row, c
                                  uint32_t x0, uint32_t y) {
     const bool light = tile < v->info->n_lights && v->info->effects & BTF_EFFECT_SHADOW;
     const bool view = tile < v->info->n_views;
+    const bool code = v->info->effects & (BTF_EFFECT_GAIN | BTF_EFFECT_HIDDEN);
     for (uint32_t column = 0; column < v->info->width; column++, data += 4) {
         if (data[0] && !light)
             return refuse_meaningless(v, "maps", x0 + column, y, data[0]);
+        if (!code && data[1])
+            return refuse_meaningless(v, "maps", x0 + column, y, data[1]);
+        if (!view && (data[1] | data[2] | data[3]))
+            return refuse_meaningless(v, "maps", x0 + column, y, data[1] | data[2] | data[3]);
         if (view) {
-            btf_result result = check_point(v, "maps", column, row, tile, data[1], data[2], data[3]);
+            btf_result result =
+                check_point(v, "maps", column, row, tile, code ? data[1] : BTF_GAIN_ONE, data[2], data[3]);
             if (result)
                 return result;
-        } else if (data[1] | data[2] | data[3]) {
-            return refuse_meaningless(v, "maps", x0 + column, y, data[1] | data[2] | data[3]);
         }
     }
     return BTF_OK;

@@ -162,6 +162,8 @@ static void fill_maps(random_state *r, const btf_material_info *info, uint8_t *d
                     texel[0] = (uint8_t)random_next(r);
                 if (tile < info->n_views)
                     random_point(r, info, texel + 1);
+                if (!(info->effects & (BTF_EFFECT_GAIN | BTF_EFFECT_HIDDEN)))
+                    texel[1] = 0; /* no code is stored */
             }
     for (uint32_t i = 0; i < info->centres; i++) {
         uint32_t x, y;

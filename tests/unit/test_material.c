@@ -507,11 +507,19 @@ static void test_create_refuses_maps(void **state) {
     d.info.effects |= BTF_EFFECT_SHADOW;
     random_material_free(&d);
 
-    d = random_material_desc(4, 4, 3, 3, BTF_LAYOUT_PAPER, BTF_EFFECT_SHADOW);
+    d = random_material_desc(4, 4, 3, 3, BTF_LAYOUT_PAPER, BTF_EFFECT_GAIN);
     random_material_fill(&r, &d);
     refused_u8(&d, BTF_TEXTURE_MAPS, 1, 0,
                "maps: view 0, texel (0, 0): gain code 0 without the effect hidden");
+    random_material_free(&d);
+    d = random_material_desc(4, 4, 16, 3, BTF_LAYOUT_PAPER, BTF_EFFECT_HIDDEN);
+    random_material_fill(&r, &d);
     refused_u8(&d, BTF_TEXTURE_MAPS, 1, 127, "gain code 127 without the effect gain");
+    random_material_free(&d);
+
+    d = random_material_desc(4, 4, 3, 3, BTF_LAYOUT_PAPER, BTF_EFFECT_SHADOW);
+    random_material_fill(&r, &d);
+    refused_u8(&d, BTF_TEXTURE_MAPS, 1, 128, "maps: texel (0, 0) holds 128 where nothing has a meaning");
     refused_u8(&d, BTF_TEXTURE_MAPS, 3, 1, "shift bytes 0, 1 without the effect shift");
     random_material_free(&d);
 }
