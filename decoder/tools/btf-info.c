@@ -1,0 +1,321 @@
+/* btf-info: what a material file holds: sizes, directions, effects and what each one buys.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "cli.h"
+#include "json.h"
+#include <math.h>
+#include <openbtf/material.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+
+static struct { bool json; } options;
+
+static const cli_option option_table[] = {
+    {.name = "json", .type = CLI_FLAG, .value = &options.json, .help = "print JSON"},
+    {.type = CLI_END},
+};
+
+static const cli_program program = {
+    .name = "btf-info",
+    .usage = "FILE [--json]",
+    .summary =
+        "Shows what a material file (*.btf.exr) holds: its sizes, directions, effects, what each effect\n"
+        "buys (measured by the encoder), bytes by texture and how it was made.",
+    .details =
+        "Bytes 'gpu' are those of all textures that a decoder uploads; direction tables stand apart.\n"
+        "Memory: the file once, then the textures.",
+    .example = "btf-info bricks.btf.exr",
+    .options = option_table,
+    .min_arguments = 1,
+    .max_arguments = 1,
+};
+
+static const char *const layout_names[] = {"paper", "tight"};
+static const char *const domain_names[] = {"linear", "sqrt"};
+static const char *const colour_names[] = {"mono", "rgb", "none"};
+
+static const char *format_name(btf_format format) {
+    static const char *const names[] = {"none",   "R8UI",     "RG8UI",   "RGBA8UI",
+                                        "RGBA8I", "RGBA16UI", "RGBA16F", "RGBA32F"};
+    return names[format];
+}
+
+/* Directions of one polar angle. */
+typedef struct ring {
+    double theta;
+    int count;
+} ring;
+
+/* Groups directions whose theta differs by less than 0.05 degrees; returns the number of rings. */
+static int find_rings(const btf_directions *d, ring rings[BTF_MAX_DIRECTIONS]) {
+    int count = 0;
+    for (uint32_t i = 0; i < d->count; i++) {
+        const float *v = d->xyz + 3 * (size_t)i;
+        double theta =
+            atan2(hypot((double)v[0], (double)v[1]), (double)v[2]) * (180 / 3.14159265358979323846);
+        int r = 0;
+        while (r < count && fabs(rings[r].theta - theta) >= 0.05)
+            r++;
+        if (r == count)
+            rings[count++] = (ring){round(theta * 100) / 100, 0};
+        rings[r].count++;
+    }
+    return count;
+}
+
+/* The row that decodes exactly these effects; NULL when the encoder did not measure it. */
+static const btf_material_error *find_error(const btf_material_error *errors, size_t count,
+                                            uint32_t effects) {
+    for (size_t i = 0; i < count; i++)
+        if (errors[i].effects == effects)
+            return &errors[i];
+    return NULL;
+}
+
+/* What an effect buys: the row with it less the row without, the richest such pair. NULL pair when none. */
+static bool find_gain(const btf_material_error *errors, size_t count, uint32_t effect,
+                      const btf_material_error **out_with, const btf_material_error **out_without) {
+    bool found = false;
+    for (size_t i = 0; i < count; i++) {
+        const btf_material_error *without = find_error(errors, count, errors[i].effects & ~effect);
+        if (!(errors[i].effects & effect) || !without)
+            continue;
+        if (!found || __builtin_popcount(errors[i].effects) > __builtin_popcount((*out_with)->effects)) {
+            *out_with = &errors[i];
+            *out_without = without;
+            found = true;
+        }
+    }
+    return found;
+}
+
+static void print_rings(const char *name, const btf_directions *d) {
+    ring rings[BTF_MAX_DIRECTIONS];
+    int count = find_rings(d, rings);
+    printf("  %-14s%u:", name, (unsigned)d->count);
+    for (int i = 0; i < count; i++)
+        printf(" %g\u00B0 x %d%s", rings[i].theta, rings[i].count, i + 1 < count ? "," : "");
+    printf("; %u triangles, grid %u x %u\n", (unsigned)d->triangle_count, (unsigned)d->grid,
+           (unsigned)d->grid);
+}
+
+static void print_effects(const btf_material *material, const btf_material_info *info) {
+    char words[48];
+    size_t count;
+    const btf_material_error *errors = btf_material_errors(material, &count), *with, *without;
+    printf("\nEffects: %s\n", cli_effects_text(info->effects, words));
+    for (uint32_t bit = 1; bit <= BTF_EFFECT_RESIDUAL; bit <<= 1)
+        if (info->effects & bit && find_gain(errors, count, bit, &with, &without))
+            printf("  %-14s%+.2f dB linear, %+.2f dB sRGB for %.0f bytes\n", cli_effects_text(bit, words),
+                   (double)(with->psnr_linear - without->psnr_linear),
+                   (double)(with->psnr_srgb - without->psnr_srgb),
+                   (double)(with->gpu_bytes - without->gpu_bytes));
+    if (count)
+        printf("Measured by the encoder (PSNR in dB, linear / sRGB):\n");
+    for (size_t i = 0; i < count; i++)
+        printf("  %6.2f / %6.2f  %9.0f bytes  %s\n", (double)errors[i].psnr_linear,
+               (double)errors[i].psnr_srgb, (double)errors[i].gpu_bytes,
+               cli_effects_text(errors[i].effects, words));
+}
+
+static void print_textures(const btf_material *material) {
+    printf("\nTextures:\n");
+    for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
+        btf_texture t = btf_material_texture(material, (btf_texture_id)id);
+        if (t.format == BTF_FORMAT_NONE)
+            continue;
+        char size[48];
+        if (t.is_array)
+            snprintf(size, sizeof size, "%u x %u x %u", (unsigned)t.width, (unsigned)t.height,
+                     (unsigned)t.layers);
+        else
+            snprintf(size, sizeof size, "%u x %u", (unsigned)t.width, (unsigned)t.height);
+        printf("  %-20s%-9s%-20s%12zu bytes\n", btf_texture_name((btf_texture_id)id), format_name(t.format),
+               size, t.size);
+    }
+}
+
+static void print_text(const char *path, uint64_t file_bytes, const btf_material *material,
+                       const btf_material_info *info) {
+    const btf_directions views = btf_material_views(material), lights = btf_material_lights(material);
+    double samples = 3.0 * info->width * info->height * info->n_views * info->n_lights;
+    printf("%s: OpenBTF material, format version %d\n", path, BTF_FORMAT_VERSION);
+    printf("  %-14s%u x %u texels\n", "size", (unsigned)info->width, (unsigned)info->height);
+    print_rings("views", &views);
+    print_rings("lights", &lights);
+    printf("  %-14s%s, domain %s\n", "layout", layout_names[info->layout], domain_names[info->domain]);
+    if (info->layout == BTF_LAYOUT_PAPER)
+        printf("  %-14s%u x %u\n", "atlas", (unsigned)info->atlas_width, (unsigned)info->atlas_height);
+    printf("  %-14s%u lobe%s, colour %s%s\n", "model", (unsigned)info->lobes, info->lobes == 1 ? "" : "s",
+           colour_names[info->colour],
+           info->colour == BTF_COLOUR_NONE ? ""
+           : info->half_float              ? ", half"
+                                           : ", float");
+    if (info->centres)
+        printf("  %-14s%u\n", "centres", (unsigned)info->centres);
+    if (info->components)
+        printf("  %-14s%u components\n", "residual", (unsigned)info->components);
+    printf("  %-14sradiance %g, shadow %g, gain %g, centre %g\n", "scales", (double)info->radiance_scale,
+           (double)info->shadow_scale, (double)info->gain_scale, (double)info->centre_scale);
+    printf("  %-14sfile %llu, gpu %zu (%.2f%% of %.0f 8-bit samples saved), tables %zu\n", "bytes",
+           (unsigned long long)file_bytes, info->gpu_bytes, 100 * (1 - (double)info->gpu_bytes / samples),
+           samples, info->table_bytes);
+    if (*info->method)
+        printf("  %-14s%s\n", "method", info->method);
+    if (*info->options)
+        printf("  %-14s%s\n", "options", info->options);
+    if (*info->source)
+        printf("  %-14s%s\n", "source", info->source);
+    print_effects(material, info);
+    print_textures(material);
+}
+
+static void json_directions(json *j, const char *key, const btf_directions *d) {
+    ring rings[BTF_MAX_DIRECTIONS];
+    int count = find_rings(d, rings);
+    json_object(j, key);
+    json_integer(j, "count", d->count);
+    json_array(j, "rings");
+    for (int i = 0; i < count; i++) {
+        json_object(j, NULL);
+        json_number(j, "theta", rings[i].theta);
+        json_integer(j, "count", rings[i].count);
+        json_end(j);
+    }
+    json_end(j);
+    json_integer(j, "triangles", d->triangle_count);
+    json_integer(j, "grid", d->grid);
+    json_array(j, "xyz");
+    for (uint32_t i = 0; i < 3 * d->count; i++)
+        json_float(j, NULL, d->xyz[i]);
+    json_end(j);
+    json_end(j);
+}
+
+static void json_effect_list(json *j, const char *key, uint32_t effects) {
+    char word[48];
+    json_array(j, key);
+    for (uint32_t bit = 1; bit <= BTF_EFFECT_RESIDUAL; bit <<= 1)
+        if (effects & bit)
+            json_string(j, NULL, cli_effects_text(bit, word));
+    json_end(j);
+}
+
+static void json_effects(json *j, const btf_material *material, const btf_material_info *info) {
+    char word[48];
+    size_t count;
+    const btf_material_error *errors = btf_material_errors(material, &count), *with, *without;
+    json_effect_list(j, "effects", info->effects);
+    json_object(j, "buys");
+    for (uint32_t bit = 1; bit <= BTF_EFFECT_RESIDUAL; bit <<= 1)
+        if (info->effects & bit && find_gain(errors, count, bit, &with, &without)) {
+            json_object(j, cli_effects_text(bit, word));
+            json_number(j, "linear", (double)with->psnr_linear - (double)without->psnr_linear);
+            json_number(j, "srgb", (double)with->psnr_srgb - (double)without->psnr_srgb);
+            json_number(j, "bytes", (double)with->gpu_bytes - (double)without->gpu_bytes);
+            json_end(j);
+        }
+    json_end(j);
+    json_array(j, "errors");
+    for (size_t i = 0; i < count; i++) {
+        json_object(j, NULL);
+        json_effect_list(j, "effects", errors[i].effects);
+        json_float(j, "linear", errors[i].psnr_linear);
+        json_float(j, "srgb", errors[i].psnr_srgb);
+        json_float(j, "gpu", errors[i].gpu_bytes);
+        json_end(j);
+    }
+    json_end(j);
+}
+
+static void json_textures(json *j, const btf_material *material) {
+    json_object(j, "textures");
+    for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
+        btf_texture t = btf_material_texture(material, (btf_texture_id)id);
+        if (t.format == BTF_FORMAT_NONE)
+            continue;
+        json_object(j, btf_texture_name((btf_texture_id)id));
+        json_string(j, "format", format_name(t.format));
+        json_integer(j, "width", t.width);
+        json_integer(j, "height", t.height);
+        json_integer(j, "layers", t.layers);
+        json_bool(j, "array", t.is_array);
+        json_integer(j, "bytes", (int64_t)t.size);
+        json_end(j);
+    }
+    json_end(j);
+}
+
+static btf_result print_json(const char *path, uint64_t file_bytes, const btf_material *material,
+                             const btf_material_info *info) {
+    const btf_directions views = btf_material_views(material), lights = btf_material_lights(material);
+    json j = {0};
+    json_object(&j, NULL);
+    json_string(&j, "file", path);
+    json_integer(&j, "version", BTF_FORMAT_VERSION);
+    json_integer(&j, "width", info->width);
+    json_integer(&j, "height", info->height);
+    json_string(&j, "layout", layout_names[info->layout]);
+    json_string(&j, "domain", domain_names[info->domain]);
+    json_string(&j, "colour", colour_names[info->colour]);
+    json_integer(&j, "lobes", info->lobes);
+    json_bool(&j, "half_float", info->half_float);
+    json_integer(&j, "centres", info->centres);
+    json_integer(&j, "residual", info->components);
+    if (info->layout == BTF_LAYOUT_PAPER) {
+        json_integer(&j, "atlas_width", info->atlas_width);
+        json_integer(&j, "atlas_height", info->atlas_height);
+    }
+    json_object(&j, "scales");
+    json_float(&j, "radiance", info->radiance_scale);
+    json_float(&j, "shadow", info->shadow_scale);
+    json_float(&j, "gain", info->gain_scale);
+    json_float(&j, "centre", info->centre_scale);
+    json_end(&j);
+    json_object(&j, "bytes");
+    json_integer(&j, "file", (int64_t)file_bytes);
+    json_integer(&j, "gpu", (int64_t)info->gpu_bytes);
+    json_integer(&j, "tables", (int64_t)info->table_bytes);
+    json_end(&j);
+    json_effects(&j, material, info);
+    json_textures(&j, material);
+    json_directions(&j, "views", &views);
+    json_directions(&j, "lights", &lights);
+    json_string(&j, "method", info->method);
+    json_string(&j, "options", info->options);
+    json_string(&j, "source", info->source);
+    json_end(&j);
+    const char *text = json_text(&j);
+    if (text)
+        fputs(text, stdout);
+    json_free(&j);
+    return text ? BTF_OK : cli_error(&program, BTF_ERROR_MEMORY, "out of memory");
+}
+
+static btf_result run(const char *path) {
+    btf_log log = cli_log(&program, false);
+    btf_material *material = NULL;
+    btf_result result = btf_material_open(path, &log, &material);
+    if (result)
+        return result;
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_material_get_info(material, &info);
+    struct stat status;
+    uint64_t file_bytes = stat(path, &status) == 0 && status.st_size > 0 ? (uint64_t)status.st_size : 0;
+    if (options.json)
+        result = print_json(path, file_bytes, material, &info);
+    else
+        print_text(path, file_bytes, material, &info);
+    btf_material_close(&material);
+    return result;
+}
+
+int main(int argc, char **argv) {
+    cli_arguments arguments;
+    int exit_code;
+    if (!cli_parse(&program, argc, argv, &arguments, &exit_code))
+        return exit_code;
+    return cli_finish(&program, run(arguments.values[0]));
+}
