@@ -2,6 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "decoder/tools/progress.h"
 #include "decoder/tools/reference_view.h"
 #include "input_options.h"
 #include "metrics_json.h"
@@ -207,14 +208,14 @@ int main(int argc, char **argv) {
     if (!cli_parse(&program, argc, argv, &arguments, &exit_code)) {
         return exit_code;
     }
-    struct progress *progress = progress_create(o.quiet);
-    const enc_context context = {.log = cli_log(&program, o.quiet), .progress = progress, .threads = o.threads};
+    progress *shown = progress_create(o.quiet);
+    const enc_context context = {.log = cli_log(&program, o.quiet), .progress = shown, .threads = o.threads};
     side a = {.path = arguments.values[0]}, b = {.path = arguments.values[1]};
     const btf_result result = compare(&context, &a, &b);
     btf_material_close(&a.material);
     btf_material_close(&b.material);
     enc_data_destroy(&a.data);
     enc_data_destroy(&b.data);
-    progress_destroy(progress);
+    progress_destroy(&shown);
     return cli_finish(&program, result);
 }

@@ -2,6 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "decoder/tools/progress.h"
 #include "input_options.h"
 #include "job.h"
 
@@ -159,9 +160,9 @@ int main(int argc, char **argv) {
     }
     btf_result result = prepare();
     if (result == BTF_OK) {
-        struct progress *progress = progress_create(o.quiet);
+        progress *shown = progress_create(o.quiet);
         const enc_context context = {.log = cli_log(&program, o.quiet),
-                                     .progress = progress,
+                                     .progress = shown,
                                      .threads = o.threads,
                                      .memory = (size_t)o.memory};
         o.job.input = arguments.values[0];
@@ -169,7 +170,7 @@ int main(int argc, char **argv) {
         if (result == BTF_ERROR_INTERRUPTED) {
             cli_error(&program, result, "interrupted; nothing was written");
         }
-        progress_destroy(progress);
+        progress_destroy(&shown);
     }
     return cli_finish(&program, result);
 }

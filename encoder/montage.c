@@ -27,7 +27,7 @@ int enc_nearest_direction(const enc_direction *directions, int count, double the
     return best;
 }
 
-enum { GAP = 6, HEADER = 22, MARGIN = 78 };
+enum { GAP = 6, HEADER = 22, MARGIN = 100 };
 
 static int zoom_for(const enc_data *shape) {
     const int zoom = 160 / (shape->width > shape->height ? shape->width : shape->height);

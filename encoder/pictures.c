@@ -280,7 +280,7 @@ static btf_result draw_flow(const enc_context *context, const enc_pictures *p, c
         enc_canvas_image(&canvas, grid_x(2, cell_w), y, zoom, data->width, data->height, 3, image, 1);
         enc_canvas_text(&canvas, grid_x(2, cell_w), y - 6, "shifts");
         enc_canvas_codes(&canvas, grid_x(3, cell_w), y, zoom, data->width, data->height, codes);
-        enc_canvas_text(&canvas, grid_x(3, cell_w), y - 6, "HiddenRatio (dark 1)");
+        enc_canvas_text(&canvas, grid_x(3, cell_w), y - 6, "HiddenRatio");
         for (size_t t = 0; t < texels; t++) {
             codes[t] = p->occlusion->hidden_voted[base + t] ? 255 : 0;
         }

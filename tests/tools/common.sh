@@ -55,4 +55,4 @@ expect_that() {
 finish() { exit $((failures > 0)); }
 
 # A data set of 7 views and 7 lights in $work/data, 16 x 16.
-small_data() { btf-sample -o data --relief bricks --size 16 --rings 0:1,40:6 --quiet "$@" || exit 99; }
+small_data() { btf-sample -o data --relief bricks --size 16 --directions 0:1,40:6 --quiet "$@" || exit 99; }

@@ -27,7 +27,7 @@ expect "decode nothing" 2 btf-decode none.btf.exr -o x.png --view 0,0 --light 0,
 expect "sample: an unknown relief" 1 btf-sample -o x --relief moon
 expect_that "truth was written" test -n "$(ls truth)"
 for relief in bumps weave flat axes; do
-    expect "sample $relief" 0 btf-sample -o "s-$relief" --relief $relief --size 12 --rings 0:1,45:4 --format exr --quiet
+    expect "sample $relief" 0 btf-sample -o "s-$relief" --relief $relief --size 12 --directions 0:1,45:4 --format exr --quiet
     expect "encode $relief" 0 btf-encode "s-$relief" -o $relief.btf.exr --method paper -q
 done
 finish

@@ -36,7 +36,7 @@ expect "a material that is not there" 2 btf-info nothing.btf.exr
 expect "compare: not there" 2 btf-compare data nothing.btf.exr
 btf-encode data -o good.btf.exr --method paper -q || exit 99
 expect "compare: other size" 3 btf-compare <(true) good.btf.exr
-btf-sample -o other --relief flat --size 8 --rings 0:1,40:6 --quiet || exit 99
+btf-sample -o other --relief flat --size 8 --directions 0:1,40:6 --quiet || exit 99
 expect "compare: sizes differ" 3 btf-compare other good.btf.exr
 expect_text "compare names both sizes" "16 x 16.*8 x 8" err
 head -c 3000 good.btf.exr >short.btf.exr
@@ -44,7 +44,7 @@ expect "a truncated material" 3 btf-info short.btf.exr
 
 # interruption: the old output stays, nothing half-written appears
 cp good.btf.exr kept.btf.exr
-btf-sample -o larger --relief bricks --size 64 --rings 0:1,30:12,60:12 --quiet || exit 99
+btf-sample -o larger --relief bricks --size 64 --directions 0:1,30:12,60:12 --quiet || exit 99
 setsid btf-encode larger -o kept.btf.exr --method paper -q 2>err &
 encoder=$!
 sleep 1
