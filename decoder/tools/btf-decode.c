@@ -1,0 +1,323 @@
+/* btf-decode: images of a material by the reference decoder: one view under one light, or all of them in
+ * the layout of UBO2003.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "cli.h"
+#include "exr_image.h"
+#include "png_image.h"
+#include "progress.h"
+#include "reference_view.h"
+#include <errno.h>
+#include <math.h>
+#include <omp.h>
+#include <openbtf/material.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#define PI 3.14159265358979323846
+
+enum { FORMAT_PNG, FORMAT_EXR };
+
+static struct {
+    const char *out;
+    double view[2], light[2];
+    bool view_given, light_given, format_given;
+    bool all, quiet;
+    uint32_t effects;
+    int interpolation, format, threads, components;
+} options = {.effects = BTF_EFFECT_ALL, .interpolation = BTF_REF_LINEAR, .components = BTF_MAX_COMPONENTS};
+
+static const cli_option option_table[] = {
+    {.short_name = 'o',
+     .name = "output",
+     .arg = "OUT",
+     .type = CLI_STRING,
+     .value = &options.out,
+     .help = "image (.png or .exr), or with --all a directory"},
+    {.name = "view",
+     .type = CLI_ANGLES,
+     .value = options.view,
+     .given = &options.view_given,
+     .help = "direction to the viewer, theta,phi in degrees (default 0,0)"},
+    {.name = "light",
+     .type = CLI_ANGLES,
+     .value = options.light,
+     .given = &options.light_given,
+     .help = "direction to the light (default 0,0)"},
+    {.name = "all",
+     .type = CLI_FLAG,
+     .value = &options.all,
+     .help = "every sampled view under every sampled light"},
+    {.name = "effects",
+     .type = CLI_EFFECTS,
+     .value = &options.effects,
+     .help = "effects to decode (default all that the file holds)"},
+    {.name = "components",
+     .type = CLI_INT,
+     .value = &options.components,
+     .minimum = 0,
+     .maximum = BTF_MAX_COMPONENTS,
+     .help = "residual components to decode (default all)"},
+    {.name = "interpolation",
+     .type = CLI_CHOICE,
+     .choices = "nearest|linear",
+     .value = &options.interpolation,
+     .help = "between sampled directions (default linear)"},
+    {.name = "format",
+     .type = CLI_CHOICE,
+     .choices = "png|exr",
+     .value = &options.format,
+     .given = &options.format_given,
+     .help = "png: 8 bits, sRGB-coded; exr: linear float\n(default: what OUT ends in, png with --all)"},
+    {.name = "threads",
+     .type = CLI_INT,
+     .value = &options.threads,
+     .minimum = 1,
+     .maximum = 1024,
+     .help = "threads of --all (default: all cores)"},
+    {.name = "quiet", .type = CLI_FLAG, .value = &options.quiet, .help = "no progress"},
+    {.type = CLI_END},
+};
+
+static const cli_program program = {
+    .name = "btf-decode",
+    .usage = "FILE -o OUT [--view T,P] [--light T,P] | FILE -o DIR --all",
+    .summary =
+        "Decodes a material file (*.btf.exr) to images, texel by texel, with the reference decoder: what\n"
+        "every other decoder must give, bit for bit.",
+    .details =
+        "Angles: theta from the surface normal, phi from +u (to the right) towards +v (up).\n"
+        "--all writes DIR/tvTTT_pvPPP/NNNNN tlTTT plPPP tvTTT pvPPP.png (.exr), the layout of UBO2003.\n"
+        "A direction below the horizon gives black.",
+    .example =
+        "btf-decode bricks.btf.exr -o top.png --light 45,90\nbtf-decode bricks.btf.exr -o bricks/ --all",
+    .options = option_table,
+    .min_arguments = 1,
+    .max_arguments = 1,
+};
+
+/* What a thread needs to decode. */
+typedef struct decoder {
+    btf_ref_material material;
+    btf_ref_options options;
+    int format;
+    btf_log log;
+    float thresholds[256]; /* code c of sRGB begins at thresholds[c] */
+} decoder;
+
+static void from_angles(const double angles[2], float out[3]) {
+    double theta = angles[0] * (PI / 180), phi = angles[1] * (PI / 180);
+    out[0] = (float)(sin(theta) * cos(phi));
+    out[1] = (float)(sin(theta) * sin(phi));
+    out[2] = (float)cos(theta);
+}
+
+/* sRGB (IEC 61966-2-1) codes, rounded to the nearest. */
+static void make_thresholds(float thresholds[256]) {
+    thresholds[0] = -INFINITY;
+    for (int c = 1; c < 256; c++) {
+        double s = (c - 0.5) / 255;
+        thresholds[c] = (float)(s <= 0.04045 ? s / 12.92 : pow((s + 0.055) / 1.055, 2.4));
+    }
+}
+
+static unsigned char srgb_code(const float thresholds[256], float linear) {
+    int low = 0;
+    for (int step = 128; step > 0; step /= 2)
+        if (linear >= thresholds[low + step])
+            low += step;
+    return (unsigned char)low;
+}
+
+/* Decodes the texel grid into rgb (floats) and writes it; codes is as large as rgb. */
+static btf_result decode_image(const decoder *d, const char *path, const float light[3],
+                               const float view[3], float *rgb, unsigned char *codes) {
+    const uint32_t width = d->material.width, height = d->material.height;
+    const size_t values = (size_t)width * height * 3;
+    float *out = rgb;
+    for (uint32_t row = 0; row < height; row++)
+        for (uint32_t column = 0; column < width; column++, out += 3)
+            btf_ref_evaluate_texel(&d->material, &d->options, column, row, light, view, out);
+    if (d->format == FORMAT_EXR)
+        return exr_image_write(path, (int)width, (int)height, rgb, false, d->log);
+    for (size_t i = 0; i < values; i++)
+        codes[i] = srgb_code(d->thresholds, rgb[i]);
+    return png_image_write8(path, (int)width, (int)height, codes, d->log);
+}
+
+static btf_result make_buffers(const decoder *d, float **out_rgb, unsigned char **out_codes) {
+    const size_t values = (size_t)d->material.width * d->material.height * 3;
+    *out_rgb = malloc(values * sizeof **out_rgb);
+    *out_codes = malloc(values);
+    return *out_rgb && *out_codes ? BTF_OK : BTF_ERROR_MEMORY;
+}
+
+static btf_result decode_one(const decoder *d) {
+    float view[3], light[3], *rgb;
+    unsigned char *codes;
+    from_angles(options.view, view);
+    from_angles(options.light, light);
+    btf_result result = make_buffers(d, &rgb, &codes);
+    if (result)
+        cli_error(&program, result, "out of memory for an image");
+    else
+        result = decode_image(d, options.out, light, view, rgb, codes);
+    free(rgb);
+    free(codes);
+    return result;
+}
+
+/* An angle of the file's names: three digits, and as many decimals (up to 4) as it takes to come within
+ * `tolerance` degrees. */
+static void angle_text(double degrees, double tolerance, char text[16]) {
+    int decimals = 0;
+    double scale = 1;
+    while (decimals < 4 && fabs(round(degrees * scale) / scale - degrees) > tolerance) {
+        decimals++;
+        scale *= 10;
+    }
+    double rounded = round(degrees * scale) / scale;
+    snprintf(text, 16, "%0*.*f", decimals ? decimals + 4 : 3, decimals, rounded >= 360 ? 0 : rounded);
+}
+
+/* The words tlTTT plPPP of a stored direction, of single precision. */
+static void direction_text(const float d[3], char theta[16], char phi[16]) {
+    const double sine = hypot((double)d[0], (double)d[1]), precision = 5e-5;
+    double azimuth = atan2((double)d[1], (double)d[0]) * (180 / PI);
+    angle_text(atan2(sine, (double)d[2]) * (180 / PI), precision, theta);
+    if (sine < 1e-6)
+        azimuth = 0;
+    else if (azimuth < -precision / sine)
+        azimuth += 360;
+    angle_text(azimuth < 0 ? 0 : azimuth, sine < 1e-6 ? precision : precision / sine, phi);
+}
+
+static btf_result make_directory(const char *path) {
+    struct stat status;
+    if (mkdir(path, 0777) == 0 || (errno == EEXIST && stat(path, &status) == 0 && S_ISDIR(status.st_mode)))
+        return BTF_OK;
+    return cli_error(&program, BTF_ERROR_IO, "%s: %s", path, strerror(errno));
+}
+
+/* Every light of a view, into the view's directory. */
+static btf_result decode_view(const decoder *d, const btf_directions *views, const btf_directions *lights,
+                              uint32_t v, uint32_t l, float *rgb, unsigned char *codes) {
+    char path[4096], tv[16], pv[16], tl[16], pl[16];
+    const float *view = views->xyz + 3 * (size_t)v, *light = lights->xyz + 3 * (size_t)l;
+    direction_text(view, tv, pv);
+    direction_text(light, tl, pl);
+    int length =
+        snprintf(path, sizeof path, "%s/tv%s_pv%s/%05u tl%s pl%s tv%s pv%s.%s", options.out, tv, pv,
+                 (unsigned)(views->count * l + v), tl, pl, tv, pv, d->format == FORMAT_EXR ? "exr" : "png");
+    if (length >= (int)sizeof path)
+        return cli_error(&program, BTF_ERROR_USAGE, "%s: the name is too long", options.out);
+    return decode_image(d, path, light, view, rgb, codes);
+}
+
+static btf_result decode_all(const decoder *d, const btf_directions *views, const btf_directions *lights) {
+    btf_result result = make_directory(options.out);
+    for (uint32_t v = 0; v < views->count && !result; v++) {
+        char path[4096], tv[16], pv[16];
+        direction_text(views->xyz + 3 * (size_t)v, tv, pv);
+        if (snprintf(path, sizeof path, "%s/tv%s_pv%s", options.out, tv, pv) >= (int)sizeof path)
+            return cli_error(&program, BTF_ERROR_USAGE, "%s: the name is too long", options.out);
+        result = make_directory(path);
+    }
+    progress *p = result ? NULL : progress_create(options.quiet);
+    if (!p)
+        return result ? result : cli_error(&program, BTF_ERROR_MEMORY, "out of memory");
+    const int count = (int)(views->count * lights->count);
+    progress_begin(p, "decoding", (size_t)count);
+#pragma omp parallel num_threads(options.threads)
+    {
+        float *rgb;
+        unsigned char *codes;
+        btf_result mine = make_buffers(d, &rgb, &codes);
+        if (mine)
+            cli_error(&program, mine, "out of memory for an image");
+#pragma omp for schedule(dynamic)
+        for (int i = 0; i < count; i++) {
+            btf_result seen;
+#pragma omp atomic read
+            seen = result;
+            if (!mine && !seen && progress_cancelled())
+                mine = BTF_ERROR_INTERRUPTED;
+            if (!mine && !seen)
+                mine = decode_view(d, views, lights, (uint32_t)i / lights->count,
+                                   (uint32_t)i % lights->count, rgb, codes);
+            if (mine) {
+#pragma omp atomic write
+                result = mine;
+            }
+            progress_step(p, 1);
+        }
+        free(rgb);
+        free(codes);
+    }
+    progress_end(p);
+    progress_destroy(&p);
+    return result == BTF_ERROR_INTERRUPTED ? cli_error(&program, result, "interrupted") : result;
+}
+
+/* Picks the format by OUT's ending where --format does not. */
+static btf_result choose_format(void) {
+    const char *dot = strrchr(options.out, '.');
+    if (options.format_given || options.all)
+        return BTF_OK;
+    if (dot && !strcmp(dot, ".exr"))
+        options.format = FORMAT_EXR;
+    else if (!dot || strcmp(dot, ".png"))
+        return cli_error(&program, BTF_ERROR_USAGE,
+                         "option --output: '%s' ends neither in .png nor in .exr, and there is no --format",
+                         options.out);
+    return BTF_OK;
+}
+
+static btf_result check_options(void) {
+    if (!options.out)
+        return cli_error(&program, BTF_ERROR_USAGE,
+                         "option --output is missing: an image or, with --all, a directory");
+    if (options.all && (options.view_given || options.light_given))
+        return cli_error(&program, BTF_ERROR_USAGE, "option --all: not together with --view or --light");
+    if (options.threads == 0)
+        options.threads = omp_get_num_procs();
+    return choose_format();
+}
+
+static btf_result run(const char *path) {
+    btf_result result = check_options();
+    if (result)
+        return result;
+    if (!btf_ref_self_test())
+        return cli_error(&program, BTF_ERROR_UNSUPPORTED,
+                         "this build does not round floats as FORMAT.md demands");
+    decoder d = {.format = options.format, .log = cli_log(&program, options.quiet)};
+    btf_material *material = NULL;
+    if ((result = btf_material_open(path, &d.log, &material)))
+        return result;
+    make_thresholds(d.thresholds);
+    reference_view(material, &d.material);
+    d.options = (btf_ref_options){.effects = options.effects,
+                                  .components = (uint32_t)options.components,
+                                  .interpolation = options.interpolation ? BTF_REF_LINEAR : BTF_REF_NEAREST,
+                                  .filter = BTF_REF_TEXEL};
+    if (options.all) {
+        const btf_directions views = btf_material_views(material), lights = btf_material_lights(material);
+        result = decode_all(&d, &views, &lights);
+    } else {
+        result = decode_one(&d);
+    }
+    btf_material_close(&material);
+    return result;
+}
+
+int main(int argc, char **argv) {
+    cli_arguments arguments;
+    int exit_code;
+    if (!cli_parse(&program, argc, argv, &arguments, &exit_code))
+        return exit_code;
+    return cli_finish(&program, run(arguments.values[0]));
+}
