@@ -259,9 +259,27 @@ static exr_result_t describe_part(exr_context_t context, int width, int height, 
     return code == EXR_ERR_SUCCESS ? exr_write_header(context) : code;
 }
 
+typedef exr_result_t (*compress_function)(exr_encode_pipeline_t *pipeline);
+typedef struct encoder_state {
+    compress_function compress; /* OpenEXRCore's own */
+} encoder_state;
+
+/* A chunk that deflates to exactly its plain length is taken for plain data by every reader, but
+ * OpenEXRCore 3.1.5 writes it deflated. Here it is written plain, as any chunk that does not shrink. */
+static exr_result_t compress_chunk(exr_encode_pipeline_t *pipeline) {
+    const encoder_state *state = pipeline->encoding_user_data;
+    const exr_result_t code = state->compress(pipeline);
+    if (code == EXR_ERR_SUCCESS && pipeline->compressed_bytes >= pipeline->packed_bytes) {
+        memcpy(pipeline->compressed_buffer, pipeline->packed_buffer, pipeline->packed_bytes);
+        pipeline->compressed_bytes = pipeline->packed_bytes;
+    }
+    return code;
+}
+
 static exr_result_t encode_chunks(exr_context_t context, int width, int height, const float *rgb,
                                   exr_encode_pipeline_t *pipeline) {
     int32_t lines;
+    encoder_state state;
     exr_result_t code = exr_get_scanlines_per_chunk(context, 0, &lines);
     for (int y = 0; code == EXR_ERR_SUCCESS && y < height; y += lines) {
         exr_chunk_info_t chunk = {0};
@@ -280,8 +298,12 @@ static exr_result_t encode_chunks(exr_context_t context, int width, int height, 
             channel->user_bytes_per_element = sizeof(float);
             channel->user_data_type = EXR_PIXEL_FLOAT;
         }
-        if (y == 0)
+        if (y == 0) {
             code = exr_encoding_choose_default_routines(context, 0, pipeline);
+            state.compress = pipeline->compress_fn;
+            pipeline->compress_fn = compress_chunk;
+            pipeline->encoding_user_data = &state;
+        }
         if (code == EXR_ERR_SUCCESS)
             code = exr_encoding_run(context, 0, pipeline);
     }

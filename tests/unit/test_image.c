@@ -1,0 +1,386 @@
+/* Decoding of single images (encoder/image.h): every format as it should be, cut off everywhere, and odd.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "decoder/tools/exr_image.h"
+#include "decoder/tools/jpeg_image.h"
+#include "decoder/tools/png_image.h"
+#include "encoder/image.h"
+#include "image_files.h"
+
+#include <math.h>
+#include <png.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { W = 19, H = 13 };
+static char file[64];
+static const btf_log no_log = {NULL, NULL};
+
+static int make_file(void **state) {
+    (void)state;
+    strcpy(file, "/tmp/btf-image-XXXXXX");
+    const int fd = mkstemp(file);
+    return fd < 0 ? -1 : close(fd);
+}
+
+static int remove_file(void **state) {
+    (void)state;
+    return unlink(file);
+}
+
+static unsigned char byte_at(int i) {
+    return (unsigned char)((unsigned)i * 7u % 251u);
+}
+
+/* Decodes `file`; the caller clears the image. */
+static enc_image decode(void) {
+    size_t size;
+    char message[256];
+    enc_image image = {0};
+    void *data = read_whole_file(file, &size);
+    const btf_result result = enc_image_decode(data, size, &image, message, sizeof message);
+    free(data);
+    if (result != BTF_OK)
+        fail_msg("%s", message);
+    assert_int_equal(image.width, W);
+    assert_int_equal(image.height, H);
+    return image;
+}
+
+static void expect_error(btf_result expected, const char *text) {
+    size_t size;
+    char message[256];
+    enc_image image = {0};
+    void *data = read_whole_file(file, &size);
+    const btf_result result = enc_image_decode(data, size, &image, message, sizeof message);
+    free(data);
+    assert_int_equal(result, expected);
+    if (!strstr(message, text))
+        fail_msg("\"%s\" does not say \"%s\"", message, text);
+}
+
+/* Every prefix of `file`, in a buffer of just its size, is refused with a message. */
+static void expect_prefixes_refused(void) {
+    size_t size;
+    void *data = read_whole_file(file, &size);
+    for (size_t n = 0; n < size; n++) {
+        char message[256] = "";
+        enc_image image = {0};
+        void *prefix = malloc(n ? n : 1);
+        assert_non_null(prefix);
+        memcpy(prefix, data, n);
+        const btf_result result = enc_image_decode(prefix, n, &image, message, sizeof message);
+        free(prefix);
+        if (result == BTF_OK)
+            fail_msg("%zu of %zu bytes were taken for an image", n, size);
+        assert_true(result == BTF_ERROR_BAD_FILE || result == BTF_ERROR_UNSUPPORTED);
+        assert_true(message[0]);
+    }
+    free(data);
+}
+
+static void expect_bytes(const enc_image *image, int channels, const unsigned char *expected) {
+    assert_int_equal(image->depth, 8);
+    assert_int_equal(image->channels, channels);
+    assert_memory_equal(image->pixels, expected, (size_t)(W * H * channels));
+}
+
+static void test_png_rgb(void **state) {
+    (void)state;
+    unsigned char rgb[W * H * 3];
+    for (int i = 0; i < W * H * 3; i++)
+        rgb[i] = byte_at(i);
+    assert_int_equal(png_image_write8(file, W, H, rgb, no_log), BTF_OK);
+    enc_image image = decode();
+    expect_bytes(&image, 3, rgb);
+    enc_image_clear(&image);
+    expect_prefixes_refused();
+    write_png(file, W, H, PNG_COLOR_TYPE_RGB, 8, true, rgb, NULL);
+    image = decode();
+    expect_bytes(&image, 3, rgb);
+    enc_image_clear(&image);
+}
+
+static void test_png_16(void **state) {
+    (void)state;
+    unsigned short rgb[W * H * 3];
+    for (int i = 0; i < W * H * 3; i++)
+        rgb[i] = (unsigned short)(i * 257 + i % 7);
+    assert_int_equal(png_image_write16(file, W, H, rgb, no_log), BTF_OK);
+    enc_image image = decode();
+    assert_int_equal(image.depth, 16);
+    assert_int_equal(image.channels, 3);
+    assert_memory_equal(image.pixels, rgb, sizeof rgb);
+    enc_image_clear(&image);
+    /* grey, as bytes: the higher one first */
+    unsigned char grey[W * H * 2];
+    for (int i = 0; i < W * H * 2; i++)
+        grey[i] = byte_at(i);
+    write_png(file, W, H, PNG_COLOR_TYPE_GRAY, 16, false, grey, NULL);
+    image = decode();
+    assert_int_equal(image.depth, 16);
+    assert_int_equal(image.channels, 1);
+    for (int i = 0; i < W * H; i++)
+        assert_int_equal(((unsigned short *)image.pixels)[i], grey[2 * i] * 256 + grey[2 * i + 1]);
+    enc_image_clear(&image);
+}
+
+static void test_png_kinds(void **state) {
+    (void)state;
+    unsigned char in[W * H * 4], out[W * H * 3], palette[3 * 256];
+    for (int i = 0; i < W * H * 4; i++)
+        in[i] = byte_at(i);
+    for (int i = 0; i < 3 * 256; i++)
+        palette[i] = (unsigned char)(255 - i % 256);
+
+    write_png(file, W, H, PNG_COLOR_TYPE_GRAY, 8, false, in, NULL);
+    enc_image image = decode();
+    expect_bytes(&image, 1, in);
+    enc_image_clear(&image);
+
+    write_png(file, W, H, PNG_COLOR_TYPE_RGB_ALPHA, 8, false, in, NULL);
+    for (int i = 0; i < W * H * 3; i++)
+        out[i] = in[i / 3 * 4 + i % 3];
+    image = decode();
+    expect_bytes(&image, 3, out);
+    enc_image_clear(&image);
+
+    write_png(file, W, H, PNG_COLOR_TYPE_GRAY_ALPHA, 8, false, in, NULL);
+    for (int i = 0; i < W * H; i++)
+        out[i] = in[2 * i];
+    image = decode();
+    expect_bytes(&image, 1, out);
+    enc_image_clear(&image);
+
+    write_png(file, W, H, PNG_COLOR_TYPE_PALETTE, 8, false, in, palette);
+    for (int i = 0; i < W * H * 3; i++)
+        out[i] = palette[3 * in[i / 3] + i % 3];
+    image = decode();
+    expect_bytes(&image, 3, out);
+    enc_image_clear(&image);
+
+    /* 4 bits a pixel, two in a byte, rows begin anew */
+    write_png(file, W, H, PNG_COLOR_TYPE_GRAY, 4, false, in, NULL);
+    for (int row = 0; row < H; row++)
+        for (int x = 0; x < W; x++)
+            out[row * W + x] =
+                (unsigned char)((in[row * ((W + 1) / 2) + x / 2] >> (x % 2 ? 0 : 4) & 15) * 17);
+    image = decode();
+    expect_bytes(&image, 1, out);
+    enc_image_clear(&image);
+}
+
+/* A bit flipped within the data is found by its checksum. */
+static void test_png_damaged(void **state) {
+    (void)state;
+    unsigned char rgb[W * H * 3];
+    for (int i = 0; i < W * H * 3; i++)
+        rgb[i] = byte_at(i);
+    assert_int_equal(png_image_write8(file, W, H, rgb, no_log), BTF_OK);
+    size_t size;
+    unsigned char *data = read_whole_file(file, &size);
+    data[size / 2] ^= 16;
+    write_whole_file(file, data, size);
+    free(data);
+    expect_error(BTF_ERROR_BAD_FILE, "PNG");
+}
+
+static void test_jpeg(void **state) {
+    (void)state;
+    unsigned char rgb[W * H * 3];
+    for (int i = 0; i < W * H; i++) {
+        rgb[3 * i] = (unsigned char)(10 * (i % W));
+        rgb[3 * i + 1] = (unsigned char)(15 * (i / W));
+        rgb[3 * i + 2] = (unsigned char)(255 - 10 * (i % W));
+    }
+    assert_int_equal(jpeg_image_write(file, W, H, rgb, 100, no_log), BTF_OK);
+    enc_image image = decode();
+    assert_int_equal(image.depth, 8);
+    assert_int_equal(image.channels, 3);
+    for (int i = 0; i < W * H * 3; i++)
+        assert_true(abs(((unsigned char *)image.pixels)[i] - rgb[i]) <= 3);
+    enc_image_clear(&image);
+    expect_prefixes_refused();
+
+    /* libjpeg would paint the rest grey */
+    size_t size;
+    unsigned char *data = read_whole_file(file, &size);
+    data[size - 1] = 0xd9;
+    data[size - 2] = 0xff;
+    memmove(data + size / 2, data + size - 2, 2);
+    write_whole_file(file, data, size / 2 + 2);
+    free(data);
+    expect_error(BTF_ERROR_BAD_FILE, "JPEG");
+}
+
+/* EXIF says "turn by 90 degrees"; pixels stay as they are. */
+static void test_jpeg_orientation(void **state) {
+    (void)state;
+    static const unsigned char exif[] = {0xff, 0xe1, 0, 34, 'E', 'x', 'i', 'f', 0, 0,    'M', 'M',
+                                         0,    42,   0, 0,  0,   8,   0,   1,   1, 0x12, 0,   3,
+                                         0,    0,    0, 1,  0,   6,   0,   0,   0, 0,    0,   0};
+    unsigned char rgb[W * H * 3];
+    for (int i = 0; i < W * H * 3; i++)
+        rgb[i] = (unsigned char)(i / 3 / W * 10);
+    assert_int_equal(jpeg_image_write(file, W, H, rgb, 100, no_log), BTF_OK);
+    size_t size;
+    unsigned char *data = read_whole_file(file, &size);
+    unsigned char *turned = malloc(size + sizeof exif);
+    assert_non_null(turned);
+    memcpy(turned, data, 2);
+    memcpy(turned + 2, exif, sizeof exif);
+    memcpy(turned + 2 + sizeof exif, data + 2, size - 2);
+    write_whole_file(file, turned, size + sizeof exif);
+    free(turned);
+    free(data);
+    enc_image image = decode(); /* W x H, not H x W */
+    assert_true(abs(((unsigned char *)image.pixels)[3 * W * (H - 1)] - rgb[3 * W * (H - 1)]) <= 2);
+    enc_image_clear(&image);
+}
+
+static void test_hdr(void **state) {
+    (void)state;
+    static const hdr_coding codings[] = {HDR_FLAT, HDR_OLD_RUNS, HDR_NEW_RUNS};
+    unsigned char rgbe[W * H * 4];
+    for (int i = 0; i < W * H; i++) {
+        for (int c = 0; c < 3; c++)
+            rgbe[4 * i + c] = (unsigned char)(128 + (i / 3 * 5 + c * 40) % 128); /* runs of three */
+        rgbe[4 * i + 3] = i % 17 < 3 ? 0 : (unsigned char)(120 + i / 3 % 20);
+    }
+    for (int k = 0; k < 6; k++) {
+        write_hdr(file, W, H, rgbe, codings[k % 3],
+                  k < 3 ? "FORMAT=32-bit_rle_rgbe\n" : "# a comment\nEXPOSURE=2\nEXPOSURE=4.0\n", k >= 3);
+        enc_image image = decode();
+        assert_int_equal(image.depth, 32);
+        assert_int_equal(image.channels, 3);
+        assert_false(image.xyz);
+        for (int i = 0; i < W * H * 3; i++) {
+            const int e = rgbe[i / 3 * 4 + 3];
+            const double expected = e ? ldexp(rgbe[i / 3 * 4 + i % 3], e - 136) / (k < 3 ? 1 : 8) : 0;
+            assert_true(((float *)image.pixels)[i] == (float)expected);
+        }
+        enc_image_clear(&image);
+        expect_prefixes_refused();
+    }
+    write_hdr(file, W, H, rgbe, HDR_NEW_RUNS, "FORMAT=32-bit_rle_xyze\n", false);
+    enc_image image = decode();
+    assert_true(image.xyz);
+    enc_image_clear(&image);
+    write_hdr(file, W, H, rgbe, HDR_NEW_RUNS, "FORMAT=unheard of\n", false);
+    expect_error(BTF_ERROR_BAD_FILE, "HDR");
+    const char rotated[] = "#?RADIANCE\n\n+X 4 +Y 4\n";
+    write_whole_file(file, rotated, sizeof rotated - 1);
+    expect_error(BTF_ERROR_UNSUPPORTED, "+X 4 +Y 4");
+    const char huge[] = "#?RADIANCE\n\n-Y 2000000000 +X 2000000000\n";
+    write_whole_file(file, huge, sizeof huge - 1);
+    expect_error(BTF_ERROR_UNSUPPORTED, "2000000000");
+}
+
+static void test_exr(void **state) {
+    (void)state;
+    float rgb[W * H * 3];
+    for (int i = 0; i < W * H * 3; i++)
+        rgb[i] = ldexpf((float)(1 + i % 1000), i % 5 - 12);
+    for (int half = 0; half < 2; half++) {
+        rgb[4] = half ? 1e6f : -1e30f;
+        assert_int_equal(exr_image_write(file, W, H, rgb, half, no_log), BTF_OK);
+        enc_image image = decode();
+        assert_int_equal(image.depth, 32);
+        assert_int_equal(image.channels, 3);
+        assert_false(image.xyz);
+        rgb[4] = half ? 65504.0f : rgb[4];
+        assert_memory_equal(image.pixels, rgb, sizeof rgb);
+        enc_image_clear(&image);
+        expect_prefixes_refused();
+    }
+    assert_int_equal(exr_image_write("/nowhere/at/all.exr", W, H, rgb, false, no_log), BTF_ERROR_IO);
+    assert_int_equal(exr_image_write("/dev/full", W, H, rgb, false, no_log), BTF_ERROR_IO);
+}
+
+/* Noise, in sizes where some chunk deflates to just its own length: 37x23 of half floats was read back
+ * wrong. */
+static void test_exr_noise(void **state) {
+    (void)state;
+    uint32_t random = 1;
+    for (int width = 35; width <= 42; width++) {
+        for (int height = 16; height <= 32; height++) {
+            float rgb[42 * 32 * 3];
+            for (int i = 0; i < width * height * 3; i++) {
+                random = random * 1664525u + 1013904223u;
+                rgb[i] = ldexpf((float)(1024 + (random >> 12) % 1024), (int)(random >> 24) % 24 - 20);
+            }
+            assert_int_equal(exr_image_write(file, width, height, rgb, true, no_log), BTF_OK);
+            size_t size;
+            char message[256];
+            exr_image image = {0};
+            void *data = read_whole_file(file, &size);
+            assert_int_equal(exr_image_read(data, size, 1 << 20, &image, message, sizeof message), BTF_OK);
+            assert_memory_equal(image.pixels, rgb, sizeof *rgb * (size_t)(width * height * 3));
+            free(image.pixels);
+            free(data);
+        }
+    }
+}
+
+static void test_exr_tiled(void **state) {
+    (void)state;
+    float pixels[W * H * 4];
+    for (int i = 0; i < W * H * 4; i++)
+        pixels[i] = ldexpf((float)(1 + i % 1000), i % 5 - 12);
+    write_exr_tiled(file, W, H, 4, "ABGR", pixels);
+    enc_image image = decode();
+    assert_int_equal(image.channels, 3);
+    assert_false(image.xyz);
+    for (int i = 0; i < W * H; i++)
+        for (int c = 0; c < 3; c++)
+            assert_true(((float *)image.pixels)[3 * i + c] == pixels[4 * i + 3 - c]);
+    enc_image_clear(&image);
+
+    write_exr_tiled(file, W, H, 3, "XYZ", pixels);
+    image = decode();
+    assert_int_equal(image.channels, 3);
+    assert_true(image.xyz);
+    assert_memory_equal(image.pixels, pixels, sizeof(float) * W * H * 3);
+    enc_image_clear(&image);
+
+    write_exr_tiled(file, W, H, 1, "Y", pixels);
+    image = decode();
+    assert_int_equal(image.channels, 1);
+    assert_memory_equal(image.pixels, pixels, sizeof(float) * W * H);
+    enc_image_clear(&image);
+
+    write_exr_tiled(file, W, H, 2, "UV", pixels);
+    expect_error(BTF_ERROR_UNSUPPORTED, "2 channels");
+}
+
+static void test_no_image(void **state) {
+    (void)state;
+    write_whole_file(file, "", 0);
+    expect_error(BTF_ERROR_BAD_FILE, "empty");
+    write_whole_file(file, "GIF89a", 6);
+    expect_error(BTF_ERROR_BAD_FILE, "neither");
+    write_whole_file(file, "\xff\xd8junk", 6);
+    expect_error(BTF_ERROR_BAD_FILE, "JPEG");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_png_rgb),   cmocka_unit_test(test_png_16),
+        cmocka_unit_test(test_png_kinds), cmocka_unit_test(test_png_damaged),
+        cmocka_unit_test(test_jpeg),      cmocka_unit_test(test_jpeg_orientation),
+        cmocka_unit_test(test_hdr),       cmocka_unit_test(test_exr),
+        cmocka_unit_test(test_exr_noise), cmocka_unit_test(test_exr_tiled),
+        cmocka_unit_test(test_no_image),
+    };
+    return cmocka_run_group_tests(tests, make_file, remove_file);
+}
