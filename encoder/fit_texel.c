@@ -220,16 +220,18 @@ static btf_result best_fixed_start(enc_fit_workspace *workspace, enc_fit_problem
 }
 
 /* The caller's parameters in the scale of the search: one colour is moved so that the larger of rho_d and
- * the lobes is about 1, the way a fit leaves it. Lobes that are 0 start small in a fixed shape. */
-static void given_start(enc_fit_problem *p, const float *start) {
+ * the lobes is about 1, the way a fit leaves it. Lobes that are 0 stay so, or are revived in a fixed shape.
+ * Returns whether there were any. */
+static bool given_start(enc_fit_problem *p, const float *start, bool revive) {
     memset(&p->best, 0, sizeof p->best);
     const float *shapes = start + (p->rgb ? 3 + 3 * p->lobes : 4);
     double size = p->rgb ? 1 : fmax((double)start[3], 1e-6);
-    bool dead[ENC_MAX_LOBES];
+    bool dead[ENC_MAX_LOBES], any_dead = false;
     for (int j = 0; j < p->lobes; j++) {
         const float *shape = shapes + 4 * j;
         const double c = fmax(fmax(fabs((double)shape[0]), fabs((double)shape[1])), fabs((double)shape[2]));
         dead[j] = !(c > 0 && shape[3] > 0);
+        any_dead = any_dead || dead[j];
         if (!dead[j] && !p->rgb) {
             size = fmax(size, pow(c, (double)shape[3]));
         }
@@ -238,7 +240,8 @@ static void given_start(enc_fit_problem *p, const float *start) {
     for (int j = 0; j < p->lobes; j++) {
         for (int k = 0; k < 4; k++) {
             const double value = dead[j] ? start_shapes[0][j][k] : (double)shapes[4 * j + k];
-            const double factor = dead[j] ? 0.5 : pow(size, -1 / fmax((double)shapes[4 * j + 3], 1e-3));
+            const double factor =
+                dead[j] ? (revive ? 0.5 : 0) : pow(size, -1 / fmax((double)shapes[4 * j + 3], 1e-3));
             p->best.shape[j][k] = k < 3 ? value * factor : value;
         }
         double peak;
@@ -257,6 +260,26 @@ static void given_start(enc_fit_problem *p, const float *start) {
                                             : 0;
         }
     }
+    return any_dead;
+}
+
+/* The end from the caller's start, if it is better than *best. A start with lobes of 0 counts as it is,
+ * too: what becomes of them once revived need not be better. */
+static btf_result descend_from(enc_fit_problem *p, const enc_fit_options *options, const float *start,
+                               enc_fit_solution *best) {
+    enc_fit_options only_look = *options;
+    only_look.max_evaluations = 1;
+    btf_result result = BTF_OK;
+    if (given_start(p, start, false)) {
+        result = descend(p, &only_look);
+        *best = p->best.cost < best->cost ? p->best : *best;
+    }
+    given_start(p, start, true);
+    if (result == BTF_OK) {
+        result = descend(p, options);
+        *best = p->best.cost < best->cost ? p->best : *best;
+    }
+    return result;
 }
 
 /* A parameter as the file may hold it: 0, or of magnitude 2^-24 .. 2^24. */
@@ -332,9 +355,7 @@ btf_result enc_fit_texel(enc_fit_workspace *workspace, const enc_fit_samples *sa
         result = best_fixed_start(workspace, &p, options, starts, &best);
     }
     if (start != NULL && result == BTF_OK) {
-        given_start(&p, start);
-        result = descend(&p, options);
-        best = p.best.cost < best.cost ? p.best : best;
+        result = descend_from(&p, options, start, &best);
     }
     if (result != BTF_OK) {
         return result;

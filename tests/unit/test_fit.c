@@ -1,0 +1,756 @@
+/* The Lafortune fit: its sums against plain double arithmetic, its derivatives against differences, known
+ * materials recovered, and data that no model fits.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "encoder/fit.h"
+#include "encoder/fit_gram.h"
+#include "encoder/fit_normal.h"
+#include "encoder/vector_math.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { DIRECTIONS = 81, PAIRS = DIRECTIONS * DIRECTIONS, PADDED = (PAIRS + 255) / 256 * 256 };
+
+static const enc_context context = {.threads = 2};
+
+/* xorshift; the same numbers everywhere. */
+static uint32_t random_state = 1;
+static float random_unit(void) {
+    random_state ^= random_state << 13;
+    random_state ^= random_state >> 17;
+    random_state ^= random_state << 5;
+    return (float)(random_state >> 8) * 0x1p-24f;
+}
+
+/* The first rings of the paper's directions: 1, 6, 12, 18, 20, 24. */
+static void paper_directions(enc_direction out[DIRECTIONS]) {
+    static const int count[6] = {1, 6, 12, 18, 20, 24};
+    for (int ring = 0, n = 0; ring < 6; ring++) {
+        for (int i = 0; i < count[ring]; i++) {
+            out[n++] = enc_direction_from_angles(15.0 * ring, 360.0 * i / count[ring]);
+        }
+    }
+}
+
+/* Every pair of the paper's directions, view-major, with a target that a test fills in. */
+typedef struct pairs {
+    _Alignas(64) float product[3][PADDED];
+    _Alignas(64) float multiplier[PADDED];
+    _Alignas(64) float target[3][PADDED];
+} pairs;
+
+static pairs *make_pairs(void) {
+    enc_direction directions[DIRECTIONS];
+    paper_directions(directions);
+    pairs *p = aligned_alloc(64, sizeof *p);
+    assert_non_null(p);
+    memset(p, 0, sizeof *p);
+    for (int v = 0; v < DIRECTIONS; v++) {
+        for (int l = 0; l < DIRECTIONS; l++) {
+            for (int k = 0; k < 3; k++) {
+                p->product[k][v * DIRECTIONS + l] = directions[v].xyz[k] * directions[l].xyz[k];
+            }
+            p->multiplier[v * DIRECTIONS + l] = directions[l].xyz[2];
+        }
+    }
+    return p;
+}
+
+static enc_fit_samples samples_of(const pairs *p, size_t n) {
+    return (enc_fit_samples){
+        .n = n,
+        .product = {p->product[0], p->product[1], p->product[2]},
+        .multiplier = p->multiplier,
+        .target = {p->target[0], p->target[1], p->target[2]},
+    };
+}
+
+/* The model in double precision with libm's pow, independent of the vector code. Layout of sbrdf.h. */
+static double model_value(const float *parameters, int lobes, bool rgb, const double product[3],
+                          int channel) {
+    const float *shape = parameters + (rgb ? 3 + 3 * lobes : 4);
+    double sum = (double)parameters[rgb ? channel : 3];
+    for (int j = 0; j < lobes; j++, shape += 4) {
+        double base = 0;
+        for (int k = 0; k < 3; k++) {
+            base += (double)shape[k] * product[k];
+        }
+        const double power = base > 0x1p-24 ? pow(base, (double)shape[3]) : 0;
+        sum += rgb ? (double)parameters[3 + 3 * j + channel] * power : power;
+    }
+    return rgb ? sum : sum * (double)parameters[channel];
+}
+
+static double pair_value(const float *parameters, int lobes, bool rgb, const pairs *p, size_t i,
+                         int channel) {
+    const double product[3] = {(double)p->product[0][i], (double)p->product[1][i],
+                               (double)p->product[2][i]};
+    return (double)p->multiplier[i] * model_value(parameters, lobes, rgb, product, channel);
+}
+
+static void fill_targets(pairs *p, const float *parameters, int lobes, bool rgb) {
+    for (int c = 0; c < 3; c++) {
+        for (size_t i = 0; i < PAIRS; i++) {
+            p->target[c][i] = (float)pair_value(parameters, lobes, rgb, p, i, c);
+        }
+    }
+}
+
+static double cost_of(const float *parameters, int lobes, bool rgb, const pairs *p, size_t n) {
+    double cost = 0;
+    for (int c = 0; c < 3; c++) {
+        for (size_t i = 0; i < n; i++) {
+            const double r = pair_value(parameters, lobes, rgb, p, i, c) - (double)p->target[c][i];
+            cost += r * r;
+        }
+    }
+    return cost;
+}
+
+static void assert_storable(const float *parameters, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        const float magnitude = fabsf(parameters[i]);
+        assert_true(parameters[i] == 0 || (magnitude >= 0x1p-24f && magnitude <= 0x1p24f));
+    }
+}
+
+/* Fits the first n pairs with the default options but for lobes, rgb and tolerance. */
+static enc_fit_result fit_pairs(const pairs *p, size_t n, int lobes, bool rgb, double tolerance,
+                                float *out) {
+    enc_fit_options options = enc_fit_options_default();
+    options.lobes = lobes;
+    options.rgb = rgb;
+    options.tolerance = tolerance;
+    options.max_evaluations = 200;
+    enc_fit_workspace *workspace;
+    assert_int_equal(enc_fit_workspace_create(n, &workspace), BTF_OK);
+    const enc_fit_samples samples = samples_of(p, n);
+    enc_fit_result result;
+    assert_int_equal(enc_fit_texel(workspace, &samples, &options, NULL, options.starts, out, &result),
+                     BTF_OK);
+    enc_fit_workspace_destroy(&workspace);
+    assert_null(workspace);
+    assert_storable(out, enc_sbrdf_stride(lobes, rgb));
+    assert_true(isfinite(result.cost));
+    return result;
+}
+
+static const float three_lobes[16] = {0.8f, 1, 0.6f, 0.3f, -0.7f, -0.7f, 0.8f, 20,
+                                      0.6f, 0, 0.7f, 3,    0,     -0.5f, 0.8f, 5};
+static const float three_rgb[24] = {0.3f,  0.2f, 0.1f, 0.4f, 0.4f, 0.5f,  0.1f, 0.2f,
+                                    0.05f, 0.2f, 0.1f, 0.1f, -1,   -1,    1,    20,
+                                    1,     0,    1,    3,    0,    -0.8f, 1,    5};
+
+static void test_evaluate(void **state) {
+    (void)state;
+    enc_direction directions[DIRECTIONS];
+    paper_directions(directions);
+    float light[3][DIRECTIONS], out[3][3 * DIRECTIONS];
+    for (int l = 0; l < DIRECTIONS; l++) {
+        for (int k = 0; k < 3; k++) {
+            light[k][l] = directions[l].xyz[k];
+        }
+    }
+    for (int rgb = 0; rgb < 2; rgb++) {
+        enc_sbrdf *sbrdf;
+        assert_int_equal(enc_sbrdf_create(2, 3, rgb != 0, &sbrdf), BTF_OK);
+        const size_t stride = enc_sbrdf_stride(3, rgb != 0);
+        memcpy(sbrdf->values + stride, rgb ? three_rgb : three_lobes, stride * sizeof(float));
+        for (int n = 0; n <= DIRECTIONS; n += n < 34 ? 1 : 47) {
+            for (int isa = ENC_ISA_BASE; isa <= ENC_ISA_AVX512; isa++) {
+                enc_isa_limit((enc_isa)isa);
+                enc_sbrdf_evaluate(sbrdf, 1, directions[50].xyz, n, light[0], light[1], light[2], out[isa]);
+                assert_memory_equal(out[isa], out[0], (size_t)(3 * n) * sizeof(float));
+            }
+            for (int i = 0; i < 3 * n; i++) {
+                double product[3];
+                for (int k = 0; k < 3; k++) {
+                    product[k] = (double)directions[50].xyz[k] * (double)light[k][i % n];
+                }
+                const double want = model_value(sbrdf->values + stride, 3, rgb != 0, product, i / n);
+                assert_true(fabs((double)out[0][i] - want) < 2e-6 * fabs(want) + 1e-9);
+            }
+        }
+        enc_sbrdf_evaluate(sbrdf, 0, directions[50].xyz, DIRECTIONS, light[0], light[1], light[2], out[0]);
+        for (int i = 0; i < 3 * DIRECTIONS; i++) {
+            assert_true(out[0][i] == 0);
+        }
+        enc_sbrdf_destroy(&sbrdf);
+        assert_null(sbrdf);
+    }
+    enc_sbrdf *none;
+    assert_int_equal(enc_sbrdf_create(0, 3, false, &none), BTF_ERROR_USAGE);
+    assert_int_equal(enc_sbrdf_create(1, 5, false, &none), BTF_ERROR_USAGE);
+    assert_int_equal(enc_sbrdf_create(SIZE_MAX / 8, 4, true, &none), BTF_ERROR_USAGE);
+    assert_null(none);
+}
+
+static double product_at(const pairs *p, size_t i, const float *shape) {
+    return (double)shape[0] * (double)p->product[0][i] + (double)shape[1] * (double)p->product[1][i] +
+           (double)shape[2] * (double)p->product[2][i];
+}
+
+/* Every entry against double sums of columns whose derivatives come from central differences of pow. */
+static void test_gram(void **state) {
+    (void)state;
+    pairs *p = make_pairs();
+    fill_targets(p, three_lobes, 3, false);
+    const enc_gram_samples samples = {
+        .n = PAIRS,
+        .product = {p->product[0], p->product[1], p->product[2]},
+        .multiplier = p->multiplier,
+        .target = {p->target[0], p->target[1], p->target[2]},
+    };
+    enc_gram_point point = {
+        .shape = {{-0.9f, -0.8f, 1.1f, 9}, {0.7f, -0.2f, 0.6f, 2}, {0.1f, 0.8f, 0.5f, 0.7f}, {0, 0, 1, 1}},
+        .colour = {{0.3f, 0.5f, 0.2f, 0.1f, 0.2f},
+                   {0.2f, 0.4f, 0.1f, 0.3f, 0},
+                   {0.1f, 0.1f, 0.1f, 0.1f, 1}},
+    };
+    for (int lobes = 1; lobes <= ENC_MAX_LOBES; lobes++) {
+        const int columns = enc_gram_columns(lobes);
+        double *column = calloc((size_t)columns * PAIRS, sizeof *column);
+        double gram[3][ENC_GRAM_MAX_COLUMNS * ENC_GRAM_MAX_COLUMNS];
+        assert_non_null(column);
+        for (size_t i = 0; i < PAIRS; i++) {
+            const double m = (double)p->multiplier[i];
+            double model[3];
+            column[i] = m;
+            for (int c = 0; c < 3; c++) {
+                model[c] = m * (double)point.colour[c][0];
+            }
+            for (int j = 0; j < lobes; j++) {
+                const float *shape = point.shape[j];
+                const double base = product_at(p, i, shape), n = (double)shape[3], h = 1e-5;
+                const bool on = base >= (double)ENC_GRAM_MIN_BASE;
+                const double value = on ? m * pow(base, n) : 0;
+                for (int k = 0; k < 4 && on; k++) {
+                    const double step = k < 3 ? h * (double)p->product[k][i] : 0, dn = k < 3 ? 0 : h;
+                    const double up = pow(fmax(base + step, 0), n + dn),
+                                 down = pow(fmax(base - step, 0), n - dn);
+                    const double derivative = m * (up - down) / (2 * h);
+                    column[(size_t)(4 + 4 * j + k) * PAIRS + i] = k < 3 ? derivative / n : derivative;
+                }
+                for (int c = 0; c < 3; c++) {
+                    model[c] += (double)point.colour[c][1 + j] * value;
+                }
+            }
+            for (size_t c = 0; c < 3; c++) {
+                column[(1 + c) * PAIRS + i] = model[c] - (double)p->target[c][i];
+            }
+        }
+        for (int isa = ENC_ISA_BASE; isa <= ENC_ISA_AVX512; isa++) {
+            enc_isa_limit((enc_isa)isa);
+            enc_gram_accumulate(&samples, lobes, &point, gram[isa]);
+            assert_memory_equal(gram[isa], gram[0], sizeof(double) * (size_t)(columns * columns));
+        }
+        for (int a = 0; a < columns; a++) {
+            for (int b = 0; b < columns; b++) {
+                double want = 0, aa = 0, bb = 0;
+                for (size_t i = 0; i < PAIRS; i++) {
+                    const double x = column[(size_t)a * PAIRS + i], y = column[(size_t)b * PAIRS + i];
+                    want += x * y, aa += x * x, bb += y * y;
+                }
+                assert_true(fabs(gram[0][a * columns + b] - want) <= 2e-6 * sqrt(aa * bb));
+            }
+        }
+        free(column);
+    }
+    const float c[3] = {1, -1, 0.5f};
+    float want = ENC_GRAM_MIN_BASE;
+    for (size_t i = 0; i < PAIRS; i++) {
+        want = fmaxf(want, (c[0] * p->product[0][i] + c[1] * p->product[1][i]) + c[2] * p->product[2][i]);
+    }
+    assert_true(enc_gram_peak(&samples, c) == want);
+    free(p);
+}
+
+/* J^T f of the projected problem is half the gradient of the cost: against central differences of it. */
+static void test_normal_equations(void **state) {
+    (void)state;
+    pairs *p = make_pairs();
+    for (int rgb = 0; rgb < 2; rgb++) {
+        fill_targets(p, rgb ? three_rgb : three_lobes, 3, rgb != 0);
+        for (size_t i = 0; i < PAIRS; i++) {
+            for (int c = 0; c < 3; c++) {
+                p->target[c][i] += 0.05f * random_unit();
+            }
+        }
+        enc_fit_problem problem = {
+            .samples = {.n = PAIRS,
+                        .product = {p->product[0], p->product[1], p->product[2]},
+                        .multiplier = p->multiplier,
+                        .target = {p->target[0], p->target[1], p->target[2]}},
+            .lobes = 3,
+            .rgb = rgb != 0,
+            .scale = 1,
+            .overshoot = {100, 100, 100, 100},
+        };
+        const int size = rgb ? 12 : 13;
+        double parameters[13] = {0.5, -0.9, -0.8, 1.1, 2.2, 0.7, -0.2, 0.6, 0.9, 0.2, 0.7, 0.6, 0.4};
+        double normal[14 * 14], scratch[14 * 14];
+        double *at = parameters + rgb;
+        /* Twice: the second time residuals are taken at the solved colours. */
+        for (int pass = 0; pass < 2; pass++) {
+            problem.best.cost = DBL_MAX;
+            enc_fit_evaluate(&problem, at, normal);
+        }
+        const double cost = normal[(size + 1) * (size + 1) - 1];
+        assert_true(cost > 0 && fabs(cost - problem.best.cost) < 1e-12 * cost);
+        double largest = 0;
+        for (int i = 0; i < size; i++) {
+            largest = fmax(largest, fabs(normal[i * (size + 1) + size]));
+            assert_true(normal[i * (size + 1) + i] >= 0);
+        }
+        for (int i = 0; i < size; i++) {
+            const double keep = at[i], h = 1e-3;
+            double side[2];
+            for (int s = 0; s < 2; s++) {
+                at[i] = keep + (s ? h : -h);
+                enc_fit_evaluate(&problem, at, scratch);
+                side[s] = scratch[(size + 1) * (size + 1) - 1];
+            }
+            at[i] = keep;
+            const double slope = (side[1] - side[0]) / (2 * h) / 2;
+            assert_true(fabs(slope - normal[i * (size + 1) + size]) < 2e-3 * largest);
+        }
+    }
+    free(p);
+}
+
+static double psnr(double cost) {
+    return -10 * log10(cost / (3.0 * PAIRS) + 1e-30);
+}
+
+static void test_recovers_lobes(void **state) {
+    (void)state;
+    static const float one[8] = {0.2f, 0.5f, 1, 0.4f, -0.8f, -0.8f, 0.9f, 30};
+    static const float two[12] = {1, 0.5f, 0.3f, 0.2f, -0.7f, -0.7f, 0.7f, 12, 0.5f, 0.4f, 0.6f, 2};
+    static const float *const known[3] = {one, two, three_lobes};
+    pairs *p = make_pairs();
+    for (int lobes = 1; lobes <= 3; lobes++) {
+        float out[31];
+        fill_targets(p, known[lobes - 1], lobes, false);
+        const enc_fit_result result = fit_pairs(p, PAIRS, lobes, false, 1e-4, out);
+        const double cost = cost_of(out, lobes, false, p, PAIRS);
+        assert_true(psnr(cost) > 60);
+        assert_true(fabs(sqrt(cost) - sqrt(result.cost)) < 1e-5 * sqrt(3.0 * PAIRS));
+        assert_false(result.diffuse);
+        assert_true(fmaxf(fmaxf(out[0], out[1]), out[2]) == 1);
+    }
+    float out[31];
+    fill_targets(p, three_rgb, 3, true);
+    fit_pairs(p, PAIRS, 3, true, 1e-4, out);
+    assert_true(psnr(cost_of(out, 3, true, p, PAIRS)) > 60);
+    for (int i = 0; i < 12; i++) {
+        assert_true(out[i] >= 0);
+    }
+    free(p);
+}
+
+static void test_lambertian(void **state) {
+    (void)state;
+    static const float albedo[3] = {0.9f, 0.3f, 0.05f};
+    pairs *p = make_pairs();
+    for (int c = 0; c < 3; c++) {
+        for (size_t i = 0; i < PAIRS; i++) {
+            p->target[c][i] = albedo[c] * p->multiplier[i];
+        }
+    }
+    for (int rgb = 0; rgb < 2; rgb++) {
+        float out[31];
+        fit_pairs(p, PAIRS, 3, rgb != 0, 1e-3, out);
+        for (int c = 0; c < 3; c++) {
+            for (size_t i = 0; i < PAIRS; i++) {
+                assert_true(fabs(pair_value(out, 3, rgb != 0, p, i, c) - (double)p->target[c][i]) < 2e-5);
+            }
+        }
+    }
+    free(p);
+}
+
+static void test_hopeless_data(void **state) {
+    (void)state;
+    static const float none[31];
+    pairs *p = make_pairs();
+    float out[31];
+    for (int rgb = 0; rgb < 2; rgb++) {
+        for (int kind = 0; kind < 8; kind++) {
+            for (size_t i = 0; i < PAIRS; i++) {
+                const float noise = random_unit();
+                const float value = kind == 0   ? 0
+                                    : kind == 1 ? 0.5f
+                                    : kind == 2 ? 1e30f * noise
+                                    : kind == 3 ? 1e-30f * noise
+                                    : kind == 4 ? (i == 1234 ? 1e6f : 0)
+                                    : kind == 5 ? (i % 97 == 0 ? 1e9f * noise : noise)
+                                    : kind == 6 ? 1e-44f
+                                                : FLT_MAX * noise;
+                for (int c = 0; c < 3; c++) {
+                    p->target[c][i] = c == kind % 3 ? value : 0.5f * value;
+                }
+            }
+            const enc_fit_result result = fit_pairs(p, PAIRS, 3, rgb != 0, 1e-3, out);
+            if (kind == 0) {
+                assert_memory_equal(out, none, enc_sbrdf_stride(3, rgb != 0) * sizeof(float));
+                assert_true(result.cost == 0);
+            }
+            if (kind == 1) { /* better than the best diffuse model, whose cost is known in closed form */
+                double mm = 0, m = 0;
+                for (size_t i = 0; i < PAIRS; i++) {
+                    mm += (double)p->multiplier[i] * (double)p->multiplier[i];
+                    m += (double)p->multiplier[i];
+                }
+                const double diffuse = (0.25 + 2 * 0.0625) * (PAIRS - m * m / mm);
+                assert_true(result.cost <= diffuse * (1 + 1e-6));
+                assert_true(cost_of(out, 3, rgb != 0, p, PAIRS) <= diffuse * (1 + 1e-5));
+            }
+        }
+    }
+    /* No multiplier at all: nothing can be modelled. */
+    memset(p->multiplier, 0, sizeof p->multiplier);
+    const enc_fit_result result = fit_pairs(p, PAIRS, 2, false, 1e-3, out);
+    assert_true(result.diffuse);
+    free(p);
+}
+
+static void test_few_samples(void **state) {
+    (void)state;
+    pairs *p = make_pairs();
+    fill_targets(p, three_lobes, 3, false);
+    for (size_t n = 1; n < 12; n++) {
+        for (int rgb = 0; rgb < 2; rgb++) {
+            float out[31];
+            const enc_fit_result result = fit_pairs(p, n, 4, rgb != 0, 1e-3, out);
+            double energy = 0;
+            for (int c = 0; c < 3; c++) {
+                for (size_t i = 0; i < n; i++) {
+                    energy += (double)p->target[c][i] * (double)p->target[c][i];
+                }
+            }
+            assert_true(result.cost < energy);
+            assert_true(fabs(cost_of(out, 4, rgb != 0, p, n) - result.cost) < 1e-4 * energy);
+        }
+    }
+    free(p);
+}
+
+/* Two lobes that start equal, on data of one: the Gram matrix is singular all the way. */
+static void test_rank_deficient(void **state) {
+    (void)state;
+    static const float one[8] = {1, 1, 1, 0.2f, -0.7f, -0.7f, 0.7f, 6};
+    static const float start[12] = {1, 1, 1, 0.5f, -0.5f, -0.5f, 0.5f, 3, -0.5f, -0.5f, 0.5f, 3};
+    static const float start_rgb[17] = {0.5f, 0.5f, 0.5f, 0.1f, 0.1f, 0.1f, 0.1f, 0.1f, 0.1f,
+                                        -1,   -1,   1,    3,    -1,   -1,   1,    3};
+    pairs *p = make_pairs();
+    fill_targets(p, one, 1, false);
+    for (int rgb = 0; rgb < 2; rgb++) {
+        enc_fit_options options = enc_fit_options_default();
+        options.lobes = 2;
+        options.rgb = rgb != 0;
+        enc_fit_workspace *workspace;
+        assert_int_equal(enc_fit_workspace_create(PAIRS, &workspace), BTF_OK);
+        const enc_fit_samples samples = samples_of(p, PAIRS);
+        enc_fit_result result;
+        float out[17];
+        const float *from = rgb ? start_rgb : start;
+        assert_int_equal(enc_fit_texel(workspace, &samples, &options, from, 0, out, &result), BTF_OK);
+        assert_storable(out, enc_sbrdf_stride(2, rgb != 0));
+        assert_true(psnr(cost_of(out, 2, rgb != 0, p, PAIRS)) > 50);
+        enc_fit_workspace_destroy(&workspace);
+    }
+    free(p);
+}
+
+/* From any start, the end is at least as good; weights count as repeated samples. */
+static void test_start_and_weights(void **state) {
+    (void)state;
+    pairs *p = make_pairs(), *twice = make_pairs();
+    float *weight = malloc(PAIRS * sizeof *weight);
+    assert_non_null(weight);
+    enc_fit_workspace *workspace;
+    assert_int_equal(enc_fit_workspace_create(PAIRS, &workspace), BTF_OK);
+    for (int round = 0; round < 24; round++) {
+        const bool rgb = round % 2 != 0;
+        float from[31] = {0}, out[31];
+        for (size_t i = 0; i < enc_sbrdf_stride(3, rgb); i++) {
+            from[i] = random_unit();
+        }
+        float *shape = from + (rgb ? 12 : 4);
+        for (int j = 0; j < 3; j++) {
+            const bool dead = round % 6 == 4 && j == 1;
+            for (int k = 0; k < 3; k++) {
+                shape[4 * j + k] = dead ? 0 : 2 * random_unit() - (k < 2 ? 1 : 0);
+            }
+            shape[4 * j + 3] = dead ? 0 : 0.6f + 50 * random_unit() * random_unit();
+        }
+        for (size_t i = 0; i < PAIRS; i++) {
+            for (int c = 0; c < 3; c++) {
+                p->target[c][i] = random_unit() * p->multiplier[i] * (i % 7 == 0 ? 3 : 1);
+            }
+        }
+        enc_fit_options options = enc_fit_options_default();
+        options.rgb = rgb;
+        enc_fit_samples samples = samples_of(p, PAIRS);
+        enc_fit_result result;
+        double energy = 0;
+        for (int c = 0; c < 3; c++) {
+            for (size_t i = 0; i < PAIRS; i++) {
+                energy += (double)p->target[c][i] * (double)p->target[c][i];
+            }
+        }
+        assert_int_equal(enc_fit_texel(workspace, &samples, &options, from, 0, out, &result), BTF_OK);
+        const double before = cost_of(from, 3, rgb, p, PAIRS), after = cost_of(out, 3, rgb, p, PAIRS);
+        assert_true(after <= before + 1e-6 * energy);
+        assert_true(fabs(after - result.cost) < 1e-5 * energy);
+
+        /* The end as a start: no worse. */
+        memcpy(from, out, sizeof from);
+        assert_int_equal(enc_fit_texel(workspace, &samples, &options, from, 0, out, &result), BTF_OK);
+        assert_true(cost_of(out, 3, rgb, p, PAIRS) <= after + 1e-6 * energy);
+    }
+    fill_targets(p, three_lobes, 3, false);
+    const size_t sources = PAIRS / 3 * 3;
+    size_t n = 0;
+    for (size_t i = 0; i < sources; i++) {
+        weight[i] = (float)(i % 3);
+        for (size_t repeat = 0; repeat < i % 3; repeat++, n++) {
+            for (int k = 0; k < 3; k++) {
+                p->target[k][i] += 0.1f * random_unit();
+                twice->product[k][n] = p->product[k][i];
+            }
+            twice->multiplier[n] = p->multiplier[i];
+        }
+    }
+    n = 0;
+    for (size_t i = 0; i < sources; i++) {
+        for (size_t repeat = 0; repeat < i % 3; repeat++, n++) {
+            for (int k = 0; k < 3; k++) {
+                twice->target[k][n] = p->target[k][i];
+            }
+        }
+    }
+    assert_int_equal(n, sources);
+    const enc_fit_options options = enc_fit_options_default();
+    enc_fit_samples weighted = samples_of(p, sources);
+    const enc_fit_samples repeated = samples_of(twice, n);
+    weighted.weight = weight;
+    float a[16], b[16];
+    enc_fit_result weighted_result, repeated_result;
+    assert_int_equal(enc_fit_texel(workspace, &weighted, &options, three_lobes, 0, a, &weighted_result),
+                     BTF_OK);
+    assert_int_equal(enc_fit_texel(workspace, &repeated, &options, three_lobes, 0, b, &repeated_result),
+                     BTF_OK);
+    assert_true(weighted_result.cost > 1);
+    assert_true(fabs(weighted_result.cost / repeated_result.cost - 1) < 1e-4);
+    enc_fit_workspace_destroy(&workspace);
+    free(weight);
+    free(p);
+    free(twice);
+}
+
+/* A lobe may not tower between or beyond its samples: one bright sample at the edge of the grid. */
+static void test_overshoot(void **state) {
+    (void)state;
+    pairs *p = make_pairs();
+    for (int rgb = 0; rgb < 2; rgb++) {
+        for (size_t i = 0; i < PAIRS; i++) {
+            for (int c = 0; c < 3; c++) {
+                p->target[c][i] = 0.3f * p->multiplier[i];
+            }
+        }
+        p->target[rgb][80 * DIRECTIONS + 80] = 1;
+        p->target[2][80 * DIRECTIONS + 79] = 1;
+        float out[31];
+        fit_pairs(p, PAIRS, 3, rgb != 0, 1e-3, out);
+        const float *shape = out + (rgb ? 12 : 4);
+        for (int j = 0; j < 3; j++, shape += 4) {
+            double largest = 0;
+            for (size_t i = 0; i < PAIRS; i++) {
+                largest = fmax(largest, product_at(p, i, shape));
+            }
+            const double widest =
+                fmax(fmax(fabs((double)shape[0]), fabs((double)shape[1])), (double)shape[2]);
+            if (largest > 1e-4) {
+                assert_true(pow(widest / largest, (double)shape[3]) < 4.01);
+            }
+        }
+    }
+    free(p);
+}
+
+/* `texels` in a row, 81 directions, random lobes, a fifth of the light directions shadowed to 5 % in each.
+ */
+static enc_data *make_data(const enc_context *with, int texels, bool *out_shadow) {
+    enc_direction directions[DIRECTIONS];
+    paper_directions(directions);
+    enc_data *data;
+    assert_int_equal(
+        enc_data_create(with, texels, 1, DIRECTIONS, directions, DIRECTIONS, directions, &data), BTF_OK);
+    float *samples = malloc(enc_data_texel_stride(data) * sizeof *samples);
+    assert_non_null(samples);
+    random_state = 77;
+    for (int t = 0; t < texels; t++) {
+        float parameters[8] = {1, 0.8f, 0.6f, 0.3f + 0.3f * random_unit(), -0.7f, -0.7f, 0.7f, 5};
+        for (int l = 0; l < DIRECTIONS; l++) {
+            const bool shadow = random_unit() < 0.2f;
+            if (out_shadow != NULL) {
+                out_shadow[t * DIRECTIONS + l] = shadow;
+            }
+            for (int v = 0; v < DIRECTIONS; v++) {
+                double product[3];
+                for (int k = 0; k < 3; k++) {
+                    product[k] = (double)directions[l].xyz[k] * (double)directions[v].xyz[k];
+                }
+                for (int c = 0; c < 3; c++) {
+                    const double value =
+                        (double)directions[l].xyz[2] * model_value(parameters, 1, false, product, c);
+                    samples[(v * 3 + c) * DIRECTIONS + l] = (float)(shadow ? 0.05 * value : value);
+                }
+            }
+        }
+        assert_int_equal(enc_data_store_texels(with, data, (size_t)t, 1, samples), BTF_OK);
+    }
+    free(samples);
+    return data;
+}
+
+/* Rejection finds the shadows and gives back the unshadowed material. */
+static void test_rejection(void **state) {
+    (void)state;
+    enum { TEXELS = 8 };
+    bool shadow[TEXELS * DIRECTIONS];
+    enc_data *data = make_data(&context, TEXELS, shadow);
+    size_t shadowed = 0;
+    for (int i = 0; i < TEXELS * DIRECTIONS; i++) {
+        shadowed += shadow[i];
+    }
+    enc_sbrdf *sbrdf;
+    enc_fit_stats stats;
+    enc_fit_options options = enc_fit_options_default();
+    options.lobes = 1;
+    assert_int_equal(enc_fit(&context, data, &options, &sbrdf, &stats), BTF_OK);
+    assert_int_equal(stats.texels, TEXELS);
+    assert_int_equal(stats.samples, TEXELS * PAIRS);
+    assert_true(fabs((double)stats.rejected / TEXELS / PAIRS - (double)shadowed / TEXELS / DIRECTIONS) <
+                0.002);
+    assert_true(stats.solves >= 2 * TEXELS && stats.solves <= 4 * TEXELS);
+    assert_true(stats.cost / (double)(stats.samples - stats.rejected) < 1e-6);
+    enc_sbrdf_destroy(&sbrdf);
+
+    options.rounds = 0;
+    enc_fit_stats plain;
+    assert_int_equal(enc_fit(&context, data, &options, &sbrdf, &plain), BTF_OK);
+    assert_int_equal(plain.rejected, 0);
+    assert_int_equal(plain.solves, TEXELS);
+    assert_true(plain.cost > 100 * stats.cost);
+    enc_sbrdf_destroy(&sbrdf);
+    enc_data_destroy(&data);
+}
+
+/* When nearly everything looks shadowed, everything is kept. */
+static void test_all_rejected(void **state) {
+    (void)state;
+    enc_data *data = make_data(&context, 2, NULL);
+    for (size_t i = 0; i < 2 * enc_data_texel_stride(data); i++) {
+        data->samples[i] = i % 50 == 0 ? 20.0f : 1e-3f * random_unit();
+    }
+    enc_fit_options options = enc_fit_options_default();
+    enc_sbrdf *sbrdf;
+    enc_fit_stats stats;
+    assert_int_equal(enc_fit(&context, data, &options, &sbrdf, &stats), BTF_OK);
+    assert_true(stats.rejected <= stats.samples * 9 / 10);
+    assert_storable(sbrdf->values, 2 * enc_sbrdf_stride(3, false));
+    enc_sbrdf_destroy(&sbrdf);
+
+    memset(data->samples, 0, 2 * enc_data_texel_stride(data) * sizeof(float));
+    assert_int_equal(enc_fit(&context, data, &options, &sbrdf, &stats), BTF_OK);
+    assert_int_equal(stats.black, 2);
+    assert_int_equal(stats.solves, 0);
+    for (size_t i = 0; i < 2 * enc_sbrdf_stride(3, false); i++) {
+        assert_true(sbrdf->values[i] == 0);
+    }
+    enc_sbrdf_destroy(&sbrdf);
+    enc_data_destroy(&data);
+}
+
+/* The same bits for one thread and two, from memory and from a scratch file, from every instruction set;
+ * and the square-root domain models the root. */
+static void test_same_bits(void **state) {
+    (void)state;
+    enum { TEXELS = 20 };
+    const enc_context small = {.threads = 1, .memory = 1 << 20};
+    enc_data *data = make_data(&context, TEXELS, NULL), *scratch = make_data(&small, TEXELS, NULL);
+    assert_null(scratch->samples);
+    for (int variant = 0; variant < 3; variant++) {
+        enc_fit_options options = enc_fit_options_default();
+        options.rgb = variant == 1;
+        options.square_root = variant == 2;
+        options.rounds = 1;
+        options.lobes = 2;
+        const size_t bytes = TEXELS * enc_sbrdf_stride(2, options.rgb) * sizeof(float);
+        enc_sbrdf *two, *one;
+        enc_fit_stats stats_two, stats_one;
+        assert_int_equal(enc_fit(&context, data, &options, &two, &stats_two), BTF_OK);
+        enc_isa_limit(ENC_ISA_BASE);
+        assert_int_equal(enc_fit(&small, scratch, &options, &one, &stats_one), BTF_OK);
+        enc_isa_limit(ENC_ISA_AVX512);
+        assert_memory_equal(one->values, two->values, bytes);
+        assert_true(stats_one.cost == stats_two.cost);
+        assert_int_equal(stats_one.evaluations, stats_two.evaluations);
+        if (options.square_root) {
+            const float up[3] = {0, 0, 1}, light[3] = {0, 0, 1};
+            float value[3];
+            enc_sbrdf_evaluate(two, 0, up, 1, &light[0], &light[1], &light[2], value);
+            assert_true(value[0] > 0.5f && value[0] < 1.2f); /* root of 0.3..0.6 + 0.7^5 */
+        }
+        enc_sbrdf_destroy(&one);
+        enc_sbrdf_destroy(&two);
+    }
+    enc_data_destroy(&data);
+    enc_data_destroy(&scratch);
+}
+
+static void test_options(void **state) {
+    (void)state;
+    enc_data *data = make_data(&context, 1, NULL);
+    for (int i = 0; i < 7; i++) {
+        enc_fit_options options = enc_fit_options_default();
+        options.lobes = i == 0 ? 0 : i == 1 ? 5 : 3;
+        options.starts = i == 2 ? 0 : i == 3 ? 5 : 1;
+        options.rounds = i == 4 ? -1 : 0;
+        options.t_error = i == 5 ? -1.0f : 0.3f;
+        options.tolerance = i == 6 ? NAN : 1e-3;
+        enc_sbrdf *sbrdf;
+        assert_int_equal(enc_fit(&context, data, &options, &sbrdf, NULL), BTF_ERROR_USAGE);
+        assert_null(sbrdf);
+    }
+    enc_fit_workspace *workspace;
+    assert_int_equal(enc_fit_workspace_create(0, &workspace), BTF_ERROR_USAGE);
+    assert_int_equal(enc_fit_workspace_create(SIZE_MAX, &workspace), BTF_ERROR_USAGE);
+    enc_data_destroy(&data);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_evaluate),          cmocka_unit_test(test_gram),
+        cmocka_unit_test(test_normal_equations),  cmocka_unit_test(test_recovers_lobes),
+        cmocka_unit_test(test_lambertian),        cmocka_unit_test(test_hopeless_data),
+        cmocka_unit_test(test_few_samples),       cmocka_unit_test(test_rank_deficient),
+        cmocka_unit_test(test_start_and_weights), cmocka_unit_test(test_overshoot),
+        cmocka_unit_test(test_rejection),         cmocka_unit_test(test_all_rejected),
+        cmocka_unit_test(test_same_bits),         cmocka_unit_test(test_options),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
