@@ -125,7 +125,7 @@ static void fill_sbrdf(random_state *r, const synthetic_spec *s, const btf_textu
 
 /* Gain code and shift bytes of one texel and view. */
 static void make_point(random_state *r, const synthetic_spec *s, uint32_t centres, uint8_t out[3]) {
-    out[0] = BTF_GAIN_ONE;
+    out[0] = s->effects & (BTF_EFFECT_GAIN | BTF_EFFECT_HIDDEN) ? BTF_GAIN_ONE : 0;
     out[1] = out[2] = 0;
     if ((s->effects & BTF_EFFECT_HIDDEN) && (s->all_hidden || random_below(r, 3) == 0)) {
         uint32_t centre = random_below(r, centres);
