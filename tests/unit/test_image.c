@@ -23,12 +23,13 @@
 #include <unistd.h>
 
 enum { W = 19, H = 13 };
-static char file[64];
+static char file[256];
 static const btf_log no_log = {NULL, NULL};
 
 static int make_file(void **state) {
     (void)state;
-    strcpy(file, "/tmp/btf-image-XXXXXX");
+    const char *base = getenv("TMPDIR");
+    snprintf(file, sizeof file, "%s/btf-image-XXXXXX", base && *base ? base : "/tmp");
     const int fd = mkstemp(file);
     return fd < 0 ? -1 : close(fd);
 }

@@ -32,7 +32,7 @@ enum { W = 5, H = 4, VIEWS = 4, LIGHTS = 5, PATH = 512 };
 static const double views[VIEWS][2] = {{0, 0}, {30, 0}, {30, 120}, {75, 240}};
 static const double lights[LIGHTS][2] = {{0, 0}, {15, 90}, {15, 270}, {45, 7.5}, {75, 345}};
 
-static char folder[64];
+static char folder[256];
 static char messages[8192];
 
 static void keep_message(void *user, btf_log_level level, const char *text) {
@@ -45,7 +45,8 @@ static const btf_log no_log = {NULL, NULL};
 
 static int make_folder(void **state) {
     (void)state;
-    strcpy(folder, "/tmp/btf-reader-XXXXXX");
+    const char *base = getenv("TMPDIR");
+    snprintf(folder, sizeof folder, "%s/btf-reader-XXXXXX", base && *base ? base : "/tmp");
     messages[0] = '\0';
     context.memory = 0;
     context.threads = 2;
@@ -80,7 +81,7 @@ static void make_codes(int v, int l, unsigned char codes[W * H * 3]) {
 typedef enum custom { UBO, UTIA, BONN, FOLDERS } custom;
 static const char *name_of(custom naming, int v, int l, const char *extension) {
     static char path[PATH];
-    char sub[128];
+    char sub[300];
     const double tv = views[v][0], pv = views[v][1], tl = lights[l][0], pl = lights[l][1];
     sub[0] = '\0';
     switch (naming) {
