@@ -1,0 +1,296 @@
+/* Tests of the reference decoder: seeded numbers, direction tables made from given triangles, and made-up
+ * materials of every kind that FORMAT.md allows. Needs no library, so that it also runs where there is
+ * none.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_TEST_REFERENCE_MATERIAL_H
+#define OPENBTF_TEST_REFERENCE_MATERIAL_H
+
+#include "btf_reference.h"
+
+#include <stddef.h>
+
+enum {
+    MADE_WIDTH = 7,
+    MADE_HEIGHT = 5,
+    MADE_TEXELS = MADE_WIDTH * MADE_HEIGHT,
+    MADE_VIEWS = 9,
+    MADE_LIGHTS = 5,
+    MADE_CENTRES = 121, /**< as many as the atlas of the paper's layout has room for */
+    MADE_ATLAS = 32,    /**< its width and height */
+    MADE_COMPONENTS = 9,
+    MADE_COMPONENT_LAYERS = 3,
+    MADE_SBRDF_LAYERS = 8,
+    MADE_GRID = 4,
+    MADE_TABLE = 4 * 2048, /**< numbers in a direction table */
+};
+
+/** A float of the given bits, and back. */
+static inline float float_of(uint32_t bits) {
+    union {
+        uint32_t bits;
+        float value;
+    } pun = {.bits = bits};
+    return pun.value;
+}
+
+static inline uint32_t bits_of(float value) {
+    union {
+        float value;
+        uint32_t bits;
+    } pun = {.value = value};
+    return pun.bits;
+}
+
+/** Marsaglia's xorshift of 32 bits; the state is never 0. */
+static inline uint32_t random_bits(uint32_t *state) {
+    *state ^= *state << 13;
+    *state ^= *state >> 17;
+    *state ^= *state << 5;
+    return *state;
+}
+
+static inline uint32_t random_below(uint32_t *state, uint32_t limit) {
+    return (random_bits(state) >> 8) % limit;
+}
+
+/** A multiple of span * 2^-24 in [low, low + span), when low is 0 or -span / 2. */
+static inline float random_float(uint32_t *state, float low, float span) {
+    float unit = (float)(random_bits(state) >> 8) * 0x1p-24f;
+    float offset = unit * span;
+    return low + offset;
+}
+
+/** A parameter that a file may hold: 0, or of magnitude 2^-24 to 2^24, of either sign. */
+static inline float random_parameter(uint32_t *state) {
+    uint32_t choice = random_below(state, 16);
+    uint32_t sign = random_bits(state) & 0x80000000u;
+    if (choice == 0)
+        return 0.0f;
+    if (choice == 1)
+        return float_of(sign | 0x33800000u); /* 2^-24 */
+    if (choice == 2)
+        return float_of(sign | 0x4B800000u); /* 2^24 */
+    return float_of(sign | (0x33800000u + random_below(state, 0x18000000u >> 8) * 256u));
+}
+
+/** A direction of length about 1 with z > 0, by stereographic projection of a point of the unit disc. */
+static inline void random_direction(uint32_t *state, float out_direction[3]) {
+    float a, b, r;
+    do {
+        a = random_float(state, -1.0f, 2.0f);
+        b = random_float(state, -1.0f, 2.0f);
+        float aa = a * a, bb = b * b;
+        r = aa + bb;
+    } while (r >= 1.0f);
+    out_direction[0] = 2.0f * a / (1.0f + r);
+    out_direction[1] = 2.0f * b / (1.0f + r);
+    out_direction[2] = (1.0f - r) / (1.0f + r);
+}
+
+/** Directions as FORMAT.md, section 6, stores them. */
+typedef struct direction_set {
+    uint32_t n_vertices, n_triangles, n_hull;
+    int32_t vertices[16][2];
+    uint32_t triangles[16][3];
+    uint32_t hull[16];
+} direction_set;
+
+/** 9 directions: the pole and an octagon. */
+static const direction_set made_views = {
+    .n_vertices = 9,
+    .n_triangles = 8,
+    .n_hull = 8,
+    .vertices = {{8192, 8192},
+                 {14192, 8192},
+                 {12435, 12435},
+                 {8192, 14192},
+                 {3949, 12435},
+                 {2192, 8192},
+                 {3949, 3949},
+                 {8192, 2192},
+                 {12435, 3949}},
+    .triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}, {0, 5, 6}, {0, 6, 7}, {0, 7, 8}, {0, 8, 1}},
+    .hull = {1, 2, 3, 4, 5, 6, 7, 8},
+};
+
+/** 5 directions without symmetry; one lies on the rim of the disc. */
+static const direction_set made_lights = {
+    .n_vertices = 5,
+    .n_triangles = 4,
+    .n_hull = 4,
+    .vertices = {{9001, 7503}, {16384, 8192}, {8000, 15001}, {1203, 9405}, {7777, 100}},
+    .triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 1}},
+    .hull = {1, 2, 3, 4},
+};
+
+static inline void put_record(uint16_t *texel, const int32_t (*vertices)[2], const uint32_t corner[3],
+                              uint32_t edge) {
+    const int32_t *a = vertices[corner[0]], *b = vertices[corner[1]], *c = vertices[corner[2]];
+    int32_t bx = b[0] - a[0], by = b[1] - a[1], cx = c[0] - a[0], cy = c[1] - a[1];
+    int32_t size = edge ? bx * bx + by * by : bx * cy - by * cx;
+    uint32_t shift = 0;
+    while (size >> shift >= 1 << 19)
+        ++shift;
+    for (int i = 0; i < 2; ++i) {
+        texel[i] = (uint16_t)a[i];
+        texel[2 + i] = (uint16_t)b[i];
+        texel[4 + i] = (uint16_t)c[i];
+    }
+    texel[6] = (uint16_t)(corner[0] + 256 * corner[1]);
+    texel[7] = (uint16_t)(corner[2] + 256 * (edge + 2 * shift));
+}
+
+/** The GPU table of a set of directions; every cell lists every record.
+ *  @return the numbers written, 4 a texel. */
+static inline size_t make_table(const direction_set *set, uint32_t grid, uint16_t *out_table) {
+    uint32_t records = set->n_triangles + set->n_hull;
+    for (uint32_t cell = 0; cell < grid * grid; ++cell) {
+        uint16_t *texel = out_table + 4 * cell;
+        texel[0] = (uint16_t)(cell * records);
+        texel[1] = (uint16_t)records;
+        texel[2] = texel[3] = 0;
+        uint16_t *record = out_table + 4 * (grid * grid + 2 * cell * records);
+        for (uint32_t i = 0; i < set->n_triangles; ++i, record += 8)
+            put_record(record, set->vertices, set->triangles[i], 0);
+        for (uint32_t i = 0; i < set->n_hull; ++i, record += 8) {
+            uint32_t corner[3] = {set->hull[i], set->hull[(i + 1) % set->n_hull],
+                                  set->hull[(i + 2) % set->n_hull]};
+            put_record(record, set->vertices, corner, 1);
+        }
+    }
+    return 4 * (size_t)(grid * grid + 2 * grid * grid * records);
+}
+
+/** What a made-up material points to. */
+typedef struct made_storage {
+    float sbrdf[MADE_SBRDF_LAYERS * MADE_TEXELS * 4];
+    uint16_t sbrdf_half[MADE_SBRDF_LAYERS * MADE_TEXELS * 4];
+    uint8_t maps[MADE_ATLAS * MADE_ATLAS * 4];
+    uint8_t shadow[MADE_LIGHTS * MADE_TEXELS];
+    uint8_t shift[MADE_VIEWS * MADE_TEXELS * 2];
+    uint8_t gain[MADE_VIEWS * MADE_TEXELS];
+    uint8_t centre[MADE_CENTRES * MADE_LIGHTS * 4];
+    int8_t residual_texels[MADE_COMPONENT_LAYERS * MADE_TEXELS * 4];
+    int8_t residual_directions[MADE_COMPONENT_LAYERS * 3 * MADE_VIEWS * MADE_LIGHTS * 4];
+    float residual_scales[MADE_COMPONENT_LAYERS * 4];
+    uint16_t view_table[MADE_TABLE];
+    uint16_t light_table[MADE_TABLE];
+} made_storage;
+
+static inline float random_scale(uint32_t *state, float usual, int extreme) {
+    float wild = float_of(0x33800000u + random_below(state, 0x18000000u >> 8) * 256u);
+    return extreme ? wild : usual;
+}
+
+static inline void random_bytes(uint32_t *state, uint8_t *out_bytes, size_t count) {
+    for (size_t i = 0; i < count; ++i) {
+        uint32_t choice = random_below(state, 8);
+        uint8_t byte = (uint8_t)(random_bits(state) >> 8);
+        out_bytes[i] = choice == 0 ? 0 : choice == 1 ? 255 : byte;
+    }
+}
+
+/** Half of magnitude 2^-14 to 32 and of either sign, or with `extreme` any of magnitude up to 65504, or 0.
+ */
+static inline uint16_t random_half(uint32_t *state, int extreme) {
+    uint32_t bits = random_bits(state) >> 8 & 0xFFFFu;
+    uint32_t magnitude = (bits & 0x7FFFu) % 0x7C00u;
+    uint16_t usual = (uint16_t)((bits & 0x8000u) | (0x400u + magnitude % 0x4C00u));
+    return extreme ? (uint16_t)((bits & 0x8000u) | magnitude) : usual;
+}
+
+/** Fills a material with seeded contents: `kind` selects layout, domain, colour and float type (0 to 23),
+ * `effects` those of the file. Gain codes 0 occur with hidden only; centre indices stay below K. `extreme`:
+ * parameters and scales over all their range, else ordinary ones. */
+static inline void make_material(uint32_t seed, uint32_t kind, uint32_t effects, int extreme,
+                                 made_storage *s, btf_ref_material *out_material) {
+    uint32_t state = seed * 2654435761u + 1u;
+    state = state != 0 ? state : 1;
+    btf_ref_material m = {
+        .width = MADE_WIDTH,
+        .height = MADE_HEIGHT,
+        .n_views = MADE_VIEWS,
+        .n_lights = MADE_LIGHTS,
+        .layout_tight = kind & 1,
+        .domain_sqrt = kind >> 1 & 1,
+        .half_float = kind >> 2 & 1,
+        .colour = (int)(kind >> 3) % 3,
+        .effects = effects,
+        .centres = MADE_CENTRES,
+        .atlas_width = MADE_ATLAS,
+        .atlas_height = MADE_ATLAS,
+        .maps = s->maps,
+        .shadow = s->shadow,
+        .shift = s->shift,
+        .gain = s->gain,
+        .centre = s->centre,
+        .residual_texels = s->residual_texels,
+        .residual_directions = s->residual_directions,
+        .residual_scales = s->residual_scales,
+        .view_table = s->view_table,
+        .light_table = s->light_table,
+        .view_grid = MADE_GRID,
+        .light_grid = 1,
+    };
+    m.lobes = 1 + random_below(&state, 4);
+    m.components = 1 + random_below(&state, MADE_COMPONENTS);
+    m.radiance_scale = random_scale(&state, 1.5f, extreme);
+    m.shadow_scale = random_scale(&state, 0x1.010102p-8f, extreme);
+    m.gain_scale = random_scale(&state, 0x1p-7f, extreme);
+    m.centre_scale = random_scale(&state, 0x1.1p-8f, extreme);
+    if (m.colour == BTF_REF_NONE) {
+        m.lobes = 0;
+        m.effects |= BTF_REF_RESIDUAL;
+    }
+    m.sbrdf = m.half_float ? (const void *)s->sbrdf_half : (const void *)s->sbrdf;
+
+    for (size_t i = 0; i < sizeof s->sbrdf / sizeof *s->sbrdf; ++i) {
+        /* usual: sums of lobes about 1 and exponents up to 30, a few negative */
+        float usual = i % 4 == 3 ? random_float(&state, -2.0f, 32.0f) : random_float(&state, -0.25f, 1.25f);
+        if (usual > -0x1p-24f && usual < 0x1p-24f)
+            usual = 0.0f;
+        s->sbrdf[i] = extreme ? random_parameter(&state) : usual;
+        s->sbrdf_half[i] = random_half(&state, extreme);
+    }
+    random_bytes(&state, s->maps, sizeof s->maps);
+    random_bytes(&state, s->shadow, sizeof s->shadow);
+    random_bytes(&state, s->shift, sizeof s->shift);
+    random_bytes(&state, s->gain, sizeof s->gain);
+    random_bytes(&state, s->centre, sizeof s->centre);
+    for (size_t i = 0; i < sizeof s->residual_texels; ++i)
+        s->residual_texels[i] = (int8_t)((int)random_below(&state, 255) - 127);
+    for (size_t i = 0; i < sizeof s->residual_directions; ++i)
+        s->residual_directions[i] = (int8_t)((int)random_below(&state, 255) - 127);
+    for (size_t i = 0; i < sizeof s->residual_scales / sizeof *s->residual_scales; ++i)
+        s->residual_scales[i] =
+            extreme ? random_parameter(&state) : random_float(&state, 0x1p-20f, 0x1p-16f);
+
+    for (uint32_t view = 0; view < MADE_VIEWS; ++view) {
+        for (uint32_t texel = 0; texel < MADE_TEXELS; ++texel) {
+            uint32_t x, y;
+            btf_ref_tile(&m, view, texel % MADE_WIDTH, texel / MADE_WIDTH, &x, &y);
+            uint8_t *atlas = s->maps + 4 * (y * MADE_ATLAS + x);
+            uint8_t *gain = s->gain + view * MADE_TEXELS + texel;
+            uint8_t *shift = s->shift + 2 * (view * MADE_TEXELS + texel);
+            if (!(m.effects & BTF_REF_HIDDEN)) {
+                *gain = (uint8_t)(*gain | (*gain == 0));
+                atlas[1] = (uint8_t)(atlas[1] | (atlas[1] == 0));
+            }
+            if (*gain == 0) {
+                shift[0] = (uint8_t)random_below(&state, MADE_CENTRES);
+                shift[1] = 0;
+            }
+            if (atlas[1] == 0) {
+                atlas[2] = (uint8_t)random_below(&state, MADE_CENTRES);
+                atlas[3] = 0;
+            }
+        }
+    }
+    make_table(&made_views, MADE_GRID, s->view_table);
+    make_table(&made_lights, 1, s->light_table);
+    *out_material = m;
+}
+
+#endif
