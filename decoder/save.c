@@ -45,11 +45,8 @@ static btf_result write_special(const btf_log *log, const char *path, const void
     return good ? BTF_OK : fail_io(log, path, error);
 }
 
-static btf_result write_file(const btf_log *log, const char *path, const void *data, size_t size) {
-    struct stat status;
-    if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))
-        return S_ISDIR(status.st_mode) ? fail_io(log, path, EISDIR) : write_special(log, path, data, size);
-
+/* A regular file, or one that does not exist yet. */
+static btf_result write_regular(const btf_log *log, const char *path, const void *data, size_t size) {
     size_t room = strlen(path) + 40;
     char *temporary = malloc(room);
     if (!temporary)
@@ -61,22 +58,32 @@ static btf_result write_file(const btf_log *log, const char *path, const void *d
         if (fd < 0 && errno != EEXIST)
             break;
     }
-    if (fd < 0) {
-        btf_result result = fail_io(log, path, errno);
-        free(temporary);
-        return result;
+    int error = fd < 0 ? errno : 0;
+    if (fd >= 0) {
+        if (!write_data(fd, data, size) || (fsync(fd) != 0 && errno != EINVAL && errno != EROFS))
+            error = errno;
+        if (close(fd) != 0 && !error)
+            error = errno;
+        if (!error && rename(temporary, path) != 0)
+            error = errno;
+        if (error)
+            unlink(temporary);
     }
-    int error = 0;
-    if (!write_data(fd, data, size) || (fsync(fd) != 0 && errno != EINVAL && errno != EROFS))
-        error = errno;
-    if (close(fd) != 0 && !error)
-        error = errno;
-    if (!error && rename(temporary, path) != 0)
-        error = errno;
-    if (error)
-        unlink(temporary);
     free(temporary);
     return error ? fail_io(log, path, error) : BTF_OK;
+}
+
+static btf_result write_file(const btf_log *log, const char *path, const void *data, size_t size) {
+    struct stat status;
+    if (stat(path, &status) == 0 && S_ISDIR(status.st_mode))
+        return fail_io(log, path, EISDIR);
+    if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))
+        return write_special(log, path, data, size);
+    char *target =
+        realpath(path, NULL); /* what a symbolic link points to; NULL when there is nothing yet */
+    btf_result result = write_regular(log, target ? target : path, data, size);
+    free(target);
+    return result;
 }
 
 btf_result btf_material_save(const btf_material *material, const char *path, const btf_log *log) {

@@ -1,0 +1,529 @@
+/* Files that our writer never writes: what a reader accepts, and every refusal of FORMAT.md sections 2
+ * and 7.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "exr_edit.h"
+#include "random_material.h"
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static char last_message[2048];
+
+static void keep(void *user, btf_log_level level, const char *message) {
+    (void)user;
+    (void)level;
+    snprintf(last_message, sizeof last_message, "%s", message);
+}
+
+static const btf_log log_keep = {keep, NULL};
+
+/* A saved material with every effect; atlas or tight. */
+typedef struct saved {
+    void *data;
+    size_t size;
+} saved;
+
+static saved save_random(btf_layout layout, bool half) {
+    random_state r = {21};
+    btf_material_desc desc = random_material_desc(5, 4, 8, 7, layout, BTF_EFFECT_ALL);
+    desc.info.half_float = half;
+    desc.info.method = "joint";
+    desc.info.centres = 11;
+    const btf_material_error errors[1] = {{BTF_EFFECT_ALL, 30, 28, 12345}};
+    desc.errors = errors;
+    desc.error_count = 1;
+    random_material_fill(&r, &desc);
+    btf_material *material;
+    saved s;
+    assert_int_equal(btf_material_create(&desc, NULL, &material), BTF_OK);
+    assert_int_equal(btf_material_save_memory(material, NULL, &s.data, &s.size), BTF_OK);
+    btf_material_close(&material);
+    random_material_free(&desc);
+    return s;
+}
+
+static saved tight_file, paper_file;
+
+static int setup(void **state) {
+    (void)state;
+    tight_file = save_random(BTF_LAYOUT_TIGHT, false);
+    paper_file = save_random(BTF_LAYOUT_PAPER, true);
+    return 0;
+}
+
+static int teardown(void **state) {
+    (void)state;
+    btf_free(tight_file.data);
+    btf_free(paper_file.data);
+    return 0;
+}
+
+static edit_file *take(const saved *s) {
+    return edit_load(s->data, s->size);
+}
+
+/* Saves, opens, frees the edited file. */
+static btf_result open_edited(edit_file *file, btf_material **out_material) {
+    void *data;
+    size_t size;
+    edit_save(file, &data, &size);
+    edit_free(file);
+    last_message[0] = 0;
+    btf_result result = btf_material_open_memory(data, size, &log_keep, out_material);
+    free(data);
+    return result;
+}
+
+/* The edited file must be refused with a message that holds `text`. */
+static void refused_as(edit_file *file, btf_result code, const char *text) {
+    btf_material *material;
+    btf_result result = open_edited(file, &material);
+    if (result != code || !strstr(last_message, text))
+        print_error("expected \"%s\", got %d \"%s\"\n", text, (int)result, last_message);
+    assert_int_equal(result, code);
+    assert_non_null(strstr(last_message, text));
+    assert_null(material);
+}
+
+static void refused(edit_file *file, const char *text) {
+    refused_as(file, BTF_ERROR_BAD_FILE, text);
+}
+
+/* The edited file must open, with the textures of the original. */
+static void accepted(edit_file *file, const saved *original) {
+    btf_material *a, *b;
+    btf_result result = open_edited(file, &a);
+    if (result)
+        print_error("refused: %s\n", last_message);
+    assert_int_equal(result, BTF_OK);
+    assert_int_equal(btf_material_open_memory(original->data, original->size, NULL, &b), BTF_OK);
+    for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
+        btf_texture ta = btf_material_texture(a, (btf_texture_id)id),
+                    tb = btf_material_texture(b, (btf_texture_id)id);
+        assert_int_equal(ta.size, tb.size);
+        if (ta.size)
+            assert_memory_equal(ta.data, tb.data, ta.size);
+    }
+    btf_material_close(&a);
+    btf_material_close(&b);
+}
+
+static void test_other_writers(void **state) {
+    (void)state;
+    static const exr_compression_t good[] = {EXR_COMPRESSION_NONE, EXR_COMPRESSION_RLE,
+                                             EXR_COMPRESSION_ZIPS, EXR_COMPRESSION_ZIP,
+                                             EXR_COMPRESSION_PIZ};
+    const saved *files[2] = {&tight_file, &paper_file};
+    for (int f = 0; f < 2; f++) {
+        for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
+            edit_file *e = take(files[f]);
+            for (int p = 0; p < e->part_count; p++)
+                e->parts[p].compression = good[i];
+            accepted(e, files[f]);
+        }
+        edit_file *e = take(files[f]); /* parts in another order, rows from below */
+        edit_part first = e->parts[0];
+        for (int p = 0; p + 1 < e->part_count; p++)
+            e->parts[p] = e->parts[p + 1];
+        e->parts[e->part_count - 1] = first;
+        for (int p = 0; p < e->part_count; p++) {
+            e->parts[p].order = EXR_LINEORDER_DECREASING_Y;
+            e->parts[p].compression = EXR_COMPRESSION_ZIPS;
+        }
+        accepted(e, files[f]);
+        e = take(files[f]); /* private parts, unknown attributes, no provenance */
+        edit_copy_part(e, "sbrdf", "x-mine");
+        e->attributes[e->attribute_count++] =
+            (edit_attribute){.name = "openbtf.later", .type = EXR_ATTR_INT, .i = 5};
+        edit_remove_attribute(e, "openbtf.method");
+        edit_remove_attribute(e, "openbtf.errors");
+        accepted(e, files[f]);
+    }
+}
+
+static void test_negative_zero(void **state) {
+    (void)state;
+    edit_file *e = take(&tight_file);
+    float *value = (float *)(void *)edit_find_channel(e, "sbrdf", "rho_d")->data;
+    *value = -0.0f;
+    uint16_t *code = (uint16_t *)(void *)edit_find_channel(e, "residual_texels", "Y")->data;
+    *code = 0x8000;
+    btf_material *m;
+    assert_int_equal(open_edited(e, &m), BTF_OK);
+    assert_false(signbit(((const float *)btf_material_texture(m, BTF_TEXTURE_SBRDF).data)[3]));
+    assert_int_equal(*(const int8_t *)btf_material_texture(m, BTF_TEXTURE_RESIDUAL_TEXELS).data, 0);
+    btf_material_close(&m);
+}
+
+static void test_parts(void **state) {
+    (void)state;
+    static const char *const names[] = {
+        "sbrdf", "shadow", "shift", "gain", "centres", "residual_texels", "residual_directions"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        char text[128];
+        edit_file *e = take(&tight_file);
+        edit_remove_part(e, names[i]);
+        snprintf(text, sizeof text, "part %s: missing", names[i]);
+        refused(e, text);
+        e = take(&tight_file);
+        edit_copy_part(e, names[i], "what");
+        refused(e, "part what: unknown");
+        e = take(&tight_file);
+        edit_resize(edit_find_part(e, names[i]), 9, 7);
+        snprintf(text, sizeof text, "part %s: data window (0,0)-(8,6)", names[i]);
+        refused(e, text);
+        e = take(&tight_file);
+        edit_find_part(e, names[i])->min_x = 1;
+        snprintf(text, sizeof text, "part %s: data window (1,0)", names[i]);
+        refused(e, text);
+        e = take(&tight_file);
+        edit_find_part(e, names[i])->display_width = 1;
+        snprintf(text, sizeof text, "part %s: display window", names[i]);
+        refused(e, text);
+        e = take(&tight_file);
+        edit_find_part(e, names[i])->compression = EXR_COMPRESSION_PXR24;
+        snprintf(text, sizeof text, "part %s: compression 5", names[i]);
+        refused(e, text);
+        e = take(&tight_file);
+        edit_add_channel(edit_find_part(e, names[i]), "Z", EXR_PIXEL_HALF);
+        snprintf(text, sizeof text, "part %s: unknown channel Z", names[i]);
+        refused(e, text);
+        e = take(&tight_file);
+        edit_part *part = edit_find_part(e, names[i]);
+        char channel[40];
+        snprintf(channel, sizeof channel, "%s", part->channels[0].name);
+        edit_remove_channel(part, channel);
+        edit_add_channel(part, "Z", EXR_PIXEL_HALF);
+        snprintf(text, sizeof text, "part %s: channel ", names[i]);
+        refused(e, text);
+        e = take(&tight_file);
+        part = edit_find_part(e, names[i]);
+        int last = part->channel_count - 1; /* the first channel of sbrdf says whether all are halves */
+        snprintf(channel, sizeof channel, "%s", part->channels[last].name);
+        edit_remove_channel(part, channel);
+        edit_add_channel(part, channel, EXR_PIXEL_UINT);
+        snprintf(text, sizeof text, "part %s: channel %s is of type 0", names[i], channel);
+        refused(e, text);
+    }
+    edit_file *e = take(&tight_file);
+    edit_copy_part(e, "shadow", "maps");
+    refused(e, "part maps: unknown, or not in a material of these effects");
+}
+
+/* Two parts of one name: EXR writers refuse that, so the bytes are changed. */
+static void test_repeated_part(void **state) {
+    (void)state;
+    uint8_t *copy = malloc(tight_file.size);
+    assert_non_null(copy);
+    memcpy(copy, tight_file.data, tight_file.size);
+    static const char name[9] = {5, 0, 0, 0, 's', 'h', 'i', 'f', 't'}; /* its length, then the text */
+    uint8_t *at = memmem(copy, tight_file.size, name, sizeof name);
+    assert_non_null(at);
+    memcpy(at + 4, "sbrdf", 5);
+    btf_material *m;
+    btf_result result = btf_material_open_memory(copy, tight_file.size, &log_keep, &m);
+    assert_int_equal(result, BTF_ERROR_BAD_FILE);
+    assert_non_null(strstr(last_message, "repeat"));
+    free(copy);
+}
+
+static void set_half(edit_file *e, const char *part, const char *channel, size_t pixel, uint16_t bits) {
+    memcpy(edit_find_channel(e, part, channel)->data + 2 * pixel, &bits, 2);
+}
+
+static void set_float(edit_file *e, const char *part, const char *channel, size_t pixel, float value) {
+    memcpy(edit_find_channel(e, part, channel)->data + 4 * pixel, &value, 4);
+}
+
+static void test_values(void **state) {
+    (void)state;
+    static const uint16_t bad_u8[] = {0x3800 /* 0.5 */, 0x5C00 /* 256 */, 0xBC00 /* -1 */, 0x7C00,
+                                      0x7E01,           0x0001,           0x5BFC /* 255.5 */};
+    static const char *const channels[][2] = {
+        {"shadow", "Y"}, {"shift", "G"}, {"gain", "Y"}, {"centres", "B"}};
+    for (size_t c = 0; c < sizeof channels / sizeof *channels; c++)
+        for (size_t i = 0; i < sizeof bad_u8 / sizeof *bad_u8; i++) {
+            char text[80];
+            edit_file *e = take(&tight_file);
+            set_half(e, channels[c][0], channels[c][1], 3, bad_u8[i]);
+            snprintf(text, sizeof text, "part %s: channel %s at (3, 0) holds half 0x%04x", channels[c][0],
+                     channels[c][1], bad_u8[i]);
+            refused(e, text);
+        }
+    static const uint16_t bad_i8[] = {0xD800 /* -128 */, 0x5800 /* 128 */, 0x3800};
+    for (size_t i = 0; i < sizeof bad_i8 / sizeof *bad_i8; i++) {
+        edit_file *e = take(&tight_file);
+        set_half(e, "residual_directions", "G", 0, bad_i8[i]);
+        refused(e, "part residual_directions: channel G at (0, 0) holds half");
+    }
+    edit_file *e =
+        take(&tight_file); /* 7 layers of 5 x 4 in a sheet of 3 columns: (5, 8) is covered by none */
+    set_half(e, "shadow", "Y", 8 * 15 + 5, 0x3C00);
+    refused(e, "part shadow: channel Y at (5, 8) holds half 0x3c00");
+
+    static const float bad_float[] = {NAN, INFINITY, 0x1p-25f, 1e-42f, 0x1.8p24f};
+    for (size_t i = 0; i < sizeof bad_float / sizeof *bad_float; i++) {
+        e = take(&tight_file);
+        set_float(e, "sbrdf", "lobe2.Cy", 6, bad_float[i]);
+        refused(e, "sbrdf: channel lobe2.Cy at (1, 1) holds");
+    }
+    static const uint16_t bad_half[] = {0x7C00, 0xFC00, 0x7FFF};
+    for (size_t i = 0; i < sizeof bad_half / sizeof *bad_half; i++) {
+        e = take(&paper_file);
+        set_half(e, "sbrdf", "lobe3.n", 19, bad_half[i]);
+        refused(e, "sbrdf: channel lobe3.n at (4, 3) holds");
+    }
+    e = take(&paper_file); /* G code 0 with an index of 65535 */
+    set_half(e, "maps", "G", 0, 0);
+    set_half(e, "maps", "B", 0, 0x5BF8);
+    set_half(e, "maps", "A", 0, 0x5BF8);
+    refused(e, "maps: view 0, texel (0, 0): centre 65535 of ");
+    e = take(&paper_file);
+    edit_part *maps = edit_find_part(e, "maps");
+    set_half(e, "maps", "R", (size_t)maps->width * (size_t)maps->height - 1, 0x3C00);
+    refused(e, "where nothing has a meaning");
+}
+
+static void test_attributes(void **state) {
+    (void)state;
+    static const char *const needed[] = {
+        "version",        "layout",        "domain",      "width",     "height",
+        "effects",        "lobes",         "colour",      "centres",   "residual",
+        "residualScales", "radianceScale", "shadowScale", "gainScale", "centreScale",
+        "atlasWidth",     "atlasHeight",   "views",       "lights",    "viewVertices",
+        "lightVertices",  "viewGrid",      "lightGrid",   "viewCells", "lightCells"};
+    for (size_t i = 0; i < sizeof needed / sizeof *needed; i++) {
+        char name[64], text[96];
+        snprintf(name, sizeof name, "openbtf.%s", needed[i]);
+        edit_file *e = take(&paper_file);
+        edit_remove_attribute(e, name);
+        snprintf(text, sizeof text, "attribute %s is missing", name);
+        refused(e, text);
+        e = take(&paper_file);
+        edit_find_attribute(e, name)->type = EXR_ATTR_DOUBLE;
+        snprintf(text, sizeof text, "attribute %s is of type double", name);
+        refused(e, text);
+    }
+    edit_file *e = take(&paper_file);
+    edit_find_attribute(e, "openbtf.version")->i = 2;
+    refused_as(e, BTF_ERROR_UNSUPPORTED, "format version 2 is above 1");
+    e = take(&paper_file);
+    edit_find_attribute(e, "openbtf.version")->i = 0;
+    refused(e, "openbtf.version is 0");
+}
+
+static void test_attribute_values(void **state) {
+    (void)state;
+    static const struct {
+        const char *name;
+        int32_t value;
+        const char *text;
+    } integers[] = {
+        {"width", 0, "openbtf.width is 0"},
+        {"width", -5, "openbtf.width is -5"},
+        {"height", 16385, "openbtf.height is 16385"},
+        {"width", 6, "part sbrdf: data window"},
+        {"lobes", 5, "openbtf.lobes is 5"},
+        {"lobes", 0, "lobes 0"},
+        {"lobes", 2, "part sbrdf: unknown channel lobe3"},
+        {"lobes", 4, "part sbrdf: channel lobe4.Cx is missing"},
+        {"centres", 0, "centres 0"},
+        {"centres", 65537, "openbtf.centres is 65537"},
+        {"centres", 5000, "not for 5000"},
+        {"residual", 257, "openbtf.residual is 257"},
+        {"residual", 4, "openbtf.residualScales holds 5 numbers for 4"},
+        {"atlasWidth", 48, "atlas 48 x"},
+        {"atlasHeight", 4, "cannot hold"},
+        {"viewGrid", 3, "views: grid 3"},
+        {"lightGrid", 128, "openbtf.lightGrid is 128"},
+    };
+    for (size_t i = 0; i < sizeof integers / sizeof *integers; i++) {
+        char name[64];
+        snprintf(name, sizeof name, "openbtf.%s", integers[i].name);
+        edit_file *e = take(&paper_file);
+        edit_find_attribute(e, name)->i = integers[i].value;
+        refused(e, integers[i].text);
+    }
+    static const struct {
+        const char *name, *value, *text;
+    } strings[] = {
+        {"layout", "loose", "openbtf.layout is \"loose\""},
+        {"layout", "tight", "part maps: unknown"},
+        {"domain", "log", "openbtf.domain is \"log\""},
+        {"colour", "rgba", "openbtf.colour is \"rgba\""},
+        {"colour", "rgb", "part sbrdf: channel lobe1.R is missing"},
+        {"effects", "shadow,shine", "openbtf.effects is"},
+        {"effects", "shift,shadow,hidden,gain,residual", "out of order"},
+        {"effects", "shadow,,shift", "out of order"},
+        {"effects", "shadow,shift,hidden,gain,residual,", "openbtf.effects is"},
+        {"effects", "shadow, shift", "openbtf.effects is"},
+        {"effects", "shadow,shift,hidden,gain", "residual of 5 components without"},
+        {"effects", "shadow,shift,gain,residual", "without the effect hidden"},
+        {"effects", "shift,hidden,gain,residual", "where nothing has a meaning"},
+    };
+    for (size_t i = 0; i < sizeof strings / sizeof *strings; i++) {
+        char name[64];
+        snprintf(name, sizeof name, "openbtf.%s", strings[i].name);
+        edit_file *e = take(&paper_file);
+        edit_attribute *a = edit_find_attribute(e, name);
+        free(a->text);
+        a->text = strdup(strings[i].value);
+        refused(e, strings[i].text);
+    }
+    static const char *const scales[] = {"radianceScale", "shadowScale", "gainScale", "centreScale"};
+    static const float values[] = {0, -1, NAN, INFINITY, 0x1p-25f, 0x1p25f};
+    for (size_t i = 0; i < 4; i++)
+        for (size_t k = 0; k < 6; k++) {
+            char name[64];
+            snprintf(name, sizeof name, "openbtf.%s", scales[i]);
+            edit_file *e = take(&paper_file);
+            edit_find_attribute(e, name)->f = values[k];
+            refused(e, scales[i]);
+        }
+}
+
+/* Changes one number of a floatvector. */
+static void refused_number(const char *name, int index, float value, const char *text) {
+    char full[64];
+    snprintf(full, sizeof full, "openbtf.%s", name);
+    edit_file *e = take(&paper_file);
+    edit_attribute *a = edit_find_attribute(e, full);
+    assert_true(index < a->count);
+    a->values[index < 0 ? a->count + index : index] = value;
+    refused(e, text);
+}
+
+/* Changes the length of a floatvector. */
+static void refused_count(const char *name, int count, const char *text) {
+    char full[64];
+    snprintf(full, sizeof full, "openbtf.%s", name);
+    edit_file *e = take(&paper_file);
+    edit_attribute *a = edit_find_attribute(e, full);
+    float *values = calloc((size_t)(count > 0 ? count : 1), sizeof *values);
+    assert_non_null(values);
+    memcpy(values, a->values, (size_t)(count < a->count ? count : a->count) * sizeof *values);
+    free(a->values);
+    a->values = values;
+    a->count = count;
+    refused(e, text);
+}
+
+static void test_directions(void **state) {
+    (void)state;
+    refused_number("views", 2, 0.5f, "views: direction 0");
+    refused_number("views", 5, -0.9f, "views: direction 1");
+    refused_number("lights", 3, NAN, "lights: direction 1");
+    refused_number("viewVertices", 0, 8100, "views: vertex 0");
+    refused_number("viewVertices", 0, 20000, "openbtf.viewVertices: number 0 is 20000");
+    refused_number("viewVertices", 1, 0.5f, "openbtf.viewVertices: number 1 is 0.5");
+    refused_number("lightVertices", 1, NAN, "openbtf.lightVertices: number 1");
+    refused_number("lightVertices", 3, -1, "openbtf.lightVertices: number 3");
+    refused_number("lightTriangles", 0, 7, "openbtf.lightTriangles: number 0 is 7");
+    refused_number("viewTriangles", 1, 0, "views: triangle 0 is not counter-clockwise");
+    refused_number("viewHull", 0, 8, "openbtf.viewHull: number 0 is 8");
+    refused_number("viewHull", 0, 0, "outside hull edge");
+    refused_number("viewCells", 0, 60000, "views: the list of cell 0");
+    refused_number("viewCells", -1, 700, "views: cell");
+    refused_number("viewCells", 1, -1, "openbtf.viewCells: number 1 is -1");
+    refused_count("views", 7, "openbtf.views holds 7 numbers");
+    refused_count("views", 257 * 3, "openbtf.views holds 771 numbers");
+    refused_count("views", 21, "viewVertices holds 16 numbers");
+    refused_count("viewVertices", 14, "viewVertices holds 14 numbers");
+    refused_count("viewTriangles", 4, "viewTriangles holds 4 numbers");
+    refused_count("viewHull", 1, "views: a hull of 1");
+    refused_count("viewHull", 17, "viewHull holds 17 numbers");
+    refused_count("viewCells", 3, "ends early");
+    refused_count("lightCells", 70000, "openbtf.lightCells holds 70000");
+    refused_count("errors", 3, "openbtf.errors holds 3 numbers");
+    refused_number("errors", 0, 32, "openbtf.errors: row 0 has effects 32");
+    refused_number("errors", 1, NAN, "errors: row 0");
+    refused_number("residualScales", 2, 0x1p-30f, "residualScales: number 2");
+    refused_number("residualScales", 0, NAN, "residualScales: number 0");
+
+    edit_file *e = take(&paper_file);
+    edit_remove_attribute(e, "openbtf.viewHull");
+    refused(e, "views: a hull of 0 vertices for 8 directions");
+    e = take(&paper_file); /* the hull says more cells than there are records */
+    edit_remove_attribute(e, "openbtf.viewTriangles");
+    refused(e, "views: cell");
+    e = take(&paper_file); /* clockwise */
+    edit_attribute *hull = edit_find_attribute(e, "openbtf.lightHull");
+    for (int i = 0; i < hull->count / 2; i++) {
+        float swap = hull->values[i];
+        hull->values[i] = hull->values[hull->count - 1 - i];
+        hull->values[hull->count - 1 - i] = swap;
+    }
+    refused(e, "outside hull edge");
+    e = take(&paper_file); /* not in order */
+    edit_attribute *cells = edit_find_attribute(e, "openbtf.viewCells");
+    int at = 0;
+    while (cells->values[at] < 2)
+        at += 1 + (int)cells->values[at];
+    cells->values[at + 2] = cells->values[at + 1];
+    refused(e, "are not in order");
+    e = take(&paper_file);
+    cells = edit_find_attribute(e, "openbtf.viewCells");
+    cells->values = realloc(cells->values, (size_t)(cells->count + 1) * sizeof(float));
+    assert_non_null(cells->values);
+    cells->values[cells->count++] = 0;
+    refused(e, "1 numbers after the last cell");
+}
+
+/* A header that promises more than a file of its size can hold is refused before anything is allocated. */
+static void test_implausible(void **state) {
+    (void)state;
+    random_state r = {22};
+    btf_material_desc desc = random_material_desc(1, 1, 256, 1, BTF_LAYOUT_TIGHT, BTF_EFFECT_SHIFT);
+    random_material_fill(&r, &desc);
+    btf_material *material;
+    saved s;
+    assert_int_equal(btf_material_create(&desc, NULL, &material), BTF_OK);
+    assert_int_equal(btf_material_save_memory(material, NULL, &s.data, &s.size), BTF_OK);
+    /* width and height 16384: 2^28 texels, 256 layers of shifts, 128 GiB; windows are made to agree */
+    for (int i = 0; i < 2; i++) {
+        const char *name = i ? "openbtf.height" : "openbtf.width";
+        size_t length = strlen(name) + 1;
+        uint8_t *at = memmem(s.data, s.size, name, length);
+        assert_non_null(at);
+        memcpy(at + length + 4 + 4, "\0\100\0\0", 4); /* after type and size */
+    }
+    uint8_t *cursor = s.data;
+    for (int i = 0; i < 4; i++) { /* dataWindow and displayWindow of both parts */
+        cursor = memmem(cursor, s.size - (size_t)(cursor - (uint8_t *)s.data), "box2i", 6);
+        assert_non_null(cursor);
+        int32_t side = i < 2 ? 16384 : 16384 * 16;
+        int32_t window[4] = {0, 0, side - 1, side - 1};
+        memcpy(cursor + 6 + 4, window, sizeof window);
+        cursor += 10;
+    }
+    btf_material *m;
+    last_message[0] = 0;
+    assert_int_equal(btf_material_open_memory(s.data, s.size, &log_keep, &m), BTF_ERROR_BAD_FILE);
+    print_message("%s\n", last_message);
+    btf_free(s.data);
+    btf_material_close(&material);
+    random_material_free(&desc);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_other_writers),
+        cmocka_unit_test(test_negative_zero),
+        cmocka_unit_test(test_parts),
+        cmocka_unit_test(test_repeated_part),
+        cmocka_unit_test(test_values),
+        cmocka_unit_test(test_attributes),
+        cmocka_unit_test(test_attribute_values),
+        cmocka_unit_test(test_directions),
+        cmocka_unit_test(test_implausible),
+    };
+    return cmocka_run_group_tests(tests, setup, teardown);
+}
