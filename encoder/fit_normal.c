@@ -16,14 +16,14 @@ static double term_colour(const enc_fit_problem *p, const enc_fit_solution *at, 
     return t == 0 ? at->colour[c][0] * at->diffuse : at->colour[c][0];
 }
 
-/* The Gram matrix at `at`; shapes and colours are rounded to float in `at` too, so that what follows is
- * computed for the point evaluated. */
+/* The Gram matrix at `at`; shapes and the weights of RGB lobes are rounded to float in `at` too, so that
+ * what follows is computed for the point evaluated. They are read back after the call: GCC 12 at -O3 with
+ * AVX-512 drops the rounding of (double)(float)x where it sees both conversions. */
 static void accumulate(enc_fit_problem *p, enc_fit_solution *at) {
     enc_gram_point point = {0};
     for (int j = 0; j < p->lobes; j++) {
         for (int k = 0; k < 4; k++) {
             point.shape[j][k] = (float)at->shape[j][k];
-            at->shape[j][k] = (double)point.shape[j][k];
         }
     }
     for (int c = 0; c < 3; c++) {
@@ -33,6 +33,16 @@ static void accumulate(enc_fit_problem *p, enc_fit_solution *at) {
     }
     enc_gram_accumulate(&p->samples, p->lobes, &point, p->gram);
     p->evaluations++;
+    for (int j = 0; j < p->lobes; j++) {
+        for (int k = 0; k < 4; k++) {
+            at->shape[j][k] = (double)point.shape[j][k];
+        }
+    }
+    for (int c = 0; c < 3 && p->rgb; c++) {
+        for (int t = 0; t <= p->lobes; t++) {
+            at->colour[c][t] = (double)point.colour[c][t];
+        }
+    }
 }
 
 /* row = G v for v a lobe's value: (Cx, Cy, Cz) on its first three columns (t >= 1), or the diffuse column.
@@ -279,13 +289,13 @@ static void normal_rgb(const enc_fit_problem *p, enc_fit_solution *at, double *n
         for (int t = 0; t < terms; t++) {
             right[t] = -rows[t][1 + c];
             for (int s = 0; s < terms; s++) {
-                right[t] += m[t][s] * (double)(float)at->colour[c][s];
+                right[t] += m[t][s] * at->colour[c][s];
             }
         }
         const unsigned set = solve_nonnegative(m, right, terms, x);
         double cost = p->gram[(1 + c) * columns + 1 + c];
         for (int t = 0; t < terms; t++) {
-            step[t] = x[t] - (double)(float)at->colour[c][t];
+            step[t] = x[t] - at->colour[c][t];
             at->colour[c][t] = x[t];
         }
         for (int t = 0; t < terms; t++) {
