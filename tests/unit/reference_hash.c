@@ -10,7 +10,7 @@
  */
 #include "reference_material.h"
 
-#define EXPECTED_HASH 0xb47bc50997306780u
+#define EXPECTED_HASH 0xfcda22e85c947b10u
 
 enum {
     SEEDS = 3,

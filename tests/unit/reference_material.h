@@ -192,13 +192,13 @@ static inline void random_bytes(uint32_t *state, uint8_t *out_bytes, size_t coun
     }
 }
 
-/** Half of magnitude 2^-14 to 32 and of either sign, or with `extreme` any of magnitude up to 65504, or 0.
- */
+/** A half of magnitude 2^-14 to 32 and of either sign; with `extreme` of magnitude up to 65504, or 0. */
 static inline uint16_t random_half(uint32_t *state, int extreme) {
     uint32_t bits = random_bits(state) >> 8 & 0xFFFFu;
-    uint32_t magnitude = (bits & 0x7FFFu) % 0x7C00u;
-    uint16_t usual = (uint16_t)((bits & 0x8000u) | (0x400u + magnitude % 0x4C00u));
-    return extreme ? (uint16_t)((bits & 0x8000u) | magnitude) : usual;
+    uint32_t magnitude = 0x400u + (bits & 0x7FFFu) % (extreme ? 0x7800u : 0x4C00u);
+    if (extreme && (bits & 0xF0u) == 0)
+        return 0;
+    return (uint16_t)((bits & 0x8000u) | magnitude);
 }
 
 /** Fills a material with seeded contents: `kind` selects layout, domain, colour and float type (0 to 23),
