@@ -4,7 +4,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "variant.h"
-#include "random.h"
+#include "pairwise.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -30,7 +30,6 @@ enum factor {
     FILTER,
     FACTORS
 };
-enum { MAX_LEVELS = 6 };
 static const uint8_t levels[FACTORS] = {6, 6, 2, 2, 3, 2, 4, 2, 2, 3, 2, 4, 2, 6, 2, 2, 2};
 
 static const uint32_t sizes[][2] = {{1, 1}, {3, 5}, {16, 16}, {37, 41}, {130, 7}, {64, 32}};
@@ -44,23 +43,6 @@ static const struct {
 static const uint32_t components[] = {0, 1, 6, 19};
 static const uint32_t left_out[] = {
     0, BTF_EFFECT_SHADOW, BTF_EFFECT_SHIFT, BTF_EFFECT_HIDDEN, BTF_EFFECT_GAIN, BTF_EFFECT_RESIDUAL};
-
-typedef struct coverage {
-    uint8_t met[FACTORS][FACTORS][MAX_LEVELS][MAX_LEVELS];
-} coverage;
-
-/* How many pairs a row would add; marks them when `mark`. */
-static int new_pairs(coverage *c, const uint8_t row[FACTORS], int mark) {
-    int count = 0;
-    for (int f = 0; f < FACTORS; ++f)
-        for (int g = f + 1; g < FACTORS; ++g)
-            if (!c->met[f][g][row[f]][row[g]]) {
-                ++count;
-                if (mark)
-                    c->met[f][g][row[f]][row[g]] = 1;
-            }
-    return count;
-}
 
 static void write_name(variant *v) {
     const synthetic_spec *s = &v->spec;
@@ -107,32 +89,10 @@ static void make_variant(const uint8_t row[FACTORS], uint64_t seed, variant *v) 
 }
 
 size_t variant_pairwise(uint64_t seed, variant list[VARIANT_MAX]) {
-    enum { TRIES = 60 };
-    static coverage covered;
-    memset(&covered, 0, sizeof covered);
-    random_state r = {seed};
-    int missing = 0;
-    for (int f = 0; f < FACTORS; ++f)
-        for (int g = f + 1; g < FACTORS; ++g)
-            missing += levels[f] * levels[g];
-    size_t count = 0;
-    while (missing > 0 && count < VARIANT_MAX) {
-        uint8_t best[FACTORS] = {0};
-        int best_pairs = 0;
-        for (int t = 0; t < TRIES || best_pairs == 0; ++t) {
-            uint8_t row[FACTORS];
-            for (int f = 0; f < FACTORS; ++f)
-                row[f] = (uint8_t)random_below(&r, levels[f]);
-            int pairs = new_pairs(&covered, row, 0);
-            if (pairs > best_pairs) {
-                best_pairs = pairs;
-                memcpy(best, row, sizeof best);
-            }
-        }
-        missing -= new_pairs(&covered, best, 1);
-        make_variant(best, seed + count, &list[count]);
-        ++count;
-    }
+    static uint8_t rows[VARIANT_MAX][PAIRWISE_FACTORS];
+    size_t count = pairwise_rows(seed, FACTORS, levels, VARIANT_MAX, rows);
+    for (size_t i = 0; i < count; ++i)
+        make_variant(rows[i], seed + i, &list[i]);
     return count;
 }
 

@@ -1,0 +1,250 @@
+/* glslang compiles every variant of the library for every version it claims; SPIR-V keeps every float
+ * operation from contraction; and an effect that is absent leaves no code and no fetch behind.
+ *
+ *     test_glsl           every pair of options, for all versions
+ *     test_glsl --long    every combination
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "pairwise.h"
+
+#include <glslang/Include/glslang_c_interface.h>
+#include <glslang/Public/resource_limits_c.h>
+#include <openbtf/shader.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+/* The options that decide which code exists. */
+enum factor {
+    LAYOUT,
+    DOMAIN,
+    COLOUR,
+    LOBES,
+    SHADOW,
+    SHIFT,
+    HIDDEN,
+    GAIN,
+    COMPONENTS,
+    NEAREST,
+    BILINEAR,
+    FAST,
+    FACTORS
+};
+static const uint8_t levels[FACTORS] = {2, 2, 3, 4, 2, 2, 3, 2, 4, 2, 2, 2};
+static const int components[] = {0, 1, 6, 16};
+
+typedef struct version {
+    const char *name, *line, *extra; /* `extra` stands before the library */
+    int vulkan;
+} version;
+
+static const version versions[] = {
+    {"GLSL 330", "#version 330 core\n", "", 0},
+    {"GLSL 450", "#version 450 core\n", "", 0},
+    {"ESSL 300", "#version 300 es\n", "", 0},
+    {"ESSL 310", "#version 310 es\n", "", 0},
+    {"Vulkan", "#version 450 core\n", "#define BTF_UNIFORM(n) layout(set = 0, binding = n) uniform\n", 1},
+};
+enum { VERSIONS = sizeof versions / sizeof *versions };
+
+static void write_options(char *out, size_t size, const uint8_t *row) {
+    int colour = row[COLOUR];
+    snprintf(
+        out, size,
+        "#define BTF_LAYOUT_TIGHT %d\n#define BTF_DOMAIN_SQRT %d\n#define BTF_COLOUR %d\n#define BTF_LOBES "
+        "%d\n"
+        "#define BTF_SHADOW %d\n#define BTF_SHIFT %d\n#define BTF_HIDDEN %d\n#define BTF_CODE_ZERO %d\n"
+        "#define BTF_GAIN %d\n#define BTF_COMPONENTS %d\n#define BTF_NEAREST %d\n#define BTF_BILINEAR %d\n"
+        "#define BTF_FAST_MATH %d\n"
+        "#define BTF_WIDTH 64u\n#define BTF_HEIGHT 48u\n#define BTF_N_LIGHTS 81u\n#define BTF_VIEW_GRID "
+        "16u\n"
+        "#define BTF_LIGHT_GRID 8u\n#define BTF_ATLAS_WIDTH 1024u\n#define BTF_ATLAS_HEIGHT 512u\n"
+        "#define BTF_TILES 81u\n#define BTF_CENTRE_ROWS 100u\n"
+        "#define BTF_RADIANCE_SCALE 1.0\n#define BTF_SHADOW_SCALE uintBitsToFloat(0x35808081u)\n"
+        "#define BTF_GAIN_SCALE 0.0078125\n#define BTF_CENTRE_SCALE uintBitsToFloat(0x35808081u)\n",
+        row[LAYOUT], row[DOMAIN], colour, colour == 2 ? 0 : 1 + row[LOBES], colour == 2 ? 0 : row[SHADOW],
+        row[SHIFT], row[HIDDEN] == 2, row[HIDDEN] > 0, row[GAIN], components[row[COMPONENTS]], row[NEAREST],
+        row[BILINEAR], row[FAST]);
+}
+
+/* The whole fragment shader; the caller frees it. */
+static char *make_shader(const version *v, const uint8_t *row) {
+    static const char main_text[] =
+        "IN(0) in vec2 uv;\nIN(1) in vec3 l;\nIN(2) in vec3 v;\nIN(0) out vec4 colour;\n"
+        "void main() {\n"
+        "    colour = vec4(btf_evaluate(uv, l, v) + btf_evaluate_nearest(uv, l, v), 1.0);\n"
+        "}\n";
+    char options[2000];
+    write_options(options, sizeof options, row);
+    const char *library = btf_shader_library();
+    const char *in = v->vulkan ? "#define IN(n) layout(location = n)\n" : "#define IN(n)\n";
+    const char *parts[] = {v->line, v->extra, options, in, library, "\n", main_text};
+    size_t length = 1;
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i)
+        length += strlen(parts[i]);
+    char *text = malloc(length);
+    if (!text)
+        exit(4);
+    *text = 0;
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i)
+        strcat(text, parts[i]);
+    return text;
+}
+
+/* Float additions, subtractions and multiplications of a SPIR-V module that lack NoContraction. */
+static int contractible(const unsigned *words, size_t count) {
+    enum { DECORATE = 71, NO_CONTRACTION = 42, ADD = 129, SUBTRACT = 131, MULTIPLY = 133, SCALE = 142 };
+    unsigned bound = words[3];
+    unsigned char *decorated = calloc(bound, 1);
+    int missing = 0;
+    if (!decorated)
+        exit(4);
+    for (size_t i = 5; i < count && words[i] >> 16; i += words[i] >> 16) {
+        unsigned op = words[i] & 0xFFFF;
+        if (op == DECORATE && words[i + 2] == NO_CONTRACTION)
+            decorated[words[i + 1]] = 1;
+        if (op == ADD || op == SUBTRACT || op == MULTIPLY || op == SCALE)
+            missing += !decorated[words[i + 2]];
+    }
+    free(decorated);
+    return missing;
+}
+
+/* Names that only the code of an effect has, and the option that brings it. */
+static int check_absence(const char *preprocessed, const uint8_t *row) {
+    const struct {
+        int present;
+        const char *words[3];
+    } effects[] = {
+        {row[SHADOW] && row[COLOUR] != 2, {"btf_shadow_code", "btf_shadow_factor", NULL}},
+        {row[HIDDEN] == 2, {"btf_centre_radiance", "btf_centre_index", "btf_centres"}},
+        {components[row[COMPONENTS]] > 0, {"btf_residual", NULL, NULL}},
+        {row[COLOUR] != 2, {"btf_lafortune", "btf_sbrdf", NULL}},
+        {row[SHIFT], {"btf_wrap(x", NULL, NULL}},
+        {row[GAIN], {"float(gain)", "float ( gain", NULL}},
+    };
+    int wrong = 0;
+    for (size_t e = 0; e < sizeof effects / sizeof *effects; ++e)
+        for (int w = 0; w < 3 && effects[e].words[w]; ++w)
+            if (!effects[e].present && strstr(preprocessed, effects[e].words[w])) {
+                fprintf(stderr, "%s is left behind\n", effects[e].words[w]);
+                ++wrong;
+            }
+    int maps = row[LAYOUT] == 0 &&
+               ((row[SHADOW] && row[COLOUR] != 2) || row[SHIFT] || row[HIDDEN] == 2 || row[GAIN]);
+    if (!maps && strstr(preprocessed, "btf_maps")) {
+        fprintf(stderr, "btf_maps is left behind\n");
+        ++wrong;
+    }
+    return wrong;
+}
+
+/* Compiles one variant for one version; returns how many things are wrong. */
+static int check_variant(const version *v, const uint8_t *row) {
+    char *text = make_shader(v, row);
+    glslang_input_t input = {
+        .language = GLSLANG_SOURCE_GLSL,
+        .stage = GLSLANG_STAGE_FRAGMENT,
+        .client = v->vulkan ? GLSLANG_CLIENT_VULKAN : GLSLANG_CLIENT_NONE,
+        .client_version = v->vulkan ? GLSLANG_TARGET_VULKAN_1_0 : GLSLANG_TARGET_OPENGL_450,
+        .target_language = v->vulkan ? GLSLANG_TARGET_SPV : GLSLANG_TARGET_NONE,
+        .target_language_version = GLSLANG_TARGET_SPV_1_0,
+        .code = text,
+        .default_version = 100,
+        .default_profile = GLSLANG_NO_PROFILE,
+        .messages =
+            v->vulkan ? GLSLANG_MSG_SPV_RULES_BIT | GLSLANG_MSG_VULKAN_RULES_BIT : GLSLANG_MSG_DEFAULT_BIT,
+        .resource = glslang_default_resource()};
+    glslang_shader_t *shader = glslang_shader_create(&input);
+    glslang_program_t *program = NULL;
+    int wrong = 0;
+    const char *message = "";
+    if (!glslang_shader_preprocess(shader, &input) || !glslang_shader_parse(shader, &input) ||
+        strstr(glslang_shader_get_info_log(shader), "WARNING")) {
+        ++wrong;
+        message = glslang_shader_get_info_log(shader);
+    } else {
+        wrong += check_absence(glslang_shader_get_preprocessed_code(shader), row);
+        program = glslang_program_create();
+        glslang_program_add_shader(program, shader);
+        if (!glslang_program_link(program, (int)input.messages)) {
+            ++wrong;
+            message = glslang_program_get_info_log(program);
+        } else if (v->vulkan) {
+            glslang_program_SPIRV_generate(program, GLSLANG_STAGE_FRAGMENT);
+            int missing = contractible(glslang_program_SPIRV_get_ptr(program),
+                                       glslang_program_SPIRV_get_size(program));
+            /* main has one sum of its own; fast math may contract all. */
+            if (row[FAST] ? missing < 2 : missing != 1) {
+                ++wrong;
+                fprintf(stderr, "%d float operations lack NoContraction\n", missing);
+            }
+        }
+    }
+    if (wrong) {
+        fprintf(stderr, "%s, levels", v->name);
+        for (int f = 0; f < FACTORS; ++f)
+            fprintf(stderr, " %d", row[f]);
+        fprintf(stderr, ": %.400s\n", message);
+    }
+    if (program)
+        glslang_program_delete(program);
+    glslang_shader_delete(shader);
+    free(text);
+    return wrong;
+}
+
+/* Row i of all combinations, those apart that say the same. */
+static int combination(uint64_t i, uint8_t *row) {
+    for (int f = 0; f < FACTORS; ++f) {
+        row[f] = (uint8_t)(i % levels[f]);
+        i /= levels[f];
+    }
+    return row[COLOUR] != 2 || (row[LOBES] == 0 && !row[SHADOW]);
+}
+
+/* Compiles every `step`-th row from `first` on; returns how many things are wrong. */
+static int check_rows(int all, uint64_t count, uint64_t first, uint64_t step,
+                      uint8_t (*rows)[PAIRWISE_FACTORS]) {
+    uint64_t compiled = 0;
+    int wrong = 0;
+    glslang_initialize_process();
+    for (uint64_t i = first; i < count && wrong < 10; i += step) {
+        uint8_t row[PAIRWISE_FACTORS] = {0};
+        if (!all)
+            memcpy(row, rows[i], sizeof row);
+        else if (!combination(i, row))
+            continue;
+        for (int v = 0; v < VERSIONS; ++v, ++compiled)
+            wrong += check_variant(&versions[v], row);
+    }
+    glslang_finalize_process();
+    printf("%llu shaders compiled, %d wrong\n", (unsigned long long)compiled, wrong);
+    return wrong;
+}
+
+int main(int argc, char **argv) {
+    int all = argc > 1 && strcmp(argv[1], "--long") == 0, failed = 0, status;
+    static uint8_t rows[400][PAIRWISE_FACTORS];
+    uint64_t count = 1;
+    for (int f = 0; f < FACTORS; ++f)
+        count *= levels[f];
+    if (!all) {
+        count = pairwise_rows(1, FACTORS, levels, 400, rows);
+        return check_rows(0, count, 0, 1, rows) > 0;
+    }
+    /* All combinations take minutes: a process a core. */
+    long cores = sysconf(_SC_NPROCESSORS_ONLN), started = 0;
+    for (cores = cores < 1 ? 1 : cores; started < cores; ++started) {
+        pid_t child = fork();
+        if (child == 0)
+            exit(check_rows(1, count, (uint64_t)started, (uint64_t)cores, rows) > 0);
+        failed += child < 0;
+    }
+    while (started-- > 0)
+        failed += wait(&status) < 0 || status != 0;
+    return failed > 0;
+}

@@ -1,0 +1,158 @@
+/* What keeps the decoder exact, and what happens without it: the self-test passes here, names what a
+ * (simulated) device breaks, and the decoder without protection is seen to differ.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "check.h"
+#include "variant.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static gpu *device;
+
+static void say_error(void *user, btf_log_level level, const char *message) {
+    (void)user;
+    (void)level;
+    fprintf(stderr, "%s\n", message);
+}
+static const btf_log log_errors = {say_error, NULL};
+
+/* A zero that compilers know: the bit cast keeps nothing apart. */
+static const char unprotected[] = "#define BTF_HAVE_PRECISE 0\n#define BTF_ZERO 0u\n";
+static const char bit_casts[] = "#define BTF_HAVE_PRECISE 0\n";
+
+/* Runs a text of the self-test; returns its bits. */
+static uint32_t run_self_test(const char *preamble, const char *text) {
+    static const char body[] =
+        "uvec4 check(uvec4 a, uvec4 b) { return uvec4(btf_self_test(a.x ^ b.x)); }\n";
+    unsigned program = gpu_program(device, preamble, text, body, &log_errors);
+    assert_int_not_equal(program, 0);
+    uint32_t inputs[GPU_INPUTS] = {0}, outputs[GPU_OUTPUTS];
+    assert_int_equal(gpu_run(device, program, 1, inputs, outputs, &log_errors), BTF_OK);
+    gpu_delete_program(device, program);
+    return outputs[0];
+}
+
+static void passes_here(void **state) {
+    (void)state;
+    uint32_t failures = 99;
+    btf_gl_options options = gpu_gl_options(device, NULL);
+    assert_int_equal(btf_gl_self_test(&options, &log_errors, &failures), BTF_OK);
+    assert_int_equal(failures, 0);
+    assert_int_equal(run_self_test(NULL, btf_shader_self_test()), 0);
+    assert_int_equal(run_self_test(bit_casts, btf_shader_self_test()), 0);
+}
+
+static void finds_missing_protection(void **state) {
+    (void)state;
+    assert_true(run_self_test(unprotected, btf_shader_self_test()) & BTF_SELF_TEST_REASSOCIATION);
+}
+
+/* Devices that break one thing each. (What fused operations give is written down: fma() of GLSL need not
+ * fuse.) */
+static void names_what_breaks(void **state) {
+    (void)state;
+    static const struct {
+        btf_self_test bit;
+        const char *name, *from, *to;
+    } list[] = {
+        {BTF_SELF_TEST_CONTRACTION, "contraction",
+         "btf_add(btf_mul(vec3(a, third, a), vec3(b, three, a)), vec3(-one))",
+         "uintBitsToFloat(uvec3(0x2D800000u, 0x33000000u, 0x3A000400u) ^ zero)"},
+        {BTF_SELF_TEST_REASSOCIATION, "reassociation", "btf_add(btf_mul(a, b), btf_mul(a, c))",
+         "btf_mul(a, btf_add(b, c))"},
+        {BTF_SELF_TEST_ROUNDING, "rounding", "BTF_PRECISE float r = BTF_ROUND(a + b);",
+         "BTF_PRECISE float r = intBitsToFloat(floatBitsToInt(float(a + b)) & ~1);"},
+        {BTF_SELF_TEST_FLUSH, "flush", "BTF_PRECISE float r = BTF_ROUND(a * b);",
+         "BTF_PRECISE float r = abs(a * b) < 1e-35 ? 0.0 : a * b;"},
+        {BTF_SELF_TEST_CONVERSION, "conversion", "int(floor(x)) == -3", "int(trunc(x)) == -3"},
+        {BTF_SELF_TEST_INTEGER, "integer", "(b >> 3) == -16", "int(uint(b) >> 3u) == -16"},
+        {BTF_SELF_TEST_ELEMENTARY, "elementary", "0xBF38AAD4u", "0xBF38AAD5u"},
+    };
+    for (size_t i = 0; i < sizeof list / sizeof *list; ++i) {
+        const char *text = btf_shader_self_test(), *at = strstr(text, list[i].from);
+        assert_non_null(at);
+        size_t head = (size_t)(at - text), from = strlen(list[i].from), to = strlen(list[i].to);
+        char *broken = malloc(strlen(text) + to + 1);
+        assert_non_null(broken);
+        memcpy(broken, text, head);
+        memcpy(broken + head, list[i].to, to);
+        strcpy(broken + head + to, at + from);
+        uint32_t failures = run_self_test(NULL, broken);
+        free(broken);
+        char names[120];
+        btf_self_test_names(failures, names, sizeof names);
+        if (!(failures & list[i].bit) || !strstr(names, list[i].name))
+            fail_msg("%s is not found (%s)", list[i].name, names);
+    }
+    char names[12];
+    btf_self_test_names(0, names, sizeof names);
+    assert_string_equal(names, "none");
+    btf_self_test_names(3, names, sizeof names); /* cut, but ended */
+    assert_string_equal(names, "contraction");
+}
+
+/* Bits that differ from the reference over the first variants, and evaluations. */
+static uint64_t differences(const char *preamble, uint64_t *out_evaluated) {
+    static variant list[VARIANT_MAX];
+    enum { VARIANTS = 12, COUNT = 4000 };
+    size_t count = variant_pairwise(1, list);
+    assert_true(count > VARIANTS);
+    check_outcome outcome = {0};
+    for (int i = 0; i < VARIANTS; ++i) {
+        btf_material *material = NULL;
+        assert_int_equal(synthetic_create(&list[i].spec, &log_errors, &material), BTF_OK);
+        check_subject s = {.gpu = device,
+                           .material = material,
+                           .shader = &list[i].shader,
+                           .preamble = preamble,
+                           .log = &log_errors};
+        assert_int_equal(check_radiance(&s, 1, COUNT, &outcome), BTF_OK);
+        btf_material_close(&material);
+    }
+    *out_evaluated = outcome.evaluated;
+    return outcome.different;
+}
+
+static void decoder_differs_without_protection(void **state) {
+    (void)state;
+    uint64_t evaluated;
+    assert_int_equal(differences(NULL, &evaluated), 0);
+    assert_int_equal(differences(bit_casts, &evaluated), 0);
+    uint64_t different = differences(unprotected, &evaluated);
+    printf("without protection %llu of %llu evaluations differ\n", (unsigned long long)different,
+           (unsigned long long)evaluated);
+    assert_true(different > 0);
+}
+
+static int setup(void **state) {
+    (void)state;
+    char why[300];
+    context_prepare(&context_devices[0]);
+    device = gpu_create(&context_devices[0], why, sizeof why);
+    if (!device) {
+        fprintf(stderr, "skipped: %s\n", why);
+        exit(77);
+    }
+    return 0;
+}
+
+static int teardown(void **state) {
+    (void)state;
+    gpu_destroy(&device);
+    return 0;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(passes_here), cmocka_unit_test(finds_missing_protection),
+        cmocka_unit_test(names_what_breaks), cmocka_unit_test(decoder_differs_without_protection)};
+    return cmocka_run_group_tests_name("protection", tests, setup, teardown);
+}
