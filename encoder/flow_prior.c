@@ -16,7 +16,13 @@ static const float step_penalty = 0.03f;   /* neighbours one step apart */
 static const float jump_penalty = 0.2f;    /* neighbours further apart */
 static const float never = 1e9f;
 
-enum { MAX_SHIFT = 127 };
+static const float aside_gain = 0.9f; /* a line beside the view's own must lower the cost this far */
+
+enum {
+    MAX_SHIFT = 127,
+    MAX_ASIDE = 2,    /* texels by which the images of a view may lie beside their place */
+    ASIDE_LIGHTS = 5, /* that are asked for it */
+};
 
 btf_result enc_flow_planes_create(int width, int height, const float *images, int n_chosen,
                                   const int *chosen, enc_flow_planes *out_planes) {
@@ -48,11 +54,21 @@ void enc_flow_planes_clear(enc_flow_planes *planes) {
     planes->values = NULL;
 }
 
-/* The line of shifts of one search: label j is the shift (first + j) * (columns, rows). */
+/* The line of shifts of one search: label j is the shift
+ * (first + j) * (columns, rows) + aside * (-rows, columns). */
 typedef struct shift_line {
     float columns, rows; /* one texel long */
+    float aside;         /* texels */
     int first, count;
 } shift_line;
+
+static float line_column(const shift_line *line, float along) {
+    return line->columns * along - line->rows * line->aside;
+}
+
+static float line_row(const shift_line *line, float along) {
+    return line->rows * along + line->columns * line->aside;
+}
 
 /* What a search works on. A volume has count + 2 floats a texel, the outer two being room for `never`. */
 typedef struct prior_work {
@@ -93,8 +109,8 @@ static void add_plane(const prior_work *w, const float *from, const float *to) {
         memcpy(w->twice + (2 * r + 1) * width, to + r * width, width * sizeof(float));
     }
     for (int j = 0; j < w->line.count; j++) {
-        const float x = w->line.columns * (float)(w->line.first + j);
-        const float y = w->line.rows * (float)(w->line.first + j);
+        const float x = line_column(&w->line, (float)(w->line.first + j));
+        const float y = line_row(&w->line, (float)(w->line.first + j));
         const float left = floorf(x), top = floorf(y), fx = x - left, fy = y - top;
         const float w00 = (1 - fx) * (1 - fy), w01 = fx * (1 - fy), w10 = (1 - fx) * fy, w11 = fx * fy;
         const size_t c0 = (size_t)enc_occlusion_modulo((int)left, w->width), c1 = (c0 + 1) % width;
@@ -206,12 +222,62 @@ static btf_result search(const enc_flow_planes *from, const enc_flow_planes *to,
         add_paths(&w);
         for (size_t t = 0; t < texels; t++) {
             const float shift = best_shift(&w, w.sum + t * w.depth);
-            out_shift[2 * t] = shift * line->columns;
-            out_shift[2 * t + 1] = shift * line->rows;
+            out_shift[2 * t] = line_column(line, shift);
+            out_shift[2 * t + 1] = line_row(line, shift);
         }
     }
     work_free(&w);
     return result;
+}
+
+/* Sum over texels of the least cost of any label, by a few lights: how well a line explains the view. */
+static btf_result line_cost(const enc_flow_planes *from, const enc_flow_planes *to, const shift_line *line,
+                            double *out_cost) {
+    const size_t texels = (size_t)from->width * (size_t)from->height, count = (size_t)line->count;
+    prior_work w;
+    const btf_result result = work_make(from->width, from->height, line, &w);
+    *out_cost = 0;
+    if (result == BTF_OK) {
+        const int lights = from->n_lights < ASIDE_LIGHTS ? from->n_lights : ASIDE_LIGHTS;
+        memset(w.cost, 0, texels * count * sizeof *w.cost);
+        for (int i = 0; i < lights; i++) {
+            const size_t green = 3 * (size_t)(i * from->n_lights / lights) + 1;
+            add_plane(&w, from->values + green * texels, to->values + green * texels);
+        }
+        for (size_t t = 0; t < texels; t++) {
+            float least = never;
+            for (size_t j = 0; j < count; j++)
+                least = fminf(least, w.cost[j * texels + t]);
+            *out_cost += (double)least;
+        }
+    }
+    work_free(&w);
+    return result;
+}
+
+/* Measured images may lie a little beside their place, and a point then off its line: moves the line to
+ * where it explains the view clearly best. */
+static btf_result move_line(const enc_flow_planes *target, const enc_flow_planes *top, shift_line *line) {
+    double centred = 0, least = 0;
+    float best = 0;
+    for (int i = 0; i <= 2 * MAX_ASIDE; i++) {
+        const int aside = i % 2 == 0 ? i / 2 : -(i + 1) / 2; /* 0, -1, 1, -2, 2 */
+        shift_line moved = *line;
+        moved.aside = (float)aside;
+        double cost;
+        const btf_result result = line_cost(target, top, &moved, &cost);
+        if (result != BTF_OK)
+            return result;
+        if (i == 0)
+            centred = cost;
+        if (i == 0 || cost < least) {
+            least = cost;
+            best = moved.aside;
+        }
+    }
+    if (least < (double)aside_gain * centred)
+        line->aside = best;
+    return BTF_OK;
 }
 
 static int capped(float texels, int most) {
@@ -230,7 +296,9 @@ btf_result enc_flow_prior(const enc_flow_planes *target, const enc_flow_planes *
                        .rows = across > 0 ? view->xyz[1] / across : 0};
     line.first = -capped(rise * per_height, most);
     line.count = capped(depth * per_height, most) - line.first + 1;
-    btf_result result = search(target, top, &line, out_forward);
+    btf_result result = across > 0 ? move_line(target, top, &line) : BTF_OK;
+    if (result == BTF_OK)
+        result = search(target, top, &line, out_forward);
     line.columns = -line.columns;
     line.rows = -line.rows;
     if (result == BTF_OK)
