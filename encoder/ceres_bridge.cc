@@ -8,6 +8,7 @@
 #include <ceres/ceres.h>
 #include <ceres/tiny_solver.h>
 #include <cmath>
+#include <glog/logging.h>
 #include <limits>
 #include <new>
 #include <vector>
@@ -257,6 +258,7 @@ extern "C" bool enc_ceres_autodiff_fit(size_t n, const float *const product[3], 
                                        double max_c, double function_tolerance, double *parameters,
                                        double *out_cost, int *out_iterations) {
     constexpr int size = 4 + 4 * ENC_CERES_AUTODIFF_LOBES;
+    FLAGS_minloglevel = google::GLOG_FATAL; /* Ceres reports every damping retry as a warning */
     ceres::Problem problem;
     for (size_t i = 0; i < n; i++) {
         auto *sample = new SampleResidual{{product[0][i], product[1][i], product[2][i]},

@@ -10,6 +10,7 @@
 
 #include <cmocka.h>
 
+#include "encoder/ceres_bridge.h"
 #include "encoder/fit.h"
 #include "encoder/fit_gram.h"
 #include "encoder/fit_normal.h"
@@ -356,6 +357,40 @@ static void test_recovers_lobes(void **state) {
     for (int i = 0; i < 12; i++) {
         assert_true(out[i] >= 0);
     }
+    free(p);
+}
+
+/* Not more than 2 % above what Ceres finds with automatic derivatives and all the time it wants. */
+static void test_against_ceres(void **state) {
+    (void)state;
+    pairs *p = make_pairs();
+    fill_targets(p, three_lobes, 3, false);
+    random_state = 11;
+    for (size_t i = 0; i < PAIRS; i++) {
+        const float shadow = i % DIRECTIONS % 5 == 0 ? 0.3f : 1;
+        for (int c = 0; c < 3; c++) {
+            p->target[c][i] *= shadow * (0.8f + 0.4f * random_unit());
+        }
+    }
+    float start[16], out[31];
+    double parameters[16], ceres_cost;
+    int iterations;
+    enc_fit_fixed_start(0, 3, start);
+    for (int i = 0; i < 16; i++) {
+        parameters[i] = (double)start[i];
+    }
+    const float *const product[3] = {p->product[0], p->product[1], p->product[2]};
+    const float *const target[3] = {p->target[0], p->target[1], p->target[2]};
+    assert_true(enc_ceres_autodiff_fit(PAIRS, product, p->multiplier, target, ENC_FIT_MIN_N, ENC_FIT_MAX_N,
+                                       ENC_FIT_MAX_C, 1e-6, parameters, &ceres_cost, &iterations));
+    float ceres[16];
+    for (int i = 0; i < 16; i++) {
+        ceres[i] = (float)parameters[i];
+    }
+    assert_true(fabs(cost_of(ceres, 3, false, p, PAIRS) / ceres_cost - 1) < 1e-3);
+    const enc_fit_result result = fit_pairs(p, PAIRS, 3, false, 1e-3, out);
+    assert_true(result.cost < 1.02 * ceres_cost);
+    assert_true(fabs(cost_of(out, 3, false, p, PAIRS) / result.cost - 1) < 1e-3);
     free(p);
 }
 
@@ -744,13 +779,14 @@ static void test_options(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_evaluate),          cmocka_unit_test(test_gram),
-        cmocka_unit_test(test_normal_equations),  cmocka_unit_test(test_recovers_lobes),
-        cmocka_unit_test(test_lambertian),        cmocka_unit_test(test_hopeless_data),
-        cmocka_unit_test(test_few_samples),       cmocka_unit_test(test_rank_deficient),
-        cmocka_unit_test(test_start_and_weights), cmocka_unit_test(test_overshoot),
-        cmocka_unit_test(test_rejection),         cmocka_unit_test(test_all_rejected),
-        cmocka_unit_test(test_same_bits),         cmocka_unit_test(test_options),
+        cmocka_unit_test(test_evaluate),         cmocka_unit_test(test_gram),
+        cmocka_unit_test(test_normal_equations), cmocka_unit_test(test_recovers_lobes),
+        cmocka_unit_test(test_against_ceres),    cmocka_unit_test(test_lambertian),
+        cmocka_unit_test(test_hopeless_data),    cmocka_unit_test(test_few_samples),
+        cmocka_unit_test(test_rank_deficient),   cmocka_unit_test(test_start_and_weights),
+        cmocka_unit_test(test_overshoot),        cmocka_unit_test(test_rejection),
+        cmocka_unit_test(test_all_rejected),     cmocka_unit_test(test_same_bits),
+        cmocka_unit_test(test_options),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
