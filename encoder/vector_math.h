@@ -73,7 +73,7 @@ ENC_INLINE void enc_v16_exp2(const enc_v16 *x, enc_v16 *out) {
     enc_i16 i = __builtin_convertvector(t, enc_i16);
     i += (enc_i16)(t - __builtin_convertvector(i, enc_v16)) >> 31; /* floor */
     const enc_v16 f = *x - __builtin_convertvector(i, enc_v16);
-    enc_v16 p = f * 0x1.448b54p-13f + 0x1.5f4342p-10f;
+    enc_v16 p = f * 0x1.448b54p-13f + 0x1.5f4362p-10f;
     p = p * f + 0x1.3b29b2p-7f;
     p = p * f + 0x1.c6aedcp-5f;
     p = p * f + 0x1.ebfbep-3f;

@@ -153,6 +153,72 @@ static const float three_rgb[24] = {0.3f,  0.2f, 0.1f, 0.4f, 0.4f, 0.5f,  0.1f, 
                                     0.05f, 0.2f, 0.1f, 0.1f, -1,   -1,    1,    20,
                                     1,     0,    1,    3,    0,    -0.8f, 1,    5};
 
+static float float_of(uint32_t bits) {
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+/* pow(b, n) as FORMAT.md section 8 writes it, one number at a time. */
+static float format_pow(float b, float n) {
+    static const uint32_t l[8] = {0x3FB8AA39, 0xBF38AAD4, 0x3EF63D91, 0xBEB85F87,
+                                  0x3E92CDF0, 0xBE7FEC0F, 0x3E726D64, 0xBE157E27};
+    static const uint32_t e[6] = {0x3F317218, 0x3E75FDF0, 0x3D63576E, 0x3C1D94D9, 0x3AAFA1B1, 0x392245AA};
+    if (b < 0x1p-24f) {
+        return 0;
+    }
+    uint32_t bits;
+    memcpy(&bits, &b, sizeof bits);
+    const int32_t i = (int32_t)(bits - 0x3F3504F3u);
+    const float f = float_of((uint32_t)(i & 0x7FFFFF) + 0x3F3504F3u) - 1.0f;
+    volatile float p = float_of(l[7]);
+    for (int k = 6; k >= 0; k--) {
+        p = p * f;
+        p = p + float_of(l[k]);
+    }
+    p = f * p;
+    volatile float t = (float)(i >> 23) + p;
+    t = n * t;
+    if (t < -60) {
+        return 0;
+    }
+    t = t > 40 ? 40 : t;
+    volatile float half = t + 0.5f;
+    const float whole = floorf(half);
+    volatile float g = t - whole;
+    p = float_of(e[5]);
+    for (int k = 4; k >= 0; k--) {
+        p = p * g;
+        p = p + float_of(e[k]);
+    }
+    p = g * p;
+    p = p + 1.0f;
+    const float r = p;
+    memcpy(&bits, &r, sizeof bits);
+    return float_of(bits + ((uint32_t)(int32_t)whole << 23));
+}
+
+static void test_pow_bits(void **state) {
+    (void)state;
+    random_state = 3;
+    for (int round = 0; round < 60000; round++) {
+        float base[ENC_LANES], power[ENC_LANES];
+        const float n = round % 2 ? 200 * random_unit() : exp2f(12 * random_unit() - 2);
+        for (int i = 0; i < ENC_LANES; i++) {
+            const float u = random_unit();
+            base[i] = round % 3 == 0 ? 3 * u : round % 3 == 1 ? exp2f(40 * u - 28) : 1e-6f * u - 3e-7f;
+        }
+        enc_v16 b, result;
+        memcpy(&b, base, sizeof b);
+        enc_v16_pow(&b, n, &result);
+        memcpy(power, &result, sizeof power);
+        for (int i = 0; i < ENC_LANES; i++) {
+            const float want = format_pow(base[i], n);
+            assert_memory_equal(&power[i], &want, sizeof want);
+        }
+    }
+}
+
 static void test_evaluate(void **state) {
     (void)state;
     enc_direction directions[DIRECTIONS];
@@ -779,13 +845,21 @@ static void test_options(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_evaluate),         cmocka_unit_test(test_gram),
-        cmocka_unit_test(test_normal_equations), cmocka_unit_test(test_recovers_lobes),
-        cmocka_unit_test(test_against_ceres),    cmocka_unit_test(test_lambertian),
-        cmocka_unit_test(test_hopeless_data),    cmocka_unit_test(test_few_samples),
-        cmocka_unit_test(test_rank_deficient),   cmocka_unit_test(test_start_and_weights),
-        cmocka_unit_test(test_overshoot),        cmocka_unit_test(test_rejection),
-        cmocka_unit_test(test_all_rejected),     cmocka_unit_test(test_same_bits),
+        cmocka_unit_test(test_pow_bits),
+        cmocka_unit_test(test_evaluate),
+        cmocka_unit_test(test_gram),
+        cmocka_unit_test(test_normal_equations),
+        cmocka_unit_test(test_recovers_lobes),
+        cmocka_unit_test(test_against_ceres),
+        cmocka_unit_test(test_lambertian),
+        cmocka_unit_test(test_hopeless_data),
+        cmocka_unit_test(test_few_samples),
+        cmocka_unit_test(test_rank_deficient),
+        cmocka_unit_test(test_start_and_weights),
+        cmocka_unit_test(test_overshoot),
+        cmocka_unit_test(test_rejection),
+        cmocka_unit_test(test_all_rejected),
+        cmocka_unit_test(test_same_bits),
         cmocka_unit_test(test_options),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
