@@ -18,13 +18,20 @@ void btfi_effects_text(uint32_t effects, char *buffer, size_t size) {
                                        btfi_effect_name(i));
 }
 
+static _Thread_local char last_message[256];
+
+void btfi_exr_clear_message(void) {
+    last_message[0] = 0;
+}
+
+const char *btfi_exr_message(exr_result_t code) {
+    return last_message[0] ? last_message : exr_get_default_error_message(code);
+}
+
 void btfi_exr_keep_message(exr_const_context_t context, exr_result_t code, const char *message) {
-    void *user = NULL;
-    if (exr_get_user_data(context, &user) == EXR_ERR_SUCCESS && user) {
-        btfi_exr_messages *messages = user;
-        snprintf(messages->last, sizeof messages->last, "%s",
-                 message ? message : exr_get_default_error_message(code));
-    }
+    (void)context;
+    snprintf(last_message, sizeof last_message, "%s",
+             message ? message : exr_get_default_error_message(code));
 }
 
 uint16_t btfi_half_from_int(int value) {

@@ -16,11 +16,10 @@ extern const char *const btfi_colour_words[3]; /* btf_colour */
 /* "shadow,shift" for a mask of effects; "" for none. size >= 40. */
 void btfi_effects_text(uint32_t effects, char *buffer, size_t size);
 
-/* OpenEXR's last message; stands first in the user data of every context. */
-typedef struct btfi_exr_messages {
-    char last[256];
-} btfi_exr_messages;
-
+/* OpenEXR's last message to this thread: it speaks while it holds the lock of its context, so that its
+ * handler cannot ask the context for user data. Cleared before a file is begun. */
+void btfi_exr_clear_message(void);
+const char *btfi_exr_message(exr_result_t code); /* that of the code when there is none */
 void btfi_exr_keep_message(exr_const_context_t context, exr_result_t code, const char *message);
 
 /* The half of an integer -128..255. */

@@ -17,7 +17,6 @@ enum {
 };
 
 typedef struct source {
-    btfi_exr_messages messages; /* first: user data of the context */
     const uint8_t *data;
     size_t size;
 } source;
@@ -41,11 +40,10 @@ static int64_t source_size(exr_const_context_t context, void *user) {
 }
 
 /* OpenEXR's word on a failure. */
-static btf_result fail_exr(const btf_log *log, const source *s, exr_result_t result, const char *what) {
+static btf_result fail_exr(const btf_log *log, exr_result_t result, const char *what) {
     if (result == EXR_ERR_OUT_OF_MEMORY)
         return btfi_fail(log, BTF_ERROR_MEMORY, "%s: out of memory", what);
-    return btfi_fail(log, BTF_ERROR_BAD_FILE, "%s: %s", what,
-                     *s->messages.last ? s->messages.last : exr_get_default_error_message(result));
+    return btfi_fail(log, BTF_ERROR_BAD_FILE, "%s: %s", what, btfi_exr_message(result));
 }
 
 static const exr_attr_chlist_entry_t *find_channel(const exr_attr_chlist_t *list, const char *name) {
@@ -153,7 +151,7 @@ static btf_result check_channels(exr_const_context_t context, const btf_log *log
     return BTF_OK;
 }
 
-static btf_result check_part(exr_const_context_t context, const btf_log *log, const source *s, int index,
+static btf_result check_part(exr_const_context_t context, const btf_log *log, int index,
                              const btfi_part *part) {
     exr_storage_t storage;
     exr_compression_t compression;
@@ -161,7 +159,7 @@ static btf_result check_part(exr_const_context_t context, const btf_log *log, co
     exr_result_t exr;
     if ((exr = exr_get_storage(context, index, &storage)) ||
         (exr = exr_get_compression(context, index, &compression)))
-        return fail_exr(log, s, exr, part->name);
+        return fail_exr(log, exr, part->name);
     if (storage != EXR_STORAGE_SCANLINE)
         return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: no scan-line image (storage %d)", part->name,
                          (int)storage);
@@ -177,7 +175,7 @@ static btf_result check_part(exr_const_context_t context, const btf_log *log, co
         return result;
     if ((exr = exr_get_chunk_count(context, index, &chunks)) ||
         (exr = exr_get_scanlines_per_chunk(context, index, &lines)))
-        return fail_exr(log, s, exr, part->name);
+        return fail_exr(log, exr, part->name);
     if (lines < 1 || chunks != ((int32_t)part->height + lines - 1) / lines)
         return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: %d chunks of %d lines for %u rows", part->name,
                          (int)chunks, (int)lines, (unsigned)part->height);
@@ -233,12 +231,12 @@ static btf_result store_chunk(const btf_log *log, const btfi_part *part, void *t
     return BTF_OK;
 }
 
-static btf_result read_part(exr_const_context_t context, const btf_log *log, const source *s, int index,
+static btf_result read_part(exr_const_context_t context, const btf_log *log, int index,
                             const btfi_part *part, void *texture) {
     int32_t lines = 0;
     exr_result_t exr = exr_get_scanlines_per_chunk(context, index, &lines);
     if (exr)
-        return fail_exr(log, s, exr, part->name);
+        return fail_exr(log, exr, part->name);
     const size_t pixel = btfi_pixel_size(part->storage), row = part->width * pixel,
                  plane = row * (size_t)lines;
     uint8_t *rows = calloc((size_t)part->channel_count, plane);
@@ -280,7 +278,7 @@ static btf_result read_part(exr_const_context_t context, const btf_log *log, con
     }
     exr_decoding_destroy(context, &decode);
     free(rows);
-    return exr ? fail_exr(log, s, exr, part->name) : result;
+    return exr ? fail_exr(log, exr, part->name) : result;
 }
 
 /* Refuses texture sizes that a file of this length cannot hold. */
@@ -299,11 +297,11 @@ static btf_result read_textures(exr_const_context_t context, const btf_log *log,
     int index[BTFI_MAX_PARTS], count = btfi_parts(&m->info, parts);
     btf_result result = find_parts(context, log, parts, count, index);
     for (int p = 0; p < count && !result; p++)
-        result = check_part(context, log, s, index[p], &parts[p]);
+        result = check_part(context, log, index[p], &parts[p]);
     if (result || (result = check_plausible(log, s, &m->info)) || (result = btfi_material_allocate(log, m)))
         return result;
     for (int p = 0; p < count && !result; p++)
-        result = read_part(context, log, s, index[p], &parts[p], m->texture[parts[p].id]);
+        result = read_part(context, log, index[p], &parts[p], m->texture[parts[p].id]);
     if (scales)
         memcpy(m->texture[BTF_TEXTURE_RESIDUAL_SCALES], scales, m->info.components * sizeof *scales);
     if (!result)
@@ -338,6 +336,7 @@ btf_result btf_material_open_memory(const void *data, size_t size, const btf_log
     if (!data || size == 0)
         return btfi_fail(log, BTF_ERROR_BAD_FILE, "empty file");
     source s = {.data = data, .size = size};
+    btfi_exr_clear_message();
     exr_context_t context = NULL;
     exr_context_initializer_t start = EXR_DEFAULT_CONTEXT_INITIALIZER;
     start.error_handler_fn = btfi_exr_keep_message;
@@ -348,7 +347,7 @@ btf_result btf_material_open_memory(const void *data, size_t size, const btf_log
     start.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
     exr_result_t exr = exr_start_read(&context, "material.btf.exr", &start);
     btf_result result =
-        exr ? fail_exr(log, &s, exr, "no OpenEXR file") : read_material(context, log, &s, out_material);
+        exr ? fail_exr(log, exr, "no OpenEXR file") : read_material(context, log, &s, out_material);
     if (context)
         exr_finish(&context);
     return result;

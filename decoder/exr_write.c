@@ -14,7 +14,6 @@ enum { ZIP_LEVEL = 6 };
 
 /* The file as it grows. */
 typedef struct sink {
-    btfi_exr_messages messages; /* first: user data of the context */
     uint8_t *data;
     size_t size, capacity;
     bool out_of_memory;
@@ -278,7 +277,8 @@ btf_result btf_material_save_memory(const btf_material *material, const btf_log 
                                     size_t *out_size) {
     *out_data = NULL;
     *out_size = 0;
-    sink s = {.messages = {{0}}};
+    sink s = {0};
+    btfi_exr_clear_message();
     exr_context_t context = NULL;
     exr_context_initializer_t start = EXR_DEFAULT_CONTEXT_INITIALIZER;
     start.error_handler_fn = btfi_exr_keep_message;
@@ -297,7 +297,7 @@ btf_result btf_material_save_memory(const btf_material *material, const btf_log 
         if (s.out_of_memory || result == EXR_ERR_OUT_OF_MEMORY)
             return btfi_fail(log, BTF_ERROR_MEMORY, "out of memory while writing the material");
         return btfi_fail(log, BTF_ERROR_INTERNAL, "OpenEXR could not write the material: %s",
-                         *s.messages.last ? s.messages.last : exr_get_default_error_message(result));
+                         btfi_exr_message(result));
     }
     *out_data = s.data;
     *out_size = s.size;
