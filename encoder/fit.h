@@ -49,9 +49,10 @@ typedef struct enc_fit_stats {
 /* Fits every texel of `data`. Round r leaves out the samples that the model of round r - 1 calls shadowed,
  *   SBRDF * m(l) - BTF > t_error * BTF  and  BTF < t_btf      (luminances; design.md, point 1)
  * and starts from its solution; a texel stops early when nothing changes or when less than 10 % would be
- * kept. Parameters come normalised (sbrdf.h), never NaN. The sum over threads is done in texel order, so
- * the result does not depend on context->threads. out_stats may be NULL. Errors: BTF_ERROR_USAGE (an
- * option), BTF_ERROR_MEMORY, BTF_ERROR_IO (scratch file), BTF_ERROR_INTERRUPTED. */
+ * kept. Parameters come normalised (sbrdf.h), never NaN. out_stats may be NULL.
+ * The same bits for any context->threads and instruction set; between machines only as far as libm's exp,
+ * log and pow agree, of which glibc has versions by CPU type. Errors: BTF_ERROR_USAGE (an option),
+ * BTF_ERROR_MEMORY, BTF_ERROR_IO (scratch file), BTF_ERROR_INTERRUPTED. */
 btf_result enc_fit(const enc_context *context, const enc_data *data, const enc_fit_options *options,
                    enc_sbrdf **out_sbrdf, enc_fit_stats *out_stats);
 
