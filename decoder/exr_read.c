@@ -100,20 +100,14 @@ static bool sbrdf_is_half(exr_const_context_t context) {
 
 static btf_result check_window(exr_const_context_t context, const btf_log *log, int index,
                                const btfi_part *part) {
-    exr_attr_box2i_t window[2];
-    static const char *const names[2] = {"data", "display"};
-    if (exr_get_data_window(context, index, &window[0]) != EXR_ERR_SUCCESS ||
-        exr_get_display_window(context, index, &window[1]) != EXR_ERR_SUCCESS)
-        return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: no window", part->name);
-    for (int i = 0; i < 2; i++) {
-        const exr_attr_box2i_t *w = &window[i];
-        if (w->min.x != 0 || w->min.y != 0 || w->max.x != (int32_t)part->width - 1 ||
-            w->max.y != (int32_t)part->height - 1)
-            return btfi_fail(log, BTF_ERROR_BAD_FILE,
-                             "part %s: %s window (%d,%d)-(%d,%d), not (0,0)-(%d,%d)", part->name, names[i],
-                             (int)w->min.x, (int)w->min.y, (int)w->max.x, (int)w->max.y,
-                             (int)part->width - 1, (int)part->height - 1);
-    }
+    exr_attr_box2i_t w;
+    if (exr_get_data_window(context, index, &w) != EXR_ERR_SUCCESS)
+        return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: no data window", part->name);
+    if (w.min.x != 0 || w.min.y != 0 || w.max.x != (int32_t)part->width - 1 ||
+        w.max.y != (int32_t)part->height - 1)
+        return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: data window (%d,%d)-(%d,%d), not (0,0)-(%d,%d)",
+                         part->name, (int)w.min.x, (int)w.min.y, (int)w.max.x, (int)w.max.y,
+                         (int)part->width - 1, (int)part->height - 1);
     return BTF_OK;
 }
 

@@ -159,12 +159,23 @@ static exr_result_t write_attributes(exr_context_t context, const btf_material *
 }
 
 static exr_result_t declare_parts(exr_context_t context, const btfi_part *parts, int count) {
+    const exr_attr_v2f_t centre = {.x = 0, .y = 0};
+    exr_attr_box2i_t display = {.min = {.x = 0, .y = 0}, .max = {.x = 0, .y = 0}};
+    for (int p = 0; p < count; p++) {
+        if (display.max.x < (int32_t)parts[p].width - 1)
+            display.max.x = (int32_t)parts[p].width - 1;
+        if (display.max.y < (int32_t)parts[p].height - 1)
+            display.max.y = (int32_t)parts[p].height - 1;
+    }
     for (int p = 0; p < count; p++) {
         int index;
         exr_result_t result = exr_add_part(context, parts[p].name, EXR_STORAGE_SCANLINE, &index);
+        exr_attr_box2i_t data = {
+            .min = {.x = 0, .y = 0},
+            .max = {.x = (int32_t)parts[p].width - 1, .y = (int32_t)parts[p].height - 1}};
         if (!result)
-            result = exr_initialize_required_attr_simple(context, index, (int32_t)parts[p].width,
-                                                         (int32_t)parts[p].height, EXR_COMPRESSION_ZIP);
+            result = exr_initialize_required_attr(context, index, &display, &data, 1, &centre, 1,
+                                                  EXR_LINEORDER_INCREASING_Y, EXR_COMPRESSION_ZIP);
         exr_pixel_type_t type = parts[p].storage == BTFI_STORAGE_FLOAT ? EXR_PIXEL_FLOAT : EXR_PIXEL_HALF;
         for (int c = 0; c < parts[p].channel_count && !result; c++)
             result = exr_add_channel(context, index, parts[p].channels[c].name, type,
