@@ -25,7 +25,9 @@ static btf_result refuse_parameter(const values *v, const btfi_part *part, uint3
     return btfi_fail(v->check->log, v->check->code,
                      "sbrdf: channel %s at (%zu, %zu) holds %g, which is not %s", name ? name : "(unused)",
                      texel % v->info->width, texel / v->info->width, value,
-                     name ? "0 or of magnitude 2^-24 to 2^24" : "0");
+                     !name                 ? "0"
+                     : v->info->half_float ? "0 or of magnitude 2^-14 to 65504"
+                                           : "0 or of magnitude 2^-24 to 2^24");
 }
 
 static double half_value(uint16_t bits) {
@@ -48,10 +50,11 @@ static btf_result check_sbrdf(const values *v, void *data) {
         for (size_t i = 0; i < 4 * texels; i++) {
             size_t at = 4 * texels * layer + i;
             if (v->info->half_float) {
-                uint16_t *h = (uint16_t *)data + at; /* a half is no smaller than 2^-24 and below 2^24 */
+                uint16_t *h = (uint16_t *)data + at;
+                uint16_t exponent = *h & 0x7C00; /* 0: denormal; 0x7C00: infinite or no number */
                 if ((*h & 0x7FFF) == 0)
                     *h = 0;
-                else if ((*h & 0x7C00) == 0x7C00 || !used[i % 4])
+                else if (exponent == 0 || exponent == 0x7C00 || !used[i % 4])
                     return refuse_parameter(v, part, layer, i % 4, i / 4, half_value(*h));
             } else {
                 float *f = (float *)data + at;

@@ -116,7 +116,7 @@ static float random_parameter(random_state *r) {
 
 static uint16_t random_half(random_state *r) {
     uint16_t bits = (uint16_t)random_next(r);
-    return (bits & 0x7C00) == 0x7C00 || (bits & 0x7FFF) == 0 ? 0 : bits;
+    return (bits & 0x7C00) == 0x7C00 || (bits & 0x7C00) == 0 ? 0 : bits; /* normal */
 }
 
 static void fill_sbrdf(random_state *r, const btf_material_info *info, const btf_texture *t, void *data) {

@@ -486,6 +486,7 @@ static void test_create_refuses_values(void **state) {
     refused_u8(&d, BTF_TEXTURE_GAIN, 0, 0, "gain code 0 without");
     refused_half(&d, 5, 0x7C00, "channel G at (1, 0) holds inf");
     refused_half(&d, 5, 0xFE00, "nan");
+    refused_half(&d, 5, 0x03FF, "which is not 0 or of magnitude 2^-14 to 65504");
     random_material_free(&d);
 }
 
