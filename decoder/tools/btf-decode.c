@@ -78,7 +78,7 @@ static const cli_option option_table[] = {
      .minimum = 1,
      .maximum = 1024,
      .help = "threads of --all (default: all cores)"},
-    {.name = "quiet", .type = CLI_FLAG, .value = &options.quiet, .help = "no progress"},
+    {.short_name = 'q', .name = "quiet", .type = CLI_FLAG, .value = &options.quiet, .help = "no progress"},
     {.type = CLI_END},
 };
 

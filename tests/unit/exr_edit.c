@@ -71,16 +71,19 @@ static int64_t write_bytes(exr_const_context_t context, void *user, const void *
 
 static void load_part(exr_context_t context, int index, edit_part *part) {
     const char *name = NULL;
-    exr_attr_box2i_t window;
+    exr_attr_box2i_t window, display;
     const exr_attr_chlist_t *list = NULL;
     exr_decode_pipeline_t decode = EXR_DECODE_PIPELINE_INITIALIZER;
     int32_t lines;
     check(exr_get_name(context, index, &name), "name");
     set_name(part->name, name);
     check(exr_get_data_window(context, index, &window), "window");
+    check(exr_get_display_window(context, index, &display), "display window");
     check(exr_get_compression(context, index, &part->compression), "compression");
     check(exr_get_channels(context, index, &list), "channels");
     check(exr_get_scanlines_per_chunk(context, index, &lines), "lines");
+    part->display_width = display.max.x + 1;
+    part->display_height = display.max.y + 1;
     part->width = window.max.x + 1;
     part->height = window.max.y + 1;
     for (int c = 0; c < list->num_channels; c++)
@@ -174,9 +177,8 @@ static void declare_part(exr_context_t context, const edit_part *part) {
     exr_attr_box2i_t data = {
         .min = {.x = part->min_x, .y = part->min_y},
         .max = {.x = part->min_x + part->width - 1, .y = part->min_y + part->height - 1}};
-    exr_attr_box2i_t display = data;
-    if (part->display_width)
-        display.max.x = part->display_width - 1;
+    exr_attr_box2i_t display = {.min = {.x = 0, .y = 0},
+                                .max = {.x = part->display_width - 1, .y = part->display_height - 1}};
     const exr_attr_v2f_t centre = {.x = 0, .y = 0};
     check(exr_initialize_required_attr(context, index, &display, &data, 1, &centre, 1, part->order,
                                        part->compression),

@@ -21,8 +21,8 @@ typedef struct edit_channel {
 typedef struct edit_part {
     char name[40];
     int width, height;
-    int min_x, min_y;  /* of the data window */
-    int display_width; /* display window, 0: as the data window */
+    int min_x, min_y;                  /* of the data window */
+    int display_width, display_height; /* of the display window, from (0, 0) */
     exr_compression_t compression;
     exr_lineorder_t order;
     int channel_count;

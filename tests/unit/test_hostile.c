@@ -5,7 +5,7 @@
  */
 #include "btf_reference.h"
 #include "random_material.h"
-#include "reference_view.h"
+#include "decoder/tools/reference_view.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
