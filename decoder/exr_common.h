@@ -8,6 +8,8 @@
 #include "internal.h"
 #include <openexr.h>
 
+#pragma GCC visibility push(hidden)
+
 /* Words of attributes, by value of the enumeration. */
 extern const char *const btfi_layout_words[2]; /* btf_layout */
 extern const char *const btfi_domain_words[2]; /* btf_domain */
@@ -26,5 +28,7 @@ void btfi_exr_keep_message(exr_const_context_t context, exr_result_t code, const
 uint16_t btfi_half_from_int(int value);
 /* The integer that a half holds, or INT32_MIN when it holds none. */
 int32_t btfi_int_from_half(uint16_t bits);
+
+#pragma GCC visibility pop
 
 #endif

@@ -7,10 +7,14 @@
 
 #include "exr_common.h"
 
+#pragma GCC visibility push(hidden)
+
 /* Reads and checks every attribute of part 0 into the material: info (half_float aside), directions,
  * residual scales (*out_scales, info.components numbers, to be freed), provenance, errors. Errors:
  * BTF_ERROR_BAD_FILE, BTF_ERROR_UNSUPPORTED (newer version), BTF_ERROR_MEMORY. */
 btf_result btfi_header_read(exr_const_context_t context, const btf_log *log, btf_material *material,
                             float **out_scales);
+
+#pragma GCC visibility pop
 
 #endif

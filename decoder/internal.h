@@ -8,6 +8,8 @@
 #include <openbtf/material.h>
 #include <stdbool.h>
 
+#pragma GCC visibility push(hidden)
+
 /* The smallest and largest magnitude of a parameter that is not 0 (FORMAT.md section 2). */
 #define BTFI_PARAMETER_MIN 0x1p-24f
 #define BTFI_PARAMETER_MAX 0x1p24f
@@ -131,5 +133,7 @@ btf_material *btfi_material_new(void);
 btf_result btfi_material_allocate(const btf_log *log, btf_material *material);
 /* Fills the fields of info that follow from the rest, once tables are made. */
 void btfi_material_finish(btf_material *material);
+
+#pragma GCC visibility pop
 
 #endif

@@ -7,6 +7,8 @@
 
 #include "internal.h"
 
+#pragma GCC visibility push(hidden)
+
 enum { BTFI_MAX_PARTS = 8, BTFI_MAX_CHANNELS = 3 + 7 * BTF_MAX_LOBES };
 
 /* How a channel's values are stored. */
@@ -54,5 +56,7 @@ btfi_run btfi_part_run(const btfi_part *part, int channel, uint32_t x, uint32_t 
 /* Bytes of a texture element, and of a pixel of the file. */
 size_t btfi_storage_size(btfi_storage storage);
 size_t btfi_pixel_size(btfi_storage storage);
+
+#pragma GCC visibility pop
 
 #endif
