@@ -117,6 +117,15 @@ static void finish(runner *r, conform_case *c, btf_result result, double started
         _exit(1);
 }
 
+/* A decoder that takes the row's shift for the column's. */
+static const char *swap_shift(char *library) {
+    static const char right[] = "btf_wrap(x.x, btf_signed_byte(codes.y)";
+    char *at = strstr(library, right);
+    if (at)
+        *strchr(at + sizeof "btf_wrap(x.x, btf_signed_byte(codes" - 1, 'y') = 'z';
+    return library;
+}
+
 /* Steps and radiance of one variant of one material. */
 static void run_variant(runner *r, const btf_material *material, const btf_shader_options *shader,
                         const char *name, uint64_t seed, uint64_t divide) {
@@ -132,6 +141,7 @@ static void run_variant(runner *r, const btf_material *material, const btf_shade
         check_subject subject = {.gpu = r->gpu,
                                  .material = material,
                                  .shader = shader,
+                                 .tamper = o->sabotage ? swap_shift : NULL,
                                  .log = &r->log,
                                  .dump_dir = o->dump_dir,
                                  .label = label};

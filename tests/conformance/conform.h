@@ -20,6 +20,7 @@ typedef struct conform_options {
     uint64_t seed, count, steps; /* evaluations of radiance and elements of a step, each variant */
     int first, last;             /* variants, inclusive; all for 0 and INT_MAX */
     bool fast;                   /* measure fast math too */
+    bool sabotage;               /* swap the shift bytes in the decoder, to see a failure */
     const char *dump_dir;        /* NULL: no pictures */
     const char *waiver;          /* "CASE:RENDERER:REASON", NULL: none */
     char **files;                /* materials to check in place of the synthetic ones */

@@ -15,7 +15,7 @@
 static struct {
     const char *device, *dump, *waive, *vectors;
     int seed, count, steps, variant;
-    bool json, fast, list, quiet, variant_given;
+    bool json, fast, list, quiet, sabotage, variant_given;
 } arguments = {.device = "all", .seed = 1, .count = 20000, .steps = 20000};
 
 static const cli_option options[] = {
@@ -66,6 +66,10 @@ static const cli_option options[] = {
      .type = CLI_STRING,
      .value = &arguments.waive,
      .help = "differences of cases and renderers whose names hold these words are waived"},
+    {.name = "sabotage",
+     .type = CLI_FLAG,
+     .value = &arguments.sabotage,
+     .help = "make the decoder wrong (shift bytes swapped), to see how a failure is told"},
     {.name = "vectors",
      .arg = "DIR",
      .type = CLI_STRING,
@@ -241,6 +245,7 @@ static btf_result run(const cli_arguments *files) {
                          .first = arguments.variant_given ? arguments.variant : 0,
                          .last = arguments.variant_given ? arguments.variant : INT_MAX,
                          .fast = arguments.fast,
+                         .sabotage = arguments.sabotage,
                          .dump_dir = arguments.dump,
                          .waiver = arguments.waive,
                          .files = files->values,
@@ -309,6 +314,11 @@ int main(int argc, char **argv) {
     }
     if (!check_list(arguments.device))
         return cli_finish(&program, BTF_ERROR_USAGE);
+    const char *colon = arguments.waive ? strchr(arguments.waive, ':') : NULL;
+    if (arguments.waive && (!colon || !strchr(colon + 1, ':')))
+        return cli_finish(&program,
+                          cli_error(&program, BTF_ERROR_USAGE,
+                                    "--waive: \"%s\" is not CASE:RENDERER:REASON", arguments.waive));
     if (arguments.vectors) {
         btf_log log = cli_log(&program, arguments.quiet);
         return cli_finish(&program, vectors_write(arguments.vectors, (uint64_t)arguments.seed, &log));

@@ -71,23 +71,20 @@ static float plausible_float(random_state *r, double from, double to) {
     return fabsf(x) < 0x1p-24f ? 0.0f : x;
 }
 
-/* The nearest half of a parameter, as bits; magnitudes beyond 65504 become that. */
+/* The nearest normal half of a parameter, as bits: magnitudes beyond 65504 become that, those below 2^-14
+ * zero. */
 static uint16_t half_of_float(float x) {
-    uint16_t sign = x < 0 ? 0x8000 : 0;
     double magnitude = fmin(fabs((double)x), 65504.0);
-    if (magnitude < 0x1p-24)
+    if (magnitude < 0x1p-14)
         return 0;
     int exponent;
     frexp(magnitude, &exponent);
-    if (exponent < -13)
-        exponent = -13;
     uint32_t steps = (uint32_t)nearbyint(ldexp(magnitude, 11 - exponent)); /* of 2^(exponent - 11) */
     if (steps == 2048) {
         steps = 1024;
         ++exponent;
     }
-    uint16_t bits = steps < 1024 ? (uint16_t)steps : (uint16_t)(((exponent + 14) << 10) + (steps - 1024));
-    return (uint16_t)(sign | bits);
+    return (uint16_t)((x < 0 ? 0x8000 : 0) | (((exponent + 14) << 10) + (int)(steps - 1024)));
 }
 
 /* Is this component of this layer of `sbrdf` stored? And is it of a lobe's vector, its exponent, or a

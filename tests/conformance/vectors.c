@@ -14,7 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { SIDE = 16, PIXELS = SIDE * SIDE, PLANES = 4 };
+enum { SIDE = 16, PIXELS = SIDE * SIDE, PLANES = 4, LARGEST = 400000 }; /* bytes of a material's textures */
 static const char *const plane_names[PLANES] = {"uv", "light", "view", "radiance"};
 
 /* Arguments and radiance of a vector, one RGB plane after the other. */
@@ -43,6 +43,12 @@ static btf_result write_vector(const char *directory, int number, const variant 
     btf_result result = synthetic_create(&v->spec, log, &material);
     if (result != BTF_OK)
         return result;
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_material_get_info(material, &info);
+    if (info.gpu_bytes > LARGEST) { /* the others have all that it shows */
+        btf_material_close(&material);
+        return BTF_OK;
+    }
     char path[1200], name[40], effects[48];
     snprintf(name, sizeof name, "%02d.btf.exr", number);
     snprintf(path, sizeof path, "%.1000s/%s", directory, name);

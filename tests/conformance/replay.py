@@ -1,0 +1,491 @@
+#!/usr/bin/env python3
+"""Replays the test vectors of `btf-conform --vectors DIR` with a decoder of its own.
+
+    replay.py DIR [--pixels N]
+
+Written from decoder/FORMAT.md in plain Python, without the library, the reference or OpenEXR: what the vectors and
+the format's text say has to be enough to port the decoder. Exits 0 when every bit agrees, 7 when one differs.
+
+SPDX-License-Identifier: MIT
+"""
+import argparse
+import json
+import math
+import os
+import struct
+import sys
+import zlib
+
+
+# --- OpenEXR: scan lines, one or more parts, no compression or ZIP ---------------------------------------------
+
+class Part:
+    """One part: attributes, size, and channels as rows of numbers (floats as bits, halves as numbers)."""
+
+    def __init__(self, attributes):
+        self.attributes = attributes
+        x0, y0, x1, y1 = struct.unpack("<4i", attributes["dataWindow"])
+        self.x0, self.y0, self.width, self.height = x0, y0, x1 - x0 + 1, y1 - y0 + 1
+        self.channels = {}
+        self.order = []
+        data, at = attributes["channels"], 0
+        while data[at]:
+            end = data.index(0, at)
+            name = data[at:end].decode()
+            kind = struct.unpack_from("<i", data, end + 1)[0]
+            at = end + 17
+            self.order.append((name, kind))
+            self.channels[name] = [None] * self.height
+        self.compression = attributes["compression"][0]
+        self.lines = {0: 1, 2: 1, 3: 16}[self.compression]
+
+    def name(self):
+        """The part's name; "" in a file of one part."""
+        return self.attributes.get("name", b"").decode()
+
+    def text(self, name):
+        """A string attribute."""
+        return self.attributes[name].decode()
+
+    def integer(self, name, default=None):
+        """An int attribute."""
+        return struct.unpack("<i", self.attributes[name])[0] if name in self.attributes else default
+
+    def floats(self, name):
+        """A float or floatvector attribute."""
+        data = self.attributes.get(name, b"")
+        return list(struct.unpack("<%df" % (len(data) // 4), data))
+
+    def decode(self, y, data):
+        """Takes the chunk that begins at row y."""
+        rows = min(self.lines, self.height - (y - self.y0))
+        line = sum((2 if kind == 1 else 4) * self.width for _, kind in self.order)
+        if self.compression != 0 and len(data) < rows * line:
+            raw = bytearray(zlib.decompress(data))
+            for i in range(1, len(raw)):
+                raw[i] = (raw[i - 1] + raw[i] - 128) & 255
+            half = (len(raw) + 1) // 2
+            data = bytearray(len(raw))
+            data[0::2] = raw[:half]
+            data[1::2] = raw[half:]
+        at = 0
+        for row in range(y - self.y0, y - self.y0 + rows):
+            for name, kind in self.order:
+                code, size = {0: ("I", 4), 1: ("e", 2), 2: ("I", 4)}[kind]
+                self.channels[name][row] = struct.unpack_from("<%d%s" % (self.width, code), data, at)
+                at += size * self.width
+
+
+def read_exr(path):
+    """The parts of a file, by name."""
+    with open(path, "rb") as file:
+        data = file.read()
+    magic, version = struct.unpack_from("<ii", data)
+    assert magic == 20000630, path
+    multi, at, parts = bool(version & 0x1000), 8, []
+    while True:
+        attributes = {}
+        while data[at]:
+            end = data.index(0, at)
+            name = data[at:end].decode()
+            at = data.index(0, end + 1) + 1
+            size = struct.unpack_from("<i", data, at)[0]
+            attributes[name] = data[at + 4:at + 4 + size]
+            at += 4 + size
+        at += 1
+        if attributes:
+            parts.append(Part(attributes))
+        if not multi or not attributes:
+            break
+    chunks = [-(-part.height // part.lines) for part in parts]
+    at += 8 * sum(chunks)
+    for _ in range(sum(chunks)):
+        number = 0
+        if multi:
+            number = struct.unpack_from("<i", data, at)[0]
+            at += 4
+        y, size = struct.unpack_from("<ii", data, at)
+        parts[number].decode(y, data[at + 8:at + 8 + size])
+        at += 8 + size
+    return {part.name(): part for part in parts}
+
+
+# --- binary32 (FORMAT.md section 8); numbers are Python floats that hold binary32 values ------------------------
+
+def f32(x):
+    """The nearest binary32."""
+    try:
+        return struct.unpack("<f", struct.pack("<f", x))[0]
+    except OverflowError:
+        return math.inf if x > 0 else -math.inf
+
+
+def of_bits(bits):
+    """The float of these bits."""
+    return struct.unpack("<f", struct.pack("<I", bits & 0xFFFFFFFF))[0]
+
+
+def to_bits(x):
+    """The bits of a float."""
+    return struct.unpack("<I", struct.pack("<f", x))[0]
+
+
+def mul(a, b):
+    """One rounding: the product of two binary32 is exact in binary64."""
+    return f32(a * b)
+
+
+def add(a, b):
+    """One rounding: binary64 has more than twice the digits."""
+    return f32(a + b)
+
+
+LOG = [of_bits(b) for b in (0x3FB8AA39, 0xBF38AAD4, 0x3EF63D91, 0xBEB85F87, 0x3E92CDF0, 0xBE7FEC0F, 0x3E726D64,
+                            0xBE157E27)]
+EXP = [of_bits(b) for b in (0x3F317218, 0x3E75FDF0, 0x3D63576E, 0x3C1D94D9, 0x3AAFA1B1, 0x392245AA)]
+
+
+def log2(x):
+    """Normal, positive x."""
+    i = to_bits(x) - 0x3F3504F3
+    f = add(of_bits((i & 0x7FFFFF) + 0x3F3504F3), -1.0)
+    p = LOG[7]
+    for j in range(6, -1, -1):
+        p = add(mul(p, f), LOG[j])
+    return add(float(i >> 23), mul(f, p))
+
+
+def exp2(x):
+    """-60 <= x <= 40."""
+    i = math.floor(add(x, 0.5))
+    f = add(x, -float(i))
+    p = EXP[5]
+    for j in range(4, -1, -1):
+        p = add(mul(p, f), EXP[j])
+    return of_bits(to_bits(add(mul(f, p), 1.0)) + (i << 23))
+
+
+def power(b, n):
+    """b^n."""
+    if not b >= 2.0 ** -24:
+        return 0.0
+    t = mul(n, log2(b))
+    if t < -60:
+        return 0.0
+    return exp2(min(t, 40.0))
+
+
+def reciprocal(x):
+    """0.5 <= x <= 4."""
+    r = of_bits(0x7EF311C7 - to_bits(x))
+    for _ in range(4):
+        r = mul(r, add(2.0, -mul(x, r)))
+    return r
+
+
+# --- directions (section 6) -------------------------------------------------------------------------------------
+
+def cross(p, q):
+    """Of integer vectors."""
+    return p[0] * q[1] - p[1] * q[0]
+
+
+def minus(p, q):
+    """Of integer vectors."""
+    return (p[0] - q[0], p[1] - q[1])
+
+
+def dot(p, q):
+    """Of integer vectors."""
+    return p[0] * q[0] + p[1] * q[1]
+
+
+class Directions:
+    """A list of directions with its triangulation."""
+
+    def __init__(self, part, name):
+        whole = [int(x) for x in part.floats("openbtf.%sVertices" % name)]
+        self.vertices = list(zip(whole[0::2], whole[1::2]))
+        whole = [int(x) for x in part.floats("openbtf.%sTriangles" % name)]
+        self.triangles = list(zip(whole[0::3], whole[1::3], whole[2::3]))
+        self.hull = [int(x) for x in part.floats("openbtf.%sHull" % name)]
+        self.grid = part.integer("openbtf.%sGrid" % name)
+        cells = [int(x) for x in part.floats("openbtf.%sCells" % name)]
+        self.cells, at = [], 0
+        while at < len(cells):
+            self.cells.append(cells[at + 1:at + 1 + cells[at]])
+            at += 1 + cells[at]
+
+    def accept(self, record, q):
+        """Three (index, weight) pairs, or None."""
+        if record < len(self.triangles):
+            i, j, k = self.triangles[record]
+            a, b, c = (self.vertices[n] for n in (i, j, k))
+            e0, e1 = cross(minus(b, q), minus(c, q)), cross(minus(c, q), minus(a, q))
+            e2, area = cross(minus(a, q), minus(b, q)), cross(minus(b, a), minus(c, a))
+            if min(e0, e1, e2) < 0:
+                return None
+            s = max(0, area.bit_length() - 19)
+            w0, w1 = (((e >> s) << 12) // (area >> s) for e in (e0, e1))
+            return (i, w0), (j, w1), (k, 4096 - w0 - w1)
+        edge = record - len(self.triangles)
+        i, j, k = (self.hull[(edge + n) % len(self.hull)] for n in range(3))
+        a, b, c = (self.vertices[n] for n in (i, j, k))
+        t, n = dot(minus(q, a), minus(b, a)), dot(minus(b, a), minus(b, a))
+        if 0 <= t <= n and cross(minus(b, a), minus(q, a)) <= 0:
+            s = max(0, n.bit_length() - 19)
+            w1 = ((t >> s) << 12) // (n >> s)
+            return (i, 4096 - w1), (j, w1), (i, 0)
+        if t >= n and dot(minus(q, b), minus(c, b)) <= 0:
+            return (j, 4096), (j, 0), (j, 0)
+        return None
+
+    def neighbours(self, direction, nearest):
+        """The neighbours of a direction, weights of 4096."""
+        k = reciprocal(add(direction[2], 1.0))
+        q = []
+        for c in direction[:2]:
+            x = math.floor(add(mul(mul(c, k), 8192.0), 0.5))
+            q.append(int(min(max(x, -8192), 8192)) + 8192)
+        cell = (min(q[1], 16383) * self.grid >> 14) * self.grid + (min(q[0], 16383) * self.grid >> 14)
+        found = ((0, 4096), (0, 0), (0, 0))
+        for record in self.cells[cell]:
+            answer = self.accept(record, q)
+            if answer:
+                found = answer
+                break
+        if nearest:
+            best = max(found, key=lambda pair: pair[1])
+            found = ((best[0], 4096), (0, 0), (0, 0))
+        return [pair for pair in found if pair[1] > 0]
+
+
+# --- the material (sections 2 to 5) -----------------------------------------------------------------------------
+
+def sheet(part, channel, width, height, count, layer, x, y):
+    """A number of layer `layer` of `count` in a contact sheet."""
+    grid = math.isqrt(count - 1) + 1
+    return part.channels[channel][layer // grid * height + y][layer % grid * width + x]
+
+
+class Material:
+    """A material file, and how it is to be decoded."""
+
+    def __init__(self, path, how):
+        self.parts = read_exr(path)
+        head = next(iter(self.parts.values()))
+        for part in self.parts.values():
+            if "openbtf.version" in part.attributes:
+                head = part
+        self.width, self.height = head.integer("openbtf.width"), head.integer("openbtf.height")
+        self.paper = head.text("openbtf.layout") == "paper"
+        self.root = head.text("openbtf.domain") == "sqrt"
+        self.colour, self.lobes = head.text("openbtf.colour"), head.integer("openbtf.lobes")
+        self.stored = set(filter(None, head.text("openbtf.effects").split(",")))
+        self.effects = self.stored & set(how["effects"].split(","))
+        self.centres = head.integer("openbtf.centres")
+        self.all_components = head.integer("openbtf.residual")
+        self.components = min(self.all_components, how["components"]) if "residual" in self.effects else 0
+        self.scales = head.floats("openbtf.residualScales")
+        self.radiance_scale, self.shadow_scale, self.gain_scale, self.centre_scale = (
+            head.floats("openbtf.%sScale" % name)[0] for name in ("radiance", "shadow", "gain", "centre"))
+        self.atlas = (head.integer("openbtf.atlasWidth", 0), head.integer("openbtf.atlasHeight", 0))
+        self.n_views = len(head.floats("openbtf.views")) // 3
+        self.n_lights = len(head.floats("openbtf.lights")) // 3
+        self.views, self.lights = Directions(head, "view"), Directions(head, "light")
+        self.nearest, self.bilinear = how["interpolation"] == "nearest", how["filter"] == "bilinear"
+
+    def tile(self, channel, i, x, y):
+        """A channel of a tile of the atlas."""
+        columns = self.atlas[0] // self.width
+        return int(self.parts["maps"].channels[channel][i // columns * self.height + y]
+                   [i % columns * self.width + x])
+
+    def shadow(self, x, y, light):
+        """A shadow code."""
+        if self.paper:
+            return self.tile("R", light, x, y)
+        return int(sheet(self.parts["shadow"], "Y", self.width, self.height, self.n_lights, light, x, y))
+
+    def codes(self, x, y, view):
+        """Gain code and shift bytes, as this decoder sees them."""
+        gain, b0, b1 = 128, 0, 0
+        marked = "hidden" in self.stored
+        if self.paper:
+            if self.stored & {"gain", "hidden"}:
+                gain = self.tile("G", view, x, y)
+            if self.stored & {"shift", "hidden"}:
+                b0, b1 = self.tile("B", view, x, y), self.tile("A", view, x, y)
+        else:
+            size = (self.width, self.height, self.n_views, view, x, y)
+            if "gain" in self.parts:
+                gain = int(sheet(self.parts["gain"], "Y", *size))
+            if "shift" in self.parts:
+                b0, b1 = (int(sheet(self.parts["shift"], c, *size)) for c in "RG")
+        if gain == 0 and marked and "hidden" in self.effects:
+            return 0, b0, b1
+        if gain == 0 or "shift" not in self.effects:
+            b0, b1 = 0, 0
+        if gain == 0 or "gain" not in self.effects:
+            gain = None
+        return gain, b0, b1
+
+    def centre(self, i, light):
+        """The RGB codes of a centre."""
+        if self.paper:
+            width, height = self.atlas
+            columns, tiles = width // self.width, max(self.n_views, self.n_lights)
+            part, y0 = tiles % columns, tiles // columns * self.height
+            bands = (height - y0) // self.n_lights
+            narrow = min(bands, -(-self.height // self.n_lights)) if part > 0 else 0
+            w0 = width - part * self.width
+            if i < narrow * w0:
+                band, x = i // w0, part * self.width + i % w0
+            else:
+                rest = i - narrow * w0
+                band, x = narrow + rest // width, rest % width
+            texels, y = self.parts["maps"].channels, y0 + band * self.n_lights + light
+        else:
+            blocks = -(-self.centres // 4096)
+            rows = -(-self.centres // blocks)
+            texels, x, y = self.parts["centres"].channels, i // rows * self.n_lights + light, i % rows
+        return [int(texels[c][y][x]) for c in "RGB"]
+
+    def parameter(self, channel, x, y):
+        """A channel of `sbrdf` as a float."""
+        part = self.parts["sbrdf"]
+        value = part.channels[channel][y][x]
+        return value if dict(part.order)[channel] == 1 else of_bits(value)
+
+    def sbrdf(self, x, y, product):
+        """The Lafortune model."""
+        value = lambda name: self.parameter(name, x, y)
+        lobes = []
+        for j in range(1, self.lobes + 1):
+            c = [value("lobe%d.%s" % (j, name)) for name in ("Cx", "Cy", "Cz", "n")]
+            b = add(add(mul(c[0], product[0]), mul(c[1], product[1])), mul(c[2], product[2]))
+            lobes.append(power(b, c[3]))
+        f = [value(c) for c in "RGB"]
+        if self.colour == "mono":
+            s = value("rho_d")
+            for q in lobes:
+                s = add(s, q)
+            return [mul(c, s) for c in f]
+        for j, q in enumerate(lobes, 1):
+            f = [add(f[c], mul(value("lobe%d.%s" % (j, "RGB"[c])), q)) for c in range(3)]
+        return f
+
+    def residual(self, x, y, view, lights):
+        """The low-rank terms."""
+        r = [0.0] * 3
+        texels, directions = self.parts["residual_texels"], self.parts["residual_directions"]
+        for j in range(self.components):
+            u = int(sheet(texels, "Y", self.width, self.height, self.all_components, j, x, y))
+            factor = mul(float(u), mul(self.scales[j], 2.0 ** -12))
+            for c in range(3):
+                t = sum(w * int(sheet(directions, "RGB"[c], self.n_lights, self.n_views, self.all_components, j, i,
+                                      view)) for i, w in lights)
+                r[c] = add(r[c], mul(factor, float(t)))
+        return r
+
+    def view_radiance(self, x, y, view, lights, product, m):
+        """Radiance of a texel in one sampled view, before radianceScale."""
+        gain, b0, b1 = self.codes(x, y, view)
+        if gain == 0:
+            totals = [0, 0, 0]
+            for i, w in lights:
+                totals = [t + w * code for t, code in zip(totals, self.centre(b0 + 256 * b1, i))]
+            scaled = [mul(float(t), mul(self.centre_scale, 2.0 ** -12)) for t in totals]
+            return [mul(v, v) for v in scaled]
+        x = (x + b0 - (256 if b0 > 127 else 0)) % self.width
+        y = (y + b1 - (256 if b1 > 127 else 0)) % self.height
+        h = None
+        if self.colour != "none":
+            h = self.sbrdf(x, y, product)
+            if "shadow" in self.effects:
+                total = sum(w * self.shadow(x, y, i) for i, w in lights)
+                factor = mul(float(total), mul(self.shadow_scale, 2.0 ** -12))
+                h = [mul(v, factor) for v in h]
+        if self.components:
+            r = self.residual(x, y, view, lights)
+            h = r if h is None else [add(a, b) for a, b in zip(h, r)]
+        values = [mul(v, m) for v in h or [0.0] * 3]
+        if gain is not None:
+            values = [mul(v, mul(float(gain), self.gain_scale)) for v in values]
+        values = [min(v, 2.0 ** 32) if v >= 2.0 ** -30 else 0.0 for v in values]
+        return [mul(v, v) for v in values] if self.root else values
+
+    def texel(self, x, y, views, lights, product, m):
+        """Radiance of a texel."""
+        total = [0.0] * 3
+        for view, w in views:
+            weight = mul(float(w), 2.0 ** -12)
+            radiance = self.view_radiance(x, y, view, lights, product, m)
+            total = [add(t, mul(v, weight)) for t, v in zip(total, radiance)]
+        return [mul(t, self.radiance_scale) for t in total]
+
+    def evaluate(self, uv, light, view):
+        """Radiance (section 9); arguments are bits."""
+        for direction in (light, view):
+            if any((c & 0x7FFFFFFF) > 0x40000000 for c in direction):
+                return [0.0] * 3
+            if not of_bits(direction[2]) >= 2.0 ** -24:
+                return [0.0] * 3
+        light, view = ([of_bits(c) for c in d] for d in (light, view))
+        views = self.views.neighbours(view, self.nearest)
+        lights = self.lights.neighbours(light, self.nearest)
+        product = [mul(a, b) for a, b in zip(light, view)]
+        m = power(light[2], 0.5) if self.root else light[2]
+        places = []
+        for c, size in zip(uv, (self.width, self.height)):
+            magnitude = c & 0x7FFFFFFF
+            value = of_bits(c) if 0x00800000 <= magnitude <= 0x45800000 else 0.0
+            t = (math.floor(value * 2.0 ** 18) & 0x3FFFF) * size
+            if not self.bilinear:
+                places.append([(t >> 18, 256)])
+                continue
+            t = (t - (1 << 17) + (size << 18 if t < 1 << 17 else 0)) & 0xFFFFFFFF
+            c0, f = t >> 18, t >> 10 & 255
+            places.append([(c0, 256 - f), (0 if c0 + 1 == size else c0 + 1, f)])
+        total = None
+        for row, wv in places[1]:
+            for column, wu in places[0]:
+                radiance = self.texel(column, self.height - 1 - row, views, lights, product, m)
+                if not self.bilinear:
+                    return radiance
+                weighted = [mul(v, mul(float(wu * wv), 2.0 ** -16)) for v in radiance]
+                total = weighted if total is None else [add(a, b) for a, b in zip(total, weighted)]
+        return total
+
+
+def main():
+    """Command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("directory")
+    parser.add_argument("--pixels", type=int, default=1 << 30, metavar="N", help="pixels of each vector, at most")
+    options = parser.parse_args()
+    with open(os.path.join(options.directory, "manifest.json"), encoding="utf-8") as file:
+        manifest = json.load(file)
+    checked = different = 0
+    for vector in manifest["vectors"]:
+        material = Material(os.path.join(options.directory, vector["material"]), vector)
+        images = {}
+        for plane in ("uv", "light", "view", "radiance"):
+            images[plane] = next(iter(read_exr(os.path.join(options.directory, vector[plane])).values()))
+        size = images["uv"].width
+        for i in range(min(size * images["uv"].height, options.pixels)):
+            pixel = {plane: [image.channels[c][i // size][i % size] for c in "RGB"] for plane, image in images.items()}
+            got = [to_bits(x) for x in material.evaluate(pixel["uv"][:2], pixel["light"], pixel["view"])]
+            checked += 1
+            if got != pixel["radiance"]:
+                different += 1
+                if different <= 10:
+                    print("%s (%s) pixel %d: %s, the vector has %s" % (
+                        vector["material"], vector["about"], i, " ".join("%08x" % g for g in got),
+                        " ".join("%08x" % g for g in pixel["radiance"])), file=sys.stderr)
+    print("%d vectors, %d evaluations, %d differ" % (len(manifest["vectors"]), checked, different))
+    return 7 if different or not checked else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

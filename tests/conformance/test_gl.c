@@ -1,0 +1,461 @@
+/* The loader: what it uploads, restores, refuses and frees; and two materials in one program.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "cases.h"
+#include "check.h"
+#include "decoder/tools/reference_view.h"
+#include "variant.h"
+
+#include <GL/glcorearb.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <cmocka.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static gpu *device;
+static btf_material *tight, *paper;
+
+/* The last message. */
+static char said[400];
+static void hear(void *user, btf_log_level level, const char *message) {
+    (void)user;
+    (void)level;
+    snprintf(said, sizeof said, "%s", message);
+}
+static const btf_log hearing = {hear, NULL};
+
+static btf_gl_function real(const char *name) {
+    btf_gl_options o = gpu_gl_options(device, NULL);
+    return o.get_proc_address(o.user, name);
+}
+#define GL(type, name) ((type)real(#name))
+
+/* A context that says other things than the real one. */
+static struct {
+    const char *missing;
+    GLint texture_size, layers, major, minor; /* 0: as it is */
+    const char *version;
+    int live; /* textures made and not deleted */
+} fake;
+
+static void APIENTRY fake_get_integer(GLenum name, GLint *value) {
+    GL(PFNGLGETINTEGERVPROC, glGetIntegerv)(name, value);
+    if (name == GL_MAX_TEXTURE_SIZE && fake.texture_size)
+        *value = fake.texture_size;
+    if (name == GL_MAX_ARRAY_TEXTURE_LAYERS && fake.layers)
+        *value = fake.layers;
+    if (name == GL_MAJOR_VERSION && fake.major)
+        *value = fake.major;
+    if (name == GL_MINOR_VERSION && fake.major)
+        *value = fake.minor;
+}
+
+static const GLubyte *APIENTRY fake_get_string(GLenum name) {
+    if (name == GL_VERSION && fake.version)
+        return (const GLubyte *)fake.version;
+    return GL(PFNGLGETSTRINGPROC, glGetString)(name);
+}
+
+static void APIENTRY fake_gen_textures(GLsizei count, GLuint *names) {
+    fake.live += count;
+    GL(PFNGLGENTEXTURESPROC, glGenTextures)(count, names);
+}
+
+static void APIENTRY fake_delete_textures(GLsizei count, const GLuint *names) {
+    fake.live -= count;
+    GL(PFNGLDELETETEXTURESPROC, glDeleteTextures)(count, names);
+}
+
+static btf_gl_function fake_get_proc_address(void *user, const char *name) {
+    (void)user;
+    if (fake.missing && strcmp(name, fake.missing) == 0)
+        return NULL;
+    if (strcmp(name, "glGetIntegerv") == 0)
+        return (btf_gl_function)fake_get_integer;
+    if (strcmp(name, "glGetString") == 0)
+        return (btf_gl_function)fake_get_string;
+    if (strcmp(name, "glGenTextures") == 0)
+        return (btf_gl_function)fake_gen_textures;
+    if (strcmp(name, "glDeleteTextures") == 0)
+        return (btf_gl_function)fake_delete_textures;
+    return real(name);
+}
+
+static const btf_gl_options faked = {sizeof faked, fake_get_proc_address, NULL, NULL};
+
+/* An upload through the fake must fail like this and leave nothing. */
+static void expect_refusal(const btf_material *material, btf_result result, const char *words) {
+    btf_gl *gl = (btf_gl *)&fake;
+    fake.live = 0;
+    assert_int_equal(btf_gl_upload(material, &faked, &hearing, &gl), result);
+    assert_null(gl);
+    assert_int_equal(fake.live, 0);
+    if (!strstr(said, words))
+        fail_msg("\"%s\" does not say \"%s\"", said, words);
+}
+
+static void limits_are_told_with_both_numbers(void **state) {
+    (void)state;
+    memset(&fake, 0, sizeof fake);
+    fake.texture_size = 16;
+    expect_refusal(tight, BTF_ERROR_UNSUPPORTED, "sbrdf: width 24 exceeds GL_MAX_TEXTURE_SIZE 16");
+    fake.texture_size = 100;
+    expect_refusal(paper, BTF_ERROR_UNSUPPORTED, "exceeds GL_MAX_TEXTURE_SIZE 100");
+    fake.texture_size = 0;
+    fake.layers = 12;
+    expect_refusal(tight, BTF_ERROR_UNSUPPORTED, "shadow: 13 layers exceed GL_MAX_ARRAY_TEXTURE_LAYERS 12");
+    memset(&fake, 0, sizeof fake);
+}
+
+static void old_and_partial_contexts_are_refused(void **state) {
+    (void)state;
+    memset(&fake, 0, sizeof fake);
+    fake.missing = "glTexImage3D";
+    expect_refusal(tight, BTF_ERROR_UNSUPPORTED, "no glTexImage3D");
+    fake.missing = NULL;
+    fake.version = "OpenGL ES 2.0 old";
+    fake.major = 2;
+    expect_refusal(tight, BTF_ERROR_UNSUPPORTED, "needed is OpenGL ES 3.0");
+    fake.version = "3.2 old";
+    fake.major = 3;
+    fake.minor = 2;
+    expect_refusal(tight, BTF_ERROR_UNSUPPORTED, "needed is OpenGL 3.3");
+    memset(&fake, 0, sizeof fake);
+    btf_gl *gl;
+    btf_gl_options none = {.struct_size = sizeof none};
+    assert_int_equal(btf_gl_upload(tight, &none, &hearing, &gl), BTF_ERROR_USAGE);
+    assert_int_equal(btf_gl_upload(tight, NULL, NULL, &gl), BTF_ERROR_USAGE);
+}
+
+static void frees_what_it_made(void **state) {
+    (void)state;
+    memset(&fake, 0, sizeof fake);
+    btf_gl *gl;
+    assert_int_equal(btf_gl_upload(tight, &faked, &hearing, &gl), BTF_OK);
+    assert_int_equal(fake.live, 10); /* all but `maps` */
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_material_get_info(tight, &info);
+    assert_int_equal(btf_gl_bytes(gl), info.gpu_bytes + info.table_bytes);
+    GLuint name = btf_gl_texture(gl, BTF_TEXTURE_SHADOW);
+    assert_true(GL(PFNGLISTEXTUREPROC, glIsTexture)(name));
+    assert_int_equal(btf_gl_texture(gl, BTF_TEXTURE_MAPS), 0);
+    btf_gl_destroy(&gl);
+    assert_null(gl);
+    btf_gl_destroy(&gl);
+    btf_gl_destroy(NULL);
+    assert_int_equal(fake.live, 0);
+    assert_false(GL(PFNGLISTEXTUREPROC, glIsTexture)(name));
+}
+
+static void uploads_what_a_variant_reads(void **state) {
+    (void)state;
+    btf_shader_options shader = {.struct_size = sizeof shader,
+                                 .leave_out = BTF_EFFECT_SHADOW | BTF_EFFECT_HIDDEN | BTF_EFFECT_GAIN,
+                                 .components = 4};
+    btf_gl_options options = gpu_gl_options(device, &shader);
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_material_get_info(tight, &info);
+    btf_gl *gl;
+    assert_int_equal(btf_gl_upload(tight, &options, &hearing, &gl), BTF_OK);
+    /* The shift needs to know which points are hidden. */
+    uint32_t expected = 1u << BTF_TEXTURE_SBRDF | 1u << BTF_TEXTURE_SHIFT | 1u << BTF_TEXTURE_GAIN |
+                        1u << BTF_TEXTURE_RESIDUAL_TEXELS | 1u << BTF_TEXTURE_RESIDUAL_DIRECTIONS |
+                        1u << BTF_TEXTURE_RESIDUAL_SCALES | 1u << BTF_TEXTURE_VIEW_TABLE |
+                        1u << BTF_TEXTURE_LIGHT_TABLE;
+    assert_int_equal(btf_shader_textures(&info, &shader), expected);
+    size_t bytes = 0;
+    for (int id = 0; id < BTF_TEXTURE_COUNT; ++id) {
+        assert_int_equal(btf_gl_texture(gl, (btf_texture_id)id) != 0, expected >> id & 1);
+        btf_texture t = btf_material_texture(tight, (btf_texture_id)id);
+        if (expected >> id & 1)
+            bytes += id == BTF_TEXTURE_RESIDUAL_TEXELS || id == BTF_TEXTURE_RESIDUAL_DIRECTIONS ? t.size / 2
+                                                                                                : t.size;
+    }
+    assert_int_equal(btf_gl_bytes(gl), bytes); /* four of six components are one of two layers */
+    /* A program that reads more is refused at binding. */
+    char *text;
+    assert_int_equal(btf_shader_source(tight, NULL, &hearing, &text), BTF_OK);
+    static const char body[] =
+        "uvec4 check(uvec4 a, uvec4 b) {\n"
+        "    vec3 d = uintBitsToFloat(a.xyz);\n"
+        "    return floatBitsToUint(btf_evaluate(d.xy, d, uintBitsToFloat(b.xyz))).xyzz;\n"
+        "}\n";
+    unsigned program = gpu_program(device, NULL, text, body, &hearing);
+    btf_free(text);
+    assert_int_not_equal(program, 0);
+    assert_int_equal(btf_gl_bind(gl, program, GPU_FIRST_UNIT, NULL, &hearing, NULL), BTF_ERROR_USAGE);
+    assert_non_null(strstr(said, "btf_shadow, which was not uploaded"));
+    gpu_delete_program(device, program);
+    btf_gl_destroy(&gl);
+}
+
+/* State that a program may have set: every entry must be as it was. */
+static const GLenum state_names[] = {
+    GL_ACTIVE_TEXTURE,
+    GL_TEXTURE_BINDING_2D,
+    GL_TEXTURE_BINDING_2D_ARRAY,
+    GL_UNPACK_ALIGNMENT,
+    GL_UNPACK_ROW_LENGTH,
+    GL_UNPACK_SKIP_ROWS,
+    GL_UNPACK_SKIP_PIXELS,
+    GL_UNPACK_SKIP_IMAGES,
+    GL_UNPACK_IMAGE_HEIGHT,
+    GL_UNPACK_SWAP_BYTES,
+    GL_PIXEL_UNPACK_BUFFER_BINDING,
+    GL_PIXEL_PACK_BUFFER_BINDING,
+    GL_PACK_ROW_LENGTH,
+    GL_PACK_SKIP_ROWS,
+    GL_PACK_SKIP_PIXELS,
+    GL_PACK_SWAP_BYTES,
+    GL_CURRENT_PROGRAM,
+    GL_VERTEX_ARRAY_BINDING,
+    GL_DRAW_FRAMEBUFFER_BINDING,
+    GL_READ_FRAMEBUFFER_BINDING,
+    GL_SCISSOR_TEST,
+    GL_DEPTH_TEST,
+    GL_CULL_FACE,
+    GL_RASTERIZER_DISCARD,
+    GL_STENCIL_TEST,
+};
+enum { STATES = sizeof state_names / sizeof *state_names };
+
+static void read_state(GLint out[STATES + 8]) {
+    PFNGLGETINTEGERVPROC get = GL(PFNGLGETINTEGERVPROC, glGetIntegerv);
+    for (int i = 0; i < STATES; ++i)
+        get(state_names[i], &out[i]);
+    get(GL_VIEWPORT, out + STATES);
+    get(GL_COLOR_WRITEMASK, out + STATES + 4);
+}
+
+static void set_state(int odd, GLuint texture, GLuint array, GLuint buffer) {
+    PFNGLPIXELSTOREIPROC store = GL(PFNGLPIXELSTOREIPROC, glPixelStorei);
+    static const GLenum skips[] = {GL_UNPACK_ROW_LENGTH,  GL_UNPACK_SKIP_ROWS,    GL_UNPACK_SKIP_PIXELS,
+                                   GL_UNPACK_SKIP_IMAGES, GL_UNPACK_IMAGE_HEIGHT, GL_PACK_ROW_LENGTH,
+                                   GL_PACK_SKIP_ROWS,     GL_PACK_SKIP_PIXELS};
+    for (size_t i = 0; i < sizeof skips / sizeof *skips; ++i)
+        store(skips[i], odd ? 3 + (GLint)i : 0);
+    store(GL_UNPACK_SWAP_BYTES, odd);
+    store(GL_PACK_SWAP_BYTES, odd);
+    store(GL_UNPACK_ALIGNMENT, odd ? 8 : 4);
+    GL(PFNGLACTIVETEXTUREPROC, glActiveTexture)(odd ? GL_TEXTURE5 : GL_TEXTURE0);
+    GL(PFNGLBINDTEXTUREPROC, glBindTexture)(GL_TEXTURE_2D, texture);
+    GL(PFNGLBINDTEXTUREPROC, glBindTexture)(GL_TEXTURE_2D_ARRAY, array);
+    GL(PFNGLBINDBUFFERPROC, glBindBuffer)(GL_PIXEL_UNPACK_BUFFER, buffer);
+    GL(PFNGLBINDBUFFERPROC, glBindBuffer)(GL_PIXEL_PACK_BUFFER, buffer);
+    static const GLenum tests[] = {GL_SCISSOR_TEST, GL_DEPTH_TEST, GL_CULL_FACE, GL_RASTERIZER_DISCARD,
+                                   GL_STENCIL_TEST};
+    for (size_t i = 0; i < sizeof tests / sizeof *tests; ++i)
+        (odd ? GL(PFNGLENABLEPROC, glEnable) : GL(PFNGLDISABLEPROC, glDisable))(tests[i]);
+    GL(PFNGLCOLORMASKPROC, glColorMask)(GL_TRUE, !odd, GL_TRUE, !odd);
+    GL(PFNGLVIEWPORTPROC, glViewport)(odd, odd, 40 + odd, 30);
+}
+
+static void state_is_restored(void **unused) {
+    (void)unused;
+    GLuint textures[2], buffer;
+    GL(PFNGLGENTEXTURESPROC, glGenTextures)(2, textures);
+    GL(PFNGLGENBUFFERSPROC, glGenBuffers)(1, &buffer);
+    for (int odd = 1; odd >= 0; --odd) {
+        GLint before[STATES + 8] = {0}, after[STATES + 8] = {0};
+        set_state(odd, odd ? textures[0] : 0, odd ? textures[1] : 0, odd ? buffer : 0);
+        read_state(before);
+        btf_gl_options options = gpu_gl_options(device, NULL);
+        btf_gl *gl;
+        uint32_t failures;
+        assert_int_equal(btf_gl_upload(paper, &options, &hearing, &gl), BTF_OK);
+        read_state(after);
+        assert_memory_equal(before, after, sizeof before);
+        assert_int_equal(btf_gl_self_test(&options, &hearing, &failures), BTF_OK);
+        assert_int_equal(failures, 0);
+        read_state(after);
+        assert_memory_equal(before, after, sizeof before);
+        btf_gl_destroy(&gl);
+        assert_int_equal(GL(PFNGLGETERRORPROC, glGetError)(), GL_NO_ERROR);
+    }
+    GL(PFNGLDELETETEXTURESPROC, glDeleteTextures)(2, textures);
+    GL(PFNGLDELETEBUFFERSPROC, glDeleteBuffers)(1, &buffer);
+}
+
+/* Uploaded under odd unpacking state, the texels still arrive. */
+static void unpacking_state_does_not_matter(void **state) {
+    (void)state;
+    set_state(1, 0, 0, 0);
+    btf_gl_options options = gpu_gl_options(device, NULL);
+    btf_gl *gl;
+    assert_int_equal(btf_gl_upload(tight, &options, &hearing, &gl), BTF_OK);
+    set_state(0, 0, 0, 0);
+    btf_texture t = btf_material_texture(tight, BTF_TEXTURE_GAIN);
+    uint8_t *back = malloc(t.size);
+    assert_non_null(back);
+    GL(PFNGLBINDTEXTUREPROC, glBindTexture)(GL_TEXTURE_2D_ARRAY, btf_gl_texture(gl, BTF_TEXTURE_GAIN));
+    GL(PFNGLPIXELSTOREIPROC, glPixelStorei)(GL_PACK_ALIGNMENT, 1);
+    GL(PFNGLGETTEXIMAGEPROC, glGetTexImage)(GL_TEXTURE_2D_ARRAY, 0, GL_RED_INTEGER, GL_UNSIGNED_BYTE, back);
+    GL(PFNGLPIXELSTOREIPROC, glPixelStorei)(GL_PACK_ALIGNMENT, 4);
+    assert_memory_equal(back, t.data, t.size);
+    free(back);
+    GL(PFNGLBINDTEXTUREPROC, glBindTexture)(GL_TEXTURE_2D_ARRAY, 0);
+    btf_gl_destroy(&gl);
+}
+
+static void two_materials_share_a_program(void **state) {
+    (void)state;
+    enum { COUNT = 4096 };
+    static const char body[] =
+        "uvec4 check(uvec4 a, uvec4 b) {\n"
+        "    vec2 uv = uintBitsToFloat(a.xy);\n"
+        "    vec3 l = vec3(uintBitsToFloat(a.zw), uintBitsToFloat(b.x)), v = uintBitsToFloat(b.yzw);\n"
+        "    vec3 r = (uint(gl_FragCoord.x) & 1u) == 0u ? btf_evaluate(uv, l, v) : the_wall2_evaluate(uv, "
+        "l, v);\n"
+        "    return uvec4(floatBitsToUint(r), 0u);\n"
+        "}\n";
+    btf_shader_options second = {
+        .struct_size = sizeof second, .filter = BTF_FILTER_BILINEAR, .prefix = "the_wall2"};
+    char *texts[2];
+    assert_int_equal(btf_shader_source(tight, NULL, &hearing, &texts[0]), BTF_OK);
+    assert_int_equal(btf_shader_source(paper, &second, &hearing, &texts[1]), BTF_OK);
+    assert_null(strstr(texts[1], "btf_"));
+    char *both = malloc(strlen(texts[0]) + strlen(texts[1]) + 1);
+    assert_non_null(both);
+    strcpy(both, texts[0]);
+    strcat(both, texts[1]);
+    unsigned program = gpu_program(device, "#define BTF_HAVE_PRECISE 0\n", both, body, &hearing);
+    if (!program)
+        fail_msg("%s", said);
+    free(both);
+    btf_free(texts[0]);
+    btf_free(texts[1]);
+    btf_gl_options options = gpu_gl_options(device, NULL);
+    btf_gl *gl[2];
+    uint32_t units;
+    assert_int_equal(btf_gl_upload(tight, &options, &hearing, &gl[0]), BTF_OK);
+    assert_int_equal(btf_gl_upload(paper, &options, &hearing, &gl[1]), BTF_OK);
+    assert_int_equal(btf_gl_bind(gl[0], program, GPU_FIRST_UNIT, NULL, &hearing, &units), BTF_OK);
+    assert_int_equal(units, 10);
+    assert_int_equal(btf_gl_bind(gl[1], program, GPU_FIRST_UNIT + units, "the_wall2", &hearing, &units),
+                     BTF_OK);
+    assert_int_equal(units, 4);
+
+    btf_ref_material reference[2];
+    reference_view(tight, &reference[0]);
+    reference_view(paper, &reference[1]);
+    btf_ref_options how[2] = {variant_reference_options(&(btf_shader_options){0}),
+                              variant_reference_options(&second)};
+    uint32_t *inputs = calloc(COUNT, GPU_INPUTS * sizeof *inputs),
+             *outputs = calloc(COUNT, GPU_OUTPUTS * sizeof *outputs);
+    assert_non_null(inputs);
+    assert_non_null(outputs);
+    random_state r = {77};
+    for (size_t i = 0; i < COUNT; ++i)
+        case_make(&r, i & 1 ? paper : tight, inputs + GPU_INPUTS * i);
+    assert_int_equal(gpu_run(device, program, COUNT, inputs, outputs, &hearing), BTF_OK);
+    for (size_t i = 0; i < COUNT; ++i) {
+        float f[8], rgb[3];
+        memcpy(f, inputs + GPU_INPUTS * i, sizeof f);
+        btf_ref_evaluate(&reference[i & 1], &how[i & 1], f[0], f[1], f + 2, f + 5, rgb);
+        assert_memory_equal(rgb, outputs + GPU_OUTPUTS * i, sizeof rgb);
+    }
+    free(inputs);
+    free(outputs);
+    gpu_delete_program(device, program);
+    btf_gl_destroy(&gl[0]);
+    btf_gl_destroy(&gl[1]);
+}
+
+static void options_are_checked(void **state) {
+    (void)state;
+    static const char *const wrong[] = {"",
+                                        "Upper",
+                                        "two__underscores",
+                                        "ends_",
+                                        "1digit",
+                                        "gl",
+                                        "gl_x",
+                                        "a b",
+                                        "_under",
+                                        "x234567890123456789012345678901234"};
+    char *text;
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
+        btf_shader_options o = {.struct_size = sizeof o, .prefix = wrong[i]};
+        assert_int_equal(btf_shader_source(tight, &o, &hearing, &text), BTF_ERROR_USAGE);
+        assert_null(text);
+        assert_non_null(strstr(said, wrong[i]));
+    }
+    btf_shader_options o = {.struct_size = sizeof o, .filter = (btf_filter)7};
+    assert_int_equal(btf_shader_source(tight, &o, &hearing, &text), BTF_ERROR_USAGE);
+    assert_non_null(strstr(said, "filter 7"));
+    /* Options of an older, shorter kind: what it lacks is the default. */
+    btf_shader_options old = {.struct_size = offsetof(btf_shader_options, filter), .filter = (btf_filter)7};
+    assert_int_equal(btf_shader_source(tight, &old, &hearing, &text), BTF_OK);
+    assert_non_null(strstr(text, "#define BTF_BILINEAR 0\n"));
+    btf_free(text);
+    btf_shader_options bindings = {.struct_size = sizeof bindings,
+                                   .bindings = BTF_BINDINGS_VULKAN,
+                                   .first_binding = 20,
+                                   .descriptor_set = 3};
+    assert_int_equal(btf_shader_source(tight, &bindings, &hearing, &text), BTF_OK);
+    assert_non_null(strstr(text, "#define BTF_BINDING_RESIDUAL_TEXELS 26\n"));
+    assert_non_null(strstr(text, "layout(set = 3, binding = n) uniform\n"));
+    btf_free(text);
+}
+
+static int setup(void **state) {
+    (void)state;
+    char why[300];
+    context_prepare(&context_devices[0]);
+    device = gpu_create(&context_devices[0], why, sizeof why);
+    if (!device) {
+        fprintf(stderr, "skipped: %s\n", why);
+        exit(77);
+    }
+    synthetic_spec a = {.seed = 21,
+                        .width = 24,
+                        .height = 17,
+                        .n_views = 7,
+                        .n_lights = 13,
+                        .layout = BTF_LAYOUT_TIGHT,
+                        .domain = BTF_DOMAIN_SQRT,
+                        .colour = BTF_COLOUR_RGB,
+                        .lobes = 2,
+                        .half_float = 1,
+                        .effects = BTF_EFFECT_ALL,
+                        .components = 6,
+                        .centres = 100,
+                        .directions = SYNTHETIC_RANDOM};
+    synthetic_spec b = {.seed = 22,
+                        .width = 16,
+                        .height = 16,
+                        .n_views = 19,
+                        .n_lights = 19,
+                        .layout = BTF_LAYOUT_PAPER,
+                        .colour = BTF_COLOUR_MONO,
+                        .lobes = 3,
+                        .effects = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN,
+                        .centres = 100};
+    return synthetic_create(&a, &hearing, &tight) != BTF_OK ||
+           synthetic_create(&b, &hearing, &paper) != BTF_OK;
+}
+
+static int teardown(void **state) {
+    (void)state;
+    btf_material_close(&tight);
+    btf_material_close(&paper);
+    gpu_destroy(&device);
+    return 0;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(options_are_checked),
+        cmocka_unit_test(limits_are_told_with_both_numbers),
+        cmocka_unit_test(old_and_partial_contexts_are_refused),
+        cmocka_unit_test(frees_what_it_made),
+        cmocka_unit_test(uploads_what_a_variant_reads),
+        cmocka_unit_test(state_is_restored),
+        cmocka_unit_test(unpacking_state_does_not_matter),
+        cmocka_unit_test(two_materials_share_a_program),
+    };
+    return cmocka_run_group_tests_name("gl", tests, setup, teardown);
+}

@@ -1,0 +1,14 @@
+#!/bin/bash
+# Writes test vectors and replays them with the decoder in Python: BTF_CONFORM PYTHON REPLAY.
+# The replay must also find a vector that is changed.
+set -eu
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+"$1" --vectors "$folder"
+"$2" "$3" "$folder" --pixels 64
+# The radiance of one vector in place of another's.
+cp "$folder/01-radiance.exr" "$folder/00-radiance.exr" 2>/dev/null || cp "$folder/02-radiance.exr" "$folder/00-radiance.exr"
+if "$2" "$3" "$folder" --pixels 64 2>/dev/null; then
+    echo "a changed vector is not found"
+    exit 1
+fi
