@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 enum {
     MAX_SIDE = 16 * BTF_MAX_SIZE, /* a contact sheet of 256 layers */
@@ -353,11 +354,15 @@ static btf_result read_file(const char *path, const btf_log *log, uint8_t **out_
     if (!file)
         return btfi_fail(log, BTF_ERROR_IO, "%s: %s", path, strerror(errno));
     uint8_t *data = NULL;
-    size_t size = 0, capacity = 0;
+    size_t size = 0, capacity = 0, wanted = 1 << 16;
+    struct stat status;
+    if (fstat(fileno(file), &status) == 0 && S_ISREG(status.st_mode) && status.st_size > 0 &&
+        (uintmax_t)status.st_size < SIZE_MAX / 2)
+        wanted = (size_t)status.st_size + 1; /* and a byte to see the end by */
     btf_result result = BTF_OK;
     for (;;) {
         if (size == capacity) {
-            capacity = capacity ? 2 * capacity : 1 << 20;
+            capacity = capacity ? 2 * capacity : wanted;
             uint8_t *grown = realloc(data, capacity);
             if (!grown) {
                 result =

@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -182,10 +183,11 @@ static void test_provenance(void **state) {
 
 static void test_path(void **state) {
     (void)state;
-    char folder[] = "/tmp/openbtf-test-XXXXXX", path[64], missing[80];
+    char folder[] = "/tmp/openbtf-test-XXXXXX", path[64], link[64], missing[80];
     if (!mkdtemp(folder))
         fail();
     snprintf(path, sizeof path, "%s/a.btf.exr", folder);
+    snprintf(link, sizeof link, "%s/link", folder);
     snprintf(missing, sizeof missing, "%s/none/a.btf.exr", folder);
     random_state r = {5};
     btf_material_desc desc = random_material_desc(8, 8, 7, 7, BTF_LAYOUT_PAPER, BTF_EFFECT_ALL);
@@ -196,6 +198,13 @@ static void test_path(void **state) {
     assert_int_equal(btf_material_open(path, &log_keep, &b), BTF_OK);
     assert_same_material(a, b);
     btf_material_close(&b);
+
+    struct stat status;
+    assert_int_equal(symlink(path, link), 0); /* a link stays one, and what it points to is replaced */
+    assert_int_equal(btf_material_save(a, link, &log_keep), BTF_OK);
+    assert_int_equal(lstat(link, &status), 0);
+    assert_true(S_ISLNK(status.st_mode));
+    assert_int_equal(unlink(link), 0);
 
     assert_int_equal(btf_material_save(a, missing, &log_keep), BTF_ERROR_IO);
     assert_non_null(strstr(last_message, missing));
@@ -277,6 +286,21 @@ static void test_atlas_numbers(void **state) {
     assert_int_equal(y, 16384);
 }
 
+/* Centres that an atlas has room for, counted column by column from where the tiles stand; -1 when they do
+ * not fit. */
+static long count_room(const btf_material_info *info, uint32_t width, uint32_t height) {
+    uint32_t tiles = info->n_views > info->n_lights ? info->n_views : info->n_lights,
+             columns = width / info->width;
+    if (columns == 0 || (tiles + columns - 1) / columns * info->height > height)
+        return -1;
+    uint32_t y0 = tiles / columns * info->height, used = tiles % columns * info->width;
+    long room = 0;
+    for (uint32_t y = y0; y + info->n_lights <= height; y += info->n_lights)
+        for (uint32_t x = 0; x < width; x++)
+            room += !(x < used && y < y0 + info->height);
+    return room;
+}
+
 /* Odd sizes: centres and tiles never meet, centres are distinct, and no smaller atlas would do. */
 static void test_atlas_disjoint(void **state) {
     (void)state;
@@ -290,6 +314,13 @@ static void test_atlas_disjoint(void **state) {
         uint32_t room, tiles = s[2] > s[3] ? s[2] : s[3];
         assert_int_equal(btf_material_atlas(&info, &info.atlas_width, &info.atlas_height, &room), BTF_OK);
         assert_true(room >= s[2]);
+        assert_int_equal(room, count_room(&info, info.atlas_width, info.atlas_height));
+        for (uint32_t w = 1; w <= 16384; w *= 2)
+            for (uint32_t h = 1; h <= w; h *= 2) {
+                uint64_t own = (uint64_t)info.atlas_width * info.atlas_height, other = (uint64_t)w * h;
+                if (other < own || (other == own && w < info.atlas_width))
+                    assert_true(count_room(&info, w, h) < (long)s[2]);
+            }
         size_t area = (size_t)info.atlas_width * info.atlas_height;
         uint8_t *taken = calloc(1, area);
         assert_non_null(taken);
