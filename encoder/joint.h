@@ -1,0 +1,60 @@
+/* `--method joint`: sources, shifts, gains and the residual found together, by alternating least squares
+ * and search (design.md, points 4 to 7).
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_JOINT_H
+#define OPENBTF_ENCODER_JOINT_H
+
+#include "data.h"
+#include "solution.h"
+
+typedef enum enc_joint_preset {
+    ENC_JOINT_FAST = 0,
+    ENC_JOINT_MEDIUM = 1,
+    ENC_JOINT_THOROUGH = 2,
+    ENC_JOINT_EXHAUSTIVE = 3,
+} enc_joint_preset;
+
+typedef enum enc_joint_metric {
+    ENC_JOINT_BALANCED = 0, /* square-root domain: near the best of both */
+    ENC_JOINT_SRGB = 1,     /* square-root domain: its error is that of sRGB codes, but in the dark */
+    ENC_JOINT_LINEAR = 2,   /* linear domain */
+} enc_joint_metric;
+
+typedef struct enc_joint_options {
+    int preset;       /* enc_joint_preset; default medium */
+    int metric;       /* enc_joint_metric; default balanced */
+    uint32_t effects; /* btf_effect bits that may be used; default all */
+    uint64_t
+        budget;     /* gpu bytes at most; 0: what layout `paper` takes (2.36 MB for 64x64, 81 directions) */
+    double quality; /* dB of sRGB-coded PSNR that is enough; 0: use the budget */
+    int rounds;     /* rounds at most; 0: as the preset says */
+    double
+        tolerance;  /* a round that lowers the error by less than this part is the last; 0: the preset's */
+    int components; /* residual components at most; 0: as many as the budget allows */
+} enc_joint_options;
+
+/* The defaults above. */
+enc_joint_options enc_joint_options_default(void);
+
+enum { ENC_JOINT_MAX_ROUNDS = 1000 };
+
+/* What the fit went through. */
+typedef struct enc_joint_stats {
+    int rounds;                           /* rounds run */
+    double history[ENC_JOINT_MAX_ROUNDS]; /* sum of squares in the fitted domain after each round: never
+                                             rises */
+    double rounded;                       /* the same for the codes of the file */
+    double psnr;                          /* dB of that sum: peak 1 in the fitted domain */
+    uint64_t gpu_bytes;                   /* of layout `tight` */
+    size_t moved;                         /* points (texel, view) with a shift */
+} enc_joint_stats;
+
+/* Analyses `data`. The same data and options give the same solution for any number of threads. out_stats
+ * may be NULL. Errors: BTF_ERROR_USAGE (a budget that holds nothing; effects without residual),
+ * BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED. On error *out_solution is zeroed. */
+btf_result enc_joint(const enc_context *context, const enc_data *data, const enc_joint_options *options,
+                     enc_solution *out_solution, enc_joint_stats *out_stats);
+
+#endif

@@ -1,0 +1,27 @@
+/* Bytes of layout `tight` (FORMAT.md section 3), and what a budget buys.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_JOINT_BUDGET_H
+#define OPENBTF_ENCODER_JOINT_BUDGET_H
+
+#include "data.h"
+#include "joint.h"
+
+/* What a file holds, as far as bytes go. */
+typedef struct joint_shape {
+    uint32_t effects; /* btf_effect bits */
+    size_t components, centres;
+} joint_shape;
+
+uint64_t joint_bytes(const enc_data *data, const joint_shape *shape);
+
+/* Components that fit `budget` beside the rest of `shape`: a multiple of 4 (the texels of a texture), at
+ * most `limit`. */
+size_t joint_components_for(const enc_data *data, const joint_shape *shape, uint64_t budget, size_t limit);
+
+/* The bytes that layout `paper` takes for this data: 64 W H + 4 AW AH, by the formula of FORMAT.md section
+ * 5; where it has no legal atlas, 64 W H + 4 * 1.6 * T W H. */
+uint64_t joint_default_budget(const enc_data *data);
+
+#endif

@@ -1,0 +1,170 @@
+/* Cholesky, Gram-Schmidt and Jacobi in double (see joint_linear.h).
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "joint_linear.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+bool joint_cholesky(size_t n, double *a) {
+    for (size_t j = 0; j < n; j++) {
+        double *row = a + j * n;
+        if (!(row[j] > 0.0))
+            return false;
+        const double pivot = sqrt(row[j]), inverse = 1.0 / pivot;
+        row[j] = pivot;
+        for (size_t i = j + 1; i < n; i++)
+            a[i * n + j] *= inverse;
+        for (size_t i = j + 1; i < n; i++) { /* right-looking, on the lower part alone */
+            const double factor = a[i * n + j];
+            double *to = a + i * n;
+            for (size_t m = j + 1; m <= i; m++)
+                to[m] -= factor * a[m * n + j];
+        }
+    }
+    return true;
+}
+
+void joint_lower_solve(size_t n, const double *l, double *x, size_t columns) {
+    for (size_t i = 0; i < n; i++) {
+        double *row = x + i * columns;
+        for (size_t j = 0; j < i; j++) {
+            const double factor = l[i * n + j];
+            const double *from = x + j * columns;
+            for (size_t c = 0; c < columns; c++)
+                row[c] -= factor * from[c];
+        }
+        const double inverse = 1.0 / l[i * n + i];
+        for (size_t c = 0; c < columns; c++)
+            row[c] *= inverse;
+    }
+}
+
+void joint_upper_solve(size_t n, const double *l, double *x, size_t columns) {
+    for (size_t i = n; i-- > 0;) {
+        double *row = x + i * columns;
+        const double inverse = 1.0 / l[i * n + i];
+        for (size_t c = 0; c < columns; c++)
+            row[c] *= inverse;
+        for (size_t j = 0; j < i; j++) {
+            const double factor = l[i * n + j];
+            double *to = x + j * columns;
+            for (size_t c = 0; c < columns; c++)
+                to[c] -= factor * row[c];
+        }
+    }
+}
+
+void joint_round_to_lattice(size_t n, const double *l, const double *step, double *x, int8_t *out_codes) {
+    for (size_t i = n; i-- > 0;) {
+        /* x_j holds d_j for j > i: the centre of coordinate i moves by their share of its plane. */
+        double shift = 0.0;
+        for (size_t j = i + 1; j < n; j++)
+            shift += l[j * n + i] * x[j];
+        const double target = x[i] - shift / l[i * n + i];
+        double code = step[i] > 0.0 ? rint(target / step[i]) : 0.0;
+        code = code > 127.0 ? 127.0 : code < -127.0 ? -127.0 : code;
+        out_codes[i] = (int8_t)code;
+        x[i] = code * step[i] - x[i];
+    }
+    for (size_t i = 0; i < n; i++)
+        x[i] = out_codes[i] * step[i];
+}
+
+bool joint_orthonormal_rows(size_t k, size_t row, const float *v, float *basis, float *lower) {
+    double *q = malloc((k * row + k) * sizeof *q);
+    if (!q)
+        return false;
+    double *factors = q + k * row;
+    memset(lower, 0, k * k * sizeof *lower);
+    for (size_t i = 0; i < k; i++) {
+        double *mine = q + i * row;
+        double before = 0.0, norm = 0.0;
+        for (size_t p = 0; p < row; p++) {
+            mine[p] = v[i * row + p];
+            before += mine[p] * mine[p];
+        }
+        memset(factors, 0, k * sizeof *factors);
+        for (int pass = 0; pass < 2; pass++)
+            for (size_t j = 0; j < i; j++) {
+                const double *other = q + j * row;
+                double dot = 0.0;
+                for (size_t p = 0; p < row; p++)
+                    dot += mine[p] * other[p];
+                factors[j] += dot;
+                for (size_t p = 0; p < row; p++)
+                    mine[p] -= dot * other[p];
+            }
+        for (size_t p = 0; p < row; p++)
+            norm += mine[p] * mine[p];
+        const bool dependent = !(norm > 1e-20 * before);
+        const double inverse = dependent ? 0.0 : 1.0 / sqrt(norm);
+        for (size_t p = 0; p < row; p++) {
+            mine[p] *= inverse;
+            basis[i * row + p] = (float)mine[p];
+        }
+        for (size_t j = 0; j < i; j++)
+            lower[i * k + j] = (float)factors[j];
+        lower[i * k + i] = dependent ? 0.0f : (float)sqrt(norm);
+    }
+    free(q);
+    return true;
+}
+
+void joint_eigen(size_t n, double *a, double *values, double *vectors) {
+    memset(vectors, 0, n * n * sizeof *vectors);
+    for (size_t i = 0; i < n; i++)
+        vectors[i * n + i] = 1.0;
+    for (int sweep = 0; sweep < 40; sweep++) {
+        double off = 0.0, on = 0.0;
+        for (size_t i = 0; i < n; i++)
+            for (size_t j = 0; j < n; j++)
+                *(i == j ? &on : &off) += a[i * n + j] * a[i * n + j];
+        if (off <= 1e-26 * on)
+            break;
+        for (size_t p = 0; p + 1 < n; p++)
+            for (size_t q = p + 1; q < n; q++) {
+                const double apq = a[p * n + q];
+                if (apq == 0.0)
+                    continue;
+                const double theta = (a[q * n + q] - a[p * n + p]) / (2.0 * apq);
+                const double t = (theta >= 0.0 ? 1.0 : -1.0) / (fabs(theta) + sqrt(theta * theta + 1.0));
+                const double c = 1.0 / sqrt(t * t + 1.0), s = t * c;
+                for (size_t i = 0; i < n; i++) {
+                    const double x = a[i * n + p], y = a[i * n + q];
+                    a[i * n + p] = c * x - s * y;
+                    a[i * n + q] = s * x + c * y;
+                }
+                for (size_t i = 0; i < n; i++) {
+                    const double x = a[p * n + i], y = a[q * n + i];
+                    a[p * n + i] = c * x - s * y;
+                    a[q * n + i] = s * x + c * y;
+                }
+                for (size_t i = 0; i < n; i++) {
+                    const double x = vectors[p * n + i], y = vectors[q * n + i];
+                    vectors[p * n + i] = c * x - s * y;
+                    vectors[q * n + i] = s * x + c * y;
+                }
+            }
+    }
+    for (size_t i = 0; i < n; i++)
+        values[i] = a[i * n + i];
+    for (size_t i = 0; i + 1 < n; i++) { /* selection sort, descending */
+        size_t top = i;
+        for (size_t j = i + 1; j < n; j++)
+            if (values[j] > values[top])
+                top = j;
+        if (top != i) {
+            const double value = values[i];
+            values[i] = values[top];
+            values[top] = value;
+            for (size_t j = 0; j < n; j++) {
+                const double x = vectors[i * n + j];
+                vectors[i * n + j] = vectors[top * n + j];
+                vectors[top * n + j] = x;
+            }
+        }
+    }
+}
