@@ -13,7 +13,8 @@
 /* All arrays are [view][texel], texel = row * width + column, row 0 at the top.
  * A point x of view v that is not hidden shows the surface point that the top view shows at
  * x' = x + shift(x, v), wrapped over the tile: motionVector of the paper, in whole texels. Where hidden,
- * the shift is what the vote found all the same, for pictures and reports, until refinement makes it 0. */
+ * the shift is the best there was all the same (of the vote, later of the refinement's search), for
+ * pictures and for files without hidden points. */
 typedef struct enc_occlusion {
     int n_views;
     size_t n_texels;

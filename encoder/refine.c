@@ -148,12 +148,9 @@ static void refine_view(const refine_stage *s, int view, float threshold, float 
         const size_t i = (size_t)view * s->n_texels + t;
         if (!s->occlusion->hidden[i])
             continue;
-        int8_t shift[2] = {0, 0};
-        const float distance = search_point(s, t, bounds + (size_t)omp_get_thread_num() * window, shift);
-        const bool elevated = distance < threshold;
-        s->occlusion->hidden[i] = !elevated;
-        s->occlusion->shift[2 * i] = elevated ? shift[0] : 0;
-        s->occlusion->shift[2 * i + 1] = elevated ? shift[1] : 0;
+        const float distance =
+            search_point(s, t, bounds + (size_t)omp_get_thread_num() * window, s->occlusion->shift + 2 * i);
+        s->occlusion->hidden[i] = !(distance < threshold);
     }
 }
 

@@ -20,7 +20,8 @@ typedef struct enc_refine_options {
  *   STVS(x', l, V) = max(l.z, 0) * model(x', l, V) * shadow(x', l)
  * and makes x a shifted point where that is below the view's threshold: the mean distance of its points
  * that are not hidden, with the shifts they have (no such point: threshold 0, nothing changes). Ties of
- * distance prefer the shift of enc_occlusion_compare_shift. Points that stay hidden get shift (0, 0).
+ * distance prefer the shift of enc_occlusion_compare_shift. Points that stay hidden get
+ * the winner's shift too: it shows them best where a file is to have no hidden points.
  *
  * sbrdf is of the linear domain. shadow[light][texel] holds codes of value code * shadow_scale.
  * out_thresholds[n_views] may be NULL. The winner is that of the full search in float arithmetic:

@@ -11,8 +11,10 @@
 
 #include "encoder/flow.h"
 #include "encoder/flow_prior.h"
+#include "tests/sample/sample.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -354,6 +356,49 @@ static void test_error_report(void **state) {
     enc_data_destroy(&data);
 }
 
+/* The sample bricks: plain mortar between bricks that hardly move. Goal: 2.0 texels at 30 degrees over the
+ * points that moved more than 2 texels. */
+static void test_sample_bricks(void **state) {
+    (void)state;
+    enum { BRICK_VIEWS = 9, BRICK_LIGHTS = 13 };
+    enc_direction views[BRICK_VIEWS], lights[BRICK_LIGHTS];
+    for (int v = 0; v < BRICK_VIEWS; v++)
+        views[v] = v == 0  ? enc_direction_from_angles(0, 0)
+                   : v < 7 ? enc_direction_from_angles(30, 60.0 * (v - 1))
+                           : enc_direction_from_angles(60, 130.0 * (v - 7));
+    for (int l = 0; l < BRICK_LIGHTS; l++)
+        lights[l] = enc_direction_from_angles(l == 0  ? 0
+                                              : l < 7 ? 30
+                                                      : 60,
+                                              l == 0 ? 0 : 60.0 * ((l - 1) % 6));
+    const sample_options options = {.context = &context,
+                                    .relief = RELIEF_BRICKS,
+                                    .supersample = 1,
+                                    .views = views,
+                                    .n_views = BRICK_VIEWS,
+                                    .lights = lights,
+                                    .n_lights = BRICK_LIGHTS};
+    enc_data *data = NULL;
+    sample_truth *truth = NULL;
+    enc_occlusion *o = NULL;
+    assert_int_equal(sample_render(&options, &data, &truth), BTF_OK);
+    assert_int_equal(enc_flow_vote(&context, data, NULL, &o), BTF_OK);
+    enc_flow_ring rings[3];
+    assert_int_equal(enc_flow_error(data, o, truth->shift, truth->hidden, 2, rings, 3), 3);
+    for (int i = 0; i < 3; i++)
+        printf("ring %g: error %.2f, no motion %.2f; of %zu points that moved > 2 texels %.2f, no motion "
+               "%.2f\n",
+               rings[i].theta, rings[i].error, rings[i].zero, rings[i].moved, rings[i].moved_error,
+               rings[i].moved_zero);
+    assert_true(rings[1].moved > 1000);
+    assert_true(rings[1].moved_error <= 2.0);
+    assert_true(rings[1].error < rings[1].zero);
+    assert_true(rings[2].moved_error < 0.6 * rings[2].moved_zero);
+    enc_occlusion_destroy(&o);
+    sample_truth_destroy(&truth);
+    enc_data_destroy(&data);
+}
+
 static void keep_message(void *user, btf_log_level level, const char *message) {
     (void)level;
     strncpy(user, message, 199);
@@ -414,6 +459,7 @@ int main(void) {
         cmocka_unit_test(test_vote_of_any_size_and_thread),
         cmocka_unit_test(test_prior_separates_layers),
         cmocka_unit_test(test_error_report),
+        cmocka_unit_test(test_sample_bricks),
         cmocka_unit_test(test_options_are_checked),
         cmocka_unit_test(test_shift_arithmetic),
     };

@@ -163,8 +163,8 @@ static void test_against_brute_force(void **state) {
                 assert_true(fabs(least - mean) > 1e-5); /* else the case says nothing */
                 assert_int_equal(s.occlusion->hidden[i], least >= mean);
                 const int8_t *shift = s.occlusion->shift + 2 * i;
-                assert_int_equal(shift[0], least < mean ? best[0] : 0);
-                assert_int_equal(shift[1], least < mean ? best[1] : 0);
+                assert_int_equal(shift[0], best[0]);
+                assert_int_equal(shift[1], best[1]);
                 elevated += least < mean;
                 kept += least >= mean;
             }
@@ -199,8 +199,10 @@ static void test_known_points_are_elevated(void **state) {
     for (size_t t = 0; t < TEXELS; t++) {
         const int8_t *shift = s.occlusion->shift + 2 * (TEXELS + t);
         assert_int_equal(s.occlusion->hidden[TEXELS + t], t % 7 == 5);
-        assert_int_equal(shift[0], t % 7 == 3 ? 4 : 0);
-        assert_int_equal(shift[1], t % 7 == 3 ? -3 : 0);
+        if (t % 7 != 5) {
+            assert_int_equal(shift[0], t % 7 == 3 ? 4 : 0);
+            assert_int_equal(shift[1], t % 7 == 3 ? -3 : 0);
+        }
     }
     free_scene(&s);
 }
