@@ -37,6 +37,9 @@ btf_result enc_flow_pair(const enc_context *context, int width, int height, cons
  * flow does not hide x (of all lights where each hides it); ties prefer the smaller shift, then the smaller
  * row, then column. Flows are rounded to texels and wrapped over the tile, at most 127 texels long in
  * columns and in rows. Lights under which either view is black do not vote. The stage is called "flow".
+ * Memory a thread: n_lights * texels * 15 bytes for images and votes, 27 * texels * 12 for the estimate's
+ * planes, texels * labels * 12 for its volumes (labels: shifts tried, at most 254).
+ *
  * Errors: BTF_ERROR_USAGE (options), BTF_ERROR_MEMORY, BTF_ERROR_IO (scratch file), BTF_ERROR_INTERNAL
  * (OpenCV), BTF_ERROR_INTERRUPTED. */
 btf_result enc_flow_vote(const enc_context *context, const enc_data *data, const enc_flow_options *options,
