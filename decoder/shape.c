@@ -87,7 +87,9 @@ btf_texture btf_material_texture_shape(const btf_material_info *info, btf_textur
                      lead + info->lobes);
     }
     case BTF_TEXTURE_MAPS:
-        return tight ? none : shape(BTF_FORMAT_RGBA8UI, 0, info->atlas_width, info->atlas_height, 1);
+        return !tight && effects & ~(uint32_t)BTF_EFFECT_RESIDUAL
+                   ? shape(BTF_FORMAT_RGBA8UI, 0, info->atlas_width, info->atlas_height, 1)
+                   : none;
     case BTF_TEXTURE_SHADOW:
         return tight && effects & BTF_EFFECT_SHADOW ? shape(BTF_FORMAT_R8UI, 1, w, h, info->n_lights)
                                                     : none;

@@ -72,7 +72,7 @@ static btf_result analyse(const enc_context *context, const enc_job *job, job_st
         report->hidden_total = stats.hidden_total;
         return result;
     }
-    return enc_joint(context, s->data, &job->joint, &s->found);
+    return enc_joint(context, s->data, &job->joint, &s->found, NULL);
 }
 
 /* Packs, measures what was packed, and packs again with the errors in the header. */

@@ -27,7 +27,7 @@ static btf_result take_occlusion(const enc_context *context, const enc_occlusion
         const bool hidden = (s->effects & BTF_EFFECT_HIDDEN) && occlusion->hidden[i];
         s->gain[i] = hidden ? 0 : BTF_GAIN_ONE;
         s->centre[i] = hidden ? occlusion->centre[i] : 0;
-        if (!occlusion->hidden[i]) {
+        if (!hidden) {
             memcpy(s->shift + 2 * i, occlusion->shift + 2 * i, 2);
         }
     }
