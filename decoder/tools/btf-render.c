@@ -1,0 +1,492 @@
+/* btf-render: a material on a mesh, without a window.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "cli.h"
+#include "render/figure.h"
+#include "render/original.h"
+#include "render/render.h"
+#include "progress.h"
+#include <omp.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static struct {
+    const char *out, *mesh, *device, *environment, *original;
+    double view[2], repeat, fov, zoom, exposure, background, env_rotate, env_gain;
+    bool repeat_given, zoom_given, figure13, stats, cast_shadows, quiet;
+    light_list lights;
+    uint32_t effects;
+    int size[2], samples, env_lights, components, math, interpolation, filter, tone, frames, animate,
+        threads, repeats;
+} options = {.mesh = "sphere",
+             .device = "osmesa",
+             .fov = 30,
+             .env_gain = 1,
+             .effects = BTF_EFFECT_ALL,
+             .size = {512, 512},
+             .samples = 1,
+             .env_lights = 64,
+             .components = BTF_MAX_COMPONENTS,
+             .frames = 1,
+             .repeats = 9};
+
+static const char *parse_size(const char *text, void *value) {
+    int *size = value, used = 0;
+    if (sscanf(text, "%dx%d%n", &size[0], &size[1], &used) != 2 || text[used]) {
+        if (sscanf(text, "%d%n", &size[0], &used) != 1 || text[used])
+            return "N or WxH, each 1..8192";
+        size[1] = size[0];
+    }
+    return size[0] >= 1 && size[0] <= 8192 && size[1] >= 1 && size[1] <= 8192 ? NULL
+                                                                              : "N or WxH, each 1..8192";
+}
+
+static const char *parse_view(const char *text, void *value) {
+    double *view = value;
+    int used = 0;
+    if (sscanf(text, "%lf,%lf%n", &view[0], &view[1], &used) != 2 || text[used] ||
+        !(view[0] >= 0 && view[0] <= 180 && fabs(view[1]) <= 360))
+        return "theta,phi in degrees, theta 0..180, phi -360..360";
+    return NULL;
+}
+
+static const cli_option option_table[] = {
+    {.short_name = 'o',
+     .name = "output",
+     .arg = "OUT",
+     .type = CLI_STRING,
+     .value = &options.out,
+     .help = "picture to write: .png (sRGB, 8 bits) or .exr (linear float)"},
+    {.name = "mesh",
+     .arg = "MESH",
+     .type = CLI_STRING,
+     .value = &options.mesh,
+     .help = "plane, sphere, torus, drape, or a Wavefront file *.obj with texture\n"
+             "coordinates (default sphere)"},
+    {.name = "repeat",
+     .type = CLI_DOUBLE,
+     .value = &options.repeat,
+     .given = &options.repeat_given,
+     .minimum = 0.001,
+     .maximum = 1000,
+     .help = "copies of the material along the mesh's unit of uv (default 3; plane, drape\n"
+             "and OBJ 2)"},
+    {.name = "size",
+     .arg = "N|WxH",
+     .type = CLI_CUSTOM,
+     .value = options.size,
+     .parse = parse_size,
+     .help = "pixels (default 512)"},
+    {.name = "samples",
+     .type = CLI_INT,
+     .value = &options.samples,
+     .minimum = 1,
+     .maximum = 8,
+     .help = "N x N samples a pixel (default 1)"},
+    {.name = "view",
+     .type = CLI_CUSTOM,
+     .arg = "T,P",
+     .value = options.view,
+     .parse = parse_view,
+     .help = "where the camera stands, theta,phi in degrees: theta 0..180 from +z\n"
+             "(default 0,0)"},
+    {.name = "fov",
+     .type = CLI_DOUBLE,
+     .value = &options.fov,
+     .minimum = 0,
+     .maximum = 120,
+     .help = "angle of view in degrees; 0: parallel projection (default 30)"},
+    {.name = "zoom",
+     .type = CLI_DOUBLE,
+     .value = &options.zoom,
+     .given = &options.zoom_given,
+     .minimum = 0.01,
+     .maximum = 100,
+     .help = "the picture's smaller side spans 2/zoom at the origin (default 0.9; plane 1)"},
+    {.name = "light",
+     .arg = "T,P[,I[,R,G,B]]",
+     .type = CLI_CUSTOM,
+     .value = &options.lights,
+     .parse = light_parse_directional,
+     .help = "a light far away: direction, intensity, colour; may be given several times\n"
+             "(default 40,120 when there is no other light)"},
+    {.name = "point",
+     .arg = "X,Y,Z[,I[,R,G,B]]",
+     .type = CLI_CUSTOM,
+     .value = &options.lights,
+     .parse = light_parse_point,
+     .help = "a light at a point; intensity I / distance^2; may be given several times"},
+    {.name = "environment",
+     .arg = "MAP",
+     .type = CLI_STRING,
+     .value = &options.environment,
+     .help = "light from a latitude-longitude map, .exr or Radiance .hdr"},
+    {.name = "environment-lights",
+     .type = CLI_INT,
+     .value = &options.env_lights,
+     .minimum = 1,
+     .maximum = 1024,
+     .help = "directional lights that stand for the map (default 64)"},
+    {.name = "environment-rotate",
+     .arg = "DEG",
+     .type = CLI_DOUBLE,
+     .value = &options.env_rotate,
+     .minimum = -360,
+     .maximum = 360,
+     .help = "turns the map to the right (default 0)"},
+    {.name = "environment-gain",
+     .type = CLI_DOUBLE,
+     .value = &options.env_gain,
+     .minimum = 0,
+     .maximum = 1e6,
+     .help = "multiplies the map (default 1)"},
+    {.name = "cast-shadows",
+     .type = CLI_FLAG,
+     .value = &options.cast_shadows,
+     .help = "the mesh casts shadows on itself"},
+    {.name = "background",
+     .arg = "GREY",
+     .type = CLI_DOUBLE,
+     .value = &options.background,
+     .minimum = 0,
+     .maximum = 1e6,
+     .help = "linear value behind the mesh (default 0)"},
+    {.name = "exposure",
+     .arg = "STOPS",
+     .type = CLI_DOUBLE,
+     .value = &options.exposure,
+     .minimum = -30,
+     .maximum = 30,
+     .help = "multiplies the picture by 2^STOPS (default 0)"},
+    {.name = "tone",
+     .type = CLI_CHOICE,
+     .choices = "none|reinhard|filmic",
+     .value = &options.tone,
+     .help = "tone curve of PNG output (default none: values are clipped at 1)"},
+    {.name = "effects",
+     .type = CLI_EFFECTS,
+     .value = &options.effects,
+     .help = "effects to decode (default all that the file holds)"},
+    {.name = "components",
+     .type = CLI_INT,
+     .value = &options.components,
+     .minimum = 0,
+     .maximum = BTF_MAX_COMPONENTS,
+     .help = "residual components to decode (default all)"},
+    {.name = "interpolate",
+     .type = CLI_CHOICE,
+     .choices = "linear|nearest",
+     .value = &options.interpolation,
+     .help = "between sampled directions (default linear)"},
+    {.name = "filter",
+     .type = CLI_CHOICE,
+     .choices = "texel|bilinear",
+     .value = &options.filter,
+     .help = "between texels (default texel)"},
+    {.name = "math",
+     .type = CLI_CHOICE,
+     .choices = "exact|fast",
+     .value = &options.math,
+     .help = "exact: the same bits on every device (default); fast: GL's own functions"},
+    {.name = "device",
+     .type = CLI_STRING,
+     .value = &options.device,
+     .help = "reference (the CPU), osmesa (default), egl, glfw, or another of\n"
+             "btf-conform's devices"},
+    {.name = "figure13",
+     .type = CLI_FLAG,
+     .value = &options.figure13,
+     .help = "original, SBRDF, SBRDF with shadow (STVS) and all effects side by side,\n"
+             "errors x 4 below, PSNR on stdout; needs --original"},
+    {.name = "original",
+     .arg = "DATA",
+     .type = CLI_STRING,
+     .value = &options.original,
+     .help = "directory or zip of the images that the material was made from"},
+    {.name = "animate",
+     .type = CLI_CHOICE,
+     .choices = "view|light",
+     .value = &options.animate,
+     .help = "what turns through 360 degrees of phi over the frames: the camera\n"
+             "(default) or the first light"},
+    {.name = "frames",
+     .type = CLI_INT,
+     .value = &options.frames,
+     .minimum = 1,
+     .maximum = 9999,
+     .help = "pictures OUT.0001.png, OUT.0002.png, ... (default 1: OUT itself)"},
+    {.name = "stats",
+     .type = CLI_FLAG,
+     .value = &options.stats,
+     .help = "print times: a frame under one light, and a textured Phong shader over the\n"
+             "same pixels (GL devices; median of 9)"},
+    {.name = "threads",
+     .type = CLI_INT,
+     .value = &options.threads,
+     .minimum = 1,
+     .maximum = 1024,
+     .help = "threads (default: all cores); the picture does not depend on it"},
+    {.name = "quiet", .type = CLI_FLAG, .value = &options.quiet, .help = "no progress"},
+    {.type = CLI_END},
+};
+
+static const cli_program program = {
+    .name = "btf-render",
+    .usage = "FILE -o OUT [options]",
+    .summary = "Renders a material file (*.btf.exr) on a mesh. Visibility, texture coordinates, light and "
+               "view are\n"
+               "ray-cast once on the CPU; the device evaluates the material; lights, averaging and tone "
+               "curve are C.\n"
+               "With exact math every device gives the same picture, pixel for pixel.",
+    .details =
+        "World: x to the right, y up, z towards the default camera; angles are theta from +z, phi from +x\n"
+        "towards +y. Built-in meshes fill -1..1; an OBJ is centred and scaled to radius 1. A light of\n"
+        "intensity 1 shows the material's own values (a white diffuse surface facing it is 1).\n"
+        "Exit codes: 0 ok, 1 usage, 2 input or output failed, 3 bad file, 4 internal error or out of "
+        "memory,\n"
+        "5 no such device here, 130 interrupted.",
+    .example = "btf-render bricks.btf.exr -o sphere.png --light 40,120 --samples 2\n"
+               "btf-render bricks.btf.exr -o teapot.png --mesh teapot.obj --environment sky.exr\n"
+               "btf-render bricks.btf.exr -o figure13.png --figure13 --original BRICKS64.zip --mesh plane "
+               "--view 40,-90\n"
+               "btf-render bricks.btf.exr -o turn.png --frames 36 --animate light",
+    .options = option_table,
+    .min_arguments = 1,
+    .max_arguments = 1,
+};
+
+/* What a run holds. */
+typedef struct job {
+    btf_log log;
+    btf_material *material;
+    btf_material_info info;
+    mesh *mesh;
+    bvh *bvh;
+    shader *shader;
+    original *original;
+    render_scene scene;
+} job;
+
+static btf_result check_options(void) {
+    if (!options.out)
+        return cli_error(&program, BTF_ERROR_USAGE, "option --output is missing: a picture, .png or .exr");
+    if (!picture_knows(options.out))
+        return cli_error(&program, BTF_ERROR_USAGE,
+                         "option --output: '%s' ends neither in .png nor in .exr", options.out);
+    if (options.figure13 && !options.original)
+        return cli_error(&program, BTF_ERROR_USAGE,
+                         "option --figure13: needs --original, the images that the material was made from");
+    if (!options.figure13 && options.original)
+        return cli_error(&program, BTF_ERROR_USAGE, "option --original: only together with --figure13");
+    if (options.environment && (options.env_lights & (options.env_lights - 1)))
+        return cli_error(&program, BTF_ERROR_USAGE,
+                         "option --environment-lights: %d, expected a power of two", options.env_lights);
+    if (options.threads == 0)
+        options.threads = omp_get_num_procs();
+    return BTF_OK;
+}
+
+static btf_result make_lights(const btf_log *log) {
+    if (options.environment)
+        return light_list_read_environment(&options.lights, options.environment, options.env_lights,
+                                           options.env_rotate, options.env_gain, log);
+    if (!options.lights.count && light_parse_directional("40,120", &options.lights))
+        return BTF_ERROR_MEMORY;
+    return BTF_OK;
+}
+
+static btf_result load_mesh(job *j) {
+    const char *name = options.mesh;
+    size_t length = strlen(name);
+    bool flat = !strcmp(name, "plane") || !strcmp(name, "drape");
+    btf_result result;
+    if (length > 4 && !strcmp(name + length - 4, ".obj")) {
+        result = mesh_read_obj(name, &j->log, &j->mesh);
+        flat = true;
+    } else {
+        result = mesh_make(name, &j->log, &j->mesh);
+    }
+    if (result)
+        return result;
+    if (!options.repeat_given)
+        options.repeat = flat ? 2 : 3;
+    if (!options.zoom_given)
+        options.zoom = strcmp(name, "plane") ? 0.9 : 1;
+    j->bvh = bvh_create(j->mesh);
+    return j->bvh ? BTF_OK : cli_error(&program, BTF_ERROR_MEMORY, "out of memory for the mesh");
+}
+
+static btf_result open_shader(job *j) {
+    shader_request request = {.device = options.device,
+                              .material = j->material,
+                              .variants = options.figure13 ? 3 : 1,
+                              .effects = {options.effects},
+                              .components = (uint32_t)options.components,
+                              .interpolation = (btf_interpolation)options.interpolation,
+                              .filter = (btf_filter)options.filter,
+                              .math = (btf_math)options.math,
+                              .threads = options.threads};
+    if (options.figure13) {
+        request.effects[0] = 0;
+        request.effects[1] = BTF_EFFECT_SHADOW;
+        request.effects[2] = options.effects;
+    }
+    btf_result result = shader_create(&request, &j->log, &j->shader);
+    if (!result && options.size[0] * options.samples > shader_max_width(j->shader))
+        return cli_error(&program, BTF_ERROR_UNSUPPORTED,
+                         "%d samples a row exceed the device's GL_MAX_TEXTURE_SIZE %d",
+                         options.size[0] * options.samples, shader_max_width(j->shader));
+    return result;
+}
+
+static btf_result open_original(job *j) {
+    progress *p = progress_create(options.quiet);
+    if (!p)
+        return cli_error(&program, BTF_ERROR_MEMORY, "out of memory");
+    btf_result result =
+        original_open(options.original, j->material, options.threads, p, &j->log, &j->original);
+    progress_destroy(&p);
+    return result;
+}
+
+static btf_result prepare(job *j, const char *path) {
+    btf_result result = make_lights(&j->log);
+    if (!result)
+        result = btf_material_open(path, &j->log, &j->material);
+    if (!result)
+        result = load_mesh(j);
+    if (!result)
+        result = open_shader(j);
+    if (!result && options.original)
+        result = open_original(j);
+    if (result)
+        return result;
+    btf_material_get_info(j->material, &j->info);
+    j->scene =
+        (render_scene){.table = {.mesh = j->mesh,
+                                 .bvh = j->bvh,
+                                 .camera = {options.view[0], options.view[1], options.fov, options.zoom},
+                                 .repeat = {options.repeat, options.repeat},
+                                 .cast_shadows = options.cast_shadows,
+                                 .threads = options.threads},
+                       .lights = &options.lights,
+                       .width = options.size[0],
+                       .height = options.size[1],
+                       .samples = options.samples,
+                       .background = options.background};
+    return BTF_OK;
+}
+
+/* OUT, or for an animation OUT with a number before its ending; false when it is too long. */
+static bool frame_path(int frame, char *path, size_t size) {
+    const char *dot = strrchr(options.out, '.');
+    int length = options.frames == 1 ? snprintf(path, size, "%s", options.out)
+                                     : snprintf(path, size, "%.*s.%04d%s", (int)(dot - options.out),
+                                                options.out, frame + 1, dot);
+    return length >= 0 && (size_t)length < size;
+}
+
+static void print_stats(const job *j, const render_times *t) {
+    printf("device: %s\n", shader_name(j->shader));
+    printf("picture: %d x %d, %d samples a pixel, %zu lights, %s, %s, %s\n", j->scene.width,
+           j->scene.height, j->scene.samples * j->scene.samples, options.lights.count,
+           options.interpolation == BTF_INTERPOLATION_NEAREST ? "nearest" : "linear",
+           options.filter == BTF_FILTER_BILINEAR ? "bilinear" : "texel",
+           options.math == BTF_MATH_FAST ? "fast" : "exact");
+    printf("cast: %.1f ms\nshade: %.1f ms\n", 1e3 * t->cast, 1e3 * t->shade);
+    if (t->decode > 0)
+        printf("decode: %.2f ms a frame, %.1f frames a second\n"
+               "phong: %.2f ms a frame, %.1f frames a second\n",
+               1e3 * t->decode, 1 / t->decode, 1e3 * t->phong, 1 / t->phong);
+}
+
+static btf_result render_one(job *j, const char *path) {
+    picture picture;
+    const evaluator evaluator = evaluator_of_shader(j->shader, 0);
+    render_times times = {.shader = j->shader,
+                          .repeats =
+                              options.stats && strcmp(options.device, "reference") ? options.repeats : 0};
+    btf_result result = render_frame(&j->scene, &evaluator, 1, &picture, NULL, &times, &j->log);
+    if (result)
+        return result;
+    picture_expose(&picture, exp2(options.exposure));
+    result = picture_write(&picture, path, (tone)options.tone, j->log);
+    picture_clear(&picture);
+    if (!result && options.stats)
+        print_stats(j, &times);
+    return result;
+}
+
+static btf_result render_figure(job *j, const char *path) {
+    picture pictures[FIGURE_COLUMNS];
+    evaluator evaluators[FIGURE_COLUMNS] = {original_evaluator(j->original)};
+    render_times times = {0};
+    unsigned char *mask = calloc((size_t)j->scene.width * (size_t)j->scene.height, 1);
+    if (!mask)
+        return cli_error(&program, BTF_ERROR_MEMORY, "out of memory for a mask");
+    for (int i = 1; i < FIGURE_COLUMNS; i++)
+        evaluators[i] = evaluator_of_shader(j->shader, i - 1);
+    btf_result result =
+        render_frame(&j->scene, evaluators, FIGURE_COLUMNS, pictures, mask, &times, &j->log);
+    if (!result) {
+        for (int i = 0; i < FIGURE_COLUMNS; i++)
+            picture_expose(&pictures[i], exp2(options.exposure));
+        result = figure_write(pictures, mask, path, (tone)options.tone, j->log);
+        for (int i = 0; i < FIGURE_COLUMNS; i++)
+            picture_clear(&pictures[i]);
+    }
+    free(mask);
+    if (!result && options.stats)
+        print_stats(j, &times);
+    return result;
+}
+
+static btf_result render_all(job *j) {
+    btf_result result = BTF_OK;
+    const light first = options.lights.count ? options.lights.lights[0] : (light){0};
+    for (int frame = 0; frame < options.frames && !result; frame++) {
+        char path[4096];
+        const double turn = 360.0 * frame / options.frames;
+        if (!frame_path(frame, path, sizeof path))
+            return cli_error(&program, BTF_ERROR_USAGE, "option --output: the name is too long");
+        if (options.animate == 0) {
+            j->scene.table.camera.phi = options.view[1] + turn;
+        } else if (options.lights.count) {
+            const double c = cos(turn * (RENDER_PI / 180)), s = sin(turn * (RENDER_PI / 180));
+            options.lights.lights[0].at =
+                vec(c * first.at.x - s * first.at.y, s * first.at.x + c * first.at.y, first.at.z);
+        }
+        result = options.figure13 ? render_figure(j, path) : render_one(j, path);
+        if (options.frames > 1 && !options.quiet && !result)
+            fprintf(stderr, "%s\n", path);
+    }
+    return result;
+}
+
+static btf_result run(const char *path) {
+    job j = {.log = cli_log(&program, options.quiet), .info = {.struct_size = sizeof j.info}};
+    btf_result result = check_options();
+    if (!result)
+        result = prepare(&j, path);
+    if (!result)
+        result = render_all(&j);
+    if (result == BTF_ERROR_INTERRUPTED)
+        cli_error(&program, result, "interrupted");
+    original_close(&j.original);
+    shader_destroy(&j.shader);
+    bvh_destroy(&j.bvh);
+    mesh_destroy(&j.mesh);
+    btf_material_close(&j.material);
+    light_list_clear(&options.lights);
+    return result;
+}
+
+int main(int argc, char **argv) {
+    cli_arguments arguments;
+    int exit_code;
+    if (!cli_parse(&program, argc, argv, &arguments, &exit_code))
+        return exit_code;
+    return cli_finish(&program, run(arguments.values[0]));
+}

@@ -1,0 +1,172 @@
+/* Environment maps: median cut into directional lights.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "../exr_image.h"
+#include "encoder/image_hdr.h"
+#include "file.h"
+#include "lights.h"
+
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MAX_PIXELS = 1 << 26 };
+
+/* Sums over the map's rectangles. */
+typedef struct table {
+    int width, height;
+    double *sums; /* [height + 1][width + 1] of luminance times solid angle */
+} table;
+
+typedef struct region {
+    int x0, y0, x1, y1; /* half open */
+} region;
+
+static double region_sum(const table *t, region r) {
+    const size_t stride = (size_t)t->width + 1;
+    const double *top = t->sums + (size_t)r.y0 * stride, *bottom = t->sums + (size_t)r.y1 * stride;
+    return bottom[r.x1] - bottom[r.x0] - top[r.x1] + top[r.x0];
+}
+
+/* Solid angle of a pixel of row y. */
+static double solid_angle(const table *t, int y) {
+    double a = RENDER_PI * y / t->height, b = RENDER_PI * (y + 1) / t->height;
+    return (cos(a) - cos(b)) * (2 * RENDER_PI / t->width);
+}
+
+static void channels(const table *t, const float *pixels, int x, int y, double out[3]) {
+    const float *p = pixels + 3 * ((size_t)y * (size_t)t->width + (size_t)x);
+    for (int c = 0; c < 3; c++)
+        out[c] = p[c] > 0 && p[c] <= 1e30f ? (double)p[c] : 0;
+}
+
+static double luminance(const double rgb[3]) {
+    return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+}
+
+static void fill(table *t, const float *pixels) {
+    const size_t stride = (size_t)t->width + 1;
+    for (int y = 0; y < t->height; y++) {
+        double row = 0;
+        for (int x = 0; x < t->width; x++) {
+            double rgb[3];
+            channels(t, pixels, x, y, rgb);
+            row += luminance(rgb) * solid_angle(t, y);
+            t->sums[(size_t)(y + 1) * stride + (size_t)x + 1] =
+                t->sums[(size_t)y * stride + (size_t)x + 1] + row;
+        }
+    }
+}
+
+/* Cuts the longer side (columns shrink towards the poles) where the halves are most alike. */
+static void cut(const table *t, region r, region *out_a, region *out_b) {
+    double middle = RENDER_PI * (r.y0 + r.y1) / 2 / t->height;
+    bool across = (r.x1 - r.x0) * sin(middle) * 2 / t->width >= (double)(r.y1 - r.y0) / t->height;
+    if (r.x1 - r.x0 < 2)
+        across = false;
+    if (r.y1 - r.y0 < 2)
+        across = true;
+    const double half = region_sum(t, r) / 2;
+    *out_a = *out_b = r;
+    int low = across ? r.x0 + 1 : r.y0 + 1, high = across ? r.x1 - 1 : r.y1 - 1, at = low;
+    for (double best = INFINITY; low <= high; low++) {
+        region a = r;
+        *(across ? &a.x1 : &a.y1) = low;
+        double off = fabs(region_sum(t, a) - half);
+        if (off < best) {
+            best = off;
+            at = low;
+        }
+    }
+    *(across ? &out_a->x1 : &out_a->y1) = at;
+    *(across ? &out_b->x0 : &out_b->y0) = at;
+}
+
+/* The light of a region: all of its energy, from the centre of it. */
+static bool add_light(light_list *list, const table *t, const float *pixels, region r, double rotate,
+                      double gain) {
+    light l = {0};
+    vec3 centre = {0};
+    for (int y = r.y0; y < r.y1; y++)
+        for (int x = r.x0; x < r.x1; x++) {
+            double rgb[3], theta = RENDER_PI * (y + 0.5) / t->height,
+                           longitude = (x + 0.5) / t->width * 2 * RENDER_PI - RENDER_PI;
+            channels(t, pixels, x, y, rgb);
+            longitude += rotate * (RENDER_PI / 180);
+            vec3 d = vec(sin(theta) * sin(longitude), cos(theta), -sin(theta) * cos(longitude));
+            double weight = solid_angle(t, y);
+            centre = vec_add(centre, vec_mul(d, weight * luminance(rgb)));
+            for (int c = 0; c < 3; c++)
+                l.colour[c] += rgb[c] * weight * (gain / RENDER_PI);
+        }
+    if (!(luminance(l.colour) > 0))
+        return true;
+    l.at = vec_unit(centre, vec(0, 1, 0));
+    return light_list_add(list, l);
+}
+
+btf_result light_list_add_environment(light_list *list, int width, int height, const float *pixels,
+                                      int count, double rotate, double gain) {
+    table t = {width, height, calloc(((size_t)width + 1) * ((size_t)height + 1), sizeof(double))};
+    region *regions = calloc((size_t)count, sizeof *regions);
+    bool ok = t.sums && regions;
+    if (ok) {
+        fill(&t, pixels);
+        regions[0] = (region){0, 0, width, height};
+        int have = 1;
+        while (have < count) {
+            int before = have;
+            for (int i = 0; i < before && have < count; i++)
+                if (regions[i].x1 - regions[i].x0 > 1 || regions[i].y1 - regions[i].y0 > 1) {
+                    region whole = regions[i];
+                    cut(&t, whole, &regions[i], &regions[have++]);
+                }
+            if (have == before)
+                break; /* single pixels */
+        }
+        for (int i = 0; i < have && ok; i++)
+            ok = add_light(list, &t, pixels, regions[i], rotate, gain);
+    }
+    free(regions);
+    free(t.sums);
+    return ok ? BTF_OK : BTF_ERROR_MEMORY;
+}
+
+btf_result light_list_read_environment(light_list *list, const char *path, int count, double rotate,
+                                       double gain, const btf_log *log) {
+    char *data = NULL, message[300] = "";
+    size_t size = 0;
+    float *pixels = NULL;
+    int width = 0, height = 0;
+    btf_result result = file_read(path, (size_t)1 << 31, log, &data, &size);
+    if (result)
+        return result;
+    if (size >= 2 && !memcmp(data, "#?", 2)) {
+        bool xyz = false;
+        result = enc_image_hdr_read(data, size, MAX_PIXELS, &width, &height, &xyz, &pixels, message,
+                                    sizeof message);
+        if (!result && xyz) {
+            result = BTF_ERROR_UNSUPPORTED;
+            snprintf(message, sizeof message, "colours are XYZ, expected RGB");
+        }
+    } else {
+        exr_image image = {0};
+        result = exr_image_read(data, size, MAX_PIXELS, &image, message, sizeof message);
+        pixels = image.pixels;
+        width = image.width;
+        height = image.height;
+        if (!result && image.channels != 3) {
+            result = BTF_ERROR_UNSUPPORTED;
+            snprintf(message, sizeof message, "%d channel, expected R, G, B", image.channels);
+        }
+    }
+    free(data);
+    if (!result && (result = light_list_add_environment(list, width, height, pixels, count, rotate, gain)))
+        snprintf(message, sizeof message, "out of memory for the lights of a map");
+    if (result)
+        file_say(log, "%s: %s", path, message);
+    free(pixels);
+    return result;
+}

@@ -1,0 +1,63 @@
+/* Reading a whole file, and messages with values.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "file.h"
+
+#include <errno.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void file_say(const btf_log *log, const char *format, ...) {
+    char text[1200];
+    va_list arguments;
+    if (!log || !log->callback)
+        return;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    log->callback(log->user, BTF_LOG_ERROR, text);
+}
+
+btf_result file_read(const char *path, size_t most, const btf_log *log, char **out_data, size_t *out_size) {
+    size_t size = 0, room = 1 << 16;
+    char *data = NULL;
+    btf_result result = BTF_OK;
+    FILE *file = fopen(path, "rb");
+    *out_data = NULL;
+    *out_size = 0;
+    if (!file) {
+        file_say(log, "%s: %s", path, strerror(errno));
+        return BTF_ERROR_IO;
+    }
+    do {
+        room *= 2;
+        char *grown = realloc(data, room);
+        if (!grown) {
+            file_say(log, "%s: out of memory for %zu bytes", path, room);
+            result = BTF_ERROR_MEMORY;
+            break;
+        }
+        data = grown;
+        size += fread(data + size, 1, room - 1 - size, file);
+        if (size > most) {
+            file_say(log, "%s: larger than %zu bytes", path, most);
+            result = BTF_ERROR_UNSUPPORTED;
+        }
+    } while (!result && size == room - 1);
+    if (!result && ferror(file)) {
+        file_say(log, "%s: cannot be read: %s", path, strerror(errno));
+        result = BTF_ERROR_IO;
+    }
+    fclose(file);
+    if (result) {
+        free(data);
+        return result;
+    }
+    data[size] = '\0';
+    *out_data = data;
+    *out_size = size;
+    return BTF_OK;
+}

@@ -1,0 +1,18 @@
+/* Reading a whole file, and messages with values.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_RENDER_FILE_H
+#define OPENBTF_RENDER_FILE_H
+
+#include <openbtf/result.h>
+#include <stddef.h>
+
+/* An error message on log (may be NULL). */
+void file_say(const btf_log *log, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* *out_data[*out_size] is malloc'ed, a zero byte follows. Errors, named on log: BTF_ERROR_IO,
+ * BTF_ERROR_UNSUPPORTED (above `most` bytes), BTF_ERROR_MEMORY. */
+btf_result file_read(const char *path, size_t most, const btf_log *log, char **out_data, size_t *out_size);
+
+#endif

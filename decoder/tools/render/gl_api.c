@@ -1,0 +1,77 @@
+/* Loading OpenGL functions, compiling programs.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "gl_api.h"
+
+#include "file.h"
+#include <string.h>
+
+btf_result gl_api_load(gl_api *gl, btf_gl_get_proc_address get, void *user, const btf_log *log) {
+#define GL_API_LOAD(type, function)                                                                        \
+    gl->function = (type)get(user, "gl" #function);                                                        \
+    if (!gl->function) {                                                                                   \
+        file_say(log, "the context has no gl" #function);                                                  \
+        return BTF_ERROR_UNSUPPORTED;                                                                      \
+    }
+    GL_API_FUNCTIONS(GL_API_LOAD)
+#undef GL_API_LOAD
+    return BTF_OK;
+}
+
+static GLuint compile(const gl_api *gl, GLenum kind, const char *version, const char *const *parts,
+                      const btf_log *log) {
+    enum { MOST = 8 };
+    const char *all[MOST] = {version};
+    GLsizei count = 1;
+    while (*parts && count < MOST)
+        all[count++] = *parts++;
+    GLuint shader = gl->CreateShader(kind);
+    GLint ok = 0;
+    gl->ShaderSource(shader, count, all, NULL);
+    gl->CompileShader(shader);
+    gl->GetShaderiv(shader, GL_COMPILE_STATUS, &ok);
+    if (!ok) {
+        char message[900] = "";
+        gl->GetShaderInfoLog(shader, (GLsizei)sizeof message, NULL, message);
+        file_say(log, "GLSL does not compile: %s", message);
+        gl->DeleteShader(shader);
+        return 0;
+    }
+    return shader;
+}
+
+GLuint gl_api_program(const gl_api *gl, const char *version, const char *const *vertex,
+                      const char *const *fragment, const btf_log *log) {
+    GLuint vertex_shader = compile(gl, GL_VERTEX_SHADER, version, vertex, log);
+    GLuint fragment_shader = vertex_shader ? compile(gl, GL_FRAGMENT_SHADER, version, fragment, log) : 0;
+    GLuint program = 0;
+    if (fragment_shader) {
+        GLint ok = 0;
+        program = gl->CreateProgram();
+        gl->AttachShader(program, vertex_shader);
+        gl->AttachShader(program, fragment_shader);
+        gl->LinkProgram(program);
+        gl->GetProgramiv(program, GL_LINK_STATUS, &ok);
+        if (!ok) {
+            char message[900] = "";
+            gl->GetProgramInfoLog(program, (GLsizei)sizeof message, NULL, message);
+            file_say(log, "GLSL does not link: %s", message);
+            gl->DeleteProgram(program);
+            program = 0;
+        }
+        gl->DeleteShader(fragment_shader);
+    }
+    if (vertex_shader)
+        gl->DeleteShader(vertex_shader);
+    return program;
+}
+
+bool gl_api_has(const gl_api *gl, const char *extension) {
+    GLint count = 0;
+    gl->GetIntegerv(GL_NUM_EXTENSIONS, &count);
+    for (GLint i = 0; i < count; i++)
+        if (!strcmp((const char *)gl->GetStringi(GL_EXTENSIONS, (GLuint)i), extension))
+            return true;
+    return false;
+}

@@ -1,0 +1,319 @@
+/* GL devices: the table goes up as bits in an integer texture, a full-screen triangle evaluates the GLSL
+ * library, the bits come back.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "shader.h"
+
+#include "../reference_view.h"
+#include "file.h"
+#include "gl_api.h"
+#include "tests/conformance/context.h"
+#include <omp.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct gl_device {
+    context *context;
+    gl_api gl;
+    btf_gl *material;
+    GLuint programs[SHADER_VARIANTS], phong;
+    GLuint inputs, outputs, framebuffer, array, colour;
+    int width, rows; /* of the textures */
+    int variants;
+    uint32_t *bits; /* [rows][width][4] */
+    char name[240];
+} gl_device;
+
+enum { UNIT_INPUTS = 0, UNIT_COLOUR = 1, UNIT_MATERIAL = 2 };
+
+static const char vertex_text[] =
+    "void main() {\n"
+    "    gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0);\n"
+    "}\n";
+
+/* In front of every fragment shader. */
+static const char interface_text[] = "precision highp float;\n"
+                                     "precision highp int;\n"
+                                     "uniform highp usampler2DArray render_inputs;\n"
+                                     "uniform highp sampler2D render_colour;\n"
+                                     "out highp uvec4 render_result;\n";
+
+static const char main_text[] =
+    "void main() {\n"
+    "    ivec2 at = ivec2(gl_FragCoord.xy);\n"
+    "    vec4 a = uintBitsToFloat(texelFetch(render_inputs, ivec3(at, 0), 0));\n"
+    "    vec4 b = uintBitsToFloat(texelFetch(render_inputs, ivec3(at, 1), 0));\n"
+    "    render_result = uvec4(floatBitsToUint(render_evaluate(a.xy, b.yzw, vec3(a.zw, b.x))), 0u);\n"
+    "}\n";
+
+static const char decode_text[] =
+    "vec3 render_evaluate(vec2 uv, vec3 l, vec3 v) { return btf_evaluate(uv, l, v); }\n";
+
+static const char phong_text[] =
+    "vec3 render_evaluate(vec2 uv, vec3 l, vec3 v) {\n"
+    "    vec3 colour = texture(render_colour, vec2(uv.x, 1.0 - uv.y)).rgb;\n"
+    "    float shine = pow(max(dot(vec3(-l.xy, l.z), v), 0.0), 20.0);\n"
+    "    return v.z > 0.0 ? colour * max(l.z, 0.0) + 0.2 * shine : vec3(0.0);\n"
+    "}\n";
+
+static const context_device *find_device(const char *name, const btf_log *log) {
+    char list[300] = "reference";
+    for (const context_device *d = context_devices; d->name; d++) {
+        if (!strcmp(d->name, name))
+            return d;
+        size_t length = strlen(list);
+        snprintf(list + length, sizeof list - length, ", %s", d->name);
+    }
+    file_say(log, "option --device: '%s' is not one of %s", name, list);
+    return NULL;
+}
+
+static GLuint make_texture(gl_device *d, GLenum target, int unit) {
+    GLuint texture = 0;
+    d->gl.ActiveTexture(GL_TEXTURE0 + (GLenum)unit);
+    d->gl.GenTextures(1, &texture);
+    d->gl.BindTexture(target, texture);
+    return texture;
+}
+
+/* The mean colour of every texel seen and lit from the top, for the Phong shader. */
+static bool make_colour(gl_device *d, const btf_material *material) {
+    const float top[3] = {0, 0, 1};
+    const btf_ref_options options = {BTF_EFFECT_ALL, BTF_MAX_COMPONENTS, BTF_REF_NEAREST, BTF_REF_TEXEL};
+    btf_ref_material m;
+    reference_view(material, &m);
+    float *colour = malloc((size_t)m.width * m.height * 4 * sizeof *colour);
+    if (!colour)
+        return false;
+    for (uint32_t i = 0; i < m.width * m.height; i++) {
+        btf_ref_evaluate_texel(&m, &options, i % m.width, i / m.width, top, top, colour + 4 * (size_t)i);
+        colour[4 * (size_t)i + 3] = 1;
+    }
+    d->colour = make_texture(d, GL_TEXTURE_2D, UNIT_COLOUR);
+    d->gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    d->gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    d->gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA16F, (GLsizei)m.width, (GLsizei)m.height, 0, GL_RGBA,
+                     GL_FLOAT, colour);
+    free(colour);
+    return true;
+}
+
+static GLuint make_program(gl_device *d, const context_device *device, const char *library,
+                           const char *body, const btf_log *log) {
+    char version[120];
+    snprintf(version, sizeof version, "#version %s\n%s", device->glsl,
+             device->enable_gpu_shader5 ? "#extension GL_ARB_gpu_shader5 : require\n" : "");
+    const char *vertex[] = {vertex_text, NULL};
+    const char *fragment[] = {interface_text, library, body, main_text, NULL};
+    GLuint program = gl_api_program(&d->gl, version, vertex, fragment, log);
+    if (!program)
+        return 0;
+    d->gl.UseProgram(program);
+    d->gl.Uniform1i(d->gl.GetUniformLocation(program, "render_inputs"), UNIT_INPUTS);
+    d->gl.Uniform1i(d->gl.GetUniformLocation(program, "render_colour"), UNIT_COLOUR);
+    d->gl.UseProgram(0);
+    return program;
+}
+
+static btf_result make_variant(gl_device *d, const context_device *device, const shader_request *request,
+                               int variant, const btf_log *log) {
+    const btf_shader_options options = {.struct_size = sizeof options,
+                                        .leave_out = BTF_EFFECT_ALL & ~request->effects[variant],
+                                        .components = request->components,
+                                        .interpolation = request->interpolation,
+                                        .filter = request->filter,
+                                        .math = request->math,
+                                        .have_precise = device->enable_gpu_shader5};
+    char *library = NULL;
+    btf_result result = btf_shader_source(request->material, &options, log, &library);
+    if (result)
+        return result;
+    d->programs[variant] = make_program(d, device, library, decode_text, log);
+    btf_free(library);
+    if (!d->programs[variant])
+        return BTF_ERROR_INTERNAL;
+    return btf_gl_bind(d->material, d->programs[variant], UNIT_MATERIAL, NULL, log, NULL);
+}
+
+/* Exact decoding must be exact here. */
+static btf_result check_device(gl_device *d, const context_device *device, const shader_request *request,
+                               const btf_log *log) {
+    const btf_gl_options options = {sizeof options, context_get_proc_address, d->context, NULL};
+    uint32_t failures = 0;
+    char names[200];
+    snprintf(d->name, sizeof d->name, "%s, %s", (const char *)d->gl.GetString(GL_RENDERER),
+             (const char *)d->gl.GetString(GL_VERSION));
+    if (request->math == BTF_MATH_FAST)
+        return BTF_OK;
+    btf_result result = btf_gl_self_test(&options, log, &failures);
+    if (!result && failures) {
+        btf_self_test_names(failures, names, sizeof names);
+        file_say(log, "device %s (%s) does not keep to the format's arithmetic: %s; try --math fast",
+                 device->name, d->name, names);
+        return BTF_ERROR_UNSUPPORTED;
+    }
+    return result;
+}
+
+static btf_result fill(gl_device *d, const context_device *device, const shader_request *request,
+                       const btf_log *log) {
+    const btf_gl_options options = {sizeof options, context_get_proc_address, d->context, NULL};
+    btf_result result = gl_api_load(&d->gl, context_get_proc_address, d->context, log);
+    if (!result)
+        result = check_device(d, device, request, log);
+    if (!result)
+        result = btf_gl_upload(request->material, &options, log, &d->material);
+    if (!result && !make_colour(d, request->material)) {
+        file_say(log, "out of memory for a texture");
+        result = BTF_ERROR_MEMORY;
+    }
+    d->variants = request->variants;
+    for (int i = 0; i < request->variants && !result; i++)
+        result = make_variant(d, device, request, i, log);
+    if (!result && !(d->phong = make_program(d, device, "", phong_text, log)))
+        result = BTF_ERROR_INTERNAL;
+    if (result)
+        return result;
+    d->gl.GenFramebuffers(1, &d->framebuffer);
+    d->gl.BindFramebuffer(GL_FRAMEBUFFER, d->framebuffer);
+    d->gl.GenVertexArrays(1, &d->array);
+    d->gl.BindVertexArray(d->array);
+    return BTF_OK;
+}
+
+static void destroy(void *self) {
+    gl_device *d = self;
+    if (d->material)
+        btf_gl_destroy(&d->material);
+    context_destroy(&d->context); /* and all that lives in it */
+    free(d->bits);
+    free(d);
+}
+
+static void *create(const shader_request *request, const btf_log *log, btf_result *out_result) {
+    const context_device *device = find_device(request->device, log);
+    char why[300] = "";
+    if (!device) {
+        *out_result = BTF_ERROR_USAGE;
+        return NULL;
+    }
+    gl_device *d = calloc(1, sizeof *d);
+    if (!d) {
+        file_say(log, "out of memory for a device");
+        *out_result = BTF_ERROR_MEMORY;
+        return NULL;
+    }
+    context_prepare(device);
+    d->context = context_create(device, why, sizeof why);
+    if (!d->context) {
+        file_say(log, "device %s: %s", device->name, why);
+        *out_result = BTF_ERROR_UNSUPPORTED;
+        free(d);
+        return NULL;
+    }
+    if ((*out_result = fill(d, device, request, log))) {
+        destroy(d);
+        return NULL;
+    }
+    return d;
+}
+
+static const char *name(const void *self) {
+    return ((const gl_device *)self)->name;
+}
+
+static int max_width(const void *self) {
+    GLint size = 0;
+    ((const gl_device *)self)->gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &size);
+    return size;
+}
+
+/* Makes the textures large enough. */
+static btf_result resize(gl_device *d, int width, int rows, const btf_log *log) {
+    if (width == d->width && rows == d->rows)
+        return BTF_OK;
+    uint32_t *bits = realloc(d->bits, (size_t)width * (size_t)rows * 4 * sizeof *bits);
+    if (!bits) {
+        file_say(log, "out of memory for %d x %d samples", width, rows);
+        return BTF_ERROR_MEMORY;
+    }
+    d->bits = bits;
+    const GLuint old[2] = {d->inputs, d->outputs};
+    d->gl.DeleteTextures(2, old);
+    d->outputs = make_texture(d, GL_TEXTURE_2D, UNIT_INPUTS);
+    d->gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    d->gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    d->gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32UI, width, rows, 0, GL_RGBA_INTEGER, GL_UNSIGNED_INT, NULL);
+    d->inputs = make_texture(d, GL_TEXTURE_2D_ARRAY, UNIT_INPUTS);
+    d->gl.TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    d->gl.TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    d->gl.TexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RGBA32UI, width, rows, 2, 0, GL_RGBA_INTEGER,
+                     GL_UNSIGNED_INT, NULL);
+    d->gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, d->outputs, 0);
+    d->width = width;
+    d->rows = rows;
+    GLenum error = d->gl.GetError();
+    if (error != GL_NO_ERROR || d->gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+        file_say(log, "%s: no RGBA32UI framebuffer of %d x %d (error 0x%04x)", d->name, width, rows, error);
+        return BTF_ERROR_UNSUPPORTED;
+    }
+    return BTF_OK;
+}
+
+static btf_result run(void *self, int variant, int width, int rows, const float *inputs, float *out,
+                      const btf_log *log) {
+    gl_device *d = self;
+    const size_t count = (size_t)width * (size_t)rows;
+    btf_result result = resize(d, width, rows, log);
+    if (result)
+        return result;
+    d->gl.ActiveTexture(GL_TEXTURE0 + UNIT_INPUTS);
+    d->gl.BindTexture(GL_TEXTURE_2D_ARRAY, d->inputs);
+    for (int half = 0; half < 2; half++) {
+        for (size_t i = 0; i < count; i++)
+            memcpy(d->bits + 4 * i, inputs + 8 * i + 4 * half, 16);
+        d->gl.TexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, half, width, rows, 1, GL_RGBA_INTEGER,
+                            GL_UNSIGNED_INT, d->bits);
+    }
+    d->gl.UseProgram(d->programs[variant]);
+    d->gl.Viewport(0, 0, width, rows);
+    d->gl.DrawArrays(GL_TRIANGLES, 0, 3);
+    d->gl.ReadPixels(0, 0, width, rows, GL_RGBA_INTEGER, GL_UNSIGNED_INT, d->bits);
+    for (size_t i = 0; i < count; i++)
+        memcpy(out + 3 * i, d->bits + 4 * i, 12);
+    GLenum error = d->gl.GetError();
+    if (error != GL_NO_ERROR) {
+        file_say(log, "%s: error 0x%04x while drawing", d->name, error);
+        return BTF_ERROR_INTERNAL;
+    }
+    return BTF_OK;
+}
+
+static int compare(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static btf_result time_draws(void *self, int variant, int repeats, double *out_seconds) {
+    gl_device *d = self;
+    double *seconds = calloc((size_t)repeats, sizeof *seconds);
+    *out_seconds = 0;
+    if (!seconds)
+        return BTF_ERROR_MEMORY;
+    d->gl.UseProgram(variant == SHADER_PHONG ? d->phong : d->programs[variant]);
+    for (int i = -1; i < repeats; i++) { /* -1 warms up */
+        double start = omp_get_wtime();
+        d->gl.DrawArrays(GL_TRIANGLES, 0, 3);
+        d->gl.Finish();
+        if (i >= 0)
+            seconds[i] = omp_get_wtime() - start;
+    }
+    qsort(seconds, (size_t)repeats, sizeof *seconds, compare);
+    *out_seconds = seconds[repeats / 2];
+    free(seconds);
+    return d->gl.GetError() == GL_NO_ERROR ? BTF_OK : BTF_ERROR_INTERNAL;
+}
+
+const shader_class shader_class_gl = {create, destroy, name, max_width, run, time_draws};

@@ -1,0 +1,78 @@
+/* The reference decoder as a device, over all cores.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "shader.h"
+
+#include "../reference_view.h"
+#include "file.h"
+#include <stdlib.h>
+
+typedef struct reference {
+    btf_ref_material material;
+    btf_ref_options options[SHADER_VARIANTS];
+    int threads;
+} reference;
+
+static void *create(const shader_request *request, const btf_log *log, btf_result *out_result) {
+    if (request->math == BTF_MATH_FAST) {
+        file_say(log, "option --math fast: the reference is exact; take a device with GL");
+        *out_result = BTF_ERROR_USAGE;
+        return NULL;
+    }
+    if (!btf_ref_self_test()) {
+        file_say(log, "this build does not round floats as FORMAT.md demands");
+        *out_result = BTF_ERROR_UNSUPPORTED;
+        return NULL;
+    }
+    reference *self = calloc(1, sizeof *self);
+    if (!self) {
+        file_say(log, "out of memory for the reference");
+        *out_result = BTF_ERROR_MEMORY;
+        return NULL;
+    }
+    reference_view(request->material, &self->material);
+    self->threads = request->threads;
+    for (int i = 0; i < request->variants; i++)
+        self->options[i] = (btf_ref_options){
+            .effects = request->effects[i],
+            .components = request->components,
+            .interpolation =
+                request->interpolation == BTF_INTERPOLATION_NEAREST ? BTF_REF_NEAREST : BTF_REF_LINEAR,
+            .filter = request->filter == BTF_FILTER_BILINEAR ? BTF_REF_BILINEAR : BTF_REF_TEXEL};
+    return self;
+}
+
+static const char *name(const void *self) {
+    (void)self;
+    return "reference decoder";
+}
+
+static int max_width(const void *self) {
+    (void)self;
+    return 1 << 20;
+}
+
+static btf_result run(void *self, int variant, int width, int rows, const float *inputs, float *out,
+                      const btf_log *log) {
+    const reference *r = self;
+    const int count = width * rows;
+    (void)log;
+#pragma omp parallel for schedule(dynamic, 256) num_threads(r->threads)
+    for (int i = 0; i < count; i++) {
+        const float *in = inputs + 8 * (size_t)i;
+        btf_ref_evaluate(&r->material, &r->options[variant], in[0], in[1], in + 5, in + 2,
+                         out + 3 * (size_t)i);
+    }
+    return BTF_OK;
+}
+
+static btf_result no_time(void *self, int variant, int repeats, double *out_seconds) {
+    (void)self;
+    (void)variant;
+    (void)repeats;
+    *out_seconds = 0;
+    return BTF_ERROR_UNSUPPORTED;
+}
+
+const shader_class shader_class_reference = {create, free, name, max_width, run, no_time};

@@ -1,0 +1,57 @@
+/* Dispatch to the devices.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "shader.h"
+
+#include "file.h"
+#include <stdlib.h>
+#include <string.h>
+
+struct shader {
+    const shader_class *class;
+    void *self;
+};
+
+btf_result shader_create(const shader_request *request, const btf_log *log, shader **out_shader) {
+    btf_result result = BTF_OK;
+    shader *s = calloc(1, sizeof *s);
+    *out_shader = NULL;
+    if (!s) {
+        file_say(log, "out of memory for a device");
+        return BTF_ERROR_MEMORY;
+    }
+    s->class = strcmp(request->device, "reference") ? &shader_class_gl : &shader_class_reference;
+    s->self = s->class->create(request, log, &result);
+    if (!s->self) {
+        free(s);
+        return result ? result : BTF_ERROR_MEMORY;
+    }
+    *out_shader = s;
+    return BTF_OK;
+}
+
+void shader_destroy(shader **s) {
+    if (!s || !*s)
+        return;
+    (*s)->class->destroy((*s)->self);
+    free(*s);
+    *s = NULL;
+}
+
+const char *shader_name(const shader *s) {
+    return s->class->name(s->self);
+}
+
+int shader_max_width(const shader *s) {
+    return s->class->max_width(s->self);
+}
+
+btf_result shader_run(shader *s, int variant, int width, int rows, const float *inputs, float *out,
+                      const btf_log *log) {
+    return s->class->run(s->self, variant, width, rows, inputs, out, log);
+}
+
+btf_result shader_time(shader *s, int variant, int repeats, double *out_seconds) {
+    return s->class->time(s->self, variant, repeats, out_seconds);
+}
