@@ -70,8 +70,8 @@ static surface_point torus_at(double s, double t) {
 /* A hanging cloth: folds along y that grow towards the lower edge. */
 static double drape_height(double x, double y) {
     double hang = 0.5 * (1 - y);
-    return 0.17 * hang * sin(7 * x + 0.8 * sin(2.1 * y)) + 0.06 * cos(11 * x - 1.7 * y) * hang +
-           0.12 * cos(1.9 * x + 0.4) + 0.05 * sin(2.3 * y);
+    return 0.13 * hang * sin(5.5 * x + 0.8 * sin(2.1 * y)) + 0.035 * hang * cos(9 * x - 1.7 * y) +
+           0.1 * cos(1.9 * x + 0.4) + 0.05 * sin(2.3 * y);
 }
 
 static surface_point drape_at(double s, double t) {
@@ -79,8 +79,8 @@ static surface_point drape_at(double s, double t) {
     double x = 2 * s - 1, y = 2 * t - 1;
     double dx = (drape_height(x + step, y) - drape_height(x - step, y)) / (2 * step);
     double dy = (drape_height(x, y + step) - drape_height(x, y - step)) / (2 * step);
-    return (surface_point){vec(x, y, drape_height(x, y)), vec_unit(vec(-dx, -dy, 1), vec(0, 0, 1)),
-                           vec_unit(vec(1, 0, dx), vec(1, 0, 0))};
+    return (surface_point){vec(0.9 * x, 0.9 * y, 0.9 * drape_height(x, y)),
+                           vec_unit(vec(-dx, -dy, 1), vec(0, 0, 1)), vec_unit(vec(1, 0, dx), vec(1, 0, 0))};
 }
 
 static const surface surfaces[] = {

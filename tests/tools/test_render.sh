@@ -1,0 +1,131 @@
+#!/bin/bash
+# btf-render: the same picture on every device for every mesh and effect set, every option, every exit code.
+. "$BTF_SOURCE_ROOT/tests/tools/common.sh"
+PATH=$build/decoder/tools/render:$PATH
+small_data
+btf-encode data -o m.btf.exr --method paper -q || exit 99
+render() { btf-render m.btf.exr --size 40 --quiet "$@"; }
+same() { expect_that "$1" cmp "$2" "$3"; }
+differ() { expect_that "$1" test "$(cmp -s "$2" "$3"; echo $?)" = 1; }
+
+cat >seat.obj <<'O'
+v -1 0 -1
+v 1 0 -1
+v 1 0 1
+v -1 0 1
+v -1 1.5 -1
+v 1 1.5 -1
+vt 0 0
+vt 1 0
+vt 1 1
+vt 0 1
+f 4/1 3/2 2/3 1/4
+f 1/1 2/2 6/3 5/4
+O
+
+# One scene rendered on a device; 5 means that the machine has no such device.
+devices=
+for device in osmesa egl softpipe egl-es300; do
+    render -o probe.png --device $device >out 2>err
+    case $? in
+    0) devices="$devices $device" ;;
+    5) echo "no $device here: $(cat err)" ;;
+    *) report "device $device starts" failed "$(cat err)" ;;
+    esac
+done
+expect_that "a GL device is there" test -n "$devices"
+for mesh in plane sphere torus drape seat.obj; do
+    for effects in none shadow shift,hidden all; do
+        render -o r.png --device reference --mesh $mesh --effects $effects --view 35,-70 --cast-shadows
+        for device in $devices; do
+            [ $device = softpipe ] && [ $effects != all ] && continue
+            render -o g.png --device $device --mesh $mesh --effects $effects --view 35,-70 --cast-shadows
+            same "$mesh, $effects: $device gives the reference's picture" r.png g.png
+        done
+    done
+done
+for way in "--interpolate nearest" "--filter bilinear" "--samples 3 --exposure -1.5" "--point 1,1,2,3 --light 20,0,0.5,1,0,0" \
+    "--tone filmic --background 0.2" "--fov 0 --zoom 0.5 --repeat 1.5" "--size 31x17"; do
+    render -o r.png --device reference $way
+    render -o g.png --device osmesa $way
+    same "$way: the reference's picture" r.png g.png
+    render -o default.png --device reference
+    differ "$way: another picture than the default" r.png default.png
+done
+render -o a.exr --device reference
+render -o b.exr --device osmesa --threads 1
+same "EXR: the reference's picture, whatever the threads" a.exr b.exr
+expect "many samples, several bands" 0 render -o big.png --device reference --size 300 --samples 4
+render -o big2.png --size 300 --samples 4
+same "several bands: the reference's picture" big.png big2.png
+
+btf-decode m.btf.exr -o d.png --light 40,120
+expect "a plane straight on" 0 btf-render m.btf.exr -o p.png --mesh plane --fov 0 --repeat 1 --size 16 --quiet
+same "which is the decoded image" d.png p.png
+
+expect "fast math" 0 render -o f.png --math fast
+expect "statistics" 0 render -o s.png --stats --interpolate nearest
+expect_text "name decode" '^decode: [0-9.]+ ms a frame, [0-9.]+ frames a second' out
+expect_text "and Phong beside it" '^phong: [0-9.]+ ms a frame' out
+expect "statistics of the reference" 0 render -o s.png --stats --device reference
+expect_text "say so" '^device: reference decoder' out
+expect "components" 0 render -o s.png --components 0
+expect "frames of light" 0 btf-render m.btf.exr -o turn.png --size 24 --frames 3 --animate light
+expect_that "are numbered" test "$(ls turn.000[123].png | wc -l)" = 3
+differ "and differ" turn.0001.png turn.0002.png
+expect "frames of the view" 0 render -o orbit.exr --frames 2 --animate view --view 60,0 --mesh torus
+differ "and differ too" orbit.0001.exr orbit.0002.exr
+
+render -o sky.exr --light 0,0 --background 1
+expect "an environment map" 0 render -o e.png --environment sky.exr --environment-lights 16 --environment-rotate 30 --environment-gain 2 --stats --device reference
+expect_text "gives so many lights" ' 16 lights' out
+render -o e2.png --environment sky.exr --environment-lights 16 --environment-rotate 30 --environment-gain 2
+same "the reference's picture under a map" e.png e2.png
+printf '#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\n' >sky.hdr
+for i in 1 2 3 4 5 6 7 8; do printf '\x80\x80\x80\x82' >>sky.hdr; done
+expect "a Radiance map" 0 render -o e.png --environment sky.hdr --environment-lights 4
+
+expect "figure 13" 0 btf-render m.btf.exr -o f13.png --size 60 --figure13 --original data --mesh plane --view 40,0 --quiet
+expect_text "with the full method" '^full: psnr linear [0-9.]+ dB, srgb [0-9.]+ dB' out
+expect_that "which climbs from SBRDF to full" python3 - <<'P'
+import re
+psnr = {l.split(":")[0]: float(re.search("linear ([0-9.]+)", l).group(1)) for l in open("out")}
+assert psnr["SBRDF"] < psnr["full"], psnr
+P
+btf-sample -o other --relief bumps --size 16 --directions 0:1,45:4 --quiet
+expect "figure 13 with other data" 1 btf-render m.btf.exr -o x.png --figure13 --original other
+expect_text "names both counts" 'original: 5 views, the material has 7' err
+expect "figure 13 without data" 1 render -o x.png --figure13
+expect "data without figure 13" 1 render -o x.png --original data
+
+expect "help" 0 btf-render --help
+for option in $(grep -o '^ *\.\?{*.*\.name = "[a-z0-9-]*"' "$BTF_SOURCE_ROOT/decoder/tools/btf-render.c" | sed 's/.*"\(.*\)"/\1/' | grep -v btf-render); do
+    expect_text "help names --$option" "--$option" out
+done
+expect "no output" 1 render
+expect_text "is told" 'option --output is missing' err
+expect "an output of another kind" 1 render -o x.jpg
+expect "an unknown mesh" 1 render -o x.png --mesh cube
+expect_text "names the meshes" "'cube': expected plane, sphere, torus, drape" err
+expect "an unknown device" 1 render -o x.png --device teapot
+expect_text "names the devices" "'teapot' is not one of reference, osmesa" err
+expect "fast math on the reference" 1 render -o x.png --device reference --math fast
+expect "a wrong light" 1 render -o x.png --light 10
+expect "a wrong point" 1 render -o x.png --point 1,2
+expect "a wrong view" 1 render -o x.png --view 200,0
+expect "a wrong size" 1 render -o x.png --size 0
+expect "a wrong number of lights" 1 render -o x.png --environment sky.exr --environment-lights 5
+expect "no material" 2 btf-render none.btf.exr -o x.png
+expect_text "names it" 'none.btf.exr' err
+expect "no OBJ" 2 render -o x.png --mesh none.obj
+printf 'v 0 0 0\nf 1 2 3\n' >bad.obj
+expect "a broken OBJ" 3 render -o x.png --mesh bad.obj
+expect_text "names file and line" 'bad.obj:2: face' err
+expect "no map" 2 render -o x.png --environment none.exr
+expect "a broken map" 3 render -o x.png --environment seat.obj
+expect "a broken material" 3 btf-render seat.obj -o x.png
+expect "an output folder that is not there" 2 render -o none/x.png
+expect_that "no picture is left of a failure" test ! -e x.png
+expect "no display" 5 env -u DISPLAY -u WAYLAND_DISPLAY btf-render m.btf.exr -o x.png --device glfw
+expect_text "is told" 'device glfw' err
+finish

@@ -1,0 +1,315 @@
+/* Meshes, rays, lights and the ray-cast table of btf-render against known truth.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "decoder/tools/render/picture.h"
+#include "decoder/tools/render/table.h"
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static const char *const names[] = {"plane", "sphere", "torus", "drape"};
+
+static void close_to(double got, double expected, double tolerance) {
+    if (!(fabs(got - expected) <= tolerance))
+        fail_msg("%.9g, expected %.9g within %g", got, expected, tolerance);
+}
+
+static mesh *make(const char *name) {
+    mesh *m;
+    assert_int_equal(mesh_make(name, NULL, &m), BTF_OK);
+    return m;
+}
+
+/* Frames are orthonormal, faces agree with normals, tangents with growing u; all within [-1, 1]. */
+static void test_built_in(void **state) {
+    (void)state;
+    for (size_t k = 0; k < 4; k++) {
+        mesh *m = make(names[k]);
+        assert_true(mesh_is_built_in(names[k]));
+        for (uint32_t i = 0; i < m->vertex_count; i++) {
+            const mesh_vertex *v = &m->vertices[i];
+            vec3 n = vec_from(v->normal), t = vec_from(v->tangent);
+            close_to(vec_length(n), 1, 1e-6);
+            close_to(vec_length(t), 1, 1e-6);
+            close_to(vec_dot(n, t), 0, 1e-5);
+            for (int c = 0; c < 3; c++)
+                assert_true(fabsf(v->position[c]) <= 1);
+        }
+        for (uint32_t f = 0; f < m->triangle_count; f++) {
+            const mesh_vertex *a = &m->vertices[m->triangles[3 * f]],
+                              *b = &m->vertices[m->triangles[3 * f + 1]],
+                              *c = &m->vertices[m->triangles[3 * f + 2]];
+            vec3 e1 = vec_sub(vec_from(b->position), vec_from(a->position));
+            vec3 e2 = vec_sub(vec_from(c->position), vec_from(a->position));
+            vec3 face = vec_cross(e1, e2);
+            if (vec_length(face) > 1e-9)
+                assert_true(vec_dot(face, vec_from(a->normal)) > 0);
+            if (vec_length(face) > 1e-9 && b->uv[0] > a->uv[0] && b->uv[1] == a->uv[1])
+                assert_true(vec_dot(e1, vec_from(a->tangent)) > 0);
+        }
+        mesh_destroy(&m);
+        assert_null(m);
+    }
+    assert_false(mesh_is_built_in("cube"));
+    mesh *m;
+    assert_int_equal(mesh_make("cube", NULL, &m), BTF_ERROR_USAGE);
+    assert_null(m);
+}
+
+/* What the formulas say is found again from positions and uv alone. */
+static void test_computed_frames(void **state) {
+    (void)state;
+    for (size_t k = 0; k < 4; k++) {
+        mesh *truth = make(names[k]), *m = make(names[k]);
+        mesh_compute_normals(m);
+        assert_int_equal(mesh_compute_tangents(m), BTF_OK);
+        double worst_n = 1, worst_t = 1;
+        for (uint32_t i = 0; i < m->vertex_count; i++) {
+            const mesh_vertex *a = &truth->vertices[i], *b = &m->vertices[i];
+            if (k == 1 && fabsf(a->position[1]) > 0.95f)
+                continue; /* near the poles triangles degenerate */
+            worst_n = fmin(worst_n, vec_dot(vec_from(a->normal), vec_from(b->normal)));
+            worst_t = fmin(worst_t, vec_dot(vec_from(a->tangent), vec_from(b->tangent)));
+            assert_true(b->tangent[3] == 1);
+        }
+        assert_true(worst_n > 0.99);
+        assert_true(worst_t > 0.99);
+        mesh_destroy(&truth);
+        mesh_destroy(&m);
+    }
+}
+
+/* Mirrored uv makes a left-handed frame. */
+static void test_handedness(void **state) {
+    (void)state;
+    mesh *m = make("plane");
+    for (uint32_t i = 0; i < m->vertex_count; i++)
+        m->vertices[i].uv[0] = -m->vertices[i].uv[0];
+    assert_int_equal(mesh_compute_tangents(m), BTF_OK);
+    for (uint32_t i = 0; i < m->vertex_count; i++) {
+        close_to((double)m->vertices[i].tangent[0], -1, 1e-6);
+        close_to((double)m->vertices[i].tangent[3], -1, 0);
+    }
+    mesh_destroy(&m);
+}
+
+static double random_number(uint32_t *seed) {
+    *seed = *seed * 1664525u + 1013904223u;
+    return (double)(*seed >> 8) / (1 << 24);
+}
+
+/* The hierarchy finds what trying every triangle finds. */
+static void test_rays(void **state) {
+    (void)state;
+    mesh *m = make("torus");
+    bvh *b = bvh_create(m);
+    uint32_t seed = 7;
+    int hits = 0;
+    assert_non_null(b);
+    for (int i = 0; i < 300; i++) {
+        vec3 from = vec(4 * random_number(&seed) - 2, 4 * random_number(&seed) - 2, 3);
+        vec3 to = vec(2 * random_number(&seed) - 1, 2 * random_number(&seed) - 1, 0);
+        vec3 d = vec_unit(vec_sub(to, from), vec(0, 0, 1));
+        bvh_hit hit, best = {INFINITY, 0, 0, UINT32_MAX};
+        for (uint32_t f = 0; f < m->triangle_count; f++) {
+            mesh one = {m->vertices, m->vertex_count, m->triangles + 3 * (size_t)f, 1};
+            vec3 a = vec_from(one.vertices[one.triangles[0]].position);
+            vec3 e1 = vec_sub(vec_from(one.vertices[one.triangles[1]].position), a);
+            vec3 e2 = vec_sub(vec_from(one.vertices[one.triangles[2]].position), a);
+            vec3 n = vec_cross(e1, e2), s = vec_sub(from, a);
+            double t = -vec_dot(n, s) / vec_dot(n, d);
+            vec3 p = vec_add(s, vec_mul(d, t));
+            double u = vec_dot(vec_cross(p, e2), n) / vec_dot(n, n);
+            double v = vec_dot(vec_cross(e1, p), n) / vec_dot(n, n);
+            if (u >= 0 && v >= 0 && u + v <= 1 && t > 0 && t < best.t)
+                best = (bvh_hit){t, u, v, f};
+        }
+        assert_int_equal(bvh_trace(b, from, d, 0, INFINITY, &hit), best.triangle != UINT32_MAX);
+        if (best.triangle != UINT32_MAX) {
+            close_to(hit.t, best.t, 1e-9);
+            hits++;
+            assert_false(bvh_trace(b, from, d, 0, best.t * (1 - 1e-9), &hit));
+        }
+    }
+    assert_true(hits > 50);
+    bvh_destroy(&b);
+    mesh_destroy(&m);
+}
+
+/* A plane seen straight on: every sample sits at its texel, lit as angles say. */
+static void test_plane_table(void **state) {
+    (void)state;
+    enum { SIZE = 8 };
+    mesh *m = make("plane");
+    bvh *b = bvh_create(m);
+    table_scene scene = {.mesh = m,
+                         .bvh = b,
+                         .camera = {0, 0, 0, 1},
+                         .repeat = {2, 3},
+                         .width = SIZE,
+                         .height = SIZE,
+                         .threads = 2};
+    table_sample samples[SIZE * SIZE], again[SIZE];
+    float inputs[8 * SIZE * SIZE], weights[3 * SIZE * SIZE];
+    table_cast(&scene, 0, SIZE, samples);
+    for (int i = 0; i < SIZE * SIZE; i++) {
+        double u = 2 * (i % SIZE + 0.5) / SIZE, v = 3 * (1 - (i / SIZE + 0.5) / SIZE);
+        close_to((double)samples[i].uv[0], u - floor(u), 1e-6);
+        close_to((double)samples[i].uv[1], v - floor(v), 1e-6);
+        close_to((double)samples[i].view[2], 1, 1e-6);
+    }
+    table_cast(&scene, 5, 1, again);
+    assert_memory_equal(again, samples + 5 * SIZE, sizeof again);
+    light far = {false, vec_from_angles(30, 90), {2, 1, 0.5}};
+    table_light(&scene, &far, SIZE * SIZE, samples, inputs, weights);
+    close_to((double)inputs[8 * 9 + 6], sin(30 * RENDER_PI / 180), 1e-6);
+    close_to((double)inputs[8 * 9 + 7], cos(30 * RENDER_PI / 180), 1e-6);
+    close_to((double)weights[3 * 9], 2, 0);
+    light near = {true, vec_add(vec_from(samples[9].position), vec(0, 0, 2)), {4, 4, 4}};
+    table_light(&scene, &near, SIZE * SIZE, samples, inputs, weights);
+    close_to((double)inputs[8 * 9 + 7], 1, 1e-6);
+    close_to((double)weights[3 * 9], 1, 1e-6);
+    scene.camera = (camera){180, 0, 0, 1}; /* from behind: the frame turns over */
+    table_cast(&scene, 0, SIZE, samples);
+    close_to((double)samples[0].normal[2], -1, 1e-6);
+    close_to((double)samples[0].view[2], 1, 1e-6);
+    bvh_destroy(&b);
+    mesh_destroy(&m);
+}
+
+/* The torus shades its own inside; a sphere nothing that faces the light. */
+static void test_cast_shadows(void **state) {
+    (void)state;
+    enum { SIZE = 64 };
+    static table_sample samples[SIZE * SIZE];
+    static float inputs[8 * SIZE * SIZE], weights[3 * SIZE * SIZE];
+    for (int k = 1; k < 3; k++) {
+        mesh *m = make(names[k]);
+        bvh *b = bvh_create(m);
+        table_scene scene = {.mesh = m,
+                             .bvh = b,
+                             .camera = {0, 0, 30, 0.9},
+                             .repeat = {1, 1},
+                             .width = SIZE,
+                             .height = SIZE,
+                             .cast_shadows = true,
+                             .threads = 2};
+        light l = {false, vec_from_angles(70, 0), {1, 1, 1}};
+        int lit = 0, dark = 0, misses = 0;
+        table_cast(&scene, 0, SIZE, samples);
+        table_light(&scene, &l, SIZE * SIZE, samples, inputs, weights);
+        for (int i = 0; i < SIZE * SIZE; i++) {
+            misses += samples[i].view[2] == 0;
+            if (inputs[8 * i + 7] > 0.05f)
+                *(weights[3 * i] > 0 ? &lit : &dark) += 1;
+        }
+        assert_true(lit > 100 && misses > 100);
+        if (k == 1)
+            assert_int_equal(dark, 0);
+        else
+            assert_true(dark > 20);
+        bvh_destroy(&b);
+        mesh_destroy(&m);
+    }
+}
+
+/* Median cut keeps the energy; a single bright pixel is where it was. */
+static void test_environment(void **state) {
+    (void)state;
+    enum { W = 64, H = 32 };
+    static float map[W * H * 3];
+    light_list list = {0};
+    for (int i = 0; i < W * H * 3; i++)
+        map[i] = 1;
+    assert_int_equal(light_list_add_environment(&list, W, H, map, 64, 0, 1), BTF_OK);
+    assert_int_equal(list.count, 64);
+    double sum = 0, lambert = 0;
+    for (size_t i = 0; i < list.count; i++) {
+        sum += list.lights[i].colour[1];
+        lambert += list.lights[i].colour[1] * fmax(0, list.lights[i].at.y);
+        close_to(vec_length(list.lights[i].at), 1, 1e-9);
+    }
+    close_to(sum, 4, 1e-6);     /* 4 pi / pi */
+    close_to(lambert, 1, 0.03); /* a white Lambertian under a white sky is white, but for the cut */
+    light_list_clear(&list);
+    memset(map, 0, sizeof map);
+    map[3 * (16 * W + 48)] = 100; /* red, to the right: +x */
+    map[0] = NAN;
+    map[4] = -5;
+    assert_int_equal(light_list_add_environment(&list, W, H, map, 16, 0, 2), BTF_OK);
+    assert_int_equal(list.count, 1);
+    assert_true(list.lights[0].at.x > 0.99 && list.lights[0].colour[0] > 0 &&
+                list.lights[0].colour[1] == 0);
+    light_list_clear(&list);
+    assert_int_equal(light_list_add_environment(&list, W, H, map, 16, -90, 2), BTF_OK);
+    assert_true(list.lights[0].at.z < -0.99);
+    light_list_clear(&list);
+}
+
+static void test_light_words(void **state) {
+    (void)state;
+    light_list list = {0};
+    assert_null(light_parse_directional("90,90,2,1,0.5,0", &list));
+    assert_null(light_parse_point("1,2,3", &list));
+    close_to(list.lights[0].at.y, 1, 1e-9);
+    close_to(list.lights[0].colour[1], 1, 0);
+    assert_true(list.lights[1].is_point && list.lights[1].at.z == 3);
+    static const char *const bad[] = {
+        "",      "1",    "1,2,",  "1,2,x", "1,2,-1", "1,2,3,4", "1,2,3,4,5,6,7,8",
+        "nan,0", "-1,0", "200,0", "inf,0", "1e9,0",  "1 2"};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
+        assert_non_null(light_parse_directional(bad[i], &list));
+    assert_non_null(light_parse_point("1,2", &list));
+    assert_int_equal(list.count, 2);
+    light_list_clear(&list);
+}
+
+static void test_camera(void **state) {
+    (void)state;
+    for (int theta = 0; theta <= 180; theta += 30)
+        for (int phi = 0; phi < 360; phi += 30) {
+            const camera c = {theta, phi, 30, 1};
+            camera_frame f = camera_get_frame(&c);
+            close_to(vec_dot(f.right, f.up), 0, 1e-12);
+            close_to(vec_dot(f.right, f.back), 0, 1e-12);
+            close_to(vec_dot(f.up, f.back), 0, 1e-12);
+            close_to(vec_length(f.right), 1, 1e-12);
+            assert_true(f.up.y >= 0);
+        }
+}
+
+static void test_picture(void **state) {
+    (void)state;
+    assert_int_equal(picture_code(0), 0);
+    assert_int_equal(picture_code(1), 255);
+    assert_int_equal(picture_code(7), 255);
+    assert_int_equal(picture_code(-1), 0);
+    assert_int_equal(picture_code(0.2159), 128);
+    close_to(picture_tone(TONE_NONE, 3), 3, 0);
+    close_to(picture_tone(TONE_REINHARD, 1), 0.5, 0);
+    close_to(picture_tone(TONE_FILMIC, 0), 0, 0);
+    assert_true(picture_tone(TONE_FILMIC, 1) > 0.7 && picture_tone(TONE_FILMIC, 1) < 0.9);
+    float a[6] = {0, 0, 0, 0.5f, 0.5f, 0.5f}, b[6] = {0.1f, 0.1f, 0.1f, 0.5f, 0.5f, 2};
+    const picture p = {2, 1, a}, q = {2, 1, b};
+    const unsigned char first[2] = {1, 0}, none[2] = {0, 0};
+    close_to(picture_psnr(&p, &q, first, false), 20, 1e-5);
+    close_to(picture_psnr(&p, &p, NULL, true), 99.99, 0);
+    close_to(picture_psnr(&p, &q, none, false), 99.99, 0);
+    assert_true(picture_knows("x.png") && picture_knows("x.exr") && !picture_knows("x.jpg") &&
+                !picture_knows(".png"));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_built_in),    cmocka_unit_test(test_computed_frames),
+        cmocka_unit_test(test_handedness),  cmocka_unit_test(test_rays),
+        cmocka_unit_test(test_plane_table), cmocka_unit_test(test_cast_shadows),
+        cmocka_unit_test(test_environment), cmocka_unit_test(test_light_words),
+        cmocka_unit_test(test_camera),      cmocka_unit_test(test_picture),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
