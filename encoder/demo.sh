@@ -25,7 +25,7 @@ if [ $# -gt 0 ]; then
     data=$1
     shift
 else
-    data=$demo/sample
+    data=$demo/data/bricks
     [ -d "$data" ] || "$tools/tests/sample/btf-sample" -o "$data" --relief bricks --format png
 fi
 name=$(basename "${data%/}")

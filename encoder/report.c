@@ -28,7 +28,7 @@ size_t enc_report_gpu_bytes(const btf_material_info *info, uint32_t effects) {
     const size_t texels = (size_t)info->width * info->height;
     size_t bytes = 0;
     for (int id = 0; id < BTF_TEXTURE_RESIDUAL_SCALES; id++) {
-        if (id == BTF_TEXTURE_MAPS && reduced.effects != info->effects) {
+        if (id == BTF_TEXTURE_MAPS && info->layout == BTF_LAYOUT_PAPER && reduced.effects != info->effects) {
             bytes += reduced.effects & BTF_EFFECT_SHADOW ? texels * info->n_lights : 0;
             bytes += reduced.effects & (BTF_EFFECT_GAIN | BTF_EFFECT_HIDDEN) ? texels * info->n_views : 0;
             bytes += reduced.effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN) ? 2 * texels * info->n_views : 0;
