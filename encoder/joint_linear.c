@@ -8,62 +8,74 @@
 #include <stdlib.h>
 #include <string.h>
 
-bool joint_cholesky(size_t n, double *a) {
+/* Copies of the hot loops for wider vectors. They hold no sums across lanes and are not contracted, so that
+ * all copies give the same bits. */
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#define JOINT_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define JOINT_CLONES
+#endif
+
+/* to[i] -= factor * from[i]. */
+JOINT_CLONES static void subtract_scaled(size_t n, double factor, const double *restrict from,
+                                         double *restrict to) {
+    for (size_t i = 0; i < n; i++)
+        to[i] -= factor * from[i];
+}
+
+JOINT_CLONES bool joint_cholesky(size_t n, double *a) {
     for (size_t j = 0; j < n; j++) {
-        double *row = a + j * n;
+        double *restrict row = a + j * n;
         if (!(row[j] > 0.0))
             return false;
         const double pivot = sqrt(row[j]), inverse = 1.0 / pivot;
         row[j] = pivot;
-        for (size_t i = j + 1; i < n; i++)
-            a[i * n + j] *= inverse;
-        for (size_t i = j + 1; i < n; i++) { /* right-looking, on the lower part alone */
-            const double factor = a[i * n + j];
-            double *to = a + i * n;
-            for (size_t m = j + 1; m <= i; m++)
-                to[m] -= factor * a[m * n + j];
+        for (size_t m = j + 1; m < n; m++)
+            row[m] *= inverse;
+        for (size_t i = j + 1; i < n; i++) {
+            const double factor = row[i];
+            double *restrict to = a + i * n;
+            for (size_t m = i; m < n; m++)
+                to[m] -= factor * row[m];
         }
     }
     return true;
 }
 
-void joint_lower_solve(size_t n, const double *l, double *x, size_t columns) {
+void joint_lower_solve(size_t n, const double *r, double *x, size_t columns) {
     for (size_t i = 0; i < n; i++) {
         double *row = x + i * columns;
-        for (size_t j = 0; j < i; j++) {
-            const double factor = l[i * n + j];
-            const double *from = x + j * columns;
-            for (size_t c = 0; c < columns; c++)
-                row[c] -= factor * from[c];
-        }
-        const double inverse = 1.0 / l[i * n + i];
+        const double inverse = 1.0 / r[i * n + i];
         for (size_t c = 0; c < columns; c++)
             row[c] *= inverse;
+        if (columns == 1)
+            subtract_scaled(n - i - 1, row[0], r + i * n + i + 1, x + i + 1);
+        else
+            for (size_t m = i + 1; m < n; m++)
+                subtract_scaled(columns, r[i * n + m], row, x + m * columns);
     }
 }
 
-void joint_upper_solve(size_t n, const double *l, double *x, size_t columns) {
+void joint_upper_solve(size_t n, const double *r, double *x, size_t columns) {
     for (size_t i = n; i-- > 0;) {
         double *row = x + i * columns;
-        const double inverse = 1.0 / l[i * n + i];
+        for (size_t m = i + 1; m < n && columns == 1; m++)
+            row[0] -= r[i * n + m] * x[m];
+        for (size_t m = i + 1; m < n && columns > 1; m++)
+            subtract_scaled(columns, r[i * n + m], x + m * columns, row);
+        const double inverse = 1.0 / r[i * n + i];
         for (size_t c = 0; c < columns; c++)
             row[c] *= inverse;
-        for (size_t j = 0; j < i; j++) {
-            const double factor = l[i * n + j];
-            double *to = x + j * columns;
-            for (size_t c = 0; c < columns; c++)
-                to[c] -= factor * row[c];
-        }
     }
 }
 
-void joint_round_to_lattice(size_t n, const double *l, const double *step, double *x, int8_t *out_codes) {
+void joint_round_to_lattice(size_t n, const double *r, const double *step, double *x, int8_t *out_codes) {
     for (size_t i = n; i-- > 0;) {
         /* x_j holds d_j for j > i: the centre of coordinate i moves by their share of its plane. */
         double shift = 0.0;
         for (size_t j = i + 1; j < n; j++)
-            shift += l[j * n + i] * x[j];
-        const double target = x[i] - shift / l[i * n + i];
+            shift += r[i * n + j] * x[j];
+        const double target = x[i] - shift / r[i * n + i];
         double code = step[i] > 0.0 ? rint(target / step[i]) : 0.0;
         code = code > 127.0 ? 127.0 : code < -127.0 ? -127.0 : code;
         out_codes[i] = (int8_t)code;

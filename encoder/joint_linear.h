@@ -9,18 +9,18 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* In place, a = L * L^T of a symmetric matrix [n][n] (lower part read, L written there). Returns false when
- * a pivot is not positive. */
+/* In place, a = R^T R of a symmetric matrix [n][n]: the part at and above the diagonal is read, and the upper
+ * triangular R written there. Returns false when a pivot is not positive. */
 bool joint_cholesky(size_t n, double *a);
-/* x := L^-1 x, then x := L^-T x, for x [n][columns]: together x := a^-1 x. */
-void joint_lower_solve(size_t n, const double *l, double *x, size_t columns);
-void joint_upper_solve(size_t n, const double *l, double *x, size_t columns);
+/* x := R^-T x, then x := R^-1 x, for x [n][columns]: together x := a^-1 x. */
+void joint_lower_solve(size_t n, const double *r, double *x, size_t columns);
+void joint_upper_solve(size_t n, const double *r, double *x, size_t columns);
 
 /* Integers q in -127 .. 127 that make sum over i, j of d_i a_ij d_j small, d_i = q_i * step_i - x_i, from
  * the factor L of a: Babai's nearest plane, from the last coordinate to the first, so that each absorbs the
  * rounding of those after it (Babai 1986, On Lovasz' lattice reduction). x is overwritten by q_i * step_i.
  */
-void joint_round_to_lattice(size_t n, const double *l, const double *step, double *x, int8_t *out_codes);
+void joint_round_to_lattice(size_t n, const double *r, const double *step, double *x, int8_t *out_codes);
 
 /* Orthonormal rows of the span of v [k][row] by modified Gram-Schmidt, twice: v = lower * basis. A
  * dependent row has a zero row in the basis. All of basis and lower are written. Errors: false when out of

@@ -73,7 +73,7 @@ static void gram_of_u(const joint_model *model, double *a) {
     for (size_t s = 0; s < model->texels; s++)
         for (size_t i = 0; i < k; i++) {
             const double factor = weight[s] * model->u[s * k + i] / (double)points;
-            for (size_t j = 0; j <= i; j++)
+            for (size_t j = i; j < k; j++)
                 a[i * k + j] += factor * model->u[s * k + j];
         }
 }
@@ -118,7 +118,7 @@ static void whiten(const joint_rows *rows, joint_model *model, double *a, double
     joint_upper_solve(k, a, t, k);
     for (size_t i = 0; i < k; i++)
         for (size_t j = 0; j < k; j++)
-            inverse[i * k + j] = j >= i ? a[j * k + i] : 0.0;
+            inverse[i * k + j] = j >= i ? a[i * k + j] : 0.0;
     change_basis(rows, model, t, inverse);
 }
 
@@ -129,7 +129,7 @@ btf_result joint_orthogonalise(const joint_rows *rows, joint_model *model) {
         return no_memory(rows, k);
     for (size_t s = 0; s < model->texels; s++)
         for (size_t i = 0; i < k; i++)
-            for (size_t j = 0; j <= i; j++)
+            for (size_t j = i; j < k; j++)
                 a[i * k + j] += (double)model->u[s * k + i] * model->u[s * k + j];
     for (size_t i = 0; i < k * k; i++)
         a[i] /= (double)model->texels;

@@ -5,16 +5,8 @@
 #include "joint_sources.h"
 #include "joint_linear.h"
 
-#include <assert.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { SOURCES = 96 }; /* sources that one task of joint_solve_u handles: a multiple of ENC_GEMM_M */
-
-/* Weight of the present value in each solve, against the trace: keeps what the data do not determine, and
- * since it pulls towards a point that is already there, never raises the error. */
-static const double proximal = 1e-7;
 
 static btf_result out_of_memory(const joint_rows *rows, size_t k) {
     return enc_fail(rows->context, BTF_ERROR_MEMORY,
@@ -164,6 +156,12 @@ btf_result joint_choose(const joint_rows *rows, const joint_projection *projecti
     return result;
 }
 
+enum { SOURCES = 96 }; /* sources that one task of joint_solve_u handles: a multiple of ENC_GEMM_M */
+
+/* Weight of the present value in each solve, against the trace: keeps what the data do not determine, and
+ * since it pulls towards a point that is already there, never raises the error. */
+static const double proximal = 1e-7;
+
 /* Points by source: those of source s in a view are order[start[s]] .. order[start[s + 1] - 1], ascending.
  */
 typedef struct inverse_match {
@@ -202,6 +200,54 @@ static size_t u_scratch(size_t k, size_t views) {
     return SOURCES * (views + views + k + k + k + k * k);
 }
 
+/* u^T gram u - 2 right^T u: the error of a source's points but for a constant. */
+static double quadratic(size_t k, const float *gram, const float *right, const float *u) {
+    double sum = 0.0;
+    for (size_t i = 0; i < k; i++) {
+        double product = -2.0 * right[i];
+        for (size_t j = 0; j < k; j++)
+            product += (double)gram[i * k + j] * u[j];
+        sum += product * u[i];
+    }
+    return sum;
+}
+
+/* One source from its Gram matrix and right-hand side. The prior draws u to 0, unless that would raise the
+ * error; a source without points stays. system: k * k + k doubles of scratch. */
+static void solve_source(const u_task *step, joint_model *model, size_t source, const float *gram,
+                         const float *right, double *system) {
+    const size_t k = model->k;
+    double *a = system, *x = system + k * k, trace = 0.0;
+    float *u = model->u + source * k, solution[JOINT_MAX_COMPONENTS];
+    for (size_t i = 0; i < k; i++)
+        trace += gram[i * k + i];
+    const double before = quadratic(k, gram, right, u);
+    double prior = trace > 0.0 ? model->prior : 0.0, pull = proximal * trace / (double)k + 1e-30;
+    for (;;) {
+        for (size_t i = 0; i < k * k; i++)
+            a[i] = gram[i];
+        for (size_t i = 0; i < k; i++) {
+            a[i * k + i] += pull + prior;
+            x[i] = right[i] + pull * u[i];
+        }
+        if (!joint_cholesky(k, a)) { /* rounding of the Gram matrix left a negative pivot */
+            pull *= 16.0;
+            continue;
+        }
+        joint_lower_solve(k, a, x, 1);
+        joint_upper_solve(k, a, x, 1);
+        for (size_t i = 0; i < k; i++)
+            solution[i] = (float)x[i];
+        if (prior == 0.0 || quadratic(k, gram, right, solution) <= before)
+            break;
+        prior = 0.0;
+    }
+    if (step->rounding)
+        joint_round_to_lattice(k, a, step->rounding->step, x, step->rounding->codes + source * k);
+    for (size_t i = 0; i < k; i++)
+        u[i] = (float)x[i];
+}
+
 static void solve_sources(const u_task *step, joint_model *model, size_t first, float *scratch,
                           double *system) {
     const size_t k = model->k, views = model->views, texels = model->texels;
@@ -234,46 +280,8 @@ static void solve_sources(const u_task *step, joint_model *model, size_t first, 
     enc_gemm_pack_rows(count, views, weights, views, ENC_GEMM_M, packed_weights);
     enc_gemm_multiply(step->rows->tile, count, k * k, views, packed_weights, step->packed_gram, gram, k * k,
                       0);
-    for (size_t s = 0; s < count; s++) {
-        double *a = system, *x = system + k * k, trace = 0.0;
-        float *u = model->u + (first + s) * k;
-        for (size_t i = 0; i < k * k; i++)
-            a[i] = gram[s * k * k + i];
-        for (size_t i = 0; i < k; i++)
-            trace += a[i * k + i];
-        /* Unused sources stay; else the prior draws u to 0, unless that would raise the error. */
-        double prior = trace > 0.0 ? model->prior : 0.0;
-        double before = 0.0;
-        for (size_t i = 0; i < k; i++)
-            for (size_t j = 0; j < k; j++)
-                before += u[i] * (a[i * k + j] * u[j]) - (i == j ? 2.0 * right[s * k + i] * u[i] : 0.0);
-        for (;;) {
-            const double pull = proximal * trace / (double)k + 1e-30;
-            double after = 0.0;
-            for (size_t i = 0; i < k * k; i++)
-                a[i] = gram[s * k * k + i];
-            for (size_t i = 0; i < k; i++) {
-                a[i * k + i] += pull + prior;
-                x[i] = right[s * k + i] + pull * u[i];
-            }
-            const bool solved = joint_cholesky(k, a);
-            assert(solved); /* a Gram matrix with a positive diagonal added */
-            (void)solved;
-            joint_lower_solve(k, a, x, 1);
-            joint_upper_solve(k, a, x, 1);
-            for (size_t i = 0; i < k; i++)
-                for (size_t j = 0; j < k; j++)
-                    after += x[i] * (gram[(s * k + i) * k + j] * x[j]) -
-                             (i == j ? 2.0 * right[s * k + i] * x[i] : 0.0);
-            if (after <= before || prior == 0.0)
-                break;
-            prior = 0.0;
-        }
-        if (step->rounding)
-            joint_round_to_lattice(k, a, step->rounding->step, x, step->rounding->codes + (first + s) * k);
-        for (size_t i = 0; i < k; i++)
-            u[i] = (float)x[i];
-    }
+    for (size_t s = 0; s < count; s++)
+        solve_source(step, model, first + s, gram + s * k * k, right + s * k, system);
 }
 
 btf_result joint_solve_u(const joint_rows *rows, const joint_projection *projection,
@@ -373,21 +381,21 @@ static bool solve_view(const v_pass *pass, joint_model *model, size_t view) {
         return false;
     double *x = a + k * k, *column = x + k * row, *step = column + k;
     float *v = model->v + view * k * row;
-    for (size_t i = 0; i < k; i++) {
-        for (size_t j = 0; j < k; j++)
-            a[i * k + j] = pass->gram[(view * k + k - 1 - i) * k + k - 1 - j];
-        trace += a[i * k + i];
+    for (size_t i = 0; i < k; i++)
+        trace += pass->gram[(view * k + i) * k + i];
+    for (double pull = proximal * trace / (double)k + 1e-30;;
+         pull *= 16.0) { /* until no pivot is negative */
+        for (size_t i = 0; i < k; i++) {
+            for (size_t j = 0; j < k; j++)
+                a[i * k + j] = pass->gram[(view * k + k - 1 - i) * k + k - 1 - j];
+            a[i * k + i] += pull;
+            for (size_t p = 0; p < row; p++)
+                x[i * row + p] =
+                    pass->right[(view * k + k - 1 - i) * row + p] + pull * v[(k - 1 - i) * row + p];
+        }
+        if (joint_cholesky(k, a))
+            break;
     }
-    const double pull = proximal * trace / (double)k + 1e-30;
-    for (size_t i = 0; i < k; i++) {
-        a[i * k + i] += pull;
-        for (size_t p = 0; p < row; p++)
-            x[i * row + p] =
-                pass->right[(view * k + k - 1 - i) * row + p] + pull * v[(k - 1 - i) * row + p];
-    }
-    const bool solved = joint_cholesky(k, a);
-    assert(solved); /* a Gram matrix with a positive diagonal added */
-    (void)solved;
     joint_lower_solve(k, a, x, row);
     joint_upper_solve(k, a, x, row);
     for (size_t p = 0; p < row && pass->rounding; p++) {

@@ -1,0 +1,200 @@
+/* The small linear algebra and the matrix product of the joint method.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "encoder/joint_gemm.h"
+#include "encoder/joint_linear.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static uint64_t state = 7;
+
+/* Uniform in -1 .. 1 (xorshift64*, Vigna 2016). */
+static double uniform(void) {
+    state ^= state >> 12;
+    state ^= state << 25;
+    state ^= state >> 27;
+    return (double)((state * 2685821657736338717u) >> 11) * 0x1p-52 - 1.0;
+}
+
+enum { N = 37 };
+
+/* a = b^T b + 0.1 I. */
+static void positive_definite(double *a) {
+    static double b[N * N];
+    for (int i = 0; i < N * N; i++)
+        b[i] = uniform();
+    for (int i = 0; i < N; i++)
+        for (int j = 0; j < N; j++) {
+            a[i * N + j] = i == j ? 0.1 : 0.0;
+            for (int p = 0; p < N; p++)
+                a[i * N + j] += b[p * N + i] * b[p * N + j];
+        }
+}
+
+static void test_solve(void **unused) {
+    (void)unused;
+    static double a[N * N], r[N * N], x[N * 3], y[N * 3], single[N];
+    positive_definite(a);
+    memcpy(r, a, sizeof r);
+    for (int i = 0; i < N; i++)
+        for (int j = 0; j < i; j++)
+            r[i * N + j] = NAN; /* below the diagonal nothing may be read */
+    for (int i = 0; i < N * 3; i++)
+        x[i] = uniform();
+    memset(y, 0, sizeof y);
+    for (int i = 0; i < N; i++)
+        for (int j = 0; j < N; j++)
+            for (int c = 0; c < 3; c++)
+                y[i * 3 + c] += a[i * N + j] * x[j * 3 + c];
+    assert_true(joint_cholesky(N, r));
+    for (int i = 0; i < N; i++)
+        single[i] = y[i * 3 + 1];
+    joint_lower_solve(N, r, y, 3);
+    joint_upper_solve(N, r, y, 3);
+    joint_lower_solve(N, r, single, 1);
+    joint_upper_solve(N, r, single, 1);
+    for (int i = 0; i < N; i++) {
+        assert_true(fabs(single[i] - x[i * 3 + 1]) < 1e-9);
+        for (int c = 0; c < 3; c++)
+            assert_true(fabs(y[i * 3 + c] - x[i * 3 + c]) < 1e-9);
+    }
+    memset(r, 0, sizeof r);
+    assert_false(joint_cholesky(N, r));
+}
+
+/* d^T a d. */
+static double form(const double *a, const double *d) {
+    double sum = 0.0;
+    for (int i = 0; i < N; i++)
+        for (int j = 0; j < N; j++)
+            sum += d[i] * a[i * N + j] * d[j];
+    return sum;
+}
+
+/* Rounding to a lattice: codes in range and, over many targets, much nearer than plain rounding. */
+static void test_lattice(void **unused) {
+    (void)unused;
+    static double a[N * N], r[N * N], step[N], x[N], target[N], d[N], plain[N];
+    int8_t codes[N];
+    double together = 0.0, apart = 0.0;
+    positive_definite(a);
+    memcpy(r, a, sizeof r);
+    assert_true(joint_cholesky(N, r));
+    for (int i = 0; i < N; i++)
+        step[i] = i == 3 ? 0.0 : 0.01 * (1.5 + uniform());
+    for (int trial = 0; trial < 200; trial++) {
+        for (int i = 0; i < N; i++)
+            x[i] = target[i] = i == 3 ? 0.0 : uniform() * 0.3;
+        joint_round_to_lattice(N, r, step, x, codes);
+        for (int i = 0; i < N; i++) {
+            assert_true(codes[i] >= -127);
+            assert_true(x[i] == codes[i] * step[i]);
+            d[i] = x[i] - target[i];
+            plain[i] = step[i] > 0.0 ? rint(target[i] / step[i]) * step[i] - target[i] : 0.0;
+        }
+        together += form(a, d);
+        apart += form(a, plain);
+    }
+    assert_true(together < 0.6 * apart);
+    for (int i = 0; i < N; i++)
+        x[i] = i % 2 ? 1e6 : -1e6;
+    joint_round_to_lattice(N, r, step, x, codes);
+    for (int i = 0; i < N; i++)
+        assert_true(codes[i] >= -127);
+}
+
+static void test_orthonormal_rows(void **unused) {
+    (void)unused;
+    enum { K = 9, ROW = 50 };
+    static float v[K * ROW], basis[K * ROW], lower[K * K];
+    for (int i = 0; i < K * ROW; i++)
+        v[i] = (float)uniform();
+    for (int p = 0; p < ROW; p++) /* row 4 depends on row 0 */
+        v[4 * ROW + p] = -2.0f * v[p];
+    assert_true(joint_orthonormal_rows(K, ROW, v, basis, lower));
+    for (int i = 0; i < K; i++) {
+        for (int j = 0; j < K; j++) {
+            double dot = 0.0;
+            for (int p = 0; p < ROW; p++)
+                dot += (double)basis[i * ROW + p] * basis[j * ROW + p];
+            assert_true(fabs(dot - (i == j && i != 4)) < 1e-5);
+            if (j > i)
+                assert_true(lower[i * K + j] == 0.0f);
+        }
+        for (int p = 0; p < ROW; p++) {
+            double sum = 0.0;
+            for (int j = 0; j < K; j++)
+                sum += (double)lower[i * K + j] * basis[j * ROW + p];
+            assert_true(fabs(sum - v[i * ROW + p]) < 1e-5);
+        }
+    }
+}
+
+static void test_eigen(void **unused) {
+    (void)unused;
+    static double a[N * N], work[N * N], values[N], vectors[N * N];
+    positive_definite(a);
+    memcpy(work, a, sizeof work);
+    joint_eigen(N, work, values, vectors);
+    for (int i = 0; i < N; i++) {
+        assert_true(i == 0 || values[i] <= values[i - 1]);
+        for (int j = 0; j < N; j++) {
+            double sum = 0.0;
+            for (int p = 0; p < N; p++)
+                sum += a[j * N + p] * vectors[i * N + p];
+            assert_true(fabs(sum - values[i] * vectors[i * N + j]) < 1e-9);
+        }
+    }
+}
+
+/* The product of packed operands, in both packings and for sizes off the tile, against plain sums. */
+static void test_product(void **unused) {
+    (void)unused;
+    const size_t sizes[][3] = {{1, 1, 1}, {12, 32, 8}, {13, 33, 5}, {29, 70, 243}, {5, 100, 1}};
+    for (size_t t = 0; t < sizeof sizes / sizeof *sizes; t++) {
+        const size_t m = sizes[t][0], n = sizes[t][1], k = sizes[t][2];
+        float *a = malloc(m * k * sizeof *a), *b = malloc(k * n * sizeof *b),
+              *out = malloc(m * n * sizeof *out);
+        float *left = enc_gemm_alloc(enc_gemm_panels(m, ENC_GEMM_M) * ENC_GEMM_M * k);
+        float *right = enc_gemm_alloc(enc_gemm_panels(n, ENC_GEMM_N) * ENC_GEMM_N * k);
+        assert_true(a && b && out && left && right);
+        for (size_t i = 0; i < m * k; i++)
+            a[i] = (float)uniform();
+        for (size_t i = 0; i < k * n; i++)
+            b[i] = (float)uniform();
+        enc_gemm_pack_rows(m, k, a, k, ENC_GEMM_M, left);
+        enc_gemm_pack_columns(n, k, b, n, ENC_GEMM_N, right);
+        enc_gemm_multiply(enc_gemm_select(), m, n, k, left, right, out, n, 0);
+        enc_gemm_multiply(enc_gemm_select(), m, n, k, left, right, out, n, 1);
+        for (size_t i = 0; i < m; i++)
+            for (size_t j = 0; j < n; j++) {
+                double sum = 0.0;
+                for (size_t p = 0; p < k; p++)
+                    sum += (double)a[i * k + p] * b[p * n + j];
+                assert_true(fabs(out[i * n + j] - 2.0 * sum) < 1e-4);
+            }
+        free(a);
+        free(b);
+        free(out);
+        free(left);
+        free(right);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_solve),
+        cmocka_unit_test(test_lattice),
+        cmocka_unit_test(test_orthonormal_rows),
+        cmocka_unit_test(test_eigen),
+        cmocka_unit_test(test_product),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
