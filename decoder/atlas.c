@@ -26,7 +26,8 @@ bool btfi_atlas_plan(const btf_material_info *info, uint32_t width, uint32_t hei
 
 btf_result btf_material_atlas(const btf_material_info *info, uint32_t *out_width, uint32_t *out_height,
                               uint32_t *out_room) {
-    const uint32_t c_min = info->effects & BTF_EFFECT_HIDDEN ? info->n_views : 0;
+    const uint32_t most = info->centres > info->n_views ? info->centres : info->n_views;
+    const uint32_t c_min = info->effects & BTF_EFFECT_HIDDEN ? most : 0;
     uint64_t best = UINT64_MAX;
     *out_width = *out_height = *out_room = 0;
     if (info->width < 1 || info->height < 1 || info->n_views < 1 || info->n_lights < 1)

@@ -153,8 +153,8 @@ static void pack_residual_directions(const enc_solution *s, int8_t *out) {
     }
 }
 
-static void fill(const btf_material_info *info, const enc_solution *s, btf_texture_id id, const btf_texture *shape,
-                 void *out) {
+static void fill(const btf_material_info *info, const enc_solution *s, btf_texture_id id,
+                 const btf_texture *shape, void *out) {
     const size_t map_texels = (size_t)s->n_views * enc_solution_texels(s);
     switch (id) {
     case BTF_TEXTURE_SBRDF:
@@ -213,15 +213,15 @@ btf_result enc_pack(const enc_context *context, const enc_data *data, const enc_
         uint32_t room = 0;
         result = btf_material_atlas(&desc.info, &desc.info.atlas_width, &desc.info.atlas_height, &room);
         if (result != BTF_OK) {
-            enc_fail(context, result, "no atlas of up to %d texels a side holds %d x %d with %d views and %d lights",
-                     BTF_MAX_SIZE, solution->width, solution->height, solution->n_views, solution->n_lights);
+            enc_fail(context, result,
+                     "no atlas of up to %d texels a side holds %d x %d with %d views, %d lights and %u "
+                     "centres; layout "
+                     "tight needs none",
+                     BTF_MAX_SIZE, solution->width, solution->height, solution->n_views, solution->n_lights,
+                     desc.info.centres);
             goto done;
         }
-        if (desc.info.centres > room) {
-            result = enc_fail(context, BTF_ERROR_INTERNAL, "%u centres do not fit the atlas, which holds %u",
-                              desc.info.centres, room);
-            goto done;
-        }
+        assert(desc.info.centres <= room);
     }
     views = copy_directions(data->views, data->n_views);
     lights = copy_directions(data->lights, data->n_lights);
@@ -236,8 +236,8 @@ btf_result enc_pack(const enc_context *context, const enc_data *data, const enc_
         }
         textures[id] = calloc(1, shape.size);
         if (!textures[id]) {
-            result = enc_fail(context, BTF_ERROR_MEMORY, "packing: no memory for %zu bytes of %s", shape.size,
-                              btf_texture_name((btf_texture_id)id));
+            result = enc_fail(context, BTF_ERROR_MEMORY, "packing: no memory for %zu bytes of %s",
+                              shape.size, btf_texture_name((btf_texture_id)id));
             goto done;
         }
         fill(&desc.info, solution, (btf_texture_id)id, &shape, textures[id]);
@@ -257,8 +257,8 @@ done:
     return result;
 }
 
-btf_result enc_pack_centre_room(const enc_context *context, int width, int height, int n_views, int n_lights,
-                                uint32_t *out_room) {
+btf_result enc_pack_centre_room(const enc_context *context, int width, int height, int n_views,
+                                int n_lights, uint32_t *out_room) {
     btf_material_info info = {.struct_size = sizeof info,
                               .width = (uint32_t)width,
                               .height = (uint32_t)height,
@@ -269,7 +269,8 @@ btf_result enc_pack_centre_room(const enc_context *context, int width, int heigh
     uint32_t atlas_width, atlas_height;
     const btf_result result = btf_material_atlas(&info, &atlas_width, &atlas_height, out_room);
     if (result != BTF_OK) {
-        return enc_fail(context, result, "no atlas of up to %d texels a side holds %d x %d with %d views and %d lights",
+        return enc_fail(context, result,
+                        "no atlas of up to %d texels a side holds %d x %d with %d views and %d lights",
                         BTF_MAX_SIZE, width, height, n_views, n_lights);
     }
     return BTF_OK;

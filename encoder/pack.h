@@ -9,8 +9,8 @@
 
 typedef struct enc_pack_options {
     btf_layout layout;
-    bool half_float;       /* SBRDF parameters as halves; values too small for a normal half become 0 */
-    const char *method;    /* provenance strings of FORMAT.md section 7 */
+    bool half_float;    /* SBRDF parameters as halves; values too small for a normal half become 0 */
+    const char *method; /* provenance strings of FORMAT.md section 7 */
     const char *options;
     const char *source;
     const btf_material_error *errors;
@@ -18,15 +18,18 @@ typedef struct enc_pack_options {
 } enc_pack_options;
 
 /* Lays the solution out in textures and makes the material. Directions come from `data`.
- * Errors: BTF_ERROR_UNSUPPORTED (no legal atlas), BTF_ERROR_MEMORY, BTF_ERROR_INTERNAL (centres do not fit). */
+ * The atlas of layout `paper` has
+ * room for all centres. Errors: BTF_ERROR_UNSUPPORTED (no legal atlas), BTF_ERROR_MEMORY. */
 btf_result enc_pack(const enc_context *context, const enc_data *data, const enc_solution *solution,
                     const enc_pack_options *options, btf_material **out_material);
 
-/* Centres that layout `paper` has room for with `hidden` present (paper: 1984 for 64x64 and 81 directions). */
-btf_result enc_pack_centre_room(const enc_context *context, int width, int height, int n_views, int n_lights,
-                                uint32_t *out_room);
+/* Centres that layout `paper` has room for with `hidden` present (paper: 1984 for 64x64 and 81 directions).
+ */
+btf_result enc_pack_centre_room(const enc_context *context, int width, int height, int n_views,
+                                int n_lights, uint32_t *out_room);
 
-/* IEEE half of a float: round to nearest even; magnitudes below 2^-14 become 0, above 65504 become 65504. */
+/* IEEE half of a float: round to nearest even; magnitudes below 2^-14 become 0, above 65504 become 65504.
+ */
 uint16_t enc_half_from_float(float value);
 
 #endif

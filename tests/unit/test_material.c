@@ -286,6 +286,25 @@ static void test_atlas_numbers(void **state) {
     assert_int_equal(y, 16384);
 }
 
+/* More centres than the smallest atlas holds take the next one that does. */
+static void test_atlas_asked(void **state) {
+    (void)state;
+    btf_material_info info = {.width = 64, .height = 64, .n_views = 81, .n_lights = 81};
+    uint32_t width, height, room;
+    info.effects = BTF_EFFECT_HIDDEN;
+    info.centres = 1984;
+    assert_int_equal(btf_material_atlas(&info, &width, &height, &room), BTF_OK);
+    assert_int_equal(room, 1984);
+    info.centres = 1985;
+    assert_int_equal(btf_material_atlas(&info, &width, &height, &room), BTF_OK);
+    assert_int_equal(width, 1024);
+    assert_int_equal(height, 1024);
+    assert_true(room >= 1985);
+    info.effects = 0; /* without hidden points nobody reads it */
+    assert_int_equal(btf_material_atlas(&info, &width, &height, &room), BTF_OK);
+    assert_int_equal(height, 512);
+}
+
 /* Centres that an atlas has room for, counted column by column from where the tiles stand; -1 when they do
  * not fit. */
 static long count_room(const btf_material_info *info, uint32_t width, uint32_t height) {
@@ -594,6 +613,7 @@ int main(void) {
         cmocka_unit_test(test_provenance),
         cmocka_unit_test(test_path),
         cmocka_unit_test(test_atlas_numbers),
+        cmocka_unit_test(test_atlas_asked),
         cmocka_unit_test(test_atlas_disjoint),
         cmocka_unit_test(test_info),
         cmocka_unit_test(test_create_refuses_info),

@@ -188,8 +188,8 @@ typedef struct btf_material_desc {
  *  info has; format NONE when it has none. The tables have no shape before they are made. */
 btf_texture btf_material_texture_shape(const btf_material_info *info, btf_texture_id id);
 
-/** The smallest legal atlas of layout `paper` (FORMAT.md section 5) for info's width, height, n_views, n_lights
- *  and effects: sets *out_width, *out_height and *out_room (centres). BTF_ERROR_UNSUPPORTED when there is none. */
+/** The smallest legal atlas of layout `paper` (FORMAT.md section 5) for info's width, height, n_views, n_lights,
+ *  effects and, with hidden, at least so many centres: sets *out_width, *out_height and *out_room (centres). BTF_ERROR_UNSUPPORTED when there is none. */
 btf_result btf_material_atlas(const btf_material_info *info, uint32_t *out_width, uint32_t *out_height,
                               uint32_t *out_room);
 
