@@ -4,10 +4,11 @@
  */
 #include "job.h"
 
-#include "playback.h"
+#include "decoder/tools/output.h"
 #include "montage.h"
 #include "pack.h"
 #include "pictures.h"
+#include "playback.h"
 #include "report.h"
 #include "unpack.h"
 
@@ -18,6 +19,7 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <time.h>
+#include <unistd.h>
 
 static double now(void) {
     struct timespec time;
@@ -25,11 +27,36 @@ static double now(void) {
     return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
 }
 
-static btf_result make_folder(const enc_context *context, const char *path) {
-    if (mkdir(path, 0777) != 0 && errno != EEXIST) {
+static btf_result make_folder(const enc_context *context, const char *path, bool *out_made) {
+    *out_made = mkdir(path, 0777) == 0;
+    if (!*out_made && errno != EEXIST) {
         return enc_fail(context, BTF_ERROR_IO, "%s: cannot make the folder: %s", path, strerror(errno));
     }
     return BTF_OK;
+}
+
+/* Whether a file can be made there, which is better known before the work than after it. Pipes and devices
+ * are not opened to no purpose. */
+static btf_result try_output(const enc_context *context, const char *path) {
+    struct stat there;
+    output *file = NULL;
+    if (stat(path, &there) == 0 && !S_ISREG(there.st_mode) && !S_ISDIR(there.st_mode)) {
+        return BTF_OK;
+    }
+    const btf_result result = output_open(path, context->log, &file);
+    output_abort(&file);
+    return result;
+}
+
+static btf_result prepare_outputs(const enc_context *context, const enc_job *job, bool *out_made_folder) {
+    btf_result result = try_output(context, job->output);
+    if (result == BTF_OK && job->report) {
+        result = try_output(context, job->report);
+    }
+    if (result == BTF_OK && job->pictures) {
+        result = make_folder(context, job->pictures, out_made_folder);
+    }
+    return result;
 }
 
 /* "name=value name=value" for the material's provenance; the caller frees. */
@@ -62,10 +89,12 @@ typedef struct job_state {
     char *options;
 } job_state;
 
-static btf_result analyse(const enc_context *context, const enc_job *job, job_state *s, enc_report *report) {
+static btf_result analyse(const enc_context *context, const enc_job *job, job_state *s,
+                          enc_report *report) {
     if (job->method == ENC_METHOD_PAPER) {
         enc_paper_stats stats;
-        const btf_result result = enc_paper(context, s->data, &job->paper, &s->found, &s->occlusion, &stats);
+        const btf_result result =
+            enc_paper(context, s->data, &job->paper, &s->found, &s->occlusion, &stats);
         report->has_hidden = stats.hidden_total > 0;
         report->hidden_before = stats.hidden_before;
         report->hidden_after = stats.hidden_after;
@@ -101,13 +130,15 @@ static btf_result pack_and_measure(const enc_context *context, const enc_job *jo
     return result;
 }
 
-static btf_result draw(const enc_context *context, const enc_job *job, job_state *s, const enc_report *report) {
+static btf_result draw(const enc_context *context, const enc_job *job, job_state *s,
+                       const enc_report *report) {
     char path[4096];
     enc_playback *playback = NULL;
     enc_played decoded[ENC_REPORT_STEPS];
-    enc_montage_column columns[1 + ENC_REPORT_STEPS] = {{.title = "original", .images = enc_data_images(s->data)}};
-    btf_result result = make_folder(context, job->pictures);
-    if (result == BTF_OK && snprintf(path, sizeof path, "%s/montage.png", job->pictures) >= (int)sizeof path) {
+    enc_montage_column columns[1 + ENC_REPORT_STEPS] = {
+        {.title = "original", .images = enc_data_images(s->data)}};
+    btf_result result = BTF_OK;
+    if (snprintf(path, sizeof path, "%s/montage.png", job->pictures) >= (int)sizeof path) {
         result = enc_fail(context, BTF_ERROR_USAGE, "%s: name too long", job->pictures);
     }
     if (result == BTF_OK) {
@@ -128,7 +159,8 @@ static btf_result draw(const enc_context *context, const enc_job *job, job_state
                                        .playback = playback,
                                        .material = s->material,
                                        .occlusion = s->occlusion,
-                                       .t_error = job->method == ENC_METHOD_PAPER ? job->paper.fit.t_error : 0,
+                                       .t_error =
+                                           job->method == ENC_METHOD_PAPER ? job->paper.fit.t_error : 0,
                                        .t_btf = job->paper.fit.t_btf};
         result = enc_pictures_write(context, &pictures, job->pictures);
     }
@@ -139,19 +171,26 @@ static btf_result draw(const enc_context *context, const enc_job *job, job_state
 
 btf_result enc_job_run(const enc_context *context, const enc_job *job) {
     const double start = now();
+    bool made_folder = false;
     job_state state = {.options = join_options(job->option_values)};
     enc_report report = {.input = job->input,
                          .output = job->output,
                          .method = job->method == ENC_METHOD_PAPER ? "paper" : "joint",
                          .progress = context->progress};
-    btf_result result = state.options ? enc_read(context, job->input, &job->read, &state.data)
+    btf_result result = state.options ? prepare_outputs(context, job, &made_folder)
                                       : enc_fail(context, BTF_ERROR_MEMORY, "out of memory");
+    if (result == BTF_OK) {
+        result = enc_read(context, job->input, &job->read, &state.data);
+    }
     report.data = state.data;
     if (result == BTF_OK) {
         result = analyse(context, job, &state, &report);
     }
     if (result == BTF_OK) {
         result = pack_and_measure(context, job, &state, &report);
+    }
+    if (result == BTF_OK && job->pictures) {
+        result = draw(context, job, &state, &report);
     }
     if (result == BTF_OK && enc_cancelled(context)) {
         result = BTF_ERROR_INTERRUPTED;
@@ -163,9 +202,6 @@ btf_result enc_job_run(const enc_context *context, const enc_job *job) {
     if (result == BTF_OK) {
         report.file_bytes = stat(job->output, &file) == 0 ? (size_t)file.st_size : 0;
     }
-    if (result == BTF_OK && job->pictures) {
-        result = draw(context, job, &state, &report);
-    }
     struct rusage usage;
     getrusage(RUSAGE_SELF, &usage);
     report.peak_rss = (size_t)usage.ru_maxrss * 1024;
@@ -175,6 +211,9 @@ btf_result enc_job_run(const enc_context *context, const enc_job *job) {
     }
     if (result == BTF_OK && !job->quiet) {
         enc_report_print(&report, stdout);
+    }
+    if (result != BTF_OK && made_folder) {
+        rmdir(job->pictures); /* when nothing was drawn */
     }
     btf_material_close(&state.material);
     enc_solution_clear(&state.stored);

@@ -20,14 +20,17 @@ typedef struct enc_job {
     enc_joint_options joint;
     btf_layout layout;
     bool half_float;
-    const char *report;               /* JSON file; NULL: none */
-    const char *pictures;             /* folder, made when missing; NULL: none */
-    const char *const *option_values; /* alternating names and values, NULL at the end: for file and report */
-    bool quiet;                       /* no tables on stdout */
+    const char *report;   /* JSON file; NULL: none */
+    const char *pictures; /* folder, made when missing; NULL: none */
+    const char *const
+        *option_values; /* alternating names and values, NULL at the end: for file and report */
+    bool quiet;         /* no tables on stdout */
 } enc_job;
 
-/* Runs the job. Errors: those of the stages; a message was logged. On error or interruption no output exists that
- * was not there before. */
+/* Runs the job: that the outputs can be made is checked first, the material is saved after the pictures,
+ * the report comes last. Errors: those of the stages; a message was logged, but for BTF_ERROR_INTERRUPTED.
+ * On error or interruption there is no new material, unless only the report could not be written; pictures
+ * may be there. */
 btf_result enc_job_run(const enc_context *context, const enc_job *job);
 
 #endif
