@@ -6,7 +6,10 @@
 #include "input_options.h"
 #include "job.h"
 
+#include <assert.h>
+#include <inttypes.h>
 #include <omp.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,55 +24,145 @@ static struct {
     double hidden_threshold, error_threshold, btf_threshold;
     int window[2];
     bool data_points, quiet;
-} o = {.effects = UINT32_MAX};
+} o = {.effects = UINT32_MAX, .hidden_threshold = 0.7, .window = {256, 256}};
 
 static const cli_option table[] = {
-    {.short_name = 'o', .name = "output", .arg = "OUT", .type = CLI_STRING, .value = &o.job.output,
+    {.short_name = 'o',
+     .name = "output",
+     .arg = "OUT",
+     .type = CLI_STRING,
+     .value = &o.job.output,
      .help = "material to write, NAME.btf.exr; needed"},
-    {.name = "method", .type = CLI_CHOICE, .value = &o.method, .choices = "joint|paper",
-     .help = "joint (default): everything found together, best quality;\npaper: stage after stage, as printed"},
-    {.name = "preset", .type = CLI_CHOICE, .value = &o.job.joint.preset, .choices = "fast|medium|thorough|exhaustive",
+    {.name = "method",
+     .type = CLI_CHOICE,
+     .value = &o.method,
+     .choices = "joint|paper",
+     .help =
+         "joint (default): everything found together, best quality;\npaper: stage after stage, as printed"},
+    {.name = "preset",
+     .type = CLI_CHOICE,
+     .value = &o.job.joint.preset,
+     .choices = "fast|medium|thorough|exhaustive",
      .help = "joint: how long to search; default medium"},
-    {.name = "effects", .type = CLI_EFFECTS, .value = &o.effects, .given = &o.effects_given, .choices = "auto",
+    {.name = "effects",
+     .type = CLI_EFFECTS,
+     .value = &o.effects,
+     .given = &o.effects_given,
+     .choices = "auto",
      .help = "effects that may be used: auto (default), none, or of\nshadow,shift,hidden,gain,residual"},
-    {.name = "budget", .type = CLI_BYTES, .value = &o.budget,
-     .help = "joint: bytes on the GPU at most; default what the paper's\nlayout takes (2.36 MB for 64x64 and 81 directions)"},
-    {.name = "quality", .arg = "DB", .type = CLI_DOUBLE, .value = &o.job.joint.quality, .minimum = 0, .maximum = 100,
+    {.name = "budget",
+     .type = CLI_BYTES,
+     .value = &o.budget,
+     .help = "joint: bytes on the GPU at most; default what the paper's\nlayout takes (2.36 MB for 64x64 "
+             "and 81 directions)"},
+    {.name = "quality",
+     .arg = "DB",
+     .type = CLI_DOUBLE,
+     .value = &o.job.joint.quality,
+     .minimum = 0,
+     .maximum = 100,
      .help = "joint: the fewest bytes that reach this PSNR (sRGB-coded), at\nmost --budget"},
-    {.name = "metric", .type = CLI_CHOICE, .value = &o.job.joint.metric, .choices = "balanced|srgb|linear",
+    {.name = "metric",
+     .type = CLI_CHOICE,
+     .value = &o.job.joint.metric,
+     .choices = "balanced|srgb|linear",
      .help = "joint: whose error weighs more; default balanced"},
-    {.name = "layout", .type = CLI_CHOICE, .value = &o.layout, .given = &o.layout_given, .choices = "paper|tight",
-     .help = "paper: one atlas, as in 3.1; tight: a texture an effect; default\npaper for --method paper, tight for joint"},
-    {.name = "half", .type = CLI_FLAG, .value = &o.job.half_float, .help = "SBRDF parameters as half floats"},
+    {.name = "layout",
+     .type = CLI_CHOICE,
+     .value = &o.layout,
+     .given = &o.layout_given,
+     .choices = "paper|tight",
+     .help = "paper: one atlas, as in 3.1; tight: a texture an effect; default\npaper for --method paper, "
+             "tight for joint"},
+    {.name = "half",
+     .type = CLI_FLAG,
+     .value = &o.job.half_float,
+     .help = "SBRDF parameters as half floats"},
     ENC_INPUT_OPTIONS(o.job.read),
-    {.name = "lobes", .type = CLI_INT, .value = &o.job.paper.fit.lobes, .minimum = 1, .maximum = 4,
+    {.name = "lobes",
+     .type = CLI_INT,
+     .value = &o.job.paper.fit.lobes,
+     .minimum = 1,
+     .maximum = 4,
      .help = "paper: Lafortune lobes; default 3"},
-    {.name = "rounds", .type = CLI_INT, .value = &o.job.paper.fit.rounds, .minimum = 0, .maximum = 16,
+    {.name = "rounds",
+     .type = CLI_INT,
+     .value = &o.job.paper.fit.rounds,
+     .minimum = 0,
+     .maximum = 16,
      .help = "paper: shadow rejections of the fit; default 3"},
-    {.name = "starts", .type = CLI_INT, .value = &o.job.paper.fit.starts, .minimum = 1, .maximum = ENC_FIT_MAX_STARTS,
-     .help = "paper: starts of a texel's first fit; default 2"},
-    {.name = "error-threshold", .type = CLI_DOUBLE, .value = &o.error_threshold, .minimum = 0, .maximum = 1e6,
+    {.name = "starts",
+     .type = CLI_INT,
+     .value = &o.job.paper.fit.starts,
+     .minimum = 1,
+     .maximum = ENC_FIT_MAX_STARTS,
+     .help = "paper: starts of a texel's first fit; default 4"},
+    {.name = "error-threshold",
+     .type = CLI_DOUBLE,
+     .value = &o.error_threshold,
+     .minimum = 0,
+     .maximum = 1e6,
      .help = "paper: relative error that means shadow; default 0.3"},
-    {.name = "btf-threshold", .type = CLI_DOUBLE, .value = &o.btf_threshold, .minimum = 0, .maximum = 1e6,
+    {.name = "btf-threshold",
+     .type = CLI_DOUBLE,
+     .value = &o.btf_threshold,
+     .minimum = 0,
+     .maximum = 1e6,
      .help = "paper: luminance below which shadow is possible; default 0.3"},
-    {.name = "flow-lights", .type = CLI_INT, .value = &o.job.paper.flow.lights, .minimum = 1, .maximum = 256,
+    {.name = "flow-lights",
+     .type = CLI_INT,
+     .value = &o.job.paper.flow.lights,
+     .minimum = 1,
+     .maximum = 256,
      .help = "paper: lights that vote on shifts; default all"},
-    {.name = "hidden-threshold", .type = CLI_DOUBLE, .value = &o.hidden_threshold, .minimum = 0, .maximum = 1,
+    {.name = "hidden-threshold",
+     .type = CLI_DOUBLE,
+     .value = &o.hidden_threshold,
+     .minimum = 0.001,
+     .maximum = 1,
      .help = "paper: HiddenRatio above which a point is hidden; default 0.7"},
-    {.name = "window", .type = CLI_SIZE, .value = o.window, .minimum = 1, .maximum = 16384,
+    {.name = "window",
+     .type = CLI_SIZE,
+     .value = o.window,
+     .minimum = 1,
+     .maximum = 16384,
      .help = "paper: search window of the refinement; default 256x256"},
-    {.name = "centres", .type = CLI_INT, .value = &o.centres, .minimum = 1, .maximum = BTF_MAX_CENTRES,
+    {.name = "centres",
+     .type = CLI_INT,
+     .value = &o.centres,
+     .minimum = 1,
+     .maximum = BTF_MAX_CENTRES,
      .help = "paper: cluster centres; default what the atlas leaves room for"},
-    {.name = "data-points", .type = CLI_FLAG, .value = &o.data_points,
+    {.name = "data-points",
+     .type = CLI_FLAG,
+     .value = &o.data_points,
      .help = "paper: centres are data points nearest to the centroids"},
-    {.name = "report", .arg = "FILE", .type = CLI_STRING, .value = &o.job.report, .help = "write the report as JSON"},
-    {.name = "pictures", .arg = "DIR", .type = CLI_STRING, .value = &o.job.pictures,
+    {.name = "report",
+     .arg = "FILE",
+     .type = CLI_STRING,
+     .value = &o.job.report,
+     .help = "write the report as JSON"},
+    {.name = "pictures",
+     .arg = "DIR",
+     .type = CLI_STRING,
+     .value = &o.job.pictures,
      .help = "write pictures of the stages and a montage"},
-    {.name = "threads", .type = CLI_INT, .value = &o.threads, .minimum = 1, .maximum = 1024,
+    {.name = "threads",
+     .type = CLI_INT,
+     .value = &o.threads,
+     .minimum = 1,
+     .maximum = 1024,
      .help = "default: all cores. The output does not depend on it"},
-    {.name = "memory", .type = CLI_BYTES, .value = &o.memory,
-     .help = "bound of the working set; default half of the machine's.\nData beyond half of it go through a scratch file in $TMPDIR"},
-    {.short_name = 'q', .name = "quiet", .type = CLI_FLAG, .value = &o.quiet, .help = "no progress, no tables"},
+    {.name = "memory",
+     .type = CLI_BYTES,
+     .value = &o.memory,
+     .help = "bound of the working set; default half of the machine's.\nData beyond half of it go through "
+             "a scratch file in $TMPDIR"},
+    {.short_name = 'q',
+     .name = "quiet",
+     .type = CLI_FLAG,
+     .value = &o.quiet,
+     .help = "no progress, no tables"},
     {.type = CLI_END},
 };
 
@@ -79,7 +172,8 @@ static const cli_program program = {
     .summary = "Compresses a bidirectional texture function into a material of a few GPU textures.\n"
                "INPUT is a folder or an archive (zip) of images whose names hold tl, pl, tv and pv, each\n"
                "followed by an angle in degrees (UBO2003, ATRIUM, UTIA, Bonn spectral).",
-    .details = "The tables printed at the end, and the report, measure what the written material decodes to.",
+    .details =
+        "The tables printed at the end, and the report, measure what the written material decodes to.",
     .example = "btf-encode UBO_IMPALLA256.zip --size 64x64 -o impalla.btf.exr --pictures pictures",
     .options = table,
     .min_arguments = 1,
@@ -90,32 +184,89 @@ static uint64_t machine_memory(void) {
     return (uint64_t)sysconf(_SC_PHYS_PAGES) * (uint64_t)sysconf(_SC_PAGESIZE);
 }
 
-/* Names and values of what decides the result, for the material's provenance and the report. */
-static const char *const *describe(void) {
-    static char text[12][64];
-    static const char *values[32];
-    static const char *const presets[] = {"fast", "medium", "thorough", "exhaustive"};
-    int n = 0, used = 0;
-#define DESCRIBE(name, ...) (values[n++] = name, values[n++] = text[used], snprintf(text[used++], 64, __VA_ARGS__))
-    const enc_paper_options *paper = &o.job.paper;
-    DESCRIBE("layout", "%s", o.job.layout == BTF_LAYOUT_PAPER ? "paper" : "tight");
-    DESCRIBE("half", "%s", o.job.half_float ? "yes" : "no");
-    if (o.job.method == ENC_METHOD_PAPER) {
-        DESCRIBE("lobes", "%d", paper->fit.lobes);
-        DESCRIBE("rounds", "%d", paper->fit.rounds);
-        DESCRIBE("starts", "%d", paper->fit.starts);
-        DESCRIBE("error-threshold", "%g", paper->fit.t_error);
-        DESCRIBE("btf-threshold", "%g", paper->fit.t_btf);
-        DESCRIBE("flow-lights", "%d", paper->flow.lights);
-        DESCRIBE("hidden-threshold", "%g", paper->flow.hidden_threshold > 0 ? paper->flow.hidden_threshold : 0.7);
-        DESCRIBE("data-points", "%s", paper->cluster.data_points ? "yes" : "no");
+enum { MOST_OPTIONS = 32, VALUE_SIZE = 64 };
+
+/* Alternating names and values, NULL at the end. */
+static const char *described[2 * MOST_OPTIONS + 1];
+
+static void describe(const char *name, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void describe(const char *name, const char *format, ...) {
+    static char text[MOST_OPTIONS][VALUE_SIZE];
+    static int count;
+    va_list arguments;
+    assert(count < MOST_OPTIONS);
+    va_start(arguments, format);
+    vsnprintf(text[count], VALUE_SIZE, format, arguments);
+    va_end(arguments);
+    described[2 * count] = name;
+    described[2 * count + 1] = text[count];
+    count++;
+}
+
+static const char *yes_no(bool value) {
+    return value ? "yes" : "no";
+}
+
+static void describe_input(const enc_read_options *read) {
+    if (read->transfer == ENC_TRANSFER_GAMMA) {
+        describe("transfer", "gamma:%g", read->gamma);
     } else {
-        DESCRIBE("preset", "%s", presets[o.job.joint.preset]);
-        DESCRIBE("budget", "%llu", (unsigned long long)o.budget);
+        describe("transfer", "%s",
+                 read->transfer == ENC_TRANSFER_SRGB     ? "srgb"
+                 : read->transfer == ENC_TRANSFER_LINEAR ? "linear"
+                                                         : "default");
     }
-#undef DESCRIBE
-    values[n] = NULL;
-    return values;
+    describe("colour", "%s", read->colour == ENC_COLOUR_XYZ ? "xyz" : "rgb");
+    if (read->size[0] > 0) {
+        describe("size", "%dx%d", read->size[0], read->size[1]);
+    }
+    if (read->crop[2] > 0) {
+        describe("crop", "%d,%d,%d,%d", read->crop[0], read->crop[1], read->crop[2], read->crop[3]);
+    }
+    if (read->flip_v || read->azimuth_cw || read->azimuth_offset != 0) {
+        describe("flip-v", "%s", yes_no(read->flip_v));
+        describe("azimuth-cw", "%s", yes_no(read->azimuth_cw));
+        describe("azimuth-offset", "%g", read->azimuth_offset);
+    }
+}
+
+/* Names and values of what decides the result, for the material's provenance and the report. */
+static void describe_all(void) {
+    static const char *const presets[] = {"fast", "medium", "thorough", "exhaustive"};
+    static const char *const metrics[] = {"balanced", "srgb", "linear"};
+    const enc_paper_options *paper = &o.job.paper;
+    char effects[48];
+    describe_input(&o.job.read);
+    describe("effects", "%s", o.effects == UINT32_MAX ? "auto" : cli_effects_text(o.effects, effects));
+    describe("layout", "%s", o.job.layout == BTF_LAYOUT_PAPER ? "paper" : "tight");
+    describe("half", "%s", yes_no(o.job.half_float));
+    if (o.job.method == ENC_METHOD_PAPER) {
+        describe("lobes", "%d", paper->fit.lobes);
+        describe("rounds", "%d", paper->fit.rounds);
+        describe("starts", "%d", paper->fit.starts);
+        describe("error-threshold", "%g", (double)paper->fit.t_error);
+        describe("btf-threshold", "%g", (double)paper->fit.t_btf);
+        if (paper->flow.lights > 0) {
+            describe("flow-lights", "%d", paper->flow.lights);
+        } else {
+            describe("flow-lights", "all");
+        }
+        describe("hidden-threshold", "%g", o.hidden_threshold);
+        describe("window", "%dx%d", paper->refine.columns, paper->refine.rows);
+        if (paper->centres > 0) {
+            describe("centres", "%u", paper->centres);
+        }
+        describe("data-points", "%s", yes_no(paper->cluster.data_points));
+    } else {
+        describe("preset", "%s", presets[o.job.joint.preset]);
+        describe("metric", "%s", metrics[o.job.joint.metric]);
+        if (o.budget > 0) {
+            describe("budget", "%" PRIu64, o.budget);
+        }
+        if (o.job.joint.quality > 0) {
+            describe("quality", "%g", o.job.joint.quality);
+        }
+    }
 }
 
 static btf_result prepare(void) {
@@ -125,7 +276,8 @@ static btf_result prepare(void) {
         return cli_error(&program, BTF_ERROR_USAGE, "option --output is missing: expected -o OUT.btf.exr");
     }
     job->method = o.method == 1 ? ENC_METHOD_PAPER : ENC_METHOD_JOINT;
-    if (job->method == ENC_METHOD_PAPER && o.effects_given && o.effects != UINT32_MAX && (o.effects & ~paper_effects)) {
+    if (job->method == ENC_METHOD_PAPER && o.effects_given && o.effects != UINT32_MAX &&
+        (o.effects & ~paper_effects)) {
         return cli_error(&program, BTF_ERROR_USAGE,
                          "option --effects: --method paper has shadow, shift and hidden only");
     }
@@ -141,7 +293,8 @@ static btf_result prepare(void) {
     job->paper.centres = (uint32_t)o.centres;
     job->joint.effects = o.effects == UINT32_MAX ? BTF_EFFECT_ALL : o.effects;
     job->joint.budget = o.budget;
-    job->option_values = describe();
+    describe_all();
+    job->option_values = described;
     job->quiet = o.quiet;
     return BTF_OK;
 }
@@ -168,7 +321,7 @@ int main(int argc, char **argv) {
         o.job.input = arguments.values[0];
         result = enc_job_run(&context, &o.job);
         if (result == BTF_ERROR_INTERRUPTED) {
-            cli_error(&program, result, "interrupted; nothing was written");
+            cli_error(&program, result, "interrupted; no material was written");
         }
         progress_destroy(&shown);
     }
