@@ -12,8 +12,8 @@
 
 enum { SRGB_STEPS = 1 << 14 };
 
-/* sRGB coding sampled at (i / SRGB_STEPS)^2: the squared spacing puts the samples where the curve bends, and linear
- * interpolation stays within 3e-7 of it. */
+/* sRGB coding sampled at (i / SRGB_STEPS)^2: the squared spacing puts the samples where the curve bends,
+ * and linear interpolation stays within 3e-7 of it. */
 static float srgb_table[SRGB_STEPS + 2];
 
 static void __attribute__((constructor)) srgb_table_init(void) {
@@ -82,8 +82,8 @@ static void add(enc_error_sum *to, const enc_error_sum *from) {
 }
 
 /* All images of one view: error[light], and the sum of their SSIM. */
-static btf_result compare_view(const enc_data *shape, enc_image_source original, enc_image_source other, int view,
-                               bool with_ssim, enc_error_sum *error, double *out_ssim) {
+static btf_result compare_view(const enc_data *shape, enc_image_source original, enc_image_source other,
+                               int view, bool with_ssim, enc_error_sum *error, double *out_ssim) {
     const size_t texels = enc_data_texel_count(shape), image = texels * 3, lights = (size_t)shape->n_lights;
     float *a = malloc(lights * image * sizeof *a), *b = malloc(lights * image * sizeof *b);
     float *coded = malloc(2 * image * sizeof *coded);
@@ -109,6 +109,16 @@ static btf_result compare_view(const enc_data *shape, enc_image_source original,
     return result;
 }
 
+/* Threads whose two views of images fit half of the allowed memory, the other half being the data's; at
+ * least 1. */
+static int threads_within(const enc_context *context, const enc_data *shape) {
+    const size_t view = enc_data_texel_count(shape) * (size_t)shape->n_lights * 3 * sizeof(float);
+    const size_t most = context->memory / 2 / (2 * view);
+    return context->memory == 0 || most >= (size_t)context->threads ? context->threads
+           : most > 1                                               ? (int)most
+                                                                    : 1;
+}
+
 btf_result enc_metrics_compare(const enc_context *context, const enc_data *shape, enc_image_source original,
                                enc_image_source other, bool with_ssim, enc_metrics *out) {
     const int views = shape->n_views, lights = shape->n_lights;
@@ -116,7 +126,8 @@ btf_result enc_metrics_compare(const enc_context *context, const enc_data *shape
     double *ssim = calloc((size_t)views, sizeof *ssim);
     int view_ring_of[256], light_ring_of[256];
     btf_result result = error && ssim ? BTF_OK : BTF_ERROR_MEMORY;
-#pragma omp parallel for schedule(dynamic) num_threads(context->threads)
+    const int threads = threads_within(context, shape);
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
     for (int v = 0; v < views; v++) {
         btf_result mine;
 #pragma omp atomic read

@@ -1,4 +1,5 @@
-/* Accuracy of one BTF against another: PSNR in linear and sRGB-coded values, SSIM, by view ring and light ring.
+/* Accuracy of one BTF against another: PSNR in linear and sRGB-coded values, SSIM, by view ring and light
+ * ring.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -15,7 +16,8 @@ typedef struct enc_error_sum {
 
 typedef struct enc_metrics {
     enc_error_sum total;
-    double ssim; /* mean over images; sRGB-coded luminance, Gaussian window (Wang et al. 2004), periodic edges */
+    double ssim; /* mean over images; sRGB-coded luminance, Gaussian window (Wang et al. 2004), periodic
+                    edges */
     int n_view_rings, n_light_rings;
     double view_ring_theta[256], light_ring_theta[256]; /* degrees */
     enc_error_sum view_ring[256], light_ring[256];
@@ -25,9 +27,9 @@ typedef struct enc_metrics {
 double enc_psnr_linear(const enc_error_sum *sum);
 double enc_psnr_srgb(const enc_error_sum *sum);
 
-/* Compares all images. Working set: 2 * n_lights * texels * 3 floats a thread. Deterministic for any number of
- * threads. with_ssim = false leaves ssim 0. Errors: those of the sources, BTF_ERROR_MEMORY,
- * BTF_ERROR_INTERRUPTED. */
+/* Compares all images. Working set: 2 * n_lights * texels * 3 floats a thread, as many threads as fit half
+ * of context->memory. Deterministic for any number of threads. with_ssim = false leaves ssim 0. Errors:
+ * those of the sources, BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
 btf_result enc_metrics_compare(const enc_context *context, const enc_data *shape, enc_image_source original,
                                enc_image_source other, bool with_ssim, enc_metrics *out_metrics);
 
