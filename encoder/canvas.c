@@ -36,15 +36,14 @@ static void block(enc_canvas *canvas, int x, int y, int zoom, const unsigned cha
     }
 }
 
-void enc_canvas_image(enc_canvas *canvas, int x, int y, int zoom, int width, int height, int channels,
-                      const float *pixels, float gain) {
+void enc_canvas_image(enc_canvas *canvas, int x, int y, int zoom, int width, int height,
+                      const float *pixels) {
     for (int row = 0; row < height; row++) {
         for (int column = 0; column < width; column++) {
-            const float *pixel = pixels + (size_t)channels * ((size_t)row * (size_t)width + (size_t)column);
+            const float *pixel = pixels + 3 * ((size_t)row * (size_t)width + (size_t)column);
             unsigned char colour[3];
             for (int channel = 0; channel < 3; channel++) {
-                const float value = pixel[channels == 3 ? channel : 0] * gain;
-                colour[channel] = (unsigned char)(enc_srgb_encode(value) * 255.0f + 0.5f);
+                colour[channel] = (unsigned char)(enc_srgb_encode(pixel[channel]) * 255.0f + 0.5f);
             }
             block(canvas, x + column * zoom, y + row * zoom, zoom, colour);
         }

@@ -17,12 +17,13 @@ btf_result enc_canvas_create(const enc_context *context, int width, int height, 
 void enc_canvas_clear(enc_canvas *canvas);
 
 /* Draws a width x height image at (x, y), each pixel as a zoom x zoom block; what lies outside is cut off.
- * `pixels` is [row][column][channels], linear; 3 channels are radiance, 1 is grey. All times `gain`. */
-void enc_canvas_image(enc_canvas *canvas, int x, int y, int zoom, int width, int height, int channels,
-                      const float *pixels, float gain);
+ * `pixels` is [row][column][3], linear radiance. */
+void enc_canvas_image(enc_canvas *canvas, int x, int y, int zoom, int width, int height,
+                      const float *pixels);
 
 /* The same for values that are shown as they are: 8-bit grey, no sRGB coding. */
-void enc_canvas_codes(enc_canvas *canvas, int x, int y, int zoom, int width, int height, const unsigned char *codes);
+void enc_canvas_codes(enc_canvas *canvas, int x, int y, int zoom, int width, int height,
+                      const unsigned char *codes);
 
 /* A caption whose base line starts at (x, y). */
 void enc_canvas_text(enc_canvas *canvas, int x, int y, const char *format, ...)

@@ -27,7 +27,7 @@ int enc_nearest_direction(const enc_direction *directions, int count, double the
     return best;
 }
 
-enum { GAP = 6, HEADER = 22, MARGIN = 100 };
+enum { GAP = 6, HEADER = 22, MARGIN = 100, TITLE = 80 };
 
 static int zoom_for(const enc_data *shape) {
     const int zoom = 160 / (shape->width > shape->height ? shape->width : shape->height);
@@ -43,7 +43,7 @@ static void draw_error(enc_canvas *canvas, int x, int y, int zoom, const enc_dat
         /* enc_canvas_image codes linear values, so decode what shall be seen */
         work[i] = coded <= 0.04045f ? coded / 12.92f : powf((coded + 0.055f) / 1.055f, 2.4f);
     }
-    enc_canvas_image(canvas, x, y, zoom, shape->width, shape->height, 3, work, 1);
+    enc_canvas_image(canvas, x, y, zoom, shape->width, shape->height, work);
 }
 
 btf_result enc_montage_write(const enc_context *context, const enc_data *shape, int count,
@@ -52,14 +52,16 @@ btf_result enc_montage_write(const enc_context *context, const enc_data *shape, 
     int ring_of[256];
     const int rings = enc_rings(shape->views, shape->n_views, theta, ring_of);
     const int light = enc_nearest_direction(shape->lights, shape->n_lights, 45, 60);
-    const int zoom = zoom_for(shape), cell_w = shape->width * zoom + GAP, cell_h = shape->height * zoom + GAP;
+    const int zoom = zoom_for(shape), cell_h = shape->height * zoom + GAP;
     const size_t image = enc_data_texel_count(shape) * 3, all = image * (size_t)shape->n_lights;
+    const int image_w = shape->width * zoom, cell_w = (image_w > TITLE ? image_w : TITLE) + GAP;
     float *original = malloc(all * sizeof *original), *other = malloc(all * sizeof *other);
     float *work = malloc(image * sizeof *work);
     enc_canvas canvas = {0};
-    btf_result result = enc_canvas_create(context, MARGIN + (count + 1) * cell_w, HEADER + rings * cell_h, &canvas);
+    btf_result result =
+        enc_canvas_create(context, MARGIN + (count + 1) * cell_w, HEADER + rings * cell_h, &canvas);
     if (result == BTF_OK && (!original || !other || !work)) {
-        result = enc_fail(context, BTF_ERROR_MEMORY, "no memory for the montage");
+        result = BTF_ERROR_MEMORY;
     }
     for (int c = 0; result == BTF_OK && c < count; c++) {
         enc_canvas_text(&canvas, MARGIN + c * cell_w, HEADER - 8, "%s", columns[c].title);
@@ -76,8 +78,8 @@ btf_result enc_montage_write(const enc_context *context, const enc_data *shape, 
             float *pixels = c == 0 ? original : other;
             result = columns[c].images.view(columns[c].images.user, view, pixels);
             if (result == BTF_OK) {
-                enc_canvas_image(&canvas, MARGIN + c * cell_w, y, zoom, shape->width, shape->height, 3,
-                                 pixels + (size_t)light * image, 1);
+                enc_canvas_image(&canvas, MARGIN + c * cell_w, y, zoom, shape->width, shape->height,
+                                 pixels + (size_t)light * image);
             }
         }
         if (result == BTF_OK) {
@@ -92,5 +94,6 @@ btf_result enc_montage_write(const enc_context *context, const enc_data *shape, 
     free(work);
     free(other);
     free(original);
-    return result;
+    return result == BTF_OK ? BTF_OK
+                            : enc_fail(context, result, "%s: not drawn: %s", path, btf_result_text(result));
 }

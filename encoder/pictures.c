@@ -13,15 +13,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { GAP = 8, HEADER = 22 };
+enum { GAP = 8, HEADER = 22, CAPTION = 150 }; /* pixels; a cell is as wide as its caption */
+
+static int pitch(int cell_w) {
+    return (cell_w > CAPTION ? cell_w : CAPTION) + GAP;
+}
 
 /* A canvas of columns x rows cells of cell_w x cell_h with captions above each row of cells. */
 static btf_result grid(const enc_context *context, int columns, int rows, int cell_w, int cell_h,
                        enc_canvas *out_canvas) {
-    return enc_canvas_create(context, columns * (cell_w + GAP) + GAP, rows * (cell_h + HEADER) + GAP, out_canvas);
+    return enc_canvas_create(context, columns * pitch(cell_w) + GAP, rows * (cell_h + HEADER) + GAP,
+                             out_canvas);
 }
 static int grid_x(int column, int cell_w) {
-    return GAP + column * (cell_w + GAP);
+    return GAP + column * pitch(cell_w);
 }
 static int grid_y(int row, int cell_h) {
     return HEADER + row * (cell_h + HEADER);
@@ -37,13 +42,13 @@ static btf_result write_canvas(const enc_context *context, enc_canvas *canvas, b
         result = enc_canvas_write(context, canvas, path);
     }
     enc_canvas_clear(canvas);
-    if (result == BTF_ERROR_MEMORY) {
-        enc_log(context, BTF_LOG_ERROR, "%s/%s: out of memory", directory, name);
-    }
-    return result;
+    return result == BTF_OK ? BTF_OK
+                            : enc_fail(context, result, "%s/%s: not drawn: %s", directory, name,
+                                       btf_result_text(result));
 }
 
-static int zoom_for(int size) {
+static int zoom_for(const enc_data *data) {
+    const int size = data->width > data->height ? data->width : data->height;
     return size < 128 ? 128 / size : 1;
 }
 
@@ -64,9 +69,10 @@ static int list_steps(const enc_pictures *p, const char *names[3], uint32_t effe
 }
 
 /* Apparent BRDFs of the texels of `at`: out[source][texel][view][light][3]. */
-static btf_result gather_abrdf(const enc_data *data, enc_image_source source, const size_t at[4], float *images,
-                               float *out) {
-    const size_t texels = enc_data_texel_count(data), views = (size_t)data->n_views, lights = (size_t)data->n_lights;
+static btf_result gather_abrdf(const enc_data *data, enc_image_source source, const size_t at[4],
+                               float *images, float *out) {
+    const size_t texels = enc_data_texel_count(data), views = (size_t)data->n_views,
+                 lights = (size_t)data->n_lights;
     for (size_t v = 0; v < views; v++) {
         const btf_result result = source.view(source.user, (int)v, images);
         if (result != BTF_OK) {
@@ -74,7 +80,8 @@ static btf_result gather_abrdf(const enc_data *data, enc_image_source source, co
         }
         for (size_t i = 0; i < 4; i++) {
             for (size_t l = 0; l < lights; l++) {
-                memcpy(out + ((i * views + v) * lights + l) * 3, images + (l * texels + at[i]) * 3, 3 * sizeof *out);
+                memcpy(out + ((i * views + v) * lights + l) * 3, images + (l * texels + at[i]) * 3,
+                       3 * sizeof *out);
             }
         }
     }
@@ -87,7 +94,8 @@ static btf_result draw_abrdf(const enc_context *context, const enc_pictures *p, 
     const size_t block = (size_t)data->n_views * (size_t)data->n_lights * 3;
     const size_t at[4] = {texels / 8 + width / 5, texels / 4 + width / 2, texels / 2 + width / 3,
                           texels * 3 / 4 + width * 4 / 5};
-    const int zoom = data->n_lights <= 100 ? 2 : 1, cell_w = data->n_lights * zoom, cell_h = data->n_views * zoom;
+    const int most = data->n_views > data->n_lights ? data->n_views : data->n_lights;
+    const int zoom = (most + 127) / most, cell_w = data->n_lights * zoom, cell_h = data->n_views * zoom;
     const char *names[3];
     uint32_t effects[3];
     const int steps = list_steps(p, names, effects);
@@ -113,18 +121,19 @@ static btf_result draw_abrdf(const enc_context *context, const enc_pictures *p, 
         for (int i = 0; result == BTF_OK && i < 4; i++) {
             const int y = grid_y(i, cell_h), x = grid_x(s < 0 ? 0 : 1 + 2 * s, cell_w);
             const float *shown = (s < 0 ? original : model) + (size_t)i * block;
-            enc_canvas_image(&canvas, x, y, zoom, data->n_lights, data->n_views, 3, shown, 1);
+            enc_canvas_image(&canvas, x, y, zoom, data->n_lights, data->n_views, shown);
             if (s < 0) {
-                enc_canvas_text(&canvas, x, y - 6, "original, texel %zu,%zu", where[i] % width, where[i] / width);
+                enc_canvas_text(&canvas, x, y - 6, "original, texel %zu,%zu", where[i] % width,
+                                where[i] / width);
                 continue;
             }
             enc_canvas_text(&canvas, x, y - 6, "%s", names[s]);
             for (size_t k = 0; k < block; k++) {
                 model[(size_t)i * block + k] = fabsf(shown[k] - original[(size_t)i * block + k]);
             }
-            enc_canvas_image(&canvas, x + cell_w + GAP, y, zoom, data->n_lights, data->n_views, 3,
-                             model + (size_t)i * block, 1);
-            enc_canvas_text(&canvas, x + cell_w + GAP, y - 6, "error");
+            enc_canvas_image(&canvas, x + pitch(cell_w), y, zoom, data->n_lights, data->n_views,
+                             model + (size_t)i * block);
+            enc_canvas_text(&canvas, x + pitch(cell_w), y - 6, "error");
         }
     }
     free(model);
@@ -135,19 +144,22 @@ static btf_result draw_abrdf(const enc_context *context, const enc_pictures *p, 
 
 /* ShadowMap of paper 2.1 for one sample. */
 static float shadow_ratio(const enc_pictures *p, const float *btf, const float *sbrdf) {
-    return enc_shadow_ratio(enc_luminance(sbrdf[0], sbrdf[1], sbrdf[2]), enc_luminance(btf[0], btf[1], btf[2]),
-                            p->t_error, p->t_btf);
+    return enc_shadow_ratio(enc_luminance(sbrdf[0], sbrdf[1], sbrdf[2]),
+                            enc_luminance(btf[0], btf[1], btf[2]), p->t_error, p->t_btf);
 }
 
 /* One image of a source into out[texel][3]. */
-static btf_result one_image(const enc_data *data, enc_image_source source, int view, int light, float *out) {
+static btf_result one_image(const enc_data *data, enc_image_source source, int view, int light,
+                            float *out) {
     const size_t image = enc_data_texel_count(data) * 3;
     float *all = malloc(image * (size_t)data->n_lights * sizeof *all);
     if (!all) {
         return BTF_ERROR_MEMORY;
     }
     const btf_result result = source.view(source.user, view, all);
-    memcpy(out, all + (size_t)light * image, image * sizeof *out);
+    if (result == BTF_OK) {
+        memcpy(out, all + (size_t)light * image, image * sizeof *out);
+    }
     free(all);
     return result;
 }
@@ -155,14 +167,14 @@ static btf_result one_image(const enc_data *data, enc_image_source source, int v
 static btf_result draw_steps(const enc_context *context, const enc_pictures *p, const char *directory) {
     const enc_data *data = p->data;
     const size_t texels = enc_data_texel_count(data);
-    const int zoom = zoom_for(data->width), cell_w = data->width * zoom, cell_h = data->height * zoom;
+    const int zoom = zoom_for(data), cell_w = data->width * zoom, cell_h = data->height * zoom;
     const int light = enc_nearest_direction(data->lights, data->n_lights, 60, 60);
     const double thetas[3] = {0, 45, 75};
     const char *names[3];
     uint32_t effects[3];
     const int steps = list_steps(p, names, effects);
     const int with_6d = p->solution->sbrdf && p->t_error > 0;
-    float *original = malloc(texels * 3 * sizeof *original), *shown = malloc(texels * 3 * sizeof *shown);
+    float *original = calloc(texels * 3, sizeof *original), *shown = calloc(texels * 3, sizeof *shown);
     enc_canvas canvas = {0};
     btf_result result = original && shown ? BTF_OK : BTF_ERROR_MEMORY;
     if (result == BTF_OK) {
@@ -172,15 +184,15 @@ static btf_result draw_steps(const enc_context *context, const enc_pictures *p, 
         const int view = enc_nearest_direction(data->views, data->n_views, thetas[r], 120);
         int column = 0;
         result = one_image(data, enc_data_images(data), view, light, original);
-        enc_canvas_image(&canvas, grid_x(column, cell_w), grid_y(r, cell_h), zoom, data->width, data->height, 3,
-                         original, 1);
+        enc_canvas_image(&canvas, grid_x(column, cell_w), grid_y(r, cell_h), zoom, data->width,
+                         data->height, original);
         enc_canvas_text(&canvas, grid_x(column++, cell_w), grid_y(r, cell_h) - 6, "original, view %.4g",
                         data->views[view].theta);
         for (int s = 0; result == BTF_OK && s < steps; s++) {
             const enc_played decoded = {.playback = p->playback, .effects = effects[s]};
             result = one_image(data, enc_played_images(&decoded), view, light, shown);
-            enc_canvas_image(&canvas, grid_x(column, cell_w), grid_y(r, cell_h), zoom, data->width, data->height, 3,
-                             shown, 1);
+            enc_canvas_image(&canvas, grid_x(column, cell_w), grid_y(r, cell_h), zoom, data->width,
+                             data->height, shown);
             enc_canvas_text(&canvas, grid_x(column++, cell_w), grid_y(r, cell_h) - 6, "%s", names[s]);
             if (s == 0 && with_6d) {
                 for (size_t t = 0; t < texels; t++) {
@@ -189,9 +201,10 @@ static btf_result draw_steps(const enc_context *context, const enc_pictures *p, 
                         shown[3 * t + channel] *= ratio;
                     }
                 }
-                enc_canvas_image(&canvas, grid_x(column, cell_w), grid_y(r, cell_h), zoom, data->width, data->height,
-                                 3, shown, 1);
-                enc_canvas_text(&canvas, grid_x(column++, cell_w), grid_y(r, cell_h) - 6, "SBRDF x 6D shadow");
+                enc_canvas_image(&canvas, grid_x(column, cell_w), grid_y(r, cell_h), zoom, data->width,
+                                 data->height, shown);
+                enc_canvas_text(&canvas, grid_x(column++, cell_w), grid_y(r, cell_h) - 6,
+                                "SBRDF x 6D shadow");
             }
         }
     }
@@ -203,9 +216,9 @@ static btf_result draw_steps(const enc_context *context, const enc_pictures *p, 
 static btf_result draw_shadow(const enc_context *context, const enc_pictures *p, const char *directory) {
     const enc_data *data = p->data;
     const size_t texels = enc_data_texel_count(data);
-    const int zoom = zoom_for(data->width), cell_w = data->width * zoom, cell_h = data->height * zoom;
+    const int zoom = zoom_for(data), cell_w = data->width * zoom, cell_h = data->height * zoom;
     const int columns = 5, fixed = enc_nearest_direction(data->lights, data->n_lights, 60, 60);
-    float *original = malloc(texels * 3 * sizeof *original), *model = malloc(texels * 3 * sizeof *model);
+    float *original = calloc(texels * 3, sizeof *original), *model = calloc(texels * 3, sizeof *model);
     unsigned char *codes = malloc(texels);
     enc_canvas canvas = {0};
     btf_result result = original && model && codes ? BTF_OK : BTF_ERROR_MEMORY;
@@ -253,10 +266,10 @@ static void flow_colour(const int8_t shift[2], float longest, float out[3]) {
 static btf_result draw_flow(const enc_context *context, const enc_pictures *p, const char *directory) {
     const enc_data *data = p->data;
     const size_t texels = enc_data_texel_count(data);
-    const int zoom = zoom_for(data->width), cell_w = data->width * zoom, cell_h = data->height * zoom;
+    const int zoom = zoom_for(data), cell_w = data->width * zoom, cell_h = data->height * zoom;
     const int light = enc_nearest_direction(data->lights, data->n_lights, 15, 60);
     const double thetas[3] = {30, 45, 60};
-    float *image = malloc(texels * 3 * sizeof *image);
+    float *image = calloc(texels * 3, sizeof *image);
     unsigned char *codes = malloc(texels);
     enc_canvas canvas = {0};
     btf_result result = image && codes ? BTF_OK : BTF_ERROR_MEMORY;
@@ -264,20 +277,21 @@ static btf_result draw_flow(const enc_context *context, const enc_pictures *p, c
         result = grid(context, 5, 3, cell_w, cell_h, &canvas);
     }
     for (int r = 0; result == BTF_OK && r < 3; r++) {
-        const int view = enc_nearest_direction(data->views, data->n_views, thetas[r], 0), y = grid_y(r, cell_h);
+        const int view = enc_nearest_direction(data->views, data->n_views, thetas[r], 0),
+                  y = grid_y(r, cell_h);
         const size_t base = (size_t)view * texels;
         const int shown[2] = {data->top_view, view};
         for (int c = 0; result == BTF_OK && c < 2; c++) {
             result = one_image(data, enc_data_images(data), shown[c], light, image);
-            enc_canvas_image(&canvas, grid_x(c, cell_w), y, zoom, data->width, data->height, 3, image, 1);
-            enc_canvas_text(&canvas, grid_x(c, cell_w), y - 6, "view %.4g,%.4g", data->views[shown[c]].theta,
-                            data->views[shown[c]].phi);
+            enc_canvas_image(&canvas, grid_x(c, cell_w), y, zoom, data->width, data->height, image);
+            enc_canvas_text(&canvas, grid_x(c, cell_w), y - 6, "view %.4g,%.4g",
+                            data->views[shown[c]].theta, data->views[shown[c]].phi);
         }
         for (size_t t = 0; t < texels; t++) {
             flow_colour(p->occlusion->shift + 2 * (base + t), 8, image + 3 * t);
             codes[t] = (unsigned char)(255.0f * (1 - p->occlusion->ratio[base + t]) + 0.5f);
         }
-        enc_canvas_image(&canvas, grid_x(2, cell_w), y, zoom, data->width, data->height, 3, image, 1);
+        enc_canvas_image(&canvas, grid_x(2, cell_w), y, zoom, data->width, data->height, image);
         enc_canvas_text(&canvas, grid_x(2, cell_w), y - 6, "shifts");
         enc_canvas_codes(&canvas, grid_x(3, cell_w), y, zoom, data->width, data->height, codes);
         enc_canvas_text(&canvas, grid_x(3, cell_w), y - 6, "HiddenRatio");
@@ -295,7 +309,7 @@ static btf_result draw_flow(const enc_context *context, const enc_pictures *p, c
 static btf_result draw_hidden(const enc_context *context, const enc_pictures *p, const char *directory) {
     const enc_data *data = p->data;
     const size_t texels = enc_data_texel_count(data);
-    const int zoom = zoom_for(data->width), cell_w = data->width * zoom, cell_h = data->height * zoom;
+    const int zoom = zoom_for(data), cell_w = data->width * zoom, cell_h = data->height * zoom;
     const double thetas[3] = {30, 45, 60};
     unsigned char *codes = malloc(texels);
     enc_canvas canvas = {0};
@@ -303,12 +317,13 @@ static btf_result draw_hidden(const enc_context *context, const enc_pictures *p,
     for (int c = 0; result == BTF_OK && c < 3; c++) {
         const int view = enc_nearest_direction(data->views, data->n_views, thetas[c], 0);
         for (int after = 0; after < 2; after++) {
-            const uint8_t *hidden = (after ? p->occlusion->hidden : p->occlusion->hidden_voted) + (size_t)view * texels;
+            const uint8_t *hidden =
+                (after ? p->occlusion->hidden : p->occlusion->hidden_voted) + (size_t)view * texels;
             for (size_t t = 0; t < texels; t++) {
                 codes[t] = hidden[t] ? 255 : 0;
             }
-            enc_canvas_codes(&canvas, grid_x(c, cell_w), grid_y(after, cell_h), zoom, data->width, data->height,
-                             codes);
+            enc_canvas_codes(&canvas, grid_x(c, cell_w), grid_y(after, cell_h), zoom, data->width,
+                             data->height, codes);
             enc_canvas_text(&canvas, grid_x(c, cell_w), grid_y(after, cell_h) - 6, "%s, view %.4g",
                             after ? "after" : "before", data->views[view].theta);
         }
@@ -318,8 +333,8 @@ static btf_result draw_hidden(const enc_context *context, const enc_pictures *p,
 }
 
 static btf_result draw_atlas(const enc_context *context, const enc_pictures *p, const char *directory) {
-    static const char *const names[4] = {"R: shadow maps, centres", "G: gain or hidden", "B: columns or index",
-                                         "A: rows or index"};
+    static const char *const names[4] = {"R: shadow maps, centres", "G: gain or hidden",
+                                         "B: columns or index", "A: rows or index"};
     const btf_texture maps = btf_material_texture(p->material, BTF_TEXTURE_MAPS);
     const int width = (int)maps.width, height = (int)maps.height;
     const uint8_t *texels = maps.data;
