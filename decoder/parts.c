@@ -7,19 +7,6 @@
 #include <stdio.h>
 #include <string.h>
 
-size_t btfi_storage_size(btfi_storage storage) {
-    switch (storage) {
-    case BTFI_STORAGE_UINT8:
-    case BTFI_STORAGE_INT8:
-        return 1;
-    case BTFI_STORAGE_HALF:
-        return 2;
-    case BTFI_STORAGE_FLOAT:
-        return 4;
-    }
-    return 0;
-}
-
 size_t btfi_pixel_size(btfi_storage storage) {
     return storage == BTFI_STORAGE_FLOAT ? 4 : 2;
 }

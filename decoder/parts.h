@@ -53,8 +53,7 @@ typedef struct btfi_run {
 
 btfi_run btfi_part_run(const btfi_part *part, int channel, uint32_t x, uint32_t y);
 
-/* Bytes of a texture element, and of a pixel of the file. */
-size_t btfi_storage_size(btfi_storage storage);
+/* Bytes of a pixel of the file. */
 size_t btfi_pixel_size(btfi_storage storage);
 
 #pragma GCC visibility pop

@@ -65,17 +65,6 @@ void enc_cv_draw_text(unsigned char *rgb, int width, int height, int x, int y, c
     });
 }
 
-int enc_cv_text_width(const char *text, double size) {
-    int width = 0;
-    guarded([&]() -> bool {
-        width = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, size / capital_height, text_thickness(size),
-                                nullptr)
-                    .width;
-        return true;
-    });
-    return width;
-}
-
 enc_cv_flow *enc_cv_flow_create(void) {
     enc_cv_flow *flow = nullptr;
     const bool succeeded = guarded([&]() -> bool {
@@ -119,14 +108,4 @@ int enc_cv_flow_compute(enc_cv_flow *flow, int width, int height, const unsigned
         return true;
     });
     return succeeded ? 0 : -1;
-}
-
-int enc_cv_flow_dis(int width, int height, const unsigned char *from, const unsigned char *to,
-                    float *out_xy) {
-    enc_cv_flow *flow = enc_cv_flow_create();
-    if (!flow)
-        return -1;
-    const int result = enc_cv_flow_compute(flow, width, height, from, to, out_xy);
-    enc_cv_flow_destroy(&flow);
-    return result;
 }

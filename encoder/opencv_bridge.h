@@ -17,9 +17,6 @@ extern "C" {
 void enc_cv_draw_text(unsigned char *rgb, int width, int height, int x, int y, const char *text,
                       double size, const unsigned char colour[3]);
 
-/* The width in pixels of the text as enc_cv_draw_text draws it. */
-int enc_cv_text_width(const char *text, double size);
-
 /* DIS optical flow (Kroeger et al. 2016), preset medium: a reusable object, one for each thread. */
 typedef struct enc_cv_flow enc_cv_flow;
 
@@ -37,10 +34,6 @@ void enc_cv_flow_tune(enc_cv_flow *flow, int finest_level, int patch_stride, int
  * (images too small, out of memory). */
 int enc_cv_flow_compute(enc_cv_flow *flow, int width, int height, const unsigned char *from,
                         const unsigned char *to, float *out_xy);
-
-/* enc_cv_flow_compute with an object made for this call. */
-int enc_cv_flow_dis(int width, int height, const unsigned char *from, const unsigned char *to,
-                    float *out_xy);
 
 #ifdef __cplusplus
 }
