@@ -23,13 +23,22 @@ static struct {
 
 static const cli_option table[] = {
     {.name = "json", .type = CLI_FLAG, .value = &o.json, .help = "print JSON"},
-    {.name = "effects", .type = CLI_EFFECTS, .value = &o.effects,
+    {.name = "effects",
+     .type = CLI_EFFECTS,
+     .value = &o.effects,
      .help = "effects decoded from materials; default all"},
-    {.name = "interpolation", .type = CLI_CHOICE, .value = &o.interpolation, .choices = "nearest|linear",
+    {.name = "interpolation",
+     .type = CLI_CHOICE,
+     .value = &o.interpolation,
+     .choices = "nearest|linear",
      .help = "between a material's sampled directions; default linear"},
     {.name = "no-ssim", .type = CLI_FLAG, .value = &o.no_ssim, .help = "leave SSIM out (faster)"},
     ENC_INPUT_OPTIONS(o.read),
-    {.name = "threads", .type = CLI_INT, .value = &o.threads, .minimum = 1, .maximum = 1024,
+    {.name = "threads",
+     .type = CLI_INT,
+     .value = &o.threads,
+     .minimum = 1,
+     .maximum = 1024,
      .help = "default: all cores"},
     {.short_name = 'q', .name = "quiet", .type = CLI_FLAG, .value = &o.quiet, .help = "no progress"},
     {.type = CLI_END},
@@ -38,10 +47,11 @@ static const cli_option table[] = {
 static const cli_program program = {
     .name = "btf-compare",
     .usage = "A B [OPTION...]",
-    .summary = "Compares two BTFs image by image: PSNR (linear and sRGB-coded, values clipped to [0, 1]), SSIM,\n"
-               "by view ring and light ring. A and B are data sets (folder, zip) or materials (*.btf.exr), which\n"
-               "the reference decoder evaluates at the directions of the other; two materials are compared at\n"
-               "those of A.",
+    .summary =
+        "Compares two BTFs image by image: PSNR (linear and sRGB-coded, values clipped to [0, 1]), SSIM,\n"
+        "by view ring and light ring. A and B are data sets (folder, zip) or materials (*.btf.exr), which\n"
+        "the reference decoder evaluates at the directions of the other; two materials are compared at\n"
+        "those of A.",
     .example = "btf-compare BRICKS64.zip bricks.btf.exr --json",
     .options = table,
     .min_arguments = 2,
@@ -68,7 +78,8 @@ static btf_result open_side(const enc_context *context, side *s) {
 }
 
 /* The directions of a material as a data set without samples. */
-static void shape_of(const btf_material *material, enc_data *shape, enc_direction *views, enc_direction *lights) {
+static void shape_of(const btf_material *material, enc_data *shape, enc_direction *views,
+                     enc_direction *lights) {
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(material, &info);
     *shape = (enc_data){.width = (int)info.width,
@@ -100,33 +111,43 @@ static btf_result images_of(const enc_context *context, side *s, const side *oth
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(s->material, &info);
     if ((int)info.width != shape->width || (int)info.height != shape->height) {
-        return enc_fail(context, BTF_ERROR_BAD_FILE, "%s has %u x %u texels, %s has %d x %d", s->path, info.width,
-                        info.height, other->path, shape->width, shape->height);
+        return enc_fail(context, BTF_ERROR_BAD_FILE, "%s has %u x %u texels, %s has %d x %d", s->path,
+                        info.width, info.height, other->path, shape->width, shape->height);
     }
     s->reference.shape = shape;
-    s->reference.options = (btf_ref_options){.effects = o.effects,
-                                             .components = UINT32_MAX,
-                                             .interpolation = o.interpolation ? BTF_REF_LINEAR : BTF_REF_NEAREST};
+    s->reference.options =
+        (btf_ref_options){.effects = o.effects,
+                          .components = UINT32_MAX,
+                          .interpolation = o.interpolation ? BTF_REF_LINEAR : BTF_REF_NEAREST};
     reference_view(s->material, &s->reference.material);
     *out = enc_reference_image_source(&s->reference);
     return BTF_OK;
 }
 
+/* Names hold rounded angles: directions count as the same up to about a hundredth of a degree. */
+static bool same_directions(const enc_direction *a, const enc_direction *b, int count) {
+    for (int i = 0; i < count; i++) {
+        for (int axis = 0; axis < 3; axis++) {
+            if (fabsf(a[i].xyz[axis] - b[i].xyz[axis]) > 2e-4f) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
 static btf_result check_same_grid(const enc_context *context, const side *a, const side *b) {
     const enc_data *p = a->data, *q = b->data;
-    bool same = p->width == q->width && p->height == q->height && p->n_views == q->n_views && p->n_lights == q->n_lights;
-    for (int i = 0; same && i < p->n_views; i++) {
-        same = memcmp(p->views[i].xyz, q->views[i].xyz, sizeof p->views[i].xyz) == 0;
-    }
-    for (int i = 0; same && i < p->n_lights; i++) {
-        same = memcmp(p->lights[i].xyz, q->lights[i].xyz, sizeof p->lights[i].xyz) == 0;
-    }
+    const bool same = p->width == q->width && p->height == q->height && p->n_views == q->n_views &&
+                      p->n_lights == q->n_lights && same_directions(p->views, q->views, p->n_views) &&
+                      same_directions(p->lights, q->lights, p->n_lights);
     if (!same) {
-        return enc_fail(context, BTF_ERROR_BAD_FILE,
-                        "%s (%d x %d, %d views, %d lights) and %s (%d x %d, %d views, %d lights) do not have the same "
-                        "texels and directions",
-                        a->path, p->width, p->height, p->n_views, p->n_lights, b->path, q->width, q->height, q->n_views,
-                        q->n_lights);
+        return enc_fail(
+            context, BTF_ERROR_BAD_FILE,
+            "%s (%d x %d, %d views, %d lights) and %s (%d x %d, %d views, %d lights) do not have the same "
+            "texels and directions",
+            a->path, p->width, p->height, p->n_views, p->n_lights, b->path, q->width, q->height, q->n_views,
+            q->n_lights);
     }
     return BTF_OK;
 }
@@ -209,7 +230,8 @@ int main(int argc, char **argv) {
         return exit_code;
     }
     progress *shown = progress_create(o.quiet);
-    const enc_context context = {.log = cli_log(&program, o.quiet), .progress = shown, .threads = o.threads};
+    const enc_context context = {
+        .log = cli_log(&program, o.quiet), .progress = shown, .threads = o.threads};
     side a = {.path = arguments.values[0]}, b = {.path = arguments.values[1]};
     const btf_result result = compare(&context, &a, &b);
     btf_material_close(&a.material);

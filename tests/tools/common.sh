@@ -1,5 +1,7 @@
 # Sourced by the tests of the tools: a scratch folder, a small data set, and checks that print one line each in the
 # form that tests/summary.py counts.
+#
+# SPDX-License-Identifier: MIT
 set -u
 build=$BTF_BUILD_ROOT
 PATH=$build/encoder:$build/decoder/tools:$build/tests/sample:$PATH

@@ -1,5 +1,7 @@
 #!/bin/bash
 # btf-decode, btf-info and btf-sample.
+#
+# SPDX-License-Identifier: MIT
 . "$BTF_SOURCE_ROOT/tests/tools/common.sh"
 small_data --truth truth
 btf-encode data -o m.btf.exr --method paper -q || exit 99

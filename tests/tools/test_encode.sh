@@ -1,5 +1,7 @@
 #!/bin/bash
 # btf-encode and btf-compare: options and what they do.
+#
+# SPDX-License-Identifier: MIT
 . "$BTF_SOURCE_ROOT/tests/tools/common.sh"
 small_data
 

@@ -1,5 +1,7 @@
 #!/bin/bash
 # Bad input, full disks, interruption: the documented exit code, a message with name and value, no half file.
+#
+# SPDX-License-Identifier: MIT
 . "$BTF_SOURCE_ROOT/tests/tools/common.sh"
 small_data
 

@@ -1,0 +1,45 @@
+#!/bin/bash
+# Odd data sets through every tool: one texel, one direction, 256 lights, unequal lists, decimal angles, narrow images.
+#
+# SPDX-License-Identifier: MIT
+. "$BTF_SOURCE_ROOT/tests/tools/common.sh"
+
+# odd NAME SAMPLE-OPTION...: sample, encode both ways, decode, compare; reports and pictures must be whole.
+odd() {
+    local name=$1
+    shift
+    expect "$name: sample" 0 btf-sample -o "$name" --relief bumps --format exr --quiet "$@"
+    expect "$name: paper" 0 btf-encode "$name" -o "$name.btf.exr" --method paper --report "$name.json" --pictures "$name-p"
+    expect_that "$name: no 'nan' in the tables" test -z "$(grep -iwE 'nan|-nan|inf' out)"
+    expect_that "$name: the report's numbers are numbers" python3 - "$name.json" <<'P'
+import json, sys
+def walk(x):
+    assert x is not None
+    for y in x.values() if isinstance(x, dict) else x if isinstance(x, list) else []:
+        walk(y)
+r = json.load(open(sys.argv[1]))
+walk(r["psnr"])
+walk(r["effects"])
+assert r["psnr"]["full"]["linear"] > 10
+P
+    local picture
+    for picture in montage abrdf steps shadow flow hidden atlas; do
+        expect_that "$name: picture $picture" test -s "$name-p/$picture.png"
+    done
+    expect "$name: info" 0 btf-info "$name.btf.exr"
+    expect "$name: decode" 0 btf-decode "$name.btf.exr" -o "$name-d" --all --format exr --quiet
+    expect "$name: compare" 0 btf-compare "$name-d" "$name.btf.exr" --json -q
+    expect_text "$name: what was decoded is what the material holds" '"linear": (100|9[0-9]\.)' out
+    expect "$name: the decoded set has the original's directions" 0 btf-compare "$name" "$name-d" --json -q
+}
+
+odd texel --size 1 --directions 0:1,40:6
+odd narrow --size 1x9 --directions 0:1,40:4
+odd pair --size 6 --directions 0:1
+odd top --size 8 --views 0:1 --lights ubo
+odd unequal --size 3x5 --views 0:1,37.5:5:7.5 --lights 20:3,62.25:7
+odd lights --size 4x3 --views 0:1,50:2 --lights 256
+odd views --size 4x3 --views 0:1,15:15,30:60,60:90,75:90 --lights 10:2
+
+expect "joint: unequal lists" 0 btf-encode unequal -o joint.btf.exr --preset fast --pictures joint-p -q
+finish
