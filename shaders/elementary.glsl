@@ -58,10 +58,10 @@ float btf_reciprocal(float x) {
 
 #endif
 
-/* base^exponent; 0 for a base below 2^-24 and for a result below 2^-60, 2^40 at most. */
+/* base^exponent; 0 for a base below 2^-24 and for a result below 2^-60, 2^40 at most. Where the result is 0, what
+ * precedes has no meaning and does no harm: integers wrap. */
 float btf_pow(float base, float exponent) {
-    float x = max(base, uintBitsToFloat(0x33800000u));
-    float t = btf_mul(exponent, btf_log2(x));
-    float y = btf_exp2(min(max(t, -60.0), 40.0));
+    float t = btf_mul(exponent, btf_log2(base));
+    float y = btf_exp2(min(t, 40.0));
     return base < uintBitsToFloat(0x33800000u) || t < -60.0 ? 0.0 : y;
 }
