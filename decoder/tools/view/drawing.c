@@ -1,0 +1,368 @@
+/* The material on a mesh by rasterisation.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "drawing.h"
+
+#include "../render/file.h"
+#include "../render/table.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { PROGRAMS = 64, UNIT_IMAGES = 0, UNIT_MATERIAL = 1 };
+
+/* What makes a program what it is. */
+typedef struct variant {
+    uint32_t effects;
+    btf_interpolation interpolation;
+    btf_filter filter;
+    btf_math math;
+    bool images;
+} variant;
+
+typedef struct program {
+    variant variant;
+    GLuint name;
+} program;
+
+struct drawing {
+    const gl_api *gl;
+    btf_gl_get_proc_address get;
+    void *user;
+    const btf_material *material;
+    btf_gl *textures;
+    program programs[PROGRAMS];
+    int program_count;
+    GLuint array, vertices, triangles, images;
+    uint32_t index_count;
+    double repeat;
+    int image_columns; /* tiles of the images' layers: one a light */
+    bool have_precise;
+};
+
+static const char vertex_text[] = "layout(location = 0) in vec3 position;\n"
+                                  "layout(location = 1) in vec3 normal;\n"
+                                  "layout(location = 2) in vec2 uv;\n"
+                                  "layout(location = 3) in vec4 tangent;\n"
+                                  "uniform mat4 view_to_clip;\n"
+                                  "out vec3 f_position, f_normal;\n"
+                                  "out vec2 f_uv;\n"
+                                  "out vec4 f_tangent;\n"
+                                  "void main() {\n"
+                                  "    f_position = position;\n"
+                                  "    f_normal = normal;\n"
+                                  "    f_uv = uv;\n"
+                                  "    f_tangent = tangent;\n"
+                                  "    gl_Position = view_to_clip * vec4(position, 1.0);\n"
+                                  "}\n";
+
+/* As table.c builds frames: turned to the viewer, the view raised to just above the horizon. */
+static const char fragment_text[] =
+    "in vec3 f_position, f_normal;\n"
+    "in vec2 f_uv;\n"
+    "in vec4 f_tangent;\n"
+    "uniform vec3 eye, light;\n"
+    "uniform float exposure, repeat;\n"
+    "out vec4 colour;\n"
+    "void main() {\n"
+    "    vec3 n = normalize(f_normal), t = normalize(f_tangent.xyz - n * dot(n, f_tangent.xyz));\n"
+    "    vec3 b = cross(n, t) * (f_tangent.w < 0.0 ? -1.0 : 1.0);\n"
+    "    vec3 to_eye = normalize(eye - f_position), face = cross(dFdx(f_position), dFdy(f_position));\n"
+    "    if (dot(face, to_eye) * dot(face, n) < 0.0)\n"
+    "        n = -n;\n"
+    "    vec3 v = vec3(dot(to_eye, t), dot(to_eye, b), dot(to_eye, n));\n"
+    "    v = normalize(vec3(v.xy, max(v.z, 0.001)));\n"
+    "    vec3 c = exposure * view_radiance(fract(f_uv * repeat), vec3(dot(light, t), dot(light, b), "
+    "dot(light, n)), v);\n"
+    "    c = clamp(c, 0.0, 1.0);\n"
+    "    colour = vec4(mix(12.92 * c, 1.055 * pow(max(c, 0.0031308), vec3(1.0 / 2.4)) - 0.055,\n"
+    "                      vec3(greaterThan(c, vec3(0.0031308)))), 1.0);\n"
+    "}\n";
+
+static const char material_text[] =
+    "vec3 view_radiance(vec2 uv, vec3 l, vec3 v) { return btf_evaluate(uv, l, v); }\n";
+
+/* The images: layer = view, tile = light. */
+static const char images_text[] =
+    "uniform sampler2DArray view_images;\n"
+    "uniform int view_columns;\n"
+    "vec3 view_radiance(vec2 uv, vec3 l, vec3 v) {\n"
+    "    if (!btf_is_above(l) || !btf_is_above(v))\n"
+    "        return vec3(0.0);\n"
+    "    btf_setting s = btf_prepare(l, v, BTF_NEAREST != 0);\n"
+    "    ivec2 size = ivec2(BTF_WIDTH, BTF_HEIGHT);\n"
+    "    ivec2 x = ivec2(btf_coordinate(uv.x, BTF_WIDTH) >> 18u,\n"
+    "                    BTF_HEIGHT - 1u - (btf_coordinate(uv.y, BTF_HEIGHT) >> 18u));\n"
+    "    vec3 sum = vec3(0.0);\n"
+    "    for (int a = 0; a < s.n; ++a)\n"
+    "        for (int b = 0; b < s.n; ++b) {\n"
+    "            int light = int(s.lights.index[b]);\n"
+    "            ivec2 tile = ivec2(light % view_columns, light / view_columns) * size;\n"
+    "            sum += float(s.views.weight[a] * s.lights.weight[b]) / 16777216.0 *\n"
+    "                   texelFetch(view_images, ivec3(tile + x, int(s.views.index[a])), 0).rgb;\n"
+    "        }\n"
+    "    return sum;\n"
+    "}\n";
+
+static void forget_material(drawing *d) {
+    for (int i = 0; i < d->program_count; i++)
+        d->gl->DeleteProgram(d->programs[i].name);
+    d->program_count = 0;
+    d->gl->DeleteTextures(1, &d->images);
+    d->images = 0;
+    btf_gl_destroy(&d->textures);
+    d->material = NULL;
+}
+
+drawing *drawing_create(const gl_api *gl, btf_gl_get_proc_address get, void *user, const btf_log *log) {
+    drawing *d = calloc(1, sizeof *d);
+    if (!d) {
+        file_say(log, "out of memory for a drawing");
+        return NULL;
+    }
+    d->gl = gl;
+    d->get = get;
+    d->user = user;
+    d->have_precise = gl_api_has(gl, "GL_ARB_gpu_shader5");
+    GLuint buffers[2];
+    gl->GenVertexArrays(1, &d->array);
+    gl->GenBuffers(2, buffers);
+    d->vertices = buffers[0];
+    d->triangles = buffers[1];
+    return d;
+}
+
+void drawing_destroy(drawing **d) {
+    if (!d || !*d)
+        return;
+    const GLuint buffers[2] = {(*d)->vertices, (*d)->triangles};
+    forget_material(*d);
+    (*d)->gl->DeleteBuffers(2, buffers);
+    free(*d);
+    *d = NULL;
+}
+
+/* Uploads layer after layer: tiles of W x H, light by light. */
+static btf_result upload_images(drawing *d, const original *images, const btf_log *log) {
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_material_get_info(d->material, &info);
+    const gl_api *gl = d->gl;
+    GLint most = 0, most_layers = 0;
+    int columns = 1;
+    while (columns * columns < (int)info.n_lights)
+        columns++;
+    const int rows = ((int)info.n_lights + columns - 1) / columns;
+    const int width = columns * (int)info.width, height = rows * (int)info.height;
+    gl->GetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
+    gl->GetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &most_layers);
+    if (width > most || height > most || (int)info.n_views > most_layers) {
+        file_say(log, "original: %d x %d x %u texels exceed GL's limits, %d and %d layers", width, height,
+                 (unsigned)info.n_views, most, most_layers);
+        return BTF_ERROR_UNSUPPORTED;
+    }
+    float *layer = calloc((size_t)width * (size_t)height * 3, sizeof *layer);
+    if (!layer) {
+        file_say(log, "out of memory for the images of a view");
+        return BTF_ERROR_MEMORY;
+    }
+    gl->ActiveTexture(GL_TEXTURE0 + UNIT_IMAGES);
+    gl->GenTextures(1, &d->images);
+    gl->BindTexture(GL_TEXTURE_2D_ARRAY, d->images);
+    gl->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    gl->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    gl->TexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RGB9_E5, width, height, (GLsizei)info.n_views, 0, GL_RGB,
+                   GL_FLOAT, NULL);
+    gl->PixelStorei(GL_UNPACK_ALIGNMENT, 4);
+    const size_t lights = info.n_lights, texels = (size_t)info.width * info.height;
+    for (uint32_t v = 0; v < info.n_views; v++) {
+        for (size_t i = 0; i < texels * lights; i++) {
+            const size_t texel = i / lights, light = i % lights;
+            const size_t x = light % (size_t)columns * info.width + texel % info.width;
+            const size_t y = light / (size_t)columns * info.height + texel / info.width;
+            const float *samples =
+                original_samples(images) + ((texel * info.n_views + v) * 3) * lights + light;
+            for (size_t c = 0; c < 3; c++)
+                layer[3 * (y * (size_t)width + x) + c] = samples[c * lights];
+        }
+        gl->TexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, (GLint)v, width, height, 1, GL_RGB, GL_FLOAT,
+                          layer);
+    }
+    free(layer);
+    d->image_columns = columns;
+    GLenum error = gl->GetError();
+    if (error != GL_NO_ERROR) {
+        file_say(log, "original: error 0x%04x while uploading", error);
+        return error == GL_OUT_OF_MEMORY ? BTF_ERROR_MEMORY : BTF_ERROR_INTERNAL;
+    }
+    return BTF_OK;
+}
+
+btf_result drawing_set_material(drawing *d, const btf_material *material, const original *images,
+                                const btf_log *log) {
+    const btf_gl_options options = {sizeof options, d->get, d->user, NULL};
+    forget_material(d);
+    btf_result result = btf_gl_upload(material, &options, log, &d->textures);
+    if (result)
+        return result;
+    d->material = material;
+    if (images)
+        result = upload_images(d, images, log);
+    if (result)
+        forget_material(d);
+    return result;
+}
+
+btf_result drawing_set_mesh(drawing *d, const mesh *m, double repeat, const btf_log *log) {
+    const gl_api *gl = d->gl;
+    static const struct {
+        GLint count;
+        size_t offset;
+    } attributes[4] = {{3, offsetof(mesh_vertex, position)},
+                       {3, offsetof(mesh_vertex, normal)},
+                       {2, offsetof(mesh_vertex, uv)},
+                       {4, offsetof(mesh_vertex, tangent)}};
+    gl->BindVertexArray(d->array);
+    gl->BindBuffer(GL_ARRAY_BUFFER, d->vertices);
+    gl->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(m->vertex_count * sizeof *m->vertices), m->vertices,
+                   GL_STATIC_DRAW);
+    gl->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, d->triangles);
+    gl->BufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)(3 * sizeof *m->triangles * m->triangle_count),
+                   m->triangles, GL_STATIC_DRAW);
+    for (GLuint i = 0; i < 4; i++) {
+        gl->EnableVertexAttribArray(i);
+        gl->VertexAttribPointer(i, attributes[i].count, GL_FLOAT, GL_FALSE, sizeof(mesh_vertex),
+                                (const char *)NULL + attributes[i].offset);
+    }
+    d->index_count = 3 * m->triangle_count;
+    d->repeat = repeat;
+    if (gl->GetError() == GL_NO_ERROR)
+        return BTF_OK;
+    file_say(log, "the mesh does not fit into GL's memory");
+    return BTF_ERROR_MEMORY;
+}
+
+static bool same_variant(const variant *a, const variant *b) {
+    return a->effects == b->effects && a->interpolation == b->interpolation && a->filter == b->filter &&
+           a->math == b->math && a->images == b->images;
+}
+
+static btf_result compile(drawing *d, const variant *v, const btf_log *log, GLuint *out_program) {
+    const btf_shader_options options = {.struct_size = sizeof options,
+                                        .leave_out = BTF_EFFECT_ALL & ~v->effects,
+                                        .interpolation = v->interpolation,
+                                        .filter = v->filter,
+                                        .math = v->math,
+                                        .have_precise = d->have_precise};
+    char *library = NULL;
+    btf_result result = btf_shader_source(d->material, &options, log, &library);
+    if (result)
+        return result;
+    const char *vertex[] = {vertex_text, NULL};
+    const char *fragment[] = {library, v->images ? images_text : material_text, fragment_text, NULL};
+    *out_program =
+        gl_api_program(d->gl,
+                       d->have_precise ? "#version 330 core\n#extension GL_ARB_gpu_shader5 : require\n"
+                                       : "#version 330 core\n",
+                       vertex, fragment, log);
+    btf_free(library);
+    if (!*out_program)
+        return BTF_ERROR_INTERNAL;
+    return BTF_OK;
+}
+
+/* The program of a variant, compiled when it is new. */
+static btf_result find_program(drawing *d, const variant *v, const btf_log *log, GLuint *out_program) {
+    for (int i = 0; i < d->program_count; i++)
+        if (same_variant(&d->programs[i].variant, v)) {
+            *out_program = d->programs[i].name;
+            return BTF_OK;
+        }
+    btf_result result = compile(d, v, log, out_program);
+    if (result)
+        return result;
+    if (d->program_count == PROGRAMS) {
+        d->gl->DeleteProgram(d->programs[0].name);
+        memmove(d->programs, d->programs + 1, (PROGRAMS - 1) * sizeof *d->programs);
+        d->program_count--;
+    }
+    d->programs[d->program_count++] = (program){*v, *out_program};
+    return BTF_OK;
+}
+
+/* Column-major projection of the world for a camera frame. */
+static void make_matrix(const camera_frame *f, int width, int height, float m[16]) {
+    const double smaller = width < height ? width : height, near = 0.05, far = f->distance + 4;
+    const double sx = f->distance / f->half * smaller / width,
+                 sy = f->distance / f->half * smaller / height;
+    const double a = -(far + near) / (far - near), b = -2 * far * near / (far - near);
+    const double axes[3][3] = {{f->right.x, f->right.y, f->right.z},
+                               {f->up.x, f->up.y, f->up.z},
+                               {f->back.x, f->back.y, f->back.z}};
+    for (int k = 0; k < 3; k++) {
+        m[4 * k] = (float)(sx * axes[0][k]);
+        m[4 * k + 1] = (float)(sy * axes[1][k]);
+        m[4 * k + 2] = (float)(a * axes[2][k]);
+        m[4 * k + 3] = (float)-axes[2][k];
+    }
+    m[12] = m[13] = 0;
+    m[14] = (float)(b - a * f->distance);
+    m[15] = (float)f->distance;
+}
+
+static btf_result draw_side(drawing *d, const view_state *s, const variant *v, int width, int height,
+                            const btf_log *log) {
+    const camera camera = {s->theta, s->phi, 30, s->zoom};
+    const camera_frame frame = camera_get_frame(&camera);
+    const gl_api *gl = d->gl;
+    GLuint name = 0;
+    btf_result result = find_program(d, v, log, &name);
+    if (!result)
+        result = btf_gl_bind(d->textures, name, UNIT_MATERIAL, NULL, log, NULL);
+    if (result)
+        return result;
+    float matrix[16], eye[3], light[3];
+    make_matrix(&frame, width, height, matrix);
+    vec_store(vec_mul(frame.back, frame.distance), eye);
+    vec_store(vec_from_angles(s->light_theta, s->light_phi), light);
+    gl->UseProgram(name);
+    gl->ActiveTexture(GL_TEXTURE0 + UNIT_IMAGES);
+    gl->BindTexture(GL_TEXTURE_2D_ARRAY, d->images);
+    gl->Uniform1i(gl->GetUniformLocation(name, "view_images"), UNIT_IMAGES);
+    gl->Uniform1i(gl->GetUniformLocation(name, "view_columns"), d->image_columns);
+    gl->UniformMatrix4fv(gl->GetUniformLocation(name, "view_to_clip"), 1, GL_FALSE, matrix);
+    gl->Uniform3f(gl->GetUniformLocation(name, "eye"), eye[0], eye[1], eye[2]);
+    gl->Uniform3f(gl->GetUniformLocation(name, "light"), light[0], light[1], light[2]);
+    gl->Uniform1f(gl->GetUniformLocation(name, "exposure"), (float)exp2(s->exposure));
+    gl->Uniform1f(gl->GetUniformLocation(name, "repeat"), (float)d->repeat);
+    gl->BindVertexArray(d->array);
+    gl->DrawElements(GL_TRIANGLES, (GLsizei)d->index_count, GL_UNSIGNED_INT, NULL);
+    return gl->GetError() == GL_NO_ERROR ? BTF_OK : BTF_ERROR_INTERNAL;
+}
+
+btf_result drawing_draw(drawing *d, const view_state *s, int width, int height, const btf_log *log) {
+    const gl_api *gl = d->gl;
+    gl->Viewport(0, 0, width, height);
+    gl->Disable(GL_SCISSOR_TEST);
+    gl->ClearColor(0.1f, 0.1f, 0.11f, 1);
+    gl->Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    if (!d->material)
+        return BTF_OK;
+    const int split = s->split == VIEW_SPLIT_OFF ? width : (int)(s->split_at * width + 0.5);
+    variant left = {s->effects, s->interpolation, s->filter, s->math, false}, right = left;
+    right.images = s->split == VIEW_SPLIT_ORIGINAL && d->images;
+    right.effects = 0;
+    gl->Enable(GL_DEPTH_TEST);
+    gl->Enable(GL_SCISSOR_TEST);
+    gl->Scissor(0, 0, split, height);
+    btf_result result = draw_side(d, s, &left, width, height, log);
+    if (!result && split < width) {
+        gl->Scissor(split, 0, 1, height);
+        gl->ClearColor(1, 1, 1, 1);
+        gl->Clear(GL_COLOR_BUFFER_BIT);
+        gl->Scissor(split + 1, 0, width - split, height);
+        result = draw_side(d, s, &right, width, height, log);
+    }
+    gl->Disable(GL_SCISSOR_TEST);
+    return result;
+}
