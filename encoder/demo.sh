@@ -4,6 +4,8 @@
 #
 #   encoder/demo.sh                  the built-in sample, a brick wall
 #   encoder/demo.sh DATA [OPTION..]  a data set (folder, zip) of yours; options go to btf-encode
+#
+# SPDX-License-Identifier: MIT
 set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
 . "$root/.ci/setup.sh"
@@ -26,7 +28,11 @@ if [ $# -gt 0 ]; then
     shift
 else
     data=$demo/data/bricks
-    [ -d "$data" ] || "$tools/tests/sample/btf-sample" -o "$data" --relief bricks --format png
+    if [ ! -d "$data" ]; then # under another name until it is whole
+        rm -rf "$data.part"
+        "$tools/tests/sample/btf-sample" -o "$data.part" --relief bricks --format png
+        mv "$data.part" "$data"
+    fi
 fi
 name=$(basename "${data%/}")
 name=${name%.*}
