@@ -1,5 +1,7 @@
 # Sourced by encoder/demo.sh and tests/run.sh: installs the packages of .ci/packages.txt that are missing.
 # Expects $root, the source folder. Exits 2 with a message when something is missing and cannot be installed.
+#
+# SPDX-License-Identifier: MIT
 
 install_packages() {
     local wanted missing=()

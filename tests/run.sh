@@ -4,6 +4,8 @@
 #
 #   tests/run.sh          all tests of the release build, then all unit tests under the sanitizers
 #   tests/run.sh --long   the same with the long conformance, variant and exhaustive runs
+#
+# SPDX-License-Identifier: MIT
 set -u
 root=$(cd "$(dirname "$0")/.." && pwd)
 . "$root/.ci/setup.sh"

@@ -1,5 +1,8 @@
 """Counts test cases in meson's testlog.json files: prints why tests were skipped, which failed, and as the last line
-"N passed, N failed, N skipped". A cmocka program counts by its cases, any other by its result. Exits 1 on a failure."""
+"N passed, N failed, N skipped". A cmocka program counts by its cases, any other by its result. Exits 1 on a failure.
+
+SPDX-License-Identifier: MIT
+"""
 import json
 import re
 import sys
