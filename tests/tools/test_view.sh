@@ -1,0 +1,200 @@
+#!/bin/bash
+# btf-view under Xvfb: every key and mouse gesture as real events, screenshots, dropped files, no display, no GL.
+. "$BTF_SOURCE_ROOT/tests/tools/common.sh"
+PATH=$build/decoder/tools/view:$build/decoder/tools/render:$build/tests/tools:$PATH
+for tool in btf-view x_drop xdotool Xvfb; do
+    if ! command -v $tool >/dev/null; then
+        echo "skipped: no $tool"
+        exit 77
+    fi
+done
+small_data
+btf-encode data -o m.btf.exr --method paper -q || exit 99
+cat >seat.obj <<'O'
+v -1 -1 0
+v 1 -1 0
+v 0 1 0
+vt 0 0
+vt 1 0
+vt 0 1
+f 1/1 2/2 3/3
+O
+
+expect "help" 0 btf-view --help
+for option in mesh original size effects interpolate filter math screenshots verbose quiet; do
+    expect_text "help names --$option" "--$option" out
+done
+expect "no display" 5 env -u DISPLAY -u WAYLAND_DISPLAY btf-view m.btf.exr
+expect_text "is told, with what to do" 'no display: .*btf-render' err
+expect "no file" 2 btf-view none.btf.exr
+expect_text "is told" 'none.btf.exr' err
+expect "a broken file" 3 btf-view seat.obj
+expect "an unknown mesh" 1 btf-view m.btf.exr --mesh cube
+echo "v 1" >bad.obj
+expect "a broken OBJ" 3 env -u DISPLAY btf-view m.btf.exr --mesh bad.obj
+expect "original without a file" 1 btf-view --original data
+expect "a wrong size" 1 btf-view --size 1x1
+
+# A display of our own.
+Xvfb -displayfd 3 -screen 0 800x600x24 3>display 2>xvfb.log &
+xvfb=$!
+trap 'kill $viewer $xvfb 2>/dev/null; rm -rf "$work"' EXIT
+viewer=
+for i in $(seq 100); do
+    [ -s display ] && break
+    sleep 0.1
+done
+export DISPLAY=:$(cat display)
+unset WAYLAND_DISPLAY
+
+expect "no OpenGL 3.3" 5 env MESA_GL_VERSION_OVERRIDE=2.1 btf-view m.btf.exr
+expect_text "is told" 'no OpenGL 3.3' err
+
+start() { # OPTIONS...: in the background, until the window is ready
+    : >log
+    btf-view "$@" --size 320x240 --verbose --quiet --screenshots shot >log 2>view.err &
+    viewer=$!
+    for i in $(seq 150); do
+        grep -q '^ready' log && break
+        sleep 0.1
+    done
+    window=$(xdotool search --name '^btf-view$' | head -1)
+    xdotool windowfocus "$window"
+    sleep 0.3
+}
+# said NAME LINE: the line comes, within some seconds
+said() {
+    for i in $(seq 100); do
+        tail -n +$((seen + 1)) log | grep -Eq -- "$2" && break
+        sleep 0.1
+    done
+    tail -n +$((seen + 1)) log >new
+    seen=$(wc -l <log)
+    expect_text "$1" "$2" new
+}
+seen=0
+press() { # KEY LINE
+    xdotool key "$1"
+    said "key $1" "$2"
+}
+drag() { # BUTTON LINE [with shift]
+    xdotool mousemove --window "$window" 160 120
+    sleep 0.2
+    [ -n "${3:-}" ] && xdotool keydown shift
+    xdotool mousedown "$1"
+    xdotool mousemove --window "$window" 200 150
+    xdotool mouseup "$1"
+    [ -n "${3:-}" ] && xdotool keyup shift
+    said "drag with button $1 ${3:-}" "$2"
+}
+shots=0
+shoot() { # saves a picture as $1.png
+    shots=$((shots + 1))
+    press p "^saved shot-$(printf %04d $shots).png"
+    cp "shot-$(printf %04d $shots).png" "$1.png"
+}
+differ() { expect_that "$1" test "$(cmp -s "$2" "$3"; echo $?)" = 1; }
+
+start m.btf.exr --original data
+press i '^panel off'
+shoot start
+for key in 1:shift,hidden 2:hidden 3:gain; do
+    press ${key%%:*} "^effects ${key##*:}"
+    shoot "effect${key%%:*}"
+done
+differ "shadows off are seen" start.png effect1.png
+press 4 '^effects residual'
+press 5 '^effects none'
+shoot none
+press 0 '^effects all'
+shoot all
+expect_that "all effects again is the same picture" cmp start.png all.png
+differ "no effects are seen" start.png none.png
+press s '^split SBRDF'
+shoot split
+differ "the split is seen" start.png split.png
+press bracketright '^split at 0.55'
+press bracketleft '^split at 0.50'
+drag 2 '^split at 0.6'
+press s '^split original'
+shoot original
+differ "the original is seen" split.png original.png
+press s '^split off'
+press n '^directions nearest'
+shoot nearest
+differ "nearest directions are seen" start.png nearest.png
+press n '^directions linear'
+press b '^filter bilinear'
+shoot bilinear
+differ "bilinear is seen" start.png bilinear.png
+press b '^filter texel'
+press x '^math fast'
+press x '^math exact'
+press plus '^exposure \+0.25'
+shoot bright
+differ "exposure is seen" start.png bright.png
+press minus '^exposure \+0.00'
+press KP_Add '^exposure \+0.25'
+press KP_Subtract '^exposure \+0.00'
+for mesh in plane torus drape; do
+    press m "^model $mesh"
+    shoot $mesh
+done
+differ "models are seen" plane.png torus.png
+press m '^model sphere'
+shoot sphere
+expect_that "the sphere again is the same picture" cmp start.png sphere.png
+drag 1 '^view [1-9]'
+shoot orbit
+differ "turning is seen" start.png orbit.png
+drag 3 '^light [1-9]'
+drag 1 '^light [1-9]' shift
+shoot light
+differ "the light is seen" orbit.png light.png
+xdotool click 4
+said "the wheel" '^zoom 0.99'
+xdotool click 5
+said "the wheel back" '^zoom 0.90'
+press h '^help on'
+shoot help
+differ "help is seen" light.png help.png
+press F1 '^help off'
+press r '^reset'
+shoot reset
+press i '^panel off'
+press c '^measured: [0-9.]+ ms a frame'
+press a '^animation on'
+sleep 1
+press a '^animation off'
+shoot moved
+differ "animation is seen" start.png moved.png
+
+expect "a model dropped" 0 x_drop "$window" seat.obj
+said "is shown" '^opened seat.obj'
+shoot dropped
+differ "and seen" moved.png dropped.png
+press m '^model sphere'
+btf-sample -o other --relief bumps --size 12 --directions 0:1,45:4 --quiet
+btf-encode other -o other.btf.exr --method paper -q
+expect "a material dropped" 0 x_drop "$window" other.btf.exr
+said "is shown" '^opened other.btf.exr'
+expect "a broken file dropped" 0 x_drop "$window" log
+press s '^split SBRDF'
+expect_text "is told, and the viewer goes on" 'error: .*log' view.err
+press s '^split off'
+xdotool key Escape
+wait $viewer
+expect_that "Escape quits with 0" test $? = 0
+
+seen=0
+start --mesh seat.obj --effects none --interpolate nearest --filter bilinear --math fast
+expect "a material dropped on an empty window" 0 x_drop "$window" m.btf.exr
+said "is shown" '^opened m.btf.exr'
+press 1 '^effects shadow'
+press n '^directions linear'
+press b '^filter texel'
+press x '^math exact'
+xdotool key q
+wait $viewer
+expect_that "Q quits with 0" test $? = 0
+finish
