@@ -1,4 +1,4 @@
-/* The sections of btf-bench: each runs one measurement and writes its table.
+/* The files of a section, and the sections that are one table.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -9,9 +9,13 @@
 #include <errno.h>
 #include <string.h>
 
-btf_result bench_open(const bench_run *run, const char *name, FILE **out_file) {
+void bench_path(const bench_run *run, const char *section, const char *extension, char *path, size_t size) {
+    snprintf(path, size, "%s/%s-%s.%s", run->out, section, run->name, extension);
+}
+
+btf_result bench_open(const bench_run *run, const char *section, const char *extension, FILE **out_file) {
     char path[4096];
-    snprintf(path, sizeof path, "%s/%s", run->out, name);
+    bench_path(run, section, extension, path, sizeof path);
     *out_file = fopen(path, "w");
     return *out_file ? BTF_OK : enc_fail(run->context, BTF_ERROR_IO, "%s: %s", path, strerror(errno));
 }
@@ -19,7 +23,7 @@ btf_result bench_open(const bench_run *run, const char *name, FILE **out_file) {
 btf_result bench_section_fit(const bench_run *run) {
     FILE *csv = NULL;
     bench_fit_summary s;
-    btf_result result = bench_open(run, "fit.csv", &csv);
+    btf_result result = bench_open(run, "fit", "csv", &csv);
     if (result == BTF_OK) {
         result = bench_fit(run->context, run->data, run->texels, csv, &s);
         fclose(csv);
@@ -28,12 +32,14 @@ btf_result bench_section_fit(const bench_run *run) {
         return result;
     }
     fprintf(run->summary,
-            "| solver, %d texels | core ms a texel | times faster | cost against Ceres |\n| --- | --- | --- | --- |\n"
+            "| solver, %d texels | core ms a texel | times faster | cost against Ceres |\n| --- | --- | "
+            "--- | --- |\n"
             "| Ceres, automatic derivatives | %.1f | 1 | 1 |\n"
             "| ours, the same start | %.2f | %.0f | %.4f |\n"
             "| ours, all starts | %.2f | %.0f | %.4f |\n\nWorst texel: %.3f of Ceres's cost.\n\n",
             s.texels, 1e3 * s.ceres_seconds / s.texels, 1e3 * s.single_seconds / s.texels,
-            s.ceres_seconds / s.single_seconds, s.single_cost / s.ceres_cost, 1e3 * s.full_seconds / s.texels,
-            s.ceres_seconds / s.full_seconds, s.full_cost / s.ceres_cost, s.worst_ratio);
+            s.ceres_seconds / s.single_seconds, s.single_cost / s.ceres_cost,
+            1e3 * s.full_seconds / s.texels, s.ceres_seconds / s.full_seconds, s.full_cost / s.ceres_cost,
+            s.worst_ratio);
     return BTF_OK;
 }

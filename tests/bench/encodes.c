@@ -1,0 +1,73 @@
+/* Our own methods as codecs. See encodes.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "encodes.h"
+
+#include "encoder/joint.h"
+#include "encoder/method_paper.h"
+#include "encoder/pack.h"
+#include "encoder/unpack.h"
+
+#include <sys/resource.h>
+#include <time.h>
+
+bench_clock bench_now(void) {
+    struct timespec time;
+    struct rusage use;
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    getrusage(RUSAGE_SELF, &use);
+    return (bench_clock){(double)time.tv_sec + 1e-9 * (double)time.tv_nsec,
+                         (double)(use.ru_utime.tv_sec + use.ru_stime.tv_sec) +
+                             1e-6 * (double)(use.ru_utime.tv_usec + use.ru_stime.tv_usec)};
+}
+
+/* Packs and unpacks what was found since `start`, and frees it. */
+static btf_result store(const enc_context *context, const enc_data *data, enc_solution *found,
+                        btf_layout layout, const char *method, bench_clock start, bench_encoded *out) {
+    const enc_pack_options options = {.layout = layout, .method = method, .source = data->source};
+    btf_result result = enc_pack(context, data, found, &options, &out->material);
+    const bench_clock end = bench_now();
+    enc_solution_clear(found);
+    if (result == BTF_OK) {
+        result = enc_unpack(context, out->material, &out->solution);
+    }
+    if (result == BTF_OK) {
+        btf_material_info info = {.struct_size = sizeof info};
+        btf_material_get_info(out->material, &info);
+        out->bytes = info.gpu_bytes;
+        out->wall = end.wall - start.wall;
+        out->core = end.core - start.core;
+    } else {
+        bench_encoded_clear(out);
+    }
+    return result;
+}
+
+btf_result bench_encode_joint(const enc_context *context, const enc_data *data, int preset, uint64_t budget,
+                              bench_encoded *out) {
+    const bench_clock start = bench_now();
+    enc_joint_options options = enc_joint_options_default();
+    enc_solution found;
+    options.preset = preset;
+    options.budget = budget;
+    *out = (bench_encoded){0};
+    const btf_result result = enc_joint(context, data, &options, &found, NULL);
+    return result == BTF_OK ? store(context, data, &found, BTF_LAYOUT_TIGHT, "joint", start, out) : result;
+}
+
+btf_result bench_encode_paper(const enc_context *context, const enc_data *data, bench_encoded *out) {
+    const bench_clock start = bench_now();
+    const enc_paper_options options = enc_paper_options_default();
+    enc_paper_stats stats;
+    enc_solution found;
+    *out = (bench_encoded){0};
+    const btf_result result = enc_paper(context, data, &options, &found, NULL, &stats);
+    return result == BTF_OK ? store(context, data, &found, BTF_LAYOUT_PAPER, "paper", start, out) : result;
+}
+
+void bench_encoded_clear(bench_encoded *encoded) {
+    enc_solution_clear(&encoded->solution);
+    btf_material_close(&encoded->material);
+    *encoded = (bench_encoded){0};
+}

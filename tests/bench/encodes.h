@@ -1,0 +1,30 @@
+/* Our own methods as codecs: analysed, packed and unpacked, so that what is measured is what a file holds.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_TESTS_BENCH_ENCODES_H
+#define OPENBTF_TESTS_BENCH_ENCODES_H
+
+#include "encoder/solution.h"
+
+typedef struct bench_encoded {
+    enc_solution solution; /* what the material holds */
+    btf_material *material;
+    size_t bytes;      /* GPU bytes */
+    double wall, core; /* seconds of the analysis and packing */
+} bench_encoded;
+
+/* --method joint with this preset (enc_joint_preset) and budget (0: default), layout tight. */
+btf_result bench_encode_joint(const enc_context *context, const enc_data *data, int preset, uint64_t budget,
+                              bench_encoded *out);
+/* --method paper with its defaults, layout paper. */
+btf_result bench_encode_paper(const enc_context *context, const enc_data *data, bench_encoded *out);
+void bench_encoded_clear(bench_encoded *encoded);
+
+/* Seconds since some moment: of the wall clock, and of all threads of this process. */
+typedef struct bench_clock {
+    double wall, core;
+} bench_clock;
+bench_clock bench_now(void);
+
+#endif
