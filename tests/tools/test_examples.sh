@@ -1,0 +1,61 @@
+#!/bin/bash
+# The examples: a forward shader with two materials and an ordinary one; Vulkan against the reference.
+. "$BTF_SOURCE_ROOT/tests/tools/common.sh"
+PATH=$build/decoder/examples:$PATH
+small_data
+btf-encode data -o a.btf.exr --method paper -q || exit 99
+btf-sample -o other --relief bumps --size 12 --directions 0:1,45:4 --quiet || exit 99
+btf-encode other -o b.btf.exr --method paper -q || exit 99
+
+# third NAME PART: a third of the picture's columns, 0..2
+third() {
+    python3 - "$1" "$2" <<'P'
+import sys
+data = open(sys.argv[1], "rb").read()
+pixels, width, part = data[-480 * 160 * 3:], 480, int(sys.argv[2])
+assert data.startswith(b"P6\n480 160\n255\n") and len(data) == 15 + len(pixels)
+sys.stdout.buffer.write(b"".join(pixels[3 * (480 * r + 160 * part):3 * (480 * r + 160 * part + 160)] for r in range(160)))
+P
+}
+expect "forward: two materials" 0 forward a.btf.exr b.btf.exr
+cp out ab.ppm
+expect "forward: the other way round" 0 forward b.btf.exr a.btf.exr
+cp out ba.ppm
+expect "forward: one twice" 0 forward a.btf.exr a.btf.exr
+cp out aa.ppm
+for name in ab ba aa; do
+    for part in 0 1 2; do third $name.ppm $part >$name$part; done
+done
+expect_that "left is its own material" cmp ab0 aa0
+expect_that "right is its own material" cmp ba2 aa2
+expect_that "the ordinary one does not depend on them" cmp ab1 ba1
+expect_that "left and right differ by material" test "$(cmp -s ab0 ba0; echo $?)" = 1
+expect_that "no part is black" test "$(for f in ab0 ab1 ab2; do tr -d '\0' <$f | head -c 1 | wc -c; done | tr -d '\n')" = 111
+expect "forward without arguments" 1 forward
+expect "forward without a file" 2 forward none.btf.exr a.btf.exr
+
+if command -v vulkan >/dev/null && command -v glslangValidator >/dev/null; then
+    lavapipe=$(ls /usr/share/vulkan/icd.d/lvp_icd*.json 2>/dev/null | head -1)
+    for m in a b; do
+        expect "vulkan: the shader of $m" 0 vulkan $m.btf.exr
+        cp out decode.comp
+        expect "vulkan: to SPIR-V" 0 glslangValidator -V decode.comp -o decode.spv
+        expect_that "which is there" test -s decode.spv
+        if [ -z "$lavapipe" ]; then
+            echo "skipped: no lavapipe here"
+            continue
+        fi
+        expect "vulkan: run" 0 env VK_ICD_FILENAMES="$lavapipe" vulkan $m.btf.exr decode.spv
+        expect_text "vulkan: no bit differs" '^0 of 16384 differ' out
+    done
+    # a wrong shader is found out
+    sed 's/radiance\[c\]/radiance[c] * 1.0000001/' decode.comp >wrong.comp
+    glslangValidator -V wrong.comp -o wrong.spv >/dev/null
+    [ -z "$lavapipe" ] || expect "vulkan: a wrong bit is found" 7 env VK_ICD_FILENAMES="$lavapipe" vulkan b.btf.exr wrong.spv
+    expect "vulkan: no device" 5 env VK_ICD_FILENAMES=none.json vulkan b.btf.exr decode.spv
+    expect "vulkan: no SPIR-V" 2 vulkan b.btf.exr none.spv
+    expect "vulkan without arguments" 1 vulkan
+else
+    echo "skipped: the Vulkan example was not built, or no glslangValidator"
+fi
+finish
