@@ -232,7 +232,7 @@ btf_result drawing_set_mesh(drawing *d, const mesh *m, double repeat, const btf_
     for (GLuint i = 0; i < 4; i++) {
         gl->EnableVertexAttribArray(i);
         gl->VertexAttribPointer(i, attributes[i].count, GL_FLOAT, GL_FALSE, sizeof(mesh_vertex),
-                                (const char *)NULL + attributes[i].offset);
+                                (const void *)(uintptr_t)attributes[i].offset);
     }
     d->index_count = 3 * m->triangle_count;
     d->repeat = repeat;
