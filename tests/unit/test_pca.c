@@ -227,6 +227,14 @@ static void test_rounding(void **state) {
     assert_true(enc_psnr_linear(&byte.total) <= exact && enc_psnr_linear(&byte.total) > exact - 0.2);
     pca_factors_clear(&f);
     enc_data_destroy(&data);
+    data = low_rank(5, false);
+    f = factorise(&two, data, PCA_LINEAR, 5);
+    const enc_metrics half_whole = encode_and_measure(&f, PCA_HALF, 5);
+    const enc_metrics byte_whole = encode_and_measure(&f, PCA_BYTE, 5);
+    assert_true(enc_psnr_linear(&half_whole.total) > 70);
+    assert_true(enc_psnr_linear(&byte_whole.total) > 50 && enc_psnr_linear(&byte_whole.total) < 70);
+    pca_factors_clear(&f);
+    enc_data_destroy(&data);
 }
 
 /* Data made of two subspaces of rank 3: two clusters of rank 3 hold it, one does not. */
