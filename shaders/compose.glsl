@@ -1,4 +1,5 @@
-/* OpenBTF shaders: one texel from all its parts (FORMAT.md section 9, "One texel").
+/* OpenBTF shaders: a texel from all its parts (FORMAT.md section 9, "One texel"); with bilinear filtering
+ * four texels at a time, so that what depends on directions alone is fetched once.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -34,8 +35,8 @@ float btf_clamp(float y) {
     return y >= uintBitsToFloat(0x30800000u) ? min(y, 4294967296.0) : 0.0;
 }
 
-/* Radiance, before radianceScale, of a source with a gain code. */
-vec3 btf_source_radiance(uvec2 source, uint gain, uint view, btf_setting s) {
+/* Radiance, before radianceScale, of a source with a residual and a gain code. */
+vec3 btf_source_radiance(uvec2 source, vec3 residual, uint gain, btf_setting s) {
     vec3 y = vec3(0.0);
 #if BTF_COLOUR != 2
     y = btf_lafortune(source, s.product);
@@ -45,9 +46,9 @@ vec3 btf_source_radiance(uvec2 source, uint gain, uint view, btf_setting s) {
 #endif
 #if BTF_COMPONENTS > 0
 #if BTF_COLOUR != 2
-    y = btf_add(y, btf_residual(source, view, s.lights, s.n));
+    y = btf_add(y, residual);
 #else
-    y = btf_residual(source, view, s.lights, s.n);
+    y = residual;
 #endif
 #endif
     y = btf_mul(y, s.cosine);
@@ -66,25 +67,42 @@ vec3 btf_source_radiance(uvec2 source, uint gain, uint view, btf_setting s) {
     return y;
 }
 
-/* Radiance, before radianceScale, of texel x in one sampled view. */
-vec3 btf_view_radiance(uvec2 x, uint view, btf_setting s) {
-    uvec3 codes = btf_view_codes(x, view);
+/* Adds what each texel x shows in one sampled view, weighted, to its sum. */
+void btf_add_view(inout vec3 sum[BTF_TEXELS], uvec2 x[BTF_TEXELS], uint view, float weight, btf_setting s) {
+    uvec3 codes[BTF_TEXELS];
+    uvec2 source[BTF_TEXELS];
+    vec3 residual[BTF_TEXELS];
+    bool visible = false;
+    for (int i = 0; i < BTF_TEXELS; ++i) {
+        codes[i] = btf_view_codes(x[i], view);
+        source[i] = btf_source(x[i], codes[i]);
+        residual[i] = vec3(0.0);
+        visible = visible || codes[i].x != 0u;
+    }
+#if BTF_COMPONENTS > 0
 #if BTF_HIDDEN
-    if (codes.x == 0u)
-        return btf_centre_radiance(btf_centre_index(codes), s.lights, s.n);
+    if (visible)
 #endif
-    return btf_source_radiance(btf_source(x, codes), codes.x, view, s);
+        btf_residual(residual, source, view, s.lights, s.n);
+#endif
+    for (int i = 0; i < BTF_TEXELS; ++i) {
+        vec3 radiance;
+#if BTF_HIDDEN
+        if (codes[i].x == 0u)
+            radiance = btf_centre_radiance(btf_centre_index(codes[i]), s.lights, s.n);
+        else
+#endif
+            radiance = btf_source_radiance(source[i], residual[i], codes[i].x, s);
+        sum[i] = btf_add(sum[i], btf_mul(radiance, weight));
+    }
 }
 
-/* Radiance of texel x: the neighbouring views, blended. */
-vec3 btf_texel(uvec2 x, btf_setting s) {
-    vec3 sum = vec3(0.0);
-    for (int a = 0; a < s.n; ++a) {
-        uint w = s.views.weight[a];
-        if (w > 0u) {
-            float weight = btf_mul(float(w), uintBitsToFloat(0x39800000u));
-            sum = btf_add(sum, btf_mul(btf_view_radiance(x, s.views.index[a], s), weight));
-        }
-    }
-    return btf_mul(sum, BTF_RADIANCE_SCALE);
+/* Radiance of each texel x: the neighbouring views, blended. */
+void btf_texels(inout vec3 sum[BTF_TEXELS], uvec2 x[BTF_TEXELS], btf_setting s) {
+    for (int a = 0; a < s.n; ++a)
+        if (s.views.weight[a] > 0u)
+            btf_add_view(sum, x, s.views.index[a],
+                         btf_mul(float(s.views.weight[a]), uintBitsToFloat(0x39800000u)), s);
+    for (int i = 0; i < BTF_TEXELS; ++i)
+        sum[i] = btf_mul(sum[i], BTF_RADIANCE_SCALE);
 }

@@ -8,18 +8,28 @@ vec3 btf_evaluate_directions(vec2 uv, vec3 l, vec3 v, bool nearest) {
         return vec3(0.0);
     btf_setting s = btf_prepare(l, v, nearest);
     uint tu = btf_coordinate(uv.x, BTF_WIDTH), tv = btf_coordinate(uv.y, BTF_HEIGHT);
+    uvec2 x[BTF_TEXELS];
+    vec3 sum[BTF_TEXELS];
 #if BTF_BILINEAR
     uvec3 cu = btf_bilinear(tu, BTF_WIDTH), cv = btf_bilinear(tv, BTF_HEIGHT);
-    vec3 sum = vec3(0.0);
-    for (uint i = 0u; i < 4u; ++i) {
-        bool right = (i & 1u) != 0u, above = (i & 2u) != 0u;
-        uint w = (right ? cu.z : 256u - cu.z) * (above ? cv.z : 256u - cv.z);
-        uvec2 x = uvec2(right ? cu.y : cu.x, BTF_HEIGHT - 1u - (above ? cv.y : cv.x));
-        sum = btf_add(sum, btf_mul(btf_texel(x, s), btf_mul(float(w), uintBitsToFloat(0x37800000u))));
-    }
-    return sum;
+    x[0] = uvec2(cu.x, BTF_HEIGHT - 1u - cv.x);
+    x[1] = uvec2(cu.y, BTF_HEIGHT - 1u - cv.x);
+    x[2] = uvec2(cu.x, BTF_HEIGHT - 1u - cv.y);
+    x[3] = uvec2(cu.y, BTF_HEIGHT - 1u - cv.y);
+    uvec4 weight = uvec4(256u - cu.z, cu.z, 256u - cu.z, cu.z) * uvec4(uvec2(256u - cv.z), uvec2(cv.z));
+    for (int i = 0; i < BTF_TEXELS; ++i)
+        sum[i] = vec3(0.0);
+    btf_texels(sum, x, s);
+    vec3 radiance = btf_mul(sum[0], btf_mul(float(weight[0]), uintBitsToFloat(0x37800000u)));
+    for (int i = 1; i < BTF_TEXELS; ++i)
+        radiance =
+            btf_add(radiance, btf_mul(sum[i], btf_mul(float(weight[i]), uintBitsToFloat(0x37800000u))));
+    return radiance;
 #else
-    return btf_texel(uvec2(tu >> 18u, BTF_HEIGHT - 1u - (tv >> 18u)), s);
+    x[0] = uvec2(tu >> 18u, BTF_HEIGHT - 1u - (tv >> 18u));
+    sum[0] = vec3(0.0);
+    btf_texels(sum, x, s);
+    return sum[0];
 #endif
 }
 

@@ -39,6 +39,11 @@
 #ifndef BTF_BILINEAR
 #define BTF_BILINEAR 0
 #endif
+#if BTF_BILINEAR
+#define BTF_TEXELS 4
+#else
+#define BTF_TEXELS 1
+#endif
 #ifndef BTF_FAST_MATH
 #define BTF_FAST_MATH 0
 #endif

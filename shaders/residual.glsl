@@ -8,8 +8,10 @@ ivec4 btf_direction_components(uint light, uint view, int layer) {
     return texelFetch(btf_residual_directions, ivec3(int(light), int(view), layer), 0);
 }
 
-/* Adds the first `count` components of group g, in order, to r. */
-vec3 btf_residual_group(vec3 r, int g, int count, uvec2 x, uint view, btf_neighbours lights, int n) {
+/* Adds the first `count` components of group g, in order, to the residual of each texel. The sums over
+ * lights are the same for all of them. */
+void btf_residual_group(inout vec3 r[BTF_TEXELS], int g, int count, uvec2 x[BTF_TEXELS], uint view,
+                        btf_neighbours lights, int n) {
     ivec4 red = ivec4(0), green = ivec4(0), blue = ivec4(0);
     for (int b = 0; b < n; ++b) {
         int w = int(lights.weight[b]);
@@ -18,27 +20,26 @@ vec3 btf_residual_group(vec3 r, int g, int count, uvec2 x, uint view, btf_neighb
         blue += w * btf_direction_components(lights.index[b], view, 3 * g + 2);
     }
     vec4 scale = btf_mul(texelFetch(btf_residual_scales, ivec2(g, 0), 0), uintBitsToFloat(0x39800000u));
-    vec4 u = btf_mul(vec4(texelFetch(btf_residual_texels, ivec3(x, g), 0)), scale);
-    r = btf_add(r, btf_mul(vec3(red.x, green.x, blue.x), u.x));
-    if (count > 1)
-        r = btf_add(r, btf_mul(vec3(red.y, green.y, blue.y), u.y));
-    if (count > 2)
-        r = btf_add(r, btf_mul(vec3(red.z, green.z, blue.z), u.z));
-    if (count > 3)
-        r = btf_add(r, btf_mul(vec3(red.w, green.w, blue.w), u.w));
-    return r;
+    for (int i = 0; i < BTF_TEXELS; ++i) {
+        vec4 u = btf_mul(vec4(texelFetch(btf_residual_texels, ivec3(x[i], g), 0)), scale);
+        r[i] = btf_add(r[i], btf_mul(vec3(red.x, green.x, blue.x), u.x));
+        if (count > 1)
+            r[i] = btf_add(r[i], btf_mul(vec3(red.y, green.y, blue.y), u.y));
+        if (count > 2)
+            r[i] = btf_add(r[i], btf_mul(vec3(red.z, green.z, blue.z), u.z));
+        if (count > 3)
+            r[i] = btf_add(r[i], btf_mul(vec3(red.w, green.w, blue.w), u.w));
+    }
 }
 
-/* The residual of a source in a view under the first n neighbouring lights (1 or 3). */
-vec3 btf_residual(uvec2 x, uint view, btf_neighbours lights, int n) {
+/* The residuals r of sources x in a view under the first n neighbouring lights (1 or 3). */
+void btf_residual(inout vec3 r[BTF_TEXELS], uvec2 x[BTF_TEXELS], uint view, btf_neighbours lights, int n) {
     const int groups = BTF_COMPONENTS / 4;
-    vec3 r = vec3(0.0);
     for (int g = 0; g < groups; ++g)
-        r = btf_residual_group(r, g, 4, x, view, lights, n);
+        btf_residual_group(r, g, 4, x, view, lights, n);
 #if BTF_COMPONENTS % 4 != 0
-    r = btf_residual_group(r, groups, BTF_COMPONENTS % 4, x, view, lights, n);
+    btf_residual_group(r, groups, BTF_COMPONENTS % 4, x, view, lights, n);
 #endif
-    return r;
 }
 
 #endif

@@ -376,8 +376,31 @@ static btf_result bench_variants(bench *b) {
     return result;
 }
 
-btf_result bench_decode_run(int repeats, const btf_log *log, bench_decode *out) {
-    static const int ranks[] = {4, 8, 16, 48, 98};
+/* A material from a file, as a scene would decode it. */
+static btf_result bench_file(bench *b, const char *path) {
+    const char *base = strrchr(path, '/');
+    char name[BENCH_DECODE_NAME];
+    btf_material *material = NULL;
+    btf_result result = btf_material_open(path, b->log, &material);
+    static const struct {
+        const char *how;
+        btf_shader_options shader;
+    } ways[] = {
+        {"", {0}},
+        {", nearest directions", {.interpolation = BTF_INTERPOLATION_NEAREST}},
+        {", bilinear", {.filter = BTF_FILTER_BILINEAR}},
+    };
+    for (size_t i = 0; i < sizeof ways / sizeof *ways && result == BTF_OK; ++i) {
+        snprintf(name, sizeof name, "%.36s%s", base ? base + 1 : path, ways[i].how);
+        result = bench_variant(b, name, material, ways[i].shader);
+    }
+    btf_material_close(&material);
+    return result;
+}
+
+btf_result bench_decode_run(int repeats, char *const *files, int file_count, const btf_log *log,
+                            bench_decode *out) {
+    static const int ranks[] = {4, 8, 16, 32, 48, 98, 196};
     *out = (bench_decode){0};
     bench b = {.log = log,
                .repeats = repeats < 1              ? 1
@@ -404,6 +427,8 @@ btf_result bench_decode_run(int repeats, const btf_log *log, bench_decode *out) 
         }
         result = bench_variants(&b);
     }
+    for (int i = 0; i < file_count && result == BTF_OK; ++i)
+        result = bench_file(&b, files[i]);
     if (result == BTF_OK)
         result = bench_pca(&b, ranks, sizeof ranks / sizeof *ranks);
     struct rusage usage;

@@ -29,10 +29,13 @@ typedef struct bench_decode {
     double peak_mb; /* peak memory of this process, 10^6 bytes */
 } bench_decode;
 
-/* Draws 256 x 256 pixels of a sphere with every variant and peer, `repeats` times each. On a machine
- * without a context: BTF_ERROR_UNSUPPORTED, with the reason on log. About half a minute for 5 repeats on
- * llvmpipe. */
-btf_result bench_decode_run(int repeats, const btf_log *log, bench_decode *out);
+/* Draws 256 x 256 pixels of a sphere with every variant of synthetic materials, with the material files
+ * named, and with every peer, `repeats` times each. Synthetic materials are random to the texel: a third of
+ * the points is hidden and every shift its own, which real ones do not do to a cache. Errors:
+ * BTF_ERROR_UNSUPPORTED without a context, with the reason on log; those of opening files. Half a minute
+ * for 5 repeats on a free core. */
+btf_result bench_decode_run(int repeats, char *const *files, int file_count, const btf_log *log,
+                            bench_decode *out);
 
 /* A table in Markdown, and the same as CSV (either may be NULL). */
 void bench_decode_print(const bench_decode *result, FILE *markdown, FILE *csv);

@@ -209,7 +209,7 @@ static void fill_residual(random_state *r, const synthetic_spec *s, const btf_ma
     for (uint32_t i = 0; i < info->components; ++i)
         scales[i] = s->values == SYNTHETIC_EXTREME
                         ? extreme_float(r, 0)
-                        : (float)random_between(r, 0.2, 1) * 0x1p-15f / (float)(1 + i);
+                        : (float)random_between(r, 0.2, 1) * 0x1p-15f / (float)(1 + (i < 64 ? i : 64));
 }
 
 static float make_scale(random_state *r, const synthetic_spec *s, float plausible) {

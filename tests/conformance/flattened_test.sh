@@ -1,0 +1,59 @@
+#!/bin/bash
+# glslangValidator takes every flattened variant for every version: GLSLANG FOLDER.
+set -u
+validator=$1
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+failures=0
+count=0
+values='#define BTF_WIDTH 64u
+#define BTF_HEIGHT 48u
+#define BTF_N_LIGHTS 81u
+#define BTF_VIEW_GRID 16u
+#define BTF_LIGHT_GRID 8u
+#define BTF_ATLAS_WIDTH 1024u
+#define BTF_ATLAS_HEIGHT 512u
+#define BTF_TILES 81u
+#define BTF_CENTRE_ROWS 100u
+#define BTF_RADIANCE_SCALE 1.0
+#define BTF_SHADOW_SCALE 0.000000957415
+#define BTF_GAIN_SCALE 0.0078125
+#define BTF_CENTRE_SCALE 0.000000957415'
+
+# compile NAME VERSION EXTRA LAYOUT OPTION...: file NAME as a fragment shader of a version.
+compile() {
+    local name=$1 version=$2 extra=$3 layout=$4
+    shift 4
+    {
+        echo "#version $version"
+        echo "$extra"
+        echo "$values"
+        cat "$name"
+        echo "$layout in vec3 l; layout(location = 0) out vec4 colour;"
+        echo "void main() { colour = vec4(btf_evaluate(l.xy, l, l), 1.0); }"
+    } >"$folder/test.frag"
+    count=$((count + 1))
+    if ! "$validator" "$@" "$folder/test.frag" >"$folder/log" 2>&1 || grep -q WARNING "$folder/log"; then
+        echo "$(basename "$name") as $version:"
+        head -5 "$folder/log"
+        failures=$((failures + 1))
+    fi
+}
+
+for name in "$2"/openbtf_*.glsl; do
+    if [ ! -f "$name" ]; then
+        echo "no flattened shader in $2"
+        exit 1
+    fi
+    if grep -nE '^#(el)?if .*(LAYOUT_TIGHT|COLOUR|HIDDEN|COMPONENTS)' "$name"; then
+        echo "$(basename "$name") still has conditions that its variant decides"
+        failures=$((failures + 1))
+    fi
+    for version in '330 core' '450 core' '300 es' '310 es'; do
+        compile "$name" "$version" '' ''
+    done
+    compile "$name" '450 core' '#define BTF_UNIFORM(n) layout(set = 0, binding = n) uniform' 'layout(location = 0)' \
+        -V -o "$folder/test.spv"
+done
+echo "$count shaders compiled, $failures wrong"
+[ $failures -eq 0 ]
