@@ -27,9 +27,10 @@ typedef struct enc_joint_options {
     int metric;       /* enc_joint_metric; default balanced */
     uint32_t effects; /* btf_effect bits that may be used; default all */
     uint64_t
-        budget;     /* gpu bytes at most; 0: what layout `paper` takes (2.36 MB for 64x64, 81 directions) */
-    double quality; /* dB of sRGB-coded PSNR that is enough; 0: use the budget */
-    int rounds;     /* rounds at most; 0: as the preset says */
+        budget; /* gpu bytes at most; 0: what layout `paper` takes (2.36 MB for 64x64, 81 directions) */
+    double
+        quality; /* dB of sRGB-coded PSNR that is enough; 0: 55 dB in the fitted domain, where codes end */
+    int rounds;  /* rounds at most; 0: as the preset says */
     double
         tolerance;  /* a round that lowers the error by less than this part is the last; 0: the preset's */
     int components; /* residual components at most; 0: as many as the budget allows */
@@ -42,18 +43,20 @@ enum { ENC_JOINT_MAX_ROUNDS = 1000 };
 
 /* What the fit went through. */
 typedef struct enc_joint_stats {
-    int rounds;                           /* rounds run */
-    double history[ENC_JOINT_MAX_ROUNDS]; /* sum of squares in the fitted domain after each round: never
-                                             rises */
-    double rounded;                       /* the same for the codes of the file */
-    double psnr;                          /* dB of that sum: peak 1 in the fitted domain */
-    uint64_t gpu_bytes;                   /* of layout `tight` */
-    size_t moved;                         /* points (texel, view) with a shift */
+    int rounds; /* rounds of the chosen shape */
+    double
+        history[ENC_JOINT_MAX_ROUNDS]; /* its error after each round: sum of squares in the fitted domain */
+    double error;                      /* the same for the codes of the file */
+    double psnr_fitted;                /* dB, peak 1 in the fitted domain, of the codes */
+    double psnr_linear, psnr_srgb;     /* dB over all samples clipped to [0, 1], of the codes */
+    uint64_t gpu_bytes;                /* of layout `tight` */
+    size_t moved;                      /* points (texel, view) with a shift */
 } enc_joint_stats;
 
-/* Analyses `data`. The same data and options give the same solution for any number of threads. out_stats
- * may be NULL. Errors: BTF_ERROR_USAGE (a budget that holds nothing; effects without residual),
- * BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED. On error *out_solution is zeroed. */
+/* Analyses `data`: chooses the effects and the number of components that serve best within the budget, and
+ * fits them. The same data and options give the same solution for any number of threads. out_stats may be
+ * NULL. Errors: BTF_ERROR_USAGE (a budget that holds nothing; effects without residual), BTF_ERROR_MEMORY,
+ * BTF_ERROR_IO, BTF_ERROR_INTERRUPTED. On error *out_solution is zeroed. */
 btf_result enc_joint(const enc_context *context, const enc_data *data, const enc_joint_options *options,
                      enc_solution *out_solution, enc_joint_stats *out_stats);
 

@@ -9,8 +9,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* In place, a = R^T R of a symmetric matrix [n][n]: the part at and above the diagonal is read, and the upper
- * triangular R written there. Returns false when a pivot is not positive. */
+/* In place, a = R^T R of a symmetric matrix [n][n]: the part at and above the diagonal is read, and the
+ * upper triangular R written there. Returns false when a pivot is not positive. */
 bool joint_cholesky(size_t n, double *a);
 /* x := R^-T x, then x := R^-1 x, for x [n][columns]: together x := a^-1 x. */
 void joint_lower_solve(size_t n, const double *r, double *x, size_t columns);

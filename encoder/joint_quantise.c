@@ -1,9 +1,12 @@
-/* Rounding of the joint model (see joint_quantise.h).
+/* Codes of the joint model: rounding (see joint_quantise.h), then decoding and comparing (see
+ * joint_measure.h).
  *
  * SPDX-License-Identifier: MIT
  */
 #include "joint_quantise.h"
 #include "joint_linear.h"
+#include "joint_measure.h"
+#include "metrics.h"
 
 #include <assert.h>
 #include <math.h>
@@ -138,7 +141,7 @@ btf_result joint_orthogonalise(const joint_rows *rows, joint_model *model) {
     return BTF_OK;
 }
 
-btf_result joint_principal_basis(const joint_rows *rows, joint_model *model) {
+btf_result joint_principal_basis(const joint_rows *rows, joint_model *model, double *energy) {
     const size_t k = model->k;
     double *a = malloc((4 * k * k + k + model->texels) * sizeof *a);
     if (!a)
@@ -149,6 +152,8 @@ btf_result joint_principal_basis(const joint_rows *rows, joint_model *model) {
     whiten(rows, model, a, t, inverse);
     gram_of_v(model, a);
     joint_eigen(k, a, values, vectors);
+    for (size_t j = 0; j < k && energy; j++)
+        energy[j] = values[j] * (double)model->texels;
     for (size_t i = 0; i < k; i++)
         for (size_t j = 0; j < k; j++)
             t[i * k + j] = vectors[j * k + i];
@@ -213,7 +218,7 @@ btf_result joint_quantise(const joint_rows *rows, joint_projection *projection, 
                           joint_model *model, joint_codes *codes, double *out_error) {
     const size_t k = model->k;
     const joint_rounding round_v = {codes->v_step, codes->v}, round_u = {codes->u_step, codes->u};
-    btf_result result = joint_principal_basis(rows, model);
+    btf_result result = joint_principal_basis(rows, model, NULL);
     if (result == BTF_OK)
         result = add_helpers(rows, model);
     for (size_t j = 0; j < k; j++)
@@ -235,4 +240,130 @@ btf_result joint_quantise(const joint_rows *rows, joint_projection *projection, 
     if (result == BTF_OK)
         result = joint_choose(rows, projection, true, tolerance, model, out_error);
     return result;
+}
+
+enum { TABLE = 8192 }; /* steps of the sRGB curve over sqrt(L); between them it is linear to 1e-8 */
+
+/* What the pass needs. */
+typedef struct measure_pass {
+    const joint_rows *rows;
+    const enc_solution *solution;
+    size_t pitch;   /* floats of a view's packed directions */
+    float *packed;  /* [view] directions times m(l), packed */
+    float *scratch; /* [thread] */
+    size_t scratch_pitch;
+    const float *table;
+    joint_error *sums; /* [view] */
+} measure_pass;
+
+static size_t source_of(const enc_solution *s, size_t view, size_t texel) {
+    if (!s->shift)
+        return texel;
+    const int8_t *shift = s->shift + (view * (size_t)s->width * (size_t)s->height + texel) * 2;
+    int x = ((int)(texel % (size_t)s->width) + shift[0]) % s->width;
+    int y = ((int)(texel / (size_t)s->width) + shift[1]) % s->height;
+    x += x < 0 ? s->width : 0;
+    y += y < 0 ? s->height : 0;
+    return (size_t)y * (size_t)s->width + (size_t)x;
+}
+
+static float coded(const float *table, float linear) {
+    if (!(linear < 1.0f))
+        return 1.0f;
+    const float position = sqrtf(linear) * TABLE;
+    const int index = (int)position;
+    return table[index] + (position - (float)index) * (table[index + 1] - table[index]);
+}
+
+static float clipped_radiance(const joint_rows *rows, float y) {
+    const float linear = (rows->root ? y * y : y) * rows->scale;
+    return linear < 1.0f ? linear : 1.0f;
+}
+
+static void measure_block(void *user, size_t view, size_t first, size_t count, const float *block) {
+    const measure_pass *pass = user;
+    const joint_rows *rows = pass->rows;
+    const enc_solution *s = pass->solution;
+    const size_t k = s->n_components, row = rows->row;
+    float *u = pass->scratch + enc_thread_index() * pass->scratch_pitch;
+    float *packed = u + JOINT_BLOCK * k, *decoded = packed + JOINT_BLOCK * k;
+    joint_error *sum = pass->sums + view;
+    for (size_t i = 0; i < count; i++) {
+        const int8_t *codes = s->residual_texels + source_of(s, view, first + i) * k;
+        for (size_t j = 0; j < k; j++)
+            u[i * k + j] = (float)codes[j] * s->residual_scales[j];
+    }
+    enc_gemm_pack_rows(count, k, u, k, ENC_GEMM_M, packed);
+    enc_gemm_multiply(rows->tile, count, row, k, packed, pass->packed + view * pass->pitch, decoded, row,
+                      0);
+    for (size_t i = 0; i < count; i++) {
+        const float gain = s->gain ? (float)s->gain[view * rows->texels + first + i] * s->gain_scale : 1.0f;
+        for (size_t p = 0; p < row; p++) {
+            const float y = fmaxf(decoded[i * row + p] * gain, 0.0f), truth = block[i * row + p];
+            const float a = clipped_radiance(rows, y), b = clipped_radiance(rows, truth);
+            const double coded_error = coded(pass->table, a) - coded(pass->table, b);
+            sum->fitted += (double)(y - truth) * (y - truth);
+            sum->linear += (double)(a - b) * (a - b);
+            sum->srgb += coded_error * coded_error;
+        }
+    }
+}
+
+/* Directions of one view as floats, [component][row], times m(l). */
+static void unpack_view(const joint_rows *rows, const enc_solution *s, size_t view, float *out) {
+    const size_t k = s->n_components, lights = rows->row / 3;
+    for (size_t light = 0; light < lights; light++)
+        for (size_t channel = 0; channel < 3; channel++)
+            for (size_t j = 0; j < k; j++) {
+                const size_t p = channel * lights + light;
+                out[j * rows->row + p] =
+                    (float)s->residual_directions[((view * lights + light) * 3 + channel) * k + j] *
+                    rows->multiplier[p];
+            }
+}
+
+btf_result joint_measure(const joint_rows *rows, const enc_solution *solution, joint_error *out_error) {
+    const size_t k = solution->n_components, row = rows->row, threads = (size_t)rows->context->threads;
+    measure_pass pass = {.rows = rows,
+                         .solution = solution,
+                         .pitch = enc_gemm_panels(row, ENC_GEMM_N) * ENC_GEMM_N * k,
+                         .scratch_pitch = JOINT_BLOCK * (2 * k + row)};
+    float *view_directions = malloc((k * row + 1) * sizeof *view_directions);
+    float *table = malloc((TABLE + 2) * sizeof *table);
+    btf_result result = BTF_OK;
+    pass.packed = enc_gemm_alloc(rows->views * pass.pitch);
+    pass.scratch = enc_gemm_alloc(threads * pass.scratch_pitch);
+    pass.sums = calloc(rows->views, sizeof *pass.sums);
+    *out_error = (joint_error){0};
+    if (!view_directions || !table || !pass.packed || !pass.scratch || !pass.sums) {
+        result = enc_fail(rows->context, BTF_ERROR_MEMORY,
+                          "joint: out of memory for measuring %zu components", k);
+        goto fail;
+    }
+    for (int i = 0; i < TABLE + 2; i++)
+        table[i] = enc_srgb_encode((float)i / TABLE * ((float)i / TABLE));
+    pass.table = table;
+    for (size_t view = 0; view < rows->views; view++) {
+        unpack_view(rows, solution, view, view_directions);
+        enc_gemm_pack_columns(row, k, view_directions, row, ENC_GEMM_N, pass.packed + view * pass.pitch);
+    }
+    result = joint_rows_pass(rows, measure_block, &pass);
+    for (size_t view = 0; view < rows->views; view++) {
+        out_error->fitted += pass.sums[view].fitted;
+        out_error->linear += pass.sums[view].linear;
+        out_error->srgb += pass.sums[view].srgb;
+    }
+fail:
+    free(view_directions);
+    free(table);
+    free(pass.packed);
+    free(pass.scratch);
+    free(pass.sums);
+    return result;
+}
+
+double joint_psnr(const joint_rows *rows, double squares) {
+    const double samples = (double)rows->texels * (double)rows->views * (double)rows->row;
+    const double mean = squares / samples;
+    return mean > 1e-10 ? -10.0 * log10(mean) : 100.0;
 }

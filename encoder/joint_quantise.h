@@ -24,8 +24,10 @@ void joint_codes_clear(joint_codes *codes);
 btf_result joint_orthogonalise(const joint_rows *rows, joint_model *model);
 
 /* Chooses the basis of the components: uncorrelated over the points, in falling order of what they
- * contribute, so that a decoder may use the first few alone. Sources stay what they are. */
-btf_result joint_principal_basis(const joint_rows *rows, joint_model *model);
+ * contribute, so that a decoder may use the first few alone. Sources stay what they are. energy [k] (may be
+ * NULL) receives what each contributes to the sum of squares: exactly while every point is its own source.
+ */
+btf_result joint_principal_basis(const joint_rows *rows, joint_model *model, double *energy);
 
 /* Rounds the model to codes, v then u, and solves each again for the rounded other; then chooses sources
  * and gains for what was rounded. The model holds the rounded values afterwards; *out_error is the sum of

@@ -5,6 +5,8 @@
 #include "joint_sources.h"
 #include "joint_linear.h"
 
+#include <openbtf/material.h>
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -13,8 +15,7 @@ static btf_result out_of_memory(const joint_rows *rows, size_t k) {
                     "joint: out of memory for %zu components of %zu points", k, rows->texels * rows->views);
 }
 
-btf_result joint_model_init(const joint_rows *rows, size_t k, bool shift, bool gain,
-                            joint_model *out_model) {
+btf_result joint_model_init(const joint_rows *rows, size_t k, joint_model *out_model) {
     const size_t points = rows->texels * rows->views;
     *out_model = (joint_model){.texels = rows->texels,
                                .views = rows->views,
@@ -24,11 +25,10 @@ btf_result joint_model_init(const joint_rows *rows, size_t k, bool shift, bool g
                                .v = calloc(rows->views * k * rows->row, sizeof(float)),
                                .match = malloc(points * sizeof(uint32_t)),
                                .gain = malloc(points),
-                               .gains = {0x1p-7f, gain ? 1 : 128, gain ? 255 : 128},
-                               .shift = shift};
+                               .gains = {BTF_GAIN_SCALE, BTF_GAIN_ONE, BTF_GAIN_ONE}};
     if (!out_model->u || !out_model->v || !out_model->match || !out_model->gain)
         return out_of_memory(rows, k);
-    memset(out_model->gain, 128, points);
+    memset(out_model->gain, BTF_GAIN_ONE, points);
     for (size_t i = 0; i < points; i++)
         out_model->match[i] = (uint32_t)(i % rows->texels);
     return BTF_OK;

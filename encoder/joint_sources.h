@@ -26,9 +26,8 @@ typedef struct joint_model {
     double prior; /* variance of the noise over that of u: weight of a pull of u towards 0 */
 } joint_model;
 
-/* Zeros, every point its own source with gain 1. Errors: BTF_ERROR_MEMORY. */
-btf_result joint_model_init(const joint_rows *rows, size_t k, bool shift, bool gain,
-                            joint_model *out_model);
+/* Zeros, every point its own source with gain 1, neither free. Errors: BTF_ERROR_MEMORY. */
+btf_result joint_model_init(const joint_rows *rows, size_t k, joint_model *out_model);
 void joint_model_clear(joint_model *model);
 
 /* Per view an orthonormal basis of the span of v[view], v = lower * basis, and every row in that basis. */

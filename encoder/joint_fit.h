@@ -1,0 +1,54 @@
+/* One fit of the joint method: a model of given shape, its rounds, its codes.
+ *
+ * One round, given the per-view bases v of the sources:
+ *   1. every point (texel, view) chooses source and gain anew       joint_search.c
+ *   2. u: every source is solved for the points that chose it       joint_sources.c
+ *   3. gains are chosen again
+ *   4. v: every view's basis is solved for all of its points, and gains chosen again
+ * Each step minimises the one squared error over its unknowns and keeps the others, so that a round never
+ * raises it.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_JOINT_FIT_H
+#define OPENBTF_ENCODER_JOINT_FIT_H
+
+#include "joint_quantise.h"
+#include "solution.h"
+
+/* Free with joint_fit_clear in any case; all zeros is a valid empty fit. */
+typedef struct joint_fit {
+    const joint_rows *rows;
+    uint32_t effects; /* btf_effect bits of the file this becomes */
+    joint_model model;
+    joint_projection projection; /* of model.v; freed while a fit rests */
+    joint_codes codes;           /* after joint_fit_round_off */
+    double error;                /* sum of squares in the fitted domain */
+} joint_fit;
+
+void joint_fit_clear(joint_fit *fit);
+
+/* The plain factorisation of the data (every point its own source, gain 1): `steps` subspace iterations
+ * from random u, then the principal basis. energy [k] (may be NULL) receives what each component explains;
+ * the error of the first j is rows->total - sum over i < j of energy[i]. */
+btf_result joint_fit_plain(const joint_rows *rows, size_t k, int steps, joint_fit *out_fit, double *energy);
+/* `steps` more subspace iterations, then the principal basis. */
+btf_result joint_fit_refine_plain(joint_fit *fit, int steps, double *energy);
+
+/* Starts a fit with `effects` from the first k components of another one in a principal basis, and its
+ * choices. */
+btf_result joint_fit_start(const joint_fit *from, size_t k, uint32_t effects, joint_fit *out_fit);
+
+/* One round; fit->error is that after it. */
+btf_result joint_fit_round(joint_fit *fit);
+
+/* Frees what only rounds need; joint_fit_round makes it again. */
+void joint_fit_rest(joint_fit *fit);
+
+/* Rounds the model to the codes of the file. */
+btf_result joint_fit_round_off(joint_fit *fit);
+
+/* Hands the codes over. Errors: BTF_ERROR_MEMORY. */
+btf_result joint_fit_solution(const joint_fit *fit, enc_solution *out_solution);
+
+#endif
