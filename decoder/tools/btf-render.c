@@ -388,6 +388,11 @@ static bool frame_path(int frame, char *path, size_t size) {
     return length >= 0 && (size_t)length < size;
 }
 
+static void print_times(const char *name, const shader_times *t) {
+    printf("%s: %.2f ms a frame, %.1f frames a second, %.2f ms of CPU\n", name, 1e3 * t->seconds,
+           1 / t->seconds, 1e3 * t->cpu);
+}
+
 static void print_stats(const job *j, const render_times *t) {
     printf("device: %s\n", shader_name(j->shader));
     printf("picture: %d x %d, %d samples a pixel, %zu lights, %s, %s, %s\n", j->scene.width,
@@ -396,10 +401,10 @@ static void print_stats(const job *j, const render_times *t) {
            options.filter == BTF_FILTER_BILINEAR ? "bilinear" : "texel",
            options.math == BTF_MATH_FAST ? "fast" : "exact");
     printf("cast: %.1f ms\nshade: %.1f ms\n", 1e3 * t->cast, 1e3 * t->shade);
-    if (t->decode > 0)
-        printf("decode: %.2f ms a frame, %.1f frames a second\n"
-               "phong: %.2f ms a frame, %.1f frames a second\n",
-               1e3 * t->decode, 1 / t->decode, 1e3 * t->phong, 1 / t->phong);
+    if (t->decode.seconds > 0) {
+        print_times("decode", &t->decode);
+        print_times("phong", &t->phong);
+    }
 }
 
 static btf_result render_one(job *j, const char *path) {

@@ -101,13 +101,15 @@ static void resolve(const band *b, int first_row, int rows, const double *sums, 
 }
 
 static btf_result measure(render_times *times) {
-    double seconds;
-    btf_result result = shader_time(times->shader, 0, times->repeats, &seconds);
+    shader_times band;
+    btf_result result = shader_time(times->shader, 0, times->repeats, &band);
     if (result)
         return result;
-    times->decode += seconds;
-    result = shader_time(times->shader, SHADER_PHONG, times->repeats, &seconds);
-    times->phong += seconds;
+    times->decode.seconds += band.seconds;
+    times->decode.cpu += band.cpu;
+    result = shader_time(times->shader, SHADER_PHONG, times->repeats, &band);
+    times->phong.seconds += band.seconds;
+    times->phong.cpu += band.cpu;
     return result;
 }
 

@@ -23,10 +23,10 @@ typedef struct evaluator {
 evaluator evaluator_of_shader(shader *s, int variant);
 
 typedef struct render_times {
-    double cast, shade;   /* seconds of wall time, all lights */
-    double decode, phong; /* seconds a frame under one light, measured with `repeats` */
-    int repeats;          /* 0: decode and phong are not measured */
-    shader *shader;       /* whose variant 0 is measured */
+    double cast, shade;         /* seconds of wall time, all lights */
+    shader_times decode, phong; /* seconds a frame under one light, measured with `repeats` */
+    int repeats;                /* 0: decode and phong are not measured */
+    shader *shader;             /* whose variant 0 is measured */
 } render_times;
 
 typedef struct render_scene {

@@ -67,11 +67,11 @@ static btf_result run(void *self, int variant, int width, int rows, const float 
     return BTF_OK;
 }
 
-static btf_result no_time(void *self, int variant, int repeats, double *out_seconds) {
+static btf_result no_time(void *self, int variant, int repeats, shader_times *out_times) {
     (void)self;
     (void)variant;
     (void)repeats;
-    *out_seconds = 0;
+    *out_times = (shader_times){0};
     return BTF_ERROR_UNSUPPORTED;
 }
 

@@ -52,6 +52,6 @@ btf_result shader_run(shader *s, int variant, int width, int rows, const float *
     return s->class->run(s->self, variant, width, rows, inputs, out, log);
 }
 
-btf_result shader_time(shader *s, int variant, int repeats, double *out_seconds) {
-    return s->class->time(s->self, variant, repeats, out_seconds);
+btf_result shader_time(shader *s, int variant, int repeats, shader_times *out_times) {
+    return s->class->time(s->self, variant, repeats, out_times);
 }

@@ -11,6 +11,11 @@
 
 typedef struct shader shader;
 
+/* What evaluating a list takes: wall time, and CPU time of all threads. */
+typedef struct shader_times {
+    double seconds, cpu;
+} shader_times;
+
 enum { SHADER_VARIANTS = 4, SHADER_PHONG = -1 };
 
 typedef struct shader_request {
@@ -33,7 +38,7 @@ typedef struct shader_class {
     int (*max_width)(const void *self);
     btf_result (*run)(void *self, int variant, int width, int rows, const float *inputs, float *out,
                       const btf_log *log);
-    btf_result (*time)(void *self, int variant, int repeats, double *out_seconds);
+    btf_result (*time)(void *self, int variant, int repeats, shader_times *out_times);
 } shader_class;
 
 extern const shader_class shader_class_reference, shader_class_gl;
@@ -54,8 +59,8 @@ int shader_max_width(const shader *s);
 btf_result shader_run(shader *s, int variant, int width, int rows, const float *inputs, float *out,
                       const btf_log *log);
 
-/* Seconds that evaluating the last list takes, the median of `repeats`; a variant, or SHADER_PHONG for a
- * textured Phong shader over the same list. BTF_ERROR_UNSUPPORTED on the reference. */
-btf_result shader_time(shader *s, int variant, int repeats, double *out_seconds);
+/* What evaluating the last list takes: the median of `repeats`, and the mean of CPU time; a variant, or
+ * SHADER_PHONG for a textured Phong shader over the same list. BTF_ERROR_UNSUPPORTED on the reference. */
+btf_result shader_time(shader *s, int variant, int repeats, shader_times *out_times);
 
 #endif
