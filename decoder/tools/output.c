@@ -181,11 +181,15 @@ btf_result output_open(const char *path, btf_log log, output **out_output) {
     file->slot = -1;
     struct stat status;
     const bool exists = stat(path, &status) == 0;
-    file->path = exists ? realpath(path, NULL) : strdup(path);
-    if (!file->path)
+    const bool regular = exists && S_ISREG(status.st_mode);
+    file->path = regular ? realpath(path, NULL) : strdup(path); /* a pipe has no real path */
+    if (!file->path) {
+        if (regular)
+            result = fail(log, "%s: cannot write: %s", path, strerror(errno));
         goto fail;
+    }
 
-    if (exists && !S_ISREG(status.st_mode)) {
+    if (exists && !regular) {
         file->temporary = file->path;
         fd = S_ISDIR(status.st_mode) ? -1 : open(file->path, O_WRONLY | O_CLOEXEC);
         if (fd < 0) {

@@ -205,6 +205,18 @@ static void test_other_targets(void **state) {
     assert_int_equal(stat("/dev/null", &status), 0);
     assert_true(S_ISCHR(status.st_mode));
 
+    int ends[2]; /* a pipe by its name, which leads to no path */
+    char name[40], got[8] = "";
+    assert_int_equal(pipe(ends), 0);
+    snprintf(name, sizeof name, "/proc/self/fd/%d", ends[1]);
+    assert_int_equal(output_open(name, log_to_test, &file), BTF_OK);
+    fputs("piped", output_stream(file));
+    assert_int_equal(output_commit(&file), BTF_OK);
+    assert_int_equal(read(ends[0], got, sizeof got), 5);
+    assert_string_equal(got, "piped");
+    close(ends[0]);
+    close(ends[1]);
+
     assert_int_equal(output_open("/dev/full", log_to_test, &file), BTF_OK);
     fputs("x", output_stream(file));
     assert_int_equal(output_commit(&file), BTF_ERROR_IO);
