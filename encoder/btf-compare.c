@@ -234,6 +234,9 @@ int main(int argc, char **argv) {
         .log = cli_log(&program, o.quiet), .progress = shown, .threads = o.threads};
     side a = {.path = arguments.values[0]}, b = {.path = arguments.values[1]};
     const btf_result result = compare(&context, &a, &b);
+    if (result == BTF_ERROR_INTERRUPTED) {
+        cli_error(&program, result, "interrupted");
+    }
     btf_material_close(&a.material);
     btf_material_close(&b.material);
     enc_data_destroy(&a.data);

@@ -147,7 +147,9 @@ btf_result enc_metrics_compare(const enc_context *context, const enc_data *shape
     if (result != BTF_OK) {
         free(ssim);
         free(error);
-        return enc_fail(context, result, "comparing images: %s", btf_result_text(result));
+        return result == BTF_ERROR_INTERRUPTED
+                   ? result
+                   : enc_fail(context, result, "comparing images: %s", btf_result_text(result));
     }
     memset(out, 0, sizeof *out);
     out->n_view_rings = enc_rings(shape->views, views, out->view_ring_theta, view_ring_of);
