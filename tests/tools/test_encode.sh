@@ -33,6 +33,13 @@ assert {"file", "gpu", "parts"} <= set(r["bytes"])
 assert {"before", "after", "total"} <= set(r["hidden"])
 assert r["seconds"]["total"] > 0 and r["peak_rss"] > 1e6
 P
+expect "a report through a pipe" 0 bash -c 'set -o pipefail; btf-encode data -o pipe.btf.exr --method paper --report /dev/stdout -q | python3 -c "import json,sys; json.load(sys.stdin)"'
+expect_that "the report has the options used" python3 - <<'P'
+import json
+options = json.load(open("paper.json"))["options"]
+for name in ("transfer", "colour", "effects", "layout", "lobes", "starts", "hidden-threshold", "window"):
+    assert name in options, name
+P
 expect "one thread" 0 btf-encode data -o one.btf.exr --method paper --threads 1 -q
 expect "two threads" 0 btf-encode data -o two.btf.exr --method paper --threads 2 -q
 expect_that "the same bytes for any number of threads" cmp one.btf.exr two.btf.exr
@@ -58,6 +65,8 @@ expect_text "the file tells how it was made" "rounds=3" <(btf-info paper.btf.exr
 expect "rounds, thresholds, window, centres" 0 btf-encode data -o many.btf.exr --method paper --rounds 1 --starts 1 \
     --error-threshold 1 --btf-threshold 0.5 --flow-lights 3 --hidden-threshold 0.2 --window 5x5 --centres 9 \
     --data-points -q
+expect "more centres than the smallest atlas holds" 0 btf-encode data -o centres.btf.exr --method paper \
+    --hidden-threshold 0.2 --centres 300 -q
 
 expect "compare" 0 btf-compare data paper.btf.exr
 expect_text "compare prints PSNR" "PSNR linear [0-9.]+ dB" out

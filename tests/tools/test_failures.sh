@@ -31,6 +31,13 @@ head -c 200 "$image" >cut.png && mv cut.png "$image"
 expect "a truncated image" 3 btf-encode cut -o x.btf.exr
 expect_text "names the image" "tl040 pl120 tv040 pv060" err
 expect "a crop beyond the image" 1 btf-encode data -o x.btf.exr --crop 10,10,10,10
+for option in --report --pictures; do
+    expect "no folder for $option" 2 btf-encode data -o early.btf.exr --method paper -q $option no/such/folder/x
+    expect_text "$option: the path is named" "no/such/folder/x" err
+    expect_that "$option: found before anything was written" test ! -e early.btf.exr
+done
+expect "pictures of an input that is not there" 2 btf-encode nothing -o x.btf.exr --pictures drawn
+expect_that "leave no empty folder" test ! -e drawn
 expect "no folder for the output" 2 btf-encode data -o no/such/folder/x.btf.exr --method paper -q
 
 expect "a material that is none" 3 btf-info data/../broken.zip
