@@ -13,7 +13,7 @@
 #include <string.h>
 
 static struct {
-    const char *out, *mesh, *device, *environment, *original;
+    const char *out, *mesh, *device, *environment, *original, *baseline;
     double view[2], repeat, fov, zoom, exposure, background, env_rotate, env_gain;
     bool repeat_given, zoom_given, figure13, stats, cast_shadows, quiet;
     light_list lights;
@@ -205,12 +205,18 @@ static const cli_option option_table[] = {
      .type = CLI_STRING,
      .value = &options.original,
      .help = "directory or zip of the images that the material was made from"},
+    {.name = "baseline",
+     .arg = "FILE",
+     .type = CLI_STRING,
+     .value = &options.baseline,
+     .help = "with --figure13: another material for SBRDF and STVS, decoded by the\n"
+             "reference; needed when FILE has no SBRDF (method joint may leave it out)"},
     {.name = "animate",
      .type = CLI_CHOICE,
      .choices = "view|light",
      .value = &options.animate,
      .help = "what turns through 360 degrees of phi over the frames: the camera\n"
-             "(default) or the first light"},
+             "(default) or all lights"},
     {.name = "frames",
      .type = CLI_INT,
      .value = &options.frames,
@@ -260,11 +266,11 @@ static const cli_program program = {
 /* What a run holds. */
 typedef struct job {
     btf_log log;
-    btf_material *material;
+    btf_material *material, *baseline;
     btf_material_info info;
     mesh *mesh;
     bvh *bvh;
-    shader *shader;
+    shader *shader, *baseline_shader;
     original *original;
     render_scene scene;
 } job;
@@ -278,8 +284,9 @@ static btf_result check_options(void) {
     if (options.figure13 && !options.original)
         return cli_error(&program, BTF_ERROR_USAGE,
                          "option --figure13: needs --original, the images that the material was made from");
-    if (!options.figure13 && options.original)
-        return cli_error(&program, BTF_ERROR_USAGE, "option --original: only together with --figure13");
+    if (!options.figure13 && (options.original || options.baseline))
+        return cli_error(&program, BTF_ERROR_USAGE, "option --%s: only together with --figure13",
+                         options.original ? "original" : "baseline");
     if (options.environment && (options.env_lights & (options.env_lights - 1)))
         return cli_error(&program, BTF_ERROR_USAGE,
                          "option --environment-lights: %d, expected a power of two", options.env_lights);
@@ -341,6 +348,25 @@ static btf_result open_shader(job *j) {
     return result;
 }
 
+/* The panels SBRDF and STVS of figure 13 from another material. */
+static btf_result open_baseline(job *j) {
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_result result = btf_material_open(options.baseline, &j->log, &j->baseline);
+    if (result)
+        return result;
+    btf_material_get_info(j->baseline, &info);
+    if (info.colour == BTF_COLOUR_NONE)
+        return cli_error(&program, BTF_ERROR_USAGE, "option --baseline: %s has no SBRDF", options.baseline);
+    const shader_request request = {.device = "reference",
+                                    .material = j->baseline,
+                                    .variants = 2,
+                                    .effects = {0, BTF_EFFECT_SHADOW},
+                                    .interpolation = (btf_interpolation)options.interpolation,
+                                    .filter = (btf_filter)options.filter,
+                                    .threads = options.threads};
+    return shader_create(&request, &j->log, &j->baseline_shader);
+}
+
 static btf_result open_original(job *j) {
     progress *p = progress_create(options.quiet);
     if (!p)
@@ -359,11 +385,18 @@ static btf_result prepare(job *j, const char *path) {
         result = load_mesh(j);
     if (!result)
         result = open_shader(j);
+    if (!result)
+        btf_material_get_info(j->material, &j->info);
+    if (!result && options.figure13 && !options.baseline && j->info.colour == BTF_COLOUR_NONE)
+        return cli_error(&program, BTF_ERROR_USAGE,
+                         "option --figure13: %s has no SBRDF; give a material that has one with --baseline",
+                         path);
+    if (!result && options.baseline)
+        result = open_baseline(j);
     if (!result && options.original)
         result = open_original(j);
     if (result)
         return result;
-    btf_material_get_info(j->material, &j->info);
     j->scene =
         (render_scene){.table = {.mesh = j->mesh,
                                  .bvh = j->bvh,
@@ -432,7 +465,8 @@ static btf_result render_figure(job *j, const char *path) {
     if (!mask)
         return cli_error(&program, BTF_ERROR_MEMORY, "out of memory for a mask");
     for (int i = 1; i < FIGURE_COLUMNS; i++)
-        evaluators[i] = evaluator_of_shader(j->shader, i - 1);
+        evaluators[i] =
+            evaluator_of_shader(i < 3 && j->baseline_shader ? j->baseline_shader : j->shader, i - 1);
     btf_result result =
         render_frame(&j->scene, evaluators, FIGURE_COLUMNS, pictures, mask, &times, &j->log);
     if (!result) {
@@ -448,21 +482,26 @@ static btf_result render_figure(job *j, const char *path) {
     return result;
 }
 
+/* All lights by `degrees` of phi. */
+static void turn_lights(double degrees) {
+    const double c = cos(degrees * (RENDER_PI / 180)), s = sin(degrees * (RENDER_PI / 180));
+    for (size_t i = 0; i < options.lights.count; i++) {
+        vec3 *at = &options.lights.lights[i].at;
+        *at = vec(c * at->x - s * at->y, s * at->x + c * at->y, at->z);
+    }
+}
+
 static btf_result render_all(job *j) {
     btf_result result = BTF_OK;
-    const light first = options.lights.count ? options.lights.lights[0] : (light){0};
+    const double step = 360.0 / options.frames;
     for (int frame = 0; frame < options.frames && !result; frame++) {
         char path[4096];
-        const double turn = 360.0 * frame / options.frames;
         if (!frame_path(frame, path, sizeof path))
             return cli_error(&program, BTF_ERROR_USAGE, "option --output: the name is too long");
-        if (options.animate == 0) {
-            j->scene.table.camera.phi = options.view[1] + turn;
-        } else if (options.lights.count) {
-            const double c = cos(turn * (RENDER_PI / 180)), s = sin(turn * (RENDER_PI / 180));
-            options.lights.lights[0].at =
-                vec(c * first.at.x - s * first.at.y, s * first.at.x + c * first.at.y, first.at.z);
-        }
+        if (options.animate == 0)
+            j->scene.table.camera.phi = options.view[1] + frame * step;
+        else if (frame > 0)
+            turn_lights(step);
         result = options.figure13 ? render_figure(j, path) : render_one(j, path);
         if (options.frames > 1 && !options.quiet && !result)
             fprintf(stderr, "%s\n", path);
@@ -481,9 +520,11 @@ static btf_result run(const char *path) {
         cli_error(&program, result, "interrupted");
     original_close(&j.original);
     shader_destroy(&j.shader);
+    shader_destroy(&j.baseline_shader);
     bvh_destroy(&j.bvh);
     mesh_destroy(&j.mesh);
     btf_material_close(&j.material);
+    btf_material_close(&j.baseline);
     light_list_clear(&options.lights);
     return result;
 }

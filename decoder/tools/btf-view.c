@@ -178,6 +178,16 @@ static btf_result open_images(viewer *v, const char *path) {
     return result;
 }
 
+/* What the panel and the keys need to know of the material. */
+static void use_material_facts(viewer *v, const char *path) {
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_material_get_info(v->material, &info);
+    v->state.has_sbrdf = info.colour != BTF_COLOUR_NONE;
+    if (!v->state.has_sbrdf && v->state.split == VIEW_SPLIT_SBRDF)
+        v->state.split = VIEW_SPLIT_OFF;
+    snprintf(v->material_name, sizeof v->material_name, "%.60s", base_name(path));
+}
+
 /* Another material; what is shown stays when it cannot be opened. The images belong to the old one. */
 static btf_result load_material(viewer *v, const char *path) {
     btf_material *fresh = NULL;
@@ -192,12 +202,11 @@ static btf_result load_material(viewer *v, const char *path) {
         v->state.split = VIEW_SPLIT_OFF;
     if (result) {
         btf_material_close(&fresh);
-        v->state.has_material = false;
+        v->state.has_sbrdf = false;
         return result;
     }
     v->material = fresh;
-    v->state.has_material = true;
-    snprintf(v->material_name, sizeof v->material_name, "%.60s", base_name(path));
+    use_material_facts(v, path);
     costs_clear(&v->costs);
     return BTF_OK;
 }
@@ -535,9 +544,8 @@ static btf_result prepare(viewer *v, const char *path) {
         return BTF_ERROR_INTERNAL;
     if (v->material) {
         result = drawing_set_material(v->drawing, v->material, v->images, &v->log);
-        v->state.has_material = true;
         v->state.has_original = v->images != NULL;
-        snprintf(v->material_name, sizeof v->material_name, "%.60s", base_name(path));
+        use_material_facts(v, path);
     }
     return result ? result : use_mesh(v);
 }

@@ -76,8 +76,10 @@ static view_action toggle_effect(view_state *s, int index, char *text, size_t si
 static view_action next_split(view_state *s, char *text, size_t size) {
     do
         s->split = (view_split)((s->split + 1) % VIEW_SPLITS);
-    while (s->split == VIEW_SPLIT_ORIGINAL && !s->has_original);
-    snprintf(text, size, "split %s", split_names[s->split]);
+    while ((s->split == VIEW_SPLIT_SBRDF && !s->has_sbrdf) ||
+           (s->split == VIEW_SPLIT_ORIGINAL && !s->has_original));
+    snprintf(text, size, "split %s%s", split_names[s->split],
+             s->has_sbrdf ? "" : " (the file has no SBRDF)");
     return VIEW_CHANGED;
 }
 

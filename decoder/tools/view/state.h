@@ -29,7 +29,7 @@ typedef struct view_state {
     btf_math math;
     view_split split;
     bool help, info, animate;
-    bool has_own_mesh, has_original, has_material; /* what there is to choose from */
+    bool has_own_mesh, has_original, has_sbrdf; /* what there is to choose from */
 } view_state;
 
 typedef enum view_action {
