@@ -26,6 +26,18 @@ expect "info as JSON" 0 btf-info m.btf.exr --json
 expect_that "which is JSON" python3 -c 'import json; r=json.load(open("out")); assert r'
 expect "decode without an output" 1 btf-decode m.btf.exr --all
 expect "decode nothing" 2 btf-decode none.btf.exr -o x.png --view 0,0 --light 0,0
+tiny=(--relief weave --size 8 --directions tiny -q)
+expect "sample" 0 btf-sample -o w0 "${tiny[@]}"
+expect "sample again" 0 btf-sample -o w1 "${tiny[@]}" --threads 1
+expect_that "sample: the same bytes" diff -r w0 w1
+expect "sample: another seed" 0 btf-sample -o w2 "${tiny[@]}" --seed 7
+expect_that "sample: another seed is another material" test -n "$(diff -rq w0 w2)"
+expect "sample: rays and cells" 0 btf-sample -o w3 "${tiny[@]}" --supersample 1 --grid 256
+expect "sample: JPEG" 0 btf-sample -o w4 "${tiny[@]}" --format jpeg --quality 40
+expect "sample: better JPEG" 0 btf-sample -o w5 "${tiny[@]}" --format jpeg --quality 98
+expect_that "sample: quality costs bytes" test "$(du -sb w5 | cut -f1)" -gt "$(du -sb w4 | cut -f1)"
+expect "sample: a quality out of range" 1 btf-sample -o x "${tiny[@]}" --format jpeg --quality 101
+expect "sample: a grid that is no power of two" 1 btf-sample -o x "${tiny[@]}" --grid 300
 expect "sample: an unknown relief" 1 btf-sample -o x --relief moon
 expect_that "truth was written" test -n "$(ls truth)"
 for relief in bumps weave flat axes; do

@@ -68,6 +68,26 @@ expect "rounds, thresholds, window, centres" 0 btf-encode data -o many.btf.exr -
 expect "more centres than the smallest atlas holds" 0 btf-encode data -o centres.btf.exr --method paper \
     --hidden-threshold 0.2 --centres 300 -q
 
+expect "strict" 0 btf-encode data -o strict.btf.exr --method paper --strict -q
+expect_that "strict changes nothing where nothing is negative" python3 - <<'P'
+import subprocess
+out = subprocess.run(["btf-compare", "strict.btf.exr", "one.btf.exr", "--json", "-q"], capture_output=True, text=True).stdout
+assert '"linear": 100' in out, out
+P
+expect "XYZ" 0 btf-encode data -o xyz.btf.exr --method paper --colour xyz --report xyz.json -q
+expect_that "XYZ is recorded" test "$(json xyz.json "r['options']['colour']")" = xyz
+expect "compare reads XYZ too" 0 btf-compare data xyz.btf.exr --colour xyz --json -q
+expect "strict refuses what XYZ makes of such colours" 3 btf-compare data xyz.btf.exr --colour xyz --strict -q
+expect_text "and names the value" "is below 0 \(-0\.[0-9]+\)" err
+expect "an unknown colour space" 1 btf-encode data -o x.btf.exr --colour cmyk
+for metric in balanced srgb linear; do
+    expect "joint: metric $metric" 0 btf-encode data -o joint.btf.exr --preset fast --metric $metric --budget 20k \
+        --report joint.json -q
+    expect_that "joint: the budget is kept" test "$(json joint.json "r['bytes']['gpu'] <= 20000")" = True
+done
+expect "joint: quality" 0 btf-encode data -o joint.btf.exr --preset fast --quality 15 --report joint.json -q
+expect_that "joint: the quality is reached" test "$(json joint.json "r['psnr']['full']['srgb'] >= 15")" = True
+
 expect "compare" 0 btf-compare data paper.btf.exr
 expect_text "compare prints PSNR" "PSNR linear [0-9.]+ dB" out
 expect "compare nearest" 0 btf-compare data paper.btf.exr --interpolation nearest --effects none --no-ssim --json
