@@ -253,7 +253,8 @@ typedef struct measure_pass {
     float *scratch; /* [thread] */
     size_t scratch_pitch;
     const float *table;
-    joint_error *sums; /* [view] */
+    float lights[3][BTF_MAX_DIRECTIONS]; /* components of the directions */
+    joint_error *sums;                   /* [view] */
 } measure_pass;
 
 static size_t source_of(const enc_solution *s, size_t view, size_t texel) {
@@ -280,6 +281,21 @@ static float clipped_radiance(const joint_rows *rows, float y) {
     return linear < 1.0f ? linear : 1.0f;
 }
 
+/* decoded [row] += m(l) * SBRDF * shadow of one source. */
+static void add_sbrdf(const measure_pass *pass, size_t view, size_t source, float *decoded) {
+    const joint_rows *rows = pass->rows;
+    const enc_solution *s = pass->solution;
+    const size_t row = rows->row, lights = row / 3;
+    float model[3 * BTF_MAX_DIRECTIONS];
+    enc_sbrdf_evaluate(s->sbrdf, source, rows->data->views[view].xyz, (int)lights, pass->lights[0],
+                       pass->lights[1], pass->lights[2], model);
+    for (size_t p = 0; p < row; p++) {
+        const float shadow =
+            s->shadow ? (float)s->shadow[p % lights * rows->texels + source] * s->shadow_scale : 1.0f;
+        decoded[p] += model[p] * shadow * rows->multiplier[p];
+    }
+}
+
 static void measure_block(void *user, size_t view, size_t first, size_t count, const float *block) {
     const measure_pass *pass = user;
     const joint_rows *rows = pass->rows;
@@ -288,7 +304,7 @@ static void measure_block(void *user, size_t view, size_t first, size_t count, c
     float *u = pass->scratch + enc_thread_index() * pass->scratch_pitch;
     float *packed = u + JOINT_BLOCK * k, *decoded = packed + JOINT_BLOCK * k;
     joint_error *sum = pass->sums + view;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count && k > 0; i++) {
         const int8_t *codes = s->residual_texels + source_of(s, view, first + i) * k;
         for (size_t j = 0; j < k; j++)
             u[i * k + j] = (float)codes[j] * s->residual_scales[j];
@@ -296,6 +312,8 @@ static void measure_block(void *user, size_t view, size_t first, size_t count, c
     enc_gemm_pack_rows(count, k, u, k, ENC_GEMM_M, packed);
     enc_gemm_multiply(rows->tile, count, row, k, packed, pass->packed + view * pass->pitch, decoded, row,
                       0);
+    for (size_t i = 0; i < count && s->sbrdf; i++)
+        add_sbrdf(pass, view, source_of(s, view, first + i), decoded + i * row);
     for (size_t i = 0; i < count; i++) {
         const float gain = s->gain ? (float)s->gain[view * rows->texels + first + i] * s->gain_scale : 1.0f;
         for (size_t p = 0; p < row; p++) {
@@ -343,6 +361,9 @@ btf_result joint_measure(const joint_rows *rows, const enc_solution *solution, j
     for (int i = 0; i < TABLE + 2; i++)
         table[i] = enc_srgb_encode((float)i / TABLE * ((float)i / TABLE));
     pass.table = table;
+    for (int l = 0; l < rows->data->n_lights; l++)
+        for (int axis = 0; axis < 3; axis++)
+            pass.lights[axis][l] = rows->data->lights[l].xyz[axis];
     for (size_t view = 0; view < rows->views; view++) {
         unpack_view(rows, solution, view, view_directions);
         enc_gemm_pack_columns(row, k, view_directions, row, ENC_GEMM_N, pass.packed + view * pass.pitch);

@@ -36,6 +36,15 @@ static void transform(const joint_rows *rows, const float *restrict from, float 
             to[i] = sqrtf(to[i]);
 }
 
+btf_result joint_rows_one(const joint_rows *rows, size_t texel, size_t view, float *texel_buffer,
+                          float *out) {
+    const float *samples;
+    const btf_result result = enc_data_texels(rows->context, rows->data, texel, 1, texel_buffer, &samples);
+    if (result == BTF_OK)
+        transform(rows, samples + view * rows->row, out);
+    return result;
+}
+
 btf_result joint_rows_pass(const joint_rows *rows, joint_pass_fn fn, void *user) {
     const size_t stride = enc_data_texel_stride(rows->data);
     const int threads = rows->context->threads;

@@ -33,6 +33,11 @@ btf_result joint_rows_init(const enc_context *context, const enc_data *data, boo
                            joint_rows *out_rows);
 void joint_rows_clear(joint_rows *rows);
 
+/* The row of one point: out [row]. texel_buffer: enc_data_texel_stride floats. Thread-safe. Errors:
+ * BTF_ERROR_IO. */
+btf_result joint_rows_one(const joint_rows *rows, size_t texel, size_t view, float *texel_buffer,
+                          float *out);
+
 /* Called with `count` <= JOINT_BLOCK rows of one view: texels first .. first + count - 1, contiguous. */
 typedef void (*joint_pass_fn)(void *user, size_t view, size_t first, size_t count, const float *rows);
 
