@@ -43,9 +43,12 @@ extern const char *const check_step_names[];
 btf_result check_radiance(const check_subject *subject, uint64_t seed, uint64_t count,
                           check_outcome *outcome);
 
-/* The error of fast math. */
+/* The error of fast math. A look-up that rounds to the next step of a weight (1/4096) can show a neighbour
+ * that is many times brighter, so a bound on every channel would say little. */
+#define CHECK_FAST_BOUND 0x1p-7
 typedef struct check_fast {
     uint64_t evaluated;
+    uint64_t beyond;         /* channels whose relative error exceeds CHECK_FAST_BOUND */
     uint64_t ulp_counts[34]; /* channels by error: 0, 1, 2..3, 4..7, ... ULP */
     double worst_relative;   /* |fast - exact| / max(exact, 2^-10) */
     double mean_relative;    /* the sum of all, until divided by 3 * evaluated */

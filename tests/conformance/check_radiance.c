@@ -79,6 +79,7 @@ static void add_error(check_fast *f, uint32_t exact_bits, uint32_t fast_bits) {
     f->worst_absolute = fmax(f->worst_absolute, absolute);
     f->worst_relative = fmax(f->worst_relative, relative);
     f->mean_relative += relative;
+    f->beyond += relative > CHECK_FAST_BOUND;
 }
 
 btf_result check_fast_math(const check_subject *subject, uint64_t seed, uint64_t count, check_fast *out) {

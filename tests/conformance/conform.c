@@ -109,7 +109,8 @@ static void finish(runner *r, conform_case *c, btf_result result, double started
         snprintf(c->reason, sizeof c->reason, "%.190s",
                  r->listener.last[0] ? r->listener.last : btf_result_text(result));
     } else if (c->is_fast) {
-        c->verdict = c->fast.worst_relative <= CONFORM_FAST_BOUND ? CONFORM_PASS : CONFORM_FAIL;
+        c->verdict =
+            c->fast.beyond * CONFORM_FAST_SHARE <= 3 * c->fast.evaluated ? CONFORM_PASS : CONFORM_FAIL;
     } else if (c->outcome.different > 0) {
         c->verdict = is_waived(r, c) ? CONFORM_WAIVED : CONFORM_FAIL;
     }

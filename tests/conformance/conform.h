@@ -58,8 +58,7 @@ btf_result conform_run(const context_device *device, const conform_options *opti
 
 const char *conform_verdict_name(conform_verdict verdict);
 
-/* The largest error that fast math may have on a plausible material: |fast - exact| <= 2^-7 * max(exact,
- * 2^-10). */
-#define CONFORM_FAST_BOUND 0x1p-7
+/* Fast math passes when at most one channel in this many is off by more than CHECK_FAST_BOUND. */
+enum { CONFORM_FAST_SHARE = 1000 };
 
 #endif

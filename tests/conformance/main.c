@@ -94,7 +94,11 @@ static const cli_program program = {
         "that is no failure as long as another device was checked.\n"
         "\n"
         "Exit codes: 0 conforming, 1 usage, 2 I/O, 3 bad file, 4 internal error, 5 no device could be\n"
-        "checked, 7 a difference.",
+        "checked, 7 a difference.\n"
+        "\n"
+        "Fast math fails when more than one channel in 1000 is off by more than 1/128 of its value (of "
+        "1/1024\n"
+        "where it is darker).",
     .example = "btf-conform --device osmesa,egl-es300\nbtf-conform bricks.btf.exr --json",
     .options = options,
     .min_arguments = 0,
@@ -148,10 +152,10 @@ static void print_fast(const conform_case *c) {
     const check_fast *f = &c->fast;
     double total = 3.0 * (double)f->evaluated;
     uint64_t few = f->ulp_counts[0] + f->ulp_counts[1] + f->ulp_counts[2] + f->ulp_counts[3];
-    printf("    %s: equal %.1f%%, within 7 ULP %.1f%%, relative error mean %.1e, worst %.1e, absolute "
-           "worst %.1e\n",
+    printf("    %s: equal %.1f%%, within 7 ULP %.1f%%, relative error mean %.1e, worst %.1e, "
+           "%llu beyond 1/128\n",
            c->name, 100 * (double)f->ulp_counts[0] / total, 100 * (double)few / total, f->mean_relative,
-           f->worst_relative, f->worst_absolute);
+           f->worst_relative, (unsigned long long)f->beyond);
 }
 
 static void print_device(const conform_device *d) {
@@ -199,6 +203,7 @@ static void json_case(json *j, const conform_case *c) {
         json_number(j, "relative_error_mean", c->fast.mean_relative);
         json_number(j, "relative_error_worst", c->fast.worst_relative);
         json_number(j, "absolute_error_worst", c->fast.worst_absolute);
+        json_integer(j, "beyond_bound", (int64_t)c->fast.beyond);
         json_array(j, "ulp_bins"); /* 0, 1, 2..3, 4..7, ... */
         for (int i = 0; i < 34; ++i)
             json_integer(j, NULL, (int64_t)c->fast.ulp_counts[i]);
