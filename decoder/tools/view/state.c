@@ -79,7 +79,7 @@ static view_action next_split(view_state *s, char *text, size_t size) {
     while ((s->split == VIEW_SPLIT_SBRDF && !s->has_sbrdf) ||
            (s->split == VIEW_SPLIT_ORIGINAL && !s->has_original));
     snprintf(text, size, "split %s%s", split_names[s->split],
-             s->has_sbrdf ? "" : " (the file has no SBRDF)");
+             s->split != VIEW_SPLIT_OFF || s->has_sbrdf ? "" : " (the file has no SBRDF)");
     return VIEW_CHANGED;
 }
 
