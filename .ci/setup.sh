@@ -26,12 +26,17 @@ install_packages() {
     rm -f "$root/.packages.log"
 }
 
-# build FOLDER [meson option...]: configures once and compiles.
+# build FOLDER [meson option...]: configures, again with other options, and compiles.
 build() {
     local folder=$1
     shift
-    if [ ! -f "$folder/build.ninja" ]; then
-        meson setup "$folder" "$root" "$@" >"$folder.setup.log" 2>&1 || {
+    local command=setup
+    [ -f "$folder/build.ninja" ] && command=configure
+    if [ $command = setup ]; then
+        set -- "$root" "$@"
+    fi
+    if [ $# -gt 0 ]; then
+        meson $command "$folder" "$@" >"$folder.setup.log" 2>&1 || {
             cat "$folder.setup.log" >&2
             exit 2
         }
