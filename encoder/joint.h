@@ -53,10 +53,11 @@ typedef struct enc_joint_stats {
     size_t moved;                      /* points (texel, view) with a shift */
 } enc_joint_stats;
 
-/* Analyses `data`: chooses the effects and the number of components that serve best within the budget, and
- * fits them. The same data and options give the same solution for any number of threads. out_stats may be
- * NULL. Errors: BTF_ERROR_USAGE (a budget that holds nothing; effects without residual), BTF_ERROR_MEMORY,
- * BTF_ERROR_IO, BTF_ERROR_INTERRUPTED. On error *out_solution is zeroed. */
+/* Analyses `data`: sources are a residual alone, or SBRDF times shadow where the options do not allow one.
+ * Chooses the effects and the number of components that serve best within the budget, and fits them. The
+ * same data and options give the same solution for any number of threads. out_stats may be NULL. Errors:
+ * BTF_ERROR_USAGE (a budget that holds nothing), BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED. On
+ * error *out_solution is zeroed. */
 btf_result enc_joint(const enc_context *context, const enc_data *data, const enc_joint_options *options,
                      enc_solution *out_solution, enc_joint_stats *out_stats);
 

@@ -10,6 +10,7 @@
  */
 #include "joint_budget.h"
 #include "joint_fit.h"
+#include "joint_front.h"
 #include "joint_measure.h"
 
 #include <math.h>
@@ -28,6 +29,7 @@ static const double enough_psnr = 55.0;
 
 /* What a preset stands for. */
 typedef struct preset_values {
+    int front;        /* rounds without a residual */
     int start;        /* subspace iterations of the plain factorisation */
     int shapes;       /* shapes with maps that are tried */
     int trial;        /* rounds of a trial */
@@ -36,16 +38,22 @@ typedef struct preset_values {
 } preset_values;
 
 static const preset_values presets[] = {
-    [ENC_JOINT_FAST] = {3, 1, 1, 5, 2e-3},
-    [ENC_JOINT_MEDIUM] = {4, 2, 2, 18, 5e-4},
-    [ENC_JOINT_THOROUGH] = {5, 3, 4, 90, 1e-4},
-    [ENC_JOINT_EXHAUSTIVE] = {8, 3, 6, ENC_JOINT_MAX_ROUNDS, 1e-6},
+    [ENC_JOINT_FAST] = {2, 3, 1, 1, 5, 2e-3},
+    [ENC_JOINT_MEDIUM] = {4, 4, 2, 2, 18, 5e-4},
+    [ENC_JOINT_THOROUGH] = {10, 5, 3, 4, 90, 1e-4},
+    [ENC_JOINT_EXHAUSTIVE] = {100, 8, 3, 6, ENC_JOINT_MAX_ROUNDS, 1e-6},
 };
 
 uint64_t joint_bytes(const enc_data *data, const joint_shape *shape) {
     const uint64_t texels = enc_data_texel_count(data), views = (uint64_t)data->n_views;
     const uint64_t lights = (uint64_t)data->n_lights, layers = (shape->components + 3) / 4;
     uint64_t bytes = 0;
+    if (shape->lobes > 0) {
+        const uint64_t lobes = (uint64_t)shape->lobes;
+        bytes += 16 * texels * (shape->rgb ? (3 + 3 * lobes + 3) / 4 + lobes : 1 + lobes);
+    }
+    if (shape->effects & BTF_EFFECT_SHADOW)
+        bytes += texels * lights;
     if (shape->effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN))
         bytes += 2 * texels * views;
     if (shape->effects & (BTF_EFFECT_GAIN | BTF_EFFECT_HIDDEN))
@@ -96,18 +104,19 @@ typedef struct run {
     double enough; /* error below which nothing more is sought */
     joint_rows rows;
     joint_fit plain, best;
-    double *energy; /* of the plain components */
+    double *energy;    /* of the plain components */
+    joint_shape shape; /* chosen without a residual */
     enc_joint_stats *stats;
 } run;
 
 static size_t components_for(const run *r, uint32_t effects) {
-    const joint_shape shape = {effects, 0, 0};
+    const joint_shape shape = {.effects = effects};
     const size_t limit = r->options->components > 0 ? (size_t)r->options->components : MOST_COMPONENTS;
     return joint_components_for(r->rows.data, &shape, r->budget, limit);
 }
 
 static uint64_t bytes_of(const run *r, uint32_t effects, size_t components) {
-    const joint_shape shape = {effects, components, 0};
+    const joint_shape shape = {.effects = effects, .components = components};
     return joint_bytes(r->rows.data, &shape);
 }
 
@@ -307,13 +316,46 @@ static btf_result solve(run *r, enc_solution *out_solution, joint_error *out_err
     return result;
 }
 
+/* SBRDF times shadow, where the residual is not allowed: the richest parameters that the budget holds. */
+static btf_result solve_without_residual(run *r, enc_solution *out_solution, joint_error *out_error) {
+    static const struct {
+        int lobes;
+        bool rgb;
+    } choices[] = {{3, true}, {3, false}, {2, false}, {1, false}};
+    uint32_t effects = r->options->effects & (BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN);
+    const bool search = effects & BTF_EFFECT_SHIFT;
+    joint_front_options options = {.effects = effects,
+                                   .rounds = !search                  ? 1
+                                             : r->options->rounds > 0 ? r->options->rounds
+                                                                      : r->preset.front,
+                                   .tolerance = r->preset.tolerance};
+    for (size_t i = 0; i < sizeof choices / sizeof *choices; i++) {
+        r->shape = (joint_shape){.effects = effects, .lobes = choices[i].lobes, .rgb = choices[i].rgb};
+        options.lobes = choices[i].lobes;
+        options.rgb = choices[i].rgb;
+        if (joint_bytes(r->rows.data, &r->shape) <= r->budget)
+            break;
+        if (i + 1 == sizeof choices / sizeof *choices)
+            return enc_fail(r->rows.context, BTF_ERROR_USAGE,
+                            "joint: a budget of %llu bytes holds no such model",
+                            (unsigned long long)r->budget);
+    }
+    int count = 0;
+    btf_result result = joint_front_fit(&r->rows, &options, r->stats->history, &count, out_solution);
+    r->stats->rounds = count;
+    if (result == BTF_OK)
+        result = joint_measure(&r->rows, out_solution, out_error);
+    return result;
+}
+
 static void fill_stats(run *r, const enc_solution *solution, const joint_error *error) {
     enc_joint_stats *stats = r->stats;
     stats->error = error->fitted;
     stats->psnr_fitted = joint_psnr(&r->rows, error->fitted);
     stats->psnr_linear = joint_psnr(&r->rows, error->linear);
     stats->psnr_srgb = joint_psnr(&r->rows, error->srgb);
-    stats->gpu_bytes = bytes_of(r, solution->effects, solution->n_components);
+    stats->gpu_bytes = solution->sbrdf ? joint_bytes(r->rows.data, &r->shape)
+                                       : bytes_of(r, solution->effects, solution->n_components);
     for (size_t i = 0; i < r->rows.texels * r->rows.views && solution->shift; i++)
         stats->moved += solution->shift[2 * i] != 0 || solution->shift[2 * i + 1] != 0;
 }
@@ -329,10 +371,6 @@ btf_result enc_joint(const enc_context *context, const enc_data *data, const enc
     *out_solution = (enc_solution){0};
     if (!r.stats)
         return enc_fail(context, BTF_ERROR_MEMORY, "joint: out of memory");
-    if (!(options->effects & BTF_EFFECT_RESIDUAL)) {
-        result = enc_fail(context, BTF_ERROR_USAGE, "joint: effect residual is needed");
-        goto fail;
-    }
     if (options->tolerance > 0.0)
         r.preset.tolerance = options->tolerance;
     enc_stage_begin(context, "joint",
@@ -341,14 +379,14 @@ btf_result enc_joint(const enc_context *context, const enc_data *data, const enc
     r.enough =
         exp10(-0.1 * enough_psnr) * (double)r.rows.texels * (double)r.rows.views * (double)r.rows.row;
     if (result == BTF_OK)
-        result = solve(&r, out_solution, &error);
+        result = options->effects & BTF_EFFECT_RESIDUAL ? solve(&r, out_solution, &error)
+                                                        : solve_without_residual(&r, out_solution, &error);
     enc_stage_end(context);
     if (result == BTF_OK) {
         fill_stats(&r, out_solution, &error);
         if (out_stats)
             *out_stats = *r.stats;
     }
-fail:
     if (result != BTF_OK)
         enc_solution_clear(out_solution);
     joint_fit_clear(&r.plain);

@@ -12,6 +12,8 @@
 typedef struct joint_shape {
     uint32_t effects; /* btf_effect bits */
     size_t components, centres;
+    int lobes; /* 0: no SBRDF */
+    bool rgb;
 } joint_shape;
 
 uint64_t joint_bytes(const enc_data *data, const joint_shape *shape);

@@ -83,7 +83,7 @@ static enc_data *shifted_data(float noise, float gain_range, float scale) {
 
 /* Bytes that the shapes of this size take. */
 static uint64_t bytes_for(const enc_data *data, uint32_t effects, size_t components) {
-    const joint_shape shape = {effects, components, 0};
+    const joint_shape shape = {.effects = effects, .components = components};
     return joint_bytes(data, &shape);
 }
 
@@ -315,11 +315,41 @@ static void test_bytes(void **unused) {
                      .views = directions,
                      .lights = directions};
     assert_int_equal(joint_default_budget(&data), 64 * 4096 + 4 * 1024 * 512);
-    joint_shape shape = {BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL, 56, 0};
+    joint_shape shape = {.effects = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL,
+                         .components = 56};
     assert_int_equal(joint_bytes(&data, &shape), 3 * 4096 * 81 + 56 * (4096 + 3 * 81 * 81));
     assert_int_equal(joint_components_for(&data, &shape, joint_default_budget(&data), 256), 56);
     shape.components = 5; /* a started layer counts whole */
     assert_int_equal(joint_bytes(&data, &shape), 3 * 4096 * 81 + 8 * (4096 + 3 * 81 * 81));
+}
+
+/* Without a residual: every subset of shadow, shift and gain over the SBRDF; each effect lowers the error,
+ * and the rounds never raise it. */
+static void test_without_residual(void **unused) {
+    (void)unused;
+    enc_data *data = shifted_data(0.0f, 0.5f, 1.0f);
+    static const uint32_t subsets[] = {0, BTF_EFFECT_SHADOW, BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT,
+                                       BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN};
+    double before = HUGE_VAL;
+    for (int i = 0; i < 4; i++) {
+        enc_joint_options options = options_for(0);
+        enc_joint_stats stats;
+        enc_solution solution;
+        options.effects = subsets[i];
+        assert_int_equal(enc_joint(&two_threads, data, &options, &solution, &stats), BTF_OK);
+        assert_int_equal(solution.effects, subsets[i]);
+        assert_int_equal(solution.n_components, 0);
+        assert_non_null(solution.sbrdf);
+        assert_true(!solution.shadow == !(subsets[i] & BTF_EFFECT_SHADOW));
+        assert_true(!solution.shift == !(subsets[i] & BTF_EFFECT_SHIFT));
+        assert_true(!solution.gain == !(subsets[i] & BTF_EFFECT_GAIN));
+        check_never_rises(&stats);
+        assert_true(fabs(stats.error - stats.history[stats.rounds - 1]) <= 1e-3 * stats.error);
+        assert_true(stats.error < before);
+        before = stats.error;
+        enc_solution_clear(&solution);
+    }
+    enc_data_destroy(&data);
 }
 
 /* What cannot be done is refused by name, and leaves nothing behind. */
@@ -343,6 +373,7 @@ int main(void) {
         cmocka_unit_test(test_quality),
         cmocka_unit_test(test_highlights),
         cmocka_unit_test(test_bytes),
+        cmocka_unit_test(test_without_residual),
         cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
