@@ -8,7 +8,7 @@
 #include "../reference_view.h"
 #include "file.h"
 #include "gl_api.h"
-#include "tests/conformance/context.h"
+#include "decoder/tools/context/context.h"
 #include <omp.h>
 #include <stdio.h>
 #include <stdlib.h>
