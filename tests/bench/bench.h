@@ -30,6 +30,7 @@ typedef btf_result (*bench_section_fn)(const bench_run *run);
 btf_result bench_section_fit(const bench_run *run);
 btf_result bench_section_codecs(const bench_run *run);
 btf_result bench_section_holdout(const bench_run *run);
+btf_result bench_section_decode(const bench_run *run); /* of synthetic materials, whatever the data */
 
 /* run->out/SECTION-MATERIAL.EXTENSION, in `path` of `size` bytes. */
 void bench_path(const bench_run *run, const char *section, const char *extension, char *path, size_t size);

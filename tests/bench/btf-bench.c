@@ -24,6 +24,8 @@ static const struct {
     {"codecs", "accuracy at equal bytes, and bytes at equal accuracy, beside principal components",
      bench_section_codecs},
     {"holdout", "accuracy at directions that the encoder did not see", bench_section_holdout},
+    {"decode", "nanoseconds a pixel of every shader variant, beside its floor, fast math and peers",
+     bench_section_decode},
 };
 enum { SECTIONS = sizeof sections / sizeof sections[0], MAX_MATERIALS = 64 };
 
@@ -105,7 +107,7 @@ static const char *parse_only(const char *text, void *value) {
             i++;
         }
         if (i == SECTIONS) {
-            return "names of fit, codecs, holdout, with commas between";
+            return "names of fit, codecs, holdout, decode, with commas between";
         }
         o.set.sections[i] = true;
     }
@@ -133,7 +135,7 @@ static const cli_option table[] = {
      .type = CLI_CUSTOM,
      .given = &o.only,
      .parse = parse_only,
-     .help = "run some sections: fit, codecs, holdout; default all"},
+     .help = "run some sections: fit, codecs, holdout, decode; default all"},
     {.name = "preset",
      .arg = "PRESETS",
      .type = CLI_CUSTOM,
