@@ -283,6 +283,7 @@ static btf_result choose(front *f, bool search) {
                                   .height = f->rows->data->height,
                                   .k = f->rows->row,
                                   .gains = f->gains,
+                                  .reach = JOINT_REACH,
                                   .tolerance = shift_tolerance,
                                   .tile = f->rows->tile,
                                   .threads = f->rows->context->threads};

@@ -27,6 +27,7 @@ enum {
 /* Packed sources of one view. */
 typedef struct candidates {
     size_t count, chunks;
+    size_t reach;      /* chunks that one query looks at */
     float *packed;     /* unit vectors, [panel][k][32] */
     float *low, *high; /* [padded] range of gain * |z| */
     double *norm;      /* [count] |z|^2 */
@@ -46,6 +47,9 @@ static bool candidates_init(const joint_search *search, const float *z, candidat
     float *unit = enc_gemm_alloc(count * k);
     *out_set = (candidates){.count = count,
                             .chunks = chunks,
+                            .reach = chunks * CHUNK <= search->reach || search->reach == 0
+                                         ? chunks
+                                         : (search->reach + CHUNK - 1) / CHUNK,
                             .packed = enc_gemm_alloc(chunks * CHUNK * k),
                             .low = enc_gemm_alloc(chunks * CHUNK),
                             .high = enc_gemm_alloc(chunks * CHUNK),
@@ -181,10 +185,10 @@ static void consider(const joint_search *search, const candidates *set, const fl
 }
 
 /* Compares the sources of every group whose maximum in floats comes near the best. */
-static void scan(const joint_search *search, const candidates *set, const float *maxima, const float *c,
-                 const float *z, float energy, uint32_t texel, uint32_t *match, uint8_t *gain,
-                 double *out_value) {
-    const size_t groups = set->chunks * LANES;
+static void scan(const joint_search *search, const candidates *set, size_t base, const float *maxima,
+                 const float *c, const float *z, float energy, uint32_t texel, uint32_t *match,
+                 uint8_t *gain, double *out_value) {
+    const size_t groups = set->reach * LANES;
     const double length = exact_dot(c, c, search->k);
     const double margin = 2.5e-7 * (double)(search->k + 8) * length + 1e-30;
     choice best = {-DBL_MAX, 1e-9 * energy, 0, texel, search->gains.low};
@@ -203,7 +207,7 @@ static void scan(const joint_search *search, const candidates *set, const float 
             if ((step > 0 && i == top) || maxima[i] + margin < best.value)
                 continue;
             for (size_t j = 0; j < GROUP; j++) {
-                const size_t source = i / LANES * CHUNK + j * LANES + i % LANES;
+                const size_t source = (base + i / LANES) % set->chunks * CHUNK + j * LANES + i % LANES;
                 if (source < set->count)
                     consider(search, set, c, z, texel, (uint32_t)source, &best);
             }
@@ -225,7 +229,7 @@ btf_result joint_search_view(const joint_search *search, const float *c, const f
     btf_result result = BTF_ERROR_MEMORY;
     if (!candidates_init(search, z, &set))
         goto fail;
-    const size_t groups = set.chunks * LANES;
+    const size_t groups = set.reach * LANES;
     const size_t per_thread = QUERIES * (k + groups);
     scratch = enc_gemm_alloc(per_thread * (size_t)search->threads);
     if (!scratch)
@@ -240,16 +244,20 @@ btf_result joint_search_view(const joint_search *search, const float *c, const f
         enc_gemm_pack_rows(count, k, c + first * k, k, ENC_GEMM_M, packed);
         for (size_t i = 0; i < padded * groups; i++)
             maxima[i] = -FLT_MAX;
-        for (size_t chunk = 0; chunk < set.chunks; chunk++)
+        /* The chunks around the queries' own, wrapped. */
+        const size_t own = (first + count / 2) / CHUNK;
+        const size_t base = set.reach < set.chunks ? (own + set.chunks - set.reach / 2) % set.chunks : 0;
+        for (size_t chunk = 0; chunk < set.reach; chunk++)
             for (size_t q = 0; q < padded; q += ENC_GEMM_M)
-                for (size_t panel = chunk * PANELS; panel < (chunk + 1) * PANELS; panel++) {
+                for (size_t i = 0; i < PANELS; i++) {
+                    const size_t panel = (base + chunk) % set.chunks * PANELS + i;
                     search->tile(k, packed + q * k, set.packed + panel * ENC_GEMM_N * k, tile);
                     panel_maxima(tile, set.low + panel * ENC_GEMM_N, set.high + panel * ENC_GEMM_N,
                                  maxima + q * groups + chunk * LANES, groups);
                 }
         for (size_t i = 0; i < count; i++) {
             const size_t x = first + i;
-            scan(search, &set, maxima + i * groups, c + x * k, z, energy[x], (uint32_t)x, match + x,
+            scan(search, &set, base, maxima + i * groups, c + x * k, z, energy[x], (uint32_t)x, match + x,
                  gain + x, out_value + x);
         }
     }

@@ -121,6 +121,7 @@ btf_result joint_choose(const joint_rows *rows, const joint_projection *projecti
                                   .height = rows->data->height,
                                   .k = k,
                                   .gains = model->gains,
+                                  .reach = JOINT_REACH,
                                   .tolerance = tolerance,
                                   .tile = rows->tile,
                                   .threads = rows->context->threads};

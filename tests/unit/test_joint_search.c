@@ -259,12 +259,42 @@ static void test_shift(void **unused) {
     problem_free(&p);
 }
 
+/* Bounded candidates: never better than all, never worse than staying, and exact where the bound covers
+ * everything. */
+static void test_reach(void **unused) {
+    (void)unused;
+    problem p = problem_create(40, 50, 9, true, 0.3f);
+    double *all = malloc(p.texels * sizeof *all), sum = 0.0, sum_all = 0.0;
+    assert_non_null(all);
+    solve(&p);
+    memcpy(all, p.value, p.texels * sizeof *all);
+    for (size_t reach = 512; reach <= 2048; reach *= 4) {
+        for (size_t x = 0; x < p.texels; x++) {
+            p.match[x] = (uint32_t)x;
+            p.gain[x] = 128;
+        }
+        p.search.reach = reach;
+        solve(&p);
+        for (size_t x = 0; x < p.texels; x++) {
+            assert_true(p.value[x] <= all[x] + 1e-9 * p.energy[x]);
+            assert_true(p.value[x] >= best_of_codes(&p, x, x) - 1e-6 * p.energy[x]);
+            if (reach >= p.texels)
+                assert_true(p.value[x] == all[x]);
+            sum += p.value[x];
+            sum_all += all[x];
+        }
+        assert_true(sum > 0.5 * sum_all);
+    }
+    free(all);
+    problem_free(&p);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_brute_force), cmocka_unit_test(test_gain_codes),
         cmocka_unit_test(test_never_worse), cmocka_unit_test(test_ties),
         cmocka_unit_test(test_tolerance),   cmocka_unit_test(test_threads_and_tiles),
-        cmocka_unit_test(test_shift),
+        cmocka_unit_test(test_shift),       cmocka_unit_test(test_reach),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
