@@ -72,7 +72,11 @@ size_t joint_components_for(const enc_data *data, const joint_shape *shape, uint
     for (trial.components = limit / 4 * 4; trial.components > 0; trial.components -= 4)
         if (joint_bytes(data, &trial) <= budget)
             break;
-    return trial.components;
+    /* the data of a few texels or images have no higher rank */
+    const size_t texels = enc_data_texel_count(data);
+    const size_t columns = (size_t)data->n_views * (size_t)data->n_lights * 3;
+    const size_t rank = texels < columns ? texels : columns;
+    return trial.components < rank ? trial.components : rank;
 }
 
 uint64_t joint_default_budget(const enc_data *data) {
@@ -87,9 +91,12 @@ uint64_t joint_default_budget(const enc_data *data) {
                                     .layout = BTF_LAYOUT_PAPER,
                                     .lobes = 3,
                                     .effects = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN};
-    if (btf_material_atlas(&info, &width, &height, &room) == BTF_OK)
-        return 64 * texels + 4 * (uint64_t)width * height;
-    return 64 * texels + 32 * texels * (uint64_t)tiles / 5;
+    /* materials of a few texels: enough for the least residual all the same */
+    const joint_shape least = {.effects = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL, .components = 4};
+    const uint64_t needed = joint_bytes(data, &least);
+    const bool has_atlas = btf_material_atlas(&info, &width, &height, &room) == BTF_OK;
+    const uint64_t paper = 64 * texels + (has_atlas ? 4 * (uint64_t)width * height : 32 * texels * (uint64_t)tiles / 5);
+    return paper > needed ? paper : needed;
 }
 
 enc_joint_options enc_joint_options_default(void) {

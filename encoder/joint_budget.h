@@ -23,7 +23,7 @@ uint64_t joint_bytes(const enc_data *data, const joint_shape *shape);
 size_t joint_components_for(const enc_data *data, const joint_shape *shape, uint64_t budget, size_t limit);
 
 /* The bytes that layout `paper` takes for this data: 64 W H + 4 AW AH, by the formula of FORMAT.md section
- * 5; where it has no legal atlas, 64 W H + 4 * 1.6 * T W H. */
+ * 5; where it has no legal atlas, 64 W H + 4 * 1.6 * T W H; never less than maps and four components take. */
 uint64_t joint_default_budget(const enc_data *data);
 
 #endif

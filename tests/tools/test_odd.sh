@@ -26,6 +26,13 @@ P
     for picture in montage abrdf steps shadow flow hidden atlas; do
         expect_that "$name: picture $picture" test -s "$name-p/$picture.png"
     done
+    expect "$name: joint" 0 btf-encode "$name" -o "$name-j.btf.exr" --preset fast --report "$name-j.json" -q
+    expect_that "$name: joint is no worse than paper" python3 - "$name" <<'P'
+import json, sys
+psnr = [json.load(open(sys.argv[1] + end))["psnr"]["full"] for end in (".json", "-j.json")]
+# up to where 8-bit codes end
+assert all(psnr[1][key] >= min(psnr[0][key] - 0.05, 45) for key in ("linear", "srgb")), psnr
+P
     expect "$name: info" 0 btf-info "$name.btf.exr"
     expect "$name: decode" 0 btf-decode "$name.btf.exr" -o "$name-d" --all --format exr --quiet
     expect "$name: compare" 0 btf-compare "$name-d" "$name.btf.exr" --json -q
