@@ -2,7 +2,7 @@
 # btf-decode, btf-info and btf-sample.
 #
 # SPDX-License-Identifier: MIT
-. "$BTF_SOURCE_ROOT/tests/tools/common.sh"
+. "$BTF_SOURCE_ROOT/tests/tools/common.sh" || exit 99
 small_data --truth truth
 btf-encode data -o m.btf.exr --method paper -q || exit 99
 

@@ -2,7 +2,7 @@
 # btf-encode and btf-compare: options and what they do.
 #
 # SPDX-License-Identifier: MIT
-. "$BTF_SOURCE_ROOT/tests/tools/common.sh"
+. "$BTF_SOURCE_ROOT/tests/tools/common.sh" || exit 99
 small_data
 
 json() { python3 -c "import json,sys; r=json.load(open('$1')); print($2)"; }

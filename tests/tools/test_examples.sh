@@ -1,6 +1,6 @@
 #!/bin/bash
 # The examples: a forward shader with two materials and an ordinary one; Vulkan against the reference.
-. "$BTF_SOURCE_ROOT/tests/tools/common.sh"
+. "$BTF_SOURCE_ROOT/tests/tools/common.sh" || exit 99
 PATH=$build/decoder/examples:$PATH
 small_data
 btf-encode data -o a.btf.exr --method paper -q || exit 99

@@ -2,7 +2,7 @@
 # Bad input, full disks, interruption: the documented exit code, a message with name and value, no half file.
 #
 # SPDX-License-Identifier: MIT
-. "$BTF_SOURCE_ROOT/tests/tools/common.sh"
+. "$BTF_SOURCE_ROOT/tests/tools/common.sh" || exit 99
 small_data
 
 expect "no output named" 1 btf-encode data

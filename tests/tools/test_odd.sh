@@ -2,7 +2,7 @@
 # Odd data sets through every tool: one texel, one direction, 256 lights, unequal lists, decimal angles, narrow images.
 #
 # SPDX-License-Identifier: MIT
-. "$BTF_SOURCE_ROOT/tests/tools/common.sh"
+. "$BTF_SOURCE_ROOT/tests/tools/common.sh" || exit 99
 
 # odd NAME SAMPLE-OPTION...: sample, encode both ways, decode, compare; reports and pictures must be whole.
 odd() {

@@ -1,6 +1,6 @@
 #!/bin/bash
 # btf-render: the same picture on every device for every mesh and effect set, every option, every exit code.
-. "$BTF_SOURCE_ROOT/tests/tools/common.sh"
+. "$BTF_SOURCE_ROOT/tests/tools/common.sh" || exit 99
 PATH=$build/decoder/tools/render:$PATH
 small_data
 btf-encode data -o m.btf.exr --method paper -q || exit 99

@@ -1,6 +1,6 @@
 #!/bin/bash
 # btf-view under Xvfb: every key and mouse gesture as real events, screenshots, dropped files, no display, no GL.
-. "$BTF_SOURCE_ROOT/tests/tools/common.sh"
+. "$BTF_SOURCE_ROOT/tests/tools/common.sh" || exit 99
 PATH=$build/decoder/tools/view:$build/decoder/tools/render:$build/tests/tools:$PATH
 for tool in btf-view x_drop xdotool Xvfb; do
     if ! command -v $tool >/dev/null; then
