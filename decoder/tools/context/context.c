@@ -37,6 +37,11 @@ context *context_create(const context_device *device, char *why, size_t why_size
         return NULL;
     }
     c->provider = device->provider;
+    if (!c->provider->create) {
+        snprintf(why, why_size, "built without %s", c->provider->name);
+        free(c);
+        return NULL;
+    }
     c->self = c->provider->create(&device->request, why, why_size);
     if (!c->self) {
         free(c);

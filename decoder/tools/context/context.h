@@ -6,8 +6,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_CONFORMANCE_CONTEXT_H
-#define OPENBTF_CONFORMANCE_CONTEXT_H
+#ifndef OPENBTF_TOOLS_CONTEXT_H
+#define OPENBTF_TOOLS_CONTEXT_H
 
 #include <openbtf/gl.h>
 
@@ -18,7 +18,7 @@ typedef struct context_request {
     int es, major, minor;
 } context_request;
 
-/* The functions of a provider. */
+/* The functions of a provider; NULL where it was not built. */
 typedef struct context_provider {
     const char *name; /* "osmesa", "egl", "glfw" */
     /* Makes a context current; NULL with the reason in why[why_size]. */

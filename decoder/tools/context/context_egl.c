@@ -102,24 +102,10 @@ static btf_gl_function get_proc_address(void *self, const char *name) {
     return (btf_gl_function)eglGetProcAddress(name);
 }
 
+const context_provider context_egl = {"egl", create, destroy, get_proc_address};
+
 #else
 
-static void *create(const context_request *request, char *why, size_t why_size) {
-    (void)request;
-    snprintf(why, why_size, "built without EGL");
-    return NULL;
-}
-
-static void destroy(void *self) {
-    (void)self;
-}
-
-static btf_gl_function get_proc_address(void *self, const char *name) {
-    (void)self;
-    (void)name;
-    return NULL;
-}
+const context_provider context_egl = {"egl", NULL, NULL, NULL}; /* not built */
 
 #endif
-
-const context_provider context_egl = {"egl", create, destroy, get_proc_address};
