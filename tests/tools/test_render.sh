@@ -44,7 +44,7 @@ for mesh in plane sphere torus drape seat.obj; do
         done
     done
 done
-for way in "--interpolate nearest" "--filter bilinear" "--samples 3 --exposure -1.5" "--point 1,1,2,3 --light 20,0,0.5,1,0,0" \
+for way in "--interpolation nearest" "--filter bilinear" "--samples 3 --exposure -1.5" "--point 1,1,2,3 --light 20,0,0.5,1,0,0" \
     "--tone filmic --background 0.2" "--fov 0 --zoom 0.5 --repeat 1.5" "--size 31x17"; do
     render -o r.png --device reference $way
     render -o g.png --device osmesa $way
@@ -64,7 +64,7 @@ expect "a plane straight on" 0 btf-render m.btf.exr -o p.png --mesh plane --fov 
 same "which is the decoded image" d.png p.png
 
 expect "fast math" 0 render -o f.png --math fast
-expect "statistics" 0 render -o s.png --stats --interpolate nearest
+expect "statistics" 0 render -o s.png --stats --interpolation nearest
 expect_text "name decode" '^decode: [0-9.]+ ms a frame, [0-9.]+ frames a second' out
 expect_text "and Phong beside it" '^phong: [0-9.]+ ms a frame' out
 expect "statistics of the reference" 0 render -o s.png --stats --device reference

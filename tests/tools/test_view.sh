@@ -21,7 +21,7 @@ f 1/1 2/2 3/3
 O
 
 expect "help" 0 btf-view --help
-for option in mesh original size effects interpolate filter math screenshots verbose quiet; do
+for option in mesh original size effects interpolation filter math screenshots verbose quiet; do
     expect_text "help names --$option" "--$option" out
 done
 expect "no display" 5 env -u DISPLAY -u WAYLAND_DISPLAY btf-view m.btf.exr
@@ -187,7 +187,7 @@ wait $viewer
 expect_that "Escape quits with 0" test $? = 0
 
 seen=0
-start --mesh seat.obj --effects none --interpolate nearest --filter bilinear --math fast
+start --mesh seat.obj --effects none --interpolation nearest --filter bilinear --math fast
 expect "a material dropped on an empty window" 0 x_drop "$window" m.btf.exr
 said "is shown" '^opened m.btf.exr'
 press 1 '^effects shadow'
