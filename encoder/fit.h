@@ -47,7 +47,7 @@ typedef struct enc_fit_stats {
 } enc_fit_stats;
 
 /* Fits every texel of `data`. Round r leaves out the samples that the model of round r - 1 calls shadowed,
- *   SBRDF * m(l) - BTF > t_error * BTF  and  BTF < t_btf      (luminances; design.md, point 1)
+ *   SBRDF * m(l) - BTF > t_error * BTF  and  BTF < t_btf      (luminances)
  * and starts from its solution; a texel stops early when nothing changes or when less than 10 % would be
  * kept. Parameters come normalised (sbrdf.h), never NaN. out_stats may be NULL.
  * The same bits for any context->threads and instruction set; between machines only as far as libm's exp,

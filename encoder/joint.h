@@ -1,5 +1,5 @@
 /* `--method joint`: sources, shifts, gains and the residual found together, by alternating least squares
- * and search (design.md, points 4 to 7).
+ * and search.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -1,4 +1,4 @@
-/* The joint method without a residual: sources are SBRDF times shadow map (design.md, point 4).
+/* The joint method without a residual: sources are SBRDF times shadow map.
  *
  * A point is gain * m(l) * SBRDF(x', l, v) * shadow(x', l), x' = match(x, v). One round:
  *   1. every point chooses source and gain anew                           joint_search.c

@@ -1,4 +1,4 @@
-/* Low-rank sources and their least squares (design.md, point 7).
+/* Low-rank sources and their least squares.
  *
  * A source is the profile that a texel x' offers to the points that refer to it,
  * source(x', v) = sum over j < k of u[x'][j] * v[view][j], and a point is gain * source(match). Given the

@@ -19,7 +19,7 @@ typedef struct enc_shadow_options {
 
 enc_shadow_options enc_shadow_options_default(void);
 
-/* Paper 2.1 with the sign corrected and the division multiplied out (design.md, point 1):
+/* Paper 2.1 with the sign corrected and the division multiplied out:
  * (model - btf) / btf > t_error and btf < t_btf. Linear luminances, cosine included. btf = 0 below a
  * positive model is shadow, 0 below 0 is not. */
 static inline bool enc_is_shadowed(float model, float btf, float t_error, float t_btf) {

@@ -21,7 +21,7 @@
  *   bumps    a bed of rounded pebbles, smooth, no ambient light: unlit samples are exactly 0
  *   weave    a plain weave of 8 warp and 8 weft threads
  *   flat     a control without relief: coloured Lambertian and a lobe in the same colour, spatially
- * varying, exactly representable by the SBRDF model of design.md (one lobe) white    a control without
+ * varying, exactly representable by the SBRDF model of FORMAT.md (one lobe) white    a control without
  * relief: albedo 1, no lobe; every sample is l.z axes     an asymmetric relief that fixes axes, see
  * relief_axes below */
 #define RELIEF_LIST(X)                                                                                     \
