@@ -1,4 +1,4 @@
-/* A BTF's samples, in memory or in a scratch file.
+/* A BTF's samples: in memory, in a scratch file, or made by their origin when asked for.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -77,9 +77,10 @@ static btf_result open_scratch(const enc_context *context, uint64_t size, int *o
     return BTF_OK;
 }
 
-btf_result enc_data_create(const enc_context *context, int width, int height, int n_views,
-                           const enc_direction *views, int n_lights, const enc_direction *lights,
-                           enc_data **out_data) {
+/* Everything but the samples. */
+static btf_result create_empty(const enc_context *context, int width, int height, int n_views,
+                               const enc_direction *views, int n_lights, const enc_direction *lights,
+                               uint64_t *out_bytes, enc_data **out_data) {
     *out_data = NULL;
     if (width < 1 || height < 1 || width > MAX_SIDE || height > MAX_SIDE)
         return enc_fail(context, BTF_ERROR_USAGE, "size %dx%d is not usable: each side is 1 to %d", width,
@@ -88,13 +89,9 @@ btf_result enc_data_create(const enc_context *context, int width, int height, in
         return enc_fail(context, BTF_ERROR_USAGE, "%d views and %d lights are not usable: each is 1 to %d",
                         n_views, n_lights, MAX_DIRECTIONS);
     /* At most 2^28 texels of 3 * 2^16 floats: no overflow in 64 bits. */
-    const uint64_t bytes =
+    *out_bytes =
         (uint64_t)width * (uint64_t)height * (uint64_t)n_views * 3 * (uint64_t)n_lights * sizeof(float);
-    if (bytes > SIZE_MAX / 2)
-        return BTF_ERROR_MEMORY;
-
-    btf_result result = BTF_ERROR_MEMORY;
-    enc_data *data = calloc(1, sizeof *data);
+    enc_data *data = *out_bytes > SIZE_MAX / 2 ? NULL : calloc(1, sizeof *data);
     if (!data)
         return BTF_ERROR_MEMORY;
     data->scratch_fd = -1;
@@ -104,29 +101,93 @@ btf_result enc_data_create(const enc_context *context, int width, int height, in
     data->n_lights = n_lights;
     data->views = copy_directions(views, n_views);
     data->lights = copy_directions(lights, n_lights);
-    if (!data->views || !data->lights)
-        goto fail;
+    if (!data->views || !data->lights) {
+        enc_data_destroy(&data);
+        return BTF_ERROR_MEMORY;
+    }
     for (int i = 1; i < n_views; i++)
         if (views[i].theta < views[data->top_view].theta)
             data->top_view = i;
-
-    if (!context || context->memory == 0 || bytes <= context->memory / 2) {
-        data->samples = calloc((size_t)bytes, 1);
-        if (!data->samples) {
-            result = enc_fail(context, BTF_ERROR_MEMORY, "samples: no memory for %.2f GB (see --memory)",
-                              (double)bytes * 1e-9);
-            goto fail;
-        }
-    } else {
-        result = open_scratch(context, bytes, &data->scratch_fd);
-        if (result != BTF_OK)
-            goto fail;
-    }
     *out_data = data;
     return BTF_OK;
+}
 
-fail:
-    enc_data_destroy(&data);
+static bool fits_memory(const enc_context *context, uint64_t bytes) {
+    return !context || context->memory == 0 || bytes <= context->memory / 2;
+}
+
+static btf_result allocate(const enc_context *context, enc_data *data, uint64_t bytes) {
+    data->samples = calloc((size_t)bytes, 1);
+    return data->samples ? BTF_OK
+                         : enc_fail(context, BTF_ERROR_MEMORY,
+                                    "samples: no memory for %.2f GB (see --memory)", (double)bytes * 1e-9);
+}
+
+btf_result enc_data_create(const enc_context *context, int width, int height, int n_views,
+                           const enc_direction *views, int n_lights, const enc_direction *lights,
+                           enc_data **out_data) {
+    uint64_t bytes;
+    btf_result result =
+        create_empty(context, width, height, n_views, views, n_lights, lights, &bytes, out_data);
+    if (result != BTF_OK)
+        return result;
+    result = fits_memory(context, bytes) ? allocate(context, *out_data, bytes)
+                                         : open_scratch(context, bytes, &(*out_data)->scratch_fd);
+    if (result != BTF_OK)
+        enc_data_destroy(out_data);
+    return result;
+}
+
+/* Makes all samples and keeps them. */
+static btf_result keep_samples(const enc_context *context, enc_data *data) {
+    enum { BLOCK = 16 };
+    const size_t texels = enc_data_texel_count(data), stride = enc_data_texel_stride(data);
+    const int threads = context && context->threads > 0 ? context->threads : 1;
+    btf_result result = BTF_OK;
+    enc_stage_begin(context, "decode", texels);
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
+    for (size_t first = 0; first < texels; first += BLOCK) {
+        const size_t count = texels - first < BLOCK ? texels - first : BLOCK;
+        btf_result mine;
+#pragma omp atomic read
+        mine = result;
+        if (mine != BTF_OK)
+            continue;
+        mine = enc_cancelled(context) ? BTF_ERROR_INTERRUPTED
+                                      : data->origin->texels(context, data->origin, first, count,
+                                                             data->samples + first * stride);
+        if (mine != BTF_OK) {
+#pragma omp atomic write
+            result = mine;
+        }
+        enc_stage_step(context, count);
+    }
+    enc_stage_end(context);
+    return result;
+}
+
+btf_result enc_data_create_from(const enc_context *context, int width, int height, int n_views,
+                                const enc_direction *views, int n_lights, const enc_direction *lights,
+                                enc_data_origin *origin, enc_data **out_data) {
+    uint64_t bytes;
+    btf_result result =
+        create_empty(context, width, height, n_views, views, n_lights, lights, &bytes, out_data);
+    if (result != BTF_OK) {
+        origin->close(origin);
+        return result;
+    }
+    (*out_data)->origin = origin;
+    if (fits_memory(context, bytes)) {
+        result = allocate(context, *out_data, bytes);
+        if (result == BTF_OK)
+            result = keep_samples(context, *out_data);
+    } else {
+        enc_log(context, BTF_LOG_INFO,
+                "samples: %.2f GB exceed half of the allowed memory, %.2f GB: decoded again when needed",
+                (double)bytes * 1e-9, (double)context->memory * 1e-9);
+    }
+    if (result != BTF_OK)
+        enc_data_destroy(out_data);
     return result;
 }
 
@@ -139,6 +200,8 @@ void enc_data_destroy(enc_data **data) {
     free(d->samples);
     if (d->scratch_fd >= 0)
         close(d->scratch_fd);
+    if (d->origin)
+        d->origin->close(d->origin);
     free(d->source);
     free(d);
     *data = NULL;
@@ -188,6 +251,8 @@ btf_result enc_data_texels(const enc_context *context, const enc_data *data, siz
         return BTF_OK;
     }
     *out_samples = buffer;
+    if (data->origin)
+        return data->origin->texels(context, data->origin, first, count, buffer);
     return scratch_read(context, data, (uint64_t)first * stride * sizeof(float),
                         count * stride * sizeof(float), buffer);
 }
@@ -228,10 +293,12 @@ btf_result enc_data_view(const enc_context *context, const enc_data *data, int v
     for (size_t first = 0; first < texels && result == BTF_OK; first += BLOCK) {
         const size_t count = texels - first < BLOCK ? texels - first : BLOCK;
         const float *profiles[BLOCK];
+        if (data->origin && !data->samples)
+            result = data->origin->profiles(context, data->origin, view, first, count, buffer);
         for (size_t t = 0; t < count && result == BTF_OK; t++) {
             const size_t at = (first + t) * stride + (size_t)view * profile;
             profiles[t] = data->samples ? data->samples + at : buffer + t * profile;
-            if (!data->samples)
+            if (!data->samples && !data->origin)
                 result = scratch_read(context, data, (uint64_t)at * sizeof(float), profile * sizeof(float),
                                       buffer + t * profile);
         }

@@ -18,6 +18,19 @@ typedef struct enc_direction {
 /* Fills xyz from theta and phi. */
 enc_direction enc_direction_from_angles(double theta_degrees, double phi_degrees);
 
+/* A coded BTF that makes its samples when asked for. Functions are thread-safe and give the same bits
+ * whatever the block. Errors: BTF_ERROR_BAD_FILE (a sample that is no number), BTF_ERROR_MEMORY. */
+typedef struct enc_data_origin enc_data_origin;
+struct enc_data_origin {
+    /* Samples of texels first .. first+count-1, in the order of enc_data. */
+    btf_result (*texels)(const enc_context *context, const enc_data_origin *origin, size_t first,
+                         size_t count, float *out_samples);
+    /* Their light profiles in one view: out[texel][channel][light]. */
+    btf_result (*profiles)(const enc_context *context, const enc_data_origin *origin, int view,
+                           size_t first, size_t count, float *out_profiles);
+    void (*close)(enc_data_origin *origin);
+};
+
 /* One BTF. Samples are float32, linear Rec. 709 radiance over (normal-incidence irradiance / pi),
  * cosine included: a white Lambertian lit from l holds l.z.
  *
@@ -33,10 +46,11 @@ typedef struct enc_data {
     enc_direction *views;  /* [n_views] */
     enc_direction *lights; /* [n_lights] */
     int top_view;          /* index of the view nearest to the pole */
-    float *samples;        /* all samples, or NULL when they lie in the scratch file */
-    int scratch_fd;        /* -1 when samples != NULL */
-    uint64_t negative;     /* samples clamped to 0 on reading */
-    char *source;          /* what was read, for messages and reports */
+    float *samples; /* all samples; NULL when they lie in the scratch file or are made when asked for */
+    int scratch_fd; /* -1 without a scratch file */
+    enc_data_origin *origin; /* what makes samples when asked for; NULL: they are stored */
+    uint64_t negative;       /* samples clamped to 0 on reading */
+    char *source;            /* what was read, for messages and reports */
 } enc_data;
 
 static inline size_t enc_data_texel_count(const enc_data *data) {
@@ -54,10 +68,16 @@ static inline size_t enc_data_texel_stride(const enc_data *data) {
 btf_result enc_data_create(const enc_context *context, int width, int height, int n_views,
                            const enc_direction *views, int n_lights, const enc_direction *lights,
                            enc_data **out_data);
+/* The same with an origin that makes the samples, which then belongs to the BTF (also on error: it is
+ * closed). Where all samples fit half of context->memory (0: always) they are made here, once, with all
+ * threads, and kept; else whenever they are asked for, and no scratch file is written. */
+btf_result enc_data_create_from(const enc_context *context, int width, int height, int n_views,
+                                const enc_direction *views, int n_lights, const enc_direction *lights,
+                                enc_data_origin *origin, enc_data **out_data);
 void enc_data_destroy(enc_data **data);
 
 /* The samples of texels first .. first+count-1. Points into data->samples when they are in memory; else
- * reads them into `buffer` (count * enc_data_texel_stride floats) and points there.
+ * reads or makes them into `buffer` (count * enc_data_texel_stride floats) and points there.
  * Thread-safe. Errors: BTF_ERROR_IO. */
 btf_result enc_data_texels(const enc_context *context, const enc_data *data, size_t first, size_t count,
                            float *buffer, const float **out_samples);
