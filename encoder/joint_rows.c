@@ -125,7 +125,7 @@ static void add_energy(void *user, size_t view, size_t first, size_t count, cons
     }
 }
 
-btf_result joint_rows_init(const enc_context *context, const enc_data *data, bool root,
+static btf_result allocate(const enc_context *context, const enc_data *data, bool root,
                            joint_rows *out_rows) {
     *out_rows = (joint_rows){.context = context,
                              .data = data,
@@ -144,12 +144,29 @@ btf_result joint_rows_init(const enc_context *context, const enc_data *data, boo
         const float z = data->lights[p % (size_t)data->n_lights].xyz[2];
         out_rows->multiplier[p] = root ? sqrtf(z) : z;
     }
-    btf_result result = find_scale(out_rows);
-    if (result == BTF_OK)
-        result = joint_rows_pass(out_rows, add_energy, out_rows);
-    for (size_t i = 0; result == BTF_OK && i < out_rows->texels * out_rows->views; i++)
-        out_rows->total += out_rows->energy[i];
+    return BTF_OK;
+}
+
+static btf_result find_energies(joint_rows *rows) {
+    const btf_result result = joint_rows_pass(rows, add_energy, rows);
+    for (size_t i = 0; result == BTF_OK && i < rows->texels * rows->views; i++)
+        rows->total += rows->energy[i];
     return result;
+}
+
+btf_result joint_rows_init(const enc_context *context, const enc_data *data, bool root,
+                           joint_rows *out_rows) {
+    btf_result result = allocate(context, data, root, out_rows);
+    if (result == BTF_OK)
+        result = find_scale(out_rows);
+    return result == BTF_OK ? find_energies(out_rows) : result;
+}
+
+btf_result joint_rows_init_scaled(const enc_context *context, const enc_data *data, bool root, float scale,
+                                  joint_rows *out_rows) {
+    btf_result result = allocate(context, data, root, out_rows);
+    out_rows->scale = scale;
+    return result == BTF_OK ? find_energies(out_rows) : result;
 }
 
 void joint_rows_clear(joint_rows *rows) {

@@ -31,6 +31,9 @@ typedef struct joint_rows {
  * Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED. Free with joint_rows_clear in any case. */
 btf_result joint_rows_init(const enc_context *context, const enc_data *data, bool root,
                            joint_rows *out_rows);
+/* The same with a scale that is given, as for the levels of a file. */
+btf_result joint_rows_init_scaled(const enc_context *context, const enc_data *data, bool root, float scale,
+                                  joint_rows *out_rows);
 void joint_rows_clear(joint_rows *rows);
 
 /* The row of one point: out [row]. texel_buffer: enc_data_texel_stride floats. Thread-safe. Errors:

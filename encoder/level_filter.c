@@ -1,0 +1,121 @@
+/* Area filter of a BTF. See level_filter.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "level_filter.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+int enc_level_count(int width, int height) {
+    int count = 1;
+    for (int side = width > height ? width : height; side > 1; side >>= 1)
+        count++;
+    return count;
+}
+
+/* What of texel k, in parts of 1 / to, lies in texel c of the coarser row: both rows span from * to parts.
+ */
+static int64_t overlap(int from, int to, int c, int k) {
+    const int64_t left = (int64_t)c * from > (int64_t)k * to ? (int64_t)c * from : (int64_t)k * to;
+    const int64_t right =
+        (int64_t)(c + 1) * from < (int64_t)(k + 1) * to ? (int64_t)(c + 1) * from : (int64_t)(k + 1) * to;
+    return right > left ? right - left : 0;
+}
+
+/* The texels [*first, *end) of the finer row that texel c touches. */
+static void span(int from, int to, int c, int *first, int *end) {
+    *first = (int)((int64_t)c * from / to);
+    *end = (int)(((int64_t)(c + 1) * from + to - 1) / to);
+}
+
+/* One texel; buffer and out take a texel each, sums likewise. */
+static btf_result filter_texel(const enc_context *context, const enc_data *from, const enc_data *to,
+                               size_t texel, float *buffer, double *sums, float *out) {
+    const size_t stride = enc_data_texel_stride(from);
+    const int column = (int)(texel % (size_t)to->width), row = (int)(texel / (size_t)to->width);
+    int x0, x1, y0, y1;
+    span(from->width, to->width, column, &x0, &x1);
+    span(from->height, to->height, row, &y0, &y1);
+    memset(sums, 0, stride * sizeof *sums);
+    for (int y = y0; y < y1; y++)
+        for (int x = x0; x < x1; x++) {
+            const float *samples;
+            const double weight = (double)overlap(from->width, to->width, column, x) *
+                                  (double)overlap(from->height, to->height, row, y);
+            const btf_result result = enc_data_texels(
+                context, from, (size_t)y * (size_t)from->width + (size_t)x, 1, buffer, &samples);
+            if (result != BTF_OK)
+                return result;
+            for (size_t i = 0; i < stride; i++)
+                sums[i] += weight * (double)samples[i];
+        }
+    const double area = (double)from->width * (double)from->height;
+    for (size_t i = 0; i < stride; i++)
+        out[i] = (float)(sums[i] / area);
+    return BTF_OK;
+}
+
+btf_result enc_level_filter(const enc_context *context, const enc_data *from, int width, int height,
+                            enc_data **out_data) {
+    assert(width <= from->width && height <= from->height);
+    enc_data *to = NULL;
+    btf_result result = enc_data_create(context, width, height, from->n_views, from->views, from->n_lights,
+                                        from->lights, &to);
+    *out_data = NULL;
+    if (result != BTF_OK)
+        return result;
+    const size_t stride = enc_data_texel_stride(from), texels = enc_data_texel_count(to);
+#pragma omp parallel num_threads(context->threads)
+    {
+        float *buffer = malloc(2 * stride * sizeof *buffer);
+        double *sums = malloc(stride * sizeof *sums);
+#pragma omp for schedule(dynamic)
+        for (size_t t = 0; t < texels; t++) {
+            btf_result mine;
+#pragma omp atomic read
+            mine = result;
+            if (mine != BTF_OK)
+                continue;
+            mine = !buffer || !sums ? BTF_ERROR_MEMORY
+                   : enc_cancelled(context)
+                       ? BTF_ERROR_INTERRUPTED
+                       : filter_texel(context, from, to, t, buffer, sums, buffer + stride);
+            if (mine == BTF_OK)
+                mine = enc_data_store_texels(context, to, t, 1, buffer + stride);
+            if (mine != BTF_OK) {
+#pragma omp atomic write
+                result = mine;
+            }
+        }
+        free(buffer);
+        free(sums);
+    }
+    if (result == BTF_OK) {
+        *out_data = to;
+        return BTF_OK;
+    }
+    enc_data_destroy(&to);
+    return result == BTF_ERROR_MEMORY
+               ? enc_fail(context, result, "levels: no memory to filter %d x %d texels", width, height)
+               : result;
+}
+
+btf_result enc_level_each(const enc_context *context, const enc_data *data, int count, enc_level_fn fn,
+                          void *user) {
+    enc_data *before = NULL;
+    btf_result result = BTF_OK;
+    for (int level = 1; level < count && result == BTF_OK; level++) {
+        enc_data *next = NULL;
+        const int width = enc_level_side(data->width, level), height = enc_level_side(data->height, level);
+        const bool even = before && before->width % width == 0 && before->height % height == 0;
+        result = enc_level_filter(context, even ? before : data, width, height, &next);
+        if (result == BTF_OK)
+            result = fn(user, level, next);
+        enc_data_destroy(&before);
+        before = next;
+    }
+    enc_data_destroy(&before);
+    return result;
+}

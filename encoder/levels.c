@@ -1,0 +1,170 @@
+/* Levels of detail. See levels.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "levels.h"
+
+#include "level_joint.h"
+#include "pack.h"
+#include "playback.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enc_solution enc_level_of(const enc_solution *base, int width, int height) {
+    enc_solution level = *base;
+    level.width = width;
+    level.height = height;
+    level.sbrdf = NULL;
+    level.shadow = NULL;
+    level.shift = NULL;
+    level.gain = NULL;
+    level.centre = NULL;
+    level.residual_texels = NULL;
+    return level;
+}
+
+void enc_level_clear(enc_solution *level) {
+    level->centre_codes = NULL;
+    level->residual_directions = NULL;
+    level->residual_scales = NULL;
+    enc_solution_clear(level);
+}
+
+void enc_levels_clear(enc_levels *levels) {
+    for (int i = 0; i + 1 < levels->count && levels->level; i++)
+        enc_level_clear(&levels->level[i]);
+    free(levels->level);
+    *levels = (enc_levels){0};
+}
+
+/* What the analysis of one level needs. */
+typedef struct fit_pass {
+    enc_context quiet; /* without the stages of each analysis */
+    const enc_context *context;
+    const enc_paper_options *paper;
+    enc_solution *base;
+    enc_levels *levels;
+} fit_pass;
+
+/* Puts the centres of a level behind those of the base, in its scale. */
+static btf_result append_centres(const enc_context *context, const enc_solution *level,
+                                 enc_solution *base) {
+    const size_t bytes = (size_t)3 * (size_t)base->n_lights;
+    uint8_t *codes = realloc(base->centre_codes, (base->n_centres + (size_t)level->n_centres) * bytes);
+    if (!codes)
+        return enc_fail(context, BTF_ERROR_MEMORY, "levels: out of memory for %u centres",
+                        base->n_centres + level->n_centres);
+    base->centre_codes = codes;
+    codes += base->n_centres * bytes;
+    for (size_t i = 0; i < level->n_centres * bytes; i++) {
+        const long code = lrintf((float)level->centre_codes[i] * level->centre_scale / base->centre_scale);
+        codes[i] = (uint8_t)(code < 255 ? code : 255);
+    }
+    base->n_centres += level->n_centres;
+    return BTF_OK;
+}
+
+static btf_result fit_paper(fit_pass *pass, const enc_data *data, int level, enc_solution *out) {
+    enc_solution *base = pass->base, found = {0};
+    const uint32_t first = base->n_centres, room = BTF_MAX_CENTRES - first;
+    enc_paper_options options = *pass->paper;
+    enc_paper_stats stats;
+    uint32_t most = 0;
+    btf_result result = BTF_OK;
+    options.effects = base->effects;
+    if (base->effects & BTF_EFFECT_HIDDEN) {
+        const int shift = 2 * level < 31 ? 2 * level : 31;
+        result = enc_pack_centre_room(&pass->quiet, data->width, data->height, data->n_views,
+                                      data->n_lights, &most);
+        most = options.centres > 0 ? (options.centres >> shift) + 1 : most;
+        options.centres = most < room ? most : room;
+        if (options.centres == 0)
+            options.effects &= ~(uint32_t)BTF_EFFECT_HIDDEN;
+    }
+    if (result == BTF_OK)
+        result = enc_paper(&pass->quiet, data, &options, &found, NULL, &stats);
+    if (result == BTF_OK && found.n_centres > 0)
+        result = append_centres(pass->context, &found, base);
+    if (result == BTF_OK) {
+        const size_t points = enc_solution_texels(&found) * (size_t)data->n_views;
+        for (size_t i = 0; i < points && found.gain; i++)
+            if (found.gain[i] == 0)
+                found.centre[i] = (uint16_t)(found.centre[i] + first);
+        *out = enc_level_of(base, data->width, data->height);
+        out->sbrdf = found.sbrdf;
+        out->shadow = found.shadow;
+        out->shift = found.shift;
+        out->gain = found.gain;
+        out->centre = found.centre;
+        free(found.centre_codes);
+    } else {
+        enc_solution_clear(&found);
+    }
+    return result;
+}
+
+static btf_result fit_level(void *user, int level, const enc_data *data) {
+    fit_pass *pass = user;
+    enc_solution *out = &pass->levels->level[level - 1];
+    const btf_result result = pass->paper ? fit_paper(pass, data, level, out)
+                                          : enc_level_joint(&pass->quiet, data, pass->base, out);
+    enc_stage_step(pass->context, 1);
+    return result;
+}
+
+btf_result enc_levels_fit(const enc_context *context, const enc_data *data, int count,
+                          const enc_paper_options *paper, enc_solution *base, enc_levels *out_levels) {
+    fit_pass pass = {
+        .quiet = *context, .context = context, .paper = paper, .base = base, .levels = out_levels};
+    pass.quiet.progress = NULL;
+    *out_levels = (enc_levels){.count = count, .level = calloc((size_t)count, sizeof(enc_solution))};
+    if (!out_levels->level) {
+        *out_levels = (enc_levels){0};
+        return enc_fail(context, BTF_ERROR_MEMORY, "levels: out of memory");
+    }
+    enc_stage_begin(context, "levels", (size_t)count - 1);
+    const btf_result result = enc_level_each(context, data, count, fit_level, &pass);
+    enc_stage_end(context);
+    if (result != BTF_OK) {
+        enc_levels_clear(out_levels);
+        return result;
+    }
+    for (int i = 0; i + 1 < count; i++) { /* the centres may have moved */
+        out_levels->level[i].centre_codes = base->centre_codes;
+        out_levels->level[i].n_centres = base->n_centres;
+    }
+    return BTF_OK;
+}
+
+typedef struct measure_pass {
+    enc_context quiet;
+    const enc_context *context;
+    const enc_levels *levels;
+    enc_metrics *metrics;
+} measure_pass;
+
+static btf_result measure_level(void *user, int level, const enc_data *data) {
+    measure_pass *pass = user;
+    enc_playback *playback = NULL;
+    btf_result result = enc_playback_create(&pass->quiet, data, &pass->levels->level[level - 1], &playback);
+    if (result == BTF_OK) {
+        const enc_played decoded = {.playback = playback, .effects = BTF_EFFECT_ALL};
+        result = enc_metrics_compare(&pass->quiet, data, enc_data_images(data), enc_played_images(&decoded),
+                                     false, &pass->metrics[level - 1]);
+    }
+    enc_playback_destroy(&playback);
+    enc_stage_step(pass->context, 1);
+    return result;
+}
+
+btf_result enc_levels_measure(const enc_context *context, const enc_data *data, const enc_levels *levels,
+                              enc_metrics *out_metrics) {
+    measure_pass pass = {.quiet = *context, .context = context, .levels = levels, .metrics = out_metrics};
+    pass.quiet.progress = NULL;
+    enc_stage_begin(context, "measure levels", (size_t)levels->count - 1);
+    const btf_result result = enc_level_each(context, data, levels->count, measure_level, &pass);
+    enc_stage_end(context);
+    return result;
+}

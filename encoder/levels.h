@@ -1,0 +1,41 @@
+/* Levels of detail: a material for the area-filtered BTF of each level (level_filter.h), in one file.
+ *
+ * A level has SBRDF, shadow maps, shifts, gains and residual texels of its own; the rest, V, centres and
+ * every scale, is that of level 0, so that a shader changes nothing but the mip level that it fetches.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_LEVELS_H
+#define OPENBTF_ENCODER_LEVELS_H
+
+#include "level_filter.h"
+#include "method_paper.h"
+#include "metrics.h"
+#include "solution.h"
+
+/* The levels 1 .. count - 1 that belong to a level 0. Zeros are no levels. */
+typedef struct enc_levels {
+    int count;           /* level 0 included */
+    enc_solution *level; /* [count - 1]: level i at i - 1; shared maps point into level 0's */
+} enc_levels;
+
+void enc_levels_clear(enc_levels *levels);
+
+/* An empty solution of a level: scales and shared maps (pointers) of `base`. */
+enc_solution enc_level_of(const enc_solution *base, int width, int height);
+/* Frees what belongs to the level alone. */
+void enc_level_clear(enc_solution *level);
+
+/* Analyses levels 1 .. count - 1 of `data` for `base`, the solution of level 0. `paper` is NULL for a base
+ * of the joint method; else the whole analysis runs on each level, its centres (as many as fit the atlas of
+ * the level's size) go behind those of base, and hidden points are left out where base has none or the file
+ * has no room. Stage "levels". Errors: those of the stages; *out_levels is zeroed then. */
+btf_result enc_levels_fit(const enc_context *context, const enc_data *data, int count,
+                          const enc_paper_options *paper, enc_solution *base, enc_levels *out_levels);
+
+/* Decodes each level and compares it with the filtered data: out_metrics [count - 1], without SSIM. Stage
+ * "measure levels". */
+btf_result enc_levels_measure(const enc_context *context, const enc_data *data, const enc_levels *levels,
+                              enc_metrics *out_metrics);
+
+#endif

@@ -1,0 +1,333 @@
+/* Levels of detail: the area filter against sums over a common subdivision, the fits of both methods
+ * against the filtered data and against point samples of level 0, and the same result for any number of
+ * threads.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "encoder/joint.h"
+#include "encoder/levels.h"
+#include "encoder/metrics.h"
+#include "encoder/playback.h"
+#include "tests/sample/sample.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static const enc_context one_thread = {.threads = 1};
+static const enc_context two_threads = {.threads = 2};
+
+enum { VIEWS = 2, LIGHTS = 3, STRIDE = VIEWS * 3 * LIGHTS };
+
+/* Noise of known seed, width x height texels. */
+static enc_data *noise(int width, int height) {
+    enc_direction views[VIEWS], lights[LIGHTS];
+    enc_data *data = NULL;
+    uint64_t state = 88172645463325252u;
+    for (int i = 0; i < LIGHTS; i++)
+        lights[i] = enc_direction_from_angles(20.0 * i, 0.0);
+    for (int i = 0; i < VIEWS; i++)
+        views[i] = enc_direction_from_angles(30.0 * i, 0.0);
+    assert_int_equal(enc_data_create(&one_thread, width, height, VIEWS, views, LIGHTS, lights, &data),
+                     BTF_OK);
+    for (int i = 0; i < width * height * STRIDE; i++) {
+        state = state * 6364136223846793005u + 1442695040888963407u;
+        data->samples[i] = (float)(state >> 40) * 0x1p-20f; /* 0 .. 16 */
+    }
+    return data;
+}
+
+/* The mean over texel (c, r) of a w x h level from a subdivision that both grids share. */
+static double by_subdivision(const enc_data *from, int w, int h, int c, int r, int sample) {
+    double sum = 0;
+    for (int y = r * from->height; y < (r + 1) * from->height; y++)
+        for (int x = c * from->width; x < (c + 1) * from->width; x++)
+            sum +=
+                (double)from->samples[((size_t)(y / h) * (size_t)from->width + (size_t)(x / w)) * STRIDE +
+                                      (size_t)sample];
+    return sum / ((double)from->width * from->height);
+}
+
+static double mean(const enc_data *data) {
+    const size_t n = enc_data_texel_count(data) * STRIDE;
+    double sum = 0;
+    for (size_t i = 0; i < n; i++)
+        sum += (double)data->samples[i];
+    return sum / (double)n;
+}
+
+static void test_filter(void **unused) {
+    static const int sizes[][4] = {{7, 5, 3, 2}, {8, 6, 4, 3}, {5, 9, 2, 1},
+                                   {9, 9, 1, 1}, {4, 3, 4, 3}, {1, 7, 1, 3}};
+    (void)unused;
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        const int w = sizes[i][2], h = sizes[i][3];
+        enc_data *from = noise(sizes[i][0], sizes[i][1]), *to = NULL;
+        assert_int_equal(enc_level_filter(&two_threads, from, w, h, &to), BTF_OK);
+        assert_int_equal(to->width, w);
+        assert_int_equal(to->height, h);
+        assert_memory_equal(to->lights, from->lights, LIGHTS * sizeof *to->lights);
+        for (int t = 0; t < w * h; t++)
+            for (int s = 0; s < STRIDE; s++) {
+                const double expected = by_subdivision(from, w, h, t % w, t / w, s);
+                assert_true(fabs((double)to->samples[t * STRIDE + s] - expected) <= 1e-6 * expected);
+            }
+        assert_true(fabs(mean(to) - mean(from)) <= 1e-6 * mean(from));
+        enc_data_destroy(&to);
+        enc_data_destroy(&from);
+    }
+}
+
+/* A scratch file holds what memory would. */
+static void test_filter_scratch(void **unused) {
+    (void)unused;
+    enc_data *from = noise(7, 5), *to = NULL;
+    const enc_context little = {.threads = 2, .memory = 64};
+    float texel[STRIDE];
+    const float *samples;
+    assert_int_equal(enc_level_filter(&little, from, 3, 2, &to), BTF_OK);
+    assert_null(to->samples);
+    for (int t = 0; t < 6; t++) {
+        assert_int_equal(enc_data_texels(&little, to, (size_t)t, 1, texel, &samples), BTF_OK);
+        for (int s = 0; s < STRIDE; s++)
+            assert_true(fabs((double)samples[s] - by_subdivision(from, 3, 2, t % 3, t / 3, s)) <= 1e-5);
+    }
+    enc_data_destroy(&to);
+    enc_data_destroy(&from);
+}
+
+/* Visits every level: sizes, the filter of each, constants. */
+typedef struct visit {
+    const enc_data *base;
+    int levels;
+} visit;
+
+static btf_result visit_level(void *user, int level, const enc_data *data) {
+    visit *v = user;
+    assert_int_equal(level, ++v->levels);
+    assert_int_equal(data->width, enc_level_side(v->base->width, level));
+    assert_int_equal(data->height, enc_level_side(v->base->height, level));
+    for (int t = 0; t < data->width * data->height; t++)
+        for (int s = 0; s < STRIDE; s++) {
+            const double expected =
+                by_subdivision(v->base, data->width, data->height, t % data->width, t / data->width, s);
+            assert_true(fabs((double)data->samples[t * STRIDE + s] - expected) <= 1e-6 * expected);
+        }
+    return BTF_OK;
+}
+
+static void test_each(void **unused) {
+    (void)unused;
+    assert_int_equal(enc_level_count(64, 64), 7);
+    assert_int_equal(enc_level_count(5, 3), 3);
+    assert_int_equal(enc_level_count(1, 1), 1);
+    enc_data *data = noise(13, 6);
+    visit v = {.base = data};
+    assert_int_equal(enc_level_each(&two_threads, data, enc_level_count(13, 6), visit_level, &v), BTF_OK);
+    assert_int_equal(v.levels, 3);
+    enc_data_destroy(&data);
+}
+
+/* A sample material with few directions. */
+static enc_data *sample(relief_kind relief, int size) {
+    static const int ring[] = {1, 6, 9};
+    enc_direction list[16];
+    enc_data *data = NULL;
+    int count = 0;
+    for (int r = 0; r < 3; r++)
+        for (int i = 0; i < ring[r]; i++)
+            list[count++] = enc_direction_from_angles(30.0 * r, 360.0 * i / ring[r]);
+    const sample_options options = {.context = &two_threads,
+                                    .relief = relief,
+                                    .width = size,
+                                    .height = size,
+                                    .views = list,
+                                    .n_views = count,
+                                    .lights = list,
+                                    .n_lights = count};
+    assert_int_equal(sample_render(&options, &data, NULL), BTF_OK);
+    return data;
+}
+
+/* Images of level 0 as a renderer shows them at a lower resolution without levels: one texel of each block.
+ */
+typedef struct points {
+    enc_image_source images;
+    int width, height, w, h, lights;
+} points;
+
+static btf_result point_view(const void *user, int view, float *out) {
+    const points *p = user;
+    const size_t image = (size_t)p->width * (size_t)p->height * 3;
+    float *all = malloc((size_t)p->lights * image * sizeof *all);
+    assert_non_null(all);
+    assert_int_equal(p->images.view(p->images.user, view, all), BTF_OK);
+    for (int l = 0; l < p->lights; l++)
+        for (int r = 0; r < p->h; r++)
+            for (int c = 0; c < p->w; c++) {
+                const size_t x = (size_t)((2 * c + 1) * p->width / (2 * p->w)),
+                             y = (size_t)((2 * r + 1) * p->height / (2 * p->h));
+                memcpy(out + 3 * (((size_t)l * (size_t)p->h + (size_t)r) * (size_t)p->w + (size_t)c),
+                       all + (size_t)l * image + 3 * (y * (size_t)p->width + x), 3 * sizeof(float));
+            }
+    free(all);
+    return BTF_OK;
+}
+
+typedef struct compare_pass {
+    const enc_data *base;
+    const enc_playback *playback;
+    double psnr[8]; /* of point samples, by level */
+} compare_pass;
+
+static btf_result compare_points(void *user, int level, const enc_data *data) {
+    compare_pass *pass = user;
+    const enc_played played = {.playback = pass->playback, .effects = BTF_EFFECT_ALL};
+    const points p = {enc_played_images(&played),
+                      pass->base->width,
+                      pass->base->height,
+                      data->width,
+                      data->height,
+                      data->n_lights};
+    enc_metrics metrics;
+    assert_int_equal(enc_metrics_compare(&one_thread, data, enc_data_images(data),
+                                         (enc_image_source){.view = point_view, .user = &p}, false,
+                                         &metrics),
+                     BTF_OK);
+    pass->psnr[level] = enc_psnr_linear(&metrics.total);
+    return BTF_OK;
+}
+
+/* Every level must show the filtered data better than point samples of level 0 do, by `margin` dB, and no
+ * worse than `least`. */
+static void check_levels(const char *name, const enc_data *data, const enc_solution *base,
+                         const enc_levels *levels, double margin, double least) {
+    enc_metrics metrics[8];
+    compare_pass pass = {.base = data};
+    enc_playback *playback = NULL;
+    assert_int_equal(enc_playback_create(&one_thread, data, base, &playback), BTF_OK);
+    pass.playback = playback;
+    assert_int_equal(enc_levels_measure(&two_threads, data, levels, metrics), BTF_OK);
+    assert_int_equal(enc_level_each(&two_threads, data, levels->count, compare_points, &pass), BTF_OK);
+    for (int i = 1; i < levels->count; i++) {
+        const double psnr = enc_psnr_linear(&metrics[i - 1].total);
+        printf("%s, level %d: %.2f dB, point samples of level 0 %.2f dB\n", name, i, psnr, pass.psnr[i]);
+        assert_true(psnr >= least);
+        assert_true(psnr >= pass.psnr[i] + margin);
+    }
+    enc_playback_destroy(&playback);
+}
+
+static void fit_joint(const enc_data *data, uint32_t effects, int count, const enc_context *context,
+                      enc_solution *base, enc_levels *levels) {
+    enc_joint_options options = enc_joint_options_default();
+    options.preset = ENC_JOINT_FAST;
+    options.effects = effects;
+    assert_int_equal(enc_joint(context, data, &options, base, NULL), BTF_OK);
+    assert_int_equal(enc_levels_fit(context, data, count, NULL, base, levels), BTF_OK);
+    assert_int_equal(levels->count, count);
+}
+
+static void test_joint(void **unused) {
+    static const struct {
+        const char *name;
+        relief_kind relief;
+    } kinds[] = {{"bricks", RELIEF_BRICKS}, {"weave", RELIEF_WEAVE}};
+    (void)unused;
+    for (int i = 0; i < 2; i++) {
+        enc_data *data = sample(kinds[i].relief, 24);
+        enc_solution base;
+        enc_levels levels;
+        fit_joint(data, BTF_EFFECT_ALL, 4, &two_threads, &base, &levels);
+        check_levels(kinds[i].name, data, &base, &levels, 12, 36);
+        for (int l = 0; l < 3; l++)
+            assert_ptr_equal(levels.level[l].residual_directions, base.residual_directions);
+        enc_levels_clear(&levels);
+        enc_solution_clear(&base);
+        enc_data_destroy(&data);
+    }
+}
+
+static void test_joint_without_residual(void **unused) {
+    (void)unused;
+    enc_data *data = sample(RELIEF_BRICKS, 12);
+    enc_solution base;
+    enc_levels levels;
+    fit_joint(data, BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN, 4, &two_threads, &base,
+              &levels);
+    check_levels("bricks, no residual", data, &base, &levels, 6, 30);
+    assert_non_null(levels.level[0].sbrdf);
+    assert_non_null(levels.level[2].shadow);
+    enc_levels_clear(&levels);
+    enc_solution_clear(&base);
+    enc_data_destroy(&data);
+}
+
+static void test_threads(void **unused) {
+    (void)unused;
+    enc_data *data = sample(RELIEF_BUMPS, 11);
+    enc_solution base[2];
+    enc_levels levels[2];
+    fit_joint(data, BTF_EFFECT_ALL, 4, &one_thread, &base[0], &levels[0]);
+    fit_joint(data, BTF_EFFECT_ALL, 4, &two_threads, &base[1], &levels[1]);
+    for (int l = 0; l < 3; l++) {
+        const enc_solution *a = &levels[0].level[l], *b = &levels[1].level[l];
+        const size_t texels = enc_solution_texels(a);
+        assert_int_equal(texels, (11 >> (l + 1)) * (11 >> (l + 1)));
+        assert_memory_equal(a->residual_texels, b->residual_texels, texels * a->n_components);
+        if (a->shift)
+            assert_memory_equal(a->shift, b->shift, 2 * texels * (size_t)a->n_views);
+        if (a->gain)
+            assert_memory_equal(a->gain, b->gain, texels * (size_t)a->n_views);
+    }
+    for (int i = 0; i < 2; i++) {
+        enc_levels_clear(&levels[i]);
+        enc_solution_clear(&base[i]);
+    }
+    enc_data_destroy(&data);
+}
+
+static void test_paper(void **unused) {
+    (void)unused;
+    enc_data *data = sample(RELIEF_BRICKS, 24);
+    enc_paper_options options = enc_paper_options_default();
+    enc_paper_stats stats;
+    enc_solution base;
+    enc_levels levels;
+    assert_int_equal(enc_paper(&two_threads, data, &options, &base, NULL, &stats), BTF_OK);
+    assert_true(base.effects & BTF_EFFECT_HIDDEN);
+    const uint32_t before = base.n_centres;
+    assert_int_equal(enc_levels_fit(&two_threads, data, 4, &options, &base, &levels), BTF_OK);
+    assert_true(base.n_centres > before);
+    check_levels("bricks, paper", data, &base, &levels, 3, 24);
+    for (int l = 0; l < 3; l++) {
+        const enc_solution *s = &levels.level[l];
+        assert_ptr_equal(s->centre_codes, base.centre_codes);
+        assert_int_equal(s->n_centres, base.n_centres);
+        size_t hidden = 0;
+        for (size_t i = 0; i < enc_solution_texels(s) * (size_t)s->n_views; i++)
+            if (s->gain[i] == 0) {
+                hidden++;
+                assert_in_range(s->centre[i], before, base.n_centres - 1);
+            }
+        printf("level %d: %zu hidden points\n", l + 1, hidden);
+    }
+    enc_levels_clear(&levels);
+    enc_solution_clear(&base);
+    enc_data_destroy(&data);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_filter),  cmocka_unit_test(test_filter_scratch),
+        cmocka_unit_test(test_each),    cmocka_unit_test(test_joint),
+        cmocka_unit_test(test_threads), cmocka_unit_test(test_joint_without_residual),
+        cmocka_unit_test(test_paper),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
