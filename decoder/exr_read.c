@@ -69,18 +69,18 @@ static btf_result find_parts(exr_const_context_t context, const btf_log *log, co
         if (!strncmp(name, "x-", 2))
             continue;
         int p = 0;
-        while (p < count && strcmp(name, parts[p].name))
+        while (p < count && strcmp(name, parts[p].name.text))
             p++;
         if (p == count)
             return btfi_fail(log, BTF_ERROR_BAD_FILE,
-                             "part %.60s: unknown, or not in a material of these effects", name);
+                             "part %.60s: unknown, or not in a material of these effects and levels", name);
         if (index[p] >= 0)
             return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: repeated", name);
         index[p] = f;
     }
     for (int p = 0; p < count; p++)
         if (index[p] < 0)
-            return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: missing", parts[p].name);
+            return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: missing", parts[p].name.text);
     return BTF_OK;
 }
 
@@ -103,11 +103,11 @@ static btf_result check_window(exr_const_context_t context, const btf_log *log, 
                                const btfi_part *part) {
     exr_attr_box2i_t w;
     if (exr_get_data_window(context, index, &w) != EXR_ERR_SUCCESS)
-        return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: no data window", part->name);
+        return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: no data window", part->name.text);
     if (w.min.x != 0 || w.min.y != 0 || w.max.x != (int32_t)part->width - 1 ||
         w.max.y != (int32_t)part->height - 1)
         return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: data window (%d,%d)-(%d,%d), not (0,0)-(%d,%d)",
-                         part->name, (int)w.min.x, (int)w.min.y, (int)w.max.x, (int)w.max.y,
+                         part->name.text, (int)w.min.x, (int)w.min.y, (int)w.max.x, (int)w.max.y,
                          (int)part->width - 1, (int)part->height - 1);
     return BTF_OK;
 }
@@ -116,20 +116,20 @@ static btf_result check_channels(exr_const_context_t context, const btf_log *log
                                  const btfi_part *part) {
     const exr_attr_chlist_t *list = NULL;
     if (exr_get_channels(context, index, &list) != EXR_ERR_SUCCESS || !list)
-        return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: no channels", part->name);
+        return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: no channels", part->name.text);
     const exr_pixel_type_t type = part->storage == BTFI_STORAGE_FLOAT ? EXR_PIXEL_FLOAT : EXR_PIXEL_HALF;
     for (int c = 0; c < part->channel_count; c++) {
         const exr_attr_chlist_entry_t *entry = find_channel(list, part->channels[c].name);
         if (!entry)
-            return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: channel %s is missing", part->name,
+            return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: channel %s is missing", part->name.text,
                              part->channels[c].name);
         if (entry->pixel_type != type)
             return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: channel %s is of type %d, not %d (%s)",
-                             part->name, part->channels[c].name, (int)entry->pixel_type, (int)type,
+                             part->name.text, part->channels[c].name, (int)entry->pixel_type, (int)type,
                              type == EXR_PIXEL_FLOAT ? "FLOAT" : "HALF");
         if (entry->x_sampling != 1 || entry->y_sampling != 1)
             return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: channel %s is sampled %d x %d, not 1 x 1",
-                             part->name, part->channels[c].name, (int)entry->x_sampling,
+                             part->name.text, part->channels[c].name, (int)entry->x_sampling,
                              (int)entry->y_sampling);
     }
     for (int i = 0; i < list->num_channels; i++) {
@@ -138,11 +138,11 @@ static btf_result check_channels(exr_const_context_t context, const btf_log *log
         while (c < part->channel_count && name && strcmp(name, part->channels[c].name))
             c++;
         if (!name || c == part->channel_count)
-            return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: unknown channel %.60s", part->name,
+            return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: unknown channel %.60s", part->name.text,
                              name ? name : "without a name");
     }
     if (list->num_channels != part->channel_count)
-        return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: a channel is repeated", part->name);
+        return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: a channel is repeated", part->name.text);
     return BTF_OK;
 }
 
@@ -154,15 +154,15 @@ static btf_result check_part(exr_const_context_t context, const btf_log *log, in
     exr_result_t exr;
     if ((exr = exr_get_storage(context, index, &storage)) ||
         (exr = exr_get_compression(context, index, &compression)))
-        return fail_exr(log, exr, part->name);
+        return fail_exr(log, exr, part->name.text);
     if (storage != EXR_STORAGE_SCANLINE)
-        return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: no scan-line image (storage %d)", part->name,
-                         (int)storage);
+        return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: no scan-line image (storage %d)",
+                         part->name.text, (int)storage);
     if (compression != EXR_COMPRESSION_NONE && compression != EXR_COMPRESSION_RLE &&
         compression != EXR_COMPRESSION_ZIPS && compression != EXR_COMPRESSION_ZIP &&
         compression != EXR_COMPRESSION_PIZ)
         return btfi_fail(log, BTF_ERROR_BAD_FILE,
-                         "part %s: compression %d is none of NONE, RLE, ZIPS, ZIP, PIZ", part->name,
+                         "part %s: compression %d is none of NONE, RLE, ZIPS, ZIP, PIZ", part->name.text,
                          (int)compression);
     btf_result result;
     if ((result = check_window(context, log, index, part)) ||
@@ -170,10 +170,10 @@ static btf_result check_part(exr_const_context_t context, const btf_log *log, in
         return result;
     if ((exr = exr_get_chunk_count(context, index, &chunks)) ||
         (exr = exr_get_scanlines_per_chunk(context, index, &lines)))
-        return fail_exr(log, exr, part->name);
+        return fail_exr(log, exr, part->name.text);
     if (lines < 1 || chunks != ((int32_t)part->height + lines - 1) / lines)
-        return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: %d chunks of %d lines for %u rows", part->name,
-                         (int)chunks, (int)lines, (unsigned)part->height);
+        return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: %d chunks of %d lines for %u rows",
+                         part->name.text, (int)chunks, (int)lines, (unsigned)part->height);
     return BTF_OK;
 }
 
@@ -220,7 +220,7 @@ static btf_result store_chunk(const btf_log *log, const btfi_part *part, void *t
                 return btfi_fail(
                     log, BTF_ERROR_BAD_FILE,
                     "part %s: channel %s at (%u, %u) holds half 0x%04x, not an integer of its range",
-                    part->name, part->channels[c].name, (unsigned)x, (unsigned)(y + line),
+                    part->name.text, part->channels[c].name, (unsigned)x, (unsigned)(y + line),
                     (unsigned)((const uint16_t *)data)[x]);
         }
     return BTF_OK;
@@ -231,12 +231,12 @@ static btf_result read_part(exr_const_context_t context, const btf_log *log, int
     int32_t lines = 0;
     exr_result_t exr = exr_get_scanlines_per_chunk(context, index, &lines);
     if (exr)
-        return fail_exr(log, exr, part->name);
+        return fail_exr(log, exr, part->name.text);
     const size_t pixel = btfi_pixel_size(part->storage), row = part->width * pixel,
                  plane = row * (size_t)lines;
     uint8_t *rows = calloc((size_t)part->channel_count, plane);
     if (!rows)
-        return btfi_fail(log, BTF_ERROR_MEMORY, "%s: out of memory", part->name);
+        return btfi_fail(log, BTF_ERROR_MEMORY, "%s: out of memory", part->name.text);
     exr_decode_pipeline_t decode = EXR_DECODE_PIPELINE_INITIALIZER;
     btf_result result = BTF_OK;
     for (uint32_t y = 0; y < part->height && !exr && !result; y += (uint32_t)lines) {
@@ -247,8 +247,8 @@ static btf_result read_part(exr_const_context_t context, const btf_log *log, int
             (chunk.start_y != (int32_t)y || chunk.height != height || chunk.width != (int32_t)part->width ||
              chunk.unpacked_size != row * (size_t)height * (size_t)part->channel_count)) {
             result = btfi_fail(log, BTF_ERROR_BAD_FILE,
-                               "part %s: chunk of %d x %d at row %d, not %u x %d at row %u", part->name,
-                               (int)chunk.width, (int)chunk.height, (int)chunk.start_y,
+                               "part %s: chunk of %d x %d at row %d, not %u x %d at row %u",
+                               part->name.text, (int)chunk.width, (int)chunk.height, (int)chunk.start_y,
                                (unsigned)part->width, (int)height, (unsigned)y);
             break;
         }
@@ -273,7 +273,7 @@ static btf_result read_part(exr_const_context_t context, const btf_log *log, int
     }
     exr_decoding_destroy(context, &decode);
     free(rows);
-    return exr ? fail_exr(log, exr, part->name) : result;
+    return exr ? fail_exr(log, exr, part->name.text) : result;
 }
 
 /* Refuses texture sizes that a file of this length cannot hold. */
@@ -288,17 +288,22 @@ static btf_result check_plausible(const btf_log *log, const source *s, const btf
 
 static btf_result read_textures(exr_const_context_t context, const btf_log *log, const source *s,
                                 btf_material *m, const float *scales) {
-    btfi_part parts[BTFI_MAX_PARTS];
-    int index[BTFI_MAX_PARTS], count = btfi_parts(&m->info, parts);
+    int index[BTFI_MAX_PARTS], count;
+    btfi_part *parts = btfi_parts(&m->info, &count);
+    if (!parts)
+        return btfi_fail(log, BTF_ERROR_MEMORY, "out of memory for the list of parts");
     btf_result result = find_parts(context, log, parts, count, index);
     for (int p = 0; p < count && !result; p++)
         result = check_part(context, log, index[p], &parts[p]);
-    if (result || (result = check_plausible(log, s, &m->info)) || (result = btfi_material_allocate(log, m)))
-        return result;
+    if (!result)
+        result = check_plausible(log, s, &m->info);
+    if (!result)
+        result = btfi_material_allocate(log, m);
     for (int p = 0; p < count && !result; p++)
-        result = read_part(context, log, index[p], &parts[p], m->texture[parts[p].id]);
-    if (scales)
-        memcpy(m->texture[BTF_TEXTURE_RESIDUAL_SCALES], scales, m->info.components * sizeof *scales);
+        result = read_part(context, log, index[p], &parts[p], m->texture[parts[p].level][parts[p].id]);
+    free(parts);
+    if (scales && !result)
+        memcpy(m->texture[0][BTF_TEXTURE_RESIDUAL_SCALES], scales, m->info.components * sizeof *scales);
     if (!result)
         result = btfi_check_values(&(btfi_check){log, BTF_ERROR_BAD_FILE}, &m->info, m->texture);
     return result;

@@ -121,6 +121,17 @@ static void put_errors(header *h, const btf_material *m) {
     free(rows);
 }
 
+static void put_level_errors(header *h, const btf_material *m) {
+    float rows[4 * BTF_MAX_LEVELS];
+    for (size_t i = 0; i < m->level_error_count; i++) {
+        rows[4 * i] = (float)m->level_errors[i].level;
+        rows[4 * i + 1] = m->level_errors[i].psnr_linear;
+        rows[4 * i + 2] = m->level_errors[i].psnr_srgb;
+        rows[4 * i + 3] = m->level_errors[i].gpu_bytes;
+    }
+    put_floats(h, "openbtf.levelErrors", rows, 4 * m->level_error_count);
+}
+
 static exr_result_t write_attributes(exr_context_t context, const btf_material *m) {
     const btf_material_info *info = &m->info;
     header h = {context, EXR_ERR_SUCCESS};
@@ -137,7 +148,7 @@ static exr_result_t write_attributes(exr_context_t context, const btf_material *
     put_string(&h, "openbtf.colour", btfi_colour_words[info->colour]);
     put_int(&h, "openbtf.centres", info->centres);
     put_int(&h, "openbtf.residual", info->components);
-    put_floats(&h, "openbtf.residualScales", m->texture[BTF_TEXTURE_RESIDUAL_SCALES], info->components);
+    put_floats(&h, "openbtf.residualScales", m->texture[0][BTF_TEXTURE_RESIDUAL_SCALES], info->components);
     put_float(&h, "openbtf.radianceScale", info->radiance_scale);
     put_float(&h, "openbtf.shadowScale", info->shadow_scale);
     put_float(&h, "openbtf.gainScale", info->gain_scale);
@@ -155,6 +166,9 @@ static exr_result_t write_attributes(exr_context_t context, const btf_material *
     if (*m->source)
         put_string(&h, "openbtf.source", m->source);
     put_errors(&h, m);
+    if (info->levels > 1)
+        put_int(&h, "openbtf.levels", info->levels);
+    put_level_errors(&h, m);
     return h.result;
 }
 
@@ -169,7 +183,7 @@ static exr_result_t declare_parts(exr_context_t context, const btfi_part *parts,
     }
     for (int p = 0; p < count; p++) {
         int index;
-        exr_result_t result = exr_add_part(context, parts[p].name, EXR_STORAGE_SCANLINE, &index);
+        exr_result_t result = exr_add_part(context, parts[p].name.text, EXR_STORAGE_SCANLINE, &index);
         exr_attr_box2i_t data = {
             .min = {.x = 0, .y = 0},
             .max = {.x = (int32_t)parts[p].width - 1, .y = (int32_t)parts[p].height - 1}};
@@ -272,15 +286,18 @@ static exr_result_t write_part(exr_context_t context, int index, const btfi_part
 }
 
 static exr_result_t write_all(exr_context_t context, const btf_material *m) {
-    btfi_part parts[BTFI_MAX_PARTS];
-    int count = btfi_parts(&m->info, parts);
+    int count;
+    btfi_part *parts = btfi_parts(&m->info, &count);
+    if (!parts)
+        return EXR_ERR_OUT_OF_MEMORY;
     exr_result_t result = declare_parts(context, parts, count);
     if (!result)
         result = write_attributes(context, m);
     if (!result)
         result = exr_write_header(context);
     for (int p = 0; p < count && !result; p++)
-        result = write_part(context, p, &parts[p], m->texture[parts[p].id]);
+        result = write_part(context, p, &parts[p], m->texture[parts[p].level][parts[p].id]);
+    free(parts);
     return result;
 }
 

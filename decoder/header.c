@@ -48,15 +48,19 @@ static const exr_attribute_t *find(reader *r, const char *name, exr_attribute_ty
     return attribute;
 }
 
-static uint32_t get_int(reader *r, const char *name, int32_t low, int32_t high) {
-    const exr_attribute_t *attribute = find(r, name, EXR_ATTR_INT, "int", true);
+static uint32_t get_int_or(reader *r, const char *name, int32_t low, int32_t high, const uint32_t *absent) {
+    const exr_attribute_t *attribute = find(r, name, EXR_ATTR_INT, "int", !absent);
     if (!attribute)
-        return 0;
+        return absent ? *absent : 0;
     if (attribute->i < low || attribute->i > high) {
         refuse(r, "attribute %s is %d, not within %d to %d", name, (int)attribute->i, (int)low, (int)high);
         return 0;
     }
     return (uint32_t)attribute->i;
+}
+
+static uint32_t get_int(reader *r, const char *name, int32_t low, int32_t high) {
+    return get_int_or(r, name, low, high, NULL);
 }
 
 static float get_float(reader *r, const char *name) {
@@ -231,6 +235,29 @@ static void get_errors(reader *r, btf_material *m) {
     r->result = btfi_check_errors(&(btfi_check){r->log, BTF_ERROR_BAD_FILE}, m->errors, m->error_count);
 }
 
+static void get_level_errors(reader *r, btf_material *m) {
+    const char *const name = "openbtf.levelErrors";
+    size_t count;
+    const float *rows = get_floats(r, name, false, 4, BTF_MAX_LEVELS, &count);
+    if (!rows)
+        return;
+    m->level_errors = malloc(count / 4 * sizeof *m->level_errors);
+    if (!m->level_errors) {
+        out_of_memory(r, name);
+        return;
+    }
+    for (size_t i = 0; i < count / 4; i++, rows += 4) {
+        if (!(rows[0] >= 0 && rows[0] < BTF_MAX_LEVELS) || rows[0] != floorf(rows[0])) {
+            refuse(r, "attribute %s: row %zu has level %g", name, i, (double)rows[0]);
+            return;
+        }
+        m->level_errors[i] = (btf_level_error){(uint32_t)rows[0], rows[1], rows[2], rows[3]};
+    }
+    m->level_error_count = count / 4;
+    r->result = btfi_check_level_errors(&(btfi_check){r->log, BTF_ERROR_BAD_FILE}, m->info.levels,
+                                        m->level_errors, m->level_error_count);
+}
+
 static void get_scales(reader *r, uint32_t components, float **out_scales) {
     const char *const name = "openbtf.residualScales";
     size_t count;
@@ -293,6 +320,7 @@ btf_result btfi_header_read(exr_const_context_t context, const btf_log *log, btf
     get_directions(&r, "lights", "light", &m->lights);
     info->n_views = m->views.count;
     info->n_lights = m->lights.count;
+    info->levels = get_int_or(&r, "openbtf.levels", 1, BTF_MAX_LEVELS, &(uint32_t){1});
     if (!r.result)
         r.result = btfi_check_info(&(btfi_check){log, BTF_ERROR_BAD_FILE}, info);
     get_scales(&r, info->components, out_scales);
@@ -300,5 +328,6 @@ btf_result btfi_header_read(exr_const_context_t context, const btf_log *log, btf
     m->options = get_provenance(&r, "openbtf.options");
     m->source = get_provenance(&r, "openbtf.source");
     get_errors(&r, m);
+    get_level_errors(&r, m);
     return r.result;
 }

@@ -35,11 +35,14 @@ typedef struct btfi_directions {
 
 struct btf_material {
     btf_material_info info;
-    char *method, *options, *source;  /* never NULL once made */
-    void *texture[BTF_TEXTURE_COUNT]; /* those that have a shape; the tables live in views and lights */
+    char *method, *options, *source; /* never NULL once made */
+    void *texture[BTF_MAX_LEVELS]
+                 [BTF_TEXTURE_COUNT]; /* those that have a shape; the tables live in views and lights */
     btfi_directions views, lights;
     btf_material_error *errors;
     size_t error_count;
+    btf_level_error *level_errors;
+    size_t level_error_count;
 };
 
 /* Where a check reports, and the code that a failure has: BTF_ERROR_BAD_FILE when reading, BTF_ERROR_USAGE
@@ -64,6 +67,11 @@ static inline bool btfi_is_parameter(float x) {
 
 /* Channels of a texel and bytes of a channel. */
 uint32_t btfi_format_channels(btf_format format);
+/* The name of a level's texture: "sbrdf", "level1.sbrdf". */
+typedef struct btfi_name {
+    char text[32];
+} btfi_name;
+btfi_name btfi_texture_name(uint32_t level, btf_texture_id id);
 /* Names of the effects in the order of FORMAT.md section 3; NULL beyond the last. */
 const char *btfi_effect_name(int index);
 /* Checks everything that info says by itself (FORMAT.md sections 2 to 5, 7), the strings aside. */
@@ -117,10 +125,14 @@ void btfi_directions_clear(btfi_directions *directions);
 /* values.c -----------------------------------------------------------------------------------------------
  */
 
-/* Checks every value of every texture against FORMAT.md sections 2 to 5, and turns -0 into +0. */
+/* Checks every value of every texture of every level against FORMAT.md sections 2 to 5, and turns -0 into
+ * +0.
+ */
 btf_result btfi_check_values(const btfi_check *check, const btf_material_info *info,
-                             void *const texture[BTF_TEXTURE_COUNT]);
+                             void *texture[BTF_MAX_LEVELS][BTF_TEXTURE_COUNT]);
 btf_result btfi_check_errors(const btfi_check *check, const btf_material_error *errors, size_t count);
+btf_result btfi_check_level_errors(const btfi_check *check, uint32_t levels, const btf_level_error *errors,
+                                   size_t count);
 
 /* material.c ---------------------------------------------------------------------------------------------
  */

@@ -42,11 +42,13 @@ void btf_material_close(btf_material **material) {
     if (!material || !*material)
         return;
     btf_material *m = *material;
-    for (int id = 0; id < BTF_TEXTURE_COUNT; id++)
-        free(m->texture[id]);
+    for (int level = 0; level < BTF_MAX_LEVELS; level++)
+        for (int id = 0; id < BTF_TEXTURE_COUNT; id++)
+            free(m->texture[level][id]);
     btfi_directions_clear(&m->views);
     btfi_directions_clear(&m->lights);
     free(m->errors);
+    free(m->level_errors);
     free(m->method);
     free(m->options);
     free(m->source);
@@ -55,15 +57,16 @@ void btf_material_close(btf_material **material) {
 }
 
 btf_result btfi_material_allocate(const btf_log *log, btf_material *m) {
-    for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
-        size_t size = btf_material_texture_shape(&m->info, (btf_texture_id)id).size;
-        if (size == 0)
-            continue;
-        m->texture[id] = calloc(1, size);
-        if (!m->texture[id])
-            return btfi_fail(log, BTF_ERROR_MEMORY, "%s: out of memory for %zu bytes",
-                             btf_texture_name((btf_texture_id)id), size);
-    }
+    for (uint32_t level = 0; level < m->info.levels; level++)
+        for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
+            size_t size = btf_material_level_shape(&m->info, level, (btf_texture_id)id).size;
+            if (size == 0)
+                continue;
+            m->texture[level][id] = calloc(1, size);
+            if (!m->texture[level][id])
+                return btfi_fail(log, BTF_ERROR_MEMORY, "%s: out of memory for %zu bytes",
+                                 btfi_texture_name(level, (btf_texture_id)id).text, size);
+        }
     return BTF_OK;
 }
 
@@ -105,7 +108,16 @@ btf_texture btf_material_texture(const btf_material *material, btf_texture_id id
         return table_texture(&material->lights);
     btf_texture texture = btf_material_texture_shape(&material->info, id);
     if (texture.format != BTF_FORMAT_NONE)
-        texture.data = material->texture[id];
+        texture.data = material->texture[0][id];
+    return texture;
+}
+
+btf_texture btf_material_level_texture(const btf_material *material, uint32_t level, btf_texture_id id) {
+    if (level == 0)
+        return btf_material_texture(material, id);
+    btf_texture texture = btf_material_level_shape(&material->info, level, id);
+    if (texture.format != BTF_FORMAT_NONE)
+        texture.data = material->texture[level][id];
     return texture;
 }
 
@@ -137,24 +149,47 @@ const btf_material_error *btf_material_errors(const btf_material *material, size
     return material->error_count ? material->errors : NULL;
 }
 
+const btf_level_error *btf_material_level_errors(const btf_material *material, size_t *out_count) {
+    *out_count = material->level_error_count;
+    return material->level_error_count ? material->level_errors : NULL;
+}
+
+/* The caller's textures of a level. */
+static const void *const *level_textures(const btf_material_desc *desc, uint32_t level) {
+    return level ? desc->level_texture[level] : desc->texture;
+}
+
 /* Copies the caller's textures: those that info calls for must be there, others must not. */
 static btf_result copy_textures(const btf_material_desc *desc, const btf_log *log, btf_material *m) {
-    for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
-        size_t size = btf_material_texture_shape(&m->info, (btf_texture_id)id).size;
-        const char *name = btf_texture_name((btf_texture_id)id);
-        if (size == 0 && desc->texture[id])
-            return btfi_fail(log, BTF_ERROR_USAGE, "%s: given, but the material has no such texture", name);
-        if (size != 0 && !desc->texture[id])
-            return btfi_fail(log, BTF_ERROR_USAGE, "%s: missing, %zu bytes", name, size);
-    }
+    for (uint32_t level = 0; level < BTF_MAX_LEVELS; level++)
+        for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
+            size_t size = btf_material_level_shape(&m->info, level, (btf_texture_id)id).size;
+            const btfi_name name = btfi_texture_name(level, (btf_texture_id)id);
+            const void *data = level_textures(desc, level)[id];
+            if (size == 0 && data)
+                return btfi_fail(log, BTF_ERROR_USAGE, "%s: given, but the material has no such texture",
+                                 name.text);
+            if (size != 0 && !data)
+                return btfi_fail(log, BTF_ERROR_USAGE, "%s: missing, %zu bytes", name.text, size);
+        }
     btf_result result = btfi_material_allocate(log, m);
     if (result)
         return result;
-    for (int id = 0; id < BTF_TEXTURE_COUNT; id++)
-        if (m->texture[id])
-            memcpy(m->texture[id], desc->texture[id],
-                   btf_material_texture_shape(&m->info, (btf_texture_id)id).size);
+    for (uint32_t level = 0; level < m->info.levels; level++)
+        for (int id = 0; id < BTF_TEXTURE_COUNT; id++)
+            if (m->texture[level][id])
+                memcpy(m->texture[level][id], level_textures(desc, level)[id],
+                       btf_material_level_shape(&m->info, level, (btf_texture_id)id).size);
     return BTF_OK;
+}
+
+/* A copy of `count` rows; NULL, and *good false, when out of memory. */
+static void *copy_rows(const void *rows, size_t count, size_t size, bool *good) {
+    void *copy = count ? calloc(count, size) : NULL;
+    if (copy)
+        memcpy(copy, rows, count * size);
+    *good = *good && (copy || !count);
+    return copy;
 }
 
 static btf_result copy_provenance(const btf_material_desc *desc, const btf_log *log, btf_material *m) {
@@ -164,13 +199,13 @@ static btf_result copy_provenance(const btf_material_desc *desc, const btf_log *
     m->method = btfi_copy_string(method, strlen(method));
     m->options = btfi_copy_string(options, strlen(options));
     m->source = btfi_copy_string(source, strlen(source));
-    if (desc->error_count) {
-        m->errors = calloc(desc->error_count, sizeof *m->errors);
-        if (m->errors)
-            memcpy(m->errors, desc->errors, desc->error_count * sizeof *m->errors);
-    }
+    bool good = m->method && m->options && m->source;
+    m->errors = copy_rows(desc->errors, desc->error_count, sizeof *m->errors, &good);
     m->error_count = desc->error_count;
-    if (!m->method || !m->options || !m->source || (desc->error_count && !m->errors))
+    m->level_errors =
+        copy_rows(desc->level_errors, desc->level_error_count, sizeof *m->level_errors, &good);
+    m->level_error_count = desc->level_error_count;
+    if (!good)
         return btfi_fail(log, BTF_ERROR_MEMORY, "out of memory for the material's provenance");
     return BTF_OK;
 }
@@ -186,20 +221,27 @@ btf_result btf_material_create(const btf_material_desc *desc, const btf_log *log
         return btfi_fail(log, BTF_ERROR_USAGE, "%s: missing", desc->views ? "lights" : "views");
     if (desc->error_count && !desc->errors)
         return btfi_fail(log, BTF_ERROR_USAGE, "errors: %zu rows, but no data", desc->error_count);
-    btf_result result = btfi_check_info(&check, &desc->info);
+    if (desc->level_error_count && !desc->level_errors)
+        return btfi_fail(log, BTF_ERROR_USAGE, "level errors: %zu rows, but no data",
+                         desc->level_error_count);
+    btf_material_info info = desc->info;
+    info.levels = info.levels ? info.levels : 1;
+    info.half_float = info.half_float && info.colour != BTF_COLOUR_NONE;
+    btf_result result = btfi_check_info(&check, &info);
     if (result)
         return result;
 
     btf_material *m = btfi_material_new();
     if (!m)
         return btfi_fail(log, BTF_ERROR_MEMORY, "out of memory for a material");
-    m->info = desc->info;
-    m->info.half_float = m->info.half_float && m->info.colour != BTF_COLOUR_NONE;
+    m->info = info;
     if ((result = copy_textures(desc, log, m)) ||
         (result = btfi_check_values(&check, &m->info, m->texture)) ||
         (result = btfi_directions_build(&check, "views", m->info.n_views, desc->views, &m->views)) ||
         (result = btfi_directions_build(&check, "lights", m->info.n_lights, desc->lights, &m->lights)) ||
         (result = btfi_check_errors(&check, desc->errors, desc->error_count)) ||
+        (result = btfi_check_level_errors(&check, m->info.levels, desc->level_errors,
+                                          desc->level_error_count)) ||
         (result = copy_provenance(desc, log, m))) {
         btf_material_close(&m);
         return result;

@@ -5,6 +5,7 @@
 #include "parts.h"
 #include <assert.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 size_t btfi_pixel_size(btfi_storage storage) {
@@ -61,51 +62,60 @@ static void make_sheet(btfi_part *part, uint32_t layers) {
     part->height = (layers + columns - 1) / columns * part->shape.height;
 }
 
-int btfi_parts(const btf_material_info *info, btfi_part parts[BTFI_MAX_PARTS]) {
-    int count = 0;
-    for (int id = 0; id < BTF_TEXTURE_RESIDUAL_SCALES; id++) {
-        btfi_part part = {.name = btf_texture_name((btf_texture_id)id), .id = (btf_texture_id)id};
-        part.shape = btf_material_texture_shape(info, part.id);
-        if (part.shape.format == BTF_FORMAT_NONE)
-            continue;
-        part.storage = BTFI_STORAGE_UINT8;
-        part.width = part.shape.width;
-        part.height = part.shape.height;
-        part.columns = part.layers = 1;
-        switch (id) {
-        case BTF_TEXTURE_SBRDF:
-            part.storage = info->half_float ? BTFI_STORAGE_HALF : BTFI_STORAGE_FLOAT;
-            sbrdf_channels(&part, info);
-            break;
-        case BTF_TEXTURE_MAPS:
-            add_letters(&part, "RGBA");
-            break;
-        case BTF_TEXTURE_SHADOW:
-        case BTF_TEXTURE_GAIN:
-            add_letters(&part, "Y");
-            make_sheet(&part, part.shape.layers);
-            break;
-        case BTF_TEXTURE_SHIFT:
-            add_letters(&part, "RG");
-            make_sheet(&part, part.shape.layers);
-            break;
-        case BTF_TEXTURE_CENTRES:
-            add_letters(&part, "RGB");
-            break;
-        case BTF_TEXTURE_RESIDUAL_TEXELS:
-            part.storage = BTFI_STORAGE_INT8;
-            add_letters(&part, "Y");
-            make_sheet(&part, info->components);
-            break;
-        case BTF_TEXTURE_RESIDUAL_DIRECTIONS:
-            part.storage = BTFI_STORAGE_INT8;
-            add_letters(&part, "RGB");
-            make_sheet(&part, info->components);
-            break;
-        }
-        parts[count++] = part;
+bool btfi_part_of(const btf_material_info *info, uint32_t level, btf_texture_id id, btfi_part *out) {
+    btfi_part part = {.name = btfi_texture_name(level, id), .level = level, .id = id};
+    part.shape = btf_material_level_shape(info, level, id);
+    if (part.shape.format == BTF_FORMAT_NONE || id >= BTF_TEXTURE_RESIDUAL_SCALES)
+        return false;
+    part.storage = BTFI_STORAGE_UINT8;
+    part.width = part.shape.width;
+    part.height = part.shape.height;
+    part.columns = part.layers = 1;
+    switch (id) {
+    case BTF_TEXTURE_SBRDF:
+        part.storage = info->half_float ? BTFI_STORAGE_HALF : BTFI_STORAGE_FLOAT;
+        sbrdf_channels(&part, info);
+        break;
+    case BTF_TEXTURE_MAPS:
+        add_letters(&part, "RGBA");
+        break;
+    case BTF_TEXTURE_SHADOW:
+    case BTF_TEXTURE_GAIN:
+        add_letters(&part, "Y");
+        make_sheet(&part, part.shape.layers);
+        break;
+    case BTF_TEXTURE_SHIFT:
+        add_letters(&part, "RG");
+        make_sheet(&part, part.shape.layers);
+        break;
+    case BTF_TEXTURE_CENTRES:
+        add_letters(&part, "RGB");
+        break;
+    case BTF_TEXTURE_RESIDUAL_TEXELS:
+        part.storage = BTFI_STORAGE_INT8;
+        add_letters(&part, "Y");
+        make_sheet(&part, info->components);
+        break;
+    case BTF_TEXTURE_RESIDUAL_DIRECTIONS:
+        part.storage = BTFI_STORAGE_INT8;
+        add_letters(&part, "RGB");
+        make_sheet(&part, info->components);
+        break;
+    default:
+        return false;
     }
-    return count;
+    *out = part;
+    return true;
+}
+
+btfi_part *btfi_parts(const btf_material_info *info, int *out_count) {
+    int count = 0;
+    btfi_part *parts = calloc(BTFI_MAX_PARTS, sizeof *parts);
+    for (uint32_t level = 0; level < info->levels && parts; level++)
+        for (int id = 0; id < BTF_TEXTURE_COUNT; id++)
+            count += btfi_part_of(info, level, (btf_texture_id)id, &parts[count]);
+    *out_count = count;
+    return parts;
 }
 
 btfi_run btfi_part_run(const btfi_part *part, int channel, uint32_t x, uint32_t y) {

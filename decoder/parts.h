@@ -9,7 +9,10 @@
 
 #pragma GCC visibility push(hidden)
 
-enum { BTFI_MAX_PARTS = 8, BTFI_MAX_CHANNELS = 3 + 7 * BTF_MAX_LOBES };
+enum {
+    BTFI_MAX_PARTS = 7 + 5 * (BTF_MAX_LEVELS - 1), /* layout tight; `paper` has 4 */
+    BTFI_MAX_CHANNELS = 3 + 7 * BTF_MAX_LOBES,
+};
 
 /* How a channel's values are stored. */
 typedef enum btfi_storage {
@@ -28,7 +31,8 @@ typedef struct btfi_channel {
 
 /* One part and its texture. */
 typedef struct btfi_part {
-    const char *name;
+    btfi_name name;
+    uint32_t level;
     btf_texture_id id;
     btf_texture shape;
     btfi_storage storage;
@@ -39,9 +43,13 @@ typedef struct btfi_part {
     btfi_channel channels[BTFI_MAX_CHANNELS];
 } btfi_part;
 
-/* Lists the parts of a material with this (checked) info in the order in which they are written; returns
- * their number. */
-int btfi_parts(const btf_material_info *info, btfi_part parts[BTFI_MAX_PARTS]);
+/* Describes the part that holds a level's texture in a material with this (checked) info; false when there
+ * is none. */
+bool btfi_part_of(const btf_material_info *info, uint32_t level, btf_texture_id id, btfi_part *out);
+
+/* Lists the parts in the order in which they are written, level after level; returns how many of the
+ * BTFI_MAX_PARTS there are. NULL when out of memory; to be freed. */
+btfi_part *btfi_parts(const btf_material_info *info, int *out_count);
 
 /* A run of texels: `count` pixels of a channel from (x, y) on, at elements offset, offset + stride, ... of
  * the texture. Blank runs of a contact sheet have no texels. */

@@ -4,6 +4,7 @@
  */
 #include "internal.h"
 #include <assert.h>
+#include <stdio.h>
 
 static const char *const texture_names[BTF_TEXTURE_COUNT] = {
     "sbrdf",
@@ -58,6 +59,15 @@ size_t btf_format_size(btf_format format) {
 
 const char *btf_texture_name(btf_texture_id id) {
     return (unsigned)id < BTF_TEXTURE_COUNT ? texture_names[id] : "unknown";
+}
+
+btfi_name btfi_texture_name(uint32_t level, btf_texture_id id) {
+    btfi_name name;
+    if (level == 0)
+        snprintf(name.text, sizeof name.text, "%s", btf_texture_name(id));
+    else
+        snprintf(name.text, sizeof name.text, "level%u.%s", (unsigned)level, btf_texture_name(id));
+    return name;
 }
 
 static uint32_t ceil_div(uint32_t a, uint32_t b) {
@@ -125,10 +135,28 @@ btf_texture btf_material_texture_shape(const btf_material_info *info, btf_textur
 
 size_t btfi_gpu_bytes(const btf_material_info *info) {
     size_t bytes = 0;
-    for (int id = 0; id < BTF_TEXTURE_COUNT; id++)
-        if (id != BTF_TEXTURE_RESIDUAL_SCALES)
-            bytes += btf_material_texture_shape(info, (btf_texture_id)id).size;
+    for (uint32_t level = 0; level < info->levels; level++)
+        for (int id = 0; id < BTF_TEXTURE_COUNT; id++)
+            if (id != BTF_TEXTURE_RESIDUAL_SCALES)
+                bytes += btf_material_level_shape(info, level, (btf_texture_id)id).size;
     return bytes;
+}
+
+uint32_t btf_level_size(uint32_t size, uint32_t level) {
+    return level < 32 && size >> level ? size >> level : 1;
+}
+
+btf_texture btf_material_level_shape(const btf_material_info *info, uint32_t level, btf_texture_id id) {
+    if (level == 0)
+        return btf_material_texture_shape(info, id);
+    const bool texels = id == BTF_TEXTURE_SBRDF || id == BTF_TEXTURE_SHADOW || id == BTF_TEXTURE_SHIFT ||
+                        id == BTF_TEXTURE_GAIN || id == BTF_TEXTURE_RESIDUAL_TEXELS;
+    if (!texels || level >= info->levels)
+        return (btf_texture){0};
+    btf_material_info of_level = *info;
+    of_level.width = btf_level_size(info->width, level);
+    of_level.height = btf_level_size(info->height, level);
+    return btf_material_texture_shape(&of_level, id);
 }
 
 static bool is_power_of_two(uint32_t n) {
@@ -209,6 +237,19 @@ static btf_result check_layout(const btfi_check *check, const btf_material_info 
     return BTF_OK;
 }
 
+static btf_result check_levels(const btfi_check *check, const btf_material_info *info) {
+    uint32_t most = 1;
+    while (info->width >> most || info->height >> most)
+        most++;
+    if (info->levels < 1 || info->levels > most)
+        return btfi_fail(check->log, check->code, "levels %u is not within 1 to %u (size %u x %u)",
+                         (unsigned)info->levels, (unsigned)most, (unsigned)info->width,
+                         (unsigned)info->height);
+    if (info->levels > 1 && info->layout != BTF_LAYOUT_TIGHT)
+        return btfi_fail(check->log, check->code, "levels %u with layout paper", (unsigned)info->levels);
+    return BTF_OK;
+}
+
 btf_result btfi_check_info(const btfi_check *check, const btf_material_info *info) {
     if (info->width < 1 || info->width > BTF_MAX_SIZE || info->height < 1 || info->height > BTF_MAX_SIZE)
         return btfi_fail(check->log, check->code, "size %u x %u is not within 1 to %d",
@@ -224,7 +265,7 @@ btf_result btfi_check_info(const btfi_check *check, const btf_material_info *inf
 
     btf_result result;
     if ((result = check_effects(check, info)) || (result = check_model(check, info)) ||
-        (result = check_layout(check, info)) ||
+        (result = check_layout(check, info)) || (result = check_levels(check, info)) ||
         (result = check_scale(check, "radianceScale", info->radiance_scale)) ||
         (result = check_scale(check, "shadowScale", info->shadow_scale)) ||
         (result = check_scale(check, "gainScale", info->gain_scale)) ||
@@ -233,10 +274,11 @@ btf_result btfi_check_info(const btfi_check *check, const btf_material_info *inf
 
     if (sizeof(size_t) < 8) { /* 2^40 bytes at most: no wrap with 64 bits */
         double bytes = 0;
-        for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
-            btf_texture t = btf_material_texture_shape(info, (btf_texture_id)id);
-            bytes += (double)t.width * t.height * t.layers * (double)btf_format_size(t.format);
-        }
+        for (uint32_t level = 0; level < info->levels; level++)
+            for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
+                btf_texture t = btf_material_level_shape(info, level, (btf_texture_id)id);
+                bytes += (double)t.width * t.height * t.layers * (double)btf_format_size(t.format);
+            }
         if (bytes >= 0x1p31)
             return btfi_fail(check->log, BTF_ERROR_UNSUPPORTED,
                              "%.0f bytes of textures exceed the address space", bytes);

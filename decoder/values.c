@@ -6,9 +6,11 @@
 #include "parts.h"
 #include <math.h>
 
+/* Of one level: info's size is that of the level. */
 typedef struct values {
     const btfi_check *check;
     const btf_material_info *info;
+    uint32_t level;
 } values;
 
 /* The name of the channel of `sbrdf` at (layer, component); NULL where there is none. */
@@ -23,7 +25,8 @@ static btf_result refuse_parameter(const values *v, const btfi_part *part, uint3
                                    uint32_t component, size_t texel, double value) {
     const char *name = sbrdf_channel(part, layer, component);
     return btfi_fail(v->check->log, v->check->code,
-                     "sbrdf: channel %s at (%zu, %zu) holds %g, which is not %s", name ? name : "(unused)",
+                     "%s: channel %s at (%zu, %zu) holds %g, which is not %s",
+                     btfi_texture_name(v->level, BTF_TEXTURE_SBRDF).text, name ? name : "(unused)",
                      texel % v->info->width, texel / v->info->width, value,
                      !name                 ? "0"
                      : v->info->half_float ? "0 or of magnitude 2^-14 to 65504"
@@ -39,9 +42,9 @@ static double half_value(uint16_t bits) {
 }
 
 static btf_result check_sbrdf(const values *v, void *data) {
-    btfi_part parts[BTFI_MAX_PARTS];
-    btfi_parts(v->info, parts);
-    const btfi_part *part = &parts[0];
+    btfi_part sbrdf, *const part = &sbrdf;
+    if (!btfi_part_of(v->info, 0, BTF_TEXTURE_SBRDF, part))
+        return BTF_ERROR_INTERNAL; /* info was checked */
     const size_t texels = (size_t)v->info->width * v->info->height;
     for (uint32_t layer = 0; layer < part->shape.layers; layer++) {
         bool used[4];
@@ -98,13 +101,14 @@ static btf_result check_point(const values *v, const char *where, uint32_t colum
 /* Textures shift and gain of layout tight; either may be NULL. */
 static btf_result check_tight_points(const values *v, const uint8_t *shift, const uint8_t *gain) {
     const uint32_t w = v->info->width, h = v->info->height;
-    const char *where = gain ? "gain" : "shift";
+    const btfi_name where = btfi_texture_name(v->level, gain ? BTF_TEXTURE_GAIN : BTF_TEXTURE_SHIFT);
     size_t i = 0;
     for (uint32_t view = 0; view < v->info->n_views; view++)
         for (uint32_t row = 0; row < h; row++)
             for (uint32_t column = 0; column < w; column++, i++) {
-                btf_result result = check_point(v, where, column, row, view, gain ? gain[i] : BTF_GAIN_ONE,
-                                                shift ? shift[2 * i] : 0, shift ? shift[2 * i + 1] : 0);
+                btf_result result =
+                    check_point(v, where.text, column, row, view, gain ? gain[i] : BTF_GAIN_ONE,
+                                shift ? shift[2 * i] : 0, shift ? shift[2 * i + 1] : 0);
                 if (result)
                     return result;
             }
@@ -189,8 +193,8 @@ static btf_result check_residual(const values *v, btf_texture_id id, uint32_t la
             if (value == -128 || (value != 0 && first + i % 4 >= v->info->components))
                 return btfi_fail(v->check->log, v->check->code,
                                  "%s: component %zu at (%zu, %zu) holds %d, which is not %s",
-                                 btf_texture_name(id), first + i % 4, i / 4 % t.width, i / 4 / t.width,
-                                 value, value == -128 ? "within -127 to 127" : "0");
+                                 btfi_texture_name(v->level, id).text, first + i % 4, i / 4 % t.width,
+                                 i / 4 / t.width, value, value == -128 ? "within -127 to 127" : "0");
         }
     }
     return BTF_OK;
@@ -210,27 +214,39 @@ static btf_result check_residual_scales(const values *v, float *data) {
     return BTF_OK;
 }
 
-btf_result btfi_check_values(const btfi_check *check, const btf_material_info *info,
-                             void *const texture[BTF_TEXTURE_COUNT]) {
-    const values v = {check, info};
+/* Textures that a level does not have are NULL. */
+static btf_result check_level(const values *v, void *const texture[BTF_TEXTURE_COUNT]) {
     btf_result result;
-    if (texture[BTF_TEXTURE_SBRDF] && (result = check_sbrdf(&v, texture[BTF_TEXTURE_SBRDF])))
+    if (texture[BTF_TEXTURE_SBRDF] && (result = check_sbrdf(v, texture[BTF_TEXTURE_SBRDF])))
         return result;
-    if (texture[BTF_TEXTURE_MAPS] && (result = check_maps(&v, texture[BTF_TEXTURE_MAPS])))
+    if (texture[BTF_TEXTURE_MAPS] && (result = check_maps(v, texture[BTF_TEXTURE_MAPS])))
         return result;
     if ((texture[BTF_TEXTURE_SHIFT] || texture[BTF_TEXTURE_GAIN]) &&
-        (result = check_tight_points(&v, texture[BTF_TEXTURE_SHIFT], texture[BTF_TEXTURE_GAIN])))
+        (result = check_tight_points(v, texture[BTF_TEXTURE_SHIFT], texture[BTF_TEXTURE_GAIN])))
         return result;
-    if (texture[BTF_TEXTURE_CENTRES] && (result = check_tight_centres(&v, texture[BTF_TEXTURE_CENTRES])))
+    if (texture[BTF_TEXTURE_CENTRES] && (result = check_tight_centres(v, texture[BTF_TEXTURE_CENTRES])))
         return result;
-    if (info->effects & BTF_EFFECT_RESIDUAL &&
-        ((result =
-              check_residual(&v, BTF_TEXTURE_RESIDUAL_TEXELS, 1, texture[BTF_TEXTURE_RESIDUAL_TEXELS])) ||
-         (result = check_residual(&v, BTF_TEXTURE_RESIDUAL_DIRECTIONS, 3,
+    if (texture[BTF_TEXTURE_RESIDUAL_TEXELS] &&
+        (result = check_residual(v, BTF_TEXTURE_RESIDUAL_TEXELS, 1, texture[BTF_TEXTURE_RESIDUAL_TEXELS])))
+        return result;
+    if (texture[BTF_TEXTURE_RESIDUAL_DIRECTIONS] &&
+        ((result = check_residual(v, BTF_TEXTURE_RESIDUAL_DIRECTIONS, 3,
                                   texture[BTF_TEXTURE_RESIDUAL_DIRECTIONS])) ||
-         (result = check_residual_scales(&v, texture[BTF_TEXTURE_RESIDUAL_SCALES]))))
+         (result = check_residual_scales(v, texture[BTF_TEXTURE_RESIDUAL_SCALES]))))
         return result;
     return BTF_OK;
+}
+
+btf_result btfi_check_values(const btfi_check *check, const btf_material_info *info,
+                             void *texture[BTF_MAX_LEVELS][BTF_TEXTURE_COUNT]) {
+    btf_result result = BTF_OK;
+    for (uint32_t level = 0; level < info->levels && !result; level++) {
+        btf_material_info of_level = *info;
+        of_level.width = btf_level_size(info->width, level);
+        of_level.height = btf_level_size(info->height, level);
+        result = check_level(&(values){check, &of_level, level}, texture[level]);
+    }
+    return result;
 }
 
 btf_result btfi_check_errors(const btfi_check *check, const btf_material_error *errors, size_t count) {
@@ -241,6 +257,20 @@ btf_result btfi_check_errors(const btfi_check *check, const btf_material_error *
                              (unsigned)e->effects);
         if (e->psnr_linear != e->psnr_linear || e->psnr_srgb != e->psnr_srgb || !(e->gpu_bytes >= 0))
             return btfi_fail(check->log, check->code, "errors: row %zu is (%g, %g, %g)", i,
+                             (double)e->psnr_linear, (double)e->psnr_srgb, (double)e->gpu_bytes);
+    }
+    return BTF_OK;
+}
+
+btf_result btfi_check_level_errors(const btfi_check *check, uint32_t levels, const btf_level_error *errors,
+                                   size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        const btf_level_error *e = &errors[i];
+        if (e->level >= levels || (i > 0 && e->level <= errors[i - 1].level))
+            return btfi_fail(check->log, check->code, "level errors: row %zu has level %u of %u", i,
+                             (unsigned)e->level, (unsigned)levels);
+        if (e->psnr_linear != e->psnr_linear || e->psnr_srgb != e->psnr_srgb || !(e->gpu_bytes >= 0))
+            return btfi_fail(check->log, check->code, "level errors: row %zu is (%g, %g, %g)", i,
                              (double)e->psnr_linear, (double)e->psnr_srgb, (double)e->gpu_bytes);
     }
     return BTF_OK;

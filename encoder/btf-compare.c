@@ -119,7 +119,7 @@ static btf_result images_of(const enc_context *context, side *s, const side *oth
         (btf_ref_options){.effects = o.effects,
                           .components = UINT32_MAX,
                           .interpolation = o.interpolation ? BTF_REF_LINEAR : BTF_REF_NEAREST};
-    reference_view(s->material, &s->reference.material);
+    reference_view(s->material, 0, &s->reference.material);
     *out = enc_reference_image_source(&s->reference);
     return BTF_OK;
 }

@@ -321,7 +321,7 @@ static int compare(const btf_material *material, const float *inputs, const floa
     const btf_ref_options decode = {BTF_EFFECT_ALL, UINT32_MAX, BTF_REF_LINEAR, BTF_REF_TEXEL};
     btf_ref_material reference;
     int different = 0;
-    reference_view(material, &reference);
+    reference_view(material, 0, &reference);
     for (int i = 0; i < COUNT; i++, inputs += 8, outputs += 3) {
         float expected[3];
         btf_ref_evaluate(&reference, &decode, inputs[0], inputs[1], inputs + 5, inputs + 2, expected);

@@ -299,7 +299,7 @@ static btf_result run(const char *path) {
     if ((result = btf_material_open(path, &d.log, &material)))
         return result;
     make_thresholds(d.thresholds);
-    reference_view(material, &d.material);
+    reference_view(material, 0, &d.material);
     d.options = (btf_ref_options){.effects = options.effects,
                                   .components = (uint32_t)options.components,
                                   .interpolation = options.interpolation ? BTF_REF_LINEAR : BTF_REF_NEAREST,

@@ -4,12 +4,12 @@
  */
 #include "reference_view.h"
 
-int reference_view(const btf_material *material, btf_ref_material *out) {
+int reference_view(const btf_material *material, uint32_t level, btf_ref_material *out) {
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(material, &info);
     *out = (btf_ref_material){
-        .width = info.width,
-        .height = info.height,
+        .width = btf_level_size(info.width, level),
+        .height = btf_level_size(info.height, level),
         .n_views = info.n_views,
         .n_lights = info.n_lights,
         .layout_tight = info.layout == BTF_LAYOUT_TIGHT,
@@ -28,13 +28,13 @@ int reference_view(const btf_material *material, btf_ref_material *out) {
         .shadow_scale = info.shadow_scale,
         .gain_scale = info.gain_scale,
         .centre_scale = info.centre_scale,
-        .sbrdf = btf_material_texture(material, BTF_TEXTURE_SBRDF).data,
+        .sbrdf = btf_material_level_texture(material, level, BTF_TEXTURE_SBRDF).data,
         .maps = btf_material_texture(material, BTF_TEXTURE_MAPS).data,
-        .shadow = btf_material_texture(material, BTF_TEXTURE_SHADOW).data,
-        .shift = btf_material_texture(material, BTF_TEXTURE_SHIFT).data,
-        .gain = btf_material_texture(material, BTF_TEXTURE_GAIN).data,
+        .shadow = btf_material_level_texture(material, level, BTF_TEXTURE_SHADOW).data,
+        .shift = btf_material_level_texture(material, level, BTF_TEXTURE_SHIFT).data,
+        .gain = btf_material_level_texture(material, level, BTF_TEXTURE_GAIN).data,
         .centre = btf_material_texture(material, BTF_TEXTURE_CENTRES).data,
-        .residual_texels = btf_material_texture(material, BTF_TEXTURE_RESIDUAL_TEXELS).data,
+        .residual_texels = btf_material_level_texture(material, level, BTF_TEXTURE_RESIDUAL_TEXELS).data,
         .residual_directions = btf_material_texture(material, BTF_TEXTURE_RESIDUAL_DIRECTIONS).data,
         .residual_scales = btf_material_texture(material, BTF_TEXTURE_RESIDUAL_SCALES).data,
         .view_table = btf_material_texture(material, BTF_TEXTURE_VIEW_TABLE).data,

@@ -12,9 +12,10 @@
 extern "C" {
 #endif
 
-/* Fills *out with pointers into the material's textures, which must outlive it. Always succeeds: returns 0.
- */
-int reference_view(const btf_material *material, btf_ref_material *out);
+/* Fills *out with pointers into the material's textures, which must outlive it. A level of detail (below
+ * info.levels) is a material of its own to the reference: that level's size and textures, and what all
+ * levels share. Always succeeds: returns 0. */
+int reference_view(const btf_material *material, uint32_t level, btf_ref_material *out);
 
 #ifdef __cplusplus
 }

@@ -89,7 +89,7 @@ static uint32_t records_tried(const uint16_t *table, uint32_t grid, const int32_
 /* The inputs of the floor shaders: texel, neighbours and table addresses, ready to fetch. */
 static void prepare_floor(const btf_material *material, const uint32_t *decode, uint32_t *floor) {
     btf_ref_material m;
-    reference_view(material, &m);
+    reference_view(material, 0, &m);
     for (int i = 0; i < PIXELS; ++i, decode += GPU_INPUTS, floor += GPU_INPUTS) {
         float f[8];
         int32_t q[2];

@@ -200,7 +200,7 @@ static btf_result run_preset(const bench_run *run, const held_data *held, int pr
     if (result != BTF_OK) {
         return result;
     }
-    reference_view(encoded.material, &material);
+    reference_view(encoded.material, 0, &material);
     enc_stage_begin(run->context, "held-out directions", 2);
     for (int nearest = 1; nearest >= 0 && *count < 2 && result == BTF_OK; nearest--) {
         result = original_row(run, held, &material, nearest, &rows[(*count)++]);

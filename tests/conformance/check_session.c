@@ -14,7 +14,7 @@
 btf_result check_begin(const check_subject *subject, const char *body, check_session *out) {
     memset(out, 0, sizeof *out);
     out->subject = subject;
-    reference_view(subject->material, &out->reference);
+    reference_view(subject->material, 0, &out->reference);
     size_t elements = (size_t)GPU_SIDE * GPU_SIDE;
     out->inputs = calloc(elements, GPU_INPUTS * sizeof(uint32_t));
     out->expected = calloc(elements, GPU_OUTPUTS * sizeof(uint32_t));

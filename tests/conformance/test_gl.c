@@ -339,8 +339,8 @@ static void two_materials_share_a_program(void **state) {
     assert_int_equal(units, 4);
 
     btf_ref_material reference[2];
-    reference_view(tight, &reference[0]);
-    reference_view(paper, &reference[1]);
+    reference_view(tight, 0, &reference[0]);
+    reference_view(paper, 0, &reference[1]);
     btf_ref_options how[2] = {variant_reference_options(&(btf_shader_options){0}),
                               variant_reference_options(&second)};
     uint32_t *inputs = calloc(COUNT, GPU_INPUTS * sizeof *inputs),

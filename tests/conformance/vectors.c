@@ -20,7 +20,7 @@ static const char *const plane_names[PLANES] = {"uv", "light", "view", "radiance
 /* Arguments and radiance of a vector, one RGB plane after the other. */
 static void evaluate(const btf_material *material, const variant *v, float (*planes)[PIXELS][3]) {
     btf_ref_material reference;
-    reference_view(material, &reference);
+    reference_view(material, 0, &reference);
     btf_ref_options options = variant_reference_options(&v->shader);
     random_state r = {v->spec.seed};
     for (int i = 0; i < PIXELS; ++i) {

@@ -10,7 +10,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { EDIT_PARTS = 12, EDIT_CHANNELS = 40, EDIT_ATTRIBUTES = 64 };
+enum { EDIT_PARTS = 24, EDIT_CHANNELS = 40, EDIT_ATTRIBUTES = 64 };
 
 typedef struct edit_channel {
     char name[40];

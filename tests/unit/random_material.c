@@ -204,25 +204,9 @@ static void fill_residual(random_state *r, const btf_texture *t, uint32_t compon
                 *data = (int8_t)((int)random_below(r, 255) - 127);
 }
 
-void random_material_fill(random_state *r, btf_material_desc *desc) {
-    btf_material_info *info = &desc->info;
-    if (info->layout == BTF_LAYOUT_PAPER && info->atlas_width == 0) {
-        uint32_t room;
-        if (btf_material_atlas(info, &info->atlas_width, &info->atlas_height, &room))
-            abort();
-        info->centres = info->centres < room ? info->centres : room;
-    }
-    void *data[BTF_TEXTURE_COUNT] = {0};
-    btf_texture shape[BTF_TEXTURE_COUNT];
-    for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
-        shape[id] = btf_material_texture_shape(info, (btf_texture_id)id);
-        if (shape[id].size == 0)
-            continue;
-        data[id] = calloc(1, shape[id].size);
-        if (!data[id])
-            abort();
-        desc->texture[id] = data[id];
-    }
+/* Textures of a level; info's size is that of the level. */
+static void fill_level(random_state *r, const btf_material_info *info, const btf_texture *shape,
+                       void *const *data) {
     if (data[BTF_TEXTURE_SBRDF])
         fill_sbrdf(r, info, &shape[BTF_TEXTURE_SBRDF], data[BTF_TEXTURE_SBRDF]);
     if (data[BTF_TEXTURE_MAPS])
@@ -234,19 +218,50 @@ void random_material_fill(random_state *r, btf_material_desc *desc) {
         fill_points(r, info, data[BTF_TEXTURE_SHIFT], data[BTF_TEXTURE_GAIN]);
     if (data[BTF_TEXTURE_CENTRES])
         fill_centres(r, info, &shape[BTF_TEXTURE_CENTRES], data[BTF_TEXTURE_CENTRES]);
-    if (info->effects & BTF_EFFECT_RESIDUAL) {
+    if (data[BTF_TEXTURE_RESIDUAL_TEXELS])
         fill_residual(r, &shape[BTF_TEXTURE_RESIDUAL_TEXELS], info->components, 1,
                       data[BTF_TEXTURE_RESIDUAL_TEXELS]);
+    if (data[BTF_TEXTURE_RESIDUAL_DIRECTIONS])
         fill_residual(r, &shape[BTF_TEXTURE_RESIDUAL_DIRECTIONS], info->components, 3,
                       data[BTF_TEXTURE_RESIDUAL_DIRECTIONS]);
+    if (data[BTF_TEXTURE_RESIDUAL_SCALES])
         for (uint32_t i = 0; i < info->components; i++)
             ((float *)data[BTF_TEXTURE_RESIDUAL_SCALES])[i] = random_parameter(r);
+}
+
+void random_material_fill(random_state *r, btf_material_desc *desc) {
+    btf_material_info *info = &desc->info;
+    if (info->layout == BTF_LAYOUT_PAPER && info->atlas_width == 0) {
+        uint32_t room;
+        if (btf_material_atlas(info, &info->atlas_width, &info->atlas_height, &room))
+            abort();
+        info->centres = info->centres < room ? info->centres : room;
+    }
+    for (uint32_t level = 0; level < (info->levels ? info->levels : 1); level++) {
+        void *data[BTF_TEXTURE_COUNT] = {0};
+        btf_texture shape[BTF_TEXTURE_COUNT];
+        for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
+            shape[id] = btf_material_level_shape(info, level, (btf_texture_id)id);
+            if (shape[id].size == 0)
+                continue;
+            data[id] = calloc(1, shape[id].size);
+            if (!data[id])
+                abort();
+            *(level ? &desc->level_texture[level][id] : &desc->texture[id]) = data[id];
+        }
+        btf_material_info of_level = *info;
+        of_level.width = btf_level_size(info->width, level);
+        of_level.height = btf_level_size(info->height, level);
+        fill_level(r, &of_level, shape, data);
     }
 }
 
 void random_material_free(btf_material_desc *desc) {
     for (int id = 0; id < BTF_TEXTURE_COUNT; id++)
         free((void *)(uintptr_t)desc->texture[id]);
+    for (int level = 1; level < BTF_MAX_LEVELS; level++)
+        for (int id = 0; id < BTF_TEXTURE_COUNT; id++)
+            free((void *)(uintptr_t)desc->level_texture[level][id]);
     free((void *)(uintptr_t)desc->views);
     free((void *)(uintptr_t)desc->lights);
     *desc = (btf_material_desc){0};

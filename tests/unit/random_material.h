@@ -25,8 +25,9 @@ void random_directions(random_state *r, uint32_t count, double theta_max, float 
 void random_ubo2003(float out[81][3]);
 void random_ubo2014(float out[151][3]);
 
-/* Fills desc->texture[] with values that the rest of desc->info allows, atlas size included for layout
- * paper (its smallest legal one when atlas_width is 0). Free with random_material_free. */
+/* Fills desc->texture[] and, with info.levels, level_texture[] with values that the rest of desc->info
+ * allows, atlas size included for layout paper (its smallest legal one when atlas_width is 0). Free with
+ * random_material_free. */
 void random_material_fill(random_state *r, btf_material_desc *desc);
 void random_material_free(btf_material_desc *desc);
 

@@ -40,6 +40,10 @@ static saved save_small(btf_layout layout) {
     desc.info.components = 2;
     desc.info.centres = 5;
     desc.info.source = "small";
+    desc.info.levels = layout == BTF_LAYOUT_TIGHT ? 2 : 1;
+    const btf_level_error errors[1] = {{0, 30, 28, 100}};
+    desc.level_errors = errors;
+    desc.level_error_count = 1;
     random_material_fill(&r, &desc);
     btf_material *material;
     saved s;
@@ -70,14 +74,17 @@ static int teardown(void **state) {
 static void use_material(const btf_material *material) {
     static const float directions[4][3] = {
         {0, 0, 1}, {0.6f, 0, 0.8f}, {-0.48f, 0.64f, 0.6f}, {0.1f, -0.99f, 0.1f}};
-    btf_ref_material view;
-    reference_view(material, &view);
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_material_get_info(material, &info);
+    btf_ref_material first, last;
+    reference_view(material, 0, &first);
+    reference_view(material, info.levels - 1, &last);
     const btf_ref_options options = {BTF_EFFECT_ALL, UINT32_MAX, BTF_REF_LINEAR, BTF_REF_BILINEAR};
     for (int l = 0; l < 4; l++)
         for (int v = 0; v < 4; v++) {
             float rgb[3];
-            btf_ref_evaluate(&view, &options, 0.3f * (float)l, 0.4f * (float)v, directions[l],
-                             directions[v], rgb);
+            btf_ref_evaluate((l + v) % 2 ? &last : &first, &options, 0.3f * (float)l, 0.4f * (float)v,
+                             directions[l], directions[v], rgb);
             for (int c = 0; c < 3; c++)
                 assert_true(isfinite(rgb[c]) && rgb[c] >= 0);
         }

@@ -83,8 +83,12 @@ static fixture make(btf_layout layout) {
     fixture f = {.desc = random_material_desc(3, 2, 5, 4, layout, BTF_EFFECT_ALL)};
     f.desc.info.method = "joint";
     static const btf_material_error errors[1] = {{0, 20, 20, 100}};
+    static const btf_level_error level_errors[1] = {{0, 20, 20, 100}};
     f.desc.errors = errors;
     f.desc.error_count = 1;
+    f.desc.info.levels = layout == BTF_LAYOUT_TIGHT ? 2 : 1;
+    f.desc.level_errors = level_errors;
+    f.desc.level_error_count = 1;
     random_material_fill(&r, &f.desc);
     assert_int_equal(btf_material_create(&f.desc, NULL, &f.material), BTF_OK);
     assert_int_equal(btf_material_save_memory(f.material, NULL, &f.data, &f.size), BTF_OK);

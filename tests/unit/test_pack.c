@@ -138,7 +138,7 @@ static void check(int width, int height, int views, int lights, btf_layout layou
 
     enc_playback *playback = NULL;
     enc_reference_images reference = {.shape = data, .options = {.components = UINT32_MAX}};
-    reference_view(material, &reference.material);
+    reference_view(material, 0, &reference.material);
     assert_int_equal(enc_playback_create(&context, data, &back, &playback), BTF_OK);
     float *fast = malloc(image * (size_t)lights * sizeof *fast), *exact = malloc(image * (size_t)lights * sizeof *exact);
     assert_true(fast && exact);

@@ -27,6 +27,7 @@ extern "C" {
 #define BTF_MAX_LOBES 4
 #define BTF_MAX_COMPONENTS 256
 #define BTF_MAX_CENTRES 65536
+#define BTF_MAX_LEVELS 15
 /** A white gain of the codes 1..255: 128 is 1. */
 #define BTF_GAIN_SCALE 0x1p-7f
 #define BTF_GAIN_ONE 128
@@ -121,6 +122,7 @@ typedef struct btf_material_info {
     const char *method;     /**< provenance; "" when not given */
     const char *options;
     const char *source;
+    uint32_t levels; /**< levels of detail, 1..BTF_MAX_LEVELS; as an input 0 means 1 */
 } btf_material_info;
 
 /** One row of the errors that the encoder measured. */
@@ -130,6 +132,14 @@ typedef struct btf_material_error {
     float psnr_srgb;   /**< dB, likewise after sRGB coding */
     float gpu_bytes;
 } btf_material_error;
+
+/** How well a level of detail shows the original, area-filtered to the level's size. */
+typedef struct btf_level_error {
+    uint32_t level;    /**< 0 .. levels - 1 */
+    float psnr_linear; /**< dB over all samples clipped to [0, 1] */
+    float psnr_srgb;   /**< dB, likewise after sRGB coding */
+    float gpu_bytes;   /**< of the textures that the level has for itself */
+} btf_level_error;
 
 typedef struct btf_material btf_material;
 
@@ -165,11 +175,20 @@ btf_result btf_material_get_info(const btf_material *material, btf_material_info
 /** @return the texture; format NONE when absent. Data belong to the material. */
 btf_texture btf_material_texture(const btf_material *material, btf_texture_id id);
 
+/** @return the same of a level of detail: level 0 is btf_material_texture; a higher one has sbrdf, shadow,
+ *  shift, gain and residual_texels of its own and shares the rest with level 0 (format NONE here, as for a level
+ *  that the material does not have). */
+btf_texture btf_material_level_texture(const btf_material *material, uint32_t level, btf_texture_id id);
+
 btf_directions btf_material_views(const btf_material *material);
 btf_directions btf_material_lights(const btf_material *material);
 
 /** @return the encoder's measured errors, *out_count rows, owned by the material; NULL when there are none. */
 const btf_material_error *btf_material_errors(const btf_material *material, size_t *out_count);
+
+/** @return the measured errors of the levels, *out_count rows by rising level, owned by the material; NULL when
+ *  there are none. */
+const btf_level_error *btf_material_level_errors(const btf_material *material, size_t *out_count);
 
 /** What an encoder hands over to make a material. Textures as in btf_texture, of which only `data` is read
  *  (sizes and formats follow from the rest; see btf_material_texture_shape); entries that the effects do not
@@ -182,11 +201,22 @@ typedef struct btf_material_desc {
     const void *texture[BTF_TEXTURE_COUNT];
     const btf_material_error *errors;
     size_t error_count;
+    const void *level_texture[BTF_MAX_LEVELS][BTF_TEXTURE_COUNT]; /**< levels 1 .. info.levels - 1, shapes as in
+                                                            btf_material_level_shape; row 0 is not read */
+    const btf_level_error *level_errors; /**< by rising level */
+    size_t level_error_count;
 } btf_material_desc;
 
 /** The shape (format, is_array, width, height, layers, size; data NULL) that a texture of a material with this
  *  info has; format NONE when it has none. The tables have no shape before they are made. */
 btf_texture btf_material_texture_shape(const btf_material_info *info, btf_texture_id id);
+
+/** The same of a level of detail; level 0 is btf_material_texture_shape. Format NONE for what a level shares with
+ *  level 0, and for a level that info does not have. */
+btf_texture btf_material_level_shape(const btf_material_info *info, uint32_t level, btf_texture_id id);
+
+/** @return texels of a side of `size` texels in a level: max(1, size >> level). */
+uint32_t btf_level_size(uint32_t size, uint32_t level);
 
 /** The smallest legal atlas of layout `paper` (FORMAT.md section 5) for info's width, height, n_views, n_lights,
  *  effects and, with hidden, at least so many centres: sets *out_width, *out_height and *out_room (centres). BTF_ERROR_UNSUPPORTED when there is none. */

@@ -53,7 +53,7 @@ btf_result original_open(const char *input, const btf_material *material, int th
         return BTF_ERROR_MEMORY;
     }
     o->threads = threads;
-    reference_view(material, &o->material);
+    reference_view(material, 0, &o->material);
     btf_result result = enc_read(&context, input, &defaults, &o->data);
     if (!result)
         result = check(o, material, log);

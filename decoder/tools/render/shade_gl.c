@@ -84,7 +84,7 @@ static bool make_colour(gl_device *d, const btf_material *material) {
     const float top[3] = {0, 0, 1};
     const btf_ref_options options = {BTF_EFFECT_ALL, BTF_MAX_COMPONENTS, BTF_REF_NEAREST, BTF_REF_TEXEL};
     btf_ref_material m;
-    reference_view(material, &m);
+    reference_view(material, 0, &m);
     float *colour = malloc((size_t)m.width * m.height * 4 * sizeof *colour);
     if (!colour)
         return false;

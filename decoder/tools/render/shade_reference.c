@@ -31,7 +31,7 @@ static void *create(const shader_request *request, const btf_log *log, btf_resul
         *out_result = BTF_ERROR_MEMORY;
         return NULL;
     }
-    reference_view(request->material, &self->material);
+    reference_view(request->material, 0, &self->material);
     self->threads = request->threads;
     for (int i = 0; i < request->variants; i++)
         self->options[i] = (btf_ref_options){

@@ -1,0 +1,419 @@
+/* Levels of detail: shapes, files that come back as they were, every refusal, and that the reference
+ * decodes a level as it decodes a material made of that level alone.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "btf_reference.h"
+#include "decoder/tools/reference_view.h"
+#include "exr_edit.h"
+#include "random_material.h"
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static char last_message[2048];
+
+static void keep(void *user, btf_log_level level, const char *message) {
+    (void)user;
+    (void)level;
+    snprintf(last_message, sizeof last_message, "%s", message);
+}
+
+static const btf_log log_keep = {keep, NULL};
+
+static const btf_texture_id level_ids[5] = {BTF_TEXTURE_SBRDF, BTF_TEXTURE_SHADOW, BTF_TEXTURE_SHIFT,
+                                            BTF_TEXTURE_GAIN, BTF_TEXTURE_RESIDUAL_TEXELS};
+
+static bool has_texels(int id) {
+    for (int i = 0; i < 5; i++)
+        if ((int)level_ids[i] == id)
+            return true;
+    return false;
+}
+
+static btf_material_desc make_desc(random_state *r, uint32_t width, uint32_t height, uint32_t levels,
+                                   uint32_t effects) {
+    btf_material_desc desc = random_material_desc(width, height, 9, 7, BTF_LAYOUT_TIGHT, effects);
+    desc.info.levels = levels;
+    random_material_fill(r, &desc);
+    return desc;
+}
+
+static btf_material *create(const btf_material_desc *desc) {
+    btf_material *material;
+    last_message[0] = 0;
+    btf_result result = btf_material_create(desc, &log_keep, &material);
+    if (result)
+        print_error("create: %s\n", last_message);
+    assert_int_equal(result, BTF_OK);
+    return material;
+}
+
+static void test_shapes(void **state) {
+    (void)state;
+    btf_material_info info = {.struct_size = sizeof info,
+                              .width = 5,
+                              .height = 3,
+                              .n_views = 9,
+                              .n_lights = 7,
+                              .layout = BTF_LAYOUT_TIGHT,
+                              .lobes = 3,
+                              .effects = BTF_EFFECT_ALL,
+                              .centres = 7,
+                              .components = 5,
+                              .levels = 3};
+    static const uint32_t size[3][2] = {{5, 3}, {2, 1}, {1, 1}};
+    static const uint32_t layers[5] = {4, 7, 9, 9, 2};
+    static const size_t texel[5] = {16, 1, 2, 1, 4};
+    for (uint32_t level = 0; level < 3; level++)
+        for (int i = 0; i < 5; i++) {
+            btf_texture t = btf_material_level_shape(&info, level, level_ids[i]);
+            assert_int_equal(t.width, size[level][0]);
+            assert_int_equal(t.height, size[level][1]);
+            assert_int_equal(t.layers, layers[i]);
+            assert_int_equal(t.size, size[level][0] * size[level][1] * layers[i] * texel[i]);
+            assert_true(t.is_array);
+        }
+    for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
+        assert_int_equal(btf_material_level_shape(&info, 1, (btf_texture_id)id).format != BTF_FORMAT_NONE,
+                         has_texels(id));
+        assert_int_equal(btf_material_level_shape(&info, 3, (btf_texture_id)id).format, BTF_FORMAT_NONE);
+    }
+    assert_int_equal(btf_level_size(16384, 14), 1);
+    assert_int_equal(btf_level_size(16383, 13), 1);
+    assert_int_equal(btf_level_size(100, 3), 12);
+    assert_int_equal(btf_level_size(7, 40), 1);
+}
+
+static void test_info(void **state) {
+    (void)state;
+    random_state r = {41};
+    btf_material_desc desc = make_desc(&r, 5, 3, 3, BTF_EFFECT_ALL);
+    btf_material *m = create(&desc);
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_material_get_info(m, &info);
+    assert_int_equal(info.levels, 3);
+    /* 64 of the SBRDF, 7 of shadows, 18 + 9 of shifts and gains, 8 of the residual, for 15 + 2 + 1 texels;
+     * then 7 centres of 7 lights and 6 layers of 9 x 7 directions. */
+    assert_int_equal(info.gpu_bytes, (64 + 7 + 18 + 9 + 8) * 18 + 4 * 7 * 7 + 4 * 9 * 7 * 6);
+    btf_material_close(&m);
+    random_material_free(&desc);
+
+    desc = make_desc(&r, 5, 3, 0, 0);
+    m = create(&desc);
+    btf_material_get_info(m, &info);
+    assert_int_equal(info.levels, 1);
+    void *data;
+    size_t size;
+    assert_int_equal(btf_material_save_memory(m, NULL, &data, &size), BTF_OK);
+    assert_null(memmem(data, size, "openbtf.level", 13)); /* one level: the same file as ever */
+    btf_free(data);
+    btf_material_close(&m);
+    random_material_free(&desc);
+}
+
+static void assert_same_level(const btf_material *a, const btf_material_desc *desc, uint32_t level) {
+    for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
+        btf_texture t = btf_material_level_texture(a, level, (btf_texture_id)id);
+        const void *given = level ? desc->level_texture[level][id] : desc->texture[id];
+        assert_int_equal(t.data != NULL, given != NULL || (level == 0 && id >= BTF_TEXTURE_VIEW_TABLE));
+        if (given)
+            assert_memory_equal(t.data, given, t.size);
+    }
+}
+
+static void round_trip(btf_material_desc *desc) {
+    btf_material *a = create(desc), *b;
+    void *data, *again;
+    size_t size, again_size, count;
+    assert_int_equal(btf_material_save_memory(a, &log_keep, &data, &size), BTF_OK);
+    btf_result result = btf_material_open_memory(data, size, &log_keep, &b);
+    if (result)
+        print_error("open: %s\n", last_message);
+    assert_int_equal(result, BTF_OK);
+    btf_material_info ia = {.struct_size = sizeof ia}, ib = ia;
+    btf_material_get_info(a, &ia);
+    btf_material_get_info(b, &ib);
+    assert_int_equal(ib.levels, desc->info.levels);
+    assert_int_equal(ia.gpu_bytes, ib.gpu_bytes);
+    for (uint32_t level = 0; level < BTF_MAX_LEVELS; level++) {
+        assert_same_level(a, desc, level);
+        assert_same_level(b, desc, level);
+    }
+    const btf_level_error *errors = btf_material_level_errors(b, &count);
+    assert_int_equal(count, desc->level_error_count);
+    if (count)
+        assert_memory_equal(errors, desc->level_errors, count * sizeof *errors);
+    else
+        assert_null(errors);
+    assert_int_equal(btf_material_save_memory(b, &log_keep, &again, &again_size), BTF_OK);
+    assert_int_equal(size, again_size);
+    assert_memory_equal(data, again, size);
+    btf_free(data);
+    btf_free(again);
+    btf_material_close(&a);
+    btf_material_close(&b);
+}
+
+static void test_round_trip(void **state) {
+    (void)state;
+    static const struct {
+        uint32_t width, height, levels;
+    } cases[] = {{5, 3, 3}, {5, 3, 2}, {1, 1, 1}, {2, 1, 2}, {1, 13, 4}, {8, 8, 4}, {33, 6, 6}};
+    random_state r = {42};
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++)
+        for (uint32_t effects = 0; effects <= BTF_EFFECT_ALL; effects += c < 2 ? 1 : 31) {
+            btf_material_desc desc =
+                random_material_desc(cases[c].width, cases[c].height, 9, 7, BTF_LAYOUT_TIGHT, effects);
+            desc.info.levels = cases[c].levels;
+            desc.info.half_float = effects & 1;
+            desc.info.colour = effects & 2 ? BTF_COLOUR_RGB : BTF_COLOUR_MONO;
+            if (effects == BTF_EFFECT_RESIDUAL) {
+                desc.info.colour = BTF_COLOUR_NONE;
+                desc.info.lobes = 0;
+            }
+            random_material_fill(&r, &desc);
+            const btf_level_error errors[2] = {{0, 30, 28, 2000}, {cases[c].levels - 1, 31.5f, 29, 100}};
+            desc.level_errors = errors;
+            desc.level_error_count = cases[c].levels > 1 ? 2 : 0;
+            round_trip(&desc);
+            random_material_free(&desc);
+        }
+}
+
+static void refused(const btf_material_desc *desc, const char *text) {
+    btf_material *material;
+    last_message[0] = 0;
+    btf_result result = btf_material_create(desc, &log_keep, &material);
+    if (result != BTF_ERROR_USAGE || !strstr(last_message, text))
+        print_error("expected \"%s\", got %d \"%s\"\n", text, (int)result, last_message);
+    assert_int_equal(result, BTF_ERROR_USAGE);
+    assert_non_null(strstr(last_message, text));
+    assert_null(material);
+}
+
+static void test_create_refuses(void **state) {
+    (void)state;
+    random_state r = {43};
+    btf_material_desc good = make_desc(&r, 5, 3, 3, BTF_EFFECT_ALL), bad = good;
+    bad.info.levels = 4;
+    refused(&bad, "levels 4 is not within 1 to 3 (size 5 x 3)");
+    bad.info.levels = 2;
+    refused(&bad, "level2.sbrdf: given");
+    for (int i = 0; i < 5; i++) {
+        char text[64];
+        bad = good;
+        bad.level_texture[2][level_ids[i]] = NULL;
+        snprintf(text, sizeof text, "level2.%s: missing", btf_texture_name(level_ids[i]));
+        refused(&bad, text);
+    }
+    bad = good;
+    bad.level_texture[1][BTF_TEXTURE_CENTRES] = good.texture[BTF_TEXTURE_CENTRES];
+    refused(&bad, "level1.centres: given");
+    bad = good;
+    bad.level_error_count = 1;
+    refused(&bad, "level errors: 1 rows");
+    btf_level_error errors[2] = {{1, 20, 20, 100}, {1, 20, 20, 100}};
+    bad.level_errors = errors;
+    bad.level_error_count = 2;
+    refused(&bad, "level errors: row 1 has level 1 of 3");
+    errors[1].level = 3;
+    refused(&bad, "level errors: row 1 has level 3 of 3");
+    errors[1] = (btf_level_error){2, 20, 20, -1};
+    refused(&bad, "level errors: row 1 is");
+
+    uint8_t *gain = (uint8_t *)(uintptr_t)good.level_texture[1][BTF_TEXTURE_GAIN];
+    uint8_t *shift = (uint8_t *)(uintptr_t)good.level_texture[1][BTF_TEXTURE_SHIFT];
+    gain[3] = 0;
+    shift[6] = 7; /* texel 1 of 2, view 1 */
+    shift[7] = 0;
+    refused(&good, "level1.gain: view 1, texel (1, 0): centre 7 of 7");
+    gain[3] = 128;
+    float *sbrdf = (float *)(uintptr_t)good.level_texture[2][BTF_TEXTURE_SBRDF];
+    const float kept = sbrdf[3];
+    sbrdf[3] = 0x1p-25f;
+    refused(&good, "level2.sbrdf: channel rho_d at (0, 0) holds");
+    sbrdf[3] = kept;
+    int8_t *residual = (int8_t *)(uintptr_t)good.level_texture[2][BTF_TEXTURE_RESIDUAL_TEXELS];
+    residual[1] = -128;
+    refused(&good, "level2.residual_texels: component 1 at (0, 0) holds -128");
+    random_material_free(&good);
+
+    good = random_material_desc(5, 3, 9, 7, BTF_LAYOUT_PAPER, 0);
+    random_material_fill(&r, &good);
+    good.info.levels = 2;
+    refused(&good, "levels 2 with layout paper");
+    random_material_free(&good);
+}
+
+/* A saved material of 5 x 3, 2 x 1 and 1 x 1. */
+static edit_file *take(void) {
+    random_state r = {44};
+    btf_material_desc desc = make_desc(&r, 5, 3, 3, BTF_EFFECT_ALL);
+    const btf_level_error errors[3] = {{0, 30, 28, 2}, {1, 31, 28, 1}, {2, 32, 28, 1}};
+    desc.level_errors = errors;
+    desc.level_error_count = 3;
+    btf_material *m = create(&desc);
+    void *data;
+    size_t size;
+    assert_int_equal(btf_material_save_memory(m, NULL, &data, &size), BTF_OK);
+    edit_file *file = edit_load(data, size);
+    btf_free(data);
+    btf_material_close(&m);
+    random_material_free(&desc);
+    return file;
+}
+
+static btf_result open_edited(edit_file *file) {
+    void *data;
+    size_t size;
+    btf_material *material;
+    edit_save(file, &data, &size);
+    edit_free(file);
+    last_message[0] = 0;
+    btf_result result = btf_material_open_memory(data, size, &log_keep, &material);
+    assert_int_equal(result == BTF_OK, material != NULL);
+    btf_material_close(&material);
+    free(data);
+    return result;
+}
+
+static void refused_file(edit_file *file, const char *text) {
+    btf_result result = open_edited(file);
+    if (result != BTF_ERROR_BAD_FILE || !strstr(last_message, text))
+        print_error("expected \"%s\", got %d \"%s\"\n", text, (int)result, last_message);
+    assert_int_equal(result, BTF_ERROR_BAD_FILE);
+    assert_non_null(strstr(last_message, text));
+}
+
+static void test_file_parts(void **state) {
+    (void)state;
+    for (int i = 0; i < 5; i++) {
+        char part[40], text[128];
+        snprintf(part, sizeof part, "level1.%s", btf_texture_name(level_ids[i]));
+        edit_file *e = take();
+        edit_remove_part(e, part);
+        snprintf(text, sizeof text, "part %s: missing", part);
+        refused_file(e, text);
+        e = take(); /* the size of level 0 */
+        edit_resize(edit_find_part(e, part), 15, 9);
+        snprintf(text, sizeof text, "part %s: data window (0,0)-(14,8)", part);
+        refused_file(e, text);
+        e = take();
+        snprintf(part, sizeof part, "level3.%s", btf_texture_name(level_ids[i]));
+        edit_copy_part(e, btf_texture_name(level_ids[i]), part);
+        snprintf(text, sizeof text, "part %s: unknown, or not in a material of these effects and levels",
+                 part);
+        refused_file(e, text);
+    }
+    static const char *const superfluous[] = {"level1.centres", "level1.residual_directions",
+                                              "level0.shadow", "level01.shadow", "level1"};
+    for (size_t i = 0; i < sizeof superfluous / sizeof *superfluous; i++) {
+        edit_file *e = take();
+        edit_copy_part(e, "shadow", superfluous[i]);
+        refused_file(e, superfluous[i]);
+    }
+    edit_file *e = take();
+    uint16_t half = 0x3800;
+    memcpy(edit_find_channel(e, "level2.shadow", "Y")->data, &half, 2);
+    refused_file(e, "part level2.shadow: channel Y at (0, 0) holds half 0x3800");
+    e = take();
+    for (int c = 0; c < edit_find_part(e, "level1.sbrdf")->channel_count; c++)
+        edit_find_part(e, "level1.sbrdf")->channels[c].type = EXR_PIXEL_HALF;
+    refused_file(e, "part level1.sbrdf: channel "); /* all FLOAT or all HALF */
+    e = take();
+    edit_copy_part(e, "level1.shadow", "x-level1.shadow");
+    assert_int_equal(open_edited(e), BTF_OK);
+}
+
+static void test_file_attributes(void **state) {
+    (void)state;
+    edit_file *e = take();
+    edit_remove_attribute(e, "openbtf.levels"); /* one level: the errors of level 1 are a contradiction */
+    refused_file(e, "level errors: row 1 has level 1 of 1");
+    e = take();
+    edit_remove_attribute(e, "openbtf.levels");
+    edit_remove_attribute(e, "openbtf.levelErrors");
+    refused_file(e, "part level1.");
+    e = take();
+    edit_remove_attribute(e, "openbtf.levelErrors");
+    assert_int_equal(open_edited(e), BTF_OK);
+    e = take();
+    edit_find_attribute(e, "openbtf.levels")->i = 4;
+    refused_file(e, "levels 4 is not within 1 to 3");
+    e = take();
+    edit_find_attribute(e, "openbtf.levels")->i = 16;
+    refused_file(e, "attribute openbtf.levels is 16, not within 1 to 15");
+    e = take();
+    edit_find_attribute(e, "openbtf.levels")->type = EXR_ATTR_DOUBLE;
+    refused_file(e, "attribute openbtf.levels is of type double");
+    static const float bad[] = {0.5f, -1, 15, 2};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        e = take();
+        edit_find_attribute(e, "openbtf.levelErrors")->values[4] = bad[i];
+        refused_file(e, i < 3 ? "attribute openbtf.levelErrors: row 1 has level"
+                              : "level errors: row 2 has level 2 of 3");
+    }
+}
+
+/* A material made of one level's textures and what all levels share. */
+static btf_material *alone(const btf_material_desc *desc, uint32_t level) {
+    btf_material_desc one = *desc;
+    memset(one.level_texture, 0, sizeof one.level_texture);
+    one.info.levels = 1;
+    one.info.width = btf_level_size(desc->info.width, level);
+    one.info.height = btf_level_size(desc->info.height, level);
+    for (int id = 0; id < BTF_TEXTURE_COUNT && level > 0; id++)
+        if (has_texels(id))
+            one.texture[id] = desc->level_texture[level][id];
+    return create(&one);
+}
+
+static void test_reference(void **state) {
+    (void)state;
+    random_state r = {45};
+    btf_material_desc desc = make_desc(&r, 13, 6, 4, BTF_EFFECT_ALL);
+    btf_material *m = create(&desc);
+    btf_ref_material first;
+    reference_view(m, 0, &first);
+    for (uint32_t level = 0; level < 4; level++) {
+        btf_material *single = alone(&desc, level);
+        btf_ref_material a, b;
+        reference_view(m, level, &a);
+        reference_view(single, 0, &b);
+        assert_int_equal(a.width, 13u >> level);
+        assert_int_equal(a.height, level < 3 ? 6u >> level : 1);
+        int unlike_first = 0;
+        for (int i = 0; i < 2000; i++) {
+            float l[3], v[3], one[3], other[3], of_first[3];
+            random_directions(&r, 1, 89, l);
+            random_directions(&r, 1, 89, v);
+            const float uv[2] = {(float)(4 * random_unit(&r) - 2), (float)(4 * random_unit(&r) - 2)};
+            const btf_ref_options options = {BTF_EFFECT_ALL, UINT32_MAX, i & 1, i >> 1 & 1};
+            btf_ref_evaluate(&a, &options, uv[0], uv[1], l, v, one);
+            btf_ref_evaluate(&b, &options, uv[0], uv[1], l, v, other);
+            btf_ref_evaluate(&first, &options, uv[0], uv[1], l, v, of_first);
+            assert_memory_equal(one, other, sizeof one);
+            unlike_first += memcmp(one, of_first, sizeof one) != 0;
+        }
+        assert_true(level == 0 ? unlike_first == 0 : unlike_first > 1000);
+        btf_material_close(&single);
+    }
+    btf_material_close(&m);
+    random_material_free(&desc);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_shapes),     cmocka_unit_test(test_info),
+        cmocka_unit_test(test_round_trip), cmocka_unit_test(test_create_refuses),
+        cmocka_unit_test(test_file_parts), cmocka_unit_test(test_file_attributes),
+        cmocka_unit_test(test_reference),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
