@@ -80,15 +80,24 @@ double enc_fit_overshoot(const enc_gram_samples *samples, const double shape[4],
     return log(fmax(fmax(fmax(fabs(shape[0]), fabs(shape[1])), shape[2]) / *out_peak, 1));
 }
 
+/* Natural logarithm of the largest value that a lobe of one colour may have at a sample: below the 2^40 at
+ * which powers are cut off, so that no lobe looks flat to the solver that is not. */
+static const double most_peak = 27;
+
 /* Takes lobe j's (Cx, Cy, Cz, ln n) from the solver: n is lowered where the lobe would tower over its own
- * samples elsewhere, and RGB lobes are scaled to a largest base of 1. That scale is the weight's to say, so
- * that derivatives need no term for it: the projection takes it out. */
+ * samples elsewhere, or over the range of floats at them, and RGB lobes are scaled to a largest base of 1.
+ * That scale is the weight's to say, so that derivatives need no term for it: the projection takes it out.
+ */
 static void take_lobe(const enc_fit_problem *p, const double *lobe, int j, enc_fit_solution *at) {
     double *shape = at->shape[j], peak;
     memcpy(shape, lobe, 3 * sizeof *lobe);
     const double n = exp(lobe[3]), overshoot = enc_fit_overshoot(&p->samples, shape, &peak);
-    at->held[j] = n * overshoot > p->overshoot[j];
-    shape[3] = at->held[j] ? p->overshoot[j] / overshoot : n;
+    double most = n * overshoot > p->overshoot[j] ? p->overshoot[j] / overshoot : n;
+    if (!p->rgb && most * log(peak) > most_peak) {
+        most = most_peak / log(peak);
+    }
+    at->held[j] = most < n;
+    shape[3] = most;
     at->peak[j] = p->rgb ? peak : 1;
     for (int k = 0; k < 3; k++) {
         shape[k] /= at->peak[j];

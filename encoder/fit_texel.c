@@ -282,36 +282,39 @@ static btf_result descend_from(enc_fit_problem *p, const enc_fit_options *option
     return result;
 }
 
-/* A parameter as the file may hold it: 0, or of magnitude 2^-24 .. 2^24. */
-static float storable(double value) {
+/* A parameter as the file may hold it: 0, or of magnitude 2^-24 .. 2^24; *cut is set where that changes it.
+ */
+static float storable(double value, bool *cut) {
     const double magnitude = fabs(value);
     if (!(magnitude >= 0x1p-24)) {
+        *cut = *cut || magnitude != 0;
         return 0;
     }
+    *cut = *cut || magnitude > 0x1p24;
     return (float)copysign(fmin(magnitude, 0x1p24), value);
 }
 
 /* One colour: max(C) = 1, its scale goes into rho_d and the lobes. */
-static void store_one_colour(const enc_fit_problem *p, const enc_fit_solution *at, float *out) {
+static void store_one_colour(const enc_fit_problem *p, const enc_fit_solution *at, float *out, bool *cut) {
     const double largest = fmax(fmax(at->colour[0][0], at->colour[1][0]), at->colour[2][0]);
     const double factor = largest * p->scale;
     if (!(factor > 0)) {
         return;
     }
     for (int c = 0; c < 3; c++) {
-        out[c] = storable(at->colour[c][0] / largest);
+        out[c] = storable(at->colour[c][0] / largest, cut);
     }
-    out[3] = storable(at->diffuse * factor);
+    out[3] = storable(at->diffuse * factor, cut);
     bool any = out[3] != 0;
     for (int j = 0; j < p->lobes; j++) {
         const double *shape = at->shape[j];
         float *lobe = out + 4 + 4 * j;
         const double grow = shape[3] > 0 ? pow(factor, 1 / shape[3]) : 0;
         for (int k = 0; k < 3; k++) {
-            lobe[k] = storable(shape[k] * grow);
+            lobe[k] = storable(shape[k] * grow, cut);
         }
         const bool dead = lobe[0] == 0 && lobe[1] == 0 && lobe[2] == 0;
-        lobe[3] = dead ? 0 : storable(shape[3]);
+        lobe[3] = dead ? 0 : storable(shape[3], cut);
         any = any || !dead;
     }
     if (!any) {
@@ -320,22 +323,72 @@ static void store_one_colour(const enc_fit_problem *p, const enc_fit_solution *a
 }
 
 /* RGB lobes. */
-static void store_rgb(const enc_fit_problem *p, const enc_fit_solution *at, float *out) {
+static void store_rgb(const enc_fit_problem *p, const enc_fit_solution *at, float *out, bool *cut) {
     for (int c = 0; c < 3; c++) {
-        out[c] = storable(at->colour[c][0] * p->scale);
+        out[c] = storable(at->colour[c][0] * p->scale, cut);
     }
     for (int j = 0; j < p->lobes; j++) {
         const double *shape = at->shape[j];
         float *lobe = out + 3 + 3 * p->lobes + 4 * j;
         bool any = false;
         for (int c = 0; c < 3 && shape[3] > 0; c++) {
-            out[3 + 3 * j + c] = storable(at->colour[c][1 + j] * p->scale);
+            out[3 + 3 * j + c] = storable(at->colour[c][1 + j] * p->scale, cut);
             any = any || out[3 + 3 * j + c] != 0;
         }
         for (int k = 0; any && k < 4; k++) {
-            lobe[k] = storable(shape[k]);
+            lobe[k] = storable(shape[k], cut);
         }
     }
+}
+
+/* Writes a solution as the file holds it. True where the limits of the file change a parameter. */
+static bool store(const enc_fit_problem *p, const enc_fit_solution *at, float *out) {
+    bool cut = false;
+    memset(out, 0, sizeof *out * enc_sbrdf_stride(p->lobes, p->rgb));
+    if (p->rgb) {
+        store_rgb(p, at, out, &cut);
+    } else {
+        store_one_colour(p, at, out, &cut);
+    }
+    return cut;
+}
+
+/* The cost of stored parameters, in the scale of the search and in double. */
+static double stored_cost(const enc_fit_problem *p, const float *parameters) {
+    const float *shapes = parameters + (p->rgb ? 3 + 3 * p->lobes : 4);
+    double cost = 0;
+    for (size_t i = 0; i < p->samples.n; i++) {
+        double value[3];
+        for (int c = 0; c < 3; c++) {
+            value[c] = (double)parameters[p->rgb ? c : 3];
+        }
+        for (int j = 0; j < p->lobes; j++) {
+            double base = 0;
+            for (int k = 0; k < 3; k++) {
+                base += (double)shapes[4 * j + k] * (double)p->samples.product[k][i];
+            }
+            const double power = base >= 0x1p-24 ? fmin(pow(base, (double)shapes[4 * j + 3]), 0x1p40) : 0;
+            for (int c = 0; c < 3; c++) {
+                value[c] += p->rgb ? (double)parameters[3 + 3 * j + c] * power : power;
+            }
+        }
+        for (int c = 0; c < 3; c++) {
+            const double colour = (p->rgb ? 1 : (double)parameters[c]) / p->scale;
+            const double r =
+                (double)p->samples.multiplier[i] * (colour * value[c]) - (double)p->samples.target[c][i];
+            cost += r * r;
+        }
+    }
+    return cost;
+}
+
+/* The best model without lobes. */
+static enc_fit_solution diffuse_solution(const enc_fit_problem *p) {
+    enc_fit_solution solution = {.cost = fmax(p->diffuse_cost, 0), .diffuse = 1};
+    for (int c = 0; c < 3; c++) {
+        solution.colour[c][0] = p->diffuse_colour[c];
+    }
+    return solution;
 }
 
 btf_result enc_fit_texel(enc_fit_workspace *workspace, const enc_fit_samples *samples,
@@ -360,26 +413,29 @@ btf_result enc_fit_texel(enc_fit_workspace *workspace, const enc_fit_samples *sa
     if (result != BTF_OK) {
         return result;
     }
-    if (!(best.cost < p.diffuse_cost * (1 - 1e-6))) {
-        memset(&best, 0, sizeof best);
-        best.cost = fmax(p.diffuse_cost, 0);
-        best.diffuse = 1;
-        for (int c = 0; c < 3; c++) {
-            best.colour[c][0] = p.diffuse_colour[c];
-        }
-        out_result->diffuse = true;
-        out_result->dead_lobes = p.lobes;
-    } else {
+    bool diffuse = !(best.cost < p.diffuse_cost * (1 - 1e-6));
+    if (!diffuse) {
         p.best = best;
         while (enc_fit_drop_idle_lobe(&p)) {
             out_result->dead_lobes++;
         }
         best = p.best;
+        if (store(&p, &best, out_parameters)) {
+            /* Out of the file's range: what is left of the lobes has to pay all the same. */
+            best.cost = stored_cost(&p, out_parameters);
+            float plain[3 + 7 * ENC_MAX_LOBES];
+            const enc_fit_solution without = diffuse_solution(&p);
+            store(&p, &without, plain);
+            diffuse = !(best.cost < stored_cost(&p, plain));
+        }
     }
-    if (p.rgb) {
-        store_rgb(&p, &best, out_parameters);
-    } else {
-        store_one_colour(&p, &best, out_parameters);
+    if (diffuse) {
+        best = diffuse_solution(&p);
+        out_result->diffuse = true;
+        out_result->dead_lobes = p.lobes;
+        if (store(&p, &best, out_parameters)) {
+            best.cost = stored_cost(&p, out_parameters);
+        }
     }
     out_result->cost = best.cost * p.scale * p.scale;
     out_result->evaluations = p.evaluations;

@@ -2,7 +2,7 @@
 # Builds and runs every test on a Debian 12 machine, installing what is missing (as root).
 # The last line is "N passed, N failed, N skipped"; the exit code is 0 when nothing failed.
 #
-#   tests/run.sh          all tests of the release build, then all unit tests under the sanitizers
+#   tests/run.sh          all tests of the release build, then all unit and stability tests under the sanitizers
 #   tests/run.sh --long   the same with the long conformance, variant and exhaustive runs
 #
 # SPDX-License-Identifier: MIT
@@ -46,6 +46,6 @@ fi
 
 build "$root/build-sanitize" -Dwerror=true -Dbuildtype=debugoptimized -Db_sanitize=address,undefined -Db_lundef=false
 export ASAN_OPTIONS=detect_leaks=1:abort_on_error=0 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
-run_suite "$root/build-sanitize" --suite unit --no-suite long --timeout-multiplier 5
+run_suite "$root/build-sanitize" --suite unit --suite stability --no-suite long --timeout-multiplier 5
 
 exec python3 "$root/tests/summary.py" "${logs[@]}"

@@ -1,0 +1,24 @@
+/* The lines that the stability tests print and tests/stability/README.md is made of (see table.py).
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_TESTS_STABILITY_CASES_H
+#define OPENBTF_TESTS_STABILITY_CASES_H
+
+#include <stdbool.h>
+
+/* What the program is about, one sentence: the heading's text in the table. */
+void cases_title(const char *title);
+
+/* One case: what goes in, what has to come out (both the same in every run, the input unique within the
+ * program), whether it did, and in printf style what was seen. No '|' in any of them. */
+void cases_add(const char *input, const char *expected, bool passed, const char *seen_format, ...)
+    __attribute__((format(printf, 4, 5)));
+
+/* A case that this machine cannot run, with the reason. */
+void cases_skip(const char *input, const char *expected, const char *reason);
+
+/* For main: 0 when every case passed and there was one, else 1. */
+int cases_result(void);
+
+#endif
