@@ -4,6 +4,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "internal.h"
+#include "temporary.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -47,28 +48,17 @@ static btf_result write_special(const btf_log *log, const char *path, const void
 
 /* A regular file, or one that does not exist yet. */
 static btf_result write_regular(const btf_log *log, const char *path, const void *data, size_t size) {
-    size_t room = strlen(path) + 40;
-    char *temporary = malloc(room);
-    if (!temporary)
-        return btfi_fail(log, BTF_ERROR_MEMORY, "out of memory");
-    int fd = -1;
-    for (int i = 0; i < 100 && fd < 0; i++) {
-        snprintf(temporary, room, "%s.%ld-%d.part", path, (long)getpid(), i);
-        fd = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (fd < 0 && errno != EEXIST)
-            break;
+    char *temporary = NULL;
+    const int fd = btfi_temporary_create(path, &temporary);
+    if (fd < 0)
+        return fail_io(log, path, errno);
+    int error = 0;
+    if (!write_data(fd, data, size) || (fsync(fd) != 0 && errno != EINVAL && errno != EROFS) ||
+        rename(temporary, path) != 0) {
+        error = errno;
+        unlink(temporary);
     }
-    int error = fd < 0 ? errno : 0;
-    if (fd >= 0) {
-        if (!write_data(fd, data, size) || (fsync(fd) != 0 && errno != EINVAL && errno != EROFS))
-            error = errno;
-        if (close(fd) != 0 && !error)
-            error = errno;
-        if (!error && rename(temporary, path) != 0)
-            error = errno;
-        if (error)
-            unlink(temporary);
-    }
+    close(fd); /* what it could say, fsync has said */
     free(temporary);
     return error ? fail_io(log, path, error) : BTF_OK;
 }

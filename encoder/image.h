@@ -20,7 +20,9 @@ typedef struct enc_image {
     void *pixels; /* malloc'ed */
 } enc_image;
 
-enum { ENC_IMAGE_MAX_PIXELS = 1 << 28 };
+#ifndef ENC_IMAGE_MAX_PIXELS /* fuzzers take less */
+#define ENC_IMAGE_MAX_PIXELS ((size_t)1 << 28)
+#endif
 
 /* Decodes by content, not by name. A truncated or damaged file is an error. On failure
  * message[message_size] says what was wrong. Thread-safe. Errors: BTF_ERROR_BAD_FILE,

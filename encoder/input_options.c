@@ -4,7 +4,8 @@
  */
 #include "input_options.h"
 
-#include <stdio.h>
+#include <ctype.h>
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -40,10 +41,16 @@ const char *enc_parse_colour(const char *text, void *options) {
 
 const char *enc_parse_crop(const char *text, void *options) {
     enc_read_options *r = options;
-    int c[4], length = 0;
-    if (sscanf(text, "%d,%d,%d,%d%n", &c[0], &c[1], &c[2], &c[3], &length) != 4 || text[length] != 0 || c[0] < 0 ||
-        c[1] < 0 || c[2] < 1 || c[3] < 1) {
-        return "X,Y,W,H in pixels: X and Y at least 0, W and H at least 1";
+    int c[4];
+    const char *at = text;
+    for (int i = 0; i < 4; i++) {
+        char *end;
+        const long value = isdigit((unsigned char)*at) ? strtol(at, &end, 10) : -1;
+        if (value < (i < 2 ? 0 : 1) || value > INT_MAX || *end != (i < 3 ? ',' : '\0')) {
+            return "X,Y,W,H in pixels: X and Y at least 0, W and H at least 1";
+        }
+        c[i] = (int)value;
+        at = end + 1;
     }
     memcpy(r->crop, c, sizeof c);
     return NULL;

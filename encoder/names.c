@@ -24,14 +24,18 @@ static const char *end_without_extension(const char *begin, const char *end) {
     return end;
 }
 
-/* Reads digits[.digits] at *p; at most MAX_DIGITS of each count. No locale has a say. */
+/* Reads digits[.digits] at *p: at most MAX_DIGITS before the point, leading zeros aside, and as many that count
+ * behind it. No locale has a say. */
 static bool read_number(const char **p, const char *end, double *out) {
     const char *s = *p;
     if (s == end || !isdigit((unsigned char)*s))
         return false;
     double value = 0.0, divisor = 1.0;
-    for (; s < end && isdigit((unsigned char)*s); s++)
+    for (int digits = 0; s < end && isdigit((unsigned char)*s); s++) {
         value = value * 10.0 + (*s - '0');
+        if (value > 0.0 && digits++ == MAX_DIGITS)
+            return false;
+    }
     if (s + 1 < end && *s == '.' && isdigit((unsigned char)s[1])) {
         int digits = 0;
         for (s++; s < end && isdigit((unsigned char)*s); s++) {

@@ -8,7 +8,9 @@
 #include "context.h"
 
 /* No image file may be larger, nor may there be more files in all, image or not. */
+#ifndef ENC_SOURCE_MAX_FILE /* fuzzers take less */
 #define ENC_SOURCE_MAX_FILE ((size_t)1 << 30)
+#endif
 #define ENC_SOURCE_MAX_ENTRIES ((size_t)1 << 22)
 
 typedef struct enc_source enc_source;

@@ -1,13 +1,11 @@
 /* Writing a file so that it is either whole or absent: to a temporary name beside it, then a rename.
  *
- * A temporary file is locked (flock) for as long as its writer lives, so one that can be locked is stale.
- *
  * SPDX-License-Identifier: MIT
  */
 #include "output.h"
 
-#include <ctype.h>
-#include <dirent.h>
+#include "decoder/temporary.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -18,7 +16,6 @@
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -34,7 +31,6 @@ struct output {
 
 /* The temporary files that exist now, for exit and signal handlers. */
 static _Atomic(char *) live[MAX_LIVE];
-static atomic_uint serial;
 
 static btf_result fail(btf_log log, const char *format, ...) __attribute__((format(printf, 2, 3)));
 static btf_result fail(btf_log log, const char *format, ...) {
@@ -92,71 +88,6 @@ static void live_remove(int slot) {
         atomic_store(&live[slot], NULL);
 }
 
-/* Splits a path into its directory ("." when it names none, "/" kept) and the name within it. */
-static char *directory_of(const char *path, const char **out_name) {
-    const char *slash = strrchr(path, '/');
-    *out_name = slash ? slash + 1 : path;
-    if (!slash)
-        return strdup(".");
-    return strndup(path, slash == path ? 1 : (size_t)(slash - path));
-}
-
-/* Whether `entry` reads ".NAME.<digits>-<digits>.tmp". */
-static bool is_temporary_of(const char *entry, const char *name) {
-    const size_t length = strlen(name);
-    if (entry[0] != '.' || strncmp(entry + 1, name, length) != 0 || entry[1 + length] != '.')
-        return false;
-    const char *p = entry + length + 2;
-    for (int part = 0; part < 2; part++) {
-        if (!isdigit((unsigned char)*p))
-            return false;
-        while (isdigit((unsigned char)*p))
-            p++;
-        if (part == 0 && *p++ != '-')
-            return false;
-    }
-    return strcmp(p, ".tmp") == 0;
-}
-
-static void remove_stale(const char *directory, const char *name) {
-    DIR *listing = opendir(directory);
-    if (!listing)
-        return;
-    for (struct dirent *entry; (entry = readdir(listing));) {
-        if (!is_temporary_of(entry->d_name, name))
-            continue;
-        const int fd = openat(dirfd(listing), entry->d_name, O_RDWR | O_CLOEXEC | O_NOFOLLOW);
-        if (fd < 0)
-            continue;
-        if (flock(fd, LOCK_EX | LOCK_NB) == 0)
-            unlinkat(dirfd(listing), entry->d_name, 0);
-        close(fd);
-    }
-    closedir(listing);
-}
-
-/* Creates and locks a new temporary file. Between the two steps another process may take it for a stale
- * one, so that the name is checked again once the lock is held. */
-static int create_temporary(char *buffer, size_t size, const char *directory, const char *name) {
-    for (int attempt = 0; attempt < 100; attempt++) {
-        snprintf(buffer, size, "%s/.%s.%ld-%u.tmp", directory, name, (long)getpid(),
-                 atomic_fetch_add(&serial, 1));
-        const int fd = open(buffer, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (fd < 0) {
-            if (errno == EEXIST)
-                continue;
-            return -1;
-        }
-        struct stat status;
-        flock(fd, LOCK_EX | LOCK_NB);
-        if (fstat(fd, &status) == 0 && status.st_nlink > 0)
-            return fd;
-        close(fd);
-    }
-    errno = EEXIST;
-    return -1;
-}
-
 static void output_free(output *file) {
     if (file->stream)
         fclose(file->stream);
@@ -172,7 +103,6 @@ btf_result output_open(const char *path, btf_log log, output **out_output) {
     *out_output = NULL;
 
     btf_result result = BTF_ERROR_MEMORY;
-    char *directory = NULL;
     int fd = -1;
     output *file = calloc(1, sizeof *file);
     if (!file)
@@ -198,20 +128,10 @@ btf_result output_open(const char *path, btf_log log, output **out_output) {
             goto fail;
         }
     } else {
-        const char *name;
-        directory = directory_of(file->path, &name);
-        const size_t size = strlen(file->path) + 64;
-        file->temporary = malloc(size);
-        if (!directory || !file->temporary)
-            goto fail;
-        if (!*name) {
-            result = fail(log, "%s: cannot write: no file name", path);
-            goto fail;
-        }
-        remove_stale(directory, name);
-        fd = create_temporary(file->temporary, size, directory, name);
+        fd = btfi_temporary_create(file->path, &file->temporary);
         if (fd < 0) {
-            result = fail(log, "%s: cannot create a file in %s: %s", path, directory, strerror(errno));
+            if (errno != ENOMEM)
+                result = fail(log, "%s: cannot write: %s", path, strerror(errno));
             goto fail;
         }
         file->slot = live_add(file->temporary);
@@ -219,7 +139,6 @@ btf_result output_open(const char *path, btf_log log, output **out_output) {
     file->stream = fdopen(fd, "wb");
     if (!file->stream)
         goto fail;
-    free(directory);
     *out_output = file;
     return BTF_OK;
 
@@ -230,7 +149,6 @@ fail:
             unlink(file->temporary);
     }
     live_remove(file->slot);
-    free(directory);
     output_free(file);
     return result;
 }

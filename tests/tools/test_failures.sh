@@ -31,6 +31,9 @@ head -c 200 "$image" >cut.png && mv cut.png "$image"
 expect "a truncated image" 3 btf-encode cut -o x.btf.exr
 expect_text "names the image" "tl040 pl120 tv040 pv060" err
 expect "a crop beyond the image" 1 btf-encode data -o x.btf.exr --crop 10,10,10,10
+for crop in 4294967297,0,1,1 0,0,0,1 1,2,3 1,2,3,4,5 ' 1,2,3,4' 1,,3,4 -1,0,1,1; do
+    expect "no crop: '$crop'" 1 btf-encode data -o x.btf.exr --crop "$crop"
+done
 for option in --report --pictures; do
     expect "no folder for $option" 2 btf-encode data -o early.btf.exr --method paper -q $option no/such/folder/x
     expect_text "$option: the path is named" "no/such/folder/x" err

@@ -44,9 +44,10 @@ static int64_t read_bytes(exr_const_context_t context, void *user, void *buffer,
     (void)context;
     (void)fail;
     const memory *m = user;
-    must(offset + size <= m->size, "read beyond the end");
-    memcpy(buffer, m->data + offset, size);
-    return (int64_t)size;
+    must(offset <= m->size, "read beyond the end");
+    const uint64_t count = size < m->size - offset ? size : m->size - offset; /* the header is read in blocks */
+    memcpy(buffer, m->data + offset, count);
+    return (int64_t)count;
 }
 
 static int64_t memory_size(exr_const_context_t context, void *user) {

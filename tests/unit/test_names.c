@@ -78,6 +78,8 @@ static void test_refused(void **state) {
     expect_none("tl000 pl000 tv030.jpg");
     expect_none("00008.jpg");
     expect_none("tl pl tv pv.jpg");
+    expect_none("tl1234567890 pl2 tv3 pv4.jpg"); /* no angle has ten digits */
+    expect("tl00000000000001 pl2 tv3 pv4.jpg", 1, 2, 3, 4);
     expect_none("atl1 bpl2 ctv3 dpv4.jpg");                 /* letters before the key */
     expect_none("tl1 pl2 tv3 pv4 tl5.jpg");                 /* two values */
     expect_none("tl1 pl2 tv3 .pv4");                        /* that is the extension */

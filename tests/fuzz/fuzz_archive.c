@@ -1,0 +1,40 @@
+/* Fuzz target: an archive of images from bytes, listed and read through. tests/fuzz/run.sh bounds a file in
+ * it to 1 MiB, so that a few bytes that stand for a gigabyte do not take all the time.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "fuzz.h"
+
+#include "encoder/source.h"
+
+#include <sys/mman.h>
+#include <unistd.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+    static int fd = -1;
+    static char path[64];
+    if (fd < 0) {
+        fd = memfd_create("archive", MFD_CLOEXEC);
+        FUZZ_CHECK(fd >= 0);
+        snprintf(path, sizeof path, "/proc/self/fd/%d", fd);
+    }
+    FUZZ_CHECK(ftruncate(fd, 0) == 0);
+    FUZZ_CHECK(pwrite(fd, data, size, 0) == (ssize_t)size);
+    const enc_context context = {.threads = 1};
+    enc_source *source = NULL;
+    if (enc_source_open_archive(&context, path, &source) != BTF_OK)
+        return 0;
+    for (size_t i = 0; i < source->count; i++) {
+        char message[160] = "";
+        void *bytes = NULL;
+        size_t length = 0;
+        const btf_result result = source->read(source, i, &bytes, &length, message, sizeof message);
+        FUZZ_CHECK((result == BTF_OK) == (bytes != NULL));
+        FUZZ_CHECK(length <= ENC_SOURCE_MAX_FILE);
+        free(bytes);
+        if (result != BTF_OK)
+            break;
+    }
+    enc_source_close(&source);
+    return 0;
+}

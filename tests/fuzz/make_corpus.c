@@ -1,0 +1,160 @@
+/* Writes the small seeds of the fuzz targets: make_corpus FOLDER. What the fuzzers found was added by hand.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "tests/unit/exr_edit.h"
+#include "tests/unit/random_material.h"
+
+#include "decoder/tools/exr_image.h"
+#include "decoder/tools/jpeg_image.h"
+#include "decoder/tools/png_image.h"
+
+#include <archive.h>
+#include <archive_entry.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static const char *folder;
+
+static void must(bool good, const char *what) {
+    if (!good) {
+        fprintf(stderr, "make_corpus: %s\n", what);
+        exit(1);
+    }
+}
+
+static const char *path_of(const char *target, const char *name) {
+    static char path[4096];
+    snprintf(path, sizeof path, "%s/%s", folder, target);
+    mkdir(path, 0777);
+    snprintf(path, sizeof path, "%s/%s/%s", folder, target, name);
+    return path;
+}
+
+static void write_seed(const char *target, const char *name, const void *data, size_t size) {
+    FILE *file = fopen(path_of(target, name), "wb");
+    must(file && fwrite(data, 1, size, file) == size && fclose(file) == 0, "cannot write");
+}
+
+static void write_text(const char *target, const char *name, const char *text) {
+    write_seed(target, name, text, strlen(text));
+}
+
+/* A random material of 2 x 2 texels, as saved and with its pixels uncompressed. */
+static void write_material(const char *name, btf_layout layout, btf_colour colour, uint32_t effects,
+                           bool half) {
+    random_state r = {7};
+    btf_material_desc desc = random_material_desc(2, 2, 3, 2, layout, effects);
+    desc.info.colour = colour;
+    desc.info.half_float = half;
+    desc.info.lobes = colour == BTF_COLOUR_NONE ? 0 : 1;
+    desc.info.components = effects & BTF_EFFECT_RESIDUAL ? 2 : 0;
+    desc.info.centres = effects & BTF_EFFECT_HIDDEN ? 3 : 0;
+    random_material_fill(&r, &desc);
+    btf_material *material;
+    void *data, *plain;
+    size_t size, plain_size;
+    must(btf_material_create(&desc, NULL, &material) == BTF_OK, "a material cannot be made");
+    must(btf_material_save_memory(material, NULL, &data, &size) == BTF_OK, "a material cannot be saved");
+    char file[64];
+    snprintf(file, sizeof file, "%s.exr", name);
+    write_seed("material", file, data, size);
+    edit_file *edit = edit_load(data, size);
+    for (int p = 0; p < edit->part_count; p++)
+        edit->parts[p].compression = EXR_COMPRESSION_NONE;
+    edit_save(edit, &plain, &plain_size);
+    snprintf(file, sizeof file, "%s-plain.exr", name);
+    write_seed("material", file, plain, plain_size);
+    free(plain);
+    edit_free(edit);
+    btf_free(data);
+    btf_material_close(&material);
+    random_material_free(&desc);
+}
+
+static void write_materials(void) {
+    const uint32_t all = BTF_EFFECT_ALL, paper = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN;
+    write_material("paper", BTF_LAYOUT_PAPER, BTF_COLOUR_MONO, paper, false);
+    write_material("tight", BTF_LAYOUT_TIGHT, BTF_COLOUR_RGB, all, true);
+    write_material("residual", BTF_LAYOUT_TIGHT, BTF_COLOUR_NONE, BTF_EFFECT_RESIDUAL | BTF_EFFECT_SHIFT,
+                   false);
+}
+
+static void write_images(void) {
+    enum { W = 6, H = 5 };
+    unsigned char rgb[W * H * 3];
+    unsigned short deep[W * H * 3];
+    float real[W * H * 3];
+    const btf_log quiet = {0};
+    for (int i = 0; i < W * H * 3; i++) {
+        rgb[i] = (unsigned char)(i * 37);
+        deep[i] = (unsigned short)(i * 1237);
+        real[i] = (float)i * 0.125f;
+    }
+    must(jpeg_image_write(path_of("jpeg", "rgb.jpg"), W, H, rgb, 80, quiet) == BTF_OK, "JPEG");
+    must(png_image_write8(path_of("png", "8.png"), W, H, rgb, quiet) == BTF_OK, "PNG");
+    must(png_image_write16(path_of("png", "16.png"), W, H, deep, quiet) == BTF_OK, "PNG");
+    must(exr_image_write(path_of("exr", "half.exr"), W, H, real, true, quiet) == BTF_OK, "EXR");
+    must(exr_image_write(path_of("exr", "float.exr"), W, H, real, false, quiet) == BTF_OK, "EXR");
+    static const char hdr[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\nEXPOSURE=2\n\n-Y 2 +X 8\n"
+                              "\2\2\0\10\210\60\210\61\210\62\210\200"
+                              "\2\2\0\10\10abcdefgh\210\61\10ABCDEFGH\210\201";
+    static const char flat[] = "#?RGBE\r\n\n+Y 1 +X 3\nabc\200\1\1\1\2";
+    write_seed("hdr", "runs.hdr", hdr, sizeof hdr - 1);
+    write_seed("hdr", "flat.hdr", flat, sizeof flat - 1);
+}
+
+static void add_entry(struct archive *a, const char *name, const void *data, size_t size) {
+    struct archive_entry *entry = archive_entry_new();
+    archive_entry_set_pathname(entry, name);
+    archive_entry_set_size(entry, (la_int64_t)size);
+    archive_entry_set_filetype(entry, AE_IFREG);
+    archive_entry_set_perm(entry, 0644);
+    must(archive_write_header(a, entry) == ARCHIVE_OK, "archive");
+    must(archive_write_data(a, data, size) == (la_ssize_t)size, "archive");
+    archive_entry_free(entry);
+}
+
+static void write_archive(const char *name, int (*format)(struct archive *),
+                          int (*filter)(struct archive *)) {
+    struct archive *a = archive_write_new();
+    must(a && format(a) == ARCHIVE_OK && (!filter || filter(a) == ARCHIVE_OK), "archive");
+    archive_write_set_bytes_in_last_block(a, 1);
+    must(archive_write_open_filename(a, path_of("archive", name)) == ARCHIVE_OK, "archive");
+    add_entry(a, "tv0 pv0/tl0 pl0.png", "first", 5);
+    add_entry(a, "../tv0 pv0/tl30 pl60.png", "second second second second", 27);
+    add_entry(a, "readme.txt", "words", 5);
+    must(archive_write_free(a) == ARCHIVE_OK, "archive");
+}
+
+static void write_words(void) {
+    write_text("names", "ubo", "UBO_IMPALLA256/tv030_pv060/00008 tl000 pl000 tv030 pv060.jpg");
+    write_text("names", "folders", "/a/tv7.5-pl_-30/../TL=015 PL=359.999.EXR");
+    write_text("names", "long",
+               "tl12345678901e3pl0000000000000000000000000000000000000000000001tv.5pv5.tl1.jpeg");
+    write_text("options", "all",
+               "in\n-o\nout\n-q\n--number=12\n--choice\nmedium\n--size\n64x32\n--real=0.5e3\n--bytes=2."
+               "5Gi\n--view\n30,-120\n"
+               "--effects=shadow,gain\n--auto\nauto\n--transfer=gamma:2.2\n--colour\nxyz\n--crop\n1,2,3,"
+               "4\n--\n-x");
+    write_text("options", "help", "--help");
+    write_text("options", "rings", "0:1,30:6:15,60:12\nubo\n200\ntiny");
+    write_text("options", "wrong", "--number=99999999999999999999\n--size=3x\n--crop=4294967297,0,1,1");
+}
+
+int main(int argc, char **argv) {
+    must(argc == 2, "usage: make_corpus FOLDER");
+    folder = argv[1];
+    mkdir(folder, 0777);
+    write_materials();
+    write_images();
+    write_archive("zip", archive_write_set_format_zip, NULL);
+    write_archive("tar.gz", archive_write_set_format_pax_restricted, archive_write_add_filter_gzip);
+    write_archive("tar", archive_write_set_format_ustar, NULL);
+    write_archive("7z", archive_write_set_format_7zip, NULL);
+    write_words();
+    return 0;
+}

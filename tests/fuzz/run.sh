@@ -1,0 +1,66 @@
+#!/bin/bash
+# Fuzzes one target with libFuzzer under AddressSanitizer and UBSan, from its corpus; needs clang.
+#
+#   tests/fuzz/run.sh TARGET SECONDS [FOLDER]
+#
+# TARGET: material names options jpeg png hdr exr archive. FOLDER (default build-fuzz) takes the program and what it
+# finds: FOLDER/TARGET/found/ holds an input for each finding, FOLDER/TARGET/corpus/ what it learnt. The last lines say
+# how many executions there were, what they covered and what core time they took. Exits 1 on a finding.
+#
+# SPDX-License-Identifier: MIT
+set -eu
+cd "$(dirname "$0")/../.."
+if [ $# -lt 2 ]; then
+    sed -n '2,9s/^# \{0,1\}//p' tests/fuzz/run.sh >&2
+    exit 1
+fi
+target=$1 seconds=$2 folder=${3:-build-fuzz}/$1
+version=$(pkg-config --modversion OpenEXR)
+core=$(ls decoder/*.c | grep -v -e /gl -e /shader_source)
+images="encoder/image.c encoder/image_hdr.c encoder/context.c $(echo decoder/tools/{exr,jpeg,png}_image.c) decoder/tools/output.c
+        decoder/tools/progress.c decoder/result.c decoder/temporary.c"
+libraries="$(pkg-config --cflags --libs-only-L OpenEXR) -lm"
+most=4096
+case $target in
+material)
+    sources="tests/fuzz/fuzz_material.c tests/fuzz/mutate_exr.c $core $(ls reference/*.c) decoder/tools/reference_view.c"
+    libraries+=" -lOpenEXRCore"
+    most=16384
+    ;;
+names)
+    sources="tests/fuzz/fuzz_names.c encoder/names.c"
+    most=2048
+    ;;
+options)
+    sources="tests/fuzz/fuzz_options.c decoder/tools/cli.c encoder/input_options.c tests/sample/directions.c encoder/context.c
+             encoder/data.c decoder/tools/progress.c decoder/tools/output.c decoder/result.c decoder/temporary.c $(ls reference/*.c)"
+    most=1024
+    ;;
+jpeg | png | hdr | exr)
+    sources="tests/fuzz/fuzz_image.c tests/fuzz/mutate_exr.c tests/fuzz/mutate_png.c $images"
+    libraries+=" -DFUZZ_IMAGE=FUZZ_${target^^} -DENC_IMAGE_MAX_PIXELS=((size_t)1<<20) -lOpenEXRCore -lpng -ljpeg -lz"
+    ;;
+archive)
+    sources="tests/fuzz/fuzz_archive.c encoder/source.c encoder/source_archive.c encoder/source_dir.c encoder/names.c encoder/context.c
+             decoder/tools/progress.c decoder/tools/output.c decoder/result.c decoder/temporary.c"
+    libraries+=" -DENC_SOURCE_MAX_FILE=((size_t)1<<20) -larchive"
+    ;;
+*)
+    echo "tests/fuzz/run.sh: unknown target '$target'" >&2
+    exit 1
+    ;;
+esac
+mkdir -p "$folder/corpus" "$folder/found"
+# shellcheck disable=SC2086
+clang -std=c11 -D_GNU_SOURCE -DOPENBTF_VERSION='"fuzz"' -O1 -g -ffp-contract=off -fno-omit-frame-pointer \
+    -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=undefined -I. -Idecoder -Idecoder/tools \
+    -Idecoder/include -Ireference $sources $libraries -o "$folder/fuzz"
+echo "OpenEXR $version, $(clang --version | head -1)"
+set +e
+ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1 UBSAN_OPTIONS=print_stacktrace=1 \
+    bash -c 'time "$@"' - "$folder/fuzz" -max_total_time="$seconds" -max_len=$most -timeout=20 -rss_limit_mb=6000 \
+    -malloc_limit_mb=5000 -close_fd_mask=3 -print_final_stats=1 -artifact_prefix="$folder/found/" \
+    "$folder/corpus" "tests/fuzz/corpus/$target" >"$folder/log" 2>&1
+code=$?
+grep -E '#[0-9]+.*(DONE|INITED)|^stat::|ERROR|SUMMARY|not so|^(real|user|sys)' "$folder/log" | tail -20
+[ $code = 0 ]
