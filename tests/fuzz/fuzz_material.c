@@ -23,15 +23,19 @@ static void decode_some(const btf_material *material) {
     static const float directions[][3] = {
         {0, 0, 1}, {0.6f, 0, 0.8f}, {-0.48f, 0.64f, 0.6f}, {0.1f, -0.99f, 0.1f}};
     enum { COUNT = sizeof directions / sizeof *directions };
-    btf_ref_material view;
-    reference_view(material, &view);
+    btf_material_info info = {.struct_size = sizeof info};
+    FUZZ_CHECK(btf_material_get_info(material, &info) == BTF_OK);
+    FUZZ_CHECK(info.levels >= 1 && info.levels <= BTF_MAX_LEVELS);
+    btf_ref_material views[BTF_MAX_LEVELS];
+    for (uint32_t level = 0; level < info.levels; level++)
+        reference_view(material, level, &views[level]);
     for (int i = 0; i < COUNT * COUNT; i++) {
         const btf_ref_options options = {i % 3 ? BTF_EFFECT_ALL : (uint32_t)i, i % 5 ? UINT32_MAX : 1,
                                          i % 2 ? BTF_REF_LINEAR : BTF_REF_NEAREST,
                                          i % 7 ? BTF_REF_BILINEAR : BTF_REF_TEXEL};
         float rgb[3];
-        btf_ref_evaluate(&view, &options, 0.31f * (float)i, -0.17f * (float)i, directions[i / COUNT],
-                         directions[i % COUNT], rgb);
+        btf_ref_evaluate(&views[(uint32_t)i % info.levels], &options, 0.31f * (float)i, -0.17f * (float)i,
+                         directions[i / COUNT], directions[i % COUNT], rgb);
         for (int c = 0; c < 3; c++)
             FUZZ_CHECK(isfinite(rgb[c]) && rgb[c] >= 0);
     }

@@ -51,6 +51,10 @@ static void write_material(const char *name, btf_layout layout, btf_colour colou
     desc.info.colour = colour;
     desc.info.half_float = half;
     desc.info.lobes = colour == BTF_COLOUR_NONE ? 0 : 1;
+    desc.info.levels = layout == BTF_LAYOUT_TIGHT ? 2 : 1;
+    const btf_level_error level_errors[2] = {{0, 30, 28, 100}, {1, 31, 29, 30}};
+    desc.level_errors = level_errors;
+    desc.level_error_count = desc.info.levels;
     desc.info.components = effects & BTF_EFFECT_RESIDUAL ? 2 : 0;
     desc.info.centres = effects & BTF_EFFECT_HIDDEN ? 3 : 0;
     random_material_fill(&r, &desc);
