@@ -169,6 +169,7 @@ static exr_result_t write_attributes(exr_context_t context, const btf_material *
     if (info->levels > 1)
         put_int(&h, "openbtf.levels", info->levels);
     put_level_errors(&h, m);
+    put_floats(&h, "openbtf.effectErrors", m->effect_errors, m->effect_error_count);
     return h.result;
 }
 

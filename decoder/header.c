@@ -258,6 +258,25 @@ static void get_level_errors(reader *r, btf_material *m) {
                                         m->level_errors, m->level_error_count);
 }
 
+static void get_effect_errors(reader *r, btf_material *m) {
+    const char *const name = "openbtf.effectErrors";
+    size_t count;
+    const float *values = get_floats(r, name, false, 1, 1 << 20, &count);
+    if (!values)
+        return;
+    r->result =
+        btfi_check_effect_errors(&(btfi_check){r->log, BTF_ERROR_BAD_FILE}, &m->info, values, count);
+    if (r->result)
+        return;
+    m->effect_errors = malloc(count * sizeof *values);
+    if (!m->effect_errors) {
+        out_of_memory(r, name);
+        return;
+    }
+    memcpy(m->effect_errors, values, count * sizeof *values);
+    m->effect_error_count = count;
+}
+
 static void get_scales(reader *r, uint32_t components, float **out_scales) {
     const char *const name = "openbtf.residualScales";
     size_t count;
@@ -329,5 +348,6 @@ btf_result btfi_header_read(exr_const_context_t context, const btf_log *log, btf
     m->source = get_provenance(&r, "openbtf.source");
     get_errors(&r, m);
     get_level_errors(&r, m);
+    get_effect_errors(&r, m);
     return r.result;
 }

@@ -43,6 +43,8 @@ struct btf_material {
     size_t error_count;
     btf_level_error *level_errors;
     size_t level_error_count;
+    float *effect_errors; /* attribute openbtf.effectErrors */
+    size_t effect_error_count;
 };
 
 /* Where a check reports, and the code that a failure has: BTF_ERROR_BAD_FILE when reading, BTF_ERROR_USAGE
@@ -133,6 +135,13 @@ btf_result btfi_check_values(const btfi_check *check, const btf_material_info *i
 btf_result btfi_check_errors(const btfi_check *check, const btf_material_error *errors, size_t count);
 btf_result btfi_check_level_errors(const btfi_check *check, uint32_t levels, const btf_level_error *errors,
                                    size_t count);
+
+/* effect_errors.c ----------------------------------------------------------------------------------------
+ */
+
+/* Checks the numbers of the attribute openbtf.effectErrors against a (checked) info. */
+btf_result btfi_check_effect_errors(const btfi_check *check, const btf_material_info *info, const float *values,
+                                    size_t count);
 
 /* material.c ---------------------------------------------------------------------------------------------
  */

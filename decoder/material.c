@@ -49,6 +49,7 @@ void btf_material_close(btf_material **material) {
     btfi_directions_clear(&m->lights);
     free(m->errors);
     free(m->level_errors);
+    free(m->effect_errors);
     free(m->method);
     free(m->options);
     free(m->source);
@@ -205,6 +206,9 @@ static btf_result copy_provenance(const btf_material_desc *desc, const btf_log *
     m->level_errors =
         copy_rows(desc->level_errors, desc->level_error_count, sizeof *m->level_errors, &good);
     m->level_error_count = desc->level_error_count;
+    m->effect_errors =
+        copy_rows(desc->effect_errors, desc->effect_error_count, sizeof *m->effect_errors, &good);
+    m->effect_error_count = desc->effect_error_count;
     if (!good)
         return btfi_fail(log, BTF_ERROR_MEMORY, "out of memory for the material's provenance");
     return BTF_OK;
@@ -224,6 +228,9 @@ btf_result btf_material_create(const btf_material_desc *desc, const btf_log *log
     if (desc->level_error_count && !desc->level_errors)
         return btfi_fail(log, BTF_ERROR_USAGE, "level errors: %zu rows, but no data",
                          desc->level_error_count);
+    if (desc->effect_error_count && !desc->effect_errors)
+        return btfi_fail(log, BTF_ERROR_USAGE, "effect errors: %zu numbers, but no data",
+                         desc->effect_error_count);
     btf_material_info info = desc->info;
     info.levels = info.levels ? info.levels : 1;
     info.half_float = info.half_float && info.colour != BTF_COLOUR_NONE;
@@ -242,6 +249,8 @@ btf_result btf_material_create(const btf_material_desc *desc, const btf_log *log
         (result = btfi_check_errors(&check, desc->errors, desc->error_count)) ||
         (result = btfi_check_level_errors(&check, m->info.levels, desc->level_errors,
                                           desc->level_error_count)) ||
+        (result =
+             btfi_check_effect_errors(&check, &m->info, desc->effect_errors, desc->effect_error_count)) ||
         (result = copy_provenance(desc, log, m))) {
         btf_material_close(&m);
         return result;

@@ -5,6 +5,7 @@
 #include "job.h"
 
 #include "decoder/tools/output.h"
+#include "effect_errors.h"
 #include "montage.h"
 #include "pack.h"
 #include "pictures.h"
@@ -108,6 +109,7 @@ static btf_result analyse(const enc_context *context, const enc_job *job, job_st
 static btf_result pack_and_measure(const enc_context *context, const enc_job *job, job_state *s,
                                    enc_report *report) {
     btf_material_error rows[2 * ENC_REPORT_STEPS];
+    float *effect_errors = NULL;
     enc_pack_options options = {.layout = job->layout,
                                 .half_float = job->half_float,
                                 .method = report->method,
@@ -121,11 +123,16 @@ static btf_result pack_and_measure(const enc_context *context, const enc_job *jo
         result = enc_report_measure(context, s->data, &s->stored, s->material, report);
     }
     if (result == BTF_OK) {
+        result = enc_effect_errors(context, s->data, s->material, &effect_errors, &options.effect_error_count);
+    }
+    if (result == BTF_OK) {
+        options.effect_errors = effect_errors;
         options.errors = rows;
         options.error_count = enc_report_errors(report, rows);
         btf_material_close(&s->material);
         result = enc_pack(context, s->data, &s->found, &options, &s->material);
     }
+    free(effect_errors);
     report->material = s->material;
     return result;
 }

@@ -247,6 +247,8 @@ btf_result enc_pack(const enc_context *context, const enc_data *data, const enc_
     desc.lights = lights;
     desc.errors = options->errors;
     desc.error_count = options->error_count;
+    desc.effect_errors = options->effect_errors;
+    desc.effect_error_count = options->effect_error_count;
     result = btf_material_create(&desc, context ? &context->log : NULL, out_material);
 done:
     for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {

@@ -15,6 +15,8 @@ typedef struct enc_pack_options {
     const char *source;
     const btf_material_error *errors;
     size_t error_count;
+    const float *effect_errors; /* effect_errors.h */
+    size_t effect_error_count;
 } enc_pack_options;
 
 /* Lays the solution out in textures and makes the material. Directions come from `data`.

@@ -28,6 +28,7 @@ extern "C" {
 #define BTF_MAX_COMPONENTS 256
 #define BTF_MAX_CENTRES 65536
 #define BTF_MAX_LEVELS 15
+#define BTF_MAX_BANDS 16
 /** A white gain of the codes 1..255: 128 is 1. */
 #define BTF_GAIN_SCALE 0x1p-7f
 #define BTF_GAIN_ONE 128
@@ -140,6 +141,17 @@ typedef struct btf_level_error {
     float psnr_srgb;   /**< dB, likewise after sRGB coding */
     float gpu_bytes;   /**< of the textures that the level has for itself */
 } btf_level_error;
+/** What the encoder measured of the ways to decode, by bands of view and light elevation (FORMAT.md section 7,
+ *  openbtf.effectErrors). Row r has 4 + 2 * view_bands * light_bands numbers: btf_effect bits decoded, residual
+ *  components, 1 for nearest directions or 0 for interpolated ones, gpu bytes; then, [view band][light band], the
+ *  mean squared error of values clipped to [0, 1], linear and sRGB-coded. All 0 and NULL when there is none. */
+typedef struct btf_effect_errors {
+    uint32_t view_bands, light_bands;        /**< 1 .. BTF_MAX_BANDS */
+    const float *view_limits, *light_limits; /**< [bands + 1] theta in degrees, ascending */
+    uint32_t row_count;
+    uint32_t row_stride; /**< floats of a row */
+    const float *rows;
+} btf_effect_errors;
 
 typedef struct btf_material btf_material;
 
@@ -189,6 +201,8 @@ const btf_material_error *btf_material_errors(const btf_material *material, size
 /** @return the measured errors of the levels, *out_count rows by rising level, owned by the material; NULL when
  *  there are none. */
 const btf_level_error *btf_material_level_errors(const btf_material *material, size_t *out_count);
+/** @return what the encoder measured of the ways to decode; owned by the material. */
+btf_effect_errors btf_material_effect_errors(const btf_material *material);
 
 /** What an encoder hands over to make a material. Textures as in btf_texture, of which only `data` is read
  *  (sizes and formats follow from the rest; see btf_material_texture_shape); entries that the effects do not
@@ -205,6 +219,8 @@ typedef struct btf_material_desc {
                                                             btf_material_level_shape; row 0 is not read */
     const btf_level_error *level_errors; /**< by rising level */
     size_t level_error_count;
+    const float *effect_errors; /**< as the attribute openbtf.effectErrors holds them; NULL: none */
+    size_t effect_error_count;  /**< floats */
 } btf_material_desc;
 
 /** The shape (format, is_array, width, height, layers, size; data NULL) that a texture of a material with this

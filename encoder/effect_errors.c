@@ -1,0 +1,308 @@
+/* The errors of all ways to decode. See effect_errors.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "effect_errors.h"
+
+#include "decoder/tools/reference_view.h"
+#include "metrics.h"
+#include "report.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST_WAYS = 512, MOST_TEXELS = 512, CELL_SAMPLES = 2048, MOST_EVALUATIONS = 2000000, ROW_HEAD = 4 };
+
+#define DEGREE (3.14159265358979323846 / 180)
+
+/* Bands of elevation: limits[0 .. count], in degrees. */
+typedef struct bands {
+    int count;
+    double limit[BTF_MAX_BANDS + 1];
+} bands;
+
+/* A way to decode. */
+typedef struct way {
+    btf_ref_options options;
+    double gpu_bytes;
+} way;
+
+typedef struct job {
+    const enc_context *context;
+    const enc_data *data;
+    btf_ref_material material;
+    bands views, lights;
+    way *ways;
+    size_t n_ways, cells, texels, pairs; /* pairs: directions a texel and pair of bands */
+} job;
+
+/* One band a ring, consecutive rings together where there are more than BTF_MAX_BANDS; limits lie midway
+ * between rings, the first at the pole, the last on the outermost ring. */
+static bands make_bands(const enc_direction *directions, int count) {
+    double theta[256];
+    int ring_of[256];
+    const int rings = enc_rings(directions, count, theta, ring_of);
+    bands b = {.count = rings < BTF_MAX_BANDS ? rings : BTF_MAX_BANDS};
+    for (int i = 1; i < b.count; i++) {
+        const int first = i * rings / b.count;
+        b.limit[i] = (theta[first - 1] + theta[first]) / 2;
+    }
+    b.limit[b.count] = fmin(fmax(theta[rings - 1], b.limit[b.count - 1] + 1), 90);
+    return b;
+}
+
+/* Effects that change anything: without an SBRDF and without a residual, sources are black. */
+static uint32_t effective(const btf_material_info *info, uint32_t effects) {
+    if (info->colour == BTF_COLOUR_NONE) {
+        effects &= ~(uint32_t)BTF_EFFECT_SHADOW;
+        if (!(effects & BTF_EFFECT_RESIDUAL)) {
+            effects &= BTF_EFFECT_HIDDEN;
+        }
+    }
+    return effects;
+}
+
+static void add_way(job *j, const btf_material_info *info, uint32_t effects, uint32_t components) {
+    btf_material_info reduced = *info;
+    reduced.components = components;
+    for (int interpolation = BTF_REF_NEAREST; interpolation <= BTF_REF_LINEAR; interpolation++) {
+        j->ways[j->n_ways++] = (way){.options = {.effects = effects,
+                                                 .components = components,
+                                                 .interpolation = interpolation,
+                                                 .filter = BTF_REF_TEXEL},
+                                     .gpu_bytes = (double)enc_report_gpu_bytes(&reduced, effects)};
+    }
+}
+
+/* All subsets of the effects present; of the residual all components, three quarters, a half, ... an
+ * eighth, and 8 and 4, in whole groups of four. */
+static void make_ways(job *j, const btf_material_info *info) {
+    for (uint32_t effects = 0; effects <= info->effects; effects++) {
+        if ((effects & ~info->effects) || effective(info, effects) != effects) {
+            continue;
+        }
+        if (!(effects & BTF_EFFECT_RESIDUAL)) {
+            add_way(j, info, effects, 0);
+            continue;
+        }
+        const uint32_t k = info->components;
+        const uint32_t some[] = {k, 3 * k / 4, k / 2, 3 * k / 8, k / 4, k / 8, 8, 4};
+        uint32_t last = UINT32_MAX;
+        for (size_t i = 0; i < sizeof some / sizeof *some; i++) {
+            const uint32_t components = i == 0 ? k : (some[i] + 3) / 4 * 4;
+            if (components < last && components > 0) {
+                add_way(j, info, effects, components);
+                last = components;
+            }
+        }
+    }
+}
+
+/* A well-mixed number of 64 bits (SplitMix64). */
+static uint64_t mix(uint64_t x) {
+    x += 0x9E3779B97F4A7C15u;
+    x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
+    x = (x ^ (x >> 27)) * 0x94D049BB133111EBu;
+    return x ^ (x >> 31);
+}
+
+static double unit(uint64_t seed) {
+    return (double)(mix(seed) >> 11) * 0x1p-53;
+}
+
+/* Uniform over the solid angle of a band. */
+static void pick(const bands *b, int band, uint64_t seed, float out[3]) {
+    const double low = cos(b->limit[band] * DEGREE), high = cos(b->limit[band + 1] * DEGREE);
+    const double z = low + (high - low) * unit(seed), phi = 360 * DEGREE * unit(seed + 1),
+                 s = sqrt(1 - z * z);
+    out[0] = (float)(s * cos(phi));
+    out[1] = (float)(s * sin(phi));
+    out[2] = (float)z;
+}
+
+static btf_ref_neighbours look_up(const uint16_t *table, uint32_t grid, const float direction[3]) {
+    int32_t q[2];
+    btf_ref_project(direction, q);
+    return btf_ref_lookup(table, grid, q);
+}
+
+/* The data between samples: profiles[view][channel][light] of a texel, weighted. */
+static void interpolate(const enc_data *data, const float *profiles, const btf_ref_neighbours *views,
+                        const btf_ref_neighbours *lights, float out[3]) {
+    const size_t n = (size_t)data->n_lights;
+    for (size_t c = 0; c < 3; c++) {
+        double sum = 0;
+        for (int a = 0; a < 3; a++) {
+            for (int b = 0; b < 3; b++) {
+                sum += (double)views->weight[a] * lights->weight[b] *
+                       profiles[(views->index[a] * 3 + c) * n + lights->index[b]];
+            }
+        }
+        out[c] = (float)(sum * 0x1p-24);
+    }
+}
+
+static float clip(float x) {
+    return x > 0 ? (x < 1 ? x : 1.0f) : 0.0f;
+}
+
+/* One texel under two directions: adds squared errors, linear and sRGB-coded, of each way:
+ * sum[way][cell][2]. */
+static void measure_pair(const job *j, size_t texel, const float *profiles, const float light[3],
+                         const float view[3], double *sum) {
+    const btf_ref_neighbours views = look_up(j->material.view_table, j->material.view_grid, view);
+    const btf_ref_neighbours lights = look_up(j->material.light_table, j->material.light_grid, light);
+    const uint32_t column = (uint32_t)texel % j->material.width, row = (uint32_t)texel / j->material.width;
+    float truth[3];
+    interpolate(j->data, profiles, &views, &lights, truth);
+    for (size_t w = 0; w < j->n_ways; w++) {
+        float rgb[3];
+        btf_ref_evaluate_neighbours(&j->material, &j->ways[w].options, column, row, &lights, &views, light,
+                                    view, rgb);
+        for (int c = 0; c < 3; c++) {
+            const double linear = (double)clip(rgb[c]) - clip(truth[c]);
+            const double srgb = (double)enc_srgb_encode(rgb[c]) - enc_srgb_encode(truth[c]);
+            sum[2 * w * j->cells] += linear * linear;
+            sum[2 * w * j->cells + 1] += srgb * srgb;
+        }
+    }
+}
+
+/* All of a texel's samples: sum[way][cell][2]. */
+static btf_result measure_texel(const job *j, size_t index, float *buffer, double *sum) {
+    const size_t count = enc_data_texel_count(j->data);
+    const size_t texel = index * count / j->texels +
+                         mix(index) % ((index + 1) * count / j->texels - index * count / j->texels);
+    const float *profiles;
+    const btf_result result = enc_data_texels(j->context, j->data, texel, 1, buffer, &profiles);
+    for (size_t cell = 0; result == BTF_OK && cell < j->cells; cell++) {
+        for (size_t p = 0; p < j->pairs; p++) {
+            const uint64_t seed = mix((index * j->cells + cell) * j->pairs + p);
+            float light[3], view[3];
+            pick(&j->views, (int)(cell / (size_t)j->lights.count), seed, view);
+            pick(&j->lights, (int)(cell % (size_t)j->lights.count), seed + 2, light);
+            measure_pair(j, texel, profiles, light, view, sum + 2 * cell);
+        }
+    }
+    return result;
+}
+
+/* Texels and pairs of directions within the bounds of effect_errors.h. */
+static void choose_samples(job *j) {
+    const size_t count = enc_data_texel_count(j->data);
+    const size_t samples = count * (size_t)j->data->n_views * (size_t)j->data->n_lights;
+    size_t each =
+        (samples / 2 < MOST_EVALUATIONS ? samples / 2 : MOST_EVALUATIONS) / (j->n_ways * j->cells);
+    each = each > CELL_SAMPLES ? CELL_SAMPLES : each < 16 ? 16 : each;
+    j->texels = count < MOST_TEXELS ? count : MOST_TEXELS;
+    if (j->texels > each) {
+        j->texels = each;
+    }
+    j->pairs = each / j->texels;
+    if (j->pairs > 4) {
+        j->pairs = 4;
+    }
+}
+
+/* sums[texel][way][cell][2], added up in the order of texels whatever thread made them. */
+static btf_result measure(const job *j, double *total) {
+    const size_t length = 2 * j->n_ways * j->cells;
+    enum { BATCH = 16 };
+    double *sums = malloc(BATCH * length * sizeof *sums);
+    if (!sums) {
+        return BTF_ERROR_MEMORY;
+    }
+    btf_result result = BTF_OK;
+    for (size_t first = 0; first < j->texels && result == BTF_OK; first += BATCH) {
+        const size_t n = j->texels - first < BATCH ? j->texels - first : BATCH;
+        memset(sums, 0, n * length * sizeof *sums);
+#pragma omp parallel for schedule(dynamic) num_threads(j->context->threads)
+        for (size_t i = 0; i < n; i++) {
+            float *buffer = malloc(enc_data_texel_stride(j->data) * sizeof *buffer);
+            const btf_result mine = !buffer ? BTF_ERROR_MEMORY
+                                    : enc_cancelled(j->context)
+                                        ? BTF_ERROR_INTERRUPTED
+                                        : measure_texel(j, first + i, buffer, sums + i * length);
+            free(buffer);
+            if (mine != BTF_OK) {
+#pragma omp atomic write
+                result = mine;
+            }
+        }
+        for (size_t i = 0; i < n * length; i++) {
+            total[i % length] += sums[i];
+        }
+        enc_stage_step(j->context, n);
+    }
+    free(sums);
+    return result;
+}
+
+/* The attribute's numbers. */
+static void write_values(const job *j, const double *total, float *out) {
+    const double samples = 3.0 * (double)(j->texels * j->pairs);
+    *out++ = (float)j->views.count;
+    *out++ = (float)j->lights.count;
+    for (int i = 0; i <= j->views.count; i++) {
+        *out++ = (float)j->views.limit[i];
+    }
+    for (int i = 0; i <= j->lights.count; i++) {
+        *out++ = (float)j->lights.limit[i];
+    }
+    for (size_t w = 0; w < j->n_ways; w++) {
+        const btf_ref_options *o = &j->ways[w].options;
+        *out++ = (float)o->effects;
+        *out++ = (float)o->components;
+        *out++ = o->interpolation == BTF_REF_NEAREST;
+        *out++ = (float)j->ways[w].gpu_bytes;
+        for (size_t i = 0; i < 2 * j->cells; i++) {
+            *out++ = fminf((float)(total[2 * w * j->cells + i] / samples), 1.0f);
+        }
+    }
+}
+
+btf_result enc_effect_errors(const enc_context *context, const enc_data *data, const btf_material *material,
+                             float **out_values, size_t *out_count) {
+    btf_material_info info = {.struct_size = sizeof info};
+    *out_values = NULL;
+    *out_count = 0;
+    btf_result result = btf_material_get_info(material, &info);
+    if (result != BTF_OK) {
+        return result;
+    }
+    job j = {.context = context,
+             .data = data,
+             .views = make_bands(data->views, data->n_views),
+             .lights = make_bands(data->lights, data->n_lights)};
+    reference_view(material, 0, &j.material);
+    j.cells = (size_t)j.views.count * (size_t)j.lights.count;
+    j.ways = calloc(MOST_WAYS, sizeof *j.ways);
+    if (j.ways) {
+        make_ways(&j, &info);
+        choose_samples(&j);
+        *out_count = 4 + (size_t)(j.views.count + j.lights.count) + j.n_ways * (ROW_HEAD + 2 * j.cells);
+        *out_values = malloc(*out_count * sizeof **out_values);
+    }
+    double *total = calloc(j.n_ways * j.cells + 1, 2 * sizeof *total);
+    if (!j.ways || !*out_values || !total) {
+        result = BTF_ERROR_MEMORY;
+    } else {
+        enc_stage_begin(context, "effect errors", j.texels);
+        result = measure(&j, total);
+        enc_stage_end(context);
+    }
+    if (result == BTF_OK) {
+        write_values(&j, total, *out_values);
+    } else {
+        if (result != BTF_ERROR_INTERRUPTED) {
+            enc_fail(context, result, "effect errors: %s", btf_result_text(result));
+        }
+        free(*out_values);
+        *out_values = NULL;
+        *out_count = 0;
+    }
+    free(total);
+    free(j.ways);
+    return result;
+}

@@ -1,0 +1,204 @@
+/* The errors of the ways to decode: measured where the truth is an integral, stored, read back, refused.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "encoder/effect_errors.h"
+#include "encoder/metrics.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SIDE = 16, TEXELS = SIDE * SIDE, RINGS = 3, DIRECTIONS = 1 + 8 + 16 };
+
+/* Theta 0, 30, 60 with 1, 8, 16 azimuths. */
+static void make_directions(enc_direction out[DIRECTIONS]) {
+    int n = 0;
+    out[n++] = enc_direction_from_angles(0, 0);
+    for (int i = 0; i < 8; i++) {
+        out[n++] = enc_direction_from_angles(30, 45 * i);
+    }
+    for (int i = 0; i < 16; i++) {
+        out[n++] = enc_direction_from_angles(60, 22.5 * i);
+    }
+}
+
+/* A Lambertian of albedo 0.5, seen from every view with a gain of a half. */
+static btf_material *make_material(const enc_direction *directions) {
+    static float sbrdf[2][TEXELS][4], xyz[DIRECTIONS][3];
+    static uint8_t gain[DIRECTIONS][TEXELS];
+    for (int t = 0; t < TEXELS; t++) {
+        memcpy(sbrdf[0][t], (float[4]){1, 1, 1, 0.5f}, sizeof sbrdf[0][t]);
+    }
+    memset(gain, 64, sizeof gain);
+    for (int i = 0; i < DIRECTIONS; i++) {
+        memcpy(xyz[i], directions[i].xyz, sizeof xyz[i]);
+    }
+    btf_material_desc desc = {.struct_size = sizeof desc, .views = xyz[0], .lights = xyz[0]};
+    desc.info = (btf_material_info){.struct_size = sizeof desc.info,
+                                    .width = SIDE,
+                                    .height = SIDE,
+                                    .n_views = DIRECTIONS,
+                                    .n_lights = DIRECTIONS,
+                                    .layout = BTF_LAYOUT_TIGHT,
+                                    .lobes = 1,
+                                    .effects = BTF_EFFECT_GAIN,
+                                    .radiance_scale = 1,
+                                    .shadow_scale = 1,
+                                    .gain_scale = BTF_GAIN_SCALE,
+                                    .centre_scale = 1};
+    desc.texture[BTF_TEXTURE_SBRDF] = sbrdf;
+    desc.texture[BTF_TEXTURE_GAIN] = gain;
+    btf_material *material = NULL;
+    assert_int_equal(btf_material_create(&desc, NULL, &material), BTF_OK);
+    return material;
+}
+
+static enc_data *make_data(const enc_context *context, const enc_direction *directions) {
+    enc_data *data = NULL;
+    assert_int_equal(
+        enc_data_create(context, SIDE, SIDE, DIRECTIONS, directions, DIRECTIONS, directions, &data),
+        BTF_OK);
+    const size_t stride = enc_data_texel_stride(data);
+    float *samples = malloc(stride * sizeof *samples);
+    assert_non_null(samples);
+    for (size_t i = 0; i < stride; i++) {
+        samples[i] = 0.25f * directions[i % DIRECTIONS].xyz[2];
+    }
+    for (size_t t = 0; t < TEXELS; t++) {
+        assert_int_equal(enc_data_store_texels(context, data, t, 1, samples), BTF_OK);
+    }
+    free(samples);
+    return data;
+}
+
+/* A material with the values that the encoder measured of it. */
+static btf_material *with_errors(const float *values, size_t count, btf_result expected) {
+    enc_direction directions[DIRECTIONS];
+    make_directions(directions);
+    btf_material *plain = make_material(directions), *made = NULL;
+    float xyz[DIRECTIONS][3];
+    for (int i = 0; i < DIRECTIONS; i++) {
+        memcpy(xyz[i], directions[i].xyz, sizeof xyz[i]);
+    }
+    btf_material_desc desc = {.struct_size = sizeof desc,
+                              .views = xyz[0],
+                              .lights = xyz[0],
+                              .effect_errors = values,
+                              .effect_error_count = count};
+    desc.info = (btf_material_info){.struct_size = sizeof desc.info};
+    assert_int_equal(btf_material_get_info(plain, &desc.info), BTF_OK);
+    desc.texture[BTF_TEXTURE_SBRDF] = btf_material_texture(plain, BTF_TEXTURE_SBRDF).data;
+    desc.texture[BTF_TEXTURE_GAIN] = btf_material_texture(plain, BTF_TEXTURE_GAIN).data;
+    assert_int_equal(btf_material_create(&desc, NULL, &made), expected);
+    btf_material_close(&plain);
+    return made;
+}
+
+static const float *find_row(const btf_effect_errors *e, uint32_t effects, int nearest) {
+    for (uint32_t r = 0; r < e->row_count; r++) {
+        const float *row = e->rows + (size_t)r * e->row_stride;
+        if (row[0] == (float)effects && row[2] == (float)nearest) {
+            return row;
+        }
+    }
+    fail_msg("no row for effects %u", effects);
+    return NULL;
+}
+
+/* Mean over a band of the square of (0.5 - 0.25) cos(theta), uniform in solid angle: cos is uniform. */
+static double lambert_error(double low, double high) {
+    const double a = cos(high * M_PI / 180), b = cos(low * M_PI / 180);
+    return 0.0625 * (b * b + a * b + a * a) / 3;
+}
+
+static void errors_are_the_integrals(void **state) {
+    (void)state;
+    const enc_context context = {.threads = 2}, alone = {.threads = 1};
+    enc_direction directions[DIRECTIONS];
+    make_directions(directions);
+    enc_data *data = make_data(&context, directions);
+    btf_material *material = make_material(directions), *back = NULL;
+    float *values = NULL, *again = NULL;
+    size_t count = 0, count_again = 0;
+    assert_int_equal(enc_effect_errors(&context, data, material, &values, &count), BTF_OK);
+    assert_int_equal(enc_effect_errors(&alone, data, material, &again, &count_again), BTF_OK);
+    assert_int_equal(count, count_again);
+    assert_memory_equal(values, again, count * sizeof *values);
+
+    btf_material *made = with_errors(values, count, BTF_OK);
+    void *file;
+    size_t size;
+    assert_int_equal(btf_material_save_memory(made, NULL, &file, &size), BTF_OK);
+    assert_int_equal(btf_material_open_memory(file, size, NULL, &back), BTF_OK);
+    btf_free(file);
+    const btf_effect_errors e = btf_material_effect_errors(back);
+    assert_int_equal(e.view_bands, RINGS);
+    assert_int_equal(e.light_bands, RINGS);
+    static const float limits[RINGS + 1] = {0, 15, 45, 60};
+    assert_memory_equal(e.view_limits, limits, sizeof limits);
+    assert_memory_equal(e.light_limits, limits, sizeof limits);
+    assert_int_equal(e.row_count, 4); /* with gain and without, nearest and interpolated */
+    const float *full = find_row(&e, BTF_EFFECT_GAIN, 0), *without = find_row(&e, 0, 0);
+    assert_true(full[3] == (float)(TEXELS * (2 * 16 + DIRECTIONS)));
+    assert_true(without[3] == (float)(TEXELS * 2 * 16));
+    for (int v = 0; v < RINGS; v++) {
+        for (int l = 0; l < RINGS; l++) {
+            const int at = 4 + 2 * (v * RINGS + l);
+            const double expected = lambert_error(limits[l], limits[l + 1]);
+            print_message("view band %d, light band %d: full %.1e, without gain %.5f, expected %.5f\n", v,
+                          l, (double)full[at], (double)without[at], expected);
+            assert_true(full[at] < 4e-4); /* the chord of a cosine between samples 30 degrees apart */
+            assert_true(fabs(without[at] / expected - 1) < 0.1); /* the chord again */
+            assert_true(without[at + 1] > 0.5f * without[at] && without[at + 1] < 2 * without[at]);
+        }
+    }
+    free(values);
+    free(again);
+    btf_material_close(&material);
+    btf_material_close(&made);
+    btf_material_close(&back);
+    enc_data_destroy(&data);
+}
+
+/* Every number that cannot be is refused. */
+static void wrong_tables_are_refused(void **state) {
+    (void)state;
+    const float good[] = {1, 2, 0, 90, 0, 30, 60, 8, 0, 0, 100, 0.1f, 0.2f, 0.3f, 0.4f};
+    enum { COUNT = sizeof good / sizeof *good };
+    btf_material *made = with_errors(good, COUNT, BTF_OK);
+    assert_int_equal(btf_material_effect_errors(made).row_count, 1);
+    assert_true(btf_material_effect_errors(made).rows[4] == 0.1f);
+    btf_material_close(&made);
+    const struct {
+        size_t index;
+        float value;
+    } wrong[] = {{0, 0},   {0, 17},   {1, 1.5f}, {1, NAN},   {3, 0},    {3, 91},
+                 {5, 70},  {7, 1},    {7, -1},   {8, 1},     {9, 2},    {9, NAN},
+                 {10, -1}, {10, NAN}, {11, -1},  {12, 1.5f}, {13, NAN}, {14, INFINITY}};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        float values[COUNT];
+        memcpy(values, good, sizeof good);
+        values[wrong[i].index] = wrong[i].value;
+        assert_null(with_errors(values, COUNT, BTF_ERROR_USAGE));
+    }
+    for (size_t count = 1; count < COUNT; count++) {
+        made = with_errors(good, count, count == 7 ? BTF_OK : BTF_ERROR_USAGE); /* 7: no row */
+        btf_material_close(&made);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(errors_are_the_integrals),
+        cmocka_unit_test(wrong_tables_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
