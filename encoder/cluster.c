@@ -208,7 +208,7 @@ static btf_result make_codes(const cluster_stage *s, enc_centres *out) {
         most = fmaxf(most, s->centres[i]);
     if (s->options.linear)
         most = sqrtf(most);
-    out->scale = most > 0 ? most / 255.0f : 1.0f / 255.0f;
+    out->scale = most > 0 ? fminf(fmaxf(most / 255.0f, 0x1p-24f), 0x1p24f) : 1.0f / 255.0f;
     out->k = (int)s->k;
     out->n_lights = s->data->n_lights;
     out->codes = malloc(s->k > 0 ? s->k * s->dimensions : 1);
@@ -219,9 +219,9 @@ static btf_result make_codes(const cluster_stage *s, enc_centres *out) {
             for (size_t l = 0; l < n_lights; l++) {
                 float *value = &s->centres[j * s->stride + c * n_lights + l];
                 const float root = s->options.linear ? sqrtf(*value) : *value;
-                const long code = lrintf(root / out->scale);
-                out->codes[(j * n_lights + l) * 3 + c] = (uint8_t)(code > 255 ? 255 : code);
-                const float stored = (float)(code > 255 ? 255 : code) * out->scale;
+                const long code = lrintf(fminf(root / out->scale, 255.0f));
+                out->codes[(j * n_lights + l) * 3 + c] = (uint8_t)code;
+                const float stored = (float)code * out->scale;
                 *value = s->options.linear ? stored * stored : stored;
             }
         }

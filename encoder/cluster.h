@@ -13,7 +13,7 @@
 typedef struct enc_centres {
     int k; /* 0 without hidden points */
     int n_lights;
-    float scale;    /* positive: the largest centre has code 255 */
+    float scale;    /* the largest centre has code 255, within 2^-24 .. 2^24 */
     uint8_t *codes; /* [centre][light][R, G, B] */
 } enc_centres;
 

@@ -14,6 +14,7 @@
 static const float most_difference = 0.5f; /* beyond it, a sample is an outlier */
 static const float step_penalty = 0.03f;   /* neighbours one step apart */
 static const float jump_penalty = 0.2f;    /* neighbours further apart */
+static const float equal_sums = 1e-5f;     /* sums over paths that differ by less are equal: no texture */
 static const float never = 1e9f;
 
 static const float aside_gain = 0.9f; /* a line beside the view's own must lower the cost this far */
@@ -187,18 +188,21 @@ static void add_paths(const prior_work *w) {
     }
 }
 
-/* The label of least sum, the smaller shift among equals, moved by up to half a label by a parabola. */
+/* The label of least sum, the smallest shift among those that rounding may have set apart, moved by up to
+ * half a label by a parabola. */
 static float best_shift(const prior_work *w, const float *sum) {
-    int best = 1;
-    for (int j = 2; j <= w->line.count; j++) {
-        const int a = abs(w->line.first + j - 1), b = abs(w->line.first + best - 1);
-        if (sum[j] < sum[best] || (sum[j] == sum[best] && a < b))
+    float least = sum[1];
+    for (int j = 2; j <= w->line.count; j++)
+        least = fminf(least, sum[j]);
+    int best = 0;
+    for (int j = 1; j <= w->line.count; j++)
+        if (sum[j] <= least + equal_sums &&
+            (best == 0 || abs(w->line.first + j - 1) < abs(w->line.first + best - 1)))
             best = j;
-    }
     float fraction = 0;
     if (best > 1 && best < w->line.count) {
         const float bend = sum[best - 1] + sum[best + 1] - 2 * sum[best];
-        if (bend > 1e-6f)
+        if (bend > equal_sums)
             fraction = 0.5f * (sum[best - 1] - sum[best + 1]) / bend;
     }
     return (float)(w->line.first + best - 1) + fraction;
@@ -275,7 +279,7 @@ static btf_result move_line(const enc_flow_planes *target, const enc_flow_planes
             best = moved.aside;
         }
     }
-    if (least < (double)aside_gain * centred)
+    if (least < (double)aside_gain * centred - (double)equal_sums * target->width * target->height)
         line->aside = best;
     return BTF_OK;
 }

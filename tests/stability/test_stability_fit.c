@@ -374,8 +374,8 @@ static void few_samples(void) {
     fit_surface("two views, two lights: 4 samples, up to 31 unknowns", &two, s, 0);
 }
 
-/* Rejection of everything: the texel keeps the fit that it had. Seen from the pole, lights of one ring are all
- * alike to the model, so that it lies above every dark sample. */
+/* Rejection of everything: the texel keeps the fit that it had. Seen from the pole, lights of one ring are
+ * all alike to the model, so that it lies above every dark sample. */
 static void all_rejected(void) {
     const hard_directions pole = hard_rings(1, (const double[]){0}, (const int[]){1});
     const hard_directions ring = hard_rings(1, (const double[]){30}, (const int[]){60});
