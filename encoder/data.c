@@ -5,14 +5,12 @@
 #include "data.h"
 
 #include "data_fill.h"
+#include "scratch.h"
 
 #include <assert.h>
-#include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/statvfs.h>
 #include <unistd.h>
 
 enum { MAX_SIDE = 16384, MAX_DIRECTIONS = 256 };
@@ -36,45 +34,6 @@ static enc_direction *copy_directions(const enc_direction *list, int count) {
     if (copy)
         memcpy(copy, list, (size_t)count * sizeof *copy);
     return copy;
-}
-
-/* Opens an unlinked file of `size` zero bytes in $TMPDIR. */
-static btf_result open_scratch(const enc_context *context, uint64_t size, int *out_fd) {
-    const char *folder = getenv("TMPDIR");
-    if (!folder || !*folder)
-        folder = "/var/tmp";
-    struct statvfs space;
-    if (statvfs(folder, &space) != 0)
-        return enc_fail(context, BTF_ERROR_IO, "scratch file: %s (set TMPDIR): %s", folder,
-                        strerror(errno));
-    const double available = (double)space.f_bavail * (double)space.f_frsize;
-    if (available < (double)size)
-        return enc_fail(
-            context, BTF_ERROR_IO,
-            "scratch file: %.2f GB needed in %s, %.2f GB free (set TMPDIR, or allow more --memory)",
-            (double)size * 1e-9, folder, available * 1e-9);
-    const size_t length = strlen(folder) + sizeof "/btf-scratch-XXXXXX";
-    char *path = malloc(length);
-    if (!path)
-        return BTF_ERROR_MEMORY;
-    strcpy(path, folder);
-    strcat(path, "/btf-scratch-XXXXXX");
-    const int fd = mkostemp(path, O_CLOEXEC);
-    if (fd >= 0)
-        unlink(path);
-    free(path);
-    if (fd < 0 || ftruncate(fd, (off_t)size) != 0) {
-        const int error = errno;
-        if (fd >= 0)
-            close(fd);
-        return enc_fail(context, BTF_ERROR_IO, "scratch file: cannot create one of %.2f GB in %s: %s",
-                        (double)size * 1e-9, folder, strerror(error));
-    }
-    enc_log(context, BTF_LOG_INFO,
-            "samples: %.2f GB exceed half of the allowed memory, %.2f GB: scratch file in %s",
-            (double)size * 1e-9, (double)context->memory * 1e-9, folder);
-    *out_fd = fd;
-    return BTF_OK;
 }
 
 /* Everything but the samples. */
@@ -131,8 +90,9 @@ btf_result enc_data_create(const enc_context *context, int width, int height, in
         create_empty(context, width, height, n_views, views, n_lights, lights, &bytes, out_data);
     if (result != BTF_OK)
         return result;
-    result = fits_memory(context, bytes) ? allocate(context, *out_data, bytes)
-                                         : open_scratch(context, bytes, &(*out_data)->scratch_fd);
+    result = fits_memory(context, bytes)
+                 ? allocate(context, *out_data, bytes)
+                 : enc_scratch_open(context, "samples", bytes, &(*out_data)->scratch_fd);
     if (result != BTF_OK)
         enc_data_destroy(out_data);
     return result;
@@ -207,41 +167,6 @@ void enc_data_destroy(enc_data **data) {
     *data = NULL;
 }
 
-/* Reads or writes `size` bytes at `offset` of the scratch file. */
-static btf_result scratch_read(const enc_context *context, const enc_data *data, uint64_t offset,
-                               size_t size, void *buffer) {
-    char *p = buffer;
-    while (size > 0) {
-        const ssize_t n = pread(data->scratch_fd, p, size, (off_t)offset);
-        if (n < 0 && errno == EINTR)
-            continue;
-        if (n <= 0)
-            return enc_fail(context, BTF_ERROR_IO, "scratch file: reading %zu bytes at %llu failed: %s",
-                            size, (unsigned long long)offset, n < 0 ? strerror(errno) : "end of file");
-        p += n;
-        offset += (uint64_t)n;
-        size -= (size_t)n;
-    }
-    return BTF_OK;
-}
-
-static btf_result scratch_write(const enc_context *context, enc_data *data, uint64_t offset, size_t size,
-                                const void *buffer) {
-    const char *p = buffer;
-    while (size > 0) {
-        const ssize_t n = pwrite(data->scratch_fd, p, size, (off_t)offset);
-        if (n < 0 && errno == EINTR)
-            continue;
-        if (n <= 0)
-            return enc_fail(context, BTF_ERROR_IO, "scratch file: writing %zu bytes at %llu failed: %s",
-                            size, (unsigned long long)offset, strerror(errno));
-        p += n;
-        offset += (uint64_t)n;
-        size -= (size_t)n;
-    }
-    return BTF_OK;
-}
-
 btf_result enc_data_texels(const enc_context *context, const enc_data *data, size_t first, size_t count,
                            float *buffer, const float **out_samples) {
     const size_t stride = enc_data_texel_stride(data);
@@ -253,8 +178,8 @@ btf_result enc_data_texels(const enc_context *context, const enc_data *data, siz
     *out_samples = buffer;
     if (data->origin)
         return data->origin->texels(context, data->origin, first, count, buffer);
-    return scratch_read(context, data, (uint64_t)first * stride * sizeof(float),
-                        count * stride * sizeof(float), buffer);
+    return enc_scratch_read(context, data->scratch_fd, (uint64_t)first * stride * sizeof(float),
+                            count * stride * sizeof(float), buffer);
 }
 
 btf_result enc_data_store_texels(const enc_context *context, enc_data *data, size_t first, size_t count,
@@ -265,8 +190,8 @@ btf_result enc_data_store_texels(const enc_context *context, enc_data *data, siz
         memcpy(data->samples + first * stride, samples, count * stride * sizeof(float));
         return BTF_OK;
     }
-    return scratch_write(context, data, (uint64_t)first * stride * sizeof(float),
-                         count * stride * sizeof(float), samples);
+    return enc_scratch_write(context, data->scratch_fd, (uint64_t)first * stride * sizeof(float),
+                             count * stride * sizeof(float), samples);
 }
 
 btf_result enc_data_store_run(const enc_context *context, enc_data *data, size_t texel, size_t at,
@@ -277,8 +202,8 @@ btf_result enc_data_store_run(const enc_context *context, enc_data *data, size_t
         memcpy(data->samples + texel * stride + at, samples, count * sizeof(float));
         return BTF_OK;
     }
-    return scratch_write(context, data, ((uint64_t)texel * stride + at) * sizeof(float),
-                         count * sizeof(float), samples);
+    return enc_scratch_write(context, data->scratch_fd, ((uint64_t)texel * stride + at) * sizeof(float),
+                             count * sizeof(float), samples);
 }
 
 btf_result enc_data_view(const enc_context *context, const enc_data *data, int view, float *out) {
@@ -299,8 +224,8 @@ btf_result enc_data_view(const enc_context *context, const enc_data *data, int v
             const size_t at = (first + t) * stride + (size_t)view * profile;
             profiles[t] = data->samples ? data->samples + at : buffer + t * profile;
             if (!data->samples && !data->origin)
-                result = scratch_read(context, data, (uint64_t)at * sizeof(float), profile * sizeof(float),
-                                      buffer + t * profile);
+                result = enc_scratch_read(context, data->scratch_fd, (uint64_t)at * sizeof(float),
+                                          profile * sizeof(float), buffer + t * profile);
         }
         if (result != BTF_OK)
             break;

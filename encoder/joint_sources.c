@@ -44,17 +44,17 @@ void joint_model_clear(joint_model *model) {
 
 btf_result joint_projection_init(const joint_rows *rows, size_t k, joint_projection *out_projection) {
     *out_projection = (joint_projection){.basis = enc_gemm_alloc(rows->views * k * rows->row),
-                                         .lower = enc_gemm_alloc(rows->views * k * k),
-                                         .c = enc_gemm_alloc(rows->views * rows->texels * k)};
-    if (!out_projection->basis || !out_projection->lower || !out_projection->c)
-        return out_of_memory(rows, k);
-    return BTF_OK;
+                                         .lower = enc_gemm_alloc(rows->views * k * k)};
+    btf_result result = out_projection->basis && out_projection->lower ? BTF_OK : BTF_ERROR_MEMORY;
+    if (result == BTF_OK)
+        result = joint_points_create(rows->context, rows->views, rows->texels * k, &out_projection->c);
+    return result == BTF_ERROR_MEMORY ? out_of_memory(rows, k) : result;
 }
 
 void joint_projection_clear(joint_projection *projection) {
     free(projection->basis);
     free(projection->lower);
-    free(projection->c);
+    joint_points_destroy(&projection->c);
     *projection = (joint_projection){0};
 }
 
@@ -64,24 +64,35 @@ typedef struct project_pass {
     joint_projection *projection;
     size_t k, packed_pitch;
     float *packed;  /* [view] packed basis */
-    float *scratch; /* [thread] packed rows */
+    float *scratch; /* [thread] packed rows, then coordinates */
+    size_t scratch_pitch;
+    btf_result result; /* of storing */
 } project_pass;
 
 static void project_block(void *user, size_t view, size_t first, size_t count, const float *block) {
-    const project_pass *pass = user;
+    project_pass *pass = user;
     const size_t row = pass->rows->row;
-    float *left = pass->scratch + enc_thread_index() * JOINT_BLOCK * row;
+    float *left = pass->scratch + enc_thread_index() * pass->scratch_pitch, *c = left + JOINT_BLOCK * row;
     enc_gemm_pack_rows(count, row, block, row, ENC_GEMM_M, left);
-    enc_gemm_multiply(pass->rows->tile, count, pass->k, row, left, pass->packed + view * pass->packed_pitch,
-                      pass->projection->c + (view * pass->rows->texels + first) * pass->k, pass->k, 0);
+    enc_gemm_multiply(pass->rows->tile, count, pass->k, row, left, pass->packed + view * pass->packed_pitch, c,
+                      pass->k, 0);
+    const btf_result result = joint_points_store(pass->rows->context, pass->projection->c, view,
+                                                 first * pass->k, count * pass->k, c);
+    if (result != BTF_OK) {
+#pragma omp atomic write
+        pass->result = result;
+    }
 }
 
 btf_result joint_project(const joint_rows *rows, const joint_model *model, joint_projection *projection) {
     const size_t k = model->k, row = rows->row, threads = (size_t)rows->context->threads;
-    project_pass pass = {rows, projection, k, enc_gemm_panels(k, ENC_GEMM_N) * ENC_GEMM_N * row,
-                         NULL, NULL};
+    project_pass pass = {.rows = rows,
+                         .projection = projection,
+                         .k = k,
+                         .packed_pitch = enc_gemm_panels(k, ENC_GEMM_N) * ENC_GEMM_N * row,
+                         .scratch_pitch = JOINT_BLOCK * (row + k)};
     pass.packed = enc_gemm_alloc(rows->views * pass.packed_pitch);
-    pass.scratch = enc_gemm_alloc(threads * JOINT_BLOCK * row);
+    pass.scratch = enc_gemm_alloc(threads * pass.scratch_pitch);
     btf_result result = BTF_OK;
     bool ok = pass.packed && pass.scratch;
     if (ok)
@@ -96,6 +107,8 @@ btf_result joint_project(const joint_rows *rows, const joint_model *model, joint
             enc_gemm_pack_rows(k, row, basis, row, ENC_GEMM_N, pass.packed + view * pass.packed_pitch);
         }
     result = ok ? joint_rows_pass(rows, project_block, &pass) : out_of_memory(rows, k);
+    if (result == BTF_OK)
+        result = pass.result;
     free(pass.packed);
     free(pass.scratch);
     return result;
@@ -133,11 +146,12 @@ btf_result joint_choose(const joint_rows *rows, const joint_projection *projecti
     btf_result result = z && lower && scratch && value ? BTF_OK : out_of_memory(rows, k);
     for (size_t view = 0; view < rows->views && result == BTF_OK; view++) {
         const size_t first = view * texels;
-        const float *c = projection->c + first * k;
-        if (enc_cancelled(rows->context)) {
-            result = BTF_ERROR_INTERRUPTED;
+        const float *c;
+        result = enc_cancelled(rows->context)
+                     ? BTF_ERROR_INTERRUPTED
+                     : joint_points_view(rows->context, projection->c, view, &c);
+        if (result != BTF_OK)
             break;
-        }
         sources_of_view(rows, k, model->u, projection->lower + view * k * k, lower, scratch, z);
         if (search && model->shift)
             result = joint_search_view(&options, c, rows->energy + first, z, model->match + first,
@@ -163,13 +177,20 @@ enum { SOURCES = 96 }; /* sources that one task of joint_solve_u handles: a mult
  * since it pulls towards a point that is already there, never raises the error. */
 static const double proximal = 1e-7;
 
-/* Points by source: those of source s in a view are order[start[s]] .. order[start[s + 1] - 1], ascending.
- */
-typedef struct inverse_match {
-    uint32_t *start; /* [view][texels + 1] */
-    uint32_t *order; /* [view][texels] */
-} inverse_match;
+/* Everything that the tasks of joint_solve_u share. */
+typedef struct u_step {
+    const joint_rows *rows;
+    const joint_projection *projection;
+    float *packed_gram;     /* [view][k * k] gram of v, packed as columns */
+    const joint_rounding *rounding;
+    float *weights;         /* [texel][view] sum of squared gains of a source's points */
+    float *right;           /* [texel][k] sum of gain * lower * c over them */
+    /* of the view at hand */
+    uint32_t *start, *order; /* points by source: of s they are order[start[s]] .. order[start[s + 1] - 1] */
+    float *packed_lower;     /* lower, packed as rows */
+} u_step;
 
+/* Lists the points of every source in one view, ascending. */
 static void invert_view(const joint_model *model, size_t view, uint32_t *start, uint32_t *order) {
     const size_t texels = model->texels;
     const uint32_t *match = model->match + view * texels;
@@ -185,20 +206,9 @@ static void invert_view(const joint_model *model, size_t view, uint32_t *start, 
     start[0] = 0;
 }
 
-/* Everything that the tasks of joint_solve_u read. */
-typedef struct u_step {
-    const joint_rows *rows;
-    const joint_projection *projection;
-    const inverse_match *inverse;
-    float *packed_gram;  /* [view][k * k] gram of v, packed as columns */
-    float *packed_lower; /* [view] lower, packed as rows */
-    size_t lower_pitch;
-    const joint_rounding *rounding;
-} u_task;
-
 /* Floats of scratch that one task takes. */
 static size_t u_scratch(size_t k, size_t views) {
-    return SOURCES * (views + views + k + k + k + k * k);
+    return SOURCES * (views + k + k + k * k);
 }
 
 /* u^T gram u - 2 right^T u: the error of a source's points but for a constant. */
@@ -215,7 +225,7 @@ static double quadratic(size_t k, const float *gram, const float *right, const f
 
 /* One source from its Gram matrix and right-hand side. The prior draws u to 0, unless that would raise the
  * error; a source without points stays. system: k * k + k doubles of scratch. */
-static void solve_source(const u_task *step, joint_model *model, size_t source, const float *gram,
+static void solve_source(const u_step *step, joint_model *model, size_t source, const float *gram,
                          const float *right, double *system) {
     const size_t k = model->k;
     double *a = system, *x = system + k * k, trace = 0.0;
@@ -249,70 +259,67 @@ static void solve_source(const u_task *step, joint_model *model, size_t source, 
         u[i] = (float)x[i];
 }
 
-static void solve_sources(const u_task *step, joint_model *model, size_t first, float *scratch,
+/* Adds the points of one view to weights and right-hand sides of a task's sources. */
+static void gather_sources(const u_step *step, const joint_model *model, size_t view, const float *c,
+                           size_t first, float *scratch) {
+    const size_t k = model->k, views = model->views, texels = model->texels;
+    const size_t count = texels - first < SOURCES ? texels - first : SOURCES;
+    float *sums = scratch, *packed_sums = sums + SOURCES * k;
+    const uint32_t *start = step->start + first;
+    const uint8_t *code = model->gain + view * texels;
+    memset(sums, 0, SOURCES * k * sizeof *sums);
+    for (size_t s = 0; s < count; s++) {
+        float weight = 0.0f;
+        for (uint32_t i = start[s]; i < start[s + 1]; i++) {
+            const float gain = (float)code[step->order[i]] * model->gains.step;
+            const float *from = c + step->order[i] * k;
+            weight += gain * gain;
+            for (size_t j = 0; j < k; j++)
+                sums[s * k + j] += gain * from[j];
+        }
+        step->weights[(first + s) * views + view] = weight;
+    }
+    enc_gemm_pack_rows(count, k, sums, k, ENC_GEMM_M, packed_sums);
+    enc_gemm_multiply(step->rows->tile, count, k, k, packed_sums, step->packed_lower, step->right + first * k,
+                      k, 1);
+}
+
+static btf_result gather_views(u_step *step, const joint_model *model, float *scratch) {
+    const joint_rows *rows = step->rows;
+    const size_t k = model->k;
+    for (size_t view = 0; view < rows->views; view++) {
+        const float *c;
+        const btf_result result = joint_points_view(rows->context, step->projection->c, view, &c);
+        if (result != BTF_OK)
+            return result;
+        invert_view(model, view, step->start, step->order);
+        enc_gemm_pack_rows(k, k, step->projection->lower + view * k * k, k, ENC_GEMM_N, step->packed_lower);
+#pragma omp parallel for schedule(dynamic, 4) num_threads(rows->context->threads)
+        for (size_t first = 0; first < rows->texels; first += SOURCES)
+            gather_sources(step, model, view, c, first,
+                           scratch + enc_thread_index() * u_scratch(k, rows->views));
+    }
+    return BTF_OK;
+}
+
+static void solve_sources(const u_step *step, joint_model *model, size_t first, float *scratch,
                           double *system) {
     const size_t k = model->k, views = model->views, texels = model->texels;
     const size_t count = texels - first < SOURCES ? texels - first : SOURCES;
-    float *weights = scratch, *packed_weights = weights + SOURCES * views;
-    float *sums = packed_weights + SOURCES * views, *packed_sums = sums + SOURCES * k;
-    float *right = packed_sums + SOURCES * k, *gram = right + SOURCES * k;
-    memset(right, 0, SOURCES * k * sizeof *right);
-    for (size_t view = 0; view < views; view++) {
-        const uint32_t *start = step->inverse->start + view * (texels + 1) + first;
-        const uint32_t *order = step->inverse->order + view * texels;
-        const float *c = step->projection->c + view * texels * k;
-        const uint8_t *code = model->gain + view * texels;
-        memset(sums, 0, SOURCES * k * sizeof *sums);
-        for (size_t s = 0; s < count; s++) {
-            float weight = 0.0f;
-            for (uint32_t i = start[s]; i < start[s + 1]; i++) {
-                const float gain = (float)code[order[i]] * model->gains.step;
-                const float *from = c + order[i] * k;
-                weight += gain * gain;
-                for (size_t j = 0; j < k; j++)
-                    sums[s * k + j] += gain * from[j];
-            }
-            weights[s * views + view] = weight;
-        }
-        enc_gemm_pack_rows(count, k, sums, k, ENC_GEMM_M, packed_sums);
-        enc_gemm_multiply(step->rows->tile, count, k, k, packed_sums,
-                          step->packed_lower + view * step->lower_pitch, right, k, 1);
-    }
-    enc_gemm_pack_rows(count, views, weights, views, ENC_GEMM_M, packed_weights);
+    float *packed_weights = scratch, *gram = packed_weights + SOURCES * views;
+    enc_gemm_pack_rows(count, views, step->weights + first * views, views, ENC_GEMM_M, packed_weights);
     enc_gemm_multiply(step->rows->tile, count, k * k, views, packed_weights, step->packed_gram, gram, k * k,
                       0);
     for (size_t s = 0; s < count; s++)
-        solve_source(step, model, first + s, gram + s * k * k, right + s * k, system);
+        solve_source(step, model, first + s, gram + s * k * k, step->right + (first + s) * k, system);
 }
 
-btf_result joint_solve_u(const joint_rows *rows, const joint_projection *projection,
-                         const joint_rounding *rounding, joint_model *model) {
-    const size_t k = model->k, views = model->views, texels = model->texels;
-    const size_t threads = (size_t)rows->context->threads;
-    const size_t gram_panels = enc_gemm_panels(k * k, ENC_GEMM_N);
-    inverse_match inverse = {malloc(views * (texels + 1) * sizeof(uint32_t)),
-                             malloc(views * texels * sizeof(uint32_t))};
-    u_task step = {.rows = rows,
-                   .projection = projection,
-                   .inverse = &inverse,
-                   .lower_pitch = enc_gemm_panels(k, ENC_GEMM_N) * ENC_GEMM_N * k,
-                   .rounding = rounding};
-    float *gram = enc_gemm_alloc(views * k * k);
-    float *scratch = enc_gemm_alloc(threads * u_scratch(k, views));
-    double *system = malloc(threads * (k * k + k) * sizeof *system);
-    step.packed_gram = enc_gemm_alloc(gram_panels * ENC_GEMM_N * views);
-    step.packed_lower = enc_gemm_alloc(views * step.lower_pitch);
-    btf_result result = BTF_OK;
-    if (!inverse.start || !inverse.order || !gram || !scratch || !system || !step.packed_gram ||
-        !step.packed_lower) {
-        result = out_of_memory(rows, k);
-        goto fail;
-    }
+/* gram [view][k * k] of v, packed as columns. */
+static void pack_gram(const joint_rows *rows, const joint_projection *projection, size_t k, float *gram,
+                      float *packed_gram) {
 #pragma omp parallel for schedule(dynamic) num_threads(rows->context->threads)
-    for (size_t view = 0; view < views; view++) {
+    for (size_t view = 0; view < rows->views; view++) {
         const float *lower = projection->lower + view * k * k;
-        invert_view(model, view, inverse.start + view * (texels + 1), inverse.order + view * texels);
-        enc_gemm_pack_rows(k, k, lower, k, ENC_GEMM_N, step.packed_lower + view * step.lower_pitch);
         for (size_t i = 0; i < k; i++)
             for (size_t j = 0; j < k; j++) {
                 double sum = 0.0;
@@ -321,7 +328,35 @@ btf_result joint_solve_u(const joint_rows *rows, const joint_projection *project
                 gram[(view * k + i) * k + j] = (float)sum;
             }
     }
-    enc_gemm_pack_columns(k * k, views, gram, k * k, ENC_GEMM_N, step.packed_gram);
+    enc_gemm_pack_columns(k * k, rows->views, gram, k * k, ENC_GEMM_N, packed_gram);
+}
+
+btf_result joint_solve_u(const joint_rows *rows, const joint_projection *projection,
+                         const joint_rounding *rounding, joint_model *model) {
+    const size_t k = model->k, views = model->views, texels = model->texels;
+    const size_t threads = (size_t)rows->context->threads;
+    u_step step = {.rows = rows,
+                   .projection = projection,
+                   .packed_gram = enc_gemm_alloc(enc_gemm_panels(k * k, ENC_GEMM_N) * ENC_GEMM_N * views),
+                   .rounding = rounding,
+                   .weights = malloc(texels * views * sizeof(float)),
+                   .right = calloc(texels * k, sizeof(float)),
+                   .start = malloc((texels + 1) * sizeof(uint32_t)),
+                   .order = malloc(texels * sizeof(uint32_t)),
+                   .packed_lower = enc_gemm_alloc(enc_gemm_panels(k, ENC_GEMM_N) * ENC_GEMM_N * k)};
+    float *gram = enc_gemm_alloc(views * k * k);
+    float *scratch = enc_gemm_alloc(threads * u_scratch(k, views));
+    double *system = malloc(threads * (k * k + k) * sizeof *system);
+    btf_result result = BTF_OK;
+    if (!step.packed_gram || !step.weights || !step.right || !step.start || !step.order || !step.packed_lower ||
+        !gram || !scratch || !system) {
+        result = out_of_memory(rows, k);
+        goto fail;
+    }
+    pack_gram(rows, projection, k, gram, step.packed_gram);
+    result = gather_views(&step, model, scratch);
+    if (result != BTF_OK)
+        goto fail;
 #pragma omp parallel for schedule(dynamic) num_threads(rows->context->threads)
     for (size_t first = 0; first < texels; first += SOURCES) {
         const size_t thread = enc_thread_index();
@@ -329,13 +364,15 @@ btf_result joint_solve_u(const joint_rows *rows, const joint_projection *project
                       system + thread * (k * k + k));
     }
 fail:
-    free(inverse.start);
-    free(inverse.order);
+    free(step.packed_gram);
+    free(step.weights);
+    free(step.right);
+    free(step.start);
+    free(step.order);
+    free(step.packed_lower);
     free(gram);
     free(scratch);
     free(system);
-    free(step.packed_gram);
-    free(step.packed_lower);
     return result;
 }
 

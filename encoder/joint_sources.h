@@ -9,6 +9,7 @@
 #ifndef OPENBTF_ENCODER_JOINT_SOURCES_H
 #define OPENBTF_ENCODER_JOINT_SOURCES_H
 
+#include "joint_points.h"
 #include "joint_rows.h"
 #include "joint_search.h"
 
@@ -32,9 +33,9 @@ void joint_model_clear(joint_model *model);
 
 /* Per view an orthonormal basis of the span of v[view], v = lower * basis, and every row in that basis. */
 typedef struct joint_projection {
-    float *basis; /* [view][k][row] */
-    float *lower; /* [view][k][k] lower triangular */
-    float *c;     /* [view][texel][k] = basis * row */
+    float *basis;    /* [view][k][row] */
+    float *lower;    /* [view][k][k] lower triangular */
+    joint_points *c; /* [view], [texel][k] = basis * row */
 } joint_projection;
 
 btf_result joint_projection_init(const joint_rows *rows, size_t k, joint_projection *out_projection);

@@ -222,6 +222,36 @@ static void assert_same(const void *a, const void *b, size_t size) {
         assert_memory_equal(a, b, size);
 }
 
+static void assert_same_solution(const enc_solution *a, const enc_solution *b) {
+    assert_int_equal(a->effects, b->effects);
+    assert_int_equal(a->n_components, b->n_components);
+    assert_same(a->residual_texels, b->residual_texels, (size_t)TEXELS * a->n_components);
+    assert_same(a->residual_directions, b->residual_directions, (size_t)VIEWS * ROW * a->n_components);
+    assert_same(a->residual_scales, b->residual_scales, a->n_components * sizeof(float));
+    assert_same(a->shift, b->shift, (size_t)TEXELS * VIEWS * 2);
+    assert_same(a->gain, b->gain, (size_t)TEXELS * VIEWS);
+}
+
+/* Samples and projection in memory, and both in scratch files. */
+static void test_memory(void **unused) {
+    (void)unused;
+    const enc_context little = {.threads = 2, .memory = 4096};
+    enc_data *data = shifted_data(0.2f, 0.5f, 1.0f), *scratch = NULL;
+    const enc_joint_options options = options_for(0);
+    enc_solution a, b;
+    assert_int_equal(enc_data_create(&little, WIDTH, HEIGHT, VIEWS, data->views, LIGHTS, data->lights, &scratch),
+                     BTF_OK);
+    assert_null(scratch->samples);
+    assert_int_equal(enc_data_store_texels(&little, scratch, 0, TEXELS, data->samples), BTF_OK);
+    assert_int_equal(enc_joint(&one_thread, data, &options, &a, NULL), BTF_OK);
+    assert_int_equal(enc_joint(&little, scratch, &options, &b, NULL), BTF_OK);
+    assert_same_solution(&a, &b);
+    enc_solution_clear(&a);
+    enc_solution_clear(&b);
+    enc_data_destroy(&data);
+    enc_data_destroy(&scratch);
+}
+
 static void test_threads(void **unused) {
     (void)unused;
     enc_data *data = shifted_data(0.2f, 0.5f, 1.0f);
@@ -229,13 +259,7 @@ static void test_threads(void **unused) {
     enc_solution a, b;
     assert_int_equal(enc_joint(&one_thread, data, &options, &a, NULL), BTF_OK);
     assert_int_equal(enc_joint(&two_threads, data, &options, &b, NULL), BTF_OK);
-    assert_int_equal(a.effects, b.effects);
-    assert_int_equal(a.n_components, b.n_components);
-    assert_same(a.residual_texels, b.residual_texels, (size_t)TEXELS * a.n_components);
-    assert_same(a.residual_directions, b.residual_directions, (size_t)VIEWS * ROW * a.n_components);
-    assert_same(a.residual_scales, b.residual_scales, a.n_components * sizeof(float));
-    assert_same(a.shift, b.shift, (size_t)TEXELS * VIEWS * 2);
-    assert_same(a.gain, b.gain, (size_t)TEXELS * VIEWS);
+    assert_same_solution(&a, &b);
     enc_solution_clear(&a);
     enc_solution_clear(&b);
     enc_data_destroy(&data);
@@ -369,6 +393,7 @@ int main(void) {
         cmocka_unit_test(test_monotone),
         cmocka_unit_test(test_codes),
         cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_memory),
         cmocka_unit_test(test_flat),
         cmocka_unit_test(test_quality),
         cmocka_unit_test(test_highlights),

@@ -1,0 +1,65 @@
+/* Coordinates of all points (see joint_points.h).
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "joint_points.h"
+
+#include "joint_gemm.h"
+#include "scratch.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+struct joint_points {
+    size_t floats;
+    float *values; /* [view][floats]; with a scratch file [floats], of the view read last */
+    int scratch;   /* -1: all in memory */
+};
+
+btf_result joint_points_create(const enc_context *context, size_t views, size_t floats,
+                               joint_points **out_points) {
+    const uint64_t bytes = (uint64_t)views * floats * sizeof(float);
+    const bool in_memory = context->memory == 0 || bytes <= context->memory / 4;
+    joint_points *points = malloc(sizeof *points);
+    *out_points = points;
+    if (!points)
+        return BTF_ERROR_MEMORY;
+    *points = (joint_points){floats, enc_gemm_alloc(in_memory ? views * floats : floats), -1};
+    btf_result result = points->values ? BTF_OK : BTF_ERROR_MEMORY;
+    if (result == BTF_OK && !in_memory)
+        result = enc_scratch_open(context, "joint: projection", bytes, &points->scratch);
+    if (result != BTF_OK)
+        joint_points_destroy(out_points);
+    return result;
+}
+
+void joint_points_destroy(joint_points **points) {
+    if (!*points)
+        return;
+    if ((*points)->scratch >= 0)
+        close((*points)->scratch);
+    free((*points)->values);
+    free(*points);
+    *points = NULL;
+}
+
+btf_result joint_points_store(const enc_context *context, joint_points *points, size_t view, size_t at,
+                              size_t count, const float *values) {
+    const size_t first = view * points->floats + at;
+    if (points->scratch >= 0)
+        return enc_scratch_write(context, points->scratch, (uint64_t)first * sizeof(float),
+                                 count * sizeof(float), values);
+    memcpy(points->values + first, values, count * sizeof(float));
+    return BTF_OK;
+}
+
+btf_result joint_points_view(const enc_context *context, joint_points *points, size_t view,
+                             const float **out_values) {
+    *out_values = points->values + (points->scratch < 0 ? view * points->floats : 0);
+    if (points->scratch < 0)
+        return BTF_OK;
+    return enc_scratch_read(context, points->scratch, (uint64_t)(view * points->floats) * sizeof(float),
+                            points->floats * sizeof(float), points->values);
+}

@@ -1,0 +1,28 @@
+/* Coordinates of all points (texel, view), view by view: in memory, or in a scratch file.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_JOINT_POINTS_H
+#define OPENBTF_ENCODER_JOINT_POINTS_H
+
+#include "context.h"
+
+typedef struct joint_points joint_points;
+
+/* Room for `views` arrays of `floats` each, not cleared. They lie in memory when they fit a quarter of
+ * context->memory (0: always), else in a scratch file. Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO. */
+btf_result joint_points_create(const enc_context *context, size_t views, size_t floats,
+                               joint_points **out_points);
+void joint_points_destroy(joint_points **points);
+
+/* Stores `count` floats of a view from position `at` on. Thread-safe where ranges do not overlap.
+ * Errors: BTF_ERROR_IO. */
+btf_result joint_points_store(const enc_context *context, joint_points *points, size_t view, size_t at,
+                              size_t count, const float *values);
+
+/* All floats of one view, valid until the next call.
+ * Not thread-safe. Errors: BTF_ERROR_IO. */
+btf_result joint_points_view(const enc_context *context, joint_points *points, size_t view,
+                             const float **out_values);
+
+#endif
