@@ -171,7 +171,8 @@ static const cli_program program = {
     .usage = "INPUT -o OUT.btf.exr [OPTION...]",
     .summary = "Compresses a bidirectional texture function into a material of a few GPU textures.\n"
                "INPUT is a folder or an archive (zip) of images whose names hold tl, pl, tv and pv, each\n"
-               "followed by an angle in degrees (UBO2003, ATRIUM, UTIA, Bonn spectral).",
+               "followed by an angle in degrees (UBO2003, ATRIUM, UTIA, Bonn spectral), or a .btf file of\n"
+               "Bonn (UBO2014: DFMF, FMF, PVF, BDI).",
     .details =
         "The tables printed at the end, and the report, measure what the written material decodes to.",
     .example = "btf-encode UBO_IMPALLA256.zip --size 64x64 -o impalla.btf.exr --pictures pictures",

@@ -11,7 +11,6 @@
 #include <string.h>
 
 enum { MAX_DIRECTIONS = 256 };
-static const double max_pole_distance = 5.0; /* degrees between the top view and the normal */
 
 /* A direction of one image: as the name gives it, and as it is used. */
 typedef struct named_direction {
@@ -26,8 +25,7 @@ typedef struct named_image {
     size_t source;
 } named_image;
 
-/* Brings an azimuth to [0, 360), on a grid of 1e-9 degrees so that 360 - tiny does not differ from 0. */
-static double use_azimuth(const enc_read_options *options, double theta, double phi) {
+double enc_grid_azimuth(const enc_read_options *options, double theta, double phi) {
     if (theta != 0.0)
         phi = (options->azimuth_cw ? -phi : phi) + options->azimuth_offset;
     phi = fmod(phi, 360.0);
@@ -100,8 +98,8 @@ static btf_result parse_names(const enc_context *context, const enc_source *sour
         if (result != BTF_OK)
             return result;
         images[count++] = (named_image){
-            {a.theta_view, use_azimuth(options, a.theta_view, a.phi_view), a.phi_view, i},
-            {a.theta_light, use_azimuth(options, a.theta_light, a.phi_light), a.phi_light, i},
+            {a.theta_view, enc_grid_azimuth(options, a.theta_view, a.phi_view), a.phi_view, i},
+            {a.theta_light, enc_grid_azimuth(options, a.theta_light, a.phi_light), a.phi_light, i},
             i,
         };
     }
@@ -235,11 +233,11 @@ btf_result enc_grid_create(const enc_context *context, const enc_source *source,
         result = collect(context, source, images, count, false, &views, &n_views);
     if (result == BTF_OK)
         result = collect(context, source, images, count, true, &lights, &n_lights);
-    if (result == BTF_OK && views[0].theta > max_pole_distance)
+    if (result == BTF_OK && views[0].theta > ENC_GRID_POLE_DISTANCE)
         result = enc_fail(
             context, BTF_ERROR_BAD_FILE,
             "%s: no top view: the view nearest to the pole is (%g,%g), more than %g degrees off: %s",
-            source->location, views[0].theta, views[0].given_phi, max_pole_distance,
+            source->location, views[0].theta, views[0].given_phi, ENC_GRID_POLE_DISTANCE,
             source->paths[views[0].source]);
     if (result == BTF_OK && !(owner = calloc(n_views * n_lights, sizeof *owner)))
         result = BTF_ERROR_MEMORY;

@@ -106,13 +106,16 @@ static btf_result read_header(cursor *c, size_t max_pixels, int *out_width, int 
             break;
         }
     }
-    if (!read_line(c, line, sizeof line) ||
-        sscanf(line, "%cY %d %cX %d", &y_sign, out_height, &x_sign, out_width) != 4 || x_sign != '+' ||
-        (y_sign != '-' && y_sign != '+')) {
+    if (!read_line(c, line, sizeof line))
+        goto bad;
+    /* ATRIUM's files say +X W -Y H, which would be column after column, but hold rows from the bottom. */
+    const bool atrium = sscanf(line, "+X %d -Y %d", out_width, out_height) == 2;
+    if (!atrium && (sscanf(line, "%cY %d %cX %d", &y_sign, out_height, &x_sign, out_width) != 4 ||
+                    x_sign != '+' || (y_sign != '-' && y_sign != '+'))) {
         snprintf(message, message_size, "HDR: resolution \"%.64s\" is not of the form -Y H +X W", line);
         return BTF_ERROR_UNSUPPORTED;
     }
-    *out_upwards = y_sign == '+';
+    *out_upwards = atrium || y_sign == '+';
     if (*out_width < 1 || *out_height < 1 || (size_t)*out_width > max_pixels / (size_t)*out_height) {
         snprintf(message, message_size, "HDR: size %dx%d is not usable", *out_width, *out_height);
         return BTF_ERROR_UNSUPPORTED;

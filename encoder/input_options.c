@@ -39,6 +39,18 @@ const char *enc_parse_colour(const char *text, void *options) {
     return NULL;
 }
 
+const char *enc_parse_cosine(const char *text, void *options) {
+    enc_read_options *r = options;
+    if (strcmp(text, "included") == 0) {
+        r->cosine = ENC_COSINE_INCLUDED;
+    } else if (strcmp(text, "missing") == 0) {
+        r->cosine = ENC_COSINE_MISSING;
+    } else {
+        return "included or missing";
+    }
+    return NULL;
+}
+
 const char *enc_parse_crop(const char *text, void *options) {
     enc_read_options *r = options;
     int c[4];

@@ -25,12 +25,18 @@
          .help = "azimuths in the names grow clockwise"},                                                    \
         {.name = "azimuth-offset", .arg = "DEG", .type = CLI_DOUBLE, .value = &(r).azimuth_offset,           \
          .minimum = -360, .maximum = 360, .help = "degrees added to every azimuth; default 0"},              \
+        {.name = "cosine", .arg = "WHAT", .type = CLI_CUSTOM, .value = &(r), .parse = enc_parse_cosine,      \
+         .help = "whether values hold the cosine of the light's angle: included\n"                            \
+                 "or missing; default what the file says, else included"},                                    \
+        {.name = "components", .type = CLI_INT, .value = &(r).components, .minimum = 1, .maximum = 65536,    \
+         .help = "of each factorisation of a Bonn .btf file at most; default all"},                            \
         {.name = "strict", .type = CLI_FLAG, .value = &(r).strict,                                           \
          .help = "refuse negative values instead of clamping them to 0"}
 
 /* Parsers of the options above: see cli_option.parse. */
 const char *enc_parse_transfer(const char *text, void *options);
 const char *enc_parse_colour(const char *text, void *options);
+const char *enc_parse_cosine(const char *text, void *options);
 const char *enc_parse_crop(const char *text, void *options);
 
 #endif

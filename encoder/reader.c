@@ -4,6 +4,8 @@
  */
 #include "reader.h"
 
+#include "bonn_file.h"
+#include "bonn_reader.h"
 #include "data_fill.h"
 #include "grid.h"
 
@@ -125,13 +127,14 @@ static btf_result check_values(const reader *r, const float *pixels, const char 
     return BTF_OK;
 }
 
-/* Interleaved linear pixels to three planes, negative samples clamped and counted. */
-static void store_planes(const reader *r, const float *pixels, float *planes, batch_file *file) {
+/* Interleaved linear pixels times `factor` to three planes, negative samples clamped and counted. */
+static void store_planes(const reader *r, const float *pixels, float factor, float *planes,
+                         batch_file *file) {
     const size_t texels = (size_t)r->width * (size_t)r->height;
     uint64_t negative = 0;
     for (size_t c = 0; c < 3; c++) {
         for (size_t t = 0; t < texels; t++) {
-            const float value = pixels[3 * t + c];
+            const float value = pixels[3 * t + c] * factor;
             negative += value < 0.0f;
             planes[c * texels + t] = value > 0.0f ? value : 0.0f;
         }
@@ -140,9 +143,11 @@ static void store_planes(const reader *r, const float *pixels, float *planes, ba
 }
 
 /* One file from bytes to planes[channel][texel]. Runs on any thread; does not log. */
-static btf_result convert(const reader *r, batch_file *file, float *planes) {
+static btf_result convert(const reader *r, size_t item, batch_file *file, float *planes) {
     enc_image image = {0};
     float *pixels = NULL, *resized = NULL;
+    const enc_direction *light = &r->grid->lights[r->grid->items[item].light];
+    const float factor = r->options->cosine == ENC_COSINE_MISSING ? light->xyz[2] : 1.0f;
     const bool resize = r->width != r->area.width || r->height != r->area.height;
     btf_result result =
         enc_image_decode(file->data, file->size, &image, file->message, sizeof file->message);
@@ -181,7 +186,7 @@ static btf_result convert(const reader *r, batch_file *file, float *planes) {
     if (resize)
         result = enc_resize_area(pixels, r->area.width, r->area.height, resized, r->width, r->height);
     if (result == BTF_OK)
-        store_planes(r, resize ? resized : pixels, planes, file);
+        store_planes(r, resize ? resized : pixels, factor, planes, file);
 done:
     enc_image_clear(&image);
     free(pixels);
@@ -199,9 +204,9 @@ static void fetch(const reader *r, size_t item, batch_file *file) {
                                    file->message, sizeof file->message);
 }
 
-static void finish(const reader *r, batch_file *file, float *planes) {
+static void finish(const reader *r, size_t item, batch_file *file, float *planes) {
     if (file->result == BTF_OK)
-        file->result = convert(r, file, planes);
+        file->result = convert(r, item, file, planes);
     free(file->data);
     file->data = NULL;
 }
@@ -228,7 +233,7 @@ static btf_result read_batch(reader *r, size_t first, size_t count, float *plane
     for (size_t i = 0; i < n; i++) {
         if (!r->source->is_sequential)
             fetch(r, first + i, &files[i]);
-        finish(r, &files[i], planes + i * plane);
+        finish(r, first + i, &files[i], planes + i * plane);
     }
     if (first == 0)
         r->first_file = NULL; /* finish() freed it */
@@ -352,6 +357,11 @@ btf_result enc_read(const enc_context *context, const char *input, const enc_rea
     r.threads = r.context->threads > 0 ? r.context->threads : 1;
     *out_data = NULL;
     btf_result result = check_options(context, options);
+    if (result == BTF_OK && enc_bonn_is(input))
+        return enc_read_bonn(r.context, input, options, out_data);
+    if (result == BTF_OK && options->components > 0)
+        result = enc_fail(context, BTF_ERROR_USAGE, "%s: components are those of a Bonn .btf file, and this is none",
+                          input);
     if (result == BTF_OK)
         result = enc_source_open(context, input, &r.source);
     if (result == BTF_OK)

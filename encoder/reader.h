@@ -13,6 +13,13 @@ typedef enum enc_colour {
     ENC_COLOUR_XYZ,     /* CIE XYZ, white point D65 (UTIA's EXR) */
 } enc_colour;
 
+/* Whether samples hold the cosine of the angle between light and normal. */
+typedef enum enc_cosine {
+    ENC_COSINE_AUTO = 0, /* as the file says; images do */
+    ENC_COSINE_INCLUDED,
+    ENC_COSINE_MISSING, /* samples are multiplied by it */
+} enc_cosine;
+
 /* How images and names are to be understood. Zero means default. Applied in this order: transfer, colour,
  * crop, flip_v, size, clamping of negative values. */
 typedef struct enc_read_options {
@@ -24,10 +31,12 @@ typedef struct enc_read_options {
     bool flip_v;           /* row 0 of the files is the bottom (-v) */
     bool azimuth_cw;       /* azimuths of the names grow clockwise: phi becomes -phi */
     double azimuth_offset; /* degrees, then added to every azimuth but those of theta 0 */
+    enc_cosine cosine;
+    int components;        /* of each factorisation of a Bonn file at most; 0: all */
     bool strict;           /* refuse negative values instead of clamping them to 0 and counting them */
 } enc_read_options;
 
-/* Reads a directory or an archive of images whose names say tl, pl, tv and pv (names.h, source.h) into a
+/* Reads a Bonn .btf file (bonn_reader.h), or a directory or an archive of images whose names say tl, pl, tv and pv (names.h, source.h) into a
  * BTF. Directions are brought to paper order: theta ascending, then phi ascending from 0. The images have
  * to be one full grid of views and lights, of one size, with a view within 5 degrees of the pole.
  *

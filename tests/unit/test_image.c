@@ -287,6 +287,31 @@ static void test_hdr(void **state) {
     expect_error(BTF_ERROR_UNSUPPORTED, "2000000000");
 }
 
+/* ATRIUM's files: "+X W -Y H" over rows that begin at the bottom. */
+static void test_hdr_of_atrium(void **state) {
+    (void)state;
+    unsigned char rgbe[W * H * 4];
+    for (int i = 0; i < W * H * 4; i++)
+        rgbe[i] = (unsigned char)(i % 4 == 3 ? 128 : 128 + i % 97);
+    write_hdr(file, W, H, rgbe, HDR_NEW_RUNS, "", true);
+    size_t size;
+    unsigned char *data = read_whole_file(file, &size);
+    char usual[64], theirs[64];
+    const size_t length = (size_t)snprintf(usual, sizeof usual, "+Y %d +X %d\n", H, W);
+    snprintf(theirs, sizeof theirs, "+X %d -Y %d\n", W, H);
+    unsigned char *line = memmem(data, size, usual, length);
+    assert_non_null(line);
+    memcpy(line, theirs, length);
+    write_whole_file(file, data, size);
+    free(data);
+    enc_image image = decode();
+    assert_int_equal(image.width, W);
+    assert_int_equal(image.height, H);
+    for (int i = 0; i < W * H * 3; i++)
+        assert_true(((float *)image.pixels)[i] == (float)ldexp(rgbe[i / 3 * 4 + i % 3], -8));
+    enc_image_clear(&image);
+}
+
 static void test_exr(void **state) {
     (void)state;
     float rgb[W * H * 3];
@@ -379,7 +404,7 @@ int main(void) {
         cmocka_unit_test(test_png_rgb),   cmocka_unit_test(test_png_16),
         cmocka_unit_test(test_png_kinds), cmocka_unit_test(test_png_damaged),
         cmocka_unit_test(test_jpeg),      cmocka_unit_test(test_jpeg_orientation),
-        cmocka_unit_test(test_hdr),       cmocka_unit_test(test_exr),
+        cmocka_unit_test(test_hdr),       cmocka_unit_test(test_hdr_of_atrium), cmocka_unit_test(test_exr),
         cmocka_unit_test(test_exr_noise), cmocka_unit_test(test_exr_tiled),
         cmocka_unit_test(test_no_image),
     };

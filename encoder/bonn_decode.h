@@ -1,0 +1,36 @@
+/* Samples of Bonn's binary .btf files, made texel by texel.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_BONN_DECODE_H
+#define OPENBTF_ENCODER_BONN_DECODE_H
+
+#include "bonn_file.h"
+
+/* The direction side of a file in memory, in the order that is wanted. Immutable once made: shared by
+ * threads. */
+typedef struct enc_bonn_decoder enc_bonn_decoder;
+
+/* view_order[n_views], light_order[n_lights]: the file's number of each view and light of the output.
+ * light_factor[n_lights] (of the output's lights) multiplies every sample; components: at most so many of
+ * each factorisation, 0 for all. Bzipped BDI is expanded in memory here. The file must outlive the decoder.
+ * Errors, on the log: BTF_ERROR_BAD_FILE (a number that is not finite, damaged chunks), BTF_ERROR_MEMORY.
+ */
+btf_result enc_bonn_decoder_create(const enc_context *context, const enc_bonn_file *file,
+                                   const int *view_order, const int *light_order, const float *light_factor,
+                                   uint32_t components, enc_bonn_decoder **out_decoder);
+void enc_bonn_decoder_destroy(enc_bonn_decoder **decoder);
+
+/* Linear Rec. 709 samples of `count` texels (numbers y * width + x, in any order):
+ * out[i][view][channel][light], `pitch` floats from texel to texel. first_view, n_views: these views alone,
+ * the first of them at out[i][0]. Negative samples are kept. Missing ABRDFs of a sparse BDI are 0. The same
+ * bits for any blocking. Errors: BTF_ERROR_BAD_FILE (a sample that is not finite: named), BTF_ERROR_MEMORY.
+ */
+btf_result enc_bonn_decode(const enc_context *context, const enc_bonn_decoder *decoder, size_t count,
+                           const size_t *texels, int first_view, int n_views, size_t pitch, float *out);
+
+/* The inverse of a colour model in place: three rows of `count` samples each, `pitch` floats apart. */
+void enc_bonn_colour(int32_t model, const float mean[3], const float matrix[9], size_t count, size_t pitch,
+                     float *samples);
+
+#endif

@@ -1,0 +1,16 @@
+/* Reading one of Bonn's binary .btf files into a BTF.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_BONN_READER_H
+#define OPENBTF_ENCODER_BONN_READER_H
+
+#include "reader.h"
+
+/* enc_read() of such a file (enc_bonn_is). The matrices stay in the mapped file; samples are made when
+ * asked for, or once, where all of them fit half of context->memory. Memory beside: the direction side,
+ * n_views * n_lights numbers a component and channel. Errors as enc_read(). */
+btf_result enc_read_bonn(const enc_context *context, const char *input, const enc_read_options *options,
+                         enc_data **out_data);
+
+#endif

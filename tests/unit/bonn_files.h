@@ -1,0 +1,54 @@
+/* Bonn's binary .btf files for the readers' tests, of every kind and form, from numbers that a function
+ * gives.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_TESTS_BONN_FILES_H
+#define OPENBTF_TESTS_BONN_FILES_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+
+typedef enum bonn_form { BONN_DFMF, BONN_FMF, BONN_PVF, BONN_PVF_LEGACY, BONN_BDI } bonn_form;
+
+/* What to write. Directions in degrees. */
+typedef struct bonn_spec {
+    bonn_form form;
+    const char *signature;
+    int meta_version; /* 1 to 4 */
+    bool cosine;
+    int channels; /* 0: 3 */
+    int width, height, n_views, n_lights;
+    const double (*views)[2], (*lights)[2];
+    unsigned rotations;
+
+    int32_t model; /* DFMF */
+    float mean[3], matrix[9];
+    unsigned scalar[3]; /* of each channel (DFMF), else of all: [0] */
+    unsigned components[3];
+    bool swapped; /* the left side is that of the texels */
+
+    unsigned header_version, logarithm, height_rows, height_columns; /* FMF12 */
+
+    unsigned compression, lines_per_chunk; /* BDI */
+    const unsigned char *mask;             /* [height][width] or NULL: all there */
+
+    /* The factor of (direction, channel, component): view < 0 where it is not told apart (never in DFMF,
+     * FMF, PVF). */
+    double (*direction)(int view, int light, int channel, unsigned component);
+    double (*texel)(int x, int y, int channel, int view, unsigned component);
+    double (*average)(int view, int light, int channel, int x,
+                      int y); /* PVF: of light, or of (x, y) when swapped */
+    double (*sample)(int view, int light, int channel, int x, int y); /* BDI */
+} bonn_spec;
+
+/* Writes the file, or returns false. Sides that hold a channel's rows apart, and which do not, are as the
+ * kind wants: a factor that the kind does not tell by channel (or view) is asked for with channel (or view)
+ * 0. */
+bool bonn_write(const char *path, const bonn_spec *spec);
+
+/* 16-bit code of a number, rounded to nearest even. */
+uint16_t bonn_half(double value);
+
+#endif
