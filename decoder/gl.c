@@ -103,8 +103,10 @@ static void gl_format(btf_format format, uint32_t out[3]) {
             memcpy(out, table[i].gl, sizeof table[i].gl);
 }
 
-/* Makes one texture on the active unit, unpacking tightly. */
-static btf_result upload(btf_gl *gl, btf_texture_id id, const btf_texture *texture, const btf_log *log) {
+/* Makes one texture of `levels` mip levels, the first of which is the largest, on the active unit,
+ * unpacking tightly. */
+static btf_result upload(btf_gl *gl, btf_texture_id id, const btf_texture *texture, uint32_t levels,
+                         const btf_log *log) {
     const btfi_gl_functions *api = &gl->api;
     const char *name = btf_texture_name(id);
     btf_result result = check_limits(api, name, texture, log);
@@ -116,23 +118,27 @@ static btf_result upload(btf_gl *gl, btf_texture_id id, const btf_texture *textu
     api->GenTextures(1, &gl->name[id]);
     gl->is_array[id] = texture->is_array;
     api->BindTexture(target, gl->name[id]);
-    api->TexParameteri(target, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    api->TexParameteri(target, GL_TEXTURE_MIN_FILTER,
+                       (int32_t)(levels > 1 ? GL_NEAREST_MIPMAP_NEAREST : GL_NEAREST));
     api->TexParameteri(target, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
     api->TexParameteri(target, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
     api->TexParameteri(target, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
     api->TexParameteri(target, GL_TEXTURE_BASE_LEVEL, 0);
-    api->TexParameteri(target, GL_TEXTURE_MAX_LEVEL, 0);
-    int32_t w = (int32_t)texture->width, h = (int32_t)texture->height, d = (int32_t)texture->layers;
-    if (texture->is_array)
-        api->TexImage3D(target, 0, (int32_t)format[0], w, h, d, 0, format[1], format[2], texture->data);
-    else
-        api->TexImage2D(target, 0, (int32_t)format[0], w, h, 0, format[1], format[2], texture->data);
+    api->TexParameteri(target, GL_TEXTURE_MAX_LEVEL, (int32_t)levels - 1);
+    for (uint32_t i = 0; i < levels; ++i) {
+        const btf_texture *t = &texture[i];
+        int32_t level = (int32_t)i, w = (int32_t)t->width, h = (int32_t)t->height, d = (int32_t)t->layers;
+        if (t->is_array)
+            api->TexImage3D(target, level, (int32_t)format[0], w, h, d, 0, format[1], format[2], t->data);
+        else
+            api->TexImage2D(target, level, (int32_t)format[0], w, h, 0, format[1], format[2], t->data);
+        gl->bytes += btf_format_size(t->format) * t->width * t->height * t->layers;
+    }
     uint32_t error = btfi_gl_errors(api);
     if (error != GL_NO_ERROR)
         return btfi_fail(log, error == GL_OUT_OF_MEMORY ? BTF_ERROR_MEMORY : BTF_ERROR_UNSUPPORTED,
                          "%s: GL refuses %u x %u x %u texels with error 0x%04x", name, texture->width,
                          texture->height, texture->layers, error);
-    gl->bytes += btf_format_size(texture->format) * texture->width * texture->height * texture->layers;
     return BTF_OK;
 }
 
@@ -172,16 +178,21 @@ btf_result btf_gl_upload(const btf_material *material, const btf_gl_options *opt
         options->struct_size > offsetof(btf_gl_options, shader) ? options->shader : NULL;
     uint32_t components, wanted = choose_textures(&info, shader, &components);
     for (int id = 0; id < BTF_TEXTURE_COUNT && result == BTF_OK; ++id) {
-        btf_texture texture = btf_material_texture(material, (btf_texture_id)id);
-        if (texture.format == BTF_FORMAT_NONE || !(wanted >> id & 1))
-            continue;
-        /* Components are stored four a layer, so that the first ones are a prefix. */
-        uint32_t groups = (components + 3) / 4;
-        if (id == BTF_TEXTURE_RESIDUAL_TEXELS)
-            texture.layers = groups;
-        else if (id == BTF_TEXTURE_RESIDUAL_DIRECTIONS)
-            texture.layers = 3 * groups;
-        result = upload(gl, (btf_texture_id)id, &texture, log);
+        btf_texture texture[BTF_MAX_LEVELS];
+        uint32_t levels = 0;
+        for (; wanted >> id & 1 && levels < info.levels; ++levels) {
+            texture[levels] = btf_material_level_texture(material, levels, (btf_texture_id)id);
+            if (texture[levels].format == BTF_FORMAT_NONE)
+                break;
+            /* Components are stored four a layer, so that the first ones are a prefix. */
+            uint32_t groups = (components + 3) / 4;
+            if (id == BTF_TEXTURE_RESIDUAL_TEXELS)
+                texture[levels].layers = groups;
+            else if (id == BTF_TEXTURE_RESIDUAL_DIRECTIONS)
+                texture[levels].layers = 3 * groups;
+        }
+        if (levels > 0)
+            result = upload(gl, (btf_texture_id)id, texture, levels, log);
     }
 
     for (int i = api->is_es; i < UNPACK_COUNT; ++i)

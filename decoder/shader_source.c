@@ -186,6 +186,7 @@ static void write_macros(text *t, const btf_material *material, const btf_materi
 
     define_uint(t, "BTF_WIDTH", info->width);
     define_uint(t, "BTF_HEIGHT", info->height);
+    define_uint(t, "BTF_LEVELS", info->levels);
     define_uint(t, "BTF_N_LIGHTS", info->n_lights);
     define_uint(t, "BTF_VIEW_GRID", btf_material_views(material).grid);
     define_uint(t, "BTF_LIGHT_GRID", btf_material_lights(material).grid);

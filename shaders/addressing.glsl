@@ -12,6 +12,11 @@ uint btf_coordinate(float c, uint size) {
     return (uint(int(scaled)) & 0x3FFFFu) * size;
 }
 
+/* Columns and rows of a level of detail. */
+uvec2 btf_size(int level) {
+    return uvec2(max(BTF_WIDTH >> level, 1u), max(BTF_HEIGHT >> level, 1u));
+}
+
 /* Texels before and after a position, and the weight of the latter in 256ths. */
 uvec3 btf_bilinear(uint t, uint size) {
     uint s = t - 131072u;

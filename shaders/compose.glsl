@@ -10,10 +10,12 @@ struct btf_setting {
     int n;        /* neighbours in use: 1 or 3 */
     vec3 product; /* l * v, by component */
     float cosine; /* l.z, its root in the square-root domain */
+    int level;    /* of detail */
 };
 
-btf_setting btf_prepare(vec3 l, vec3 v, bool nearest) {
+btf_setting btf_prepare(vec3 l, vec3 v, bool nearest, int level) {
     btf_setting s;
+    s.level = level;
     s.views = btf_lookup(btf_view_table, BTF_VIEW_GRID, btf_project(v));
     s.lights = btf_lookup(btf_light_table, BTF_LIGHT_GRID, btf_project(l));
     s.n = 3;
@@ -39,9 +41,9 @@ float btf_clamp(float y) {
 vec3 btf_source_radiance(uvec2 source, vec3 residual, uint gain, btf_setting s) {
     vec3 y = vec3(0.0);
 #if BTF_COLOUR != 2
-    y = btf_lafortune(source, s.product);
+    y = btf_lafortune(source, s.product, s.level);
 #if BTF_SHADOW
-    y = btf_mul(y, btf_shadow_factor(source, s.lights, s.n));
+    y = btf_mul(y, btf_shadow_factor(source, s.lights, s.n, s.level));
 #endif
 #endif
 #if BTF_COMPONENTS > 0
@@ -74,8 +76,8 @@ void btf_add_view(inout vec3 sum[BTF_TEXELS], uvec2 x[BTF_TEXELS], uint view, fl
     vec3 residual[BTF_TEXELS];
     bool visible = false;
     for (int i = 0; i < BTF_TEXELS; ++i) {
-        codes[i] = btf_view_codes(x[i], view);
-        source[i] = btf_source(x[i], codes[i]);
+        codes[i] = btf_view_codes(x[i], view, s.level);
+        source[i] = btf_source(x[i], codes[i], s.level);
         residual[i] = vec3(0.0);
         visible = visible || codes[i].x != 0u;
     }
@@ -83,7 +85,7 @@ void btf_add_view(inout vec3 sum[BTF_TEXELS], uvec2 x[BTF_TEXELS], uint view, fl
 #if BTF_HIDDEN
     if (visible)
 #endif
-        btf_residual(residual, source, view, s.lights, s.n);
+        btf_residual(residual, source, view, s.lights, s.n, s.level);
 #endif
     for (int i = 0; i < BTF_TEXELS; ++i) {
         vec3 radiance;

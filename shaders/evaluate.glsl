@@ -3,19 +3,20 @@
  * SPDX-License-Identifier: MIT
  */
 
-vec3 btf_evaluate_directions(vec2 uv, vec3 l, vec3 v, bool nearest) {
+vec3 btf_evaluate_directions(vec2 uv, vec3 l, vec3 v, bool nearest, int level) {
     if (!btf_is_above(l) || !btf_is_above(v))
         return vec3(0.0);
-    btf_setting s = btf_prepare(l, v, nearest);
-    uint tu = btf_coordinate(uv.x, BTF_WIDTH), tv = btf_coordinate(uv.y, BTF_HEIGHT);
+    btf_setting s = btf_prepare(l, v, nearest, level);
+    uvec2 size = btf_size(level);
+    uint tu = btf_coordinate(uv.x, size.x), tv = btf_coordinate(uv.y, size.y);
     uvec2 x[BTF_TEXELS];
     vec3 sum[BTF_TEXELS];
 #if BTF_BILINEAR
-    uvec3 cu = btf_bilinear(tu, BTF_WIDTH), cv = btf_bilinear(tv, BTF_HEIGHT);
-    x[0] = uvec2(cu.x, BTF_HEIGHT - 1u - cv.x);
-    x[1] = uvec2(cu.y, BTF_HEIGHT - 1u - cv.x);
-    x[2] = uvec2(cu.x, BTF_HEIGHT - 1u - cv.y);
-    x[3] = uvec2(cu.y, BTF_HEIGHT - 1u - cv.y);
+    uvec3 cu = btf_bilinear(tu, size.x), cv = btf_bilinear(tv, size.y);
+    x[0] = uvec2(cu.x, size.y - 1u - cv.x);
+    x[1] = uvec2(cu.y, size.y - 1u - cv.x);
+    x[2] = uvec2(cu.x, size.y - 1u - cv.y);
+    x[3] = uvec2(cu.y, size.y - 1u - cv.y);
     uvec4 weight = uvec4(256u - cu.z, cu.z, 256u - cu.z, cu.z) * uvec4(uvec2(256u - cv.z), uvec2(cv.z));
     for (int i = 0; i < BTF_TEXELS; ++i)
         sum[i] = vec3(0.0);
@@ -26,7 +27,7 @@ vec3 btf_evaluate_directions(vec2 uv, vec3 l, vec3 v, bool nearest) {
             btf_add(radiance, btf_mul(sum[i], btf_mul(float(weight[i]), uintBitsToFloat(0x37800000u))));
     return radiance;
 #else
-    x[0] = uvec2(tu >> 18u, BTF_HEIGHT - 1u - (tv >> 18u));
+    x[0] = uvec2(tu >> 18u, size.y - 1u - (tv >> 18u));
     sum[0] = vec3(0.0);
     btf_texels(sum, x, s);
     return sum[0];
@@ -38,10 +39,22 @@ vec3 btf_evaluate_directions(vec2 uv, vec3 l, vec3 v, bool nearest) {
  * the tangent frame: x along +u, y along +v, z the normal. Below the horizon (l.z or v.z <= 0, or not
  * finite) it is 0. */
 vec3 btf_evaluate(vec2 uv, vec3 l, vec3 v) {
-    return btf_evaluate_directions(uv, l, v, BTF_NEAREST != 0);
+    return btf_evaluate_directions(uv, l, v, BTF_NEAREST != 0, 0);
 }
 
 /* The same with the nearest sampled view and light in place of interpolation between three. */
 vec3 btf_evaluate_nearest(vec2 uv, vec3 l, vec3 v) {
-    return btf_evaluate_directions(uv, l, v, true);
+    return btf_evaluate_directions(uv, l, v, true, 0);
+}
+
+/* btf_evaluate of a level of detail, 0 the finest; beyond the last it is the last. */
+vec3 btf_evaluate_level(vec2 uv, vec3 l, vec3 v, int level) {
+    return btf_evaluate_directions(uv, l, v, BTF_NEAREST != 0, clamp(level, 0, int(BTF_LEVELS) - 1));
+}
+
+/* The level of detail, 0 .. levels - 1, at which a texel is as wide as the longer of two steps of uv, dFdx(uv) and
+ * dFdy(uv) say; round it to nearest for btf_evaluate_level. Not exact. */
+float btf_level(vec2 dx, vec2 dy) {
+    vec2 x = dx * vec2(btf_size(0)), y = dy * vec2(btf_size(0));
+    return min(0.5 * log2(max(max(dot(x, x), dot(y, y)), 1.0)), float(BTF_LEVELS) - 1.0);
 }

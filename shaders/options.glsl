@@ -12,6 +12,7 @@
  *     BTF_CODE_ZERO      1: the file marks hidden points, decoded or not
  *   values (any expressions, e.g. uniforms of your own)
  *     BTF_WIDTH BTF_HEIGHT BTF_N_LIGHTS BTF_VIEW_GRID BTF_LIGHT_GRID          uint
+ *     BTF_LEVELS                                                              uint, levels of detail; default 1
  *     BTF_ATLAS_WIDTH BTF_ATLAS_HEIGHT BTF_TILES     uint, layout paper; TILES = max(N_v, N_l)
  *     BTF_CENTRE_ROWS                                uint, layout tight with hidden: R of section 3
  *     BTF_RADIANCE_SCALE BTF_SHADOW_SCALE BTF_GAIN_SCALE BTF_CENTRE_SCALE     float; SHADOW_SCALE is
@@ -33,6 +34,9 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#ifndef BTF_LEVELS
+#define BTF_LEVELS 1u
+#endif
 #ifndef BTF_NEAREST
 #define BTF_NEAREST 0
 #endif

@@ -6,15 +6,15 @@
 #define BTF_READS_SHIFT (BTF_SHIFT || BTF_HIDDEN)
 
 /* (gain code, first shift byte, second shift byte); (128, 0, 0) where they are not decoded. */
-uvec3 btf_view_codes(uvec2 x, uint view) {
+uvec3 btf_view_codes(uvec2 x, uint view, int level) {
     uvec3 codes = uvec3(128u, 0u, 0u);
 #if BTF_READS_CODE || BTF_READS_SHIFT
 #if BTF_LAYOUT_TIGHT
 #if BTF_READS_CODE
-    codes.x = texelFetch(btf_gain, ivec3(x, view), 0).x;
+    codes.x = texelFetch(btf_gain, ivec3(x, view), level).x;
 #endif
 #if BTF_READS_SHIFT
-    codes.yz = texelFetch(btf_shift, ivec3(x, view), 0).xy;
+    codes.yz = texelFetch(btf_shift, ivec3(x, view), level).xy;
 #endif
 #else
     codes = texelFetch(btf_maps, ivec2(btf_tile(view, x)), 0).yzw;
@@ -29,14 +29,15 @@ int btf_signed_byte(uint b) {
 }
 
 /* The source of texel x: x itself where the file has no shift for it. */
-uvec2 btf_source(uvec2 x, uvec3 codes) {
+uvec2 btf_source(uvec2 x, uvec3 codes, int level) {
 #if BTF_SHIFT
 #if BTF_CODE_ZERO
     if (codes.x == 0u)
         return x;
 #endif
-    return uvec2(btf_wrap(x.x, btf_signed_byte(codes.y), BTF_WIDTH),
-                 btf_wrap(x.y, btf_signed_byte(codes.z), BTF_HEIGHT));
+    uvec2 size = btf_size(level);
+    return uvec2(btf_wrap(x.x, btf_signed_byte(codes.y), size.x),
+                 btf_wrap(x.y, btf_signed_byte(codes.z), size.y));
 #else
     return x;
 #endif

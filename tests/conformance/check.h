@@ -30,16 +30,17 @@ typedef struct check_outcome {
     uint32_t inputs[GPU_INPUTS], expected[GPU_OUTPUTS], actual[GPU_OUTPUTS];
 } check_outcome;
 
-/* The integer steps and the arithmetic. `most` bounds the elements of a step; those that are not exhausted
- * by it are drawn at random. A step may be named (`only`), NULL runs all. Adds to *outcome. Errors: those
- * of GL and memory; a difference is none. */
+/* The integer steps and the arithmetic, at a level of detail that the seed chooses. `most` bounds the
+ * elements of a step; those that are not exhausted by it are drawn at random. A step may be named (`only`),
+ * NULL runs all. Adds to *outcome. Errors: those of GL and memory; a difference is none. */
 btf_result check_steps(const check_subject *subject, uint64_t seed, uint64_t most, const char *only,
                        check_outcome *outcome);
 
 /* Names of the steps, ended by NULL. */
 extern const char *const check_step_names[];
 
-/* `count` evaluations of btf_evaluate at random and extreme arguments. Adds to *outcome. */
+/* `count` evaluations of btf_evaluate at random and extreme arguments; of btf_evaluate_level at every level
+ * and beyond, from one pixel to the next, where the material has several. Adds to *outcome. */
 btf_result check_radiance(const check_subject *subject, uint64_t seed, uint64_t count,
                           check_outcome *outcome);
 

@@ -4,6 +4,7 @@
  */
 #include "cases.h"
 #include "check_internal.h"
+#include "decoder/tools/reference_view.h"
 #include "variant.h"
 
 #include <math.h>
@@ -24,11 +25,26 @@ static const char body_nearest[] =
     "    return uvec4(floatBitsToUint(btf_evaluate_nearest(uv, l, uintBitsToFloat(b.yzw))), 0u);\n"
     "}\n";
 
-static void reference(const check_session *session, const btf_ref_options *options, const uint32_t *input,
-                      uint32_t *out) {
+/* Element i of a batch, in column i % GPU_SIDE, asks for level element_level(). */
+static const char body_level[] =
+    "uvec4 check(uvec4 a, uvec4 b) {\n"
+    "    vec2 uv = uintBitsToFloat(a.xy);\n"
+    "    vec3 l = vec3(uintBitsToFloat(a.zw), uintBitsToFloat(b.x));\n"
+    "    int level = int(gl_FragCoord.x) % (int(BTF_LEVELS) + 2) - 1;\n"
+    "    return uvec4(floatBitsToUint(btf_evaluate_level(uv, l, uintBitsToFloat(b.yzw), level)), 0u);\n"
+    "}\n";
+
+/* The level, of those there are, that stands for what element i asks for: -1 .. levels. */
+static uint32_t element_level(size_t i, uint32_t levels) {
+    uint32_t asked = (uint32_t)(i % GPU_SIDE % (levels + 2)); /* 1 more than it is */
+    return asked == 0 ? 0 : asked > levels ? levels - 1 : asked - 1;
+}
+
+static void reference(const btf_ref_material *material, const btf_ref_options *options,
+                      const uint32_t *input, uint32_t *out) {
     float f[CASE_WORDS], rgb[3];
     memcpy(f, input, sizeof f);
-    btf_ref_evaluate(&session->reference, options, f[0], f[1], f + 2, f + 5, rgb);
+    btf_ref_evaluate(material, options, f[0], f[1], f + 2, f + 5, rgb);
     memcpy(out, rgb, sizeof rgb);
     out[3] = 0;
 }
@@ -39,12 +55,21 @@ btf_result check_radiance(const check_subject *subject, uint64_t seed, uint64_t 
     /* Half of the nearest variants go through the entry of that name. */
     btf_shader_options shader = *subject->shader;
     check_subject altered = *subject;
-    int by_entry = shader.interpolation == BTF_INTERPOLATION_NEAREST && (seed & 1);
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_material_get_info(subject->material, &info);
+    btf_ref_material levels[BTF_MAX_LEVELS];
+    for (uint32_t level = 0; level < info.levels; ++level)
+        reference_view(subject->material, level, &levels[level]);
+    int by_entry = shader.interpolation == BTF_INTERPOLATION_NEAREST && (seed & 1) && info.levels == 1;
     btf_ref_options options = variant_reference_options(&shader);
     if (by_entry)
         shader.interpolation = BTF_INTERPOLATION_LINEAR;
     altered.shader = &shader;
-    btf_result result = check_begin(&altered, by_entry ? body_nearest : body, &session);
+    btf_result result = check_begin(&altered,
+                                    info.levels > 1 ? body_level
+                                    : by_entry      ? body_nearest
+                                                    : body,
+                                    &session);
     if (result != BTF_OK)
         return result;
     random_state r = {seed};
@@ -52,8 +77,9 @@ btf_result check_radiance(const check_subject *subject, uint64_t seed, uint64_t 
     for (uint64_t first = 0; first < count && result == BTF_OK; first += batch) {
         size_t n = (size_t)(count - first < batch ? count - first : batch);
         for (size_t i = 0; i < n; ++i) {
+            uint32_t level = info.levels > 1 ? element_level(i, info.levels) : 0;
             case_make(&r, subject->material, session.inputs + GPU_INPUTS * i);
-            reference(&session, &options, session.inputs + GPU_INPUTS * i,
+            reference(&levels[level], &options, session.inputs + GPU_INPUTS * i,
                       session.expected + GPU_OUTPUTS * i);
         }
         result = check_batch(&session, "radiance", first, n, 3, outcome);
@@ -106,7 +132,7 @@ btf_result check_fast_math(const check_subject *subject, uint64_t seed, uint64_t
                 f[d + 2] = (float)z;
             }
             memcpy(session.inputs + GPU_INPUTS * i, f, sizeof f);
-            reference(&session, &options, session.inputs + GPU_INPUTS * i,
+            reference(&session.reference, &options, session.inputs + GPU_INPUTS * i,
                       session.expected + GPU_OUTPUTS * i);
         }
         result = gpu_run(subject->gpu, session.program, n, session.inputs, session.actual, subject->log);

@@ -4,6 +4,7 @@
  */
 #include "cases.h"
 #include "check_internal.h"
+#include "decoder/tools/reference_view.h"
 
 #include <math.h>
 #include <string.h>
@@ -41,12 +42,12 @@ static const char body[] =
     "        return uvec4(btf_centre_index(a.xyz), 0u, 0u, 0u);\n"
     "#endif\n"
     "    if (b.w == 9u)\n"
-    "        return uvec4(btf_source(uvec2(b.xy), a.xyz), 0u, 0u);\n"
+    "        return uvec4(btf_source(uvec2(b.xy), a.xyz, int(a.w)), 0u, 0u);\n"
     "    if (b.w == 10u)\n"
-    "        return uvec4(btf_view_codes(a.xy, a.z), 0u);\n"
+    "        return uvec4(btf_view_codes(a.xy, a.z, int(a.w)), 0u);\n"
     "#if BTF_SHADOW\n"
     "    if (b.w == 11u)\n"
-    "        return uvec4(btf_shadow_code(a.xy, a.z), 0u, 0u, 0u);\n"
+    "        return uvec4(btf_shadow_code(a.xy, a.z, int(a.w)), 0u, 0u, 0u);\n"
     "#endif\n"
     "    if (b.w == 12u)\n"
     "        return uvec4(floatBitsToUint(btf_log2(uintBitsToFloat(a.x))),\n"
@@ -59,8 +60,9 @@ static const char body[] =
 /* What a step needs to know. */
 typedef struct context_of_step {
     const btf_material *material;
-    btf_material_info info;
+    btf_material_info info; /* width and height are the level's */
     const btf_ref_material *reference;
+    uint32_t level;    /* of detail, for the steps that look at texels */
     uint32_t textures; /* those the decoder reads */
     uint32_t effects;  /* those it decodes */
     random_state random;
@@ -214,6 +216,7 @@ static void make_shift(steps *s, uint64_t i, uint32_t *in, uint32_t *out) {
     in[0] = random_below(&s->random, 16) ? 1 + random_below(&s->random, 255) : 0;
     in[1] = (uint32_t)dx;
     in[2] = (uint32_t)dy;
+    in[3] = s->level;
     in[4] = column;
     in[5] = row;
     dx -= dx > 127 ? 256 : 0;
@@ -235,6 +238,7 @@ static void make_codes(steps *s, uint64_t i, uint32_t *in, uint32_t *out) {
     in[0] = (uint32_t)(texel % s->info.width);
     in[1] = (uint32_t)(texel / s->info.width);
     in[2] = (uint32_t)(i / texels);
+    in[3] = s->level;
     out[0] = 128;
     if (s->textures >> BTF_TEXTURE_MAPS & 1) {
         uint32_t x, y;
@@ -265,6 +269,7 @@ static void make_shadow(steps *s, uint64_t i, uint32_t *in, uint32_t *out) {
     in[0] = (uint32_t)(texel % s->info.width);
     in[1] = (uint32_t)(texel / s->info.width);
     in[2] = (uint32_t)(i / texels);
+    in[3] = s->level;
     if (m->layout_tight) {
         out[0] = m->shadow[i];
     } else {
@@ -348,6 +353,10 @@ btf_result check_steps(const check_subject *subject, uint64_t seed, uint64_t mos
     steps s = {.material = subject->material, .reference = &session.reference, .random = {seed}};
     s.info.struct_size = sizeof s.info;
     btf_material_get_info(subject->material, &s.info);
+    s.level = (uint32_t)(seed % s.info.levels);
+    reference_view(subject->material, s.level, &session.reference);
+    s.info.width = session.reference.width;
+    s.info.height = session.reference.height;
     s.textures = btf_shader_textures(&s.info, subject->shader);
     s.effects = s.info.effects & ~subject->shader->leave_out;
     for (uint32_t step = 0; step < STEP_COUNT && result == BTF_OK; ++step)

@@ -193,12 +193,15 @@ static void fill_tight(random_state *r, const synthetic_spec *s, const btf_mater
             }
 }
 
+/* The scales too, and `residual_directions`, where the level has them. */
 static void fill_residual(random_state *r, const synthetic_spec *s, const btf_material_info *info,
                           void *const texture[BTF_TEXTURE_COUNT]) {
     for (int directions = 0; directions < 2; ++directions) {
         btf_texture_id id = directions ? BTF_TEXTURE_RESIDUAL_DIRECTIONS : BTF_TEXTURE_RESIDUAL_TEXELS;
         btf_texture t = btf_material_texture_shape(info, id);
         int8_t *data = texture[id];
+        if (!data)
+            return;
         for (uint32_t layer = 0; layer < t.layers; ++layer)
             for (size_t i = 0; i < 4 * (size_t)t.width * t.height; ++i, ++data) {
                 uint32_t component = layer / (directions ? 3 : 1) * 4 + i % 4;
@@ -244,6 +247,37 @@ static btf_result make_info(random_state *r, const synthetic_spec *s, btf_materi
     }
     if (s->effects & BTF_EFFECT_HIDDEN)
         info->centres = s->centres < room ? s->centres : room;
+    info->levels = 1;
+    while (s->layout == BTF_LAYOUT_TIGHT && info->levels < s->levels &&
+           (s->width >> info->levels || s->height >> info->levels))
+        info->levels++;
+    return BTF_OK;
+}
+
+/* Makes and fills the textures of a level. */
+static btf_result make_level(random_state *r, const synthetic_spec *spec, const btf_material_info *info,
+                             uint32_t level, void *texture[BTF_TEXTURE_COUNT]) {
+    for (int id = 0; id < BTF_TEXTURE_VIEW_TABLE; ++id) {
+        btf_texture t = btf_material_level_shape(info, level, (btf_texture_id)id);
+        if (t.format == BTF_FORMAT_NONE)
+            continue;
+        texture[id] = calloc(1, t.size);
+        if (!texture[id])
+            return BTF_ERROR_MEMORY;
+    }
+    btf_material_info of_level = *info;
+    of_level.width = btf_level_size(info->width, level);
+    of_level.height = btf_level_size(info->height, level);
+    if (spec->colour != BTF_COLOUR_NONE) {
+        btf_texture t = btf_material_texture_shape(&of_level, BTF_TEXTURE_SBRDF);
+        fill_sbrdf(r, spec, &t, texture[BTF_TEXTURE_SBRDF]);
+    }
+    if (spec->layout == BTF_LAYOUT_PAPER)
+        fill_maps(r, spec, &of_level, texture[BTF_TEXTURE_MAPS]);
+    else
+        fill_tight(r, spec, &of_level, texture);
+    if (spec->effects & BTF_EFFECT_RESIDUAL)
+        fill_residual(r, spec, &of_level, texture);
     return BTF_OK;
 }
 
@@ -252,34 +286,21 @@ btf_result synthetic_create(const synthetic_spec *spec, const btf_log *log, btf_
     random_state r = {spec->seed};
     btf_material_desc desc = {.struct_size = sizeof desc};
     float views[BTF_MAX_DIRECTIONS][3], lights[BTF_MAX_DIRECTIONS][3];
-    void *texture[BTF_TEXTURE_COUNT] = {0};
+    void *texture[BTF_MAX_LEVELS][BTF_TEXTURE_COUNT] = {{0}};
     btf_result result = make_info(&r, spec, &desc.info);
     make_directions(&r, spec->directions, spec->n_views, views);
     make_directions(&r, spec->directions, spec->n_lights, lights);
     desc.views = views[0];
     desc.lights = lights[0];
-    for (int id = 0; id < BTF_TEXTURE_VIEW_TABLE && result == BTF_OK; ++id) {
-        btf_texture t = btf_material_texture_shape(&desc.info, (btf_texture_id)id);
-        if (t.format == BTF_FORMAT_NONE)
-            continue;
-        desc.texture[id] = texture[id] = calloc(1, t.size);
-        if (!texture[id])
-            result = BTF_ERROR_MEMORY;
+    for (uint32_t level = 0; level < desc.info.levels && result == BTF_OK; ++level) {
+        result = make_level(&r, spec, &desc.info, level, texture[level]);
+        for (int id = 0; id < BTF_TEXTURE_COUNT; ++id)
+            *(level ? &desc.level_texture[level][id] : &desc.texture[id]) = texture[level][id];
     }
-    if (result == BTF_OK) {
-        if (spec->colour != BTF_COLOUR_NONE) {
-            btf_texture t = btf_material_texture_shape(&desc.info, BTF_TEXTURE_SBRDF);
-            fill_sbrdf(&r, spec, &t, texture[BTF_TEXTURE_SBRDF]);
-        }
-        if (spec->layout == BTF_LAYOUT_PAPER)
-            fill_maps(&r, spec, &desc.info, texture[BTF_TEXTURE_MAPS]);
-        else
-            fill_tight(&r, spec, &desc.info, texture);
-        if (spec->effects & BTF_EFFECT_RESIDUAL)
-            fill_residual(&r, spec, &desc.info, texture);
+    if (result == BTF_OK)
         result = btf_material_create(&desc, log, out_material);
-    }
-    for (int id = 0; id < BTF_TEXTURE_COUNT; ++id)
-        free(texture[id]);
+    for (int level = 0; level < BTF_MAX_LEVELS; ++level)
+        for (int id = 0; id < BTF_TEXTURE_COUNT; ++id)
+            free(texture[level][id]);
     return result;
 }

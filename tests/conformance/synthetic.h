@@ -31,6 +31,7 @@ typedef struct synthetic_spec {
     int all_hidden;   /* with hidden: every point is; else about a third */
     synthetic_directions directions;
     synthetic_values values;
+    uint32_t levels; /* of detail: at most so many, as far as size and layout allow; 0 means 1 */
 } synthetic_spec;
 
 /* Makes it. Errors as btf_material_create. */

@@ -28,9 +28,10 @@ enum factor {
     TRUNCATE,
     INTERPOLATION,
     FILTER,
+    DETAIL,
     FACTORS
 };
-static const uint8_t levels[FACTORS] = {6, 6, 2, 2, 3, 2, 4, 2, 2, 3, 2, 4, 2, 6, 2, 2, 2};
+static const uint8_t levels[FACTORS] = {6, 6, 2, 2, 3, 2, 4, 2, 2, 3, 2, 4, 2, 6, 2, 2, 2, 2};
 
 static const uint32_t sizes[][2] = {{1, 1}, {3, 5}, {16, 16}, {37, 41}, {130, 7}, {64, 32}};
 static const struct {
@@ -47,14 +48,15 @@ static const uint32_t left_out[] = {
 static void write_name(variant *v) {
     const synthetic_spec *s = &v->spec;
     static const char *const colours[] = {"mono", "rgb", "none"};
-    snprintf(v->name, sizeof v->name, "%ux%u V%u L%u %s %s %s%s J%u%s%s%s%s k%u%s%s minus %u cut %u %s %s",
-             s->width, s->height, s->n_views, s->n_lights, s->layout ? "tight" : "paper",
-             s->domain ? "sqrt" : "linear", colours[s->colour], s->half_float ? " half" : "", s->lobes,
+    snprintf(v->name, sizeof v->name,
+             "%ux%u V%u L%u %s %s %s%s J%u%s%s%s%s k%u%s%s%s minus %u cut %u %s %s", s->width, s->height,
+             s->n_views, s->n_lights, s->layout ? "tight" : "paper", s->domain ? "sqrt" : "linear",
+             colours[s->colour], s->half_float ? " half" : "", s->lobes,
              s->effects & BTF_EFFECT_SHADOW ? " shadow" : "", s->effects & BTF_EFFECT_SHIFT ? " shift" : "",
              s->effects & BTF_EFFECT_HIDDEN ? " hidden" : "", s->effects & BTF_EFFECT_GAIN ? " gain" : "",
              s->components, s->all_hidden ? " all-hidden" : "", s->values ? " extreme" : "",
-             v->shader.leave_out, v->shader.components, v->shader.interpolation ? "nearest" : "linear",
-             v->shader.filter ? "bilinear" : "texel");
+             s->levels > 1 && s->layout ? " levels" : "", v->shader.leave_out, v->shader.components,
+             v->shader.interpolation ? "nearest" : "linear", v->shader.filter ? "bilinear" : "texel");
 }
 
 static void make_variant(const uint8_t row[FACTORS], uint64_t seed, variant *v) {
@@ -80,6 +82,7 @@ static void make_variant(const uint8_t row[FACTORS], uint64_t seed, variant *v) 
     s->centres = row[HIDDEN] == 1 ? 5000 : 300;
     s->all_hidden = row[HIDDEN] == 2;
     s->values = (synthetic_values)row[VALUES];
+    s->levels = row[DETAIL] ? BTF_MAX_LEVELS : 1; /* all that the size has */
     v->shader.struct_size = sizeof v->shader;
     v->shader.leave_out = left_out[row[LEAVE_OUT]];
     v->shader.components = row[TRUNCATE] ? 5 : 0;

@@ -5,8 +5,9 @@
  * says it sets.
  *
  * What this does not do: it makes no context, window, thread, program, framebuffer, sampler object or draw
- * call (the self-test makes some and deletes them), keeps no copy of the material, and makes no mip levels:
- * the decoder fetches single texels.
+ * call (the self-test makes some and deletes them), and keeps no copy of the material. Levels of detail are
+ * uploaded as mip levels of the same textures; none are made here, and nothing filters: the decoder fetches single
+ * texels.
  *
  * Thread rule: a btf_gl belongs to the context it was made in, and is used by one thread at a time.
  *
@@ -35,7 +36,7 @@ typedef struct btf_gl_options {
 
 typedef struct btf_gl btf_gl;
 
-/** Uploads the textures of a material, which may be closed afterwards.
+/** Uploads the textures of a material, all levels of detail, which may be closed afterwards.
  *  Errors: BTF_ERROR_USAGE, BTF_ERROR_UNSUPPORTED (a function is missing; the context is too old; a texture
  *  exceeds GL_MAX_TEXTURE_SIZE or GL_MAX_ARRAY_TEXTURE_LAYERS: the message has both numbers),
  * BTF_ERROR_MEMORY (also GL's own). On error *out_gl is NULL and nothing is left behind. */
@@ -52,7 +53,7 @@ btf_result btf_gl_bind(btf_gl *gl, uint32_t program, uint32_t first_unit, const 
 /** @return the GL name of a texture, 0 when it was not uploaded. It stays with the btf_gl. */
 uint32_t btf_gl_texture(const btf_gl *gl, btf_texture_id id);
 
-/** @return bytes of all texels uploaded. */
+/** @return bytes of all texels uploaded, of all levels. */
 size_t btf_gl_bytes(const btf_gl *gl);
 
 /** Deletes the textures and sets *gl to NULL. NULL and a pointer to NULL are accepted. */

@@ -5,6 +5,12 @@
  *
  *     vec3 btf_evaluate(vec2 uv, vec3 l, vec3 v)
  *
+ * or, where a surface is seen from afar and the material has levels of detail,
+ *
+ *     vec3 btf_evaluate_level(vec2 uv, vec3 l, vec3 v, int level)
+ *
+ * with, say, int(btf_level(dFdx(uv), dFdy(uv)) + 0.5) for the level.
+ *
  * It works in GLSL 330 core to 460, ESSL 300 (WebGL2) to 320, and Vulkan GLSL. What a compiler finds unused
  * costs nothing: an effect that is left out leaves no code and no fetch behind.
  *

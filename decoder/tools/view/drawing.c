@@ -90,7 +90,7 @@ static const char images_text[] =
     "vec3 view_radiance(vec2 uv, vec3 l, vec3 v) {\n"
     "    if (!btf_is_above(l) || !btf_is_above(v))\n"
     "        return vec3(0.0);\n"
-    "    btf_setting s = btf_prepare(l, v, BTF_NEAREST != 0);\n"
+    "    btf_setting s = btf_prepare(l, v, BTF_NEAREST != 0, 0);\n"
     "    ivec2 size = ivec2(BTF_WIDTH, BTF_HEIGHT);\n"
     "    ivec2 x = ivec2(btf_coordinate(uv.x, BTF_WIDTH) >> 18u,\n"
     "                    BTF_HEIGHT - 1u - (btf_coordinate(uv.y, BTF_HEIGHT) >> 18u));\n"
