@@ -24,7 +24,19 @@ static struct {
     double hidden_threshold, error_threshold, btf_threshold;
     int window[2];
     bool data_points, quiet;
-} o = {.effects = UINT32_MAX, .hidden_threshold = 0.7, .window = {256, 256}};
+} o = {.job = {.levels = 1}, .effects = UINT32_MAX, .hidden_threshold = 0.7, .window = {256, 256}};
+
+static const char *parse_levels(const char *text, void *value) {
+    int *levels = value, used = 0;
+    if (!strcmp(text, "all")) {
+        *levels = 0;
+        return NULL;
+    }
+    if (sscanf(text, "%d%n", levels, &used) != 1 || text[used] || *levels < 1 || *levels > BTF_MAX_LEVELS) {
+        return "a number from 1 to 15, or all";
+    }
+    return NULL;
+}
 
 static const cli_option table[] = {
     {.short_name = 'o',
@@ -72,8 +84,15 @@ static const cli_option table[] = {
      .value = &o.layout,
      .given = &o.layout_given,
      .choices = "paper|tight",
-     .help = "paper: one atlas, as in 3.1; tight: a texture an effect; default\npaper for --method paper, "
-             "tight for joint"},
+     .help = "paper: one atlas, as in 3.1; tight: a texture an effect; default\npaper for --method paper "
+             "without --levels, else tight"},
+    {.name = "levels",
+     .arg = "N|all",
+     .type = CLI_CUSTOM,
+     .value = &o.job.levels,
+     .parse = parse_levels,
+     .help = "levels of detail, each of half the size; all: down to one texel;\ndefault 1. "
+             "Those beyond the first take about a third more bytes\nof texels, and time; layout tight"},
     {.name = "half",
      .type = CLI_FLAG,
      .value = &o.job.half_float,
@@ -241,6 +260,11 @@ static void describe_all(void) {
     describe("effects", "%s", o.effects == UINT32_MAX ? "auto" : cli_effects_text(o.effects, effects));
     describe("layout", "%s", o.job.layout == BTF_LAYOUT_PAPER ? "paper" : "tight");
     describe("half", "%s", yes_no(o.job.half_float));
+    if (o.job.levels == 0) {
+        describe("levels", "all");
+    } else {
+        describe("levels", "%d", o.job.levels);
+    }
     if (o.job.method == ENC_METHOD_PAPER) {
         describe("lobes", "%d", paper->fit.lobes);
         describe("rounds", "%d", paper->fit.rounds);
@@ -283,7 +307,12 @@ static btf_result prepare(void) {
                          "option --effects: --method paper has shadow, shift and hidden only");
     }
     job->layout = o.layout_given ? (o.layout == 1 ? BTF_LAYOUT_TIGHT : BTF_LAYOUT_PAPER)
-                                 : (job->method == ENC_METHOD_PAPER ? BTF_LAYOUT_PAPER : BTF_LAYOUT_TIGHT);
+                  : job->method == ENC_METHOD_PAPER && job->levels == 1 ? BTF_LAYOUT_PAPER
+                                                                        : BTF_LAYOUT_TIGHT;
+    if (job->levels != 1 && job->layout == BTF_LAYOUT_PAPER) {
+        return cli_error(&program, BTF_ERROR_USAGE,
+                         "option --levels: --layout paper has one level; take --layout tight");
+    }
     job->paper.effects = o.effects == UINT32_MAX ? paper_effects : o.effects;
     job->paper.fit.t_error = (float)o.error_threshold;
     job->paper.fit.t_btf = (float)o.btf_threshold;

@@ -6,6 +6,7 @@
 
 #include "decoder/tools/output.h"
 #include "effect_errors.h"
+#include "levels.h"
 #include "montage.h"
 #include "pack.h"
 #include "pictures.h"
@@ -85,6 +86,7 @@ static const char *base_name(const char *path) {
 typedef struct job_state {
     enc_data *data;
     enc_solution found, stored; /* what the method found; what the packed material holds */
+    enc_levels found_levels, stored_levels;
     enc_occlusion *occlusion;
     btf_material *material;
     char *options;
@@ -105,6 +107,23 @@ static btf_result analyse(const enc_context *context, const enc_job *job, job_st
     return enc_joint(context, s->data, &job->joint, &s->found, NULL);
 }
 
+/* How many levels the data may have is known only now. */
+static btf_result check_levels(const enc_context *context, const enc_job *job, const enc_data *data,
+                               int *out_count) {
+    const int most = enc_level_count(data->width, data->height);
+    *out_count = job->levels > 0 ? job->levels : most;
+    if (*out_count > most)
+        return enc_fail(context, BTF_ERROR_USAGE,
+                        "option --levels: %d, but %d x %d texels have %d down to one texel", job->levels,
+                        data->width, data->height, most);
+    return BTF_OK;
+}
+
+static btf_result analyse_levels(const enc_context *context, const enc_job *job, int count, job_state *s) {
+    return enc_levels_fit(context, s->data, count, job->method == ENC_METHOD_PAPER ? &job->paper : NULL,
+                          &s->found, &s->found_levels);
+}
+
 /* Packs, measures what was packed, and packs again with the errors in the header. */
 static btf_result pack_and_measure(const enc_context *context, const enc_job *job, job_state *s,
                                    enc_report *report) {
@@ -114,7 +133,10 @@ static btf_result pack_and_measure(const enc_context *context, const enc_job *jo
                                 .half_float = job->half_float,
                                 .method = report->method,
                                 .options = s->options,
-                                .source = base_name(job->input)};
+                                .source = base_name(job->input),
+                                .levels = s->found_levels.count,
+                                .level = s->found_levels.level};
+    btf_level_error level_rows[BTF_MAX_LEVELS];
     btf_result result = enc_pack(context, s->data, &s->found, &options, &s->material);
     if (result == BTF_OK) {
         result = enc_unpack(context, s->material, &s->stored);
@@ -126,9 +148,17 @@ static btf_result pack_and_measure(const enc_context *context, const enc_job *jo
         result = enc_effect_errors(context, s->data, s->material, &effect_errors, &options.effect_error_count);
     }
     if (result == BTF_OK) {
+        result = enc_levels_unpack(context, s->material, &s->stored, &s->stored_levels);
+    }
+    if (result == BTF_OK) {
+        result = enc_report_measure_levels(context, s->data, &s->stored_levels, s->material, report);
+    }
+    if (result == BTF_OK) {
         options.effect_errors = effect_errors;
         options.errors = rows;
         options.error_count = enc_report_errors(report, rows);
+        options.level_errors = level_rows;
+        options.level_error_count = enc_report_level_errors(report, level_rows);
         btf_material_close(&s->material);
         result = enc_pack(context, s->data, &s->found, &options, &s->material);
     }
@@ -179,6 +209,7 @@ static btf_result draw(const enc_context *context, const enc_job *job, job_state
 btf_result enc_job_run(const enc_context *context, const enc_job *job) {
     const double start = now();
     bool made_folder = false;
+    int levels = 1;
     job_state state = {.options = join_options(job->option_values)};
     enc_report report = {.input = job->input,
                          .output = job->output,
@@ -191,7 +222,13 @@ btf_result enc_job_run(const enc_context *context, const enc_job *job) {
     }
     report.data = state.data;
     if (result == BTF_OK) {
+        result = check_levels(context, job, state.data, &levels);
+    }
+    if (result == BTF_OK) {
         result = analyse(context, job, &state, &report);
+    }
+    if (result == BTF_OK && levels > 1) {
+        result = analyse_levels(context, job, levels, &state);
     }
     if (result == BTF_OK) {
         result = pack_and_measure(context, job, &state, &report);
@@ -223,6 +260,8 @@ btf_result enc_job_run(const enc_context *context, const enc_job *job) {
         rmdir(job->pictures); /* when nothing was drawn */
     }
     btf_material_close(&state.material);
+    enc_levels_clear(&state.stored_levels);
+    enc_levels_clear(&state.found_levels);
     enc_solution_clear(&state.stored);
     enc_solution_clear(&state.found);
     enc_occlusion_destroy(&state.occlusion);

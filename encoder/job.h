@@ -19,6 +19,7 @@ typedef struct enc_job {
     enc_paper_options paper;
     enc_joint_options joint;
     btf_layout layout;
+    int levels; /* of detail, 1 at least; 0: down to one texel */
     bool half_float;
     const char *report;   /* JSON file; NULL: none */
     const char *pictures; /* folder, made when missing; NULL: none */

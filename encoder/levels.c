@@ -7,30 +7,11 @@
 #include "level_joint.h"
 #include "pack.h"
 #include "playback.h"
+#include "unpack.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-enc_solution enc_level_of(const enc_solution *base, int width, int height) {
-    enc_solution level = *base;
-    level.width = width;
-    level.height = height;
-    level.sbrdf = NULL;
-    level.shadow = NULL;
-    level.shift = NULL;
-    level.gain = NULL;
-    level.centre = NULL;
-    level.residual_texels = NULL;
-    return level;
-}
-
-void enc_level_clear(enc_solution *level) {
-    level->centre_codes = NULL;
-    level->residual_directions = NULL;
-    level->residual_scales = NULL;
-    enc_solution_clear(level);
-}
 
 void enc_levels_clear(enc_levels *levels) {
     for (int i = 0; i + 1 < levels->count && levels->level; i++)
@@ -136,6 +117,25 @@ btf_result enc_levels_fit(const enc_context *context, const enc_data *data, int 
         out_levels->level[i].n_centres = base->n_centres;
     }
     return BTF_OK;
+}
+
+btf_result enc_levels_unpack(const enc_context *context, const btf_material *material,
+                             const enc_solution *base, enc_levels *out_levels) {
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_result result = btf_material_get_info(material, &info);
+    if (result != BTF_OK)
+        return result;
+    *out_levels =
+        (enc_levels){.count = (int)info.levels, .level = calloc(info.levels, sizeof(enc_solution))};
+    if (!out_levels->level) {
+        *out_levels = (enc_levels){0};
+        return enc_fail(context, BTF_ERROR_MEMORY, "levels: out of memory");
+    }
+    for (uint32_t i = 1; i < info.levels && result == BTF_OK; i++)
+        result = enc_unpack_level(context, material, i, base, &out_levels->level[i - 1]);
+    if (result != BTF_OK)
+        enc_levels_clear(out_levels);
+    return result;
 }
 
 typedef struct measure_pass {

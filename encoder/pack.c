@@ -22,6 +22,26 @@ void enc_solution_clear(enc_solution *s) {
     memset(s, 0, sizeof *s);
 }
 
+enc_solution enc_level_of(const enc_solution *base, int width, int height) {
+    enc_solution level = *base;
+    level.width = width;
+    level.height = height;
+    level.sbrdf = NULL;
+    level.shadow = NULL;
+    level.shift = NULL;
+    level.gain = NULL;
+    level.centre = NULL;
+    level.residual_texels = NULL;
+    return level;
+}
+
+void enc_level_clear(enc_solution *level) {
+    level->centre_codes = NULL;
+    level->residual_directions = NULL;
+    level->residual_scales = NULL;
+    enc_solution_clear(level);
+}
+
 uint16_t enc_half_from_float(float value) {
     const float magnitude = fabsf(value);
     const uint16_t sign = value < 0 ? 0x8000 : 0;
@@ -55,6 +75,7 @@ static btf_material_info describe(const enc_data *data, const enc_solution *s, c
     info.shadow_scale = s->effects & BTF_EFFECT_SHADOW ? s->shadow_scale : 1.0f / 255.0f;
     info.gain_scale = s->effects & BTF_EFFECT_GAIN ? s->gain_scale : BTF_GAIN_SCALE;
     info.centre_scale = info.centres > 0 ? s->centre_scale : 1.0f / 255.0f;
+    info.levels = o->levels > 0 ? (uint32_t)o->levels : 1;
     info.method = o->method;
     info.options = o->options;
     info.source = o->source ? o->source : data->source;
@@ -191,6 +212,24 @@ static void fill(const btf_material_info *info, const enc_solution *s, btf_textu
     }
 }
 
+/* The textures that one level has for itself; out [BTF_TEXTURE_COUNT] owns them. */
+static btf_result pack_level(const enc_context *context, const btf_material_info *info, uint32_t level,
+                             const enc_solution *solution, void **out) {
+    for (int id = 0; id < BTF_TEXTURE_VIEW_TABLE; id++) {
+        const btf_texture shape = btf_material_level_shape(info, level, (btf_texture_id)id);
+        if (shape.format == BTF_FORMAT_NONE) {
+            continue;
+        }
+        out[id] = calloc(1, shape.size);
+        if (!out[id]) {
+            return enc_fail(context, BTF_ERROR_MEMORY, "packing: no memory for %zu bytes of %s", shape.size,
+                            btf_texture_name((btf_texture_id)id));
+        }
+        fill(info, solution, (btf_texture_id)id, &shape, out[id]);
+    }
+    return BTF_OK;
+}
+
 static float *copy_directions(const enc_direction *directions, int count) {
     float *xyz = malloc((size_t)count * 3 * sizeof *xyz);
     if (xyz) {
@@ -205,7 +244,7 @@ btf_result enc_pack(const enc_context *context, const enc_data *data, const enc_
                     const enc_pack_options *options, btf_material **out_material) {
     *out_material = NULL;
     btf_material_desc desc = {.struct_size = sizeof desc};
-    void *textures[BTF_TEXTURE_COUNT] = {NULL};
+    void *textures[BTF_MAX_LEVELS][BTF_TEXTURE_COUNT] = {{NULL}};
     float *views = NULL, *lights = NULL;
     btf_result result = BTF_OK;
     desc.info = describe(data, solution, options);
@@ -229,30 +268,27 @@ btf_result enc_pack(const enc_context *context, const enc_data *data, const enc_
         result = enc_fail(context, BTF_ERROR_MEMORY, "packing: out of memory");
         goto done;
     }
-    for (int id = 0; id < BTF_TEXTURE_VIEW_TABLE; id++) {
-        const btf_texture shape = btf_material_texture_shape(&desc.info, (btf_texture_id)id);
-        if (shape.format == BTF_FORMAT_NONE) {
-            continue;
-        }
-        textures[id] = calloc(1, shape.size);
-        if (!textures[id]) {
-            result = enc_fail(context, BTF_ERROR_MEMORY, "packing: no memory for %zu bytes of %s",
-                              shape.size, btf_texture_name((btf_texture_id)id));
-            goto done;
-        }
-        fill(&desc.info, solution, (btf_texture_id)id, &shape, textures[id]);
-        desc.texture[id] = textures[id];
+    for (uint32_t level = 0; level < desc.info.levels && result == BTF_OK; level++) {
+        result = pack_level(context, &desc.info, level, level == 0 ? solution : &options->level[level - 1],
+                            textures[level]);
     }
+    if (result != BTF_OK) {
+        goto done;
+    }
+    memcpy(desc.texture, textures[0], sizeof desc.texture);
+    memcpy(desc.level_texture, textures, sizeof desc.level_texture);
     desc.views = views;
     desc.lights = lights;
     desc.errors = options->errors;
     desc.error_count = options->error_count;
     desc.effect_errors = options->effect_errors;
     desc.effect_error_count = options->effect_error_count;
+    desc.level_errors = options->level_errors;
+    desc.level_error_count = options->level_error_count;
     result = btf_material_create(&desc, context ? &context->log : NULL, out_material);
 done:
-    for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
-        free(textures[id]);
+    for (int i = 0; i < BTF_MAX_LEVELS * BTF_TEXTURE_COUNT; i++) {
+        free(textures[i / BTF_TEXTURE_COUNT][i % BTF_TEXTURE_COUNT]);
     }
     free(views);
     free(lights);

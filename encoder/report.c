@@ -114,6 +114,58 @@ size_t enc_report_errors(const enc_report *report, btf_material_error *rows) {
     return count;
 }
 
+/* Bytes of the textures that a level has for itself; of level 0, all that are not of levels. */
+static size_t level_bytes(const btf_material_info *info, uint32_t level) {
+    size_t bytes = 0;
+    for (int id = 0; id < BTF_TEXTURE_RESIDUAL_SCALES; id++) {
+        bytes += btf_material_level_shape(info, level, (btf_texture_id)id).size;
+    }
+    return bytes;
+}
+
+btf_result enc_report_measure_levels(const enc_context *context, const enc_data *data, const enc_levels *levels,
+                                     const btf_material *material, enc_report *report) {
+    const enc_metrics *full = &report->ladder[report->n_ladder - 1].metrics;
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_result result = btf_material_get_info(material, &info);
+    if (result != BTF_OK || levels->count < 2) {
+        return result;
+    }
+    enc_metrics *metrics = calloc((size_t)levels->count - 1, sizeof *metrics);
+    result = metrics ? enc_levels_measure(context, data, levels, metrics)
+                     : enc_fail(context, BTF_ERROR_MEMORY, "levels: out of memory");
+    for (int i = 0; result == BTF_OK && i < levels->count; i++) {
+        const enc_metrics *m = i > 0 ? &metrics[i - 1] : full;
+        report->level[i] = (enc_report_level){.width = enc_level_side(data->width, i),
+                                              .height = enc_level_side(data->height, i),
+                                              .gpu_bytes = level_bytes(&info, (uint32_t)i),
+                                              .psnr_linear = enc_psnr_linear(&m->total),
+                                              .psnr_srgb = enc_psnr_srgb(&m->total)};
+        report->n_levels = i + 1;
+    }
+    free(metrics);
+    return result;
+}
+
+size_t enc_report_level_errors(const enc_report *report, btf_level_error *rows) {
+    for (int i = 0; i < report->n_levels; i++) {
+        rows[i] = (btf_level_error){.level = (uint32_t)i,
+                                    .psnr_linear = (float)report->level[i].psnr_linear,
+                                    .psnr_srgb = (float)report->level[i].psnr_srgb,
+                                    .gpu_bytes = (float)report->level[i].gpu_bytes};
+    }
+    return (size_t)report->n_levels;
+}
+
+/* Bytes of levels 1 and up. */
+static size_t further_bytes(const enc_report *report) {
+    size_t bytes = 0;
+    for (int i = 1; i < report->n_levels; i++) {
+        bytes += report->level[i].gpu_bytes;
+    }
+    return bytes;
+}
+
 /* Bytes of the data as 8-bit RGB images, as table 2 counts them. */
 static double data_bytes(const enc_data *data) {
     return (double)enc_data_texel_count(data) * 3 * data->n_views * data->n_lights;
@@ -134,6 +186,21 @@ static void print_rings(FILE *out, const char *what, int rings, const double *th
             fprintf(out, " %5.2f/%5.2f", enc_psnr_linear(sum), enc_psnr_srgb(sum));
         }
         fprintf(out, "\n");
+    }
+}
+
+static void print_levels(const enc_report *report, FILE *out) {
+    if (report->n_levels < 2) {
+        return;
+    }
+    fprintf(out, "\nLevels of detail, each against the area-filtered original\n");
+    fprintf(out, "  %-8s %12s %10s %8s %8s\n", "level", "texels", "MB", "linear", "sRGB");
+    for (int i = 0; i < report->n_levels; i++) {
+        const enc_report_level *level = &report->level[i];
+        char size[32];
+        snprintf(size, sizeof size, "%d x %d", level->width, level->height);
+        fprintf(out, "  %-8d %12s %10.3f %8.2f %8.2f\n", i, size, (double)level->gpu_bytes / 1e6, level->psnr_linear,
+                level->psnr_srgb);
     }
 }
 
@@ -159,6 +226,11 @@ void enc_report_print(const enc_report *report, FILE *out) {
         const double bytes = (double)report->ladder[i].gpu_bytes;
         fprintf(out, "  %-24s %10.3f %11.2f%%\n", report->ladder[i].name, bytes / 1e6, 100 * (1 - bytes / all));
     }
+    if (report->n_levels > 1) {
+        const double further = (double)further_bytes(report), bytes = (double)full->gpu_bytes + further;
+        fprintf(out, "  %-24s %10.3f\n", "levels 1 and up", further / 1e6);
+        fprintf(out, "  %-24s %10.3f %11.2f%%\n", "full, all levels", bytes / 1e6, 100 * (1 - bytes / all));
+    }
     fprintf(out, "  %-24s %10.3f %11.2f%%\n", "material file", (double)report->file_bytes / 1e6,
             100 * (1 - (double)report->file_bytes / all));
     fprintf(out, "\nAccuracy over all samples, clipped to [0, 1] (PSNR in dB, linear and sRGB-coded)\n");
@@ -179,6 +251,7 @@ void enc_report_print(const enc_report *report, FILE *out) {
     print_rings(out, "by view theta", first->n_view_rings, first->view_ring_theta, report, false);
     fprintf(out, "\n");
     print_rings(out, "by light theta", first->n_light_rings, first->light_ring_theta, report, true);
+    print_levels(report, out);
     fprintf(out, "\nSeconds:");
     size_t count = 0;
     const progress_stage *stages = progress_stages(report->progress, &count);
@@ -194,6 +267,7 @@ static void write_bytes(json *j, const enc_report *report, const btf_material_in
     json_integer(j, "file", (int64_t)report->file_bytes);
     json_integer(j, "gpu", (int64_t)info->gpu_bytes);
     json_integer(j, "tables", (int64_t)info->table_bytes);
+    json_integer(j, "levels", (int64_t)further_bytes(report));
     json_object(j, "parts");
     for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
         const btf_texture texture = btf_material_texture(report->material, (btf_texture_id)id);
@@ -212,6 +286,24 @@ static void write_seconds(json *j, const enc_report *report) {
     const progress_stage *stages = progress_stages(report->progress, &count);
     for (size_t i = 0; i < count; i++) {
         json_number(j, stages[i].name, stages[i].seconds);
+    }
+    json_end(j);
+}
+
+/* Nothing for a material of one level. */
+static void write_levels(json *j, const enc_report *report) {
+    if (report->n_levels < 2) {
+        return;
+    }
+    json_array(j, "levels");
+    for (int i = 0; i < report->n_levels; i++) {
+        json_object(j, NULL);
+        json_integer(j, "width", report->level[i].width);
+        json_integer(j, "height", report->level[i].height);
+        json_integer(j, "gpu", (int64_t)report->level[i].gpu_bytes);
+        json_number(j, "linear", report->level[i].psnr_linear);
+        json_number(j, "srgb", report->level[i].psnr_srgb);
+        json_end(j);
     }
     json_end(j);
 }
@@ -270,6 +362,7 @@ btf_result enc_report_write(const enc_context *context, const enc_report *report
         json_null(&j, "hidden");
     }
     write_effects(&j, report);
+    write_levels(&j, report);
     json_object(&j, "options");
     for (int i = 0; options && options[i]; i += 2) {
         json_string(&j, options[i], options[i + 1]);

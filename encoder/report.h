@@ -7,6 +7,7 @@
 #define OPENBTF_ENCODER_REPORT_H
 
 #include "decoder/tools/progress.h"
+#include "levels.h"
 #include "metrics.h"
 #include "solution.h"
 
@@ -22,6 +23,13 @@ typedef struct enc_report_step {
 
 enum { ENC_REPORT_STEPS = 8 };
 
+/* One level of detail, decoded in full, against the area-filtered original. */
+typedef struct enc_report_level {
+    int width, height;
+    size_t gpu_bytes; /* of its own textures */
+    double psnr_linear, psnr_srgb;
+} enc_report_level;
+
 typedef struct enc_report {
     const enc_data *data;
     const btf_material *material;
@@ -30,7 +38,9 @@ typedef struct enc_report {
     int n_ladder;
     enc_report_step without[ENC_REPORT_STEPS]; /* full without one effect each */
     int n_without;
-    bool has_hidden; /* table 1 applies */
+    enc_report_level level[BTF_MAX_LEVELS]; /* of a material with several; level 0 is the last of the ladder */
+    int n_levels;                           /* 0 or 1: no table of them */
+    bool has_hidden;                        /* table 1 applies */
     size_t hidden_before, hidden_after, hidden_total;
     size_t file_bytes;
     double seconds_total;
@@ -49,6 +59,15 @@ btf_result enc_report_measure(const enc_context *context, const enc_data *data, 
 
 /* The rows for btf_material_desc.errors; `rows` has room for 2 * ENC_REPORT_STEPS. Returns their number. */
 size_t enc_report_errors(const enc_report *report, btf_material_error *rows);
+
+/* Fills in the levels: level 0 from the ladder, the others by enc_levels_measure. Does nothing for a
+ * material of one level. */
+btf_result enc_report_measure_levels(const enc_context *context, const enc_data *data,
+                                     const enc_levels *levels, const btf_material *material,
+                                     enc_report *report);
+
+/* The rows for btf_material_desc.level_errors; `rows` has room for BTF_MAX_LEVELS. Returns their number. */
+size_t enc_report_level_errors(const enc_report *report, btf_level_error *rows);
 
 /* Tables for people. */
 void enc_report_print(const enc_report *report, FILE *out);

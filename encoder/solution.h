@@ -43,4 +43,10 @@ static inline size_t enc_solution_texels(const enc_solution *s) {
 /* Frees every array and the SBRDF, and zeroes the struct. */
 void enc_solution_clear(enc_solution *solution);
 
+/* Levels of detail (levels.h) have maps of texels of their own and share centre_codes, residual_directions,
+ * residual_scales and every scale with level 0. An empty one of `base`, with pointers to what is shared: */
+enc_solution enc_level_of(const enc_solution *base, int width, int height);
+/* Frees what belongs to the level alone. */
+void enc_level_clear(enc_solution *level);
+
 #endif

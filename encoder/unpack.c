@@ -70,38 +70,46 @@ static void unpack_maps(const btf_material_info *info, const uint8_t *maps, enc_
     }
 }
 
-static void unpack_tight(const btf_material_info *info, const btf_material *material, enc_solution *s) {
-    const size_t points = (size_t)info->n_views * enc_solution_texels(s);
-    const uint8_t *shadow = btf_material_texture(material, BTF_TEXTURE_SHADOW).data;
-    const uint8_t *shift = btf_material_texture(material, BTF_TEXTURE_SHIFT).data;
-    const uint8_t *gain = btf_material_texture(material, BTF_TEXTURE_GAIN).data;
-    const btf_texture centres = btf_material_texture(material, BTF_TEXTURE_CENTRES);
+/* The maps of texels of one level in layout `tight`. */
+static void unpack_tight(const btf_material *material, uint32_t level, enc_solution *s) {
+    const size_t texels = enc_solution_texels(s), points = (size_t)s->n_views * texels;
+    const uint8_t *shadow = btf_material_level_texture(material, level, BTF_TEXTURE_SHADOW).data;
+    const uint8_t *shift = btf_material_level_texture(material, level, BTF_TEXTURE_SHIFT).data;
+    const uint8_t *gain = btf_material_level_texture(material, level, BTF_TEXTURE_GAIN).data;
     static const uint8_t none[2] = {0, 0};
     if (shadow) {
-        memcpy(s->shadow, shadow, (size_t)info->n_lights * enc_solution_texels(s));
+        memcpy(s->shadow, shadow, (size_t)s->n_lights * texels);
     }
     for (size_t i = 0; i < points; i++) {
         unpack_point(s, i, gain ? gain[i] : BTF_GAIN_ONE, shift ? shift + 2 * i : none);
     }
-    for (uint32_t c = 0; c < info->centres; c++) {
+}
+
+static void unpack_centres(const btf_material *material, enc_solution *s) {
+    const btf_texture centres = btf_material_texture(material, BTF_TEXTURE_CENTRES);
+    const size_t lights = (size_t)s->n_lights;
+    for (uint32_t c = 0; c < s->n_centres; c++) {
         const size_t row = c % centres.height, block = c / centres.height;
-        for (uint32_t l = 0; l < info->n_lights; l++) {
-            memcpy(s->centre_codes + 3 * ((size_t)c * info->n_lights + l),
-                   (const uint8_t *)centres.data + 4 * (row * centres.width + block * info->n_lights + l), 3);
+        for (size_t l = 0; l < lights; l++) {
+            memcpy(s->centre_codes + 3 * (c * lights + l),
+                   (const uint8_t *)centres.data + 4 * (row * centres.width + block * lights + l), 3);
         }
     }
 }
 
-static void unpack_residual(const btf_material *material, enc_solution *s) {
-    const int8_t *u = btf_material_texture(material, BTF_TEXTURE_RESIDUAL_TEXELS).data;
-    const int8_t *v = btf_material_texture(material, BTF_TEXTURE_RESIDUAL_DIRECTIONS).data;
+static void unpack_residual_texels(const btf_material *material, uint32_t level, enc_solution *s) {
+    const int8_t *u = btf_material_level_texture(material, level, BTF_TEXTURE_RESIDUAL_TEXELS).data;
     const size_t texels = enc_solution_texels(s), k = s->n_components;
-    const size_t pairs = (size_t)s->n_views * (size_t)s->n_lights;
     for (size_t t = 0; t < texels; t++) {
         for (size_t j = 0; j < k; j++) {
             s->residual_texels[t * k + j] = u[((j / 4) * texels + t) * 4 + j % 4];
         }
     }
+}
+
+static void unpack_residual_directions(const btf_material *material, enc_solution *s) {
+    const int8_t *v = btf_material_texture(material, BTF_TEXTURE_RESIDUAL_DIRECTIONS).data;
+    const size_t k = s->n_components, pairs = (size_t)s->n_views * (size_t)s->n_lights;
     for (size_t p = 0; p < pairs; p++) {
         for (size_t channel = 0; channel < 3; channel++) {
             for (size_t j = 0; j < k; j++) {
@@ -110,7 +118,26 @@ static void unpack_residual(const btf_material *material, enc_solution *s) {
             }
         }
     }
-    memcpy(s->residual_scales, btf_material_texture(material, BTF_TEXTURE_RESIDUAL_SCALES).data, k * sizeof(float));
+    memcpy(s->residual_scales, btf_material_texture(material, BTF_TEXTURE_RESIDUAL_SCALES).data,
+           k * sizeof(float));
+}
+
+/* Room for the maps of texels. */
+static bool allocate_texels(const btf_material_info *info, enc_solution *s) {
+    const size_t texels = enc_solution_texels(s), points = texels * info->n_views;
+    bool ok = info->colour == BTF_COLOUR_NONE ||
+              enc_sbrdf_create(texels, (int)info->lobes, info->colour == BTF_COLOUR_RGB, &s->sbrdf) == BTF_OK;
+    s->shift = calloc(points, 2);
+    s->gain = calloc(points, 1);
+    s->centre = calloc(points, sizeof *s->centre);
+    ok = ok && s->shift && s->gain && s->centre;
+    if (info->effects & BTF_EFFECT_SHADOW) {
+        ok = (s->shadow = calloc(texels, info->n_lights)) && ok;
+    }
+    if (info->components > 0) {
+        ok = (s->residual_texels = calloc(texels, info->components)) && ok;
+    }
+    return ok;
 }
 
 btf_result enc_unpack(const enc_context *context, const btf_material *material, enc_solution *s) {
@@ -119,7 +146,6 @@ btf_result enc_unpack(const enc_context *context, const btf_material *material, 
     if (result != BTF_OK) {
         return result;
     }
-    const size_t texels = (size_t)info.width * info.height, points = texels * info.n_views;
     *s = (enc_solution){.width = (int)info.width,
                         .height = (int)info.height,
                         .n_views = (int)info.n_views,
@@ -132,21 +158,11 @@ btf_result enc_unpack(const enc_context *context, const btf_material *material, 
                         .n_centres = info.centres,
                         .centre_scale = info.centre_scale,
                         .n_components = info.components};
-    if (info.colour != BTF_COLOUR_NONE) {
-        result = enc_sbrdf_create(texels, (int)info.lobes, info.colour == BTF_COLOUR_RGB, &s->sbrdf);
-    }
-    s->shift = calloc(points, 2);
-    s->gain = calloc(points, 1);
-    s->centre = calloc(points, sizeof *s->centre);
-    bool ok = result == BTF_OK && s->shift && s->gain && s->centre;
-    if (info.effects & BTF_EFFECT_SHADOW) {
-        ok = (s->shadow = calloc(texels, info.n_lights)) && ok;
-    }
+    bool ok = allocate_texels(&info, s);
     if (info.centres > 0) {
         ok = (s->centre_codes = calloc((size_t)info.centres * info.n_lights, 3)) && ok;
     }
     if (info.components > 0) {
-        ok = (s->residual_texels = calloc(texels, info.components)) && ok;
         ok = (s->residual_directions = calloc((size_t)info.n_views * info.n_lights * 3, info.components)) && ok;
         ok = (s->residual_scales = calloc(info.components, sizeof *s->residual_scales)) && ok;
     }
@@ -158,14 +174,38 @@ btf_result enc_unpack(const enc_context *context, const btf_material *material, 
         unpack_sbrdf(&info, btf_material_texture(material, BTF_TEXTURE_SBRDF).data, s->sbrdf);
     }
     if (info.layout == BTF_LAYOUT_TIGHT) {
-        unpack_tight(&info, material, s);
+        unpack_tight(material, 0, s);
+        unpack_centres(material, s);
     } else if (btf_material_texture(material, BTF_TEXTURE_MAPS).data) {
         unpack_maps(&info, btf_material_texture(material, BTF_TEXTURE_MAPS).data, s);
     } else {
-        memset(s->gain, BTF_GAIN_ONE, points);
+        memset(s->gain, BTF_GAIN_ONE, enc_solution_texels(s) * info.n_views);
     }
     if (info.components > 0) {
-        unpack_residual(material, s);
+        unpack_residual_texels(material, 0, s);
+        unpack_residual_directions(material, s);
+    }
+    return BTF_OK;
+}
+
+btf_result enc_unpack_level(const enc_context *context, const btf_material *material, uint32_t level,
+                            const enc_solution *base, enc_solution *s) {
+    btf_material_info info = {.struct_size = sizeof info};
+    const btf_result result = btf_material_get_info(material, &info);
+    if (result != BTF_OK) {
+        return result;
+    }
+    *s = enc_level_of(base, (int)btf_level_size(info.width, level), (int)btf_level_size(info.height, level));
+    if (!allocate_texels(&info, s)) {
+        enc_level_clear(s);
+        return enc_fail(context, BTF_ERROR_MEMORY, "unpacking: out of memory");
+    }
+    if (s->sbrdf) {
+        unpack_sbrdf(&info, btf_material_level_texture(material, level, BTF_TEXTURE_SBRDF).data, s->sbrdf);
+    }
+    unpack_tight(material, level, s);
+    if (info.components > 0) {
+        unpack_residual_texels(material, level, s);
     }
     return BTF_OK;
 }

@@ -120,6 +120,40 @@ static void print_effects(const btf_material *material, const btf_material_info 
                cli_effects_text(errors[i].effects, words));
 }
 
+/* Bytes of the textures that a level has for itself. */
+static size_t level_bytes(const btf_material *material, uint32_t level) {
+    size_t bytes = 0;
+    for (int id = 0; id < BTF_TEXTURE_RESIDUAL_SCALES; id++)
+        bytes += btf_material_level_texture(material, level, (btf_texture_id)id).size;
+    return bytes;
+}
+
+/* What was measured of a level; NULL when nothing was. */
+static const btf_level_error *find_level_error(const btf_material *material, uint32_t level) {
+    size_t count;
+    const btf_level_error *errors = btf_material_level_errors(material, &count);
+    for (size_t i = 0; i < count; i++)
+        if (errors[i].level == level)
+            return &errors[i];
+    return NULL;
+}
+
+static void print_levels(const btf_material *material, const btf_material_info *info) {
+    if (info->levels < 2)
+        return;
+    printf("\nLevels of detail (PSNR in dB against the area-filtered original, linear / sRGB):\n");
+    for (uint32_t i = 0; i < info->levels; i++) {
+        const btf_level_error *error = find_level_error(material, i);
+        char size[32];
+        snprintf(size, sizeof size, "%u x %u", (unsigned)btf_level_size(info->width, i),
+                 (unsigned)btf_level_size(info->height, i));
+        printf("  %-3u%-16s%12zu bytes", (unsigned)i, size, level_bytes(material, i));
+        if (error)
+            printf("  %6.2f / %6.2f", (double)error->psnr_linear, (double)error->psnr_srgb);
+        printf("\n");
+    }
+}
+
 static void print_textures(const btf_material *material) {
     printf("\nTextures:\n");
     for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
@@ -143,6 +177,10 @@ static void print_text(const char *path, uint64_t file_bytes, const btf_material
     double samples = 3.0 * info->width * info->height * info->n_views * info->n_lights;
     printf("%s: OpenBTF material, format version %d\n", path, BTF_FORMAT_VERSION);
     printf("  %-14s%u x %u texels\n", "size", (unsigned)info->width, (unsigned)info->height);
+    if (info->levels > 1)
+        printf("  %-14s%u, down to %u x %u texels\n", "levels", (unsigned)info->levels,
+               (unsigned)btf_level_size(info->width, info->levels - 1),
+               (unsigned)btf_level_size(info->height, info->levels - 1));
     print_rings("views", &views);
     print_rings("lights", &lights);
     printf("  %-14s%s, domain %s\n", "layout", layout_names[info->layout], domain_names[info->domain]);
@@ -169,6 +207,7 @@ static void print_text(const char *path, uint64_t file_bytes, const btf_material
     if (*info->source)
         printf("  %-14s%s\n", "source", info->source);
     print_effects(material, info);
+    print_levels(material, info);
     print_textures(material);
 }
 
@@ -230,6 +269,23 @@ static void json_effects(json *j, const btf_material *material, const btf_materi
     json_end(j);
 }
 
+static void json_levels(json *j, const btf_material *material, const btf_material_info *info) {
+    json_array(j, "levels");
+    for (uint32_t i = 0; i < info->levels; i++) {
+        const btf_level_error *error = find_level_error(material, i);
+        json_object(j, NULL);
+        json_integer(j, "width", btf_level_size(info->width, i));
+        json_integer(j, "height", btf_level_size(info->height, i));
+        json_integer(j, "gpu", (int64_t)level_bytes(material, i));
+        if (error) {
+            json_float(j, "linear", error->psnr_linear);
+            json_float(j, "srgb", error->psnr_srgb);
+        }
+        json_end(j);
+    }
+    json_end(j);
+}
+
 static void json_textures(json *j, const btf_material *material) {
     json_object(j, "textures");
     for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
@@ -280,6 +336,7 @@ static btf_result print_json(const char *path, uint64_t file_bytes, const btf_ma
     json_integer(&j, "tables", (int64_t)info->table_bytes);
     json_end(&j);
     json_effects(&j, material, info);
+    json_levels(&j, material, info);
     json_textures(&j, material);
     json_directions(&j, "views", &views);
     json_directions(&j, "lights", &lights);

@@ -88,6 +88,37 @@ done
 expect "joint: quality" 0 btf-encode data -o joint.btf.exr --preset fast --quality 15 --report joint.json -q
 expect_that "joint: the quality is reached" test "$(json joint.json "r['psnr']['full']['srgb'] >= 15")" = True
 
+expect "levels" 0 btf-encode data -o levels.btf.exr --preset fast --levels all --report levels.json --threads 1
+expect_text "a table of levels" '^  4 +1 x 1 ' out
+expect_text "and their bytes" '^  full, all levels ' out
+expect "levels, two threads" 0 btf-encode data -o levels2.btf.exr --preset fast --levels all --threads 2 -q
+expect_that "the same bytes for any number of threads, with levels" cmp levels.btf.exr levels2.btf.exr
+btf-info levels.btf.exr --json >info.json
+expect_that "levels in report and file" python3 - <<'P'
+import json
+report, info = json.load(open("levels.json")), json.load(open("info.json"))
+assert [(l["width"], l["height"]) for l in report["levels"]] == [(16, 16), (8, 8), (4, 4), (2, 2), (1, 1)]
+for a, b in zip(report["levels"], info["levels"]):
+    assert a["gpu"] == b["gpu"] and abs(a["linear"] - b["linear"]) < 1e-4 and abs(a["srgb"] - b["srgb"]) < 1e-4
+further = sum(l["gpu"] for l in info["levels"][1:])
+assert report["bytes"]["levels"] == further and report["bytes"]["gpu"] == further + info["levels"][0]["gpu"]
+texels = info["levels"][0]["gpu"] - info["textures"].get("residual_directions", {"bytes": 0})["bytes"]
+assert 0.25 * texels < further < 0.34 * texels, (further, texels)
+assert report["options"]["levels"] == "all"
+P
+expect_text "btf-info tells of each level" '^  3  2 x 2 .* bytes +[0-9.]+ / +[0-9.]+' <(btf-info levels.btf.exr)
+expect "levels through a scratch file" 0 env TMPDIR="$work" btf-encode data -o levels2.btf.exr --preset fast --levels all --memory 1k -q
+expect_that "the same bytes through a scratch file, with levels" cmp levels.btf.exr levels2.btf.exr
+expect "levels of the paper's method" 0 btf-encode data -o plevels.btf.exr --method paper --levels 3 --report plevels.json -q
+expect_that "in layout tight" test "$(json plevels.json "(r['options']['layout'], len(r['levels']))")" = "('tight', 3)"
+expect "one level is no table of levels" 0 btf-encode data -o onelevel.btf.exr --method paper --levels 1 --threads 1 -q
+expect_that "and the same maps as without the option" btf-compare onelevel.btf.exr paper.btf.exr -q
+expect "levels in layout paper" 1 btf-encode data -o x.btf.exr --method paper --layout paper --levels 2
+expect_text "are refused" "option --levels: --layout paper has one level" err
+expect "more levels than there are" 1 btf-encode data -o x.btf.exr --levels 6
+expect_text "are refused with their number" "option --levels: 6, but 16 x 16 texels have 5" err
+expect "no levels" 1 btf-encode data -o x.btf.exr --levels 0
+
 expect "compare" 0 btf-compare data paper.btf.exr
 expect_text "compare prints PSNR" "PSNR linear [0-9.]+ dB" out
 expect "compare nearest" 0 btf-compare data paper.btf.exr --interpolation nearest --effects none --no-ssim --json

@@ -1,13 +1,16 @@
 /* Levels of detail: the area filter against sums over a common subdivision, the fits of both methods
  * against the filtered data and against point samples of level 0, and the same result for any number of
- * threads.
+ * threads; file and report.
  *
  * SPDX-License-Identifier: MIT
  */
 #include "encoder/joint.h"
 #include "encoder/levels.h"
 #include "encoder/metrics.h"
+#include "encoder/pack.h"
 #include "encoder/playback.h"
+#include "encoder/report.h"
+#include "encoder/unpack.h"
 #include "tests/sample/sample.h"
 
 #include <math.h>
@@ -212,8 +215,8 @@ static void check_levels(const char *name, const enc_data *data, const enc_solut
     enc_playback *playback = NULL;
     assert_int_equal(enc_playback_create(&one_thread, data, base, &playback), BTF_OK);
     pass.playback = playback;
-    assert_int_equal(enc_levels_measure(&two_threads, data, levels, metrics), BTF_OK);
-    assert_int_equal(enc_level_each(&two_threads, data, levels->count, compare_points, &pass), BTF_OK);
+    assert_int_equal(enc_levels_measure(&one_thread, data, levels, metrics), BTF_OK);
+    assert_int_equal(enc_level_each(&one_thread, data, levels->count, compare_points, &pass), BTF_OK);
     for (int i = 1; i < levels->count; i++) {
         const double psnr = enc_psnr_linear(&metrics[i - 1].total);
         printf("%s, level %d: %.2f dB, point samples of level 0 %.2f dB\n", name, i, psnr, pass.psnr[i]);
@@ -221,6 +224,63 @@ static void check_levels(const char *name, const enc_data *data, const enc_solut
         assert_true(psnr >= pass.psnr[i] + margin);
     }
     enc_playback_destroy(&playback);
+}
+
+static void same(const void *a, const void *b, size_t size) {
+    assert_int_equal(a != NULL, b != NULL);
+    if (a)
+        assert_memory_equal(a, b, size);
+}
+
+/* Through the packer, a file in memory and back: every map. */
+static void check_round_trip(const enc_data *data, const enc_solution *base, const enc_levels *levels) {
+    const btf_level_error errors[] = {{0, 30, 29, 1000}, {1, 31, 30, 250}};
+    const enc_pack_options options = {.layout = BTF_LAYOUT_TIGHT,
+                                      .levels = levels->count,
+                                      .level = levels->level,
+                                      .level_errors = errors,
+                                      .level_error_count = 2};
+    btf_material *made = NULL, *read = NULL;
+    enc_solution back;
+    enc_levels found;
+    void *file = NULL;
+    size_t size, count;
+    assert_int_equal(enc_pack(&one_thread, data, base, &options, &made), BTF_OK);
+    assert_int_equal(btf_material_save_memory(made, NULL, &file, &size), BTF_OK);
+    assert_int_equal(btf_material_open_memory(file, size, NULL, &read), BTF_OK);
+    assert_int_equal(enc_unpack(&one_thread, read, &back), BTF_OK);
+    assert_int_equal(enc_levels_unpack(&one_thread, read, &back, &found), BTF_OK);
+    assert_int_equal(found.count, levels->count);
+    const btf_level_error *stored = btf_material_level_errors(read, &count);
+    assert_int_equal(count, 2);
+    assert_memory_equal(stored, errors, sizeof errors);
+    for (int i = 0; i + 1 < found.count; i++) {
+        const enc_solution *a = &levels->level[i], *b = &found.level[i];
+        const size_t texels = enc_solution_texels(a), points = texels * (size_t)a->n_views;
+        assert_int_equal(enc_solution_texels(b), texels);
+        same(a->shadow, b->shadow, texels * (size_t)a->n_lights);
+        same(a->residual_texels, b->residual_texels, texels * a->n_components);
+        assert_ptr_equal(b->residual_directions, back.residual_directions);
+        assert_ptr_equal(b->centre_codes, back.centre_codes);
+        assert_int_equal(a->sbrdf != NULL, b->sbrdf != NULL);
+        if (a->sbrdf)
+            assert_memory_equal(a->sbrdf->values, b->sbrdf->values,
+                                texels * enc_sbrdf_stride(a->sbrdf->lobes, a->sbrdf->rgb) * sizeof(float));
+        for (size_t p = 0; p < points; p++) {
+            if (a->gain)
+                assert_int_equal(a->gain[p], b->gain[p]);
+            if (a->gain && a->gain[p] == 0)
+                assert_int_equal(a->centre[p], b->centre[p]);
+            else if (a->shift)
+                assert_memory_equal(a->shift + 2 * p, b->shift + 2 * p, 2);
+        }
+    }
+    same(base->centre_codes, back.centre_codes, (size_t)base->n_centres * (size_t)base->n_lights * 3);
+    enc_levels_clear(&found);
+    enc_solution_clear(&back);
+    btf_material_close(&read);
+    btf_material_close(&made);
+    btf_free(file);
 }
 
 static void fit_joint(const enc_data *data, uint32_t effects, int count, const enc_context *context,
@@ -243,10 +303,9 @@ static void test_joint(void **unused) {
         enc_data *data = sample(kinds[i].relief, 24);
         enc_solution base;
         enc_levels levels;
-        fit_joint(data, BTF_EFFECT_ALL, 4, &two_threads, &base, &levels);
+        fit_joint(data, BTF_EFFECT_ALL, 4, &one_thread, &base, &levels);
         check_levels(kinds[i].name, data, &base, &levels, 12, 36);
-        for (int l = 0; l < 3; l++)
-            assert_ptr_equal(levels.level[l].residual_directions, base.residual_directions);
+        check_round_trip(data, &base, &levels);
         enc_levels_clear(&levels);
         enc_solution_clear(&base);
         enc_data_destroy(&data);
@@ -299,12 +358,13 @@ static void test_paper(void **unused) {
     enc_paper_stats stats;
     enc_solution base;
     enc_levels levels;
-    assert_int_equal(enc_paper(&two_threads, data, &options, &base, NULL, &stats), BTF_OK);
+    assert_int_equal(enc_paper(&one_thread, data, &options, &base, NULL, &stats), BTF_OK);
     assert_true(base.effects & BTF_EFFECT_HIDDEN);
     const uint32_t before = base.n_centres;
-    assert_int_equal(enc_levels_fit(&two_threads, data, 4, &options, &base, &levels), BTF_OK);
+    assert_int_equal(enc_levels_fit(&one_thread, data, 4, &options, &base, &levels), BTF_OK);
     assert_true(base.n_centres > before);
     check_levels("bricks, paper", data, &base, &levels, 3, 24);
+    check_round_trip(data, &base, &levels);
     for (int l = 0; l < 3; l++) {
         const enc_solution *s = &levels.level[l];
         assert_ptr_equal(s->centre_codes, base.centre_codes);
@@ -322,12 +382,49 @@ static void test_paper(void **unused) {
     enc_data_destroy(&data);
 }
 
+/* The report's table of levels, and the rows of the file that come from it. */
+static void test_report(void **unused) {
+    (void)unused;
+    enc_data *data = sample(RELIEF_BRICKS, 8);
+    enc_solution base;
+    enc_levels levels;
+    btf_material *material = NULL;
+    btf_level_error rows[BTF_MAX_LEVELS];
+    enc_report *report = calloc(1, sizeof *report);
+    assert_non_null(report);
+    fit_joint(data, BTF_EFFECT_ALL, 3, &one_thread, &base, &levels);
+    const enc_pack_options options = {
+        .layout = BTF_LAYOUT_TIGHT, .levels = levels.count, .level = levels.level};
+    assert_int_equal(enc_pack(&one_thread, data, &base, &options, &material), BTF_OK);
+    assert_int_equal(enc_report_measure(&two_threads, data, &base, material, report), BTF_OK);
+    assert_int_equal(enc_report_measure_levels(&two_threads, data, &levels, material, report), BTF_OK);
+    assert_int_equal(enc_report_level_errors(report, rows), 3);
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_material_get_info(material, &info);
+    size_t bytes = 0;
+    for (uint32_t i = 0; i < 3; i++) {
+        assert_int_equal(rows[i].level, i);
+        assert_int_equal(report->level[i].width, 8 >> i);
+        assert_true(rows[i].psnr_linear > 20 && rows[i].psnr_linear < 100);
+        bytes += report->level[i].gpu_bytes;
+    }
+    assert_int_equal(bytes, info.gpu_bytes);
+    assert_int_equal(report->level[1].gpu_bytes, 4 * report->level[2].gpu_bytes);
+    assert_true(report->level[0].psnr_linear ==
+                enc_psnr_linear(&report->ladder[report->n_ladder - 1].metrics.total));
+    btf_material_close(&material);
+    enc_levels_clear(&levels);
+    enc_solution_clear(&base);
+    enc_data_destroy(&data);
+    free(report);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_filter),  cmocka_unit_test(test_filter_scratch),
         cmocka_unit_test(test_each),    cmocka_unit_test(test_joint),
         cmocka_unit_test(test_threads), cmocka_unit_test(test_joint_without_residual),
-        cmocka_unit_test(test_paper),
+        cmocka_unit_test(test_paper),   cmocka_unit_test(test_report),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
