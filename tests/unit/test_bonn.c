@@ -480,6 +480,7 @@ static void test_not_finite(void **state) {
 static void test_truncated(void **state) {
     (void)state;
     const enc_read_options options = {0};
+    context.threads = 1;
     const struct {
         bonn_form form;
         const char *signature;
@@ -508,6 +509,7 @@ static void test_truncated(void **state) {
 static void test_damaged(void **state) {
     (void)state;
     const enc_read_options options = {0};
+    context.threads = 1;
     bonn_spec s = spec_of(BONN_BDI, "!BDIF06R2!");
     s.width = 2;
     s.height = 2;
