@@ -2,9 +2,9 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "batch.h"
 #include "decoder/tools/progress.h"
 #include "input_options.h"
-#include "job.h"
 
 #include <assert.h>
 #include <inttypes.h>
@@ -18,7 +18,7 @@
 static struct {
     enc_job job;
     uint32_t effects;
-    int method, layout, threads, centres;
+    int method, layout, threads, centres, item;
     bool layout_given, effects_given;
     uint64_t memory, budget;
     double hidden_threshold, error_threshold, btf_threshold;
@@ -44,7 +44,7 @@ static const cli_option table[] = {
      .arg = "OUT",
      .type = CLI_STRING,
      .value = &o.job.output,
-     .help = "material to write, NAME.btf.exr; needed"},
+     .help = "material to write, NAME.btf.exr, or the folder of a list's; needed"},
     {.name = "method",
      .type = CLI_CHOICE,
      .value = &o.method,
@@ -166,6 +166,12 @@ static const cli_option table[] = {
      .type = CLI_STRING,
      .value = &o.job.pictures,
      .help = "write pictures of the stages and a montage"},
+    {.name = "item",
+     .type = CLI_INT,
+     .value = &o.item,
+     .minimum = 1,
+     .maximum = 1e9,
+     .help = "only this input of a list, counted from 1 (for job arrays)"},
     {.name = "threads",
      .type = CLI_INT,
      .value = &o.threads,
@@ -191,9 +197,12 @@ static const cli_program program = {
     .summary = "Compresses a bidirectional texture function into a material of a few GPU textures.\n"
                "INPUT is a folder or an archive (zip) of images whose names hold tl, pl, tv and pv, each\n"
                "followed by an angle in degrees (UBO2003, ATRIUM, UTIA, Bonn spectral), or a .btf file of\n"
-               "Bonn (UBO2014: DFMF, FMF, PVF, BDI).",
+               "Bonn (UBO2014: DFMF, FMF, PVF, BDI), or a list of inputs: a text file NAME.txt with one a line\n"
+               "(# begins a comment). For a list, OUT, the report and the pictures are folders.",
     .details =
-        "The tables printed at the end, and the report, measure what the written material decodes to.",
+        "The tables printed at the end, and the report, measure what the written material decodes to.\n"
+        "A list goes on after an input that fails, ends with a line an input, and with the exit code of the\n"
+        "first failure.",
     .example = "btf-encode UBO_IMPALLA256.zip --size 64x64 -o impalla.btf.exr --pictures pictures",
     .options = table,
     .min_arguments = 1,
@@ -329,6 +338,20 @@ static btf_result prepare(void) {
     return BTF_OK;
 }
 
+static btf_result run(const enc_context *context) {
+    enc_batch batch;
+    if (!enc_batch_is(o.job.input)) {
+        return o.item > 0 ? cli_error(&program, BTF_ERROR_USAGE, "option --item: %s is not a list", o.job.input)
+                          : enc_job_run(context, &o.job);
+    }
+    btf_result result = enc_batch_read(context, o.job.input, &batch);
+    if (result == BTF_OK) {
+        result = enc_batch_run(context, &o.job, &batch, (size_t)o.item, o.quiet ? NULL : stdout);
+        enc_batch_clear(&batch);
+    }
+    return result;
+}
+
 int main(int argc, char **argv) {
     cli_arguments arguments;
     int exit_code;
@@ -349,7 +372,7 @@ int main(int argc, char **argv) {
                                      .threads = o.threads,
                                      .memory = (size_t)o.memory};
         o.job.input = arguments.values[0];
-        result = enc_job_run(&context, &o.job);
+        result = run(&context);
         if (result == BTF_ERROR_INTERRUPTED) {
             cli_error(&program, result, "interrupted; no material was written");
         }

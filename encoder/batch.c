@@ -1,0 +1,205 @@
+/* Many encodes, one after the other. See batch.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "batch.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+#include <time.h>
+
+enum { LONGEST = 4096 };
+
+static bool ends_with(const char *text, const char *end) {
+    const size_t a = strlen(text), b = strlen(end);
+    return a > b && strcasecmp(text + a - b, end) == 0;
+}
+
+bool enc_batch_is(const char *path) {
+    struct stat status;
+    return (ends_with(path, ".txt") || ends_with(path, ".list")) && stat(path, &status) == 0 &&
+           !S_ISDIR(status.st_mode);
+}
+
+/* "folder/WOOL.zip" and "folder/WOOL/" to "WOOL"; malloc'ed. */
+static char *name_of(const char *input) {
+    static const char *const extensions[] = {".tar.gz", ".tar.xz", ".tar.bz2", ".tar.zst", ".tgz",
+                                             ".zip",    ".tar",    ".7z",      ".btf"};
+    size_t end = strlen(input);
+    while (end > 1 && input[end - 1] == '/')
+        end--;
+    size_t begin = end;
+    while (begin > 0 && input[begin - 1] != '/')
+        begin--;
+    char *name = strndup(input + begin, end - begin);
+    for (size_t i = 0; name && i < sizeof extensions / sizeof extensions[0]; i++) {
+        if (ends_with(name, extensions[i])) {
+            name[strlen(name) - strlen(extensions[i])] = '\0';
+            break;
+        }
+    }
+    return name;
+}
+
+static char *join(const char *folder, size_t folder_length, const char *name, const char *extension) {
+    char *path = malloc(folder_length + strlen(name) + strlen(extension) + 2);
+    if (path)
+        sprintf(path, "%.*s%s%s%s", (int)folder_length, folder, folder_length > 0 ? "/" : "", name,
+                extension);
+    return path;
+}
+
+/* Takes a line, without spaces at either end. */
+static btf_result add(const enc_context *context, enc_batch *batch, const char *list, size_t line,
+                      const char *text) {
+    const char *slash = strrchr(list, '/');
+    char **inputs = realloc(batch->inputs, (batch->count + 1) * sizeof *inputs);
+    if (inputs)
+        batch->inputs = inputs;
+    char **names = inputs ? realloc(batch->names, (batch->count + 1) * sizeof *names) : NULL;
+    if (!names)
+        return BTF_ERROR_MEMORY;
+    batch->names = names;
+    char *input = text[0] == '/' || !slash ? strdup(text) : join(list, (size_t)(slash - list), text, "");
+    char *name = name_of(text);
+    if (!input || !name) {
+        free(input);
+        free(name);
+        return BTF_ERROR_MEMORY;
+    }
+    inputs[batch->count] = input;
+    names[batch->count++] = name;
+    for (size_t i = 0; i + 1 < batch->count; i++)
+        if (strcmp(names[i], name) == 0)
+            return enc_fail(context, BTF_ERROR_BAD_FILE,
+                            "%s: line %zu: %s and %s would both become %s.btf.exr", list, line, inputs[i],
+                            input, name);
+    return BTF_OK;
+}
+
+btf_result enc_batch_read(const enc_context *context, const char *path, enc_batch *out_batch) {
+    char line[LONGEST];
+    btf_result result = BTF_OK;
+    *out_batch = (enc_batch){0};
+    FILE *file = fopen(path, "r");
+    if (!file)
+        return enc_fail(context, BTF_ERROR_IO, "%s: %s", path, strerror(errno));
+    for (size_t number = 1; result == BTF_OK && fgets(line, sizeof line, file); number++) {
+        char *begin = line + strspn(line, " \t\r\n");
+        size_t length = strlen(begin);
+        if (strlen(line) + 1 == sizeof line) {
+            result = enc_fail(context, BTF_ERROR_BAD_FILE, "%s: line %zu is longer than %d bytes", path,
+                              number, LONGEST - 2);
+            break;
+        }
+        while (length > 0 && strchr(" \t\r\n", begin[length - 1]))
+            begin[--length] = '\0';
+        if (length > 0 && begin[0] != '#')
+            result = add(context, out_batch, path, number, begin);
+    }
+    if (result == BTF_OK && ferror(file))
+        result = enc_fail(context, BTF_ERROR_IO, "%s: %s", path, strerror(errno));
+    fclose(file);
+    if (result == BTF_OK && out_batch->count == 0)
+        result = enc_fail(context, BTF_ERROR_BAD_FILE, "%s: lists no input", path);
+    if (result != BTF_OK)
+        enc_batch_clear(out_batch);
+    return result;
+}
+
+void enc_batch_clear(enc_batch *batch) {
+    for (size_t i = 0; i < batch->count; i++) {
+        free(batch->inputs[i]);
+        free(batch->names[i]);
+    }
+    free(batch->inputs);
+    free(batch->names);
+    *batch = (enc_batch){0};
+}
+
+static btf_result make_folder(const enc_context *context, const char *path) {
+    if (!path || mkdir(path, 0777) == 0 || errno == EEXIST)
+        return BTF_OK;
+    return enc_fail(context, BTF_ERROR_IO, "%s: cannot make the folder: %s", path, strerror(errno));
+}
+
+static double now(void) {
+    struct timespec time;
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
+}
+
+static btf_result run_one(const enc_context *context, const enc_job *job, const char *input,
+                          const char *name) {
+    enc_job one = *job;
+    char *output = join(job->output, strlen(job->output), name, ".btf.exr");
+    char *report = job->report ? join(job->report, strlen(job->report), name, ".json") : NULL;
+    char *pictures = job->pictures ? join(job->pictures, strlen(job->pictures), name, "") : NULL;
+    btf_result result = BTF_ERROR_MEMORY;
+    if (output && (report || !job->report) && (pictures || !job->pictures)) {
+        one.input = input;
+        one.output = output;
+        one.report = report;
+        one.pictures = pictures;
+        result = enc_job_run(context, &one);
+    }
+    free(output);
+    free(report);
+    free(pictures);
+    return result;
+}
+
+/* What became of an input. */
+typedef struct outcome {
+    bool tried;
+    btf_result result;
+    double seconds;
+} outcome;
+
+static void print_summary(const enc_batch *batch, const outcome *outcomes, FILE *summary) {
+    size_t done = 0, failed = 0;
+    for (size_t i = 0; i < batch->count; i++) {
+        const outcome *o = &outcomes[i];
+        if (!o->tried)
+            continue;
+        fprintf(summary, "%-8s %8.1f s  %s%s%s\n", o->result == BTF_OK ? "ok" : "FAILED", o->seconds,
+                batch->inputs[i], o->result == BTF_OK ? "" : ": ",
+                o->result == BTF_OK ? "" : btf_result_text(o->result));
+        done += o->result == BTF_OK;
+        failed += o->result != BTF_OK;
+    }
+    fprintf(summary, "%zu encoded, %zu failed, %zu not tried\n", done, failed,
+            batch->count - done - failed);
+}
+
+btf_result enc_batch_run(const enc_context *context, const enc_job *job, const enc_batch *batch,
+                         size_t item, FILE *summary) {
+    if (item > batch->count)
+        return enc_fail(context, BTF_ERROR_USAGE, "item %zu: the list has %zu", item, batch->count);
+    outcome *outcomes = calloc(batch->count, sizeof *outcomes);
+    btf_result result = outcomes ? make_folder(context, job->output) : BTF_ERROR_MEMORY;
+    if (result == BTF_OK)
+        result = make_folder(context, job->report);
+    if (result == BTF_OK)
+        result = make_folder(context, job->pictures);
+    btf_result first = result;
+    for (size_t i = 0; i < batch->count && result == BTF_OK; i++) {
+        if (item > 0 && i + 1 != item)
+            continue;
+        const double begin = now();
+        outcomes[i].tried = true;
+        outcomes[i].result = run_one(context, job, batch->inputs[i], batch->names[i]);
+        outcomes[i].seconds = now() - begin;
+        if (first == BTF_OK)
+            first = outcomes[i].result;
+        if (outcomes[i].result == BTF_ERROR_INTERRUPTED)
+            result = first = BTF_ERROR_INTERRUPTED;
+    }
+    if (outcomes && summary)
+        print_summary(batch, outcomes, summary);
+    free(outcomes);
+    return first;
+}

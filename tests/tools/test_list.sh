@@ -1,0 +1,43 @@
+#!/bin/bash
+# btf-encode with a list of inputs.
+#
+# SPDX-License-Identifier: MIT
+. "$BTF_SOURCE_ROOT/tests/tools/common.sh" || exit 99
+for name in one two three; do
+    btf-sample -o "sets/$name" --relief flat --size 4 --directions 0:1,40:6 --quiet || exit 99
+done
+rm "$(find sets/two -name '*tl040*' | sort | tail -1)" || exit 99
+printf '# three inputs\n\n  one\t\r\ntwo/\nthree\n' >sets/all.txt
+encode() { btf-encode "$@" --method paper; }
+
+expect "a list goes on after a bad input, and fails" 3 encode sets/all.txt -o made --report reports --pictures pictures
+expect_text "the summary counts" "^2 encoded, 1 failed, 0 not tried$" out
+expect_text "the summary names the bad one" "^FAILED .* sets/two/: " out
+expect_text "the message says what is missing" "1 of 49 images are missing" err
+expect_that "the others are there" test -s made/one.btf.exr -a -s made/three.btf.exr -a ! -e made/two.btf.exr
+expect_that "reports and pictures as well" test -s reports/one.json -a -s pictures/three/montage.png
+expect "alone" 0 encode sets/three -o alone.btf.exr -q
+expect_that "the same bytes as alone" cmp alone.btf.exr made/three.btf.exr
+
+rm -r made
+expect "one item" 0 encode sets/all.txt -o made --item 3 -q
+expect_that "only this one" test "$(ls made)" = three.btf.exr
+expect "an item that fails" 3 encode sets/all.txt -o made --item 2
+expect_text "the others were not tried" "^0 encoded, 1 failed, 2 not tried$" out
+expect "no such item" 1 encode sets/all.txt -o made --item 4
+expect_text "the list's length is told" "the list has 3" err
+expect "an item of what is no list" 1 encode sets/one -o x.btf.exr --item 1
+expect_text "the option is named" "--item" err
+
+printf '# nothing\n' >empty.list
+expect "an empty list" 3 encode empty.list -o made
+expect_text "it says so" "lists no input" err
+printf 'sets/one\nsets/../sets/one.zip\n' >twice.txt
+expect "two of one name" 3 encode twice.txt -o made
+expect_text "line and name are told" "line 2: .* would both become one.btf.exr" err
+printf 'sets/one\n' >list.txt
+touch file
+expect "the folder is a file" 2 encode list.txt -o file/folder
+expect_text "it is named" "file/folder" err
+
+finish
