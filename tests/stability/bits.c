@@ -1,0 +1,140 @@
+/* Materials whose parameters are chosen bit patterns, see bits.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "bits.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+const bit_class bit_classes[] = {
+    {"0", 0x00000000, 1},
+    {"-0", 0x80000000, 1},
+    {"the least denormal", 0x00000001, 0},
+    {"the least negative denormal", 0x80000001, 0},
+    {"the largest denormal", 0x007FFFFF, 0},
+    {"2^-126, the least normal", 0x00800000, 0},
+    {"2^-25", 0x33000000, 0},
+    {"one step below 2^-24", 0x337FFFFF, 0},
+    {"2^-24", 0x33800000, 1},
+    {"-2^-24", 0xB3800000, 1},
+    {"one step above 2^-24", 0x33800001, 1},
+    {"one step below 1", 0x3F7FFFFF, 1},
+    {"1", 0x3F800000, 1},
+    {"-1", 0xBF800000, 1},
+    {"a full mantissa", 0x40FFFFFF, 1},
+    {"n = 200", 0x43480000, 1},
+    {"n = 1000000", 0x49742400, 1},
+    {"one step below 2^24", 0x4B7FFFFF, 1},
+    {"2^24", 0x4B800000, 1},
+    {"-2^24", 0xCB800000, 1},
+    {"one step above 2^24", 0x4B800001, 0},
+    {"-2^24 and one step", 0xCB800001, 0},
+    {"2^25", 0x4C000000, 0},
+    {"the largest float", 0x7F7FFFFF, 0},
+    {"infinity", 0x7F800000, 0},
+    {"-infinity", 0xFF800000, 0},
+    {"a quiet NaN", 0x7FC00000, 0},
+    {"a signalling NaN", 0x7F800001, 0},
+    {"a negative NaN of all ones", 0xFFFFFFFF, 0},
+};
+const size_t bit_class_count = sizeof bit_classes / sizeof *bit_classes;
+
+synthetic_spec bits_spec(int index) {
+    return (synthetic_spec){
+        .seed = 100 + (uint64_t)index,
+        .width = 5,
+        .height = 3,
+        .n_views = 9,
+        .n_lights = 7,
+        .layout = index & 1 ? BTF_LAYOUT_TIGHT : BTF_LAYOUT_PAPER,
+        .domain = index & 2 ? BTF_DOMAIN_SQRT : BTF_DOMAIN_LINEAR,
+        .colour = index & 4 ? BTF_COLOUR_RGB : BTF_COLOUR_MONO,
+        .half_float = index == 2 || index == 7,
+        .lobes = 1 + (uint32_t)index % 4,
+        .effects = index == 3 ? BTF_EFFECT_SHADOW | BTF_EFFECT_GAIN : BTF_EFFECT_ALL,
+        .components = index == 3 ? 0 : 6,
+        .centres = 11,
+        .directions = index == 5 ? SYNTHETIC_RANDOM : SYNTHETIC_RINGS,
+        .values = SYNTHETIC_EXTREME,
+    };
+}
+
+void bits_begin(const synthetic_spec *spec, bits_desc *out) {
+    btf_material *material = NULL;
+    *out = (bits_desc){.desc = {.struct_size = sizeof out->desc}};
+    out->desc.info.struct_size = sizeof out->desc.info;
+    if (synthetic_create(spec, NULL, &material) != BTF_OK ||
+        btf_material_get_info(material, &out->desc.info) != BTF_OK) {
+        fprintf(stderr, "bits: no material\n");
+        exit(1);
+    }
+    out->desc.info.method = out->desc.info.options = out->desc.info.source = NULL;
+    const btf_directions lists[2] = {btf_material_views(material), btf_material_lights(material)};
+    for (int i = 0; i < 2; i++) {
+        float *xyz = malloc(3 * lists[i].count * sizeof *xyz);
+        if (xyz == NULL) {
+            exit(1);
+        }
+        memcpy(xyz, lists[i].xyz, 3 * lists[i].count * sizeof *xyz);
+        *(i == 0 ? &out->desc.views : &out->desc.lights) = xyz;
+    }
+    for (int id = 0; id < BTF_TEXTURE_VIEW_TABLE; id++) {
+        const btf_texture t = btf_material_texture(material, (btf_texture_id)id);
+        if (t.format != BTF_FORMAT_NONE) {
+            out->desc.texture[id] = out->texture[id] = malloc(t.size);
+            if (out->texture[id] == NULL) {
+                exit(1);
+            }
+            memcpy(out->texture[id], t.data, t.size);
+        }
+    }
+    btf_material_close(&material);
+}
+
+void bits_end(bits_desc *d) {
+    free((void *)d->desc.views);
+    free((void *)d->desc.lights);
+    for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
+        free(d->texture[id]);
+    }
+}
+
+static float legal(random_state *r, int positive) {
+    for (;;) {
+        const bit_class *c = bit_classes + random_below(r, (uint32_t)bit_class_count);
+        if (c->legal && (!positive || float_of_bits(c->bits) > 0)) {
+            return float_of_bits(c->bits);
+        }
+    }
+}
+
+void bits_fill(random_state *r, bits_desc *d) {
+    static const uint16_t halves[] = {0x0000, 0x8000, 0x0400, 0x8400, 0x0401, 0x3C00,
+                                      0xBC00, 0x3BFF, 0x7BFE, 0x7BFF, 0xFBFF, 0x5A40};
+    btf_material_info *info = &d->desc.info;
+    const btf_texture t = btf_material_texture_shape(info, BTF_TEXTURE_SBRDF);
+    const size_t n = t.format == BTF_FORMAT_NONE ? 0 : 4 * (size_t)t.width * t.height * t.layers;
+    const uint32_t colour_layers = info->colour == BTF_COLOUR_MONO ? 1 : (3 + 3 * info->lobes + 3) / 4;
+    for (size_t i = 0; i < n; i++) {
+        const uint32_t layer = (uint32_t)(i / (4 * (size_t)t.width * t.height));
+        if (info->colour == BTF_COLOUR_RGB && layer < colour_layers &&
+            4 * layer + i % 4 >= 3 + 3 * info->lobes) {
+            continue; /* without a meaning, 0 */
+        }
+        if (info->half_float) {
+            ((uint16_t *)d->texture[BTF_TEXTURE_SBRDF])[i] =
+                halves[random_below(r, sizeof halves / sizeof *halves)];
+        } else {
+            ((float *)d->texture[BTF_TEXTURE_SBRDF])[i] = legal(r, 0);
+        }
+    }
+    float *scales = d->texture[BTF_TEXTURE_RESIDUAL_SCALES];
+    for (uint32_t i = 0; i < info->components; i++) {
+        scales[i] = legal(r, 0);
+    }
+    info->radiance_scale = legal(r, 1);
+    info->shadow_scale = legal(r, 1);
+    info->gain_scale = legal(r, 1);
+    info->centre_scale = legal(r, 1);
+}
