@@ -2,7 +2,7 @@
  *
  * Highlights: least squares on radiance that reaches 10 or 100 would spend everything on a few samples
  * (prototype: an unclipped set costs PCA 1.6 dB). The scale is 1 where nothing exceeds it; else the
- * 99.9th percentile of the samples, at least 1. Larger samples are clipped to it.
+ * 99.9th percentile of the samples, at least 1 and at most 2^24. Larger samples are clipped to it.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -111,7 +111,7 @@ static btf_result find_scale(joint_rows *rows) {
     size_t bin = HISTOGRAM;
     for (above = 0; bin > 0 && above + histogram[bin - 1] <= kept; bin--)
         above += histogram[bin - 1];
-    rows->scale = (float)exp2((double)bin / 64.0);
+    rows->scale = (float)exp2(fmin((double)bin / 64.0, 24.0)); /* what radianceScale may be */
     return result;
 }
 

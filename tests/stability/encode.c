@@ -1,0 +1,160 @@
+/* A whole encode in memory, see encode.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "encode.h"
+
+#include "decoder/tools/reference_view.h"
+#include "encoder/pack.h"
+#include "encoder/playback.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char *const encode_names[ENCODE_METHODS] = {"paper", "paper, RGB lobes", "joint",
+                                                  "joint without residual"};
+
+enc_paper_options encode_paper_options(encode_method method, float brighter) {
+    enc_paper_options options = enc_paper_options_default();
+    options.fit.rgb = method == ENCODE_PAPER_RGB;
+    options.fit.starts = 2;
+    options.fit.t_btf *= brighter;
+    return options;
+}
+
+enc_joint_options encode_joint_options(encode_method method) {
+    enc_joint_options options = enc_joint_options_default();
+    options.preset = ENC_JOINT_FAST;
+    if (method == ENCODE_JOINT_SBRDF) {
+        options.effects = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN;
+    }
+    return options;
+}
+
+static btf_result analyse(const enc_context *context, const enc_data *data, encode_method method,
+                          float brighter, enc_solution *solution) {
+    if (method == ENCODE_PAPER || method == ENCODE_PAPER_RGB) {
+        const enc_paper_options options = encode_paper_options(method, brighter);
+        enc_paper_stats stats;
+        return enc_paper(context, data, &options, solution, NULL, &stats);
+    }
+    const enc_joint_options options = encode_joint_options(method);
+    return enc_joint(context, data, &options, solution, NULL);
+}
+
+/* Fills decoded by the reference. */
+static void decode(const enc_data *data, const btf_material *material, encoded *e) {
+    btf_ref_material reference;
+    const btf_ref_options options = {UINT32_MAX, UINT32_MAX, BTF_REF_NEAREST, BTF_REF_TEXEL};
+    const size_t lights = (size_t)data->n_lights;
+    reference_view(material, 0, &reference);
+    for (size_t t = 0; t < enc_data_texel_count(data); t++) {
+        const uint32_t column = (uint32_t)(t % (size_t)data->width),
+                       row = (uint32_t)(t / (size_t)data->width);
+        for (size_t v = 0; v < (size_t)data->n_views; v++) {
+            for (size_t l = 0; l < lights; l++) {
+                float rgb[3];
+                btf_ref_evaluate_texel(&reference, &options, column, row, data->lights[l].xyz,
+                                       data->views[v].xyz, rgb);
+                for (size_t c = 0; c < 3; c++) {
+                    e->decoded[((t * (size_t)data->n_views + v) * 3 + c) * lights + l] = rgb[c];
+                    e->finite = e->finite && isfinite(rgb[c]) && rgb[c] >= 0;
+                }
+            }
+        }
+    }
+}
+
+/* The same by enc_playback. */
+static btf_result play(const enc_context *context, const enc_data *data, const enc_solution *solution,
+                       encoded *e) {
+    enc_playback *playback = NULL;
+    const size_t texels = enc_data_texel_count(data), lights = (size_t)data->n_lights;
+    float *images = malloc(lights * texels * 3 * sizeof *images);
+    btf_result result =
+        images == NULL ? BTF_ERROR_MEMORY : enc_playback_create(context, data, solution, &playback);
+    const enc_played played = {.playback = playback, .effects = BTF_EFFECT_ALL};
+    const enc_image_source source = enc_played_images(&played);
+    float most = 0;
+    for (size_t i = 0; i < texels * enc_data_texel_stride(data); i++) {
+        most = fmaxf(most, e->decoded[i]);
+    }
+    const double least = fmax(1e-3, 1e-5 * (double)most); /* of what differences are compared with */
+    for (size_t v = 0; result == BTF_OK && v < (size_t)data->n_views; v++) {
+        result = source.view(source.user, (int)v, images);
+        for (size_t i = 0; result == BTF_OK && i < lights * texels * 3; i++) {
+            const size_t l = i / (3 * texels), t = i / 3 % texels, c = i % 3;
+            const double a = (double)images[i];
+            const double b = (double)e->decoded[((t * (size_t)data->n_views + v) * 3 + c) * lights + l];
+            const double difference = fabs(a - b) / fmax(b, least);
+            e->played = difference > e->played || isnan(difference) ? difference : e->played;
+        }
+    }
+    enc_playback_destroy(&playback);
+    free(images);
+    return result;
+}
+
+encoded encode(const enc_data *data, encode_method method, int threads, float brighter) {
+    const enc_context context = {.threads = threads};
+    encoded e = {.finite = true};
+    enc_solution solution = {0};
+    btf_material *material = NULL;
+    const enc_pack_options pack = {.layout = BTF_LAYOUT_TIGHT, .method = "test"};
+    e.decoded = malloc(enc_data_texel_count(data) * enc_data_texel_stride(data) * sizeof *e.decoded);
+    e.result = e.decoded == NULL ? BTF_ERROR_MEMORY : analyse(&context, data, method, brighter, &solution);
+    if (e.result == BTF_OK) {
+        e.result = enc_pack(&context, data, &solution, &pack, &material);
+    }
+    if (e.result == BTF_OK) {
+        e.result = btf_material_save_memory(material, NULL, &e.file, &e.size);
+    }
+    btf_material_close(&material);
+    if (e.result == BTF_OK) {
+        e.result = btf_material_open_memory(e.file, e.size, NULL, &material);
+    }
+    if (e.result == BTF_OK) {
+        decode(data, material, &e);
+        e.result = play(&context, data, &solution, &e);
+    }
+    btf_material_close(&material);
+    enc_solution_clear(&solution);
+    return e;
+}
+
+void encode_clear(encoded *e) {
+    btf_free(e->file);
+    free(e->decoded);
+    *e = (encoded){0};
+}
+
+static double clipped(float x, float peak) {
+    return (double)(x > 0 ? x < peak ? x : peak : 0);
+}
+
+double encode_psnr(const enc_data *data, const float *decoded, float peak) {
+    const size_t n = enc_data_texel_count(data) * enc_data_texel_stride(data);
+    double squares = 0;
+    for (size_t i = 0; i < n; i++) {
+        const double r = clipped(decoded[i], peak) - clipped(data->samples[i], peak);
+        squares += r * r;
+    }
+    return hard_psnr(squares, (double)n, (double)peak);
+}
+
+double encode_psnr_of_mean(const enc_data *data, float peak) {
+    const size_t texels = enc_data_texel_count(data), stride = enc_data_texel_stride(data);
+    double squares = 0;
+    for (size_t i = 0; i < stride; i++) {
+        double mean = 0;
+        for (size_t t = 0; t < texels; t++) {
+            mean += sqrt(clipped(data->samples[t * stride + i], peak)) / (double)texels;
+        }
+        for (size_t t = 0; t < texels; t++) {
+            const double r = mean * mean - clipped(data->samples[t * stride + i], peak);
+            squares += r * r;
+        }
+    }
+    return hard_psnr(squares, (double)(texels * stride), (double)peak);
+}

@@ -1,0 +1,49 @@
+/* A whole encode in memory: method, file, reference decoder.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_TESTS_STABILITY_ENCODE_H
+#define OPENBTF_TESTS_STABILITY_ENCODE_H
+
+#include "hard_data.h"
+
+#include "encoder/joint.h"
+#include "encoder/method_paper.h"
+
+typedef enum encode_method {
+    ENCODE_PAPER,
+    ENCODE_PAPER_RGB,
+    ENCODE_JOINT,
+    ENCODE_JOINT_SBRDF
+} encode_method;
+enum { ENCODE_METHODS = 4 };
+extern const char *const encode_names[ENCODE_METHODS];
+
+/* What came of it. */
+typedef struct encoded {
+    btf_result result; /* BTF_OK, or what failed */
+    void *file;        /* the bytes of the *.btf.exr */
+    size_t size;
+    float *decoded; /* in the order of the data's samples, by the reference decoder at the sampled
+                       directions */
+    bool finite;    /* every decoded value is, and >= 0 */
+    double played;  /* largest difference between enc_playback and `decoded`, relative, but to no less than
+                       1e-3  and 1e-5 of the largest */
+} encoded;
+
+/* Options of the four methods: small and quick. `brighter` scales what thresholds are absolute (1:
+ * defaults). */
+enc_paper_options encode_paper_options(encode_method method, float brighter);
+enc_joint_options encode_joint_options(encode_method method);
+
+/* Encodes, saves, opens again and decodes. */
+encoded encode(const enc_data *data, encode_method method, int threads, float brighter);
+void encode_clear(encoded *e);
+
+/* PSNR of decoded values against the data, both clipped to [0, peak]. */
+double encode_psnr(const enc_data *data, const float *decoded, float peak);
+
+/* The same of a texture whose every texel is the mean of all, taken in square roots. */
+double encode_psnr_of_mean(const enc_data *data, float peak);
+
+#endif
