@@ -17,6 +17,8 @@ static const double shift_tolerance = 1e-6;
  * in range. */
 static const double prior_strength = 3.0;
 
+enum { FRONT_PERIOD = 4 }; /* rounds from one refit of a front beside a residual to the next */
+
 void joint_fit_clear(joint_fit *fit) {
     joint_codes_clear(&fit->codes);
     joint_projection_clear(&fit->projection);
@@ -33,7 +35,7 @@ static btf_result refresh(joint_fit *fit) {
     const joint_rows *rows = fit->rows;
     btf_result result = BTF_OK;
     if (!fit->projection.c)
-        result = joint_projection_init(rows, fit->model.k, &fit->projection);
+        result = joint_projection_init(rows, &fit->model, &fit->projection);
     if (result == BTF_OK)
         result = joint_project(rows, &fit->model, &fit->projection);
     if (result == BTF_OK)
@@ -84,6 +86,15 @@ btf_result joint_fit_plain(const joint_rows *rows, size_t k, int steps, joint_fi
     return result;
 }
 
+/* What the points of a fit with its effects may choose. */
+static void set_freedom(joint_fit *fit) {
+    fit->model.shift = fit->effects & BTF_EFFECT_SHIFT;
+    if (fit->effects & BTF_EFFECT_GAIN) {
+        fit->model.gains.low = 1;
+        fit->model.gains.high = 255;
+    }
+}
+
 btf_result joint_fit_start(const joint_fit *from, size_t k, uint32_t effects, joint_fit *out_fit) {
     const joint_rows *rows = from->rows;
     const size_t points = rows->texels * rows->views;
@@ -100,29 +111,67 @@ btf_result joint_fit_start(const joint_fit *from, size_t k, uint32_t effects, jo
                k * rows->row * sizeof(float));
     memcpy(model->match, from->model.match, points * sizeof *model->match);
     memcpy(model->gain, from->model.gain, points);
-    model->shift = effects & BTF_EFFECT_SHIFT;
-    if (effects & BTF_EFFECT_GAIN) {
-        model->gains.low = 1;
-        model->gains.high = 255;
-    }
-    return refresh(out_fit);
+    set_freedom(out_fit);
+    if (from->model.front)
+        result = joint_front_copy(rows, from->model.front, &model->front);
+    return result == BTF_OK ? refresh(out_fit) : result;
+}
+
+/* u, then v, for everything else as it is. */
+static btf_result solve_residual(joint_fit *fit) {
+    btf_result result = joint_solve_u(fit->rows, &fit->projection, NULL, &fit->model);
+    if (result == BTF_OK)
+        result = joint_orthogonalise(fit->rows, &fit->model);
+    if (result == BTF_OK)
+        result = joint_solve_v(fit->rows, NULL, &fit->model);
+    if (result == BTF_OK)
+        result = refresh(fit);
+    return result;
+}
+
+btf_result joint_fit_add_front(joint_fit *fit, const joint_front_kind *kind, int starts, int steps) {
+    btf_result result = joint_front_create(fit->rows, kind, &fit->model.front);
+    joint_projection_clear(&fit->projection); /* has other dimensions from here on */
+    if (result == BTF_OK)
+        result = joint_front_fit(fit->rows, &fit->model, starts);
+    if (kind->shadow)
+        fit->effects |= BTF_EFFECT_SHADOW;
+    if (result == BTF_OK)
+        result = refresh(fit);
+    for (int i = 0; i < steps && fit->model.k > 0 && result == BTF_OK; i++)
+        result = solve_residual(fit);
+    return result;
+}
+
+btf_result joint_fit_lone(const joint_rows *rows, uint32_t effects, const joint_front_kind *kind,
+                          int starts, joint_fit *out_fit) {
+    *out_fit = (joint_fit){.rows = rows, .effects = effects};
+    btf_result result = joint_model_init(rows, 0, &out_fit->model);
+    if (result != BTF_OK)
+        return result;
+    set_freedom(out_fit);
+    return joint_fit_add_front(out_fit, kind, starts, 0);
 }
 
 btf_result joint_fit_round(joint_fit *fit) {
     joint_model *model = &fit->model;
+    const bool refit = model->front && (model->k == 0 || fit->rounds % FRONT_PERIOD == 0);
     btf_result result = fit->projection.c ? BTF_OK : refresh(fit);
     if (result == BTF_OK)
         result = joint_choose(fit->rows, &fit->projection, true, shift_tolerance, model, &fit->error);
-    if (result == BTF_OK)
+    if (result == BTF_OK && model->k > 0)
         result = joint_solve_u(fit->rows, &fit->projection, NULL, model);
-    if (result == BTF_OK)
+    if (result == BTF_OK && model->k > 0)
         result = joint_choose(fit->rows, &fit->projection, false, 0.0, model, &fit->error);
-    if (result == BTF_OK)
+    if (result == BTF_OK && refit)
+        result = joint_front_refit(fit->rows, model);
+    if (result == BTF_OK && model->k > 0)
         result = joint_orthogonalise(fit->rows, model);
-    if (result == BTF_OK)
+    if (result == BTF_OK && model->k > 0)
         result = joint_solve_v(fit->rows, NULL, model);
     if (result == BTF_OK)
         result = refresh(fit);
+    fit->rounds++;
     enc_stage_step(fit->rows->context, 1);
     return result;
 }
@@ -130,7 +179,7 @@ btf_result joint_fit_round(joint_fit *fit) {
 btf_result joint_fit_round_off(joint_fit *fit) {
     btf_result result = joint_codes_init(fit->rows, fit->model.k, &fit->codes);
     if (result == BTF_OK && !fit->projection.c)
-        result = joint_projection_init(fit->rows, fit->model.k, &fit->projection);
+        result = joint_projection_init(fit->rows, &fit->model, &fit->projection);
     if (result == BTF_OK)
         result = joint_quantise(fit->rows, &fit->projection, shift_tolerance, &fit->model, &fit->codes,
                                 &fit->error);
@@ -151,6 +200,24 @@ static void export_points(const joint_fit *fit, enc_solution *out) {
         out->shift[2 * i] = (int8_t)dx;
         out->shift[2 * i + 1] = (int8_t)dy;
     }
+}
+
+/* The front's parameters and shadow codes. */
+static btf_result export_front(const joint_fit *fit, enc_solution *out) {
+    const joint_front *front = fit->model.front;
+    const size_t texels = fit->rows->texels, lights = fit->rows->row / 3;
+    const size_t count = texels * enc_sbrdf_stride(front->kind.lobes, front->kind.rgb);
+    if (enc_sbrdf_create(texels, front->kind.lobes, front->kind.rgb, &out->sbrdf) != BTF_OK)
+        return BTF_ERROR_MEMORY;
+    memcpy(out->sbrdf->values, front->sbrdf->values, count * sizeof(float));
+    out->half_parameters = front->kind.half;
+    if (!front->shadow)
+        return BTF_OK;
+    out->shadow_scale = front->shadow_scale;
+    out->shadow = malloc(texels * lights);
+    for (size_t i = 0; out->shadow && i < texels * lights; i++)
+        out->shadow[i] = front->shadow[i % texels * lights + i / texels];
+    return out->shadow ? BTF_OK : BTF_ERROR_MEMORY;
 }
 
 /* Codes and scales of the residual. */
@@ -183,20 +250,26 @@ btf_result joint_fit_solution(const joint_fit *fit, enc_solution *out_solution) 
                                    .gain_scale = fit->model.gains.step,
                                    .centre_scale = 1.0f / 255.0f,
                                    .n_components = (uint32_t)k};
-    out_solution->residual_texels = malloc(rows->texels * k);
-    out_solution->residual_directions = malloc(rows->views * rows->row * k);
-    out_solution->residual_scales = malloc(k * sizeof(float));
+    bool ok = true;
     if (fit->effects & BTF_EFFECT_SHIFT)
-        out_solution->shift = malloc(2 * points);
+        ok = (out_solution->shift = malloc(2 * points)) && ok;
     if (fit->effects & BTF_EFFECT_GAIN)
-        out_solution->gain = malloc(points);
-    if (!out_solution->residual_texels || !out_solution->residual_directions ||
-        !out_solution->residual_scales || ((fit->effects & BTF_EFFECT_SHIFT) && !out_solution->shift) ||
-        ((fit->effects & BTF_EFFECT_GAIN) && !out_solution->gain)) {
+        ok = (out_solution->gain = malloc(points)) && ok;
+    if (fit->effects & BTF_EFFECT_RESIDUAL) {
+        out_solution->residual_texels = malloc(rows->texels * k);
+        out_solution->residual_directions = malloc(rows->views * rows->row * k);
+        out_solution->residual_scales = malloc(k * sizeof(float));
+        ok = ok && out_solution->residual_texels && out_solution->residual_directions &&
+             out_solution->residual_scales;
+    }
+    if (fit->model.front)
+        ok = ok && export_front(fit, out_solution) == BTF_OK;
+    if (!ok) {
         enc_solution_clear(out_solution);
         return enc_fail(rows->context, BTF_ERROR_MEMORY, "joint: out of memory for the solution");
     }
     export_points(fit, out_solution);
-    export_residual(fit, out_solution);
+    if (fit->effects & BTF_EFFECT_RESIDUAL)
+        export_residual(fit, out_solution);
     return BTF_OK;
 }

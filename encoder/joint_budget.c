@@ -10,7 +10,6 @@
  */
 #include "joint_budget.h"
 #include "joint_fit.h"
-#include "joint_front.h"
 #include "joint_measure.h"
 
 #include <math.h>
@@ -50,7 +49,7 @@ uint64_t joint_bytes(const enc_data *data, const joint_shape *shape) {
     uint64_t bytes = 0;
     if (shape->lobes > 0) {
         const uint64_t lobes = (uint64_t)shape->lobes;
-        bytes += 16 * texels * (shape->rgb ? (3 + 3 * lobes + 3) / 4 + lobes : 1 + lobes);
+        bytes += 8 * texels * (shape->rgb ? (3 + 3 * lobes + 3) / 4 + lobes : 1 + lobes);
     }
     if (shape->effects & BTF_EFFECT_SHADOW)
         bytes += texels * lights;
@@ -329,17 +328,15 @@ static btf_result solve_without_residual(run *r, enc_solution *out_solution, joi
         int lobes;
         bool rgb;
     } choices[] = {{3, true}, {3, false}, {2, false}, {1, false}};
-    uint32_t effects = r->options->effects & (BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN);
-    const bool search = effects & BTF_EFFECT_SHIFT;
-    joint_front_options options = {.effects = effects,
-                                   .rounds = !search                  ? 1
-                                             : r->options->rounds > 0 ? r->options->rounds
-                                                                      : r->preset.front,
-                                   .tolerance = r->preset.tolerance};
+    const uint32_t effects =
+        r->options->effects & (BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN);
+    joint_front_kind kind = {.shadow = effects & BTF_EFFECT_SHADOW, .half = true};
+    joint_fit fit = {0};
+    int count = 1;
     for (size_t i = 0; i < sizeof choices / sizeof *choices; i++) {
         r->shape = (joint_shape){.effects = effects, .lobes = choices[i].lobes, .rgb = choices[i].rgb};
-        options.lobes = choices[i].lobes;
-        options.rgb = choices[i].rgb;
+        kind.lobes = choices[i].lobes;
+        kind.rgb = choices[i].rgb;
         if (joint_bytes(r->rows.data, &r->shape) <= r->budget)
             break;
         if (i + 1 == sizeof choices / sizeof *choices)
@@ -347,11 +344,17 @@ static btf_result solve_without_residual(run *r, enc_solution *out_solution, joi
                             "joint: a budget of %llu bytes holds no such model",
                             (unsigned long long)r->budget);
     }
-    int count = 0;
-    btf_result result = joint_front_fit(&r->rows, &options, r->stats->history, &count, out_solution);
+    const int rounds = !(effects & BTF_EFFECT_SHIFT) ? 1
+                       : r->options->rounds > 0      ? r->options->rounds
+                                                     : r->preset.front;
+    btf_result result = joint_fit_lone(&r->rows, effects, &kind, 2, &fit);
+    r->stats->history[0] = fit.error;
+    if (result == BTF_OK)
+        result = fit_rounds(r, &fit, rounds + 1, r->stats->history, &count);
     r->stats->rounds = count;
     if (result == BTF_OK)
-        result = joint_measure(&r->rows, out_solution, out_error);
+        result = finish(r, &fit, out_solution, out_error);
+    joint_fit_clear(&fit);
     return result;
 }
 

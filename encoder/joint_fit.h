@@ -1,10 +1,11 @@
 /* One fit of the joint method: a model of given shape, its rounds, its codes.
  *
  * One round, given the per-view bases v of the sources:
- *   1. every point (texel, view) chooses source and gain anew       joint_search.c
+ *   1. every point (texel, view) chooses source and gain anew       joint_choose.c, joint_search.c
  *   2. u: every source is solved for the points that chose it       joint_sources.c
  *   3. gains are chosen again
- *   4. v: every view's basis is solved for all of its points, and gains chosen again
+ *   4. the front, in some rounds: every source's SBRDF and shadows  joint_front.c
+ *   5. v: every view's basis is solved for all of its points, and gains chosen again
  * Each step minimises the one squared error over its unknowns and keeps the others, so that a round never
  * raises it.
  *
@@ -24,6 +25,7 @@ typedef struct joint_fit {
     joint_projection projection; /* of model.v; freed while a fit rests */
     joint_codes codes;           /* after joint_fit_round_off */
     double error;                /* sum of squares in the fitted domain */
+    int rounds;                  /* done so far */
 } joint_fit;
 
 void joint_fit_clear(joint_fit *fit);
@@ -35,9 +37,17 @@ btf_result joint_fit_plain(const joint_rows *rows, size_t k, int steps, joint_fi
 /* `steps` more subspace iterations, then the principal basis. */
 btf_result joint_fit_refine_plain(joint_fit *fit, int steps, double *energy);
 
-/* Starts a fit with `effects` from the first k components of another one in a principal basis, and its
- * choices. */
+/* Starts a fit with `effects` from the first k components of another one in a principal basis, its
+ * choices and its front. */
 btf_result joint_fit_start(const joint_fit *from, size_t k, uint32_t effects, joint_fit *out_fit);
+
+/* Gives a fit without a front one of this kind: fitted to the data from `starts` fixed starts for the
+ * present choices, then `steps` times the residual for what it leaves. */
+btf_result joint_fit_add_front(joint_fit *fit, const joint_front_kind *kind, int starts, int steps);
+
+/* Starts a fit of a front alone. */
+btf_result joint_fit_lone(const joint_rows *rows, uint32_t effects, const joint_front_kind *kind,
+                          int starts, joint_fit *out_fit);
 
 /* One round; fit->error is that after it. */
 btf_result joint_fit_round(joint_fit *fit);

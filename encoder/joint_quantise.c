@@ -16,10 +16,10 @@
 enum { HELPERS = 4 }; /* components that get a second one to carry their rounding error */
 
 btf_result joint_codes_init(const joint_rows *rows, size_t k, joint_codes *out_codes) {
-    *out_codes = (joint_codes){.u = calloc(rows->texels, k),
-                               .v = calloc(rows->views * k, rows->row),
-                               .u_step = calloc(k, sizeof(double)),
-                               .v_step = calloc(k, sizeof(double))};
+    *out_codes = (joint_codes){.u = calloc(rows->texels, k + 1),
+                               .v = calloc(rows->views * k + 1, rows->row),
+                               .u_step = calloc(k + 1, sizeof(double)),
+                               .v_step = calloc(k + 1, sizeof(double))};
     if (!out_codes->u || !out_codes->v || !out_codes->u_step || !out_codes->v_step)
         return enc_fail(rows->context, BTF_ERROR_MEMORY,
                         "joint: out of memory for the codes of %zu components", k);
@@ -218,6 +218,11 @@ btf_result joint_quantise(const joint_rows *rows, joint_projection *projection, 
                           joint_model *model, joint_codes *codes, double *out_error) {
     const size_t k = model->k;
     const joint_rounding round_v = {codes->v_step, codes->v}, round_u = {codes->u_step, codes->u};
+    if (k == 0) {
+        const btf_result projected = joint_project(rows, model, projection);
+        return projected == BTF_OK ? joint_choose(rows, projection, false, tolerance, model, out_error)
+                                   : projected;
+    }
     btf_result result = joint_principal_basis(rows, model, NULL);
     if (result == BTF_OK)
         result = add_helpers(rows, model);

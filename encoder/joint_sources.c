@@ -21,8 +21,8 @@ btf_result joint_model_init(const joint_rows *rows, size_t k, joint_model *out_m
                                .views = rows->views,
                                .row = rows->row,
                                .k = k,
-                               .u = calloc(rows->texels * k, sizeof(float)),
-                               .v = calloc(rows->views * k * rows->row, sizeof(float)),
+                               .u = calloc(rows->texels * k + 1, sizeof(float)),
+                               .v = calloc(rows->views * k * rows->row + 1, sizeof(float)),
                                .match = malloc(points * sizeof(uint32_t)),
                                .gain = malloc(points),
                                .gains = {BTF_GAIN_SCALE, BTF_GAIN_ONE, BTF_GAIN_ONE}};
@@ -39,136 +39,10 @@ void joint_model_clear(joint_model *model) {
     free(model->v);
     free(model->match);
     free(model->gain);
+    free(model->centre);
+    free(model->centre_error);
+    joint_front_destroy(&model->front);
     *model = (joint_model){0};
-}
-
-btf_result joint_projection_init(const joint_rows *rows, size_t k, joint_projection *out_projection) {
-    *out_projection = (joint_projection){.basis = enc_gemm_alloc(rows->views * k * rows->row),
-                                         .lower = enc_gemm_alloc(rows->views * k * k)};
-    btf_result result = out_projection->basis && out_projection->lower ? BTF_OK : BTF_ERROR_MEMORY;
-    if (result == BTF_OK)
-        result = joint_points_create(rows->context, rows->views, rows->texels * k, &out_projection->c);
-    return result == BTF_ERROR_MEMORY ? out_of_memory(rows, k) : result;
-}
-
-void joint_projection_clear(joint_projection *projection) {
-    free(projection->basis);
-    free(projection->lower);
-    joint_points_destroy(&projection->c);
-    *projection = (joint_projection){0};
-}
-
-/* What a projection pass needs. */
-typedef struct project_pass {
-    const joint_rows *rows;
-    joint_projection *projection;
-    size_t k, packed_pitch;
-    float *packed;  /* [view] packed basis */
-    float *scratch; /* [thread] packed rows, then coordinates */
-    size_t scratch_pitch;
-    btf_result result; /* of storing */
-} project_pass;
-
-static void project_block(void *user, size_t view, size_t first, size_t count, const float *block) {
-    project_pass *pass = user;
-    const size_t row = pass->rows->row;
-    float *left = pass->scratch + enc_thread_index() * pass->scratch_pitch, *c = left + JOINT_BLOCK * row;
-    enc_gemm_pack_rows(count, row, block, row, ENC_GEMM_M, left);
-    enc_gemm_multiply(pass->rows->tile, count, pass->k, row, left, pass->packed + view * pass->packed_pitch, c,
-                      pass->k, 0);
-    const btf_result result = joint_points_store(pass->rows->context, pass->projection->c, view,
-                                                 first * pass->k, count * pass->k, c);
-    if (result != BTF_OK) {
-#pragma omp atomic write
-        pass->result = result;
-    }
-}
-
-btf_result joint_project(const joint_rows *rows, const joint_model *model, joint_projection *projection) {
-    const size_t k = model->k, row = rows->row, threads = (size_t)rows->context->threads;
-    project_pass pass = {.rows = rows,
-                         .projection = projection,
-                         .k = k,
-                         .packed_pitch = enc_gemm_panels(k, ENC_GEMM_N) * ENC_GEMM_N * row,
-                         .scratch_pitch = JOINT_BLOCK * (row + k)};
-    pass.packed = enc_gemm_alloc(rows->views * pass.packed_pitch);
-    pass.scratch = enc_gemm_alloc(threads * pass.scratch_pitch);
-    btf_result result = BTF_OK;
-    bool ok = pass.packed && pass.scratch;
-    if (ok)
-#pragma omp parallel for schedule(dynamic) num_threads(rows->context->threads)
-        for (size_t view = 0; view < rows->views; view++) {
-            float *basis = projection->basis + view * k * row;
-            if (!joint_orthonormal_rows(k, row, model->v + view * k * row, basis,
-                                        projection->lower + view * k * k)) {
-#pragma omp atomic write
-                ok = false;
-            }
-            enc_gemm_pack_rows(k, row, basis, row, ENC_GEMM_N, pass.packed + view * pass.packed_pitch);
-        }
-    result = ok ? joint_rows_pass(rows, project_block, &pass) : out_of_memory(rows, k);
-    if (result == BTF_OK)
-        result = pass.result;
-    free(pass.packed);
-    free(pass.scratch);
-    return result;
-}
-
-/* z[texel] = lower^T u[texel]: the sources of one view in the basis of its projection. */
-static void sources_of_view(const joint_rows *rows, size_t k, const float *u, const float *lower,
-                            float *packed_lower, float *scratch, float *z) {
-    enc_gemm_pack_columns(k, k, lower, k, ENC_GEMM_N, packed_lower);
-#pragma omp parallel for num_threads(rows->context->threads)
-    for (size_t first = 0; first < rows->texels; first += JOINT_BLOCK) {
-        const size_t count = rows->texels - first < JOINT_BLOCK ? rows->texels - first : JOINT_BLOCK;
-        float *left = scratch + enc_thread_index() * JOINT_BLOCK * k;
-        enc_gemm_pack_rows(count, k, u + first * k, k, ENC_GEMM_M, left);
-        enc_gemm_multiply(rows->tile, count, k, k, left, packed_lower, z + first * k, k, 0);
-    }
-}
-
-btf_result joint_choose(const joint_rows *rows, const joint_projection *projection, bool search,
-                        double tolerance, joint_model *model, double *out_error) {
-    const size_t k = model->k, texels = rows->texels, threads = (size_t)rows->context->threads;
-    const joint_search options = {.width = rows->data->width,
-                                  .height = rows->data->height,
-                                  .k = k,
-                                  .gains = model->gains,
-                                  .reach = JOINT_REACH,
-                                  .tolerance = tolerance,
-                                  .tile = rows->tile,
-                                  .threads = rows->context->threads};
-    float *z = enc_gemm_alloc(texels * k);
-    float *lower = enc_gemm_alloc(enc_gemm_panels(k, ENC_GEMM_N) * ENC_GEMM_N * k);
-    float *scratch = enc_gemm_alloc(threads * JOINT_BLOCK * k);
-    double *value = malloc(texels * sizeof *value);
-    double error = rows->total;
-    btf_result result = z && lower && scratch && value ? BTF_OK : out_of_memory(rows, k);
-    for (size_t view = 0; view < rows->views && result == BTF_OK; view++) {
-        const size_t first = view * texels;
-        const float *c;
-        result = enc_cancelled(rows->context)
-                     ? BTF_ERROR_INTERRUPTED
-                     : joint_points_view(rows->context, projection->c, view, &c);
-        if (result != BTF_OK)
-            break;
-        sources_of_view(rows, k, model->u, projection->lower + view * k * k, lower, scratch, z);
-        if (search && model->shift)
-            result = joint_search_view(&options, c, rows->energy + first, z, model->match + first,
-                                       model->gain + first, value);
-        else
-            joint_search_gains(&options, c, z, model->match + first, model->gain + first, value);
-        if (result != BTF_OK)
-            result = out_of_memory(rows, k);
-        for (size_t x = 0; x < texels && result == BTF_OK; x++)
-            error -= value[x];
-    }
-    *out_error = error;
-    free(z);
-    free(lower);
-    free(scratch);
-    free(value);
-    return result;
 }
 
 enum { SOURCES = 96 }; /* sources that one task of joint_solve_u handles: a multiple of ENC_GEMM_M */
@@ -181,13 +55,15 @@ static const double proximal = 1e-7;
 typedef struct u_step {
     const joint_rows *rows;
     const joint_projection *projection;
-    float *packed_gram;     /* [view][k * k] gram of v, packed as columns */
+    float *packed_gram; /* [view][k * k] gram of v, packed as columns */
     const joint_rounding *rounding;
-    float *weights;         /* [texel][view] sum of squared gains of a source's points */
-    float *right;           /* [texel][k] sum of gain * lower * c over them */
+    float *weights; /* [texel][view] sum of squared gains of a source's points */
+    float *right;   /* [texel][k] sum of gain * lower * c over them */
     /* of the view at hand */
-    uint32_t *start, *order; /* points by source: of s they are order[start[s]] .. order[start[s + 1] - 1] */
-    float *packed_lower;     /* lower, packed as rows */
+    uint32_t *start,
+        *order;          /* points by source: of s they are order[start[s]] .. order[start[s + 1] - 1] */
+    float *packed_lower; /* lower, packed as rows */
+    float *packed_basis; /* the basis of v, packed as rows; with a front */
 } u_step;
 
 /* Lists the points of every source in one view, ascending. */
@@ -207,8 +83,28 @@ static void invert_view(const joint_model *model, size_t view, uint32_t *start, 
 }
 
 /* Floats of scratch that one task takes. */
-static size_t u_scratch(size_t k, size_t views) {
-    return SOURCES * (views + k + k + k * k);
+static size_t u_scratch(const joint_model *model) {
+    const size_t k = model->k;
+    return SOURCES * (model->views + k + k + k * k + (model->front ? 2 * model->row + k : 0));
+}
+
+/* sums[s] -= weight of source first + s * its front in the basis of v. scratch: SOURCES * (2 * row + k)
+ * floats. */
+static void subtract_fronts(const u_step *step, const joint_model *model, size_t view, size_t first,
+                            size_t count, float *sums, float *scratch) {
+    const size_t k = model->k, row = model->row;
+    const float *weights = step->weights + first * model->views + view;
+    float *fronts = scratch, *packed = fronts + SOURCES * row, *within = packed + SOURCES * row;
+    for (size_t s = 0; s < count; s++)
+        if (weights[s * model->views] > 0.0f)
+            joint_front_row(step->rows, model->front, first + s, view, fronts + s * row);
+        else
+            memset(fronts + s * row, 0, row * sizeof *fronts);
+    enc_gemm_pack_rows(count, row, fronts, row, ENC_GEMM_M, packed);
+    enc_gemm_multiply(step->rows->tile, count, k, row, packed, step->packed_basis, within, k, 0);
+    for (size_t s = 0; s < count; s++)
+        for (size_t j = 0; j < k; j++)
+            sums[s * k + j] -= weights[s * model->views] * within[s * k + j];
 }
 
 /* u^T gram u - 2 right^T u: the error of a source's points but for a constant. */
@@ -262,7 +158,7 @@ static void solve_source(const u_step *step, joint_model *model, size_t source, 
 /* Adds the points of one view to weights and right-hand sides of a task's sources. */
 static void gather_sources(const u_step *step, const joint_model *model, size_t view, const float *c,
                            size_t first, float *scratch) {
-    const size_t k = model->k, views = model->views, texels = model->texels;
+    const size_t k = model->k, views = model->views, texels = model->texels, dims = step->projection->dims;
     const size_t count = texels - first < SOURCES ? texels - first : SOURCES;
     float *sums = scratch, *packed_sums = sums + SOURCES * k;
     const uint32_t *start = step->start + first;
@@ -272,16 +168,18 @@ static void gather_sources(const u_step *step, const joint_model *model, size_t 
         float weight = 0.0f;
         for (uint32_t i = start[s]; i < start[s + 1]; i++) {
             const float gain = (float)code[step->order[i]] * model->gains.step;
-            const float *from = c + step->order[i] * k;
+            const float *from = c + step->order[i] * dims;
             weight += gain * gain;
             for (size_t j = 0; j < k; j++)
                 sums[s * k + j] += gain * from[j];
         }
         step->weights[(first + s) * views + view] = weight;
     }
+    if (model->front)
+        subtract_fronts(step, model, view, first, count, sums, packed_sums + SOURCES * k);
     enc_gemm_pack_rows(count, k, sums, k, ENC_GEMM_M, packed_sums);
-    enc_gemm_multiply(step->rows->tile, count, k, k, packed_sums, step->packed_lower, step->right + first * k,
-                      k, 1);
+    enc_gemm_multiply(step->rows->tile, count, k, k, packed_sums, step->packed_lower,
+                      step->right + first * k, k, 1);
 }
 
 static btf_result gather_views(u_step *step, const joint_model *model, float *scratch) {
@@ -294,10 +192,13 @@ static btf_result gather_views(u_step *step, const joint_model *model, float *sc
             return result;
         invert_view(model, view, step->start, step->order);
         enc_gemm_pack_rows(k, k, step->projection->lower + view * k * k, k, ENC_GEMM_N, step->packed_lower);
+        if (model->front)
+            enc_gemm_pack_rows(k, rows->row,
+                               step->projection->basis + view * step->projection->dims * rows->row,
+                               rows->row, ENC_GEMM_N, step->packed_basis);
 #pragma omp parallel for schedule(dynamic, 4) num_threads(rows->context->threads)
         for (size_t first = 0; first < rows->texels; first += SOURCES)
-            gather_sources(step, model, view, c, first,
-                           scratch + enc_thread_index() * u_scratch(k, rows->views));
+            gather_sources(step, model, view, c, first, scratch + enc_thread_index() * u_scratch(model));
     }
     return BTF_OK;
 }
@@ -334,7 +235,7 @@ static void pack_gram(const joint_rows *rows, const joint_projection *projection
 btf_result joint_solve_u(const joint_rows *rows, const joint_projection *projection,
                          const joint_rounding *rounding, joint_model *model) {
     const size_t k = model->k, views = model->views, texels = model->texels;
-    const size_t threads = (size_t)rows->context->threads;
+    const size_t threads = (size_t)rows->context->threads, panels = enc_gemm_panels(k, ENC_GEMM_N);
     u_step step = {.rows = rows,
                    .projection = projection,
                    .packed_gram = enc_gemm_alloc(enc_gemm_panels(k * k, ENC_GEMM_N) * ENC_GEMM_N * views),
@@ -343,13 +244,14 @@ btf_result joint_solve_u(const joint_rows *rows, const joint_projection *project
                    .right = calloc(texels * k, sizeof(float)),
                    .start = malloc((texels + 1) * sizeof(uint32_t)),
                    .order = malloc(texels * sizeof(uint32_t)),
-                   .packed_lower = enc_gemm_alloc(enc_gemm_panels(k, ENC_GEMM_N) * ENC_GEMM_N * k)};
+                   .packed_lower = enc_gemm_alloc(panels * ENC_GEMM_N * k),
+                   .packed_basis = enc_gemm_alloc(model->front ? panels * ENC_GEMM_N * model->row : 0)};
     float *gram = enc_gemm_alloc(views * k * k);
-    float *scratch = enc_gemm_alloc(threads * u_scratch(k, views));
+    float *scratch = enc_gemm_alloc(threads * u_scratch(model));
     double *system = malloc(threads * (k * k + k) * sizeof *system);
     btf_result result = BTF_OK;
-    if (!step.packed_gram || !step.weights || !step.right || !step.start || !step.order || !step.packed_lower ||
-        !gram || !scratch || !system) {
+    if (!step.packed_gram || !step.weights || !step.right || !step.start || !step.order ||
+        !step.packed_lower || !step.packed_basis || !gram || !scratch || !system) {
         result = out_of_memory(rows, k);
         goto fail;
     }
@@ -360,7 +262,7 @@ btf_result joint_solve_u(const joint_rows *rows, const joint_projection *project
 #pragma omp parallel for schedule(dynamic) num_threads(rows->context->threads)
     for (size_t first = 0; first < texels; first += SOURCES) {
         const size_t thread = enc_thread_index();
-        solve_sources(&step, model, first, scratch + thread * u_scratch(k, views),
+        solve_sources(&step, model, first, scratch + thread * u_scratch(model),
                       system + thread * (k * k + k));
     }
 fail:
@@ -370,6 +272,7 @@ fail:
     free(step.start);
     free(step.order);
     free(step.packed_lower);
+    free(step.packed_basis);
     free(gram);
     free(scratch);
     free(system);
@@ -395,13 +298,20 @@ static void gather_block(void *user, size_t view, size_t first, size_t count, co
     const size_t row_right = enc_gemm_panels(row, ENC_GEMM_N) * ENC_GEMM_N;
     float *left = pass->scratch + enc_thread_index() * pass->scratch_pitch;
     float *right = left + JOINT_BLOCK * k_left, *scaled = right + JOINT_BLOCK * row_right;
+    float *rest = scaled + JOINT_BLOCK * k, front[3 * BTF_MAX_DIRECTIONS];
     const uint32_t *match = model->match + view * model->texels + first;
     const uint8_t *code = model->gain + view * model->texels + first;
     for (size_t i = 0; i < count; i++) {
         const float gain = (float)code[i] * model->gains.step;
         for (size_t j = 0; j < k; j++)
             scaled[i * k + j] = gain * model->u[match[i] * k + j];
+        if (!model->front)
+            continue;
+        joint_front_row(pass->rows, model->front, match[i], view, front);
+        for (size_t p = 0; p < row; p++)
+            rest[i * row + p] = block[i * row + p] - gain * front[p];
     }
+    block = model->front ? rest : block;
     enc_gemm_pack_columns(k, count, scaled, k, ENC_GEMM_M, left);
     enc_gemm_pack_columns(row, count, block, row, ENC_GEMM_N, right);
     enc_gemm_multiply(pass->rows->tile, k, row, count, left, right, pass->right + view * k * row, row, 1);
@@ -459,9 +369,9 @@ btf_result joint_solve_v(const joint_rows *rows, const joint_rounding *rounding,
     v_pass pass = {.rows = rows,
                    .model = model,
                    .rounding = rounding,
-                   .scratch_pitch =
-                       JOINT_BLOCK * (enc_gemm_panels(k, ENC_GEMM_M) * ENC_GEMM_M +
-                                      (enc_gemm_panels(row, ENC_GEMM_N) + 4) * ENC_GEMM_N + 2 * k)};
+                   .scratch_pitch = JOINT_BLOCK * (enc_gemm_panels(k, ENC_GEMM_M) * ENC_GEMM_M +
+                                                   (enc_gemm_panels(row, ENC_GEMM_N) + 4) * ENC_GEMM_N +
+                                                   2 * k + (model->front ? row : 0))};
     pass.right = calloc(rows->views * k * row, sizeof(float));
     pass.gram = calloc(rows->views * k * k, sizeof(float));
     pass.scratch = enc_gemm_alloc(threads * pass.scratch_pitch);

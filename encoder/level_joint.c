@@ -3,8 +3,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "level_joint.h"
-#include "joint_front.h"
-#include "joint_quantise.h"
+#include "joint_fit.h"
 #include "levels.h"
 
 #include <assert.h>
@@ -12,10 +11,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ROUNDS = 2 }; /* of search and least squares; more gain less than 0.05 dB */
+enum {
+    ROUNDS = 2, /* of search and least squares; more gain less than 0.05 dB */
+    STARTS = 2, /* of the SBRDF's first fit */
+};
 
 /* As for level 0 (joint.c). */
-static const double shift_tolerance = 1e-6, prior_strength = 3.0, front_tolerance = 5e-4;
+static const double shift_tolerance = 1e-6, prior_strength = 3.0;
 
 /* Codes of component j of u count in units of the square root of their mean square in level 0, so that u
  * has variance 1, as the prior expects. */
@@ -68,7 +70,7 @@ static btf_result fit(const joint_rows *rows, const joint_projection *projection
     return result;
 }
 
-static btf_result hand_over(const joint_rows *rows, const joint_model *model, int8_t **codes,
+static btf_result hand_over(const joint_rows *rows, joint_model *model, int8_t **codes,
                             enc_solution *out) {
     const size_t points = rows->texels * rows->views;
     if (out->effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN))
@@ -94,7 +96,37 @@ static btf_result hand_over(const joint_rows *rows, const joint_model *model, in
     }
     out->residual_texels = *codes;
     *codes = NULL;
+    if (model->front) {
+        const joint_front *front = model->front;
+        const size_t texels = rows->texels, lights = rows->row / 3;
+        out->shadow = front->shadow ? malloc(texels * lights) : NULL;
+        if (front->shadow && !out->shadow)
+            return enc_fail(rows->context, BTF_ERROR_MEMORY, "levels: out of memory for %zu shadows",
+                            texels * lights);
+        for (size_t i = 0; out->shadow && i < texels * lights; i++)
+            out->shadow[i] = front->shadow[i % texels * lights + i / texels];
+        out->sbrdf = model->front->sbrdf;
+        model->front->sbrdf = NULL;
+    }
     return BTF_OK;
+}
+
+static joint_front_kind front_of(const enc_solution *base) {
+    return (joint_front_kind){.lobes = base->sbrdf->lobes,
+                              .rgb = base->sbrdf->rgb,
+                              .shadow = base->effects & BTF_EFFECT_SHADOW,
+                              .half = base->half_parameters};
+}
+
+/* An SBRDF, and shadows, of the level's own in front of the residual. */
+static btf_result fit_front_first(const joint_rows *rows, const enc_solution *base, joint_model *model) {
+    const joint_front_kind kind = front_of(base);
+    const btf_result result = joint_front_create(rows, &kind, &model->front);
+    if (result != BTF_OK)
+        return result;
+    if (kind.shadow)
+        model->front->shadow_scale = base->shadow_scale;
+    return joint_front_fit(rows, model, STARTS);
 }
 
 /* U, shifts and gains for the V of `base`. */
@@ -107,8 +139,10 @@ static btf_result fit_residual(const joint_rows *rows, const enc_solution *base,
     btf_result result = step && codes ? joint_model_init(rows, k, &model)
                                       : enc_fail(rows->context, BTF_ERROR_MEMORY,
                                                  "levels: out of memory for %zu components", k);
+    if (result == BTF_OK && base->sbrdf)
+        result = fit_front_first(rows, base, &model);
     if (result == BTF_OK)
-        result = joint_projection_init(rows, k, &projection);
+        result = joint_projection_init(rows, &model, &projection);
     if (result == BTF_OK) {
         find_steps(base, step);
         load_v(rows, base, step, &model);
@@ -132,20 +166,20 @@ static btf_result fit_residual(const joint_rows *rows, const enc_solution *base,
 }
 
 /* SBRDF, shadow, shifts and gains, where there is no residual. */
-static btf_result fit_front(const joint_rows *rows, const enc_solution *base, enc_solution *out) {
-    const joint_front_options options = {.effects = base->effects,
-                                         .lobes = base->sbrdf->lobes,
-                                         .rgb = base->sbrdf->rgb,
-                                         .rounds = ROUNDS,
-                                         .tolerance = front_tolerance};
-    double history[ROUNDS + 1];
-    int count;
-    enc_solution found;
-    btf_result result = joint_front_fit(rows, &options, history, &count, &found);
+static btf_result fit_lone_front(const joint_rows *rows, const enc_solution *base, enc_solution *out) {
+    const joint_front_kind kind = front_of(base);
+    joint_fit fit = {0};
+    enc_solution found = {0};
+    btf_result result = joint_fit_lone(rows, base->effects, &kind, STARTS, &fit);
+    for (int i = 0; i < ROUNDS && result == BTF_OK; i++)
+        result = joint_fit_round(&fit);
+    if (result == BTF_OK)
+        result = joint_fit_solution(&fit, &found);
     out->sbrdf = found.sbrdf;
     out->shadow = found.shadow;
     out->shift = found.shift;
     out->gain = found.gain;
+    joint_fit_clear(&fit);
     return result;
 }
 
@@ -157,7 +191,7 @@ btf_result enc_level_joint(const enc_context *context, const enc_data *data, con
         joint_rows_init_scaled(context, data, base->domain == BTF_DOMAIN_SQRT, base->radiance_scale, &rows);
     if (result == BTF_OK)
         result = base->effects & BTF_EFFECT_RESIDUAL ? fit_residual(&rows, base, out_solution)
-                                                     : fit_front(&rows, base, out_solution);
+                                                     : fit_lone_front(&rows, base, out_solution);
     joint_rows_clear(&rows);
     if (result != BTF_OK)
         enc_level_clear(out_solution);

@@ -66,7 +66,7 @@ static btf_material_info describe(const enc_data *data, const enc_solution *s, c
     info.layout = o->layout;
     info.domain = s->domain;
     info.colour = !s->sbrdf ? BTF_COLOUR_NONE : s->sbrdf->rgb ? BTF_COLOUR_RGB : BTF_COLOUR_MONO;
-    info.half_float = o->half_float;
+    info.half_float = s->sbrdf && (o->half_float || s->half_parameters);
     info.lobes = s->sbrdf ? (uint32_t)s->sbrdf->lobes : 0;
     info.effects = s->effects;
     info.centres = s->effects & BTF_EFFECT_HIDDEN ? s->n_centres : 0;

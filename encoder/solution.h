@@ -16,7 +16,8 @@ typedef struct enc_solution {
     uint32_t effects; /* btf_effect bits */
     float radiance_scale;
 
-    enc_sbrdf *sbrdf; /* NULL: colour `none` */
+    enc_sbrdf *sbrdf;     /* NULL: colour `none` */
+    bool half_parameters; /* they are halves already: stored so without loss */
 
     uint8_t *shadow; /* [light][texel] */
     float shadow_scale;
