@@ -79,6 +79,8 @@ typedef struct reading {
     exr_image image;
     exr_attr_box2i_t window;
     const char *names[3];
+    float *unwanted; /* where the other channels of a chunk go */
+    size_t unwanted_count;
 } reading;
 
 /* Finds which channels make the picture. */
@@ -115,18 +117,38 @@ static btf_result choose_channels(reading *r, char *message, size_t message_size
     return BTF_ERROR_UNSUPPORTED;
 }
 
+/* Makes room for the pixels of a channel that nobody wants: OpenEXRCore 3.1.5 lets such a channel have no
+ * place, but of three channels of halves it writes to all, there or not. */
+static exr_result_t reserve_unwanted(reading *r, const exr_chunk_info_t *chunk) {
+    const size_t count = (size_t)chunk->width * (size_t)chunk->height;
+    if (count > r->unwanted_count) {
+        float *more = realloc(r->unwanted, count * sizeof *more);
+        if (!more)
+            return EXR_ERR_OUT_OF_MEMORY;
+        r->unwanted = more;
+        r->unwanted_count = count;
+    }
+    return EXR_ERR_SUCCESS;
+}
+
 /* Decodes one chunk whose first pixel is (x, y) of the image, straight into it. */
 static exr_result_t decode_chunk(reading *r, exr_decode_pipeline_t *pipeline, const exr_chunk_info_t *chunk,
                                  int x, int y, bool first) {
     exr_result_t code = first ? exr_decoding_initialize(r->context, 0, chunk, pipeline)
                               : exr_decoding_update(r->context, 0, chunk, pipeline);
+    if (code == EXR_ERR_SUCCESS)
+        code = reserve_unwanted(r, chunk);
     if (code != EXR_ERR_SUCCESS)
         return code;
     const size_t pixel = (size_t)r->image.channels * sizeof(float);
     const size_t row = (size_t)r->image.width * pixel;
     for (int i = 0; i < pipeline->channel_count; i++) {
         exr_coding_channel_info_t *channel = &pipeline->channels[i];
-        channel->decode_to_ptr = NULL;
+        channel->decode_to_ptr = (uint8_t *)r->unwanted;
+        channel->user_pixel_stride = (int32_t)sizeof(float);
+        channel->user_line_stride = chunk->width * (int32_t)sizeof(float);
+        channel->user_bytes_per_element = sizeof(float);
+        channel->user_data_type = EXR_PIXEL_FLOAT;
         for (int c = 0; c < r->image.channels; c++) {
             if (strcmp(channel->channel_name, r->names[c]) != 0)
                 continue;
@@ -134,8 +156,6 @@ static exr_result_t decode_chunk(reading *r, exr_decode_pipeline_t *pipeline, co
                                      (size_t)c * sizeof(float);
             channel->user_pixel_stride = (int32_t)pixel;
             channel->user_line_stride = (int32_t)row;
-            channel->user_bytes_per_element = sizeof(float);
-            channel->user_data_type = EXR_PIXEL_FLOAT;
         }
     }
     if (first) {
@@ -234,6 +254,7 @@ btf_result exr_image_read(const void *data, size_t size, size_t max_pixels, exr_
         result = decode(&r, max_pixels, message, message_size);
     exr_finish(&r.context);
     current = NULL;
+    free(r.unwanted);
     if (result == BTF_OK) {
         *out_image = r.image;
         return BTF_OK;

@@ -1,0 +1,209 @@
+#!/bin/bash
+# Full disks, read-only outputs, signals at any moment, inputs that vanish, two writers of one file.
+#
+# SPDX-License-Identifier: MIT
+. "$BTF_SOURCE_ROOT/tests/stability/cases.sh" || exit 99
+title "Faults from outside: whatever happens, a file under its final name is whole, old ones are kept, exit codes are as documented."
+export OMP_NUM_THREADS=2
+sample() { btf-sample -o "$1" --relief "$2" --size 8 --directions 0:1,40:6 --quiet || exit 99; }
+sample data bricks
+sample other bumps
+paper() { btf-encode "$1" -o "$2" --method paper -q "${@:3}"; }
+joint() { btf-encode "$1" -o "$2" --preset fast -q "${@:3}"; }
+paper data paper.btf.exr && joint data joint.btf.exr && paper other other.btf.exr || exit 99
+echo "not a material, but not to be lost either" >old
+
+# moments N SECONDS: N moments from 0 to 1.2 times SECONDS, rising.
+moments() { awk -v n="$1" -v s="$2" 'BEGIN { for (i = 0; i < n; i++) printf "%.4f\n", 0.001 + 1.2 * s * i / n }'; }
+seconds_of() {
+    local start
+    start=$(date +%s.%N)
+    "$@" || exit 99
+    echo "$(date +%s.%N) $start" | awk '{ print $1 - $2 }'
+}
+
+# whole FILE GOOD: FILE is the old one or GOOD, to the byte.
+whole() { cmp -s "$1" old || cmp -s "$1" "$2" || complain "$1 is neither the old file nor a whole new one"; }
+
+# same_files FOLDER GOOD: every file of FOLDER but temporary ones is the same in GOOD.
+same_files() {
+    local file
+    while IFS= read -r file; do must cmp "$1/$file" "$2/$file"; done < <(find "$1" -type f -name '[!.]*' -printf '%P\n' 2>/dev/null)
+}
+
+# signals METHOD SIGNAL MOMENTS CODES
+signals() {
+    local method=$1 signal=$2 died=0 ended=0 left moment
+    for moment in $(moments "$3" "$(seconds_of "$method" data timed.btf.exr)"); do
+        cp old x.btf.exr
+        try timeout --preserve-status -s "$signal" "$moment" btf-encode data -o x.btf.exr -q \
+            $([ "$method" = paper ] && echo --method paper || echo --preset fast)
+        one_of 0 $4
+        [ "$code" = 0 ] && must cmp x.btf.exr "$method.btf.exr"
+        whole x.btf.exr "$method.btf.exr"
+        [ "$code" = 0 ] && ended=$((ended + 1)) || died=$((died + 1))
+        [ "$signal" = INT ] && [ "$(temporaries .)" != 0 ] && complain "a temporary file is left"
+    done
+    left=$(temporaries .)
+    must "$method" data x.btf.exr
+    must test "$(temporaries .)" = 0
+    verdict "$signal at any moment, $method" \
+        "exit code 0 or ${4/ / or }; the output old or whole; no temporary file after the next run" \
+        "$died ended early, $ended finished, $left temporary files before the next run"
+}
+signals paper INT 10 130
+signals paper TERM 6 "130 143"
+signals paper KILL 10 137
+signals joint INT 6 130
+signals joint KILL 6 137
+
+cp old x.btf.exr
+code=0
+(ulimit -c 0 -f 4 && paper data x.btf.exr) 2>err || code=$?
+one_of 153
+must cmp x.btf.exr old
+must test "$(temporaries .)" = 1
+must paper data x.btf.exr
+must cmp x.btf.exr paper.btf.exr
+must test "$(temporaries .)" = 0
+verdict "killed (SIGXFSZ) after 4 KiB of the output" "the old file kept, one temporary file, which the next run removes" "as expected"
+cp old x.btf.exr
+code=0
+(trap '' XFSZ && ulimit -f 4 && paper data x.btf.exr) 2>err || code=$?
+one_of 2
+must cmp x.btf.exr old
+must test "$(temporaries .)" = 0
+verdict "a write that fails after 4 KiB of the output" "exit code 2, the old file kept, no temporary file" "$(message)"
+
+mkdir drawn
+paper data y.btf.exr --pictures drawn/good --report good.json
+for moment in $(moments 6 "$(seconds_of paper data y.btf.exr --pictures drawn/timed)"); do
+    mkdir -p scratch
+    TMPDIR=$PWD/scratch timeout -s KILL "$moment" btf-encode data -o y.btf.exr --method paper -q --memory 300k \
+        --pictures drawn/x --report y.json 2>err
+    same_files drawn/x drawn/good
+    [ -e y.json ] && must python3 -m json.tool y.json
+    [ -z "$(ls -A scratch)" ] || complain "left in TMPDIR: $(ls -A scratch)"
+done
+must paper data y.btf.exr --pictures drawn/x --report y.json
+must test "$(temporaries .)" = 0
+verdict "KILL at any moment while pictures and report are written, samples in a scratch file" \
+    "each picture and the report whole or absent; nothing left in TMPDIR, nor beside the outputs after the next run" "as expected"
+
+mkdir images
+btf-decode paper.btf.exr -o good-images --all >/dev/null 2>&1 || exit 99
+for moment in $(moments 8 0.1); do
+    timeout -s KILL "$moment" btf-decode paper.btf.exr -o images --all >/dev/null 2>&1
+    same_files images good-images
+done
+must btf-decode paper.btf.exr -o images --all
+must test "$(temporaries images)" = 0
+verdict "KILL at any moment while images are decoded" "each image whole or absent, no temporary file after the next run" \
+    "$(find images -name '*.png' | wc -l) images in the end"
+
+lost=0 read=0
+for moment in $(moments 12 0.05); do
+    cp -r data gone
+    rm -f z.btf.exr
+    btf-encode gone -o z.btf.exr --method paper -q 2>err &
+    encoder=$!
+    sleep "$moment"
+    rm -rf gone
+    wait $encoder
+    code=$?
+    one_of 0 2 3
+    if [ "$code" = 0 ]; then
+        read=$((read + 1))
+        must btf-info z.btf.exr
+    else
+        lost=$((lost + 1))
+        must test ! -e z.btf.exr
+        must test -s err
+    fi
+done
+verdict "the input removed at any moment" "exit code 2 or 3 with a message and no output, or, all being read, 0" \
+    "$lost refused, $read read in time"
+
+first=0
+for round in 1 2 3; do
+    paper data two.btf.exr &
+    one=$!
+    paper other two.btf.exr &
+    wait $one || complain "the first encoder failed"
+    wait $! || complain "the second encoder failed"
+    if cmp -s two.btf.exr paper.btf.exr; then first=$((first + 1)); else must cmp two.btf.exr other.btf.exr; fi
+    must test "$(temporaries .)" = 0
+done
+verdict "two encoders write one output at once" "both succeed, the file is one of the two to the byte" \
+    "$first times the first one's, $((3 - first)) times the second's"
+
+code=0
+paper data "$(printf 'n%.0s' $(seq 247)).btf.exr" 2>err || code=$?
+one_of 0
+verdict "a file name of 255 bytes, with no room for a longer temporary one" "it is written" "as expected"
+
+# disks of their own
+disk=$work/disk
+mkdir disk
+if mount -t tmpfs -o size=64k tmpfs "$disk" 2>/dev/null; then
+    umount "$disk"
+    full=0 fits=0
+    for kib in 4 8 12 20 32; do
+        for kept in no yes; do
+            mount -t tmpfs -o size=${kib}k tmpfs "$disk"
+            [ $kept = yes ] && cp old disk/x.btf.exr
+            try btf-encode data -o disk/x.btf.exr --method paper -q
+            one_of 0 2
+            if [ "$code" = 0 ]; then
+                fits=$((fits + 1))
+                must cmp disk/x.btf.exr paper.btf.exr
+            else
+                full=$((full + 1))
+                must test -s err
+                if [ $kept = yes ]; then must cmp disk/x.btf.exr old; else must test ! -e disk/x.btf.exr; fi
+            fi
+            must test "$(temporaries disk)" = 0
+            umount "$disk"
+        done
+    done
+    verdict "a material onto disks of 4 to 32 KiB, with and without an old file" \
+        "exit code 2 with a message, the old file kept, nothing else left; or 0 and a whole file" "$full refused, $fits written"
+
+    mount -t tmpfs -o size=20k tmpfs "$disk"
+    try btf-decode paper.btf.exr -o disk --all
+    one_of 2
+    same_files disk good-images
+    must test "$(temporaries disk)" = 0
+    verdict "49 images onto a disk of 20 KiB" "exit code 2, images whole or absent" "$(find disk -name '*.png' | wc -l) whole images"
+    try env TMPDIR="$disk" btf-encode data -o t.btf.exr --method paper -q --memory 10k
+    one_of 2
+    must test ! -e t.btf.exr
+    must grep -q TMPDIR err
+    verdict "a scratch file onto a full disk" "exit code 2, TMPDIR is named, no output" "$(message)"
+    umount "$disk"
+
+    mount -t tmpfs -o size=64k tmpfs "$disk"
+    cp old disk/x.btf.exr
+    cp -r data disk/data 2>/dev/null
+    mount -o remount,ro "$disk"
+    for tool in "btf-encode data -o disk/x.btf.exr --method paper -q" "btf-encode data -o v.btf.exr --method paper -q --report disk/r.json" \
+        "btf-encode data -o v.btf.exr --method paper -q --pictures disk/p" "btf-decode paper.btf.exr -o disk/images --all" \
+        "btf-decode paper.btf.exr -o disk --all" "btf-sample -o disk/s --size 8 --directions tiny --quiet"; do
+        try $tool
+        one_of 2
+        must grep -q disk err
+    done
+    must cmp disk/x.btf.exr old
+    must test ! -e v.btf.exr
+    umount "$disk"
+    verdict "read-only outputs of btf-encode, btf-decode, btf-sample" "exit code 2, the path is named, the old file kept, no work done before" \
+        "$(message)"
+else
+    skipped "a material onto disks of 4 to 32 KiB, with and without an old file" \
+        "exit code 2 with a message, the old file kept, nothing else left; or 0 and a whole file" "cannot mount a tmpfs here"
+    skipped "49 images onto a disk of 20 KiB" "exit code 2, images whole or absent" "cannot mount a tmpfs here"
+    skipped "a scratch file onto a full disk" "exit code 2, TMPDIR is named, no output" "cannot mount a tmpfs here"
+    skipped "read-only outputs of btf-encode, btf-decode, btf-sample" "exit code 2, the path is named, the old file kept, no work done before" \
+        "cannot mount a tmpfs here"
+fi
+finish
