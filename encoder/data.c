@@ -151,6 +151,18 @@ btf_result enc_data_create_from(const enc_context *context, int width, int heigh
     return result;
 }
 
+btf_result enc_data_copy_lights(const enc_data *from, enc_data *to) {
+    const size_t size = (size_t)from->n_views * sizeof *from->moved_light;
+    if (!from->moved_light)
+        return BTF_OK;
+    assert(!to->moved_light && to->n_views == from->n_views);
+    to->moved_light = malloc(size);
+    if (!to->moved_light)
+        return BTF_ERROR_MEMORY;
+    memcpy(to->moved_light, from->moved_light, size);
+    return BTF_OK;
+}
+
 void enc_data_destroy(enc_data **data) {
     if (!data || !*data)
         return;
@@ -162,6 +174,7 @@ void enc_data_destroy(enc_data **data) {
         close(d->scratch_fd);
     if (d->origin)
         d->origin->close(d->origin);
+    free(d->moved_light);
     free(d->source);
     free(d);
     *data = NULL;

@@ -18,6 +18,12 @@ typedef struct enc_direction {
 /* Fills xyz from theta and phi. */
 enc_direction enc_direction_from_angles(double theta_degrees, double phi_degrees);
 
+/* The light of the same direction as a view, which stood elsewhere. */
+typedef struct enc_moved_light {
+    int index; /* of the light; -1: it stood where it should */
+    enc_direction actual;
+} enc_moved_light;
+
 /* A coded BTF that makes its samples when asked for. Functions are thread-safe and give the same bits
  * whatever the block. Errors: BTF_ERROR_BAD_FILE (a sample that is no number), BTF_ERROR_MEMORY. */
 typedef struct enc_data_origin enc_data_origin;
@@ -49,12 +55,18 @@ typedef struct enc_data {
     float *samples; /* all samples; NULL when they lie in the scratch file or are made when asked for */
     int scratch_fd; /* -1 without a scratch file */
     enc_data_origin *origin; /* what makes samples when asked for; NULL: they are stored */
+    enc_moved_light *moved_light; /* [n_views], or NULL: every light stood where it should (coincident.h) */
     uint64_t negative;       /* samples clamped to 0 on reading */
     char *source;            /* what was read, for messages and reports */
 } enc_data;
 
 static inline size_t enc_data_texel_count(const enc_data *data) {
     return (size_t)data->width * (size_t)data->height;
+}
+/* Where the light of a sample stood: what a model is fitted with. Decoders use the nominal directions. */
+static inline const enc_direction *enc_data_light(const enc_data *data, size_t view, size_t light) {
+    const enc_moved_light *moved = data->moved_light ? &data->moved_light[view] : NULL;
+    return moved && moved->index == (int)light ? &moved->actual : &data->lights[light];
 }
 /* Floats of one texel. */
 static inline size_t enc_data_texel_stride(const enc_data *data) {
@@ -74,6 +86,8 @@ btf_result enc_data_create(const enc_context *context, int width, int height, in
 btf_result enc_data_create_from(const enc_context *context, int width, int height, int n_views,
                                 const enc_direction *views, int n_lights, const enc_direction *lights,
                                 enc_data_origin *origin, enc_data **out_data);
+/* Gives `to`, of the same directions, the moved lights of `from`. Errors: BTF_ERROR_MEMORY. */
+btf_result enc_data_copy_lights(const enc_data *from, enc_data *to);
 void enc_data_destroy(enc_data **data);
 
 /* The samples of texels first .. first+count-1. Points into data->samples when they are in memory; else

@@ -51,7 +51,7 @@ static btf_result geometry_make(const enc_data *data, bool square_root, geometry
     }
     for (size_t v = 0; v < (size_t)data->n_views; v++) {
         for (size_t l = 0; l < lights; l++) {
-            const float *light = data->lights[l].xyz;
+            const float *light = enc_data_light(data, v, l)->xyz;
             const float cosine = fmaxf(light[2], 0);
             for (int k = 0; k < 3; k++) {
                 out->product[k][v * lights + l] = light[k] * data->views[v].xyz[k];

@@ -30,6 +30,9 @@
                  "or missing; default what the file says, else included"},                                    \
         {.name = "components", .type = CLI_INT, .value = &(r).components, .minimum = 1, .maximum = 65536,    \
          .help = "of each factorisation of a Bonn .btf file at most; default all"},                            \
+        {.name = "coincident", .arg = "TABLE", .type = CLI_STRING, .value = &(r).coincident,                  \
+         .help = "where lights stood that could not stand at the camera: lines of\n"                         \
+                 "theta, phi, and theta, phi of the light, in degrees (as UTIA's)"},                          \
         {.name = "strict", .type = CLI_FLAG, .value = &(r).strict,                                           \
          .help = "refuse negative values instead of clamping them to 0"}
 

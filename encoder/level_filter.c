@@ -64,8 +64,12 @@ btf_result enc_level_filter(const enc_context *context, const enc_data *from, in
     btf_result result = enc_data_create(context, width, height, from->n_views, from->views, from->n_lights,
                                         from->lights, &to);
     *out_data = NULL;
-    if (result != BTF_OK)
+    if (result == BTF_OK)
+        result = enc_data_copy_lights(from, to);
+    if (result != BTF_OK) {
+        enc_data_destroy(&to);
         return result;
+    }
     const size_t stride = enc_data_texel_stride(from), texels = enc_data_texel_count(to);
 #pragma omp parallel num_threads(context->threads)
     {

@@ -4,6 +4,7 @@
  */
 #include "metrics.h"
 
+#include "coincident.h"
 #include "ssim.h"
 
 #include <math.h>
@@ -155,6 +156,10 @@ btf_result enc_metrics_compare(const enc_context *context, const enc_data *shape
     out->n_view_rings = enc_rings(shape->views, views, out->view_ring_theta, view_ring_of);
     out->n_light_rings = enc_rings(shape->lights, lights, out->light_ring_theta, light_ring_of);
     for (int v = 0; v < views; v++) {
+        const int coincident = enc_coincident_light(shape, v);
+        if (coincident >= 0) {
+            add(&out->coincident, &error[(size_t)v * (size_t)lights + (size_t)coincident]);
+        }
         for (int l = 0; l < lights; l++) {
             const enc_error_sum *e = &error[(size_t)v * (size_t)lights + (size_t)l];
             add(&out->total, e);

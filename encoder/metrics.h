@@ -16,6 +16,7 @@ typedef struct enc_error_sum {
 
 typedef struct enc_metrics {
     enc_error_sum total;
+    enc_error_sum coincident; /* the samples whose view and light have one direction */
     double ssim; /* mean over images; sRGB-coded luminance, Gaussian window (Wang et al. 2004), periodic
                     edges */
     int n_view_rings, n_light_rings;

@@ -11,6 +11,12 @@ void enc_metrics_json(json *j, const char *key, const enc_metrics *m, bool with_
     json_number(j, "linear", enc_psnr_linear(&m->total));
     json_number(j, "srgb", enc_psnr_srgb(&m->total));
     json_number(j, "ssim", with_ssim ? m->ssim : NAN);
+    if (m->coincident.count > 0) {
+        json_object(j, "coincident");
+        json_number(j, "linear", enc_psnr_linear(&m->coincident));
+        json_number(j, "srgb", enc_psnr_srgb(&m->coincident));
+        json_end(j);
+    }
     json_object(j, "rings");
     for (int side = 0; side < 2; side++) {
         const int rings = side == 0 ? m->n_view_rings : m->n_light_rings;

@@ -6,6 +6,7 @@
 
 #include "bonn_file.h"
 #include "bonn_reader.h"
+#include "coincident.h"
 #include "data_fill.h"
 #include "grid.h"
 
@@ -350,16 +351,13 @@ static btf_result read_images(reader *r) {
     return result;
 }
 
-btf_result enc_read(const enc_context *context, const char *input, const enc_read_options *options,
-                    enc_data **out_data) {
-    static const enc_context no_context = {.threads = 1};
-    reader r = {.context = context ? context : &no_context, .options = options};
+/* A directory or an archive. */
+static btf_result read_set(const enc_context *context, const char *input, const enc_read_options *options,
+                           enc_data **out_data) {
+    reader r = {.context = context, .options = options};
     r.threads = r.context->threads > 0 ? r.context->threads : 1;
-    *out_data = NULL;
-    btf_result result = check_options(context, options);
-    if (result == BTF_OK && enc_bonn_is(input))
-        return enc_read_bonn(r.context, input, options, out_data);
-    if (result == BTF_OK && options->components > 0)
+    btf_result result = BTF_OK;
+    if (options->components > 0)
         result = enc_fail(context, BTF_ERROR_USAGE, "%s: components are those of a Bonn .btf file, and this is none",
                           input);
     if (result == BTF_OK)
@@ -392,5 +390,21 @@ btf_result enc_read(const enc_context *context, const char *input, const enc_rea
     enc_decoder_destroy(&r.decoder);
     enc_grid_destroy(&r.grid);
     enc_source_close(&r.source);
+    return result;
+}
+
+btf_result enc_read(const enc_context *context, const char *input, const enc_read_options *options,
+                    enc_data **out_data) {
+    static const enc_context no_context = {.threads = 1};
+    const enc_context *used = context ? context : &no_context;
+    *out_data = NULL;
+    btf_result result = check_options(used, options);
+    if (result == BTF_OK)
+        result = enc_bonn_is(input) ? enc_read_bonn(used, input, options, out_data)
+                                    : read_set(used, input, options, out_data);
+    if (result == BTF_OK && options->coincident)
+        result = enc_coincident_read(used, options->coincident, options, *out_data);
+    if (result != BTF_OK)
+        enc_data_destroy(out_data);
     return result;
 }

@@ -189,6 +189,17 @@ static void print_rings(FILE *out, const char *what, int rings, const double *th
     }
 }
 
+/* Samples whose light was, or would have been, in the way of the camera. */
+static void print_coincident(const enc_report *report, FILE *out) {
+    for (int i = 0; i < report->n_ladder; i++) {
+        const enc_error_sum *sum = &report->ladder[i].metrics.coincident;
+        if (sum->count > 0) {
+            fprintf(out, "%s%s %.2f/%.2f%s", i == 0 ? "  light at the view: " : ", ", report->ladder[i].name,
+                    enc_psnr_linear(sum), enc_psnr_srgb(sum), i + 1 == report->n_ladder ? "\n" : "");
+        }
+    }
+}
+
 static void print_levels(const enc_report *report, FILE *out) {
     if (report->n_levels < 2) {
         return;
@@ -251,6 +262,7 @@ void enc_report_print(const enc_report *report, FILE *out) {
     print_rings(out, "by view theta", first->n_view_rings, first->view_ring_theta, report, false);
     fprintf(out, "\n");
     print_rings(out, "by light theta", first->n_light_rings, first->light_ring_theta, report, true);
+    print_coincident(report, out);
     print_levels(report, out);
     fprintf(out, "\nSeconds:");
     size_t count = 0;

@@ -21,7 +21,7 @@ void enc_shadow_profile(const enc_data *data, const enc_sbrdf *sbrdf, const enc_
     float *model = buffer + 3 * n;
     for (size_t l = 0; l < n; l++) {
         for (int k = 0; k < 3; k++) {
-            light[k][l] = data->lights[l].xyz[k];
+            light[k][l] = enc_data_light(data, (size_t)view, l)->xyz[k];
         }
     }
     enc_sbrdf_evaluate(sbrdf, texel, data->views[view].xyz, data->n_lights, light[0], light[1], light[2],

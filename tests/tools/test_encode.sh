@@ -46,6 +46,14 @@ expect_that "the same bytes for any number of threads" cmp one.btf.exr two.btf.e
 expect "a scratch file" 0 env TMPDIR="$work" btf-encode data -o scratch.btf.exr --method paper --memory 1k -q
 expect_that "the same bytes through a scratch file" cmp one.btf.exr scratch.btf.exr
 
+printf '1 0 0 4 90\n2 40 0 44 0\n' >moved.txt
+expect "lights that stood aside" 0 btf-encode data -o moved.btf.exr --method paper --coincident moved.txt
+expect_text "their error is told apart" "light at the view: sbrdf" out
+expect_that "they change the fit" bash -c '! cmp -s moved.btf.exr one.btf.exr'
+printf '15 0 16 0\n' >strange.txt
+expect "a direction that the data lack" 3 btf-encode data -o strange.btf.exr --coincident strange.txt
+expect_text "file and line are named" "strange.txt: line 1" err
+
 expect "no effects" 0 btf-encode data -o none.btf.exr --method paper --effects none --report none.json -q
 expect_that "no effects, no maps" test "$(json none.json "'maps' in r['bytes']['parts']")" = False
 expect "shadow alone" 0 btf-encode data -o shadow.btf.exr --method paper --effects shadow -q

@@ -1,0 +1,93 @@
+/* Samples whose view and light have one direction. See coincident.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "coincident.h"
+
+#include "grid.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Degrees within which two directions are one: names and tables are rounded. */
+static const double same = 0.01;
+
+static bool is_same(const enc_direction *a, double theta, double phi) {
+    const double turn = fabs(remainder(a->phi - phi, 360.0));
+    return fabs(a->theta - theta) <= same && (turn <= same || theta <= same);
+}
+
+int enc_coincident_light(const enc_data *data, int view) {
+    for (int l = 0; l < data->n_lights; l++)
+        if (is_same(&data->lights[l], data->views[view].theta, data->views[view].phi))
+            return l;
+    return -1;
+}
+
+static int find_view(const enc_data *data, double theta, double phi) {
+    for (int v = 0; v < data->n_views; v++)
+        if (is_same(&data->views[v], theta, phi))
+            return v;
+    return -1;
+}
+
+/* The four angles of a line, after a number or not. */
+static bool parse_line(const char *line, double angles[4]) {
+    double v[5];
+    char rest;
+    const int n = sscanf(line, "%lf %lf %lf %lf %lf %c", &v[0], &v[1], &v[2], &v[3], &v[4], &rest);
+    if (n != 4 && n != 5)
+        return false;
+    memcpy(angles, v + (n - 4), 4 * sizeof *angles);
+    return isfinite(angles[0]) && isfinite(angles[1]) && isfinite(angles[2]) && isfinite(angles[3]);
+}
+
+static btf_result take_line(const enc_context *context, const char *path, int number, const char *line,
+                            const enc_read_options *options, enc_data *data) {
+    double a[4];
+    if (!parse_line(line, a))
+        return enc_fail(context, BTF_ERROR_BAD_FILE,
+                        "%s: line %d: expected theta, phi, and theta and phi of the light: %.60s", path,
+                        number, line);
+    if (!(a[2] >= 0.0 && a[2] < 90.0))
+        return enc_fail(context, BTF_ERROR_BAD_FILE,
+                        "%s: line %d: theta %g of the light is not at least 0 and below 90", path, number,
+                        a[2]);
+    const int view = find_view(data, a[0], enc_grid_azimuth(options, a[0], a[1]));
+    const int light = view >= 0 ? enc_coincident_light(data, view) : -1;
+    if (light < 0)
+        return enc_fail(context, BTF_ERROR_BAD_FILE, "%s: line %d: (%g,%g) is no view and light of %s",
+                        path, number, a[0], a[1], data->source ? data->source : "the data");
+    if (data->moved_light[view].index >= 0)
+        return enc_fail(context, BTF_ERROR_BAD_FILE, "%s: line %d: (%g,%g) a second time", path, number,
+                        a[0], a[1]);
+    data->moved_light[view] =
+        (enc_moved_light){light, enc_direction_from_angles(a[2], enc_grid_azimuth(options, a[2], a[3]))};
+    return BTF_OK;
+}
+
+btf_result enc_coincident_read(const enc_context *context, const char *path,
+                               const enc_read_options *options, enc_data *data) {
+    char line[256];
+    btf_result result = BTF_OK;
+    FILE *file = fopen(path, "r");
+    if (!file)
+        return enc_fail(context, BTF_ERROR_IO, "%s: %s", path, strerror(errno));
+    data->moved_light = malloc((size_t)data->n_views * sizeof *data->moved_light);
+    if (!data->moved_light)
+        result = BTF_ERROR_MEMORY;
+    for (int v = 0; v < data->n_views && data->moved_light; v++)
+        data->moved_light[v].index = -1;
+    for (int number = 1; result == BTF_OK && fgets(line, sizeof line, file); number++) {
+        line[strcspn(line, "#\r\n")] = '\0';
+        if (line[strspn(line, " \t")] != '\0')
+            result = take_line(context, path, number, line, options, data);
+    }
+    if (result == BTF_OK && ferror(file))
+        result = enc_fail(context, BTF_ERROR_IO, "%s: %s", path, strerror(errno));
+    fclose(file);
+    return result;
+}

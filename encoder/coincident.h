@@ -1,0 +1,22 @@
+/* Samples whose view and light have one direction. A light cannot stand where the camera stands:
+ * laboratories move it aside, and some list where to (UTIA), while file names keep the nominal angles.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_COINCIDENT_H
+#define OPENBTF_ENCODER_COINCIDENT_H
+
+#include "reader.h"
+
+/* The light of the same direction as a view, or -1. */
+int enc_coincident_light(const enc_data *data, int view);
+
+/* Reads a table of where such lights stood, and keeps it with the data (enc_data_light). A line a
+ * direction, in degrees: "theta phi theta_of_light phi_of_light", with a number before them or not; #
+ * begins a comment. Azimuths are understood as those of the data set (azimuth_cw, azimuth_offset). Errors,
+ * naming file and line: BTF_ERROR_IO, BTF_ERROR_BAD_FILE (no numbers, a theta of the light that is not at
+ * least 0 and below 90, a direction that is no view and light of the data, or twice), BTF_ERROR_MEMORY. */
+btf_result enc_coincident_read(const enc_context *context, const char *path,
+                               const enc_read_options *options, enc_data *data);
+
+#endif

@@ -1,0 +1,193 @@
+/* Lights that stood aside of the camera (encoder/coincident.h): the table and its refusals, what the fit
+ * makes of it, and their error told apart.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "encoder/coincident.h"
+#include "encoder/fit.h"
+#include "encoder/metrics.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { DIRECTIONS = 13 };
+
+static char path[256], messages[1024];
+
+static void keep_message(void *user, btf_log_level level, const char *text) {
+    (void)user;
+    (void)level;
+    snprintf(messages, sizeof messages, "%s", text);
+}
+static const enc_context context = {.log = {keep_message, NULL}, .threads = 1};
+
+static int make_path(void **state) {
+    (void)state;
+    const char *base = getenv("TMPDIR");
+    snprintf(path, sizeof path, "%s/btf-table-XXXXXX", base && *base ? base : "/tmp");
+    const int fd = mkstemp(path);
+    return fd >= 0 ? close(fd) : -1;
+}
+
+static int remove_path(void **state) {
+    (void)state;
+    return remove(path);
+}
+
+static void write_table(const char *text) {
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fputs(text, file);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* One texel; views and lights at the pole and on rings of 6 at 30 and 60 degrees. */
+static enc_data *make_data(void) {
+    enc_direction list[DIRECTIONS] = {enc_direction_from_angles(0, 0)};
+    for (int i = 0; i < 12; i++)
+        list[1 + i] = enc_direction_from_angles(i < 6 ? 30 : 60, 60 * (i % 6));
+    enc_data *data = NULL;
+    assert_int_equal(enc_data_create(&context, 1, 1, DIRECTIONS, list, DIRECTIONS, list, &data), BTF_OK);
+    return data;
+}
+
+static void test_table(void **state) {
+    (void)state;
+    const enc_read_options options = {0}, turned = {.azimuth_offset = 60};
+    enc_data *data = make_data();
+    write_table("# number theta phi, light\n 0 0 0 5 90\n\n2 30 60 33.5 61 # a note\r\n60 -60 55 301\n");
+    assert_int_equal(enc_coincident_read(&context, path, &options, data), BTF_OK);
+    assert_float_equal(enc_data_light(data, 0, 0)->theta, 5, 0);
+    assert_float_equal(enc_data_light(data, 0, 0)->phi, 90, 0);
+    assert_float_equal(enc_data_light(data, 2, 2)->theta, 33.5, 0);
+    assert_float_equal(enc_data_light(data, 12, 12)->phi, 301, 0);
+    assert_ptr_equal(enc_data_light(data, 2, 1), &data->lights[1]); /* other pairs stay */
+    assert_ptr_equal(enc_data_light(data, 1, 2), &data->lights[2]);
+    assert_ptr_equal(enc_data_light(data, 3, 3), &data->lights[3]);
+    enc_data *copy = make_data();
+    assert_int_equal(enc_data_copy_lights(data, copy), BTF_OK);
+    enc_data_destroy(&data);
+    assert_float_equal(enc_data_light(copy, 2, 2)->theta, 33.5, 0);
+    enc_data_destroy(&copy);
+    data = make_data();
+    write_table("30 0 33 1\n");
+    assert_int_equal(enc_coincident_read(&context, path, &turned, data), BTF_OK);
+    assert_float_equal(enc_data_light(data, 2, 2)->phi, 61, 1e-9);
+    enc_data_destroy(&data);
+}
+
+static void test_refusals(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *words;
+    } cases[] = {
+        {"0 0 5\n", "line 1: expected"},
+        {"0 0 5 90 1 2\n", "line 1: expected"},
+        {"0 0 5 x\n", "line 1: expected"},
+        {"0 0 nan 0\n", "line 1: expected"},
+        {"\n0 0 90 0\n", "line 2: theta 90 of the light"},
+        {"15 0 16 0\n", "line 1: (15,0) is no view and light"},
+        {"30 60 33 60\n30 420 34 60\n", "line 2: (30,420) a second time"},
+    };
+    const enc_read_options options = {0};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        enc_data *data = make_data();
+        write_table(cases[i].text);
+        messages[0] = '\0';
+        assert_int_equal(enc_coincident_read(&context, path, &options, data), BTF_ERROR_BAD_FILE);
+        if (!strstr(messages, cases[i].words))
+            fail_msg("\"%s\" lacks \"%s\"", messages, cases[i].words);
+        enc_data_destroy(&data);
+    }
+    enc_data *data = make_data();
+    assert_int_equal(enc_coincident_read(&context, "/nonexistent/table", &options, data), BTF_ERROR_IO);
+    enc_data_destroy(&data);
+}
+
+/* A retro-reflecting lobe, sharpest where light and view are one; there the light stood 15 degrees aside.
+ * With the table the fit explains every sample, without it cannot. */
+static void test_fit(void **state) {
+    (void)state;
+    const enc_read_options options = {0};
+    double error[2];
+    for (int with = 0; with < 2; with++) {
+        enc_data *data = make_data();
+        char table[2048] = "";
+        for (int d = 0; d < DIRECTIONS; d++) {
+            const enc_direction *n = &data->views[d];
+            snprintf(table + strlen(table), sizeof table - strlen(table), "%g %g %g %g\n", n->theta, n->phi,
+                     n->theta + 15, n->phi + 5);
+        }
+        write_table(table);
+        assert_int_equal(enc_coincident_read(&context, path, &options, data), BTF_OK);
+        for (size_t v = 0; v < DIRECTIONS; v++)
+            for (size_t l = 0; l < DIRECTIONS; l++) {
+                const float *w = data->views[v].xyz, *i = enc_data_light(data, v, l)->xyz;
+                const double cosine = (double)w[0] * i[0] + (double)w[1] * i[1] + (double)w[2] * i[2];
+                for (size_t c = 0; c < 3; c++)
+                    data->samples[(v * 3 + c) * DIRECTIONS + l] =
+                        (float)((0.2 + 0.7 * pow(fmax(cosine, 0), 30)) * (double)i[2]);
+            }
+        if (!with) {
+            free(data->moved_light);
+            data->moved_light = NULL;
+        }
+        enc_sbrdf *sbrdf = NULL;
+        enc_fit_options fit = enc_fit_options_default();
+        fit.rounds = 0;
+        assert_int_equal(enc_fit(&context, data, &fit, &sbrdf, NULL), BTF_OK);
+        error[with] = 0;
+        for (size_t v = 0; v < DIRECTIONS; v++) {
+            float light[3][DIRECTIONS], value[3 * DIRECTIONS];
+            for (size_t l = 0; l < DIRECTIONS; l++)
+                for (int k = 0; k < 3; k++)
+                    light[k][l] = enc_data_light(data, v, l)->xyz[k];
+            enc_sbrdf_evaluate(sbrdf, 0, data->views[v].xyz, DIRECTIONS, light[0], light[1], light[2],
+                               value);
+            for (size_t l = 0; l < DIRECTIONS; l++)
+                error[with] += pow((double)value[l] * (double)light[2][l] -
+                                       (double)data->samples[v * 3 * DIRECTIONS + l],
+                                   2);
+        }
+        enc_sbrdf_destroy(&sbrdf);
+        enc_data_destroy(&data);
+    }
+    if (!(error[1] < 0.05 * error[0]))
+        fail_msg("squared error %g with the table, %g without", error[1], error[0]);
+}
+
+static void test_error_apart(void **state) {
+    (void)state;
+    enc_data *a = make_data(), *b = make_data();
+    for (size_t v = 0; v < DIRECTIONS; v++)
+        for (size_t c = 0; c < 3; c++)
+            b->samples[(v * 3 + c) * DIRECTIONS + v] = 0.1f;
+    enc_metrics metrics;
+    assert_int_equal(
+        enc_metrics_compare(&context, a, enc_data_images(a), enc_data_images(b), false, &metrics), BTF_OK);
+    assert_float_equal(metrics.coincident.count, 3 * DIRECTIONS, 0);
+    assert_float_equal(enc_psnr_linear(&metrics.coincident), 20, 1e-4);
+    assert_float_equal(enc_psnr_linear(&metrics.total), 20 + 10 * log10(DIRECTIONS), 1e-4);
+    enc_data_destroy(&a);
+    enc_data_destroy(&b);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_table, make_path, remove_path),
+        cmocka_unit_test_setup_teardown(test_refusals, make_path, remove_path),
+        cmocka_unit_test_setup_teardown(test_fit, make_path, remove_path),
+        cmocka_unit_test(test_error_apart),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
