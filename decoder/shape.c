@@ -133,15 +133,6 @@ btf_texture btf_material_texture_shape(const btf_material_info *info, btf_textur
     return none;
 }
 
-size_t btfi_gpu_bytes(const btf_material_info *info) {
-    size_t bytes = 0;
-    for (uint32_t level = 0; level < info->levels; level++)
-        for (int id = 0; id < BTF_TEXTURE_COUNT; id++)
-            if (id != BTF_TEXTURE_RESIDUAL_SCALES)
-                bytes += btf_material_level_shape(info, level, (btf_texture_id)id).size;
-    return bytes;
-}
-
 uint32_t btf_level_size(uint32_t size, uint32_t level) {
     return level < 32 && size >> level ? size >> level : 1;
 }
@@ -149,14 +140,28 @@ uint32_t btf_level_size(uint32_t size, uint32_t level) {
 btf_texture btf_material_level_shape(const btf_material_info *info, uint32_t level, btf_texture_id id) {
     if (level == 0)
         return btf_material_texture_shape(info, id);
-    const bool texels = id == BTF_TEXTURE_SBRDF || id == BTF_TEXTURE_SHADOW || id == BTF_TEXTURE_SHIFT ||
-                        id == BTF_TEXTURE_GAIN || id == BTF_TEXTURE_RESIDUAL_TEXELS;
-    if (!texels || level >= info->levels)
+    const bool shared = id == BTF_TEXTURE_CENTRES || id >= BTF_TEXTURE_RESIDUAL_DIRECTIONS;
+    if (shared || level >= info->levels)
         return (btf_texture){0};
     btf_material_info of_level = *info;
     of_level.width = btf_level_size(info->width, level);
     of_level.height = btf_level_size(info->height, level);
     return btf_material_texture_shape(&of_level, id);
+}
+
+size_t btf_level_bytes(const btf_material_info *info, uint32_t level) {
+    size_t bytes = 0;
+    for (int id = 0; id < BTF_TEXTURE_COUNT; id++)
+        if (id != BTF_TEXTURE_RESIDUAL_SCALES)
+            bytes += btf_material_level_shape(info, level, (btf_texture_id)id).size;
+    return bytes;
+}
+
+size_t btfi_gpu_bytes(const btf_material_info *info) {
+    size_t bytes = 0;
+    for (uint32_t level = 0; level < info->levels; level++)
+        bytes += btf_level_bytes(info, level);
+    return bytes;
 }
 
 static bool is_power_of_two(uint32_t n) {

@@ -114,15 +114,6 @@ size_t enc_report_errors(const enc_report *report, btf_material_error *rows) {
     return count;
 }
 
-/* Bytes of the textures that a level has for itself; of level 0, all that are not of levels. */
-static size_t level_bytes(const btf_material_info *info, uint32_t level) {
-    size_t bytes = 0;
-    for (int id = 0; id < BTF_TEXTURE_RESIDUAL_SCALES; id++) {
-        bytes += btf_material_level_shape(info, level, (btf_texture_id)id).size;
-    }
-    return bytes;
-}
-
 btf_result enc_report_measure_levels(const enc_context *context, const enc_data *data, const enc_levels *levels,
                                      const btf_material *material, enc_report *report) {
     const enc_metrics *full = &report->ladder[report->n_ladder - 1].metrics;
@@ -138,7 +129,7 @@ btf_result enc_report_measure_levels(const enc_context *context, const enc_data 
         const enc_metrics *m = i > 0 ? &metrics[i - 1] : full;
         report->level[i] = (enc_report_level){.width = enc_level_side(data->width, i),
                                               .height = enc_level_side(data->height, i),
-                                              .gpu_bytes = level_bytes(&info, (uint32_t)i),
+                                              .gpu_bytes = btf_level_bytes(&info, (uint32_t)i),
                                               .psnr_linear = enc_psnr_linear(&m->total),
                                               .psnr_srgb = enc_psnr_srgb(&m->total)};
         report->n_levels = i + 1;

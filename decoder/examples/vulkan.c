@@ -1,5 +1,6 @@
-/* Example 3: the same GLSL in Vulkan. A compute shader decodes a material at given directions; the result
- * is compared with the reference decoder, bit for bit.
+/* Example 3: the same GLSL in Vulkan. A compute shader decodes a material at given directions, each
+ * invocation at another of its levels of detail; the result is compared with the reference decoder, bit for
+ * bit.
  *
  *     vulkan FILE.btf.exr > decode.comp                        prints the shader
  *     glslangValidator -V decode.comp -o decode.spv            to SPIR-V
@@ -24,9 +25,10 @@ static const char shader_body[] =
     "layout(set = 0, binding = 1) writeonly buffer Outputs { float outputs[]; };\n"
     "void main() {\n"
     "    uint i = gl_GlobalInvocationID.x, at = 8u * i;\n"
-    "    vec3 radiance = btf_evaluate(vec2(inputs[at], inputs[at + 1u]),\n"
-    "                                 vec3(inputs[at + 5u], inputs[at + 6u], inputs[at + 7u]),\n"
-    "                                 vec3(inputs[at + 2u], inputs[at + 3u], inputs[at + 4u]));\n"
+    "    vec3 l = vec3(inputs[at + 5u], inputs[at + 6u], inputs[at + 7u]);\n"
+    "    vec3 v = vec3(inputs[at + 2u], inputs[at + 3u], inputs[at + 4u]);\n"
+    "    vec3 radiance = btf_evaluate_level(vec2(inputs[at], inputs[at + 1u]), l, v, int(i % "
+    "BTF_LEVELS));\n"
     "    for (uint c = 0u; c < 3u; ++c)\n"
     "        outputs[3u * i + c] = radiance[c];\n"
     "}\n";
@@ -154,8 +156,8 @@ static void submit(const gpu *g, VkCommandBuffer commands) {
     check(vkQueueWaitIdle(g->queue), "waiting");
 }
 
-static void move_image(VkCommandBuffer commands, VkImage image, uint32_t layers, VkImageLayout from,
-                       VkImageLayout to) {
+static void move_image(VkCommandBuffer commands, VkImage image, VkImageSubresourceRange range,
+                       VkImageLayout from, VkImageLayout to) {
     const VkImageMemoryBarrier barrier = {.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER,
                                           .srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT,
                                           .dstAccessMask =
@@ -165,7 +167,7 @@ static void move_image(VkCommandBuffer commands, VkImage image, uint32_t layers,
                                           .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
                                           .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
                                           .image = image,
-                                          .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, layers}};
+                                          .subresourceRange = range};
     vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
                          0, 0, NULL, 0, NULL, 1, &barrier);
 }
@@ -183,38 +185,54 @@ static VkFormat format_of(btf_format format) {
     return formats[format];
 }
 
-/* The library hands textures out as plain memory: they go up as they are. */
-static VkImageView upload(const gpu *g, const btf_texture *t) {
+/* The library hands textures out as plain memory: they go up as they are, levels of detail as mip levels.
+ */
+static VkImageView upload(const gpu *g, const btf_material *material, btf_texture_id id) {
     VkImage image;
     VkImageView view;
     VkMemoryRequirements need;
+    VkBufferImageCopy regions[BTF_MAX_LEVELS];
+    btf_texture t[BTF_MAX_LEVELS];
+    uint32_t levels = 0;
+    size_t size = 0;
+    for (; levels < BTF_MAX_LEVELS; levels++) {
+        t[levels] = btf_material_level_texture(material, levels, id);
+        if (t[levels].format == BTF_FORMAT_NONE)
+            break;
+        regions[levels] = (VkBufferImageCopy){
+            .bufferOffset = size,
+            .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, levels, 0, t[levels].layers},
+            .imageExtent = {t[levels].width, t[levels].height, 1}};
+        size += (t[levels].size + 15) & ~(size_t)15; /* offsets are multiples of every texel's size */
+    }
     const VkImageCreateInfo info = {.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
                                     .imageType = VK_IMAGE_TYPE_2D,
                                     .format = format_of(t->format),
                                     .extent = {t->width, t->height, 1},
-                                    .mipLevels = 1,
+                                    .mipLevels = levels,
                                     .arrayLayers = t->layers,
                                     .samples = VK_SAMPLE_COUNT_1_BIT,
                                     .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
+    const VkImageSubresourceRange range = {VK_IMAGE_ASPECT_COLOR_BIT, 0, levels, 0, t->layers};
     check(vkCreateImage(g->device, &info, NULL, &image), "image");
     vkGetImageMemoryRequirements(g->device, image, &need);
     check(vkBindImageMemory(g->device, image, allocate(g, need, 0), 0), "image memory");
-    buffer staging = make_buffer(g, t->size, VK_BUFFER_USAGE_TRANSFER_SRC_BIT);
-    memcpy(staging.data, t->data, t->size);
-    const VkBufferImageCopy region = {.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, t->layers},
-                                      .imageExtent = {t->width, t->height, 1}};
+    buffer staging = make_buffer(g, size, VK_BUFFER_USAGE_TRANSFER_SRC_BIT);
+    for (uint32_t i = 0; i < levels; i++)
+        memcpy((char *)staging.data + regions[i].bufferOffset, t[i].data, t[i].size);
     VkCommandBuffer commands = begin(g);
-    move_image(commands, image, t->layers, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-    vkCmdCopyBufferToImage(commands, staging.name, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
-    move_image(commands, image, t->layers, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+    move_image(commands, image, range, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    vkCmdCopyBufferToImage(commands, staging.name, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, levels,
+                           regions);
+    move_image(commands, image, range, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
                VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
     submit(g, commands);
-    const VkImageViewCreateInfo view_info = {
-        .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
-        .image = image,
-        .viewType = t->is_array ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D,
-        .format = info.format,
-        .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, t->layers}};
+    const VkImageViewCreateInfo view_info = {.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+                                             .image = image,
+                                             .viewType = t->is_array ? VK_IMAGE_VIEW_TYPE_2D_ARRAY
+                                                                     : VK_IMAGE_VIEW_TYPE_2D,
+                                             .format = info.format,
+                                             .subresourceRange = range};
     check(vkCreateImageView(g->device, &view_info, NULL, &view), "image view");
     return view;
 }
@@ -266,8 +284,9 @@ static void bind_buffer(const gpu *g, uint32_t binding, const buffer *b) {
     vkUpdateDescriptorSets(g->device, 1, &write, 0, NULL);
 }
 
-static void bind_texture(const gpu *g, uint32_t binding, const btf_texture *t) {
-    const VkDescriptorImageInfo info = {g->sampler, upload(g, t), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
+static void bind_texture(const gpu *g, uint32_t binding, const btf_material *material, btf_texture_id id) {
+    const VkDescriptorImageInfo info = {g->sampler, upload(g, material, id),
+                                        VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
     const VkWriteDescriptorSet write = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
                                         .dstSet = g->set,
                                         .dstBinding = binding,
@@ -319,12 +338,16 @@ static void make_inputs(float *inputs) {
 
 static int compare(const btf_material *material, const float *inputs, const float *outputs) {
     const btf_ref_options decode = {BTF_EFFECT_ALL, UINT32_MAX, BTF_REF_LINEAR, BTF_REF_TEXEL};
-    btf_ref_material reference;
+    btf_ref_material levels[BTF_MAX_LEVELS];
+    btf_material_info info = {.struct_size = sizeof info};
     int different = 0;
-    reference_view(material, 0, &reference);
+    btf_material_get_info(material, &info);
+    for (uint32_t i = 0; i < info.levels; i++)
+        reference_view(material, i, &levels[i]);
     for (int i = 0; i < COUNT; i++, inputs += 8, outputs += 3) {
         float expected[3];
-        btf_ref_evaluate(&reference, &decode, inputs[0], inputs[1], inputs + 5, inputs + 2, expected);
+        btf_ref_evaluate(&levels[(uint32_t)i % info.levels], &decode, inputs[0], inputs[1], inputs + 5,
+                         inputs + 2, expected);
         different += memcmp(expected, outputs, sizeof expected) != 0;
     }
     printf("%d of %d differ\n", different, COUNT);
@@ -349,10 +372,8 @@ static int run(const btf_material *material, const uint32_t *code, size_t size) 
     bind_buffer(&g, 0, &inputs);
     bind_buffer(&g, 1, &outputs);
     for (uint32_t i = 0; i < BTF_TEXTURE_COUNT; i++)
-        if (textures >> i & 1) {
-            const btf_texture t = btf_material_texture(material, (btf_texture_id)i);
-            bind_texture(&g, FIRST_BINDING + i, &t);
-        }
+        if (textures >> i & 1)
+            bind_texture(&g, FIRST_BINDING + i, material, (btf_texture_id)i);
     make_pipeline(&g, code, size);
     make_inputs(inputs.data);
     VkCommandBuffer commands = begin(&g);

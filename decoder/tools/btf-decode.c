@@ -27,7 +27,7 @@ static struct {
     bool view_given, light_given, format_given;
     bool all, quiet;
     uint32_t effects;
-    int interpolation, format, threads, components;
+    int interpolation, format, threads, components, level;
 } options = {.effects = BTF_EFFECT_ALL, .interpolation = BTF_REF_LINEAR, .components = BTF_MAX_COMPONENTS};
 
 static const cli_option option_table[] = {
@@ -61,6 +61,13 @@ static const cli_option option_table[] = {
      .minimum = 0,
      .maximum = BTF_MAX_COMPONENTS,
      .help = "residual components to decode (default all)"},
+    {.name = "level",
+     .arg = "N",
+     .type = CLI_INT,
+     .value = &options.level,
+     .minimum = 0,
+     .maximum = BTF_MAX_LEVELS - 1,
+     .help = "level of detail to decode, below the number of levels of FILE (default 0)"},
     {.name = "interpolation",
      .type = CLI_CHOICE,
      .choices = "nearest|linear",
@@ -299,7 +306,15 @@ static btf_result run(const char *path) {
     if ((result = btf_material_open(path, &d.log, &material)))
         return result;
     make_thresholds(d.thresholds);
-    reference_view(material, 0, &d.material);
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_material_get_info(material, &info);
+    if ((uint32_t)options.level >= info.levels) {
+        result = cli_error(&program, BTF_ERROR_USAGE, "option --level: %d, but %s has %u level%s",
+                           options.level, path, (unsigned)info.levels, info.levels == 1 ? "" : "s");
+        btf_material_close(&material);
+        return result;
+    }
+    reference_view(material, (uint32_t)options.level, &d.material);
     d.options = (btf_ref_options){.effects = options.effects,
                                   .components = (uint32_t)options.components,
                                   .interpolation = options.interpolation ? BTF_REF_LINEAR : BTF_REF_NEAREST,

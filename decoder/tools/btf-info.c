@@ -24,7 +24,8 @@ static const cli_program program = {
         "Shows what a material file (*.btf.exr) holds: its sizes, directions, effects, what each effect\n"
         "buys (measured by the encoder), bytes by texture and how it was made.",
     .details =
-        "Bytes 'gpu' are those of all textures that a decoder uploads; direction tables stand apart.\n"
+        "Bytes 'gpu' are those of all textures that a decoder uploads, of all levels of detail; direction\n"
+        "tables stand apart. The textures listed are those of level 0.\n"
         "Memory: the file once, then the textures.",
     .example = "btf-info bricks.btf.exr",
     .options = option_table,
@@ -120,14 +121,6 @@ static void print_effects(const btf_material *material, const btf_material_info 
                cli_effects_text(errors[i].effects, words));
 }
 
-/* Bytes of the textures that a level has for itself. */
-static size_t level_bytes(const btf_material *material, uint32_t level) {
-    size_t bytes = 0;
-    for (int id = 0; id < BTF_TEXTURE_RESIDUAL_SCALES; id++)
-        bytes += btf_material_level_texture(material, level, (btf_texture_id)id).size;
-    return bytes;
-}
-
 /* What was measured of a level; NULL when nothing was. */
 static const btf_level_error *find_level_error(const btf_material *material, uint32_t level) {
     size_t count;
@@ -147,7 +140,7 @@ static void print_levels(const btf_material *material, const btf_material_info *
         char size[32];
         snprintf(size, sizeof size, "%u x %u", (unsigned)btf_level_size(info->width, i),
                  (unsigned)btf_level_size(info->height, i));
-        printf("  %-3u%-16s%12zu bytes", (unsigned)i, size, level_bytes(material, i));
+        printf("  %-3u%-16s%12zu bytes", (unsigned)i, size, btf_level_bytes(info, i));
         if (error)
             printf("  %6.2f / %6.2f", (double)error->psnr_linear, (double)error->psnr_srgb);
         printf("\n");
@@ -276,7 +269,7 @@ static void json_levels(json *j, const btf_material *material, const btf_materia
         json_object(j, NULL);
         json_integer(j, "width", btf_level_size(info->width, i));
         json_integer(j, "height", btf_level_size(info->height, i));
-        json_integer(j, "gpu", (int64_t)level_bytes(material, i));
+        json_integer(j, "gpu", (int64_t)btf_level_bytes(info, i));
         if (error) {
             json_float(j, "linear", error->psnr_linear);
             json_float(j, "srgb", error->psnr_srgb);

@@ -24,6 +24,22 @@ assert json.load(open("out"))["psnr"]["linear"] > 90
 P
 expect "info as JSON" 0 btf-info m.btf.exr --json
 expect_that "which is JSON" python3 -c 'import json; r=json.load(open("out")); assert r'
+expect "a material of levels" 0 btf-encode data -o levels.btf.exr --method paper --levels all -q
+for level in 0 2 4; do
+    expect "level $level" 0 btf-decode levels.btf.exr -o level$level.png --level $level --light 30,45
+done
+expect "no level" 0 btf-decode levels.btf.exr -o level.png --light 30,45
+expect_that "is level 0" cmp level.png level0.png
+expect_that "levels are of their sizes" python3 - <<'P'
+import struct
+def size(name): return struct.unpack(">II", open(name, "rb").read()[16:24])
+assert (size("level0.png"), size("level2.png"), size("level4.png")) == ((16, 16), (4, 4), (1, 1))
+P
+expect "all images of a level" 0 btf-decode levels.btf.exr -o small --all --level 3
+expect_that "as many as of level 0" test "$(find small -name '*.png' | wc -l)" = 49
+expect "a level too many" 1 btf-decode levels.btf.exr -o x.png --level 5
+expect_text "is refused with their number" "option --level: 5, but levels.btf.exr has 5 levels" err
+expect "level 1 of one" 1 btf-decode m.btf.exr -o x.png --level 1
 expect "decode without an output" 1 btf-decode m.btf.exr --all
 expect "decode nothing" 2 btf-decode none.btf.exr -o x.png --view 0,0 --light 0,0
 tiny=(--relief weave --size 8 --directions tiny -q)

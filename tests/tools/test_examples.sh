@@ -6,6 +6,7 @@ small_data
 btf-encode data -o a.btf.exr --method paper -q || exit 99
 btf-sample -o other --relief bumps --size 12 --directions 0:1,45:4 --quiet || exit 99
 btf-encode other -o b.btf.exr --method paper -q || exit 99
+btf-encode other -o c.btf.exr --method paper --levels all -q || exit 99
 
 # third NAME PART: the middle of a third of the columns, 0..2
 third() {
@@ -36,7 +37,7 @@ expect "forward without a file" 2 forward none.btf.exr a.btf.exr
 
 if command -v vulkan >/dev/null && command -v glslangValidator >/dev/null; then
     lavapipe=$(ls /usr/share/vulkan/icd.d/lvp_icd*.json 2>/dev/null | head -1)
-    for m in a b; do
+    for m in a b c; do
         expect "vulkan: the shader of $m" 0 vulkan $m.btf.exr
         cp out decode.comp
         expect "vulkan: to SPIR-V" 0 glslangValidator -V decode.comp -o decode.spv
@@ -51,7 +52,10 @@ if command -v vulkan >/dev/null && command -v glslangValidator >/dev/null; then
     # a wrong shader is found out
     sed 's/radiance\[c\]/radiance[c] * 1.0000001/' decode.comp >wrong.comp
     glslangValidator -V wrong.comp -o wrong.spv >/dev/null
-    [ -z "$lavapipe" ] || expect "vulkan: a wrong bit is found" 7 env VK_ICD_FILENAMES="$lavapipe" vulkan b.btf.exr wrong.spv
+    [ -z "$lavapipe" ] || expect "vulkan: a wrong bit is found" 7 env VK_ICD_FILENAMES="$lavapipe" vulkan c.btf.exr wrong.spv
+    sed 's/int(i % BTF_LEVELS)/0/' decode.comp >wrong.comp # the last was c
+    glslangValidator -V wrong.comp -o wrong.spv >/dev/null
+    [ -z "$lavapipe" ] || expect "vulkan: a wrong level is found" 7 env VK_ICD_FILENAMES="$lavapipe" vulkan c.btf.exr wrong.spv
     expect "vulkan: no device" 5 env VK_ICD_FILENAMES=none.json vulkan b.btf.exr decode.spv
     expect "vulkan: no SPIR-V" 2 vulkan b.btf.exr none.spv
     expect "vulkan without arguments" 1 vulkan

@@ -101,6 +101,10 @@ static void test_info(void **state) {
     /* 64 of the SBRDF, 7 of shadows, 18 + 9 of shifts and gains, 8 of the residual, for 15 + 2 + 1 texels;
      * then 7 centres of 7 lights and 6 layers of 9 x 7 directions. */
     assert_int_equal(info.gpu_bytes, (64 + 7 + 18 + 9 + 8) * 18 + 4 * 7 * 7 + 4 * 9 * 7 * 6);
+    assert_int_equal(btf_level_bytes(&info, 0), 106 * 15 + 4 * 7 * 7 + 4 * 9 * 7 * 6);
+    assert_int_equal(btf_level_bytes(&info, 1), 106 * 2);
+    assert_int_equal(btf_level_bytes(&info, 2), 106);
+    assert_int_equal(btf_level_bytes(&info, 3), 0);
     btf_material_close(&m);
     random_material_free(&desc);
 

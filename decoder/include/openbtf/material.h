@@ -139,7 +139,7 @@ typedef struct btf_level_error {
     uint32_t level;    /**< 0 .. levels - 1 */
     float psnr_linear; /**< dB over all samples clipped to [0, 1] */
     float psnr_srgb;   /**< dB, likewise after sRGB coding */
-    float gpu_bytes;   /**< of the textures that the level has for itself */
+    float gpu_bytes;   /**< btf_level_bytes() */
 } btf_level_error;
 /** What the encoder measured of the ways to decode, by bands of view and light elevation (FORMAT.md section 7,
  *  openbtf.effectErrors). Row r has 4 + 2 * view_bands * light_bands numbers: btf_effect bits decoded, residual
@@ -230,6 +230,9 @@ btf_texture btf_material_texture_shape(const btf_material_info *info, btf_textur
 /** The same of a level of detail; level 0 is btf_material_texture_shape. Format NONE for what a level shares with
  *  level 0, and for a level that info does not have. */
 btf_texture btf_material_level_shape(const btf_material_info *info, uint32_t level, btf_texture_id id);
+
+/** @return bytes that a level adds to gpu_bytes: those of its own textures; of level 0 all, shared ones included. */
+size_t btf_level_bytes(const btf_material_info *info, uint32_t level);
 
 /** @return texels of a side of `size` texels in a level: max(1, size >> level). */
 uint32_t btf_level_size(uint32_t size, uint32_t level);
