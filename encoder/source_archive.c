@@ -90,9 +90,13 @@ static btf_result read_entry(enc_source *source, size_t index, void **out_data, 
     /* The size in the header is a hint, not to be trusted: a zip written as a stream does not know it yet.
      */
     size_t allocated = 1 << 16;
-    if (archive_entry_size_is_set(entry) && archive_entry_size(entry) > 0 &&
-        (uint64_t)archive_entry_size(entry) < (1 << 24))
-        allocated = (size_t)archive_entry_size(entry) + 1;
+    const int64_t declared = archive_entry_size_is_set(entry) ? archive_entry_size(entry) : 0;
+    if (declared > (int64_t)ENC_SOURCE_MAX_FILE) {
+        snprintf(message, message_size, "more than %zu bytes", ENC_SOURCE_MAX_FILE);
+        return BTF_ERROR_UNSUPPORTED;
+    }
+    if (declared > 0 && declared < (1 << 24))
+        allocated = (size_t)declared + 1;
     data = malloc(allocated);
     while (data) {
         const la_ssize_t n = archive_read_data(a->handle, data + size, allocated - size);
@@ -158,7 +162,8 @@ static btf_result list_entries(const enc_context *context, archive_source *a) {
             result = enc_fail(context, BTF_ERROR_BAD_FILE, "%s: %s%s", a->path, what, reason(handle));
         } else if (enc_cancelled(context)) {
             result = BTF_ERROR_INTERRUPTED;
-        } else if (archive_entry_filetype(entry) == AE_IFREG || archive_entry_filetype(entry) == 0) {
+        } else if ((archive_entry_filetype(entry) == AE_IFREG || archive_entry_filetype(entry) == 0) &&
+                   !archive_entry_hardlink(entry)) { /* a link has no bytes of its own */
             result = add_entry(a, name_of(entry), ordinal, &n_allocated);
             if (result == BTF_ERROR_UNSUPPORTED)
                 enc_fail(context, result, "%s: more than %zu files", a->path, ENC_SOURCE_MAX_ENTRIES);

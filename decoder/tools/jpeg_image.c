@@ -4,6 +4,7 @@
  */
 #include "jpeg_image.h"
 
+#include "exif.h"
 #include "output.h"
 
 #include <setjmp.h>
@@ -66,11 +67,21 @@ typedef struct reading {
     unsigned char *pixels;
 } reading;
 
+/* The orientation that an EXIF marker gives, 1 when there is none. */
+static int orientation(const struct jpeg_decompress_struct *jpeg) {
+    static const char head[6] = "Exif\0";
+    for (jpeg_saved_marker_ptr m = jpeg->marker_list; m; m = m->next)
+        if (m->data_length >= sizeof head && memcmp(m->data, head, sizeof head) == 0)
+            return exif_orientation(m->data + sizeof head, m->data_length - sizeof head);
+    return 1;
+}
+
 static btf_result decode(reading *r, const void *data, size_t size, size_t max_pixels) {
     if (setjmp(r->error.back))
         return BTF_ERROR_BAD_FILE;
     jpeg_create_decompress(&r->jpeg);
     jpeg_mem_src(&r->jpeg, data, (unsigned long)size);
+    jpeg_save_markers(&r->jpeg, JPEG_APP0 + 1, 0xFFFF);
     jpeg_read_header(&r->jpeg, TRUE);
     if (r->jpeg.num_components != 1 && r->jpeg.num_components != 3) {
         snprintf(r->error.text, sizeof r->error.text, "%d colour components", r->jpeg.num_components);
@@ -79,6 +90,12 @@ static btf_result decode(reading *r, const void *data, size_t size, size_t max_p
     if ((size_t)r->jpeg.image_width * r->jpeg.image_height > max_pixels) {
         snprintf(r->error.text, sizeof r->error.text, "%ux%u pixels are too many", r->jpeg.image_width,
                  r->jpeg.image_height);
+        return BTF_ERROR_UNSUPPORTED;
+    }
+    const int turned = orientation(&r->jpeg);
+    if (turned != 1) {
+        snprintf(r->error.text, sizeof r->error.text,
+                 "EXIF orientation %d: turn the pixels, then set it to 1", turned);
         return BTF_ERROR_UNSUPPORTED;
     }
     r->jpeg.out_color_space = r->jpeg.num_components == 1 ? JCS_GRAYSCALE : JCS_RGB;

@@ -4,6 +4,7 @@
  */
 #include "png_image.h"
 
+#include "exif.h"
 #include "output.h"
 
 #include <png.h>
@@ -120,6 +121,13 @@ static btf_result decode(reading *r, png_structp png, png_infop info, size_t max
     const size_t width = png_get_image_width(png, info), height = png_get_image_height(png, info);
     if (width > max_pixels / height) {
         snprintf(r->text, sizeof r->text, "%zux%zu pixels are too many", width, height);
+        return BTF_ERROR_UNSUPPORTED;
+    }
+    png_bytep exif = NULL;
+    png_uint_32 exif_size = 0;
+    if (png_get_eXIf_1(png, info, &exif_size, &exif) && exif_orientation(exif, exif_size) != 1) {
+        snprintf(r->text, sizeof r->text, "EXIF orientation %d: turn the pixels, then set it to 1",
+                 exif_orientation(exif, exif_size));
         return BTF_ERROR_UNSUPPORTED;
     }
     png_set_expand(png); /* palettes, less than 8 bits, transparent colours */

@@ -21,7 +21,8 @@ btf_result png_image_write16(const char *path, int width, int height, const unsi
  * applied), of unsigned char (*out_depth 8) or unsigned short (16). Palettes and grey of less than 8 bits
  * are expanded, alpha is dropped; channels is 1 or 3. A truncated or damaged file is an error. At most
  * max_pixels pixels. *out_pixels is malloc'ed, the caller frees. On failure message[message_size] says what
- * was wrong. Errors: BTF_ERROR_BAD_FILE, BTF_ERROR_UNSUPPORTED (size), BTF_ERROR_MEMORY. */
+ * was wrong. Errors: BTF_ERROR_BAD_FILE, BTF_ERROR_UNSUPPORTED (size, an EXIF orientation other than 1),
+ * BTF_ERROR_MEMORY. */
 btf_result png_image_read(const void *data, size_t size, size_t max_pixels, int *out_width, int *out_height,
                           int *out_channels, int *out_depth, void **out_pixels, char *message,
                           size_t message_size);

@@ -17,7 +17,7 @@ fi
 target=$1 seconds=$2 folder=${3:-build-fuzz}/$1
 version=$(pkg-config --modversion OpenEXR)
 core=$(ls decoder/*.c | grep -v -e /gl -e /shader_source)
-images="encoder/image.c encoder/image_hdr.c encoder/context.c $(echo decoder/tools/{exr,jpeg,png}_image.c) decoder/tools/output.c
+images="encoder/image.c encoder/image_hdr.c encoder/context.c $(echo decoder/tools/{exr,jpeg,png}_image.c) decoder/tools/exif.c decoder/tools/output.c
         decoder/tools/progress.c decoder/result.c decoder/temporary.c"
 libraries="$(pkg-config --cflags --libs-only-L OpenEXR) -lm"
 most=4096

@@ -1,0 +1,32 @@
+/* The one thing of EXIF that matters here: whether the picture is stored turned.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "exif.h"
+
+#include <stdbool.h>
+#include <string.h>
+
+static unsigned long number(const unsigned char *p, int bytes, bool big) {
+    unsigned long value = 0;
+    for (int i = 0; i < bytes; i++)
+        value = value << 8 | p[big ? i : bytes - 1 - i];
+    return value;
+}
+
+int exif_orientation(const unsigned char *data, size_t size) {
+    if (size < 8 || (memcmp(data, "MM\0*", 4) != 0 && memcmp(data, "II*\0", 4) != 0))
+        return 1;
+    const bool big = data[0] == 'M';
+    const unsigned long at = number(data + 4, 4, big);
+    if (at > size - 2)
+        return 1;
+    const size_t entries = number(data + at, 2, big), room = (size - 2 - at) / 12;
+    for (size_t i = 0; i < entries && i < room; i++) {
+        const unsigned char *entry = data + at + 2 + 12 * i;
+        const unsigned long value = number(entry + 8, 2, big);
+        if (number(entry, 2, big) == 0x112 && number(entry + 2, 2, big) == 3 && value >= 1 && value <= 8)
+            return (int)value;
+    }
+    return 1;
+}
