@@ -1,0 +1,561 @@
+/* The float pipeline against the same stages in double precision: what single precision costs, in dB.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "cases.h"
+#include "encode.h"
+
+#include "encoder/fit_gram.h"
+#include "encoder/joint_fit.h"
+#include "encoder/joint_measure.h"
+#include "encoder/occlusion.h"
+#include "encoder/playback.h"
+#include "encoder/shadow.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const enc_context context = {.threads = 1};
+static const double most_loss = 0.05; /* dB */
+
+/* A surface that no Lafortune model fits exactly: a Fresnel-like sheen, a tinted highlight, a dark side,
+ * noise. */
+static void measured(const void *user, int texel, const enc_direction *v, const enc_direction *l,
+                     int sample, float rgb[3]) {
+    (void)user;
+    const double h[3] = {(double)(v->xyz[0] + l->xyz[0]), (double)(v->xyz[1] + l->xyz[1]),
+                         (double)(v->xyz[2] + l->xyz[2])};
+    const double length = sqrt(h[0] * h[0] + h[1] * h[1] + h[2] * h[2]);
+    const double gloss = pow(h[2] / length, 20 + 40 * (texel % 4)), rim = pow(1 - (double)v->xyz[2], 3);
+    for (int c = 0; c < 3; c++) {
+        const double albedo = 0.1 + 0.5 * (double)hard_random((uint32_t)texel, (uint32_t)c, 5);
+        const double noise =
+            1 + 0.1 * ((double)hard_random((uint32_t)texel, (uint32_t)sample, (uint32_t)c) - 0.5);
+        const double shade = texel % 3 == 0 && l->phi > 100 && l->phi < 190 ? 0.2 : 1;
+        rgb[c] = (float)((double)l->xyz[2] * shade * noise * (albedo + 0.5 * gloss + 0.3 * rim));
+    }
+}
+
+/* ---- the fit ---- */
+
+typedef struct target {
+    const enc_data *data;
+    size_t texel;
+    int lobes;
+    bool rgb, square_root;
+} target;
+
+enum { MOST = 3 + 7 * ENC_MAX_LOBES };
+
+/* The model in double: as hard_model, with parameters in double and before any squaring. */
+static double model(const target *t, const double *p, const enc_direction *v, const enc_direction *l,
+                    int c) {
+    const double *shape = p + (t->rgb ? 3 + 3 * t->lobes : 4);
+    double sum = p[t->rgb ? c : 3];
+    for (int j = 0; j < t->lobes; j++, shape += 4) {
+        double base = 0;
+        for (int k = 0; k < 3; k++) {
+            base += shape[k] * (double)l->xyz[k] * (double)v->xyz[k];
+        }
+        const double power = base > 1e-9 && shape[3] > 0 ? pow(base, shape[3]) : 0;
+        sum += t->rgb ? p[3 + 3 * j + c] * power : power;
+    }
+    const double m = (double)l->xyz[2];
+    return (t->square_root ? sqrt(m) : m) * sum * (t->rgb ? 1 : p[c]);
+}
+
+/* Residuals into r; returns their sum of squares. */
+static double residuals(const target *t, const double *p, double *r) {
+    double sum = 0;
+    size_t i = 0;
+    for (int v = 0; v < t->data->n_views; v++) {
+        for (int l = 0; l < t->data->n_lights; l++) {
+            for (int c = 0; c < 3; c++, i++) {
+                const double y = (double)*hard_sample(t->data, t->texel, v, c, l);
+                r[i] = model(t, p, t->data->views + v, t->data->lights + l, c) -
+                       (t->square_root ? sqrt(y) : y);
+                sum += r[i] * r[i];
+            }
+        }
+    }
+    return sum;
+}
+
+/* Levenberg-Marquardt in double from p to its end, with the bounds of the float fit. */
+static double refit(const target *t, double *p) {
+    const int n = (int)enc_sbrdf_stride(t->lobes, t->rgb);
+    const size_t rows = (size_t)t->data->n_views * (size_t)t->data->n_lights * 3;
+    double *r = malloc(rows * sizeof *r), *moved = malloc(rows * sizeof *moved);
+    double *jacobian = malloc(rows * MOST * sizeof *jacobian);
+    if (r == NULL || moved == NULL || jacobian == NULL) {
+        exit(1);
+    }
+    double cost = residuals(t, p, r), damping = 1e-4;
+    for (int step = 0; step < 60; step++) {
+        for (int k = 0; k < n; k++) {
+            const double before = p[k], h = 1e-6 * fmax(fabs(before), 1e-3);
+            p[k] = before + h;
+            residuals(t, p, moved);
+            for (size_t i = 0; i < rows; i++) {
+                jacobian[i * MOST + (size_t)k] = (moved[i] - r[i]) / h;
+            }
+            p[k] = before;
+        }
+        double a[MOST][MOST + 1] = {{0}};
+        for (size_t i = 0; i < rows; i++) {
+            const double *row = jacobian + i * MOST;
+            for (int j = 0; j < n; j++) {
+                for (int k = 0; k < n; k++) {
+                    a[j][k] += row[j] * row[k];
+                }
+                a[j][n] -= row[j] * r[i];
+            }
+        }
+        const double before = cost;
+        for (int tries = 0; tries < 8; tries++) {
+            double m[MOST][MOST + 1], next[MOST];
+            memcpy(m, a, sizeof m);
+            for (int k = 0; k < n; k++) {
+                m[k][k] = m[k][k] * (1 + damping) + 1e-12;
+            }
+            for (int k = 0; k < n; k++) { /* positive definite: no pivoting */
+                for (int j = k + 1; j < n; j++) {
+                    const double f = m[j][k] / m[k][k];
+                    for (int i = k; i <= n; i++) {
+                        m[j][i] -= f * m[k][i];
+                    }
+                }
+            }
+            for (int k = n - 1; k >= 0; k--) {
+                for (int i = k + 1; i < n; i++) {
+                    m[k][n] -= m[k][i] * m[i][n];
+                }
+                m[k][n] /= m[k][k];
+                next[k] = p[k] + m[k][n];
+            }
+            for (int j = 0; j < t->lobes; j++) {
+                double *exponent = next + (t->rgb ? 3 + 3 * t->lobes : 4) + 4 * j + 3;
+                *exponent = fmin(fmax(*exponent, *exponent == 0 ? 0 : 0.5), 200);
+            }
+            const double there = residuals(t, next, moved);
+            if (there < cost) {
+                memcpy(p, next, sizeof next);
+                memcpy(r, moved, rows * sizeof *r);
+                cost = there;
+                damping = fmax(damping / 10, 1e-12);
+                break;
+            }
+            damping *= 10;
+        }
+        if (before - cost < 1e-9 * before) {
+            break;
+        }
+    }
+    free(r);
+    free(moved);
+    free(jacobian);
+    return cost;
+}
+
+static void fits(void) {
+    static const struct {
+        const char *name;
+        int lobes;
+        bool rgb, square_root;
+    } list[] = {{"1 lobe of one colour", 1, false, false},
+                {"3 lobes of one colour", 3, false, false},
+                {"2 RGB lobes", 2, true, false},
+                {"2 RGB lobes, square root", 2, true, true}};
+    const hard_directions d = hard_twentyfive();
+    enc_data *data = hard_create(3, 2, &d, &d, measured, NULL);
+    for (size_t i = 0; i < sizeof list / sizeof *list; i++) {
+        enc_fit_options options = enc_fit_options_default();
+        options.lobes = list[i].lobes;
+        options.rgb = list[i].rgb;
+        options.square_root = list[i].square_root;
+        options.rounds = 0;
+        options.tolerance = 1e-9;
+        options.max_evaluations = 500;
+        enc_sbrdf *sbrdf = NULL;
+        double single = 0, twice = 0;
+        const size_t stride = enc_sbrdf_stride(list[i].lobes, list[i].rgb);
+        bool ok = enc_fit(&context, data, &options, &sbrdf, NULL) == BTF_OK;
+        for (size_t t = 0; ok && t < 6; t++) {
+            double p[MOST], r[25 * 25 * 3];
+            for (size_t k = 0; k < stride; k++) {
+                p[k] = (double)sbrdf->values[t * stride + k];
+            }
+            const target at = {data, t, list[i].lobes, list[i].rgb, list[i].square_root};
+            single += residuals(&at, p, r);
+            twice += refit(&at, p);
+        }
+        const double n = 6 * 25 * 25 * 3, loss = hard_psnr(twice, n, 1) - hard_psnr(single, n, 1);
+        char input[100];
+        snprintf(input, sizeof input, "fit of %s, refitted in double", list[i].name);
+        cases_add(input, "less than 0.05 dB", ok && loss < most_loss && loss > -1e-6,
+                  "%.2f dB, double %.4f dB more", hard_psnr(single, n, 1), loss);
+        enc_sbrdf_destroy(&sbrdf);
+    }
+    enc_data_destroy(&data);
+}
+
+/* ---- Gram sums ---- */
+
+static void gram(void) {
+    enum { N = 1024 };
+    static _Alignas(64) float planes[7][N];
+    const enc_gram_samples samples = {
+        N, {planes[0], planes[1], planes[2]}, planes[3], {planes[4], planes[5], planes[6]}};
+    enc_gram_point point = {.shape = {{-1, -1, 1, 8}, {0.8f, -0.3f, 0.6f, 2}, {0.9f, 0.9f, 0.9f, 150}}};
+    for (int c = 0; c < 3; c++) {
+        for (int t = 0; t < 4; t++) {
+            point.colour[c][t] = 0.2f + 0.1f * (float)(c + t);
+        }
+    }
+    for (uint32_t i = 0; i < N; i++) {
+        const double a = 6.28 * (double)hard_random(i, 1, 0), b = 6.28 * (double)hard_random(i, 2, 0);
+        const double ra = sqrt((double)hard_random(i, 3, 0)), rb = sqrt((double)hard_random(i, 4, 0));
+        planes[0][i] = (float)(ra * cos(a) * rb * cos(b));
+        planes[1][i] = (float)(ra * sin(a) * rb * sin(b));
+        planes[2][i] = (float)(sqrt(1 - ra * ra) * sqrt(1 - rb * rb));
+        planes[3][i] = (float)sqrt(1 - ra * ra);
+        for (uint32_t c = 0; c < 3; c++) {
+            planes[4 + c][i] = hard_random(i, 5 + c, 0);
+        }
+    }
+    double out[ENC_GRAM_MAX_COLUMNS * ENC_GRAM_MAX_COLUMNS],
+        want[ENC_GRAM_MAX_COLUMNS * ENC_GRAM_MAX_COLUMNS] = {0};
+    const int columns = enc_gram_columns(3);
+    enc_gram_accumulate(&samples, 3, &point, out);
+    for (int i = 0; i < N; i++) {
+        double column[ENC_GRAM_MAX_COLUMNS] = {(double)planes[3][i]}, value[3];
+        for (int j = 0; j < 3; j++) {
+            double base = 0;
+            for (int k = 0; k < 3; k++) {
+                base += (double)point.shape[j][k] * (double)planes[k][i];
+            }
+            const double n = (double)point.shape[j][3], h = base < 1e-4 ? 0 : column[0] * pow(base, n - 1);
+            for (int k = 0; k < 3; k++) {
+                column[4 + 4 * j + k] = h * (double)planes[k][i];
+            }
+            value[j] = base < 1e-4 ? 0 : h * base;
+            column[4 + 4 * j + 3] = base < 1e-4 ? 0 : value[j] * log(base);
+        }
+        for (int c = 0; c < 3; c++) {
+            column[1 + c] = (double)point.colour[c][0] * column[0] - (double)planes[4 + c][i];
+            for (int j = 0; j < 3; j++) {
+                column[1 + c] += (double)point.colour[c][1 + j] * value[j];
+            }
+        }
+        for (int a = 0; a < columns; a++) {
+            for (int b = 0; b < columns; b++) {
+                want[a * columns + b] += column[a] * column[b];
+            }
+        }
+    }
+    double worst = 0, cost = 0, exact = 0;
+    for (int a = 0; a < columns; a++) {
+        for (int b = 0; b < columns; b++) {
+            const double size = sqrt(want[a * columns + a] * want[b * columns + b]);
+            worst = fmax(worst, size > 0 ? fabs(out[a * columns + b] - want[a * columns + b]) / size : 0);
+        }
+    }
+    for (int c = 1; c < 4; c++) {
+        cost += out[c * columns + c];
+        exact += want[c * columns + c];
+    }
+    const double loss = fabs(10 * log10(cost / exact));
+    cases_add("Gram sums of 1024 samples, lobes of n = 8, 2 and 150",
+              "within 3e-5 of the columns' lengths, cost within 0.05 dB", worst < 3e-5 && loss < most_loss,
+              "off by %.1e, cost by %.1e dB", worst, loss);
+}
+
+/* ---- shadow ---- */
+
+static void shadows(void) {
+    const hard_directions d = hard_thirteen();
+    enc_data *data = hard_create(6, 6, &d, &d, measured, NULL);
+    enc_fit_options options = enc_fit_options_default();
+    enc_sbrdf *sbrdf = NULL;
+    static uint8_t codes[13 * 36];
+    const enc_shadow_options shadow = enc_shadow_options_default();
+    bool ok = enc_fit(&context, data, &options, &sbrdf, NULL) == BTF_OK &&
+              enc_top_view_shadow(&context, data, sbrdf, &shadow, codes) == BTF_OK;
+    double squares[2] = {0};
+    int other = 0, shadowed = 0;
+    for (int l = 0; ok && l < 13; l++) {
+        for (size_t t = 0; t < 36; t++) {
+            double m[3], y[3];
+            for (int c = 0; c < 3; c++) {
+                m[c] = hard_model(sbrdf->values + t * enc_sbrdf_stride(3, false), 3, false, false,
+                                  data->views + data->top_view, data->lights + l, c);
+                y[c] = (double)*hard_sample(data, t, data->top_view, c, l);
+            }
+            const double model = 0.2126 * m[0] + 0.7152 * m[1] + 0.0722 * m[2];
+            const double btf = 0.2126 * y[0] + 0.7152 * y[1] + 0.0722 * y[2];
+            const bool is = model - btf > 0.3 * btf && btf < 0.3 && model >= 1e-5;
+            const double ratio = is ? fmin(btf / model, 1) : 1;
+            const int code = (int)floor(255 * ratio + 0.5);
+            other += code != codes[l * 36 + (int)t];
+            shadowed += is;
+            for (int c = 0; c < 3; c++) {
+                const double single = m[c] * codes[l * 36 + (int)t] / 255 - y[c],
+                             twice = m[c] * code / 255 - y[c];
+                squares[0] += single * single;
+                squares[1] += twice * twice;
+            }
+        }
+    }
+    const double n = 13 * 36 * 3, loss = hard_psnr(squares[1], n, 1) - hard_psnr(squares[0], n, 1);
+    cases_add("shadow map, its model and ratios in double", "less than 0.05 dB",
+              ok && fabs(loss) < most_loss && shadowed > 0,
+              "%.2f dB, double %.5f dB more, %d of 468 codes differ, %d shadowed",
+              hard_psnr(squares[0], n, 1), loss, other, shadowed);
+    enc_sbrdf_destroy(&sbrdf);
+    enc_data_destroy(&data);
+}
+
+/* ---- playback ---- */
+
+/* FORMAT.md section 9 at a sampled direction, in double from the codes. */
+static double decode(const enc_data *data, const enc_solution *s, size_t t, int v, int c, int l) {
+    const size_t texels = enc_solution_texels(s), at = (size_t)v * texels + t, lights = (size_t)s->n_lights;
+    if (s->gain && (s->effects & BTF_EFFECT_HIDDEN) && s->gain[at] == 0) {
+        const double y =
+            s->centre_codes[(s->centre[at] * lights + (size_t)l) * 3 + (size_t)c] * (double)s->centre_scale;
+        return y * y * (double)s->radiance_scale;
+    }
+    size_t source = t;
+    if (s->shift && (s->effects & BTF_EFFECT_SHIFT)) {
+        source = enc_occlusion_source(s->width, s->height, t, s->shift[2 * at], s->shift[2 * at + 1]);
+    }
+    double y = 0;
+    if (s->sbrdf) {
+        /* hard_model multiplies by the cosine, which comes last here */
+        y = hard_model(s->sbrdf->values + source * enc_sbrdf_stride(s->sbrdf->lobes, s->sbrdf->rgb),
+                       s->sbrdf->lobes, s->sbrdf->rgb, false, data->views + v, data->lights + l, c) /
+            (double)data->lights[l].xyz[2];
+        if (s->shadow && (s->effects & BTF_EFFECT_SHADOW)) {
+            y *= s->shadow[(size_t)l * texels + source] * (double)s->shadow_scale;
+        }
+    }
+    if (s->effects & BTF_EFFECT_RESIDUAL) {
+        for (size_t j = 0; j < s->n_components; j++) {
+            y += s->residual_texels[source * s->n_components + j] * (double)s->residual_scales[j] *
+                 s->residual_directions[(((size_t)v * lights + (size_t)l) * 3 + (size_t)c) *
+                                            s->n_components +
+                                        j];
+        }
+    }
+    const bool square = s->domain == BTF_DOMAIN_SQRT;
+    y *= square ? sqrt((double)data->lights[l].xyz[2]) : (double)data->lights[l].xyz[2];
+    if (s->gain && (s->effects & BTF_EFFECT_GAIN)) {
+        y *= s->gain[at] * (double)s->gain_scale;
+    }
+    y = y >= 0x1p-30 ? fmin(y, 0x1p32) : 0;
+    return (square ? y * y : y) * (double)s->radiance_scale;
+}
+
+static void playbacks(void) {
+    const hard_directions d = hard_thirteen();
+    enc_data *data = hard_create(6, 5, &d, &d, measured, NULL);
+    for (int method = 0; method < ENCODE_METHODS; method++) {
+        enc_solution s = {0};
+        btf_result result;
+        if (method <= ENCODE_PAPER_RGB) {
+            const enc_paper_options options = encode_paper_options((encode_method)method, 1);
+            enc_paper_stats stats;
+            result = enc_paper(&context, data, &options, &s, NULL, &stats);
+        } else {
+            const enc_joint_options options = encode_joint_options((encode_method)method);
+            result = enc_joint(&context, data, &options, &s, NULL);
+        }
+        enc_playback *playback = NULL;
+        static float images[13 * 30 * 3];
+        double squares[2] = {0};
+        if (result == BTF_OK) {
+            result = enc_playback_create(&context, data, &s, &playback);
+        }
+        const enc_played played = {playback, BTF_EFFECT_ALL};
+        const enc_image_source source = enc_played_images(&played);
+        for (int v = 0; result == BTF_OK && v < 13; v++) {
+            result = source.view(source.user, v, images);
+            for (int l = 0; l < 13; l++) {
+                for (int i = 0; i < 90; i++) {
+                    const double truth = (double)*hard_sample(data, (size_t)i / 3, v, i % 3, l);
+                    const double single = (double)images[l * 90 + i] - truth;
+                    const double twice = decode(data, &s, (size_t)i / 3, v, i % 3, l) - truth;
+                    squares[0] += single * single;
+                    squares[1] += twice * twice;
+                }
+            }
+        }
+        const double n = 13 * 13 * 90, loss = hard_psnr(squares[1], n, 1) - hard_psnr(squares[0], n, 1);
+        char input[100];
+        snprintf(input, sizeof input, "playback of method %s, decoded in double", encode_names[method]);
+        cases_add(input, "less than 0.05 dB either way", result == BTF_OK && fabs(loss) < most_loss,
+                  "%.2f dB, double %.6f dB more", hard_psnr(squares[0], n, 1), loss);
+        enc_playback_destroy(&playback);
+        enc_solution_clear(&s);
+    }
+    enc_data_destroy(&data);
+}
+
+/* ---- joint ---- */
+
+/* Sum of the eigenvalues beyond the first k of a symmetric matrix [n][n], by Jacobi rotations in double. */
+static double rest_of_spectrum(double *a, size_t n, size_t k) {
+    for (int sweep = 0; sweep < 30; sweep++) {
+        for (size_t p = 0; p < n; p++) {
+            for (size_t q = p + 1; q < n; q++) {
+                if (fabs(a[p * n + q]) < 1e-300) {
+                    continue;
+                }
+                const double theta = (a[q * n + q] - a[p * n + p]) / (2 * a[p * n + q]);
+                const double t = copysign(1, theta) / (fabs(theta) + sqrt(theta * theta + 1));
+                const double c = 1 / sqrt(t * t + 1), s = t * c;
+                for (size_t i = 0; i < n; i++) {
+                    const double x = a[i * n + p], y = a[i * n + q];
+                    a[i * n + p] = c * x - s * y;
+                    a[i * n + q] = s * x + c * y;
+                }
+                for (size_t i = 0; i < n; i++) {
+                    const double x = a[p * n + i], y = a[q * n + i];
+                    a[p * n + i] = c * x - s * y;
+                    a[q * n + i] = s * x + c * y;
+                }
+            }
+        }
+    }
+    double rest = 0;
+    for (size_t skip = 0; skip < n; skip++) {
+        size_t larger = 0;
+        for (size_t i = 0; i < n; i++) {
+            larger += a[i * n + i] > a[skip * n + skip] || (a[i * n + i] == a[skip * n + skip] && i < skip);
+        }
+        rest += larger >= k ? fmax(a[skip * n + skip], 0) : 0;
+    }
+    return rest;
+}
+
+/* Row value of a sample in the fitted domain. */
+static double row_value(const joint_rows *rows, const enc_data *data, size_t t, size_t v, size_t p) {
+    const double x = (double)*hard_sample(data, t, (int)v, (int)(p / (size_t)data->n_lights),
+                                          (int)(p % (size_t)data->n_lights));
+    const double y = fmin(x / (double)rows->scale, 1);
+    return rows->root ? sqrt(y) : y;
+}
+
+/* The error of u, v, choices and gains in double. */
+static double model_error(const joint_fit *fit, const enc_data *data) {
+    const joint_model *m = &fit->model;
+    double sum = 0;
+    for (size_t v = 0; v < m->views; v++) {
+        for (size_t t = 0; t < m->texels; t++) {
+            const size_t at = v * m->texels + t;
+            const float *u = m->u + m->match[at] * m->k;
+            for (size_t p = 0; p < m->row; p++) {
+                double y = 0;
+                for (size_t j = 0; j < m->k; j++) {
+                    y += (double)u[j] * (double)m->v[(v * m->k + j) * m->row + p];
+                }
+                const double r =
+                    y * m->gain[at] * (double)m->gains.step - row_value(fit->rows, data, t, v, p);
+                sum += r * r;
+            }
+        }
+    }
+    return sum;
+}
+
+static void joint_solves(void) {
+    enum { W = 6, H = 4, N = W * H };
+    const hard_directions d = hard_thirteen();
+    enc_data *data = hard_create(W, H, &d, &d, measured, NULL);
+    for (int root = 0; root < 2; root++) {
+        joint_rows rows;
+        if (joint_rows_init(&context, data, root, &rows) != BTF_OK) {
+            exit(1);
+        }
+        const double samples = (double)(rows.texels * rows.views * rows.row);
+        for (size_t k = 2; k <= 8; k += 3) {
+            joint_fit fit = {0};
+            static double a[N * N];
+            memset(a, 0, sizeof a);
+            for (size_t v = 0; v < rows.views; v++) {
+                for (size_t p = 0; p < rows.row; p++) {
+                    double y[N];
+                    for (size_t t = 0; t < N; t++) {
+                        y[t] = row_value(&rows, data, t, v, p);
+                    }
+                    for (size_t i = 0; i < N * N; i++) {
+                        a[i] += y[i / N] * y[i % N];
+                    }
+                }
+            }
+            const bool ok = joint_fit_plain(&rows, k, 40, &fit, NULL) == BTF_OK;
+            const double exact = rest_of_spectrum(a, N, k);
+            const double loss = ok ? 10 * log10(fit.error / exact) : 99;
+            char input[120];
+            snprintf(input, sizeof input,
+                     "joint factorisation of rank %zu, %s, against the spectrum in double", k,
+                     root ? "square roots" : "linear");
+            cases_add(input, "less than 0.05 dB", ok && loss < most_loss && loss > -1e-3,
+                      "%.2f dB, double %.5f dB more", hard_psnr(fit.error, samples, 1), loss);
+            joint_fit_clear(&fit);
+        }
+
+        joint_fit plain = {0}, fit = {0};
+        bool ok = joint_fit_plain(&rows, 6, 5, &plain, NULL) == BTF_OK &&
+                  joint_fit_start(&plain, 4, BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL,
+                                  &fit) == BTF_OK;
+        for (int round = 0; round < 4 && ok; round++) {
+            ok = joint_fit_round(&fit) == BTF_OK;
+        }
+        const double exact = ok ? model_error(&fit, data) : 1,
+                     loss = ok ? fabs(10 * log10(fit.error / exact)) : 99;
+        cases_add(root ? "joint rounds with shifts and gains, square roots: the error they report"
+                       : "joint rounds with shifts and gains, linear: the error they report",
+                  "within 0.05 dB of the model's in double", ok && loss < most_loss,
+                  "%.2f dB, off by %.1e dB", hard_psnr(exact, samples, 1), loss);
+        ok = ok && joint_fit_round_off(&fit) == BTF_OK;
+        enc_solution s = {0};
+        joint_error measured_error = {0};
+        ok = ok && joint_fit_solution(&fit, &s) == BTF_OK &&
+             joint_measure(&rows, &s, &measured_error) == BTF_OK;
+        double sum = 0;
+        for (size_t t = 0; ok && t < N; t++) {
+            for (int v = 0; v < 13; v++) {
+                for (int c = 0; c < 3; c++) {
+                    for (int l = 0; l < 13; l++) {
+                        const double x = fmin(decode(data, &s, t, v, c, l), 1);
+                        const double r = x - fmin((double)*hard_sample(data, t, v, c, l), 1);
+                        sum += r * r;
+                    }
+                }
+            }
+        }
+        const double measure_loss = ok ? fabs(10 * log10(measured_error.linear / sum)) : 99;
+        cases_add(root ? "joint_measure, square roots" : "joint_measure, linear",
+                  "within 0.05 dB of decoding in double", ok && measure_loss < most_loss,
+                  "%.2f dB, off by %.1e dB", hard_psnr(sum, samples, 1), measure_loss);
+        enc_solution_clear(&s);
+        joint_fit_clear(&fit);
+        joint_fit_clear(&plain);
+        joint_rows_clear(&rows);
+    }
+    enc_data_destroy(&data);
+}
+
+int main(void) {
+    cases_title(
+        "The float pipeline against the same stage in double: PSNR (peak 1), and what double would gain.");
+    fits();
+    gram();
+    shadows();
+    playbacks();
+    joint_solves();
+    return cases_result();
+}
