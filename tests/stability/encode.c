@@ -9,17 +9,21 @@
 #include "encoder/playback.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-const char *const encode_names[ENCODE_METHODS] = {"paper", "paper, RGB lobes", "joint",
-                                                  "joint without residual"};
+const char *const encode_names[ENCODE_METHODS + 1] = {
+    "paper", "paper, RGB lobes", "joint", "joint without residual", "paper, fit and shadow alone"};
 
 enc_paper_options encode_paper_options(encode_method method, float brighter) {
     enc_paper_options options = enc_paper_options_default();
     options.fit.rgb = method == ENCODE_PAPER_RGB;
     options.fit.starts = 2;
     options.fit.t_btf *= brighter;
+    if (method == ENCODE_PAPER_SHADOW) {
+        options.effects = BTF_EFFECT_SHADOW;
+    }
     return options;
 }
 
@@ -34,7 +38,7 @@ enc_joint_options encode_joint_options(encode_method method) {
 
 static btf_result analyse(const enc_context *context, const enc_data *data, encode_method method,
                           float brighter, enc_solution *solution) {
-    if (method == ENCODE_PAPER || method == ENCODE_PAPER_RGB) {
+    if (method != ENCODE_JOINT && method != ENCODE_JOINT_SBRDF) {
         const enc_paper_options options = encode_paper_options(method, brighter);
         enc_paper_stats stats;
         return enc_paper(context, data, &options, solution, NULL, &stats);
@@ -127,6 +131,46 @@ void encode_clear(encoded *e) {
     btf_free(e->file);
     free(e->decoded);
     *e = (encoded){0};
+}
+
+double encode_played_psnr(const enc_data *data, const enc_data *truth, encode_method method, float brighter,
+                          float peak) {
+    const enc_context context = {.threads = 1};
+    const size_t texels = enc_data_texel_count(data), stride = enc_data_texel_stride(data);
+    enc_solution solution = {0};
+    btf_result result;
+    if (method != ENCODE_JOINT && method != ENCODE_JOINT_SBRDF) {
+        result = analyse(&context, data, method, brighter, &solution);
+    } else {
+        enc_joint_options options = encode_joint_options(method);
+        options.preset = ENC_JOINT_MEDIUM;
+        result = enc_joint(&context, data, &options, &solution, NULL);
+    }
+    enc_playback *playback = NULL;
+    float *decoded = malloc(texels * stride * sizeof *decoded);
+    float *images = malloc((size_t)data->n_lights * texels * 3 * sizeof *images);
+    if (result != BTF_OK || decoded == NULL || images == NULL ||
+        enc_playback_create(&context, data, &solution, &playback) != BTF_OK) {
+        fprintf(stderr, "encode: %s failed\n", encode_names[method]);
+        exit(1);
+    }
+    const enc_played played = {.playback = playback, .effects = BTF_EFFECT_ALL};
+    const enc_image_source source = enc_played_images(&played);
+    for (size_t v = 0; v < (size_t)data->n_views; v++) {
+        if (source.view(source.user, (int)v, images) != BTF_OK) {
+            exit(1);
+        }
+        for (size_t i = 0; i < (size_t)data->n_lights * texels * 3; i++) {
+            const size_t l = i / (3 * texels), t = i / 3 % texels, c = i % 3;
+            decoded[t * stride + (v * 3 + c) * (size_t)data->n_lights + l] = images[i];
+        }
+    }
+    const double psnr = encode_psnr(truth, decoded, peak);
+    enc_playback_destroy(&playback);
+    enc_solution_clear(&solution);
+    free(images);
+    free(decoded);
+    return psnr;
 }
 
 static double clipped(float x, float peak) {

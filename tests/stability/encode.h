@@ -10,14 +10,16 @@
 #include "encoder/joint.h"
 #include "encoder/method_paper.h"
 
+/* The last is the paper's method without what flow finds. */
 typedef enum encode_method {
     ENCODE_PAPER,
     ENCODE_PAPER_RGB,
     ENCODE_JOINT,
-    ENCODE_JOINT_SBRDF
+    ENCODE_JOINT_SBRDF,
+    ENCODE_PAPER_SHADOW
 } encode_method;
 enum { ENCODE_METHODS = 4 };
-extern const char *const encode_names[ENCODE_METHODS];
+extern const char *const encode_names[ENCODE_METHODS + 1];
 
 /* What came of it. */
 typedef struct encoded {
@@ -39,6 +41,12 @@ enc_joint_options encode_joint_options(encode_method method);
 /* Encodes, saves, opens again and decodes. */
 encoded encode(const enc_data *data, encode_method method, int threads, float brighter);
 void encode_clear(encoded *e);
+
+/* Analyses `data` and plays the solution back: PSNR against `truth` (of the same shape), clipped to [0,
+ * peak]. No file, so that directions may come in any order. The joint methods run at the preset medium.
+ * Exits on failure. */
+double encode_played_psnr(const enc_data *data, const enc_data *truth, encode_method method, float brighter,
+                          float peak);
 
 /* PSNR of decoded values against the data, both clipped to [0, peak]. */
 double encode_psnr(const enc_data *data, const float *decoded, float peak);

@@ -4,6 +4,8 @@
  */
 #include "hard_data.h"
 
+#include "../sample/sample.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -47,6 +49,48 @@ enc_data *hard_create(int width, int height, const hard_directions *views, const
         }
     }
     return data;
+}
+
+enc_data *hard_relief(int side, const hard_directions *views, const hard_directions *lights, float scale) {
+    const sample_options options = {.width = side,
+                                    .height = side,
+                                    .grid = 128,
+                                    .views = views->list,
+                                    .n_views = views->n,
+                                    .lights = lights->list,
+                                    .n_lights = lights->n};
+    enc_data *data = NULL;
+    if (sample_render(&options, &data, NULL) != BTF_OK) {
+        fprintf(stderr, "hard_data: cannot render the relief\n");
+        exit(1);
+    }
+    for (size_t i = 0; i < enc_data_texel_count(data) * enc_data_texel_stride(data); i++) {
+        data->samples[i] *= scale;
+    }
+    return data;
+}
+
+enc_data *hard_moved(const enc_data *data, const enc_direction *views, const enc_direction *lights,
+                     void (*from)(const void *user, int *texel, int *view, int *light), const void *user) {
+    const enc_context context = {.threads = 1};
+    enc_data *moved = NULL;
+    if (enc_data_create(&context, data->width, data->height, data->n_views, views ? views : data->views,
+                        data->n_lights, lights ? lights : data->lights, &moved) != BTF_OK) {
+        fprintf(stderr, "hard_data: cannot copy\n");
+        exit(1);
+    }
+    for (size_t t = 0; t < enc_data_texel_count(data); t++) {
+        for (int v = 0; v < data->n_views; v++) {
+            for (int l = 0; l < data->n_lights; l++) {
+                int texel = (int)t, view = v, light = l;
+                from(user, &texel, &view, &light);
+                for (int c = 0; c < 3; c++) {
+                    *hard_sample(moved, t, v, c, l) = *hard_sample(data, (size_t)texel, view, c, light);
+                }
+            }
+        }
+    }
+    return moved;
 }
 
 float hard_random(uint32_t a, uint32_t b, uint32_t c) {

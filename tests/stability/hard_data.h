@@ -31,6 +31,14 @@ typedef void (*hard_value_fn)(const void *user, int texel, const enc_direction *
 enc_data *hard_create(int width, int height, const hard_directions *views, const hard_directions *lights,
                       hard_value_fn value, const void *user);
 
+/* A ray-cast relief (tests/sample), side x side texels, every sample times `scale`; exits on failure. */
+enc_data *hard_relief(int side, const hard_directions *views, const hard_directions *lights, float scale);
+
+/* A copy with samples moved: sample (texel, view, light) of the copy is that of the three numbers that
+ * `from` changes them to. Directions are the same, or those that `views` and `lights` list. */
+enc_data *hard_moved(const enc_data *data, const enc_direction *views, const enc_direction *lights,
+                     void (*from)(const void *user, int *texel, int *view, int *light), const void *user);
+
 /* A number in [0, 1) from three integers, the same everywhere. */
 float hard_random(uint32_t a, uint32_t b, uint32_t c);
 
