@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-enum { ROW_HEAD = 4, MAX_ROWS = 4096 };
+enum { ROW_HEAD = 5, MAX_ROWS = 4096 };
 
 static bool is_integer(float value, uint32_t low, uint32_t high) {
     return value >= (float)low && value <= (float)high && value == floorf(value);
@@ -31,9 +31,11 @@ static btf_result check_row(const btfi_check *check, const btf_material_info *in
     if (!is_integer(row[1], residual ? 1 : 0, residual ? info->components : 0))
         return btfi_fail(check->log, check->code, "effect errors: row %zu has %g components", index,
                          (double)row[1]);
-    if (!is_integer(row[2], 0, 1) || !(row[3] >= 0 && row[3] <= 0x1p62f))
-        return btfi_fail(check->log, check->code, "effect errors: row %zu begins (%g, %g, %g, %g)", index,
-                         (double)row[0], (double)row[1], (double)row[2], (double)row[3]);
+    if (!is_integer(row[2], 0, 1) || !is_integer(row[3], 0, info->levels - 1) ||
+        !(row[4] >= 0 && row[4] <= 0x1p62f))
+        return btfi_fail(check->log, check->code, "effect errors: row %zu begins (%g, %g, %g, %g, %g)",
+                         index, (double)row[0], (double)row[1], (double)row[2], (double)row[3],
+                         (double)row[4]);
     for (size_t i = ROW_HEAD; i < length; i++)
         if (!(row[i] >= 0 && row[i] <= 1))
             return btfi_fail(check->log, check->code,

@@ -5,6 +5,7 @@
 #include "effect_errors.h"
 
 #include "decoder/tools/reference_view.h"
+#include "level_filter.h"
 #include "metrics.h"
 #include "report.h"
 
@@ -12,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_WAYS = 512, MOST_TEXELS = 512, CELL_SAMPLES = 2048, MOST_EVALUATIONS = 2000000, ROW_HEAD = 4 };
+enum { MOST_WAYS = 512, MOST_TEXELS = 512, CELL_SAMPLES = 2048, MOST_EVALUATIONS = 2000000, ROW_HEAD = 5 };
 
 #define DEGREE (3.14159265358979323846 / 180)
 
@@ -34,7 +35,10 @@ typedef struct job {
     btf_ref_material material;
     bands views, lights;
     way *ways;
-    size_t n_ways, cells, texels, pairs; /* pairs: directions a texel and pair of bands */
+    size_t n_ways, cells;
+    size_t texels, pairs; /* of the level at hand; pairs: directions a texel and pair of bands */
+    const btf_material *packed;
+    float *rows; /* of the levels so far */
 } job;
 
 /* One band a ring, consecutive rings together where there are more than BTF_MAX_BANDS; limits lie midway
@@ -188,13 +192,15 @@ static btf_result measure_texel(const job *j, size_t index, float *buffer, doubl
     return result;
 }
 
-/* Texels and pairs of directions within the bounds of effect_errors.h. */
-static void choose_samples(job *j) {
+/* Texels and pairs of directions within the bounds of effect_errors.h; a quarter of them for the next
+ * level. */
+static void choose_samples(job *j, int level) {
     const size_t count = enc_data_texel_count(j->data);
     const size_t samples = count * (size_t)j->data->n_views * (size_t)j->data->n_lights;
     size_t each =
         (samples / 2 < MOST_EVALUATIONS ? samples / 2 : MOST_EVALUATIONS) / (j->n_ways * j->cells);
-    each = each > CELL_SAMPLES ? CELL_SAMPLES : each < 16 ? 16 : each;
+    each = (each > CELL_SAMPLES ? CELL_SAMPLES : each) >> (level < 8 ? 2 * level : 16);
+    each = each < 16 ? 16 : each;
     j->texels = count < MOST_TEXELS ? count : MOST_TEXELS;
     if (j->texels > each) {
         j->texels = each;
@@ -233,15 +239,41 @@ static btf_result measure(const job *j, double *total) {
         for (size_t i = 0; i < n * length; i++) {
             total[i % length] += sums[i];
         }
-        enc_stage_step(j->context, n);
     }
+    enc_stage_step(j->context, 1);
     free(sums);
     return result;
 }
 
-/* The attribute's numbers. */
-static void write_values(const job *j, const double *total, float *out) {
+/* Measures all ways in a level (an enc_level_fn) and writes their rows. */
+static btf_result measure_level(void *user, int level, const enc_data *data) {
+    job *j = user;
+    double *total = calloc(j->n_ways * j->cells, 2 * sizeof *total);
+    if (!total) {
+        return BTF_ERROR_MEMORY;
+    }
+    j->data = data;
+    reference_view(j->packed, (uint32_t)level, &j->material);
+    choose_samples(j, level);
+    const btf_result result = measure(j, total);
     const double samples = 3.0 * (double)(j->texels * j->pairs);
+    for (size_t w = 0; result == BTF_OK && w < j->n_ways; w++) {
+        const btf_ref_options *o = &j->ways[w].options;
+        *j->rows++ = (float)o->effects;
+        *j->rows++ = (float)o->components;
+        *j->rows++ = o->interpolation == BTF_REF_NEAREST;
+        *j->rows++ = (float)level;
+        *j->rows++ = (float)j->ways[w].gpu_bytes;
+        for (size_t i = 0; i < 2 * j->cells; i++) {
+            *j->rows++ = fminf((float)(total[2 * w * j->cells + i] / samples), 1.0f);
+        }
+    }
+    free(total);
+    return result;
+}
+
+/* The numbers before the rows; returns where these begin. */
+static float *write_bands(const job *j, float *out) {
     *out++ = (float)j->views.count;
     *out++ = (float)j->lights.count;
     for (int i = 0; i <= j->views.count; i++) {
@@ -250,16 +282,7 @@ static void write_values(const job *j, const double *total, float *out) {
     for (int i = 0; i <= j->lights.count; i++) {
         *out++ = (float)j->lights.limit[i];
     }
-    for (size_t w = 0; w < j->n_ways; w++) {
-        const btf_ref_options *o = &j->ways[w].options;
-        *out++ = (float)o->effects;
-        *out++ = (float)o->components;
-        *out++ = o->interpolation == BTF_REF_NEAREST;
-        *out++ = (float)j->ways[w].gpu_bytes;
-        for (size_t i = 0; i < 2 * j->cells; i++) {
-            *out++ = fminf((float)(total[2 * w * j->cells + i] / samples), 1.0f);
-        }
-    }
+    return out;
 }
 
 btf_result enc_effect_errors(const enc_context *context, const enc_data *data, const btf_material *material,
@@ -272,37 +295,38 @@ btf_result enc_effect_errors(const enc_context *context, const enc_data *data, c
         return result;
     }
     job j = {.context = context,
-             .data = data,
+             .packed = material,
              .views = make_bands(data->views, data->n_views),
              .lights = make_bands(data->lights, data->n_lights)};
-    reference_view(material, 0, &j.material);
     j.cells = (size_t)j.views.count * (size_t)j.lights.count;
     j.ways = calloc(MOST_WAYS, sizeof *j.ways);
+    float *values = NULL;
+    size_t count = 0;
     if (j.ways) {
         make_ways(&j, &info);
-        choose_samples(&j);
-        *out_count = 4 + (size_t)(j.views.count + j.lights.count) + j.n_ways * (ROW_HEAD + 2 * j.cells);
-        *out_values = malloc(*out_count * sizeof **out_values);
+        count = 4 + (size_t)(j.views.count + j.lights.count) +
+                info.levels * j.n_ways * (ROW_HEAD + 2 * j.cells);
+        values = malloc(count * sizeof *values);
     }
-    double *total = calloc(j.n_ways * j.cells + 1, 2 * sizeof *total);
-    if (!j.ways || !*out_values || !total) {
+    if (!values) {
         result = BTF_ERROR_MEMORY;
     } else {
-        enc_stage_begin(context, "effect errors", j.texels);
-        result = measure(&j, total);
+        j.rows = write_bands(&j, values);
+        enc_stage_begin(context, "effect errors", info.levels);
+        result = measure_level(&j, 0, data);
+        if (result == BTF_OK && info.levels > 1) {
+            result = enc_level_each(context, data, (int)info.levels, measure_level, &j);
+        }
         enc_stage_end(context);
     }
-    if (result == BTF_OK) {
-        write_values(&j, total, *out_values);
-    } else {
-        if (result != BTF_ERROR_INTERRUPTED) {
-            enc_fail(context, result, "effect errors: %s", btf_result_text(result));
-        }
-        free(*out_values);
-        *out_values = NULL;
-        *out_count = 0;
-    }
-    free(total);
     free(j.ways);
-    return result;
+    if (result != BTF_OK) {
+        free(values);
+        return result == BTF_ERROR_INTERRUPTED
+                   ? result
+                   : enc_fail(context, result, "effect errors: %s", btf_result_text(result));
+    }
+    *out_values = values;
+    *out_count = count;
+    return BTF_OK;
 }

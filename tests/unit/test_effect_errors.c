@@ -147,11 +147,11 @@ static void errors_are_the_integrals(void **state) {
     assert_memory_equal(e.light_limits, limits, sizeof limits);
     assert_int_equal(e.row_count, 4); /* with gain and without, nearest and interpolated */
     const float *full = find_row(&e, BTF_EFFECT_GAIN, 0), *without = find_row(&e, 0, 0);
-    assert_true(full[3] == (float)(TEXELS * (2 * 16 + DIRECTIONS)));
-    assert_true(without[3] == (float)(TEXELS * 2 * 16));
+    assert_true(full[4] == (float)(TEXELS * (2 * 16 + DIRECTIONS)));
+    assert_true(without[4] == (float)(TEXELS * 2 * 16));
     for (int v = 0; v < RINGS; v++) {
         for (int l = 0; l < RINGS; l++) {
-            const int at = 4 + 2 * (v * RINGS + l);
+            const int at = 5 + 2 * (v * RINGS + l);
             const double expected = lambert_error(limits[l], limits[l + 1]);
             print_message("view band %d, light band %d: full %.1e, without gain %.5f, expected %.5f\n", v,
                           l, (double)full[at], (double)without[at], expected);
@@ -171,11 +171,11 @@ static void errors_are_the_integrals(void **state) {
 /* Every number that cannot be is refused. */
 static void wrong_tables_are_refused(void **state) {
     (void)state;
-    const float good[] = {1, 2, 0, 90, 0, 30, 60, 8, 0, 0, 100, 0.1f, 0.2f, 0.3f, 0.4f};
+    const float good[] = {1, 2, 0, 90, 0, 30, 60, 8, 0, 0, 0, 100, 0.1f, 0.2f, 0.3f, 0.4f};
     enum { COUNT = sizeof good / sizeof *good };
     btf_material *made = with_errors(good, COUNT, BTF_OK);
     assert_int_equal(btf_material_effect_errors(made).row_count, 1);
-    assert_true(btf_material_effect_errors(made).rows[4] == 0.1f);
+    assert_true(btf_material_effect_errors(made).rows[5] == 0.1f);
     btf_material_close(&made);
     const struct {
         size_t index;

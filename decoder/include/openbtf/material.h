@@ -142,8 +142,8 @@ typedef struct btf_level_error {
     float gpu_bytes;   /**< btf_level_bytes() */
 } btf_level_error;
 /** What the encoder measured of the ways to decode, by bands of view and light elevation (FORMAT.md section 7,
- *  openbtf.effectErrors). Row r has 4 + 2 * view_bands * light_bands numbers: btf_effect bits decoded, residual
- *  components, 1 for nearest directions or 0 for interpolated ones, gpu bytes; then, [view band][light band], the
+ *  openbtf.effectErrors). Row r has 5 + 2 * view_bands * light_bands numbers: btf_effect bits decoded, residual
+ *  components, 1 for nearest directions or 0 for interpolated ones, level of detail, gpu bytes of level 0; then, [view band][light band], the
  *  mean squared error of values clipped to [0, 1], linear and sRGB-coded. All 0 and NULL when there is none. */
 typedef struct btf_effect_errors {
     uint32_t view_bands, light_bands;        /**< 1 .. BTF_MAX_BANDS */
