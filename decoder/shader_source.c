@@ -2,6 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "reach.h"
 #include <openbtf/shader.h>
 
 #include <stdarg.h>
@@ -101,7 +102,8 @@ static variant choose(const btf_material_info *info, const btf_shader_options *o
 uint32_t btf_shader_textures(const btf_material_info *info, const btf_shader_options *options) {
     btf_shader_options all = read_options(options);
     variant v = choose(info, &all);
-    uint32_t textures = 1u << BTF_TEXTURE_VIEW_TABLE | 1u << BTF_TEXTURE_LIGHT_TABLE;
+    uint32_t textures = all.fixed & BTF_FIXED_VIEW ? 0 : 1u << BTF_TEXTURE_VIEW_TABLE;
+    textures |= all.fixed & BTF_FIXED_LIGHT ? 0 : 1u << BTF_TEXTURE_LIGHT_TABLE;
     int shadow = (v.effects & BTF_EFFECT_SHADOW) && info->colour != BTF_COLOUR_NONE;
     int shift = (v.effects & BTF_EFFECT_SHIFT) != 0, hidden = (v.effects & BTF_EFFECT_HIDDEN) != 0;
     int gain = (v.effects & BTF_EFFECT_GAIN) != 0;
@@ -163,6 +165,15 @@ static void append_prefixed(text *t, const char *source, const char *prefix) {
     text_append(t, begin, strlen(begin));
 }
 
+/* A direction's neighbours as constants, those of weight 0 last. */
+static void define_fixed(text *t, const char *name, const btfi_directions *directions, const float direction[3],
+                         int nearest) {
+    btfi_neighbours n = btfi_neighbours_of(directions, direction, nearest);
+    text_print(t, "#define BTF_FIXED_%s %u\n", name, n.count);
+    text_print(t, "#define BTF_FIXED_%s_INDEX uvec3(%uu, %uu, %uu)\n", name, n.index[0], n.index[1], n.index[2]);
+    text_print(t, "#define BTF_FIXED_%s_WEIGHT uvec3(%uu, %uu, %uu)\n", name, n.weight[0], n.weight[1], n.weight[2]);
+}
+
 /* The macros of shaders/options.glsl. */
 static void write_macros(text *t, const btf_material *material, const btf_material_info *info,
                          const btf_shader_options *options) {
@@ -183,6 +194,11 @@ static void write_macros(text *t, const btf_material *material, const btf_materi
     text_print(t, "#define BTF_FAST_MATH %d\n", options->math == BTF_MATH_FAST);
     if (options->have_precise)
         text_print(t, "#define BTF_HAVE_PRECISE 1\n");
+    int nearest = options->interpolation == BTF_INTERPOLATION_NEAREST;
+    if (options->fixed & BTF_FIXED_VIEW)
+        define_fixed(t, "VIEW", &material->views, options->fixed_view, nearest);
+    if (options->fixed & BTF_FIXED_LIGHT)
+        define_fixed(t, "LIGHT", &material->lights, options->fixed_light, nearest);
 
     define_uint(t, "BTF_WIDTH", info->width);
     define_uint(t, "BTF_HEIGHT", info->height);
@@ -241,6 +257,12 @@ btf_result btf_shader_source(const btf_material *material, const btf_shader_opti
                  "shader: interpolation %d, filter %d, math %d or bindings %d is unknown",
                  (int)all.interpolation, (int)all.filter, (int)all.math, (int)all.bindings);
         fail(log, message);
+        return BTF_ERROR_USAGE;
+    }
+    if (all.fixed > (BTF_FIXED_VIEW | BTF_FIXED_LIGHT) ||
+        ((all.fixed & BTF_FIXED_VIEW) && !btfi_direction_is_legal(all.fixed_view)) ||
+        ((all.fixed & BTF_FIXED_LIGHT) && !btfi_direction_is_legal(all.fixed_light))) {
+        fail(log, "shader: a fixed direction is not a unit vector above the horizon");
         return BTF_ERROR_USAGE;
     }
     btf_material_info info = {.struct_size = sizeof info};

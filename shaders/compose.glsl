@@ -7,7 +7,8 @@
 /* What does not depend on the texel. */
 struct btf_setting {
     btf_neighbours views, lights;
-    int n;        /* neighbours in use: 1 or 3 */
+    int n;        /* lights in use: 1 to 3 */
+    int n_views;  /* views in use: 1 to 3 */
     vec3 product; /* l * v, by component */
     float cosine; /* l.z, its root in the square-root domain */
     int level;    /* of detail */
@@ -16,13 +17,24 @@ struct btf_setting {
 btf_setting btf_prepare(vec3 l, vec3 v, bool nearest, int level) {
     btf_setting s;
     s.level = level;
+#if BTF_FIXED_VIEW > 0
+    s.views = btf_neighbours(BTF_FIXED_VIEW_INDEX, BTF_FIXED_VIEW_WEIGHT);
+    s.n_views = BTF_FIXED_VIEW;
+#else
     s.views = btf_lookup(btf_view_table, BTF_VIEW_GRID, btf_project(v));
+    s.n_views = 3;
+#endif
+#if BTF_FIXED_LIGHT > 0
+    s.lights = btf_neighbours(BTF_FIXED_LIGHT_INDEX, BTF_FIXED_LIGHT_WEIGHT);
+    s.n = BTF_FIXED_LIGHT;
+#else
     s.lights = btf_lookup(btf_light_table, BTF_LIGHT_GRID, btf_project(l));
     s.n = 3;
+#endif
     if (nearest) {
         s.views = btf_nearest(s.views);
         s.lights = btf_nearest(s.lights);
-        s.n = 1;
+        s.n = s.n_views = 1;
     }
     s.product = btf_mul(l, v);
 #if BTF_DOMAIN_SQRT
@@ -101,7 +113,7 @@ void btf_add_view(inout vec3 sum[BTF_TEXELS], uvec2 x[BTF_TEXELS], uint view, fl
 
 /* Radiance of each texel x: the neighbouring views, blended. */
 void btf_texels(inout vec3 sum[BTF_TEXELS], uvec2 x[BTF_TEXELS], btf_setting s) {
-    for (int a = 0; a < s.n; ++a)
+    for (int a = 0; a < s.n_views; ++a)
         if (s.views.weight[a] > 0u)
             btf_add_view(sum, x, s.views.index[a],
                          btf_mul(float(s.views.weight[a]), uintBitsToFloat(0x39800000u)), s);

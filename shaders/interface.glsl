@@ -50,8 +50,12 @@ BTF_UNIFORM(BTF_BINDING_RESIDUAL_TEXELS) highp isampler2DArray btf_residual_texe
 BTF_UNIFORM(BTF_BINDING_RESIDUAL_DIRECTIONS) highp isampler2DArray btf_residual_directions;
 BTF_UNIFORM(BTF_BINDING_RESIDUAL_SCALES) highp sampler2D btf_residual_scales;
 #endif
+#if BTF_FIXED_VIEW == 0
 BTF_UNIFORM(BTF_BINDING_VIEW_TABLE) highp usampler2D btf_view_table;
+#endif
+#if BTF_FIXED_LIGHT == 0
 BTF_UNIFORM(BTF_BINDING_LIGHT_TABLE) highp usampler2D btf_light_table;
+#endif
 #endif
 
 #if !BTF_HAVE_PRECISE && !BTF_FAST_MATH && !defined(BTF_ZERO)

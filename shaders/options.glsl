@@ -20,6 +20,9 @@
  *   how to decode
  *     BTF_NEAREST        1: btf_evaluate takes the nearest directions, 0: it interpolates between three
  *     BTF_BILINEAR       1: four decoded texels are blended, 0: one texel
+ *     BTF_FIXED_VIEW     0, or how many neighbours (1 to 3) the one view has that is ever seen; then
+ *                        BTF_FIXED_VIEW_INDEX and BTF_FIXED_VIEW_WEIGHT are uvec3 of them, and btf_evaluate
+ *                        must be handed this view. BTF_FIXED_LIGHT... likewise. Default 0
  *     BTF_FAST_MATH      1: the device's own log2 and exp2, and no order of operations kept
  *   the device
  *     BTF_HAVE_PRECISE   1: the qualifier `precise` exists. Told from the version; define it as 1 when you
@@ -50,6 +53,12 @@
 #endif
 #ifndef BTF_FAST_MATH
 #define BTF_FAST_MATH 0
+#endif
+#ifndef BTF_FIXED_VIEW
+#define BTF_FIXED_VIEW 0
+#endif
+#ifndef BTF_FIXED_LIGHT
+#define BTF_FIXED_LIGHT 0
 #endif
 #ifndef BTF_HAVE_PRECISE
 #if defined(GL_ES)

@@ -50,6 +50,13 @@ typedef enum btf_bindings {
     BTF_BINDINGS_VULKAN = 2, /**< `layout(set = s, binding = n) uniform` */
 } btf_bindings;
 
+/** Directions that never change. The shader fetches no table for them: their neighbours are constants. What is
+ *  handed to btf_evaluate must be this direction, bit for bit. */
+typedef enum btf_fixed {
+    BTF_FIXED_VIEW = 1,
+    BTF_FIXED_LIGHT = 2,
+} btf_fixed;
+
 /** How to decode. All zeros is a good default; a null pointer means that too. */
 typedef struct btf_shader_options {
     size_t struct_size;  /**< sizeof(btf_shader_options) */
@@ -67,6 +74,9 @@ typedef struct btf_shader_options {
     const char *prefix;      /**< the names' prefix, so that two materials fit one program; default "btf".
                                   Lower-case letters, digits and single underscores, at most 32, first a letter,
                                   last no underscore; macros get the same in upper case. */
+    uint32_t fixed;       /**< btf_fixed bits; default 0 */
+    float fixed_view[3];  /**< unit, of the tangent frame; read where `fixed` says so */
+    float fixed_light[3];
 } btf_shader_options;
 
 /** @return a bit (1 << btf_texture_id) for each texture that the shader of these options reads. */

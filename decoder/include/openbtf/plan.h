@@ -1,0 +1,89 @@
+/* OpenBTF: only what a scene calls for.
+ *
+ * A scene says from where a material is seen and lit; a plan is the cheapest way to decode it there whose
+ * error, as the encoder measured it (btf_material_effect_errors), stays within a tolerance of the full
+ * decode; a restricted material holds what the plan reads and nothing else.
+ *
+ *     btf_scene scene = {.struct_size = sizeof scene, .view.theta = {0, 30}};
+ *     btf_plan plan;
+ *     btf_material *small;
+ *     btf_plan_effects(material, &scene, 0.5f, &plan);
+ *     btf_material_restrict(material, &plan, log, &small);
+ *     ... btf_shader_source(small, &plan.shader, ...), btf_gl_upload(small, {.shader = &plan.shader}, ...)
+ *
+ * Thread rule: every function is pure.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_PLAN_H
+#define OPENBTF_PLAN_H
+
+#include <openbtf/shader.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Directions of the tangent frame, degrees (FORMAT.md section 1). All zeros: every direction. */
+typedef struct btf_range {
+    float theta[2]; /**< least and greatest, within 0..90; both 0: 0..90 */
+    float phi[2];   /**< azimuths from phi[0] counter-clockwise to phi[1], within -360..360; equal: all */
+    int fixed;      /**< 1: one direction alone, `direction`; theta and phi are not read */
+    float direction[3]; /**< unit, z > 0 */
+} btf_range;
+
+/** What is to be shown. All zeros after struct_size: everything, one light, a texel a pixel. */
+typedef struct btf_scene {
+    size_t struct_size; /**< sizeof(btf_scene) */
+    btf_range view, light;
+    float pixels;    /**< side of a texel on the screen in pixels, where it is largest; 0: 1 */
+    uint32_t lights; /**< evaluations a pixel; 0: 1 */
+    int interpolate; /**< 1: never nearest directions, which jump when view or light move */
+} btf_scene;
+
+/** How to decode a scene, and what that costs. Cost is in nanoseconds a pixel of the machine that the model
+ * was fitted on (see btf_plan_cost): only ratios mean something. PSNR in dB as in btf_effect_errors, over
+ * the directions of the scene, uniform in solid angle. */
+typedef struct btf_plan {
+    size_t struct_size; /**< sizeof(btf_plan) */
+    btf_scene scene;
+    btf_shader_options shader; /**< for the material and for its restriction, a fixed view or light
+                                  included; you may set bindings, prefix, math */
+    uint32_t effects;          /**< btf_effect bits decoded */
+    uint32_t components;       /**< of the residual decoded */
+    uint32_t level;            /**< of detail; finer ones are not needed */
+    uint32_t textures;         /**< a bit (1 << btf_texture_id) for each texture that the shader reads */
+    uint32_t views, lights;    /**< sampled directions that the scene can reach */
+    size_t gpu_bytes;          /**< of the restricted material, as in btf_material_info */
+    size_t full_gpu_bytes;     /**< of the whole material */
+    float cost, full_cost;
+    int measured;                 /**< 0: the file has no effect errors; everything is decoded, PSNR is 0 */
+    float psnr_linear, psnr_srgb; /**< predicted */
+    float full_psnr_linear, full_psnr_srgb; /**< predicted for the full decode of the same level */
+} btf_plan;
+
+/** Finds the plan whose PSNR, linear and sRGB-coded, is at most @p tolerance dB below the full decode's and
+ * whose mean of relative cost and relative bytes is least. Ways of the table of effect errors are compared
+ * by their mean over the bands that the ranges meet. The level is the coarsest whose texels are not larger
+ * than a pixel; the filter is bilinear where a texel is larger than a pixel and a half. No memory is
+ * allocated. Errors: BTF_ERROR_USAGE (a range that is none, a negative or infinite number). */
+btf_result btf_plan_effects(const btf_material *material, const btf_scene *scene, float tolerance,
+                            btf_plan *out_plan);
+
+/** Cost of one evaluation by a shader of these options, in nanoseconds of one core (llvmpipe):
+ *  FORMAT.md section 9 counted as fetches and arithmetic. */
+float btf_plan_cost(const btf_material *material, const btf_shader_options *options);
+
+/** A material with what a plan reads: views and lights that its ranges reach (all where the file's
+ * triangulation cannot be kept otherwise), its effects, components, its level and coarser ones, centres in
+ * use; layout `tight`. Inside the ranges it decodes, with plan->shader, bit for bit what the material
+ * decodes with them; level plan->level of the material is level 0. Outside, a direction counts as the
+ * nearest one that was kept (section 6). It can be saved and opened like any material. Errors:
+ * BTF_ERROR_USAGE, BTF_ERROR_MEMORY. */
+btf_result btf_material_restrict(const btf_material *material, const btf_plan *plan, const btf_log *log,
+                                 btf_material **out_material);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,365 @@
+/* Plans: the cheapest way within the tolerance; restricted materials decode in range, bit for bit, what the whole
+ * one does; fixed directions have the neighbours that the reference finds.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "btf_reference.h"
+#include "decoder/tools/reference_view.h"
+#include "random_material.h"
+#include <math.h>
+#include <openbtf/plan.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A direction at polar angles in degrees. */
+static void at_angles(double theta, double phi, float out[3]) {
+    const double s = sin(theta * M_PI / 180);
+    out[0] = (float)(s * cos(phi * M_PI / 180));
+    out[1] = (float)(s * sin(phi * M_PI / 180));
+    out[2] = (float)cos(theta * M_PI / 180);
+}
+
+/* A direction of the range: its borders, the samples in it and anything between. */
+static void random_in_range(random_state *r, const btf_range *range, const btf_directions *list, float out[3]) {
+    if (range->fixed) {
+        memcpy(out, range->direction, 3 * sizeof *out);
+        return;
+    }
+    const bool all = range->theta[0] == 0 && range->theta[1] == 0;
+    const double low = range->theta[0], high = all ? 89.9 : range->theta[1];
+    double turn = fmod((double)range->phi[1] - range->phi[0] + 720, 360);
+    turn = turn > 0 ? turn : 360;
+    const uint32_t kind = random_below(r, 8);
+    if (kind == 0) { /* a sample, if it is in range */
+        const float *d = list->xyz + 3 * (size_t)random_below(r, list->count);
+        const double theta = acos(fmin((double)d[2], 1)) * 180 / M_PI;
+        const double phi = fmod(atan2((double)d[1], (double)d[0]) * 180 / M_PI - range->phi[0] + 1080, 360);
+        if (theta >= low && theta <= high && phi <= turn) {
+            memcpy(out, d, 3 * sizeof *out);
+            return;
+        }
+    }
+    const double theta = kind == 1 ? low : kind == 2 ? high : low + (high - low) * random_unit(r);
+    const double part = kind == 3 ? 0 : kind == 4 ? 1 : random_unit(r);
+    at_angles(fmin(theta, 89.9), range->phi[0] + turn * part, out);
+}
+
+static btf_material *make(btf_material_desc *desc, random_state *r) {
+    btf_material *material = NULL;
+    random_material_fill(r, desc);
+    assert_int_equal(btf_material_create(desc, NULL, &material), BTF_OK);
+    random_material_free(desc);
+    return material;
+}
+
+static btf_range random_range(random_state *r) {
+    btf_range range = {0};
+    switch (random_below(r, 5)) {
+    case 0:
+        break;
+    case 1: {
+        range.fixed = 1;
+        at_angles(random_below(r, 3) ? 89 * random_unit(r) : 15.0 * random_below(r, 6),
+                  random_below(r, 3) ? 360 * random_unit(r) : 15.0 * random_below(r, 24), range.direction);
+        break;
+    }
+    default:
+        range.theta[0] = random_below(r, 2) ? 0 : (float)(80 * random_unit(r));
+        range.theta[1] = range.theta[0] + (float)((90 - range.theta[0]) * random_unit(r));
+        if (random_below(r, 2)) {
+            range.phi[0] = (float)(720 * random_unit(r) - 360);
+            range.phi[1] = (float)(720 * random_unit(r) - 360);
+        }
+    }
+    return range;
+}
+
+static btf_ref_options reference_options(const btf_shader_options *o) {
+    return (btf_ref_options){.effects = BTF_EFFECT_ALL & ~o->leave_out,
+                             .components = o->components ? o->components : UINT32_MAX,
+                             .interpolation =
+                                 o->interpolation == BTF_INTERPOLATION_NEAREST ? BTF_REF_NEAREST : BTF_REF_LINEAR,
+                             .filter = o->filter == BTF_FILTER_BILINEAR ? BTF_REF_BILINEAR : BTF_REF_TEXEL};
+}
+
+/* Decodes both in the ranges; returns how many values were not zero. */
+static int compare(random_state *r, const btf_material *whole, const btf_material *small, const btf_plan *plan,
+                   int count) {
+    btf_ref_material a, b;
+    reference_view(whole, plan->level, &a);
+    reference_view(small, 0, &b);
+    const btf_ref_options options = reference_options(&plan->shader);
+    const btf_directions views = btf_material_views(whole), lights = btf_material_lights(whole);
+    int lit = 0;
+    for (int i = 0; i < count; i++) {
+        float view[3], light[3], rgb[2][3];
+        random_in_range(r, &plan->scene.view, &views, view);
+        random_in_range(r, &plan->scene.light, &lights, light);
+        const float u = (float)random_unit(r), v = (float)random_unit(r);
+        btf_ref_evaluate(&a, &options, u, v, light, view, rgb[0]);
+        btf_ref_evaluate(&b, &options, u, v, light, view, rgb[1]);
+        assert_memory_equal(rgb[0], rgb[1], sizeof rgb[0]);
+        lit += rgb[0][0] > 0;
+    }
+    return lit;
+}
+
+static void restrictions_decode_alike(void **state) {
+    (void)state;
+    enum { MATERIALS = 60, PLANS = 12, SAMPLES = 60 };
+    random_state r = {7};
+    int lit = 0, fewer = 0;
+    for (int m = 0; m < MATERIALS; m++) {
+        const uint32_t effects = random_below(&r, 32);
+        const btf_layout layout = m % 2 ? BTF_LAYOUT_PAPER : BTF_LAYOUT_TIGHT;
+        static const uint32_t counts[] = {1, 2, 5, 37, 81, 81};
+        btf_material_desc desc = random_material_desc(9, 6, counts[random_below(&r, 6)], counts[random_below(&r, 6)],
+                                                      layout, effects);
+        desc.info.domain = random_below(&r, 2) ? BTF_DOMAIN_SQRT : BTF_DOMAIN_LINEAR;
+        desc.info.levels = layout == BTF_LAYOUT_TIGHT ? 1 + random_below(&r, 3) : 1;
+        desc.info.gain_scale = random_below(&r, 3) ? BTF_GAIN_SCALE : 0x1.8p-6f;
+        desc.info.colour = (btf_colour)random_below(&r, 2);
+        if ((effects & BTF_EFFECT_RESIDUAL) && random_below(&r, 3) == 0) {
+            desc.info.colour = BTF_COLOUR_NONE;
+            desc.info.lobes = 0;
+        }
+        if (random_below(&r, 3) == 0) {
+            random_directions(&r, desc.info.n_views, 85, (float *)(uintptr_t)desc.views);
+            random_directions(&r, desc.info.n_lights, 70, (float *)(uintptr_t)desc.lights);
+        }
+        btf_material *whole = make(&desc, &r);
+        btf_material_info info = {.struct_size = sizeof info}, less = {.struct_size = sizeof less};
+        btf_material_get_info(whole, &info);
+        for (int p = 0; p < PLANS; p++) {
+            btf_scene scene = {.struct_size = sizeof scene, .view = random_range(&r), .light = random_range(&r)};
+            scene.pixels = random_below(&r, 2) ? 1 : 0.3f;
+            btf_plan plan;
+            assert_int_equal(btf_plan_effects(whole, &scene, 0.5f, &plan), BTF_OK);
+            /* Any subset, whatever a table might say. */
+            plan.effects = info.effects & random_below(&r, 32);
+            plan.components = plan.effects & BTF_EFFECT_RESIDUAL ? 1 + random_below(&r, info.components) : 0;
+            plan.shader.leave_out = info.effects & ~plan.effects;
+            plan.shader.components = plan.components;
+            plan.shader.interpolation = (btf_interpolation)random_below(&r, 2);
+            plan.shader.filter = (btf_filter)random_below(&r, 2);
+            btf_material *small = NULL;
+            assert_int_equal(btf_material_restrict(whole, &plan, NULL, &small), BTF_OK);
+            btf_material_get_info(small, &less);
+            assert_true(less.n_views == plan.views && less.n_lights == plan.lights);
+            assert_int_equal(less.levels, info.levels - plan.level);
+            fewer += less.n_views < info.n_views || less.n_lights < info.n_lights;
+            lit += compare(&r, whole, small, &plan, SAMPLES);
+            btf_material_close(&small);
+        }
+        btf_material_close(&whole);
+    }
+    print_message("%d of %d samples lit, %d restrictions of directions\n", lit, MATERIALS * PLANS * SAMPLES, fewer);
+    assert_true(lit > MATERIALS * PLANS * SAMPLES / 4 && fewer > MATERIALS * PLANS / 4);
+}
+
+/* Few directions are enough for few directions, and each texture shrinks with them. */
+static void restrictions_are_small(void **state) {
+    (void)state;
+    random_state r = {3};
+    btf_material_desc desc = random_material_desc(16, 16, 81, 81, BTF_LAYOUT_PAPER,
+                                                  BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN);
+    float *xyz = (float *)(uintptr_t)desc.views;
+    random_ubo2003((float(*)[3])xyz);
+    memcpy((float *)(uintptr_t)desc.lights, xyz, 81 * 3 * sizeof *xyz);
+    btf_material *whole = make(&desc, &r), *small = NULL;
+    const btf_scene top = {.struct_size = sizeof top, .view.theta = {0, 10}, .light = {.fixed = 1, .direction = {0, 0, 1}}};
+    btf_plan plan;
+    btf_material_info info = {.struct_size = sizeof info};
+    assert_int_equal(btf_plan_effects(whole, &top, 0.5f, &plan), BTF_OK);
+    assert_int_equal(plan.measured, 0); /* no table: everything is decoded */
+    assert_int_equal(plan.effects, BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN);
+    assert_int_equal(plan.views, 7); /* the pole and the ring around it */
+    assert_int_equal(plan.lights, 3);
+    assert_int_equal(plan.textures & (1u << BTF_TEXTURE_LIGHT_TABLE), 0);
+    assert_int_equal(btf_material_restrict(whole, &plan, NULL, &small), BTF_OK);
+    btf_material_get_info(small, &info);
+    assert_int_equal(info.layout, BTF_LAYOUT_TIGHT);
+    assert_int_equal(info.n_views, 7);
+    assert_int_equal(info.n_lights, 3);
+    assert_int_equal(info.gpu_bytes, 256 * (4 * 16 + 3 + 7 * 3) + info.centres * 3 * 4);
+    assert_true(info.gpu_bytes <= plan.gpu_bytes && plan.gpu_bytes < plan.full_gpu_bytes / 2);
+    void *data;
+    size_t size;
+    btf_material *back = NULL;
+    assert_int_equal(btf_material_save_memory(small, NULL, &data, &size), BTF_OK); /* a material like any */
+    assert_int_equal(btf_material_open_memory(data, size, NULL, &back), BTF_OK);
+    compare(&r, whole, back, &plan, 500);
+    btf_free(data);
+    btf_material_close(&back);
+    btf_material_close(&small);
+    btf_material_close(&whole);
+}
+
+/* The number after a macro's name. */
+static unsigned number_after(const char *text, const char *name, int skip) {
+    const char *at = strstr(text, name);
+    assert_non_null(at);
+    at += strlen(name);
+    for (int i = 0; i <= skip; i++) {
+        at += strcspn(at, " (,");
+        at += strspn(at, " (,");
+        if (strncmp(at, "uvec3(", 6) == 0)
+            at += 6;
+    }
+    return (unsigned)strtoul(at, NULL, 10);
+}
+
+static void fixed_neighbours_are_the_reference_s(void **state) {
+    (void)state;
+    random_state r = {11};
+    btf_material_desc desc = random_material_desc(4, 4, 81, 30, BTF_LAYOUT_TIGHT, 0);
+    btf_material *material = make(&desc, &r);
+    btf_ref_material m;
+    reference_view(material, 0, &m);
+    for (int i = 0; i < 300; i++) {
+        btf_shader_options o = {.struct_size = sizeof o, .fixed = BTF_FIXED_LIGHT};
+        at_angles(89.9 * random_unit(&r), 360 * random_unit(&r), o.fixed_light);
+        o.interpolation = (btf_interpolation)(i & 1);
+        char *text = NULL;
+        int32_t q[2];
+        assert_int_equal(btf_shader_source(material, &o, NULL, &text), BTF_OK);
+        btf_ref_project(o.fixed_light, q);
+        btf_ref_neighbours n = btf_ref_lookup(m.light_table, m.light_grid, q);
+        n = i & 1 ? btf_ref_nearest(n) : n;
+        unsigned count = 0;
+        for (int k = 0; k < 3; k++)
+            if (n.weight[k] > 0) {
+                assert_int_equal(number_after(text, "BTF_FIXED_LIGHT_INDEX", (int)count), n.index[k]);
+                assert_int_equal(number_after(text, "BTF_FIXED_LIGHT_WEIGHT", (int)count), n.weight[k]);
+                count++;
+            }
+        assert_int_equal(number_after(text, "BTF_FIXED_LIGHT", 0), count);
+        btf_free(text);
+    }
+    const btf_shader_options below = {.struct_size = sizeof below, .fixed = BTF_FIXED_VIEW, .fixed_view = {1, 0, 0}};
+    char *text = NULL;
+    assert_int_equal(btf_shader_source(material, &below, NULL, &text), BTF_ERROR_USAGE);
+    assert_null(text);
+    btf_material_close(&material);
+}
+
+enum { EFFECTS = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL };
+
+/* Two bands of views, 0..30 and 30..75; one of lights. Rows: effects, components, nearest, level, bytes, then
+ * linear and sRGB errors of each band. */
+static const float known_table[] = {
+    2, 1, 0, 30, 75, 0, 75,
+    EFFECTS, 8, 0, 0, 0, 0.001f, 0.002f, 0.002f, 0.004f,                                    /* everything */
+    EFFECTS, 4, 0, 0, 0, 0.0011f, 0.0021f, 0.004f, 0.008f,                                  /* fine from the top */
+    BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL, 8, 0, 0, 0, 0.00105f, 0.00205f, 0.1f, 0.1f,      /* likewise */
+    BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL, 4, 0, 0, 0, 0.00115f, 0.0022f, 0.1f, 0.1f,       /* likewise, cheapest */
+    BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL, 4, 1, 0, 0, 0.00108f, 0.0042f, 0.1f, 0.1f,       /* wrong in sRGB */
+    BTF_EFFECT_RESIDUAL, 4, 0, 0, 0, 0.0016f, 0.0025f, 0.3f, 0.3f,                          /* 2 dB below */
+    EFFECTS, 8, 0, 1, 0, 0.0005f, 0.0005f, 0.0005f, 0.0005f,                                /* level 1 */
+    BTF_EFFECT_RESIDUAL, 4, 1, 1, 0, 0.0005f, 0.0005f, 0.0005f, 0.0005f,
+};
+
+static void plans_follow_the_table(void **state) {
+    (void)state;
+    random_state r = {5};
+    btf_material_desc desc = random_material_desc(16, 16, 81, 81, BTF_LAYOUT_TIGHT, EFFECTS);
+    desc.info.colour = BTF_COLOUR_NONE;
+    desc.info.lobes = 0;
+    desc.info.components = 8;
+    desc.info.levels = 2;
+    desc.effect_errors = known_table;
+    desc.effect_error_count = sizeof known_table / sizeof *known_table;
+    btf_material *material = make(&desc, &r);
+    btf_scene scene = {.struct_size = sizeof scene};
+    btf_plan plan;
+
+    assert_int_equal(btf_plan_effects(material, &scene, 0.5f, &plan), BTF_OK); /* everywhere: everything */
+    assert_true(plan.measured && plan.effects == EFFECTS && plan.components == 8);
+    assert_true(plan.psnr_linear == plan.full_psnr_linear);
+    const double top = 1 - cos(M_PI / 6), rest = cos(M_PI / 6) - cos(75 * M_PI / 180);
+    const double mean = (0.001 * top + 0.002 * rest) / (top + rest);
+    assert_true(fabs(plan.psnr_linear + 10 * log10(mean)) < 1e-3);
+
+    scene.view.theta[1] = 30; /* from the top: no shifts, half of the components */
+    assert_int_equal(btf_plan_effects(material, &scene, 0.7f, &plan), BTF_OK);
+    assert_int_equal(plan.effects, BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL);
+    assert_int_equal(plan.components, 4);
+    assert_int_equal(plan.shader.leave_out, BTF_EFFECT_SHIFT);
+    assert_int_equal(plan.shader.interpolation, BTF_INTERPOLATION_LINEAR);
+    assert_int_equal(plan.textures & (1u << BTF_TEXTURE_SHIFT), 0);
+    assert_true(fabs(plan.psnr_linear + 10 * log10(0.00115)) < 1e-3);
+    assert_true(fabs(plan.psnr_srgb + 10 * log10(0.0022)) < 1e-3);
+    assert_true(plan.cost < plan.full_cost && plan.gpu_bytes < plan.full_gpu_bytes);
+    assert_int_equal(btf_plan_effects(material, &scene, 0.3f, &plan), BTF_OK); /* less loss: more components */
+    assert_true(plan.effects == (BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL) && plan.components == 8);
+    assert_int_equal(btf_plan_effects(material, &scene, 3, &plan), BTF_OK);
+    assert_int_equal(plan.effects, BTF_EFFECT_RESIDUAL);
+    assert_int_equal(btf_plan_effects(material, &scene, 0, &plan), BTF_OK);
+    assert_int_equal(plan.effects, EFFECTS);
+
+    scene.pixels = 0.5f; /* far away: a coarser level */
+    assert_int_equal(btf_plan_effects(material, &scene, 0.5f, &plan), BTF_OK);
+    assert_int_equal(plan.level, 1);
+    assert_true(plan.effects == BTF_EFFECT_RESIDUAL && plan.shader.interpolation == BTF_INTERPOLATION_NEAREST);
+    scene.interpolate = 1;
+    assert_int_equal(btf_plan_effects(material, &scene, 0.5f, &plan), BTF_OK);
+    assert_true(plan.effects == EFFECTS && plan.shader.interpolation == BTF_INTERPOLATION_LINEAR);
+    scene.pixels = 0.6f;
+    scene.lights = 3;
+    assert_int_equal(btf_plan_effects(material, &scene, 0.5f, &plan), BTF_OK);
+    assert_int_equal(plan.level, 0);
+    assert_true(plan.full_cost == 3 * btf_plan_cost(material, &(btf_shader_options){.struct_size = sizeof(btf_shader_options)}));
+    scene.pixels = 2;
+    assert_int_equal(btf_plan_effects(material, &scene, 0.5f, &plan), BTF_OK);
+    assert_int_equal(plan.shader.filter, BTF_FILTER_BILINEAR);
+    btf_material_close(&material);
+}
+
+static void wrong_scenes_are_refused(void **state) {
+    (void)state;
+    random_state r = {5};
+    btf_material_desc desc = random_material_desc(4, 4, 7, 7, BTF_LAYOUT_TIGHT, 0);
+    btf_material *material = make(&desc, &r), *small = (btf_material *)&desc;
+    const btf_scene good = {.struct_size = sizeof good};
+    btf_scene wrong[8];
+    for (int i = 0; i < 8; i++)
+        wrong[i] = good;
+    wrong[0].view.theta[1] = 91;
+    wrong[1].light.theta[0] = 3; /* above theta[1] */
+    wrong[2].view.phi[0] = NAN;
+    wrong[3].pixels = -1;
+    wrong[4].light.fixed = 1; /* no unit vector */
+    wrong[5].view = (btf_range){.fixed = 1, .direction = {1, 0, 0}};
+    wrong[6].pixels = INFINITY;
+    wrong[7].view.phi[1] = 400;
+    btf_plan plan;
+    for (int i = 0; i < 8; i++)
+        assert_int_equal(btf_plan_effects(material, &wrong[i], 0.5f, &plan), BTF_ERROR_USAGE);
+    assert_int_equal(btf_plan_effects(material, &good, -1, &plan), BTF_ERROR_USAGE);
+    assert_int_equal(btf_plan_effects(material, &good, NAN, &plan), BTF_ERROR_USAGE);
+    assert_int_equal(btf_plan_effects(material, NULL, 0, &plan), BTF_OK);
+    plan.level = 1;
+    assert_int_equal(btf_material_restrict(material, &plan, NULL, &small), BTF_ERROR_USAGE);
+    assert_null(small);
+    btf_material_close(&material);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(restrictions_decode_alike),
+        cmocka_unit_test(restrictions_are_small),
+        cmocka_unit_test(fixed_neighbours_are_the_reference_s),
+        cmocka_unit_test(plans_follow_the_table),
+        cmocka_unit_test(wrong_scenes_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
