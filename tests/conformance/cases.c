@@ -117,6 +117,31 @@ void case_direction(random_state *r, const btf_directions *list, float out[3]) {
     out[2] = (float)z;
 }
 
+void case_in_range(random_state *r, const btf_range *range, const btf_directions *list, float out[3]) {
+    if (range->fixed) {
+        memcpy(out, range->direction, 3 * sizeof *out);
+        return;
+    }
+    const double degree = M_PI / 180;
+    const int all = range->theta[0] == 0 && range->theta[1] == 0;
+    const double low = (double)range->theta[0], high = fmin(all ? 90 : (double)range->theta[1], 89.99);
+    double turn = fmod((double)range->phi[1] - (double)range->phi[0] + 720, 360);
+    turn = turn > 0 ? turn : 360;
+    const uint32_t kind = random_below(r, 8);
+    if (kind == 0) {
+        const float *d = list->xyz + 3 * (size_t)random_below(r, list->count);
+        const double theta = acos(fmin((double)d[2], 1)) / degree;
+        const double phi = fmod(atan2((double)d[1], (double)d[0]) / degree - (double)range->phi[0] + 1080, 360);
+        if (theta >= low && theta <= high && phi <= turn) {
+            memcpy(out, d, 3 * sizeof *out);
+            return;
+        }
+    }
+    const double theta = kind == 1 ? low : kind == 2 ? high : random_between(r, low, high);
+    const double part = kind == 3 ? 0 : kind == 4 ? turn : random_between(r, 0, turn);
+    from_angles(theta * degree, ((double)range->phi[0] + part) * degree, out);
+}
+
 void case_make(random_state *r, const btf_material *material, uint32_t out[CASE_WORDS]) {
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(material, &info);

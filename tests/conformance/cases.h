@@ -6,7 +6,7 @@
 #define OPENBTF_CONFORMANCE_CASES_H
 
 #include "random.h"
-#include <openbtf/material.h>
+#include <openbtf/plan.h>
 
 /* u, v, light xyz, view xyz, as bits: what gpu_run takes. */
 enum { CASE_WORDS = 8 };
@@ -19,5 +19,8 @@ void case_make(random_state *r, const btf_material *material, uint32_t out[CASE_
 /* A texture coordinate, and a direction, of the same kinds. */
 float case_coordinate(random_state *r, uint32_t size);
 void case_direction(random_state *r, const btf_directions *list, float out[3]);
+
+/* A direction of a range: its borders, samples of the list, anything between. */
+void case_in_range(random_state *r, const btf_range *range, const btf_directions *list, float out[3]);
 
 #endif
