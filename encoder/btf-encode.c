@@ -24,7 +24,7 @@ static struct {
     double hidden_threshold, error_threshold, btf_threshold;
     int window[2];
     bool data_points, quiet;
-} o = {.job = {.levels = 1}, .effects = UINT32_MAX, .hidden_threshold = 0.7, .window = {256, 256}};
+} o = {.job = {.levels = 1}, .effects = UINT32_MAX, .hidden_threshold = 0.7};
 
 static const char *parse_levels(const char *text, void *value) {
     int *levels = value, used = 0;
@@ -145,7 +145,7 @@ static const cli_option table[] = {
      .value = o.window,
      .minimum = 1,
      .maximum = 16384,
-     .help = "paper: search window of the refinement; default 256x256"},
+     .help = "paper: search window of the refinement; default 256x256, and\n64x64 around the voted shift beyond 64x64 texels"},
     {.name = "centres",
      .type = CLI_INT,
      .value = &o.centres,
@@ -286,7 +286,11 @@ static void describe_all(void) {
             describe("flow-lights", "all");
         }
         describe("hidden-threshold", "%g", o.hidden_threshold);
-        describe("window", "%dx%d", paper->refine.columns, paper->refine.rows);
+        if (paper->refine.columns > 0) {
+            describe("window", "%dx%d", paper->refine.columns, paper->refine.rows);
+        } else {
+            describe("window", "default");
+        }
         if (paper->centres > 0) {
             describe("centres", "%u", paper->centres);
         }

@@ -5,6 +5,7 @@
 #include "cluster.h"
 
 #include "kmeans.h"
+#include "kmeans_split.h"
 #include "profiles.h"
 
 #include <assert.h>
@@ -12,7 +13,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_CENTRES = 65536, DEFAULT_ITERATIONS = 30 };
+enum {
+    MAX_CENTRES = 65536,
+    DEFAULT_ITERATIONS = 30,
+    MOST_POINTS = 4096, /* that are clustered together: all of a view up to 64x64 texels */
+};
 
 /* What is left to a view after whole centres are dealt, as a fraction. */
 static size_t most_left(int n_views, const size_t *distinct, const size_t *shares, const double *left) {
@@ -98,18 +103,49 @@ typedef struct cluster_stage {
     float *centres; /* [k][stride] */
 } cluster_stage;
 
-/* The hidden points of one view. */
+/* The hidden points of one view, in parts that are clustered apart. */
 typedef struct view_points {
-    size_t n;
+    size_t n, parts;
+    size_t *first;   /* [parts + 1] */
     size_t *texels;  /* [n] */
     float *rows;     /* [n][stride], square root of radiance unless options.linear */
     uint32_t *index; /* [n] nearest centre, zeros */
 } view_points;
 
 static void points_free(view_points *p) {
+    free(p->first);
     free(p->texels);
     free(p->rows);
     free(p->index);
+}
+
+/* Puts the points in the order of their parts. */
+static btf_result sort_points(const cluster_stage *s, view_points *p) {
+    size_t *order = malloc(p->n * sizeof *order), *texels = malloc(p->n * sizeof *texels);
+    float *rows = malloc(p->n * s->stride * sizeof *rows);
+    btf_result result = order && texels && rows ? BTF_OK : BTF_ERROR_MEMORY;
+    if (result == BTF_OK)
+        result = enc_kmeans_split(p->n, s->stride, p->rows, MOST_POINTS, order, p->first, &p->parts);
+    for (size_t i = 0; i < p->n && result == BTF_OK; i++) {
+        texels[i] = p->texels[order[i]];
+        memcpy(rows + i * s->stride, p->rows + order[i] * s->stride, s->stride * sizeof *rows);
+    }
+    free(order);
+    if (result != BTF_OK) {
+        free(texels);
+        free(rows);
+        return result;
+    }
+    free(p->texels);
+    free(p->rows);
+    p->texels = texels;
+    p->rows = rows;
+    return BTF_OK;
+}
+
+/* The first of a part's centres among the view's: shares of the parts follow their points. */
+static size_t part_centre(const cluster_stage *s, int view, const view_points *p, size_t part) {
+    return s->shares[view] * p->first[part] / p->n;
 }
 
 static btf_result points_of_view(const cluster_stage *s, int view, view_points *out) {
@@ -118,12 +154,13 @@ static btf_result points_of_view(const cluster_stage *s, int view, view_points *
     *out = p;
     if (p.n == 0)
         return BTF_OK;
+    p.first = malloc((p.n / MOST_POINTS * 2 + 3) * sizeof *p.first);
     p.texels = malloc(p.n * sizeof *p.texels);
     p.rows = calloc(p.n * s->stride, sizeof *p.rows);
     p.index = calloc(p.n, sizeof *p.index);
     float *profiles = enc_profiles_create(p.n, s->data->n_lights);
     *out = p;
-    if (!p.texels || !p.rows || !p.index || !profiles) {
+    if (!p.first || !p.texels || !p.rows || !p.index || !profiles) {
         free(profiles);
         return BTF_ERROR_MEMORY;
     }
@@ -131,7 +168,7 @@ static btf_result points_of_view(const cluster_stage *s, int view, view_points *
     for (size_t t = 0; t < s->n_texels; t++)
         if (hidden[t])
             p.texels[n++] = t;
-    const btf_result result = enc_profiles_of_texels(s->context, s->data, view, p.n, p.texels, profiles);
+    btf_result result = enc_profiles_of_texels(s->context, s->data, view, p.n, p.texels, profiles);
     const size_t n_lights = (size_t)s->data->n_lights, lanes = enc_profile_lanes(s->data->n_lights);
     for (size_t i = 0; result == BTF_OK && i < p.n; i++) {
         for (size_t c = 0; c < 3; c++) {
@@ -143,6 +180,14 @@ static btf_result points_of_view(const cluster_stage *s, int view, view_points *
         }
     }
     free(profiles);
+    if (result == BTF_OK && p.n > MOST_POINTS) {
+        result = sort_points(s, &p);
+    } else {
+        p.parts = 1;
+        p.first[0] = 0;
+        p.first[1] = p.n;
+    }
+    *out = p;
     return result;
 }
 
@@ -163,26 +208,40 @@ static btf_result find_centres(const cluster_stage *s, int view) {
         return BTF_OK;
     view_points points;
     btf_result result = points_of_view(s, view, &points);
-    if (result == BTF_OK)
-        result = enc_kmeans(points.n, s->stride, points.rows, s->shares[view], s->options.iterations,
-                            s->options.seed + (uint64_t)view, s->options.data_points,
-                            s->centres + s->first[view] * s->stride, points.index);
+    for (size_t part = 0; result == BTF_OK && part < points.parts; part++) {
+        const size_t begin = points.first[part], count = points.first[part + 1] - begin;
+        const size_t centre = part_centre(s, view, &points, part);
+        const size_t k = part_centre(s, view, &points, part + 1) - centre;
+        if (k > 0)
+            result = enc_kmeans(count, s->stride, points.rows + begin * s->stride, k, s->options.iterations,
+                                s->options.seed + (uint64_t)view, s->options.data_points,
+                                s->centres + (s->first[view] + centre) * s->stride, points.index + begin);
+    }
     points_free(&points);
     return result;
 }
 
-/* Third pass: the nearest of the centres as stored. */
+/* Third pass: the nearest of the centres as stored, of those of the point's part. */
 static btf_result choose_centres(const cluster_stage *s, int view) {
     view_points points;
     btf_result result = points_of_view(s, view, &points);
-    const size_t first = s->shares[view] > 0 ? s->first[view] : 0;
-    if (result == BTF_OK && points.n > 0)
-        result = enc_kmeans_nearest(points.n, s->stride, points.rows,
-                                    s->shares[view] > 0 ? s->shares[view] : s->k,
-                                    s->centres + first * s->stride, points.index, NULL, NULL);
-    for (size_t i = 0; result == BTF_OK && i < points.n; i++)
-        s->occlusion->centre[(size_t)view * s->n_texels + points.texels[i]] =
-            (uint16_t)(first + points.index[i]);
+    for (size_t part = 0; result == BTF_OK && part < points.parts && points.n > 0; part++) {
+        const size_t begin = points.first[part], end = points.first[part + 1];
+        size_t first = part_centre(s, view, &points, part);
+        size_t k = part_centre(s, view, &points, part + 1) - first;
+        if (k == 0) { /* those of the whole view, or of all views */
+            first = 0;
+            k = s->shares[view];
+        }
+        first += s->shares[view] > 0 ? s->first[view] : 0;
+        memset(points.index + begin, 0, (end - begin) * sizeof *points.index);
+        result =
+            enc_kmeans_nearest(end - begin, s->stride, points.rows + begin * s->stride, k > 0 ? k : s->k,
+                               s->centres + first * s->stride, points.index + begin, NULL, NULL);
+        for (size_t i = begin; result == BTF_OK && i < end; i++)
+            s->occlusion->centre[(size_t)view * s->n_texels + points.texels[i]] =
+                (uint16_t)(first + points.index[i]);
+    }
     points_free(&points);
     return result;
 }

@@ -35,13 +35,14 @@ void enc_cluster_shares(int n_views, const size_t *hidden, const size_t *distinc
 
 /* Finds at most k_total centres for the points that `occlusion` calls hidden, and fills occlusion->centre:
  * the nearest of the view's centres as stored in codes (of all centres where the view has none), the lowest
- * index among equals; 0 where not hidden. Centres of a view are consecutive, views in order. A view's
- * points are rows of n_lights * 3; k-means starts far apart (k-means++, Arthur and Vassilvitskii 2007) from
- * a fixed seed; an empty cluster restarts at the point farthest from its centre. Every centre has its own
- * start, so that k is min(k_total, sum over views of different points). Memory: one view's profiles a
- * thread. The stage is called "cluster". The same result for any number of threads. Errors: BTF_ERROR_USAGE
- * (k_total 0 with hidden points, or above 65536), BTF_ERROR_MEMORY, BTF_ERROR_IO (scratch file),
- * BTF_ERROR_INTERRUPTED. */
+ * index among equals; 0 where not hidden. A view of more than 4096 hidden points is clustered in parts
+ * (kmeans_split.h) that share its centres in proportion, so that time is linear in texels. Centres of a
+ * view are consecutive, views in order. A view's points are rows of n_lights * 3; k-means starts far apart
+ * (k-means++, Arthur and Vassilvitskii 2007) from a fixed seed; an empty cluster restarts at the point
+ * farthest from its centre. Every centre has its own start, so that k is min(k_total, sum over views of
+ * different points). Memory: one view's profiles a thread. The stage is called "cluster". The same result
+ * for any number of threads. Errors: BTF_ERROR_USAGE (k_total 0 with hidden points, or above 65536),
+ * BTF_ERROR_MEMORY, BTF_ERROR_IO (scratch file), BTF_ERROR_INTERRUPTED. */
 btf_result enc_cluster(const enc_context *context, const enc_data *data, const enc_cluster_options *options,
                        int k_total, enc_occlusion *occlusion, enc_centres **out_centres);
 void enc_centres_destroy(enc_centres **centres);

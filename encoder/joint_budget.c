@@ -11,6 +11,7 @@
 #include "joint_budget.h"
 #include "joint_fit.h"
 #include "joint_measure.h"
+#include "joint_reach.h"
 
 #include <math.h>
 #include <openbtf/material.h>
@@ -68,6 +69,8 @@ uint64_t joint_bytes(const enc_data *data, const joint_shape *shape) {
 
 size_t joint_components_for(const enc_data *data, const joint_shape *shape, uint64_t budget, size_t limit) {
     joint_shape trial = *shape;
+    if (enc_data_texel_count(data) > JOINT_EXACT && limit > JOINT_MOST_BEYOND)
+        limit = JOINT_MOST_BEYOND;
     for (trial.components = limit / 4 * 4; trial.components > 0; trial.components -= 4)
         if (joint_bytes(data, &trial) <= budget)
             break;

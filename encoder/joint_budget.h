@@ -18,8 +18,12 @@ typedef struct joint_shape {
 
 uint64_t joint_bytes(const enc_data *data, const joint_shape *shape);
 
+/* Beyond 64x64 texels no more components than this: what they gain is little beside the time that their
+ * solves take, which grows with their cube. */
+enum { JOINT_MOST_BEYOND = 80 };
+
 /* Components that fit `budget` beside the rest of `shape`: a multiple of 4 (the texels of a texture), at
- * most `limit`. */
+ * most `limit`, and JOINT_MOST_BEYOND beyond 64x64 texels. */
 size_t joint_components_for(const enc_data *data, const joint_shape *shape, uint64_t budget, size_t limit);
 
 /* The bytes that layout `paper` takes for this data: 64 W H + 4 AW AH, by the formula of FORMAT.md section

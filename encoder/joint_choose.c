@@ -201,6 +201,8 @@ static btf_result chooser_init(const joint_rows *rows, const joint_projection *p
                               .k = dims,
                               .gains = model->gains,
                               .reach = JOINT_REACH,
+                              .window = JOINT_WINDOW,
+                              .phase = model->searches,
                               .tolerance = tolerance,
                               .tile = rows->tile,
                               .threads = rows->context->threads},
@@ -373,6 +375,7 @@ btf_result joint_choose(const joint_rows *rows, const joint_projection *projecti
     for (size_t view = 0; view < rows->views && model->front && result == BTF_OK; view++)
         error += c.errors[view];
     *out_error = error;
+    model->searches += search;
     chooser_clear(&c);
     return result;
 }

@@ -1,6 +1,7 @@
 /* Exact search by blocked matrix product (see joint_search.h).
  *
- * Sources are normalised and packed in chunks of 256; for one query, the sixteen vector lanes of a chunk
+ * Which sources a point looks at is settled by joint_reach.c. They are normalised and packed in chunks of
+ * 256; for one query, the sixteen vector lanes of a chunk
  * are sixteen groups of sixteen sources. The product in floats keeps the largest value of every group, no
  * index; then the groups that can hold the winner, by a bound on the rounding error of the product, are
  * compared source by source in double. So the winner depends neither on the machine's vectors nor on the
@@ -8,6 +9,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "joint_reach.h"
 #include "joint_search.h"
 
 #include <assert.h>
@@ -16,65 +18,92 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Copies of a hot loop for wider vectors; see joint_linear.c. */
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#define DOT_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define DOT_CLONES
+#endif
+
 enum {
     LANES = 16,
-    CHUNK = 256,                 /* sources whose maxima are taken together */
+    CHUNK = JOINT_CHUNK,         /* sources whose maxima are taken together */
     PANELS = CHUNK / ENC_GEMM_N, /* panels of a chunk */
-    QUERIES = 10 * ENC_GEMM_M,   /* queries that share a chunk while it is in the cache */
     GROUP = CHUNK / LANES,       /* sources of a group */
+    STEPS = 2, /* texels that the search follows falling distances, sources being bounded */
 };
 
 /* Packed sources of one view. */
 typedef struct candidates {
-    size_t count, chunks;
-    size_t reach;      /* chunks that one query looks at */
+    joint_reach reach;
     float *packed;     /* unit vectors, [panel][k][32] */
     float *low, *high; /* [padded] range of gain * |z| */
-    double *norm;      /* [count] |z|^2 */
+    double *norm;      /* [texel] |z|^2 */
+    uint32_t *before;  /* [texel] choices at the start; with bounded sources */
 } candidates;
 
 static void candidates_clear(candidates *set) {
+    joint_reach_clear(&set->reach);
     free(set->packed);
     free(set->low);
     free(set->high);
     free(set->norm);
+    free(set->before);
 }
 
-static bool candidates_init(const joint_search *search, const float *z, candidates *out_set) {
+/* Sums over eight lanes, so that wider vectors give the same bits. */
+DOT_CLONES static double exact_dot(const float *restrict a, const float *restrict b, size_t k) {
+    double sum[8] = {0.0};
+    size_t j = 0;
+    for (; j + 8 <= k; j += 8)
+        for (size_t i = 0; i < 8; i++)
+            sum[i] += (double)a[j + i] * (double)b[j + i];
+    for (size_t i = 0; j + i < k; i++)
+        sum[i] += (double)a[j + i] * (double)b[j + i];
+    return ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7]));
+}
+
+/* One panel of 32 sources as unit vectors, and their ranges; what pads it is 0, and so is its value. */
+static void pack_panel(const joint_search *search, const candidates *set, const float *z, size_t panel) {
     const size_t k = search->k;
-    const size_t count = (size_t)search->width * (size_t)search->height;
-    const size_t chunks = (count + CHUNK - 1) / CHUNK;
-    float *unit = enc_gemm_alloc(count * k);
-    *out_set = (candidates){.count = count,
-                            .chunks = chunks,
-                            .reach = chunks * CHUNK <= search->reach || search->reach == 0
-                                         ? chunks
-                                         : (search->reach + CHUNK - 1) / CHUNK,
-                            .packed = enc_gemm_alloc(chunks * CHUNK * k),
-                            .low = enc_gemm_alloc(chunks * CHUNK),
-                            .high = enc_gemm_alloc(chunks * CHUNK),
-                            .norm = malloc(count * sizeof(double))};
-    const bool ok = unit && out_set->packed && out_set->low && out_set->high && out_set->norm;
-    if (ok) {
-#pragma omp parallel for num_threads(search->threads)
-        for (size_t i = 0; i < count; i++) {
-            double norm = 0.0;
-            for (size_t j = 0; j < k; j++)
-                norm += (double)z[i * k + j] * z[i * k + j];
-            const double length = sqrt(norm), inverse = norm > 0.0 ? 1.0 / length : 0.0;
-            for (size_t j = 0; j < k; j++)
-                unit[i * k + j] = (float)(z[i * k + j] * inverse);
-            out_set->norm[i] = norm;
-            out_set->low[i] = (float)(length * search->gains.step * search->gains.low);
-            out_set->high[i] = (float)(length * search->gains.step * search->gains.high);
-        }
-        memset(out_set->packed, 0, chunks * CHUNK * k * sizeof(float));
-        enc_gemm_pack_rows(count, k, unit, k, ENC_GEMM_N, out_set->packed);
-        for (size_t i = count; i < chunks * CHUNK; i++)
-            out_set->low[i] = out_set->high[i] = 0.0f; /* value 0: never above a real maximum, see scan */
+    float *packed = set->packed + panel * ENC_GEMM_N * k;
+    for (size_t i = 0; i < ENC_GEMM_N; i++) {
+        const size_t slot = panel * ENC_GEMM_N + i;
+        const uint32_t source = set->reach.source[slot];
+        const bool pads = source == JOINT_NO_SOURCE;
+        const double norm = pads ? 0.0 : set->norm[source];
+        const double length = sqrt(norm), inverse = norm > 0.0 ? 1.0 / length : 0.0;
+        for (size_t j = 0; j < k; j++)
+            packed[j * ENC_GEMM_N + i] = pads ? 0.0f : (float)(z[source * k + j] * inverse);
+        set->low[slot] = (float)(length * search->gains.step * search->gains.low);
+        set->high[slot] = (float)(length * search->gains.step * search->gains.high);
     }
-    free(unit);
-    return ok;
+}
+
+static btf_result candidates_init(const joint_search *search, const float *z, const uint32_t *match,
+                                  candidates *set) {
+    const size_t k = search->k, texels = (size_t)search->width * (size_t)search->height;
+    const btf_result result = joint_reach_create(search->width, search->height, search->reach,
+                                                 search->window, search->phase, &set->reach);
+    if (result != BTF_OK)
+        return result;
+    const size_t slots = set->reach.chunks * CHUNK;
+    set->packed = enc_gemm_alloc(slots * k);
+    set->low = enc_gemm_alloc(slots);
+    set->high = enc_gemm_alloc(slots);
+    set->norm = malloc(texels * sizeof(double));
+    set->before = set->reach.complete ? NULL : malloc(texels * sizeof *set->before);
+    if (!set->packed || !set->low || !set->high || !set->norm || (!set->reach.complete && !set->before))
+        return BTF_ERROR_MEMORY;
+    if (set->before)
+        memcpy(set->before, match, texels * sizeof *set->before);
+#pragma omp parallel for num_threads(search->threads)
+    for (size_t i = 0; i < texels; i++)
+        set->norm[i] = exact_dot(z + i * k, z + i * k, k);
+#pragma omp parallel for num_threads(search->threads)
+    for (size_t panel = 0; panel < set->reach.chunks * PANELS; panel++)
+        pack_panel(search, set, z, panel);
+    return BTF_OK;
 }
 
 /* best[lane] = max(best[lane], value) for one query and one panel. */
@@ -160,13 +189,6 @@ typedef struct choice {
     int code;
 } choice;
 
-static double exact_dot(const float *a, const float *b, size_t k) {
-    double sum = 0.0;
-    for (size_t j = 0; j < k; j++)
-        sum += (double)a[j] * b[j];
-    return sum;
-}
-
 static void consider(const joint_search *search, const candidates *set, const float *c, const float *z,
                      uint32_t texel, uint32_t source, choice *best) {
     double value;
@@ -184,11 +206,43 @@ static void consider(const joint_search *search, const candidates *set, const fl
     *best = (choice){value, best->tie, shift, source, code};
 }
 
-/* Compares the sources of every group whose maximum in floats comes near the best. */
-static void scan(const joint_search *search, const candidates *set, size_t base, const float *maxima,
+/* The source that a point one texel away refers to, shifted along with the point. */
+static uint32_t carried(const joint_search *search, const candidates *set, uint32_t texel, int dx, int dy) {
+    const int width = search->width, height = search->height;
+    const int column = (int)(texel % (uint32_t)width), row = (int)(texel / (uint32_t)width);
+    const int from_column = (column + dx + width) % width, from_row = (row + dy + height) % height;
+    const uint32_t from = set->before[(size_t)from_row * (size_t)width + (size_t)from_column];
+    const int to_column = ((int)(from % (uint32_t)width) - dx + width) % width;
+    const int to_row = ((int)(from / (uint32_t)width) - dy + height) % height;
+    return (uint32_t)to_row * (uint32_t)width + (uint32_t)to_column;
+}
+
+/* Sources that neighbouring points refer to, and those beside the best as long as they are better. */
+static void follow(const joint_search *search, const candidates *set, const float *c, const float *z,
+                   uint32_t texel, choice *best) {
+    static const int aside[4][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
+    const int width = search->width, height = search->height;
+    for (int i = 0; i < 4; i++)
+        consider(search, set, c, z, texel, carried(search, set, texel, aside[i][0], aside[i][1]), best);
+    for (int step = 0; step < STEPS; step++) {
+        const uint32_t from = best->source;
+        const int column = (int)(from % (uint32_t)width), row = (int)(from / (uint32_t)width);
+        for (int i = 0; i < 9; i++) {
+            const int x = (column + i % 3 - 1 + width) % width, y = (row + i / 3 - 1 + height) % height;
+            if (i != 4)
+                consider(search, set, c, z, texel, (uint32_t)y * (uint32_t)width + (uint32_t)x, best);
+        }
+        if (best->source == from)
+            break;
+    }
+}
+
+/* One point of a block: the sources of every group whose maximum in floats comes near the best. */
+static void scan(const joint_search *search, const candidates *set, size_t block, const float *maxima,
                  const float *c, const float *z, float energy, uint32_t texel, uint32_t *match,
                  uint8_t *gain, double *out_value) {
-    const size_t groups = set->reach * LANES;
+    const size_t groups = set->reach.chunk_count[block] * LANES;
+    const uint32_t *chunks = set->reach.chunk + set->reach.first_chunk[block];
     const double length = exact_dot(c, c, search->k);
     const double margin = 2.5e-7 * (double)(search->k + 8) * length + 1e-30;
     choice best = {-DBL_MAX, 1e-9 * energy, 0, texel, search->gains.low};
@@ -200,18 +254,21 @@ static void scan(const joint_search *search, const candidates *set, size_t base,
             top = i;
     /* Leaving the texel's own source must pay; a shift chosen before stays free to change. */
     const double threshold = still.value + (*match == texel ? search->tolerance * energy : 0.0);
-    if (maxima[top] + margin > threshold) {
+    if (maxima[top] + margin > threshold || set->before) {
         consider(search, set, c, z, texel, *match, &best);
         for (size_t step = 0; step <= groups; step++) { /* the top group first, then in order */
             const size_t i = step == 0 ? top : step - 1;
             if ((step > 0 && i == top) || maxima[i] + margin < best.value)
                 continue;
             for (size_t j = 0; j < GROUP; j++) {
-                const size_t source = (base + i / LANES) % set->chunks * CHUNK + j * LANES + i % LANES;
-                if (source < set->count)
-                    consider(search, set, c, z, texel, (uint32_t)source, &best);
+                const uint32_t source =
+                    set->reach.source[(size_t)chunks[i / LANES] * CHUNK + j * LANES + i % LANES];
+                if (source != JOINT_NO_SOURCE)
+                    consider(search, set, c, z, texel, source, &best);
             }
         }
+        if (set->before)
+            follow(search, set, c, z, texel, &best);
         if (best.value <= threshold)
             best = still;
     }
@@ -220,45 +277,52 @@ static void scan(const joint_search *search, const candidates *set, size_t base,
     *out_value = best.value;
 }
 
+/* Points as a left operand: [panel][k][ENC_GEMM_M], padded with zeros. */
+static void pack_queries(size_t count, size_t k, const float *c, const uint32_t *query, float *packed) {
+    for (size_t first = 0; first < count; first += ENC_GEMM_M, packed += ENC_GEMM_M * k)
+        for (size_t i = 0; i < ENC_GEMM_M; i++)
+            for (size_t j = 0; j < k; j++)
+                packed[j * ENC_GEMM_M + i] = first + i < count ? c[query[first + i] * k + j] : 0.0f;
+}
+
 btf_result joint_search_view(const joint_search *search, const float *c, const float *energy,
                              const float *z, uint32_t *match, uint8_t *gain, double *out_value) {
     const size_t k = search->k;
     const panel_maxima_fn panel_maxima = select_panel_maxima();
     candidates set = {0};
     float *scratch = NULL;
-    btf_result result = BTF_ERROR_MEMORY;
-    if (!candidates_init(search, z, &set))
+    btf_result result = candidates_init(search, z, match, &set);
+    if (result != BTF_OK)
         goto fail;
-    const size_t groups = set.reach * LANES;
-    const size_t per_thread = QUERIES * (k + groups);
+    const size_t pitch = set.reach.most_chunks * LANES, per_thread = JOINT_QUERIES * (k + pitch);
+    result = BTF_ERROR_MEMORY;
     scratch = enc_gemm_alloc(per_thread * (size_t)search->threads);
     if (!scratch)
         goto fail;
 #pragma omp parallel for schedule(dynamic) num_threads(search->threads)
-    for (size_t first = 0; first < set.count; first += QUERIES) {
+    for (size_t block = 0; block < set.reach.blocks; block++) {
         _Alignas(64) float tile[ENC_GEMM_M * ENC_GEMM_N];
         float *packed = scratch + per_thread * (size_t)enc_thread_index();
-        float *maxima = packed + QUERIES * k;
-        const size_t count = set.count - first < QUERIES ? set.count - first : QUERIES;
+        float *maxima = packed + JOINT_QUERIES * k;
+        const uint32_t *query = set.reach.query + set.reach.first_query[block];
+        const uint32_t *chunks = set.reach.chunk + set.reach.first_chunk[block];
+        const size_t count = set.reach.first_query[block + 1] - set.reach.first_query[block];
         const size_t padded = enc_gemm_panels(count, ENC_GEMM_M) * ENC_GEMM_M;
-        enc_gemm_pack_rows(count, k, c + first * k, k, ENC_GEMM_M, packed);
-        for (size_t i = 0; i < padded * groups; i++)
+        pack_queries(count, k, c, query, packed);
+        for (size_t i = 0; i < padded * pitch; i++)
             maxima[i] = -FLT_MAX;
-        /* The chunks around the queries' own, wrapped. */
-        const size_t own = (first + count / 2) / CHUNK;
-        const size_t base = set.reach < set.chunks ? (own + set.chunks - set.reach / 2) % set.chunks : 0;
-        for (size_t chunk = 0; chunk < set.reach; chunk++)
+        for (size_t chunk = 0; chunk < set.reach.chunk_count[block]; chunk++)
             for (size_t q = 0; q < padded; q += ENC_GEMM_M)
                 for (size_t i = 0; i < PANELS; i++) {
-                    const size_t panel = (base + chunk) % set.chunks * PANELS + i;
+                    const size_t panel = (size_t)chunks[chunk] * PANELS + i;
                     search->tile(k, packed + q * k, set.packed + panel * ENC_GEMM_N * k, tile);
                     panel_maxima(tile, set.low + panel * ENC_GEMM_N, set.high + panel * ENC_GEMM_N,
-                                 maxima + q * groups + chunk * LANES, groups);
+                                 maxima + q * pitch + chunk * LANES, pitch);
                 }
         for (size_t i = 0; i < count; i++) {
-            const size_t x = first + i;
-            scan(search, &set, base, maxima + i * groups, c + x * k, z, energy[x], (uint32_t)x, match + x,
-                 gain + x, out_value + x);
+            const uint32_t x = query[i];
+            scan(search, &set, block, maxima + i * pitch, c + x * k, z, energy[x], x, match + x, gain + x,
+                 out_value + x);
         }
     }
     result = BTF_OK;

@@ -32,16 +32,18 @@ static inline int joint_best_gain(const joint_gains *gains, double dot, double n
     return (int)code;
 }
 
-/* Sources that a point looks at: all of 64x64; beyond, the whole rows around the point's own, so that the
- * cost of a round grows linearly with texels. */
-enum { JOINT_REACH = 4096 };
+/* Beyond 64x64 texels, sources of the grid that a point looks at and tiles around its own (see
+ * joint_reach.h), so that the cost of a round grows linearly with texels. */
+enum { JOINT_REACH = 1024, JOINT_WINDOW = 1 };
 
 /* What a search needs to know of the texture. */
 typedef struct joint_search {
     int width, height;
     size_t k;
     joint_gains gains;
-    size_t reach;     /* sources that a point looks at: those of the rows around it; 0: all */
+    size_t reach;     /* sources of the grid beyond 64x64 texels; 0: no bound, every point looks at all */
+    int window;       /* tiles around a point's own whose sources it looks at too */
+    unsigned phase;   /* place of the grid: another for each search of one data set */
     double tolerance; /* a shift must lower the squared distance by this much of |row|^2 */
     enc_gemm_tile tile;
     int threads;
@@ -50,8 +52,10 @@ typedef struct joint_search {
 /* One view: queries c[texel][k] with energies |row|^2 [texel], sources z[texel][k]. match[texel] and
  * gain[texel] hold the present choice and are replaced only by a better one; the result does not depend on
  * the number of threads. The winner is exact: every source within the rounding error of the product is
- * compared again in double (of those within `reach`, its own and the present choice). Ties within 1e-9
- * |row|^2 go to the smaller shift, then to the lower texel. out_value[texel] is the value of the choice.
+ * compared again in double. A point that does not look at all sources looks at its present choice too and
+ * at what its four neighbours refer to, moved along, and follows falling distances from source to
+ * neighbouring source for two steps. Ties within 1e-9 |row|^2 go to the smaller shift, then to the lower
+ * texel. out_value[texel] is the value of the choice.
  * Errors: BTF_ERROR_MEMORY. */
 btf_result joint_search_view(const joint_search *search, const float *c, const float *energy,
                              const float *z, uint32_t *match, uint8_t *gain, double *out_value);

@@ -26,6 +26,7 @@ typedef struct joint_model {
     uint8_t *gain;   /* [view][texel] code */
     joint_gains gains;
     bool shift;
+    unsigned searches; /* so far: moves the grid of sources that points look at */
     uint16_t *centre;    /* [view][texel] of the points of gain 0, which are hidden; NULL: none is */
     float *centre_error; /* [view][texel] squared distance of those points to their centre */
     joint_front *front;  /* NULL: none. k is 0 where the front is all of a source */

@@ -17,7 +17,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { GROUPS = ENC_NORM_LANES, BOUND_FLOATS = 3 * GROUPS, DEFAULT_WINDOW = 256 };
+enum {
+    GROUPS = ENC_NORM_LANES,
+    BOUND_FLOATS = 3 * GROUPS,
+    WHOLE_WINDOW = 256, /* up to 64x64 texels the default window holds them all */
+    WHOLE_TEXELS = 4096,
+    BOUNDED_WINDOW = 64, /* beyond, around the shift that was voted */
+    MOST_SHIFT = 127,
+};
 /* More than float rounding can move a bound above its distance, relative to the distance and to the sums.
  */
 static const float rounding = 1e-4f, sum_rounding = 1e-5f;
@@ -32,7 +39,8 @@ typedef struct refine_stage {
     enc_occlusion *occlusion;
     size_t n_texels, lanes, stride;
     int columns, rows;                    /* window */
-    int first_column, first_row;          /* its least shift */
+    int first_column, first_row;          /* its least shift; with `around`, less the point's own */
+    bool around;                          /* the window lies around the shift that the point has */
     float *light;                         /* [4][n_lights]: x, y, z, max(z, 0) */
     float *measured, *modelled;           /* [texel][channel][lane]: BTF and STVS of the view at hand */
     float *measured_sums, *modelled_sums; /* [texel][channel][group] */
@@ -96,12 +104,22 @@ static float mean_distance(const refine_stage *s, int view, float *distances) {
     return n == 0 ? 0 : (float)(sum / (double)n);
 }
 
-/* The best source of one point in its window: its distance, and its shift. `bounds` has room for the
- * window. */
+/* The window's least shift along one axis, for a point of the given shift. */
+static int window_first(const refine_stage *s, int shift, int first, int extent) {
+    const int from = first + (s->around ? shift : 0);
+    return from < -MOST_SHIFT - 1           ? -MOST_SHIFT - 1
+           : from + extent - 1 > MOST_SHIFT ? MOST_SHIFT + 1 - extent
+                                            : from;
+}
+
+/* The best source of one point in its window: its distance, and its shift, which comes in as the point has
+ * it. `bounds` has room for the window. */
 static float search_point(const refine_stage *s, size_t texel, float *bounds, int8_t out_shift[2]) {
     const int width = s->data->width, height = s->data->height;
     const int column = (int)(texel % (size_t)width), row = (int)(texel / (size_t)width);
-    const int start = enc_occlusion_modulo(column + s->first_column, width);
+    const int first_column = window_first(s, out_shift[0], s->first_column, s->columns);
+    const int first_row = window_first(s, out_shift[1], s->first_row, s->rows);
+    const int start = enc_occlusion_modulo(column + first_column, width);
     const int before_wrap = s->columns < width - start ? s->columns : width - start;
     const float *query = s->measured + texel * s->stride;
     const float *query_sums = s->measured_sums + texel * BOUND_FLOATS;
@@ -111,7 +129,7 @@ static float search_point(const refine_stage *s, size_t texel, float *bounds, in
         magnitude += fabsf(query_sums[k]);
     size_t likely = 0; /* window position of the least bound */
     for (int i = 0; i < s->rows; i++) {
-        const size_t line = (size_t)enc_occlusion_modulo(row + s->first_row + i, height) * (size_t)width;
+        const size_t line = (size_t)enc_occlusion_modulo(row + first_row + i, height) * (size_t)width;
         float *to = bounds + (size_t)i * (size_t)s->columns;
         s->norms.bounds(query_sums, s->modelled_sums + (line + (size_t)start) * BOUND_FLOATS,
                         (size_t)before_wrap, to);
@@ -127,8 +145,8 @@ static float search_point(const refine_stage *s, size_t texel, float *bounds, in
         const size_t position = k == 0 ? likely : k - 1;
         if (bounds[position] > limit || (k > 0 && position == likely))
             continue;
-        const int8_t shift[2] = {(int8_t)(s->first_column + (int)(position % (size_t)s->columns)),
-                                 (int8_t)(s->first_row + (int)(position / (size_t)s->columns))};
+        const int8_t shift[2] = {(int8_t)(first_column + (int)(position % (size_t)s->columns)),
+                                 (int8_t)(first_row + (int)(position / (size_t)s->columns))};
         const size_t source = enc_occlusion_source(width, height, texel, shift[0], shift[1]);
         const float distance = s->norms.distance(query, s->modelled + source * s->stride, s->lanes);
         if (distance < best || (distance == best && enc_occlusion_compare_shift(shift, out_shift) < 0)) {
@@ -197,8 +215,10 @@ btf_result enc_refine(const enc_context *context, const enc_data *data, const en
     assert(context && data && sbrdf && shadow && occlusion);
     assert(sbrdf->n_texels == enc_data_texel_count(data) && occlusion->n_texels == sbrdf->n_texels);
     assert(occlusion->n_views == data->n_views);
-    const int columns = options != NULL && options->columns != 0 ? options->columns : DEFAULT_WINDOW;
-    const int rows = options != NULL && options->rows != 0 ? options->rows : DEFAULT_WINDOW;
+    const bool bounded = enc_data_texel_count(data) > WHOLE_TEXELS;
+    const int standard = bounded ? BOUNDED_WINDOW : WHOLE_WINDOW;
+    const int columns = options != NULL && options->columns != 0 ? options->columns : standard;
+    const int rows = options != NULL && options->rows != 0 ? options->rows : standard;
     if (columns < 1 || rows < 1)
         return enc_fail(context, BTF_ERROR_USAGE, "hidden: search window of %dx%d texels", columns, rows);
     refine_stage s = {.context = context,
@@ -210,6 +230,7 @@ btf_result enc_refine(const enc_context *context, const enc_data *data, const en
                       .n_texels = enc_data_texel_count(data),
                       .lanes = enc_profile_lanes(data->n_lights),
                       .stride = enc_profile_stride(data->n_lights)};
+    s.around = bounded && (options == NULL || (options->columns == 0 && options->rows == 0));
     s.columns = window_extent(columns, data->width, &s.first_column);
     s.rows = window_extent(rows, data->height, &s.first_row);
     s.norms = enc_norms_choose();

@@ -12,7 +12,8 @@
 /* Zero means the default beside the field. */
 typedef struct enc_refine_options {
     int columns,
-        rows; /* search window around the point, cut to the periodic tile; default 256, the paper's */
+        rows; /* search window around the point, cut to the periodic tile; default 256, the paper's,
+               * up to 64x64 texels, and beyond 64 around the shift that the flow voted for */
 } enc_refine_options;
 
 /* For every hidden point x of every view V, searches the window for the source x' of least
@@ -26,7 +27,8 @@ typedef struct enc_refine_options {
  * sbrdf is of the linear domain. shadow[light][texel] holds codes of value code * shadow_scale.
  * out_thresholds[n_views] may be NULL. The winner is that of the full search in float arithmetic:
  * candidates are skipped only where the triangle inequality over groups of lights says that they cannot
- * win. Time grows with hidden points times window. Memory: two profiles a texel, and a float a thread and
+ * win. Time grows with hidden points times window, so that with the
+ * default it is linear in texels. Memory: two profiles a texel, and a float a thread and
  * window texel. The stage is called "hidden". The same result for any number of threads. Errors:
  * BTF_ERROR_USAGE (options), BTF_ERROR_MEMORY, BTF_ERROR_IO (scratch file), BTF_ERROR_INTERRUPTED. */
 btf_result enc_refine(const enc_context *context, const enc_data *data, const enc_sbrdf *sbrdf,

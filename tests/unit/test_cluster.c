@@ -11,6 +11,7 @@
 
 #include "encoder/cluster.h"
 #include "encoder/kmeans.h"
+#include "encoder/kmeans_split.h"
 #include "encoder/vector_math.h"
 
 #include <math.h>
@@ -174,6 +175,56 @@ static void test_separable_clusters(void **state) {
         enc_occlusion_destroy(&o);
         enc_data_destroy(&data);
     }
+}
+
+/* Parts hold every row once, in order, none more than allowed; a set of two kinds falls into its kinds. */
+static void test_split(void **state) {
+    (void)state;
+    enum { ROWS = 1000, STRIDE = 16, MOST = 130 };
+    float rows[ROWS][STRIDE] = {{0}};
+    size_t order[ROWS], first[ROWS / MOST * 2 + 3], parts;
+    uint8_t seen[ROWS] = {0};
+    random_state = 5;
+    for (size_t i = 0; i < ROWS; i++)
+        for (size_t d = 0; d < 9; d++)
+            rows[i][d] = uniform() + (d == 6 && i % 2 ? 4.0f : 0.0f);
+    assert_int_equal(enc_kmeans_split(ROWS, STRIDE, rows[0], MOST, order, first, &parts), BTF_OK);
+    assert_true(parts == 8 && first[0] == 0 && first[parts] == ROWS);
+    for (size_t part = 0; part < parts; part++) {
+        assert_true(first[part + 1] > first[part] && first[part + 1] - first[part] <= MOST);
+        for (size_t i = first[part]; i < first[part + 1]; i++) {
+            assert_int_equal(seen[order[i]]++, 0);
+            assert_int_equal(order[i] % 2, order[first[part]] % 2);
+            assert_true(i == first[part] || order[i] > order[i - 1]);
+        }
+    }
+    assert_int_equal(enc_kmeans_split(9, STRIDE, rows[0], MOST, order, first, &parts), BTF_OK);
+    assert_true(parts == 1 && first[1] == 9 && order[8] == 8);
+}
+
+/* More hidden points than are clustered together: a view's centres still serve the points they were made
+ * for. */
+static void test_parts_of_a_view(void **state) {
+    (void)state;
+    enum { TEXELS = 70 * 60 };
+    enc_occlusion *o = NULL;
+    enc_data *data = make_data(&context, 70, 60, &o);
+    random_state = 17;
+    float prototype[2][2][PROFILE];
+    for (size_t i = 0; i < 4; i++)
+        for (size_t k = 0; k < PROFILE; k++)
+            prototype[i / 2][i % 2][k] = 0.1f + 3 * uniform();
+    for (size_t t = 0; t < TEXELS; t++)
+        for (size_t v = 1; v < VIEWS; v++)
+            for (size_t k = 0; k < PROFILE; k++)
+                profile_of(data, t, (int)v)[k] = prototype[v - 1][t % 2][k] + 0.01f * uniform();
+    enc_centres *c = NULL;
+    assert_int_equal(enc_cluster(&context, data, NULL, 4, o, &c), BTF_OK);
+    assert_int_equal(c->k, 4);
+    assert_true(worst_root_error(data, o, c) < c->scale / 2 + 0.01f * 0.5f / sqrtf(0.1f));
+    enc_centres_destroy(&c);
+    enc_occlusion_destroy(&o);
+    enc_data_destroy(&data);
 }
 
 static void test_more_centres_than_points(void **state) {
@@ -345,6 +396,8 @@ int main(void) {
         cmocka_unit_test(test_shares_by_largest_remainder),
         cmocka_unit_test(test_shares_always_add_up),
         cmocka_unit_test(test_separable_clusters),
+        cmocka_unit_test(test_split),
+        cmocka_unit_test(test_parts_of_a_view),
         cmocka_unit_test(test_more_centres_than_points),
         cmocka_unit_test(test_nothing_hidden_and_black),
         cmocka_unit_test(test_same_result_everywhere),

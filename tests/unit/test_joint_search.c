@@ -2,6 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "encoder/joint_reach.h"
 #include "encoder/joint_search.h"
 
 #include <math.h>
@@ -259,42 +260,100 @@ static void test_shift(void **unused) {
     problem_free(&p);
 }
 
-/* Bounded candidates: never better than all, never worse than staying, and exact where the bound covers
- * everything. */
+static void stay(problem *p) {
+    for (size_t x = 0; x < p->texels; x++) {
+        p->match[x] = (uint32_t)x;
+        p->gain[x] = 128;
+    }
+}
+
+/* Bounded sources: one search is never better than that of all, never worse than staying, and far better
+ * than that; one search for every place of the grid finds what that of all does. */
 static void test_reach(void **unused) {
     (void)unused;
-    problem p = problem_create(40, 50, 9, true, 0.3f);
-    double *all = malloc(p.texels * sizeof *all), sum = 0.0, sum_all = 0.0;
+    enum { WIDTH = 90, HEIGHT = 50, REACH = 256, PLACES = 25 /* 5 * 5, 5 = ceil(sqrt(4500 / 256)) */ };
+    problem p = problem_create(WIDTH, HEIGHT, 9, true, 0.3f);
+    double *all = malloc(p.texels * sizeof *all), sum = 0.0, sum_all = 0.0, sum_still = 0.0;
     assert_non_null(all);
     solve(&p);
     memcpy(all, p.value, p.texels * sizeof *all);
-    for (size_t reach = 512; reach <= 2048; reach *= 4) {
-        for (size_t x = 0; x < p.texels; x++) {
-            p.match[x] = (uint32_t)x;
-            p.gain[x] = 128;
-        }
-        p.search.reach = reach;
+    stay(&p);
+    p.search.reach = REACH;
+    p.search.window = 1;
+    for (unsigned phase = 0; phase < PLACES; phase++) {
+        p.search.phase = phase + 7;
         solve(&p);
-        for (size_t x = 0; x < p.texels; x++) {
+        for (size_t x = 0; x < p.texels && phase == 0; x++) {
+            const double still = best_of_codes(&p, x, x);
             assert_true(p.value[x] <= all[x] + 1e-9 * p.energy[x]);
-            assert_true(p.value[x] >= best_of_codes(&p, x, x) - 1e-6 * p.energy[x]);
-            if (reach >= p.texels)
-                assert_true(p.value[x] == all[x]);
+            assert_true(p.value[x] >= still - 1e-6 * p.energy[x]);
             sum += p.value[x];
             sum_all += all[x];
+            sum_still += still;
         }
-        assert_true(sum > 0.5 * sum_all);
     }
+    assert_true(sum - sum_still > 0.5 * (sum_all - sum_still));
+    for (size_t x = 0; x < p.texels; x++)
+        assert_true(p.value[x] >= all[x] - 1e-6 * p.energy[x]);
     free(all);
     problem_free(&p);
 }
 
+static void test_reach_threads(void **unused) {
+    (void)unused;
+    problem a = problem_create(131, 37, 6, true, 0.3f);
+    uint32_t match[131 * 37];
+    a.search.reach = 256;
+    a.search.window = 1;
+    solve(&a);
+    memcpy(match, a.match, sizeof match);
+    stay(&a);
+    a.search.threads = 1;
+    solve(&a);
+    assert_memory_equal(a.match, match, sizeof match);
+    problem_free(&a);
+}
+
+/* Every point is in one block, its block looks at its own tile, and no chunk comes twice. */
+static void test_reach_blocks(void **unused) {
+    (void)unused;
+    static const int sizes[][2] = {{90, 50}, {300, 20}, {4099, 1}, {1, 5000}, {257, 255}, {17, 9}};
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        joint_reach r;
+        assert_int_equal(joint_reach_create(sizes[i][0], sizes[i][1], 256, 1, 3, &r), BTF_OK);
+        assert_true(r.complete == (r.texels <= JOINT_EXACT));
+        uint8_t *seen = calloc(r.texels, 1);
+        assert_non_null(seen);
+        assert_int_equal(r.first_query[r.blocks], r.texels);
+        for (size_t b = 0; b < r.blocks; b++) {
+            const uint32_t *chunks = r.chunk + r.first_chunk[b];
+            assert_true(r.chunk_count[b] <= r.most_chunks);
+            for (uint32_t q = r.first_query[b]; q < r.first_query[b + 1]; q++) {
+                bool own = false;
+                for (size_t c = 0; c < r.chunk_count[b] && !own; c++)
+                    for (size_t j = 0; j < JOINT_CHUNK && !own; j++)
+                        own = r.source[chunks[c] * JOINT_CHUNK + j] == r.query[q];
+                assert_true(own);
+                assert_int_equal(seen[r.query[q]]++, 0);
+            }
+            for (size_t c = 0; c < r.chunk_count[b]; c++)
+                for (size_t d = 0; d < c; d++)
+                    assert_int_not_equal(chunks[c], chunks[d]);
+        }
+        for (size_t j = 0; j < r.chunks * JOINT_CHUNK; j++)
+            assert_true(r.source[j] < r.texels || r.source[j] == JOINT_NO_SOURCE);
+        free(seen);
+        joint_reach_clear(&r);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_brute_force), cmocka_unit_test(test_gain_codes),
-        cmocka_unit_test(test_never_worse), cmocka_unit_test(test_ties),
-        cmocka_unit_test(test_tolerance),   cmocka_unit_test(test_threads_and_tiles),
-        cmocka_unit_test(test_shift),       cmocka_unit_test(test_reach),
+        cmocka_unit_test(test_brute_force),   cmocka_unit_test(test_gain_codes),
+        cmocka_unit_test(test_never_worse),   cmocka_unit_test(test_ties),
+        cmocka_unit_test(test_tolerance),     cmocka_unit_test(test_threads_and_tiles),
+        cmocka_unit_test(test_shift),         cmocka_unit_test(test_reach),
+        cmocka_unit_test(test_reach_threads), cmocka_unit_test(test_reach_blocks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -207,6 +207,35 @@ static void test_known_points_are_elevated(void **state) {
     free_scene(&s);
 }
 
+/* Beyond 64x64 texels the default window lies around the voted shift: a source 4 columns and 3 rows off a
+ * vote is found, also where the centred window of 64x64 would not reach it. */
+static void test_window_follows_the_vote(void **state) {
+    (void)state;
+    enum { WIDTH = 90, HEIGHT = 80, TEXELS = WIDTH * HEIGHT, LIGHTS = 8 };
+    static const int8_t vote[2] = {36, -34};
+    scene s = make_scene(&context, WIDTH, HEIGHT, 2, LIGHTS);
+    memset(s.occlusion->hidden, 0, 2 * TEXELS);
+    memset(s.occlusion->shift, 0, 4 * TEXELS);
+    for (size_t t = 3; t < TEXELS; t += 97) {
+        float *profile = s.data->samples + t * enc_data_texel_stride(s.data) + 3 * LIGHTS;
+        const size_t source = enc_occlusion_source(WIDTH, HEIGHT, t, vote[0] + 4, vote[1] - 3);
+        s.occlusion->hidden[TEXELS + t] = 1;
+        memcpy(s.occlusion->shift + 2 * (TEXELS + t), vote, 2);
+        for (int l = 0; l < LIGHTS; l++)
+            for (int c = 0; c < 3; c++)
+                profile[c * LIGHTS + l] = (float)stvs(&s, source, 1, l, c);
+    }
+    assert_int_equal(enc_refine(&context, s.data, s.sbrdf, s.shadow, 1 / 255.0f, NULL, s.occlusion, NULL),
+                     BTF_OK);
+    for (size_t t = 3; t < TEXELS; t += 97) {
+        const int8_t *shift = s.occlusion->shift + 2 * (TEXELS + t);
+        assert_int_equal(s.occlusion->hidden[TEXELS + t], 0);
+        assert_int_equal(shift[0], vote[0] + 4);
+        assert_int_equal(shift[1], vote[1] - 3);
+    }
+    free_scene(&s);
+}
+
 static void test_view_without_known_points(void **state) {
     (void)state;
     scene s = make_scene(&context, 6, 6, 2, 8);
@@ -322,6 +351,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_against_brute_force),
         cmocka_unit_test(test_known_points_are_elevated),
+        cmocka_unit_test(test_window_follows_the_vote),
         cmocka_unit_test(test_view_without_known_points),
         cmocka_unit_test(test_ties_prefer_short_shifts),
         cmocka_unit_test(test_wide_tiles),
