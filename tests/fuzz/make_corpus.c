@@ -2,6 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "tests/unit/bonn_files.h"
 #include "tests/unit/exr_edit.h"
 #include "tests/unit/random_material.h"
 
@@ -134,6 +135,43 @@ static void write_archive(const char *name, int (*format)(struct archive *),
     must(archive_write_free(a) == ARCHIVE_OK, "archive");
 }
 
+static double direction(int view, int light, int channel, unsigned k) {
+    return 0.1 * (view + 1) + 0.2 * light + 0.05 * channel - 0.1 * k;
+}
+static double texel(int x, int y, int channel, int view, unsigned k) {
+    return 0.3 * x + 0.2 * y + 0.05 * channel + 0.01 * view - 0.1 * k;
+}
+static double average(int view, int light, int channel, int x, int y) {
+    return 0.5 + 0.1 * view + 0.05 * light + 0.02 * channel + 0.01 * (x + y);
+}
+static double sample(int view, int light, int channel, int x, int y) {
+    return average(view, light, channel, x, y);
+}
+
+static void write_bonn(const char *name, bonn_form form, const char *signature, unsigned compression) {
+    static const double list[2][2] = {{0, 0}, {45, 90}};
+    static const unsigned char mask[6] = {1, 0, 1, 1, 0, 1};
+    const bonn_spec spec = {.form = form,
+                            .signature = signature,
+                            .meta_version = 4,
+                            .width = 3,
+                            .height = 2,
+                            .n_views = 2,
+                            .n_lights = 2,
+                            .views = list,
+                            .lights = list,
+                            .scalar = {2, 4, 8},
+                            .components = {2, 1, 2},
+                            .compression = compression,
+                            .lines_per_chunk = 1,
+                            .mask = compression == 2 ? mask : NULL,
+                            .direction = direction,
+                            .texel = texel,
+                            .average = average,
+                            .sample = sample};
+    must(bonn_write(path_of("bonn", name), &spec), "a .btf cannot be written");
+}
+
 static void write_words(void) {
     write_text("names", "ubo", "UBO_IMPALLA256/tv030_pv060/00008 tl000 pl000 tv030 pv060.jpg");
     write_text("names", "folders", "/a/tv7.5-pl_-30/../TL=015 PL=359.999.EXR");
@@ -159,6 +197,12 @@ int main(int argc, char **argv) {
     write_archive("tar.gz", archive_write_set_format_pax_restricted, archive_write_add_filter_gzip);
     write_archive("tar", archive_write_set_format_ustar, NULL);
     write_archive("7z", archive_write_set_format_7zip, NULL);
+    write_bonn("dfmf", BONN_DFMF, "!DFMF08FCR", 0);
+    write_bonn("fmf", BONN_FMF, "!FMF12FCER", 0);
+    write_bonn("pvf", BONN_PVF, "!PVF06FCR", 0);
+    write_bonn("bdi", BONN_BDI, "!BDIF06R2!", 0);
+    write_bonn("bdi-bzip", BONN_BDI, "!BDIF06R2!", 1);
+    write_bonn("bdi-sparse", BONN_BDI, "!BDIF06R2!", 2);
     write_words();
     return 0;
 }

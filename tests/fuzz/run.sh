@@ -3,7 +3,7 @@
 #
 #   tests/fuzz/run.sh TARGET SECONDS [FOLDER]
 #
-# TARGET: material names options jpeg png hdr exr archive. FOLDER (default build-fuzz) takes the program and what it
+# TARGET: material names options jpeg png hdr exr archive bonn. FOLDER (default build-fuzz) takes the program and what it
 # finds: FOLDER/TARGET/found/ holds an input for each finding, FOLDER/TARGET/corpus/ what it learnt. The last lines say
 # how many executions there were, what they covered and what core time they took. Exits 1 on a finding.
 #
@@ -33,7 +33,7 @@ names)
     ;;
 options)
     sources="tests/fuzz/fuzz_options.c decoder/tools/cli.c encoder/input_options.c tests/sample/directions.c encoder/context.c
-             encoder/data.c decoder/tools/progress.c decoder/tools/output.c decoder/result.c decoder/temporary.c $(ls reference/*.c)"
+             encoder/data.c encoder/scratch.c decoder/tools/progress.c decoder/tools/output.c decoder/result.c decoder/temporary.c $(ls reference/*.c)"
     most=1024
     ;;
 jpeg | png | hdr | exr)
@@ -44,6 +44,11 @@ archive)
     sources="tests/fuzz/fuzz_archive.c encoder/source.c encoder/source_archive.c encoder/source_dir.c encoder/names.c encoder/context.c
              decoder/tools/progress.c decoder/tools/output.c decoder/result.c decoder/temporary.c"
     libraries+=" -DENC_SOURCE_MAX_FILE=((size_t)1<<20) -larchive"
+    ;;
+bonn)
+    sources="tests/fuzz/fuzz_bonn.c encoder/bonn_file.c encoder/bonn_decode.c encoder/bonn_colour.c encoder/joint_gemm.c
+             encoder/context.c decoder/tools/progress.c decoder/tools/output.c decoder/result.c decoder/temporary.c"
+    libraries+=" -fopenmp=libgomp -larchive"
     ;;
 *)
     echo "tests/fuzz/run.sh: unknown target '$target'" >&2
