@@ -55,6 +55,10 @@ bonn)
     exit 1
     ;;
 esac
+command -v clang >/dev/null || {
+    echo "skipped: clang is not there"
+    exit 77
+}
 mkdir -p "$folder/corpus" "$folder/found"
 # shellcheck disable=SC2086
 clang -std=c11 -D_GNU_SOURCE -DOPENBTF_VERSION='"fuzz"' -O1 -g -ffp-contract=off -fno-omit-frame-pointer \
