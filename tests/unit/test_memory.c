@@ -4,13 +4,17 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "decoder/gl_functions.h"
 #include "random_material.h"
+#include <openbtf/gl.h>
+#include <openbtf/shader.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -133,6 +137,89 @@ static btf_result do_save(const fixture *f) {
     return result;
 }
 
+/* To a path: the temporary file must be gone as well. */
+static btf_result do_save_file(const fixture *f) {
+    static char path[300];
+    const char *base = getenv("TMPDIR");
+    if (!path[0])
+        snprintf(path, sizeof path, "%.200s/btf-memory-%ld.btf.exr", base && *base ? base : "/tmp",
+                 (long)getpid());
+    btf_result result = btf_material_save(f->material, path, &log_count);
+    unlink(path);
+    return result;
+}
+
+static btf_result do_shader(const fixture *f) {
+    char *text;
+    btf_result result = btf_shader_source(f->material, NULL, &log_count, &text);
+    btf_free(text);
+    return result;
+}
+
+/* A GL of version 4.5 that does nothing but count textures, whose memory runs out at the n-th image. */
+static int textures, images_left;
+static uint32_t gl_error;
+
+static void gl_nothing(void) {}
+static void gl_get_integers(uint32_t name, int32_t *values) {
+    *values = name == GL_MAJOR_VERSION              ? 4
+              : name == GL_MINOR_VERSION            ? 5
+              : name == GL_MAX_TEXTURE_SIZE         ? 16384
+              : name == GL_MAX_ARRAY_TEXTURE_LAYERS ? 2048
+                                                    : 0;
+}
+static const unsigned char *gl_get_string(uint32_t name) {
+    (void)name;
+    return (const unsigned char *)"4.5";
+}
+static uint32_t gl_get_error(void) {
+    uint32_t error = gl_error;
+    gl_error = GL_NO_ERROR;
+    return error;
+}
+static void gl_gen_textures(int32_t count, uint32_t *names) {
+    for (int32_t i = 0; i < count; i++)
+        names[i] = (uint32_t)(++textures);
+}
+static void gl_delete_textures(int32_t count, const uint32_t *names) {
+    (void)names;
+    textures -= count;
+}
+static void gl_image(void) {
+    if (images_left-- == 0)
+        gl_error = GL_OUT_OF_MEMORY;
+}
+
+static btf_gl_function find_function(void *user, const char *name) {
+    (void)user;
+    static const struct {
+        const char *name;
+        btf_gl_function function;
+    } table[] = {
+        {"glGetIntegerv", (btf_gl_function)gl_get_integers},
+        {"glGetString", (btf_gl_function)gl_get_string},
+        {"glGetError", (btf_gl_function)gl_get_error},
+        {"glGenTextures", (btf_gl_function)gl_gen_textures},
+        {"glDeleteTextures", (btf_gl_function)gl_delete_textures},
+        {"glTexImage2D", gl_image},
+        {"glTexImage3D", gl_image},
+    };
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++)
+        if (!strcmp(table[i].name, name))
+            return table[i].function;
+    return gl_nothing;
+}
+
+static btf_result do_upload(const fixture *f) {
+    const btf_gl_options options = {.struct_size = sizeof options, .get_proc_address = find_function};
+    btf_gl *gl;
+    btf_result result = btf_gl_upload(f->material, &options, &log_count, &gl);
+    assert_true((result == BTF_OK) == (gl != NULL));
+    btf_gl_destroy(&gl);
+    assert_int_equal(textures, 0);
+    return result;
+}
+
 /* `spared`: blocks that may be left. OpenEXR 3.1.5 leaves one when it cannot name an attribute or a channel
  * that it is adding. */
 static void every_failure(const char *name, btf_result (*call)(const fixture *f), long long spared) {
@@ -161,11 +248,37 @@ static void every_failure(const char *name, btf_result (*call)(const fixture *f)
 }
 #endif
 
+#ifndef SANITIZED
+/* GL's own memory runs out at each image in turn. */
+static void every_image(void) {
+    for (int layout = 0; layout < 2; layout++) {
+        fixture f = make((btf_layout)layout);
+        for (int n = 0;; n++) {
+            messages = textures = 0;
+            images_left = n;
+            btf_result result = do_upload(&f);
+            if (images_left >= 0) {
+                assert_int_equal(result, BTF_OK);
+                assert_in_range(n, 3, 100);
+                break;
+            }
+            assert_int_equal(result, BTF_ERROR_MEMORY);
+            assert_int_equal(messages, 1);
+        }
+        clear(&f);
+    }
+}
+#else
+static void skip_here(void) {
+    print_message("skipped: a sanitizer owns the allocator\n");
+    skip();
+}
+#endif
+
 static void test_create(void **state) {
     (void)state;
 #ifdef SANITIZED
-    print_message("a sanitizer owns the allocator\n");
-    skip();
+    skip_here();
 #else
     every_failure("create", do_create, 0);
 #endif
@@ -174,7 +287,7 @@ static void test_create(void **state) {
 static void test_open(void **state) {
     (void)state;
 #ifdef SANITIZED
-    skip();
+    skip_here();
 #else
     every_failure("open", do_open, 0);
 #endif
@@ -183,17 +296,45 @@ static void test_open(void **state) {
 static void test_save(void **state) {
     (void)state;
 #ifdef SANITIZED
-    skip();
+    skip_here();
 #else
     every_failure("save", do_save, 1);
 #endif
 }
 
+static void test_save_file(void **state) {
+    (void)state;
+#ifdef SANITIZED
+    skip_here();
+#else
+    every_failure("save to a path", do_save_file, 1);
+#endif
+}
+
+static void test_shader(void **state) {
+    (void)state;
+#ifdef SANITIZED
+    skip_here();
+#else
+    every_failure("shader source", do_shader, 0);
+#endif
+}
+
+static void test_upload(void **state) {
+    (void)state;
+#ifdef SANITIZED
+    skip_here();
+#else
+    images_left = 1 << 30;
+    every_failure("upload", do_upload, 0);
+    every_image();
+#endif
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_create),
-        cmocka_unit_test(test_open),
-        cmocka_unit_test(test_save),
+        cmocka_unit_test(test_create),    cmocka_unit_test(test_open),   cmocka_unit_test(test_save),
+        cmocka_unit_test(test_save_file), cmocka_unit_test(test_shader), cmocka_unit_test(test_upload),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
