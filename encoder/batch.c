@@ -137,18 +137,22 @@ static btf_result run_one(const enc_context *context, const enc_job *job, const 
     enc_job one = *job;
     char *output = join(job->output, strlen(job->output), name, ".btf.exr");
     char *report = job->report ? join(job->report, strlen(job->report), name, ".json") : NULL;
+    char *checkpoint = job->checkpoint ? join(job->checkpoint, strlen(job->checkpoint), name, "") : NULL;
     char *pictures = job->pictures ? join(job->pictures, strlen(job->pictures), name, "") : NULL;
     btf_result result = BTF_ERROR_MEMORY;
-    if (output && (report || !job->report) && (pictures || !job->pictures)) {
+    if (output && (report || !job->report) && (pictures || !job->pictures) &&
+        (checkpoint || !job->checkpoint)) {
         one.input = input;
         one.output = output;
         one.report = report;
         one.pictures = pictures;
+        one.checkpoint = checkpoint;
         result = enc_job_run(context, &one);
     }
     free(output);
     free(report);
     free(pictures);
+    free(checkpoint);
     return result;
 }
 
@@ -181,6 +185,8 @@ btf_result enc_batch_run(const enc_context *context, const enc_job *job, const e
         return enc_fail(context, BTF_ERROR_USAGE, "item %zu: the list has %zu", item, batch->count);
     outcome *outcomes = calloc(batch->count, sizeof *outcomes);
     btf_result result = outcomes ? make_folder(context, job->output) : BTF_ERROR_MEMORY;
+    if (result == BTF_OK)
+        result = make_folder(context, job->checkpoint);
     if (result == BTF_OK)
         result = make_folder(context, job->report);
     if (result == BTF_OK)

@@ -25,7 +25,7 @@ btf_result enc_batch_read(const enc_context *context, const char *path, enc_batc
 void enc_batch_clear(enc_batch *batch);
 
 /* Runs the job for input number `item` (from 1), or for all of them (0). job->output is a folder, made when missing,
- * and so are report and pictures, where given: DIR/NAME.btf.exr, REPORT/NAME.json, PICTURES/NAME. An input that fails
+ * and so are report and pictures, where given: DIR/NAME.btf.exr, REPORT/NAME.json, PICTURES/NAME, CHECKPOINT/NAME. An input that fails
  * does not stop the rest; only an interruption does. At the end a line an input goes to `summary` (may be NULL).
  * Returns the result of the first that failed. Errors beside: BTF_ERROR_USAGE (item), BTF_ERROR_IO (folders). */
 btf_result enc_batch_run(const enc_context *context, const enc_job *job, const enc_batch *batch, size_t item,

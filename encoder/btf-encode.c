@@ -166,6 +166,15 @@ static const cli_option table[] = {
      .type = CLI_STRING,
      .value = &o.job.pictures,
      .help = "write pictures of the stages and a montage"},
+    {.name = "checkpoint",
+     .arg = "DIR",
+     .type = CLI_STRING,
+     .value = &o.job.checkpoint,
+     .help = "keep what stages find in DIR until the material is written, so\nthat --resume can go on after a stop"},
+    {.name = "resume",
+     .type = CLI_FLAG,
+     .value = &o.job.resume,
+     .help = "go on from --checkpoint; the same bytes come out"},
     {.name = "item",
      .type = CLI_INT,
      .value = &o.item,
@@ -312,6 +321,9 @@ static btf_result prepare(void) {
     const uint32_t paper_effects = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN;
     if (!job->output) {
         return cli_error(&program, BTF_ERROR_USAGE, "option --output is missing: expected -o OUT.btf.exr");
+    }
+    if (job->resume && !job->checkpoint) {
+        return cli_error(&program, BTF_ERROR_USAGE, "option --resume: expected --checkpoint DIR as well");
     }
     job->method = o.method == 1 ? ENC_METHOD_PAPER : ENC_METHOD_JOINT;
     if (job->method == ENC_METHOD_PAPER && o.effects_given && o.effects != UINT32_MAX &&

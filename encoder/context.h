@@ -10,13 +10,15 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-struct progress; /* decoder/tools/progress.h */
+struct progress;       /* decoder/tools/progress.h */
+struct enc_checkpoint; /* checkpoint.h */
 
 typedef struct enc_context {
     btf_log log;
     struct progress *progress; /* may be NULL: no progress shown */
     int threads;               /* OpenMP threads, >= 1 */
     size_t memory;             /* bytes the working set may take, 0 = unbounded */
+    struct enc_checkpoint *checkpoint; /* where stages keep what they found; NULL: nowhere */
 } enc_context;
 
 /* printf-style message to context->log; does nothing without a callback. context may be NULL. */

@@ -4,6 +4,7 @@
  */
 #include "job.h"
 
+#include "checkpoint.h"
 #include "decoder/tools/output.h"
 #include "effect_errors.h"
 #include "levels.h"
@@ -224,8 +225,13 @@ btf_result enc_job_run(const enc_context *context, const enc_job *job) {
     if (result == BTF_OK) {
         result = check_levels(context, job, state.data, &levels);
     }
+    enc_context keeping = *context;
+    if (result == BTF_OK && job->checkpoint) {
+        result = enc_checkpoint_open(context, job->checkpoint, state.options, state.data, job->resume,
+                                     &keeping.checkpoint);
+    }
     if (result == BTF_OK) {
-        result = analyse(context, job, &state, &report);
+        result = analyse(&keeping, job, &state, &report);
     }
     if (result == BTF_OK && levels > 1) {
         result = analyse_levels(context, job, levels, &state);
@@ -244,6 +250,7 @@ btf_result enc_job_run(const enc_context *context, const enc_job *job) {
     }
     struct stat file;
     if (result == BTF_OK) {
+        enc_checkpoint_close(&keeping.checkpoint, true);
         report.file_bytes = stat(job->output, &file) == 0 ? (size_t)file.st_size : 0;
     }
     struct rusage usage;
@@ -259,6 +266,7 @@ btf_result enc_job_run(const enc_context *context, const enc_job *job) {
     if (result != BTF_OK && made_folder) {
         rmdir(job->pictures); /* when nothing was drawn */
     }
+    enc_checkpoint_close(&keeping.checkpoint, false);
     btf_material_close(&state.material);
     enc_levels_clear(&state.stored_levels);
     enc_levels_clear(&state.found_levels);

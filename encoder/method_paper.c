@@ -5,6 +5,7 @@
 #include "method_paper.h"
 
 #include "pack.h"
+#include "paper_steps.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -36,7 +37,7 @@ static btf_result take_occlusion(const enc_context *context, const enc_occlusion
 
 static btf_result run_occlusion(const enc_context *context, const enc_data *data, const enc_paper_options *options,
                                 enc_solution *s, enc_occlusion **out_occlusion, enc_paper_stats *stats) {
-    btf_result result = enc_flow_vote(context, data, &options->flow, out_occlusion);
+    btf_result result = enc_step_flow(context, data, &options->flow, out_occlusion);
     if (result != BTF_OK) {
         return result;
     }
@@ -51,8 +52,8 @@ static btf_result run_occlusion(const enc_context *context, const enc_data *data
         }
         memset(white, 255, (size_t)data->n_lights * enc_data_texel_count(data));
     }
-    result = enc_refine(context, data, s->sbrdf, white ? white : s->shadow, 1.0f / 255.0f, &options->refine,
-                        occlusion, NULL);
+    result = enc_step_refine(context, data, s->sbrdf, white ? white : s->shadow, 1.0f / 255.0f, &options->refine,
+                        occlusion);
     free(white);
     stats->hidden_after = enc_occlusion_hidden_count(occlusion, -1);
     if (result == BTF_OK && stats->hidden_after == 0) {
@@ -66,7 +67,7 @@ static btf_result run_occlusion(const enc_context *context, const enc_data *data
         }
         if (result == BTF_OK) {
             const uint32_t k = room < BTF_MAX_CENTRES ? room : BTF_MAX_CENTRES;
-            result = enc_cluster(context, data, &options->cluster, (int)k, occlusion, &centres);
+            result = enc_step_cluster(context, data, &options->cluster, (int)k, occlusion, &centres);
         }
         if (result == BTF_OK) {
             s->n_centres = (uint32_t)centres->k;
@@ -92,11 +93,11 @@ btf_result enc_paper(const enc_context *context, const enc_data *data, const enc
                           .radiance_scale = 1,
                           .shadow_scale = 1.0f / 255.0f,
                           .gain_scale = BTF_GAIN_SCALE};
-    btf_result result = enc_fit(context, data, &options->fit, &out->sbrdf, &out_stats->fit);
+    btf_result result = enc_step_fit(context, data, &options->fit, &out->sbrdf, &out_stats->fit);
     if (result == BTF_OK && (out->effects & BTF_EFFECT_SHADOW)) {
         const enc_shadow_options shadow = {.t_error = options->fit.t_error, .t_btf = options->fit.t_btf};
         out->shadow = malloc((size_t)data->n_lights * enc_data_texel_count(data));
-        result = out->shadow ? enc_top_view_shadow(context, data, out->sbrdf, &shadow, out->shadow)
+        result = out->shadow ? enc_step_shadow(context, data, out->sbrdf, &shadow, out->shadow)
                              : enc_fail(context, BTF_ERROR_MEMORY, "out of memory");
     }
     if (result == BTF_OK && (out->effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN))) {

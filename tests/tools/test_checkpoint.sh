@@ -1,0 +1,42 @@
+#!/bin/bash
+# btf-encode --checkpoint and --resume: killed at random moments, an encode that goes on gives the same bytes.
+#
+# SPDX-License-Identifier: MIT
+. "$BTF_SOURCE_ROOT/tests/tools/common.sh" || exit 99
+small_data
+RANDOM=20 # the same moments every time, as far as the machine is
+
+expect "--resume alone is refused" 1 btf-encode data -o x.btf.exr --resume
+expect_text "it says what is missing" "--checkpoint" err
+
+for method in paper; do
+    expect "$method, uninterrupted" 0 btf-encode data -o whole.btf.exr --method $method -q
+    begin=$(date +%s%N)
+    expect "$method with a checkpoint" 0 btf-encode data -o kept.btf.exr --method $method -q --checkpoint steps
+    span=$((($(date +%s%N) - begin) / 1000))
+    expect_that "$method: the same bytes" cmp whole.btf.exr kept.btf.exr
+    expect_that "$method: the checkpoint is gone" test ! -e steps
+
+    same=0 killed=0 kept=0
+    for i in 1 2 3 4 5 6 7 8 9 10; do
+        rm -rf steps cut.btf.exr
+        micro=$((RANDOM * span / 32768))
+        timeout -s KILL "$(printf '%d.%06d' $((micro / 1000000)) $((micro % 1000000)))" \
+            btf-encode data -o cut.btf.exr --method $method -q --checkpoint steps 2>/dev/null || killed=$((killed + 1))
+        ls steps/*.btf-step >/dev/null 2>&1 && kept=$((kept + 1))
+        [ -e cut.btf.exr ] || btf-encode data -o cut.btf.exr --method $method -q --checkpoint steps --resume
+        cmp -s whole.btf.exr cut.btf.exr && same=$((same + 1))
+    done
+    echo "$method: killed $killed times of 10, $kept times with steps kept"
+    expect_that "$method: killed and resumed, the same bytes ten times" test $same = 10
+    expect_that "$method: some were killed with steps kept" test $kept -gt 0
+done
+
+rm -rf steps
+timeout -s INT 0.02 btf-encode data -o x.btf.exr --method paper -q --checkpoint steps
+mkdir -p steps
+expect "other options go on from nothing, or are refused" 0 bash -c '
+    ls steps/*.btf-step >/dev/null 2>&1 || exit 0
+    btf-encode data -o x.btf.exr --method paper --lobes 1 -q --checkpoint steps --resume
+    test $? = 1'
+finish

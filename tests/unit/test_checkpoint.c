@@ -1,0 +1,218 @@
+/* Checkpoints (encoder/checkpoint.h): what is kept comes back, damage counts as nothing, other data or
+ * options are refused, and every stage of `--method paper` gives the same result from one
+ * (encoder/paper_steps.h).
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "encoder/checkpoint.h"
+#include "encoder/method_paper.h"
+#include "image_files.h"
+#include "tests/sample/sample.h"
+
+#include <dirent.h>
+#include <ftw.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static char folder[256], messages[2048];
+
+static void keep_message(void *user, btf_log_level level, const char *text) {
+    (void)user;
+    (void)level;
+    snprintf(messages, sizeof messages, "%s", text);
+}
+static enc_context context = {.log = {keep_message, NULL}, .threads = 1};
+
+static int make_folder(void **state) {
+    (void)state;
+    const char *base = getenv("TMPDIR");
+    snprintf(folder, sizeof folder, "%s/btf-steps-XXXXXX", base && *base ? base : "/tmp");
+    context.checkpoint = NULL;
+    messages[0] = '\0';
+    return mkdtemp(folder) ? 0 : -1;
+}
+
+static int remove_entry(const char *path, const struct stat *status, int flag, struct FTW *ftw) {
+    (void)status;
+    (void)flag;
+    (void)ftw;
+    return remove(path);
+}
+
+static int remove_folder(void **state) {
+    (void)state;
+    nftw(folder, remove_entry, 8, FTW_DEPTH | FTW_PHYS);
+    return 0;
+}
+
+/* Two texels of one view and two lights. */
+static enc_data *tiny(float first) {
+    const enc_direction view = enc_direction_from_angles(0, 0);
+    const enc_direction lights[2] = {enc_direction_from_angles(0, 0), enc_direction_from_angles(30, 0)};
+    enc_data *data = NULL;
+    assert_int_equal(enc_data_create(&context, 2, 1, 1, &view, 2, lights, &data), BTF_OK);
+    data->samples[0] = first;
+    return data;
+}
+
+static btf_result open_for(float first, const char *options, bool resume) {
+    enc_data *data = tiny(first);
+    const btf_result result =
+        enc_checkpoint_open(&context, folder, options, data, resume, &context.checkpoint);
+    enc_data_destroy(&data);
+    return result;
+}
+
+static void put_numbers(const char *name, int from, int count) {
+    enc_blob blob = {0};
+    for (int i = 0; i < count; i++) {
+        const int number = from + i;
+        enc_blob_put(&blob, &number, sizeof number);
+    }
+    assert_int_equal(enc_checkpoint_put(&context, name, &blob), BTF_OK);
+    assert_null(blob.bytes);
+}
+
+static bool get_numbers(const char *name, int from, int count) {
+    enc_blob blob;
+    if (!enc_checkpoint_get(&context, name, &blob))
+        return false;
+    for (int i = 0; i < count; i++) {
+        int number;
+        enc_blob_take(&blob, &number, sizeof number);
+        assert_false(blob.failed);
+        assert_int_equal(number, from + i);
+    }
+    int more = 1;
+    enc_blob_take(&blob, &more, sizeof more);
+    assert_true(blob.failed);
+    assert_int_equal(more, 0);
+    enc_blob_clear(&blob);
+    return true;
+}
+
+static void test_keeps(void **state) {
+    (void)state;
+    enc_blob blob = {0};
+    assert_false(
+        enc_checkpoint_get(&context, "a", &blob)); /* without a checkpoint: nothing, and no error */
+    put_numbers("a", 1, 1);
+    assert_int_equal(open_for(0.5f, "x=1", false), BTF_OK);
+    assert_false(enc_checkpoint_get(&context, "a", &blob));
+    put_numbers("a", 10, 5000);
+    put_numbers("b", 20, 3);
+    put_numbers("b", 30, 0);
+    put_numbers("b", 40, 2); /* the last one counts */
+    assert_true(get_numbers("a", 10, 5000));
+    enc_checkpoint_close(&context.checkpoint, false);
+    assert_int_equal(open_for(0.5f, "x=1", true), BTF_OK);
+    assert_true(get_numbers("a", 10, 5000));
+    assert_true(get_numbers("b", 40, 2));
+    enc_checkpoint_close(&context.checkpoint, true);
+    assert_int_equal(access(folder, F_OK), -1);
+}
+
+static void test_whose(void **state) {
+    (void)state;
+    assert_int_equal(open_for(0.5f, "x=1", true), BTF_OK); /* there is none yet: no error */
+    put_numbers("a", 1, 3);
+    enc_checkpoint_close(&context.checkpoint, false);
+    assert_int_equal(open_for(0.5f, "x=1", false), BTF_ERROR_USAGE);
+    assert_non_null(strstr(messages, "--resume"));
+    assert_int_equal(open_for(0.5f, "x=2", true), BTF_ERROR_USAGE);
+    assert_non_null(strstr(messages, "other data, options"));
+    assert_int_equal(open_for(0.25f, "x=1", true), BTF_ERROR_USAGE);
+    assert_non_null(strstr(messages, folder));
+    assert_int_equal(open_for(0.5f, "x=1", true), BTF_OK);
+    enc_checkpoint_close(&context.checkpoint, false);
+}
+
+/* Cut short anywhere or with any byte changed, a step counts as none. */
+static void test_damage(void **state) {
+    (void)state;
+    char path[320];
+    size_t size;
+    assert_int_equal(open_for(0.5f, "x=1", false), BTF_OK);
+    put_numbers("a", 7, 9);
+    snprintf(path, sizeof path, "%s/a.btf-step", folder);
+    unsigned char *bytes = read_whole_file(path, &size);
+    enc_blob blob;
+    for (size_t i = 0; i < size; i++) {
+        write_whole_file(path, bytes, i);
+        messages[0] = '\0';
+        assert_false(enc_checkpoint_get(&context, "a", &blob));
+        assert_non_null(strstr(messages, "a.btf-step"));
+        bytes[i] ^= 1;
+        write_whole_file(path, bytes, size);
+        bytes[i] ^= 1;
+        assert_false(enc_checkpoint_get(&context, "a", &blob));
+    }
+    write_whole_file(path, bytes, size);
+    assert_true(get_numbers("a", 7, 9));
+    free(bytes);
+    enc_checkpoint_close(&context.checkpoint, true);
+}
+
+/* The method after all steps, after each number of them, and without. */
+static void test_paper(void **state) {
+    (void)state;
+    enc_direction list[7] = {enc_direction_from_angles(0, 0)};
+    for (int i = 0; i < 6; i++)
+        list[1 + i] = enc_direction_from_angles(45, 60 * i);
+    const sample_options options = {
+        .width = 12, .height = 12, .grid = 128, .views = list, .lights = list, .n_views = 7, .n_lights = 7};
+    enc_data *data = NULL;
+    assert_int_equal(sample_render(&options, &data, NULL), BTF_OK);
+    const enc_paper_options paper = enc_paper_options_default();
+    static const char *const steps[] = {"fit", "shadow", "flow", "refine", "cluster"};
+    enc_solution plain;
+    enc_paper_stats stats;
+    assert_int_equal(enc_paper(&context, data, &paper, &plain, NULL, &stats), BTF_OK);
+    assert_true(plain.n_centres > 0);
+    assert_int_equal(enc_checkpoint_open(&context, folder, "paper", data, false, &context.checkpoint),
+                     BTF_OK);
+    for (int left = 5; left >= -1; left--) { /* first none is there; then all; then ever fewer */
+        enc_solution found;
+        assert_int_equal(enc_paper(&context, data, &paper, &found, NULL, &stats), BTF_OK);
+        const size_t texels = enc_solution_texels(&found), points = texels * 7;
+        assert_memory_equal(found.sbrdf->values, plain.sbrdf->values,
+                            texels * enc_sbrdf_stride(3, false) * sizeof(float));
+        assert_memory_equal(found.shadow, plain.shadow, texels * 7);
+        assert_memory_equal(found.shift, plain.shift, 2 * points);
+        assert_memory_equal(found.gain, plain.gain, points);
+        assert_memory_equal(found.centre, plain.centre, points * sizeof *plain.centre);
+        assert_int_equal(found.n_centres, plain.n_centres);
+        assert_memory_equal(found.centre_codes, plain.centre_codes, plain.n_centres * 21);
+        enc_solution_clear(&found);
+        for (int i = 0; i < 5; i++) {
+            char path[320];
+            snprintf(path, sizeof path, "%s/%s.btf-step", folder, steps[i]);
+            assert_int_equal(access(path, F_OK), 0);
+            if (i >= left)
+                remove(path);
+        }
+    }
+    enc_checkpoint_close(&context.checkpoint, true);
+    enc_solution_clear(&plain);
+    enc_data_destroy(&data);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_keeps, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_whose, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_damage, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_paper, make_folder, remove_folder),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
