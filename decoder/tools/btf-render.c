@@ -19,7 +19,7 @@ static struct {
     light_list lights;
     uint32_t effects;
     int size[2], samples, env_lights, components, math, interpolation, filter, tone, frames, animate,
-        threads, repeats;
+        threads, repeats, level;
 } options = {.mesh = "sphere",
              .device = "osmesa",
              .fov = 30,
@@ -30,6 +30,7 @@ static struct {
              .env_lights = 64,
              .components = BTF_MAX_COMPONENTS,
              .frames = 1,
+             .level = -1,
              .repeats = 9};
 
 static const char *parse_size(const char *text, void *value) {
@@ -49,6 +50,17 @@ static const char *parse_view(const char *text, void *value) {
     if (sscanf(text, "%lf,%lf%n", &view[0], &view[1], &used) != 2 || text[used] ||
         !(view[0] >= 0 && view[0] <= 180 && fabs(view[1]) <= 360))
         return "theta,phi in degrees, theta 0..180, phi -360..360";
+    return NULL;
+}
+
+static const char *parse_level(const char *text, void *value) {
+    int *level = value, used = 0;
+    if (!strcmp(text, "auto")) {
+        *level = -1;
+        return NULL;
+    }
+    if (sscanf(text, "%d%n", level, &used) != 1 || text[used] || *level < 0)
+        return "auto, or a level from 0";
     return NULL;
 }
 
@@ -185,6 +197,13 @@ static const cli_option option_table[] = {
      .choices = "texel|bilinear",
      .value = &options.filter,
      .help = "between texels (default texel)"},
+    {.name = "level",
+     .arg = "auto|N",
+     .type = CLI_CUSTOM,
+     .value = &options.level,
+     .parse = parse_level,
+     .help = "level of detail, of a file that has several: auto (default), by what a sample\n"
+             "covers of the texture, or one for all"},
     {.name = "math",
      .type = CLI_CHOICE,
      .choices = "exact|fast",
@@ -287,6 +306,10 @@ static btf_result check_options(void) {
     if (!options.figure13 && (options.original || options.baseline))
         return cli_error(&program, BTF_ERROR_USAGE, "option --%s: only together with --figure13",
                          options.original ? "original" : "baseline");
+    if (options.figure13 && options.level > 0)
+        return cli_error(&program, BTF_ERROR_USAGE,
+                         "option --level: %d, but --figure13 compares the original with level 0",
+                         options.level);
     if (options.environment && (options.env_lights & (options.env_lights - 1)))
         return cli_error(&program, BTF_ERROR_USAGE,
                          "option --environment-lights: %d, expected a power of two", options.env_lights);
@@ -334,6 +357,7 @@ static btf_result open_shader(job *j) {
                               .interpolation = (btf_interpolation)options.interpolation,
                               .filter = (btf_filter)options.filter,
                               .math = (btf_math)options.math,
+                              .level = options.figure13 ? 0 : options.level,
                               .threads = options.threads};
     if (options.figure13) {
         request.effects[0] = 0;
@@ -387,6 +411,9 @@ static btf_result prepare(job *j, const char *path) {
         result = open_shader(j);
     if (!result)
         btf_material_get_info(j->material, &j->info);
+    if (!result && options.level >= (int)j->info.levels)
+        return cli_error(&program, BTF_ERROR_USAGE, "option --level: %d, but %s has %u level%s", options.level,
+                         path, (unsigned)j->info.levels, j->info.levels == 1 ? "" : "s");
     if (!result && options.figure13 && !options.baseline && j->info.colour == BTF_COLOUR_NONE)
         return cli_error(&program, BTF_ERROR_USAGE,
                          "option --figure13: %s has no SBRDF; give a material that has one with --baseline",
@@ -402,6 +429,9 @@ static btf_result prepare(job *j, const char *path) {
                                  .bvh = j->bvh,
                                  .camera = {options.view[0], options.view[1], options.fov, options.zoom},
                                  .repeat = {options.repeat, options.repeat},
+                                 .texels = {(int)j->info.width, (int)j->info.height},
+                                 .levels = (int)j->info.levels,
+                                 .level = options.figure13 ? 0 : options.level,
                                  .cast_shadows = options.cast_shadows,
                                  .threads = options.threads},
                        .lights = &options.lights,

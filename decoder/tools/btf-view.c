@@ -19,7 +19,7 @@
 
 static struct {
     const char *mesh, *original, *screenshots;
-    int size[2], interpolation, filter, math;
+    int size[2], interpolation, filter, math, level;
     uint32_t effects;
     bool verbose, quiet;
 } options = {.screenshots = "btf-view", .size = {800, 800}, .effects = BTF_EFFECT_ALL};
@@ -61,6 +61,12 @@ static const cli_option option_table[] = {
      .choices = "exact|fast",
      .value = &options.math,
      .help = "exact (default), or the device's own functions"},
+    {.name = "level",
+     .type = CLI_CHOICE,
+     .choices = "auto|0",
+     .value = &options.level,
+     .help = "level of detail, of a file that has several: by pixel (default), or the\n"
+             "finest"},
     {.name = "screenshots",
      .arg = "PREFIX",
      .type = CLI_STRING,
@@ -86,8 +92,8 @@ static const cli_program program = {
     .details =
         "Left drag turns the model, right drag (or Shift + left) moves the light, the wheel zooms.\n"
         "Keys: M model, 1..5 effects, 0 all of them, N nearest directions, B bilinear, X fast math,\n"
-        "S split screen (middle drag or [ ] move it), + - exposure, A animate, C measure the cost of each\n"
-        "effect, P save a picture, I panel, R reset, H help, Q quit.\n"
+        "L levels of detail, S split screen (middle drag or [ ] move it), + - exposure, A animate,\n"
+        "C measure the cost of each effect, P save a picture, I panel, R reset, H help, Q quit.\n"
         "Exit codes: 0 ok, 1 usage, 2 input or output failed, 3 bad file, 4 internal error or out of\n"
         "memory, 5 no display or no OpenGL 3.3.",
     .example = "btf-view bricks.btf.exr --original BRICKS64.zip",
@@ -183,6 +189,7 @@ static void use_material_facts(viewer *v, const char *path) {
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(v->material, &info);
     v->state.has_sbrdf = info.colour != BTF_COLOUR_NONE;
+    v->state.has_levels = info.levels > 1;
     if (!v->state.has_sbrdf && v->state.split == VIEW_SPLIT_SBRDF)
         v->state.split = VIEW_SPLIT_OFF;
     snprintf(v->material_name, sizeof v->material_name, "%.60s", base_name(path));
@@ -247,12 +254,16 @@ static void panel_text(const viewer *v, char *text, size_t size) {
                  (double)error->psnr_srgb);
     costs_text(&v->costs, v->material, v->state.effects, list, sizeof list);
     snprintf(text, size,
-             "%s on %s\n%s, %s, %s math, exposure %+.2f\nframe %.1f ms (%.0f a second)\nPSNR %s\n"
+             "%s on %s\n%s, %s, %s math%s, exposure %+.2f\nframe %.1f ms (%.0f a second)\nPSNR %s\n"
              "effects %s: time and PSNR of each\n%ssplit %s\n%s",
              v->material_name, view_mesh_name(v->state.mesh),
              v->state.interpolation == BTF_INTERPOLATION_NEAREST ? "nearest" : "linear",
              v->state.filter == BTF_FILTER_BILINEAR ? "bilinear" : "texel",
-             v->state.math == BTF_MATH_FAST ? "fast" : "exact", v->state.exposure, v->frame_ms,
+             v->state.math == BTF_MATH_FAST ? "fast" : "exact",
+             !v->state.has_levels ? ""
+             : v->state.levels    ? ", levels"
+                                  : ", level 0",
+             v->state.exposure, v->frame_ms,
              1e3 / (v->frame_ms > 0.01 ? v->frame_ms : 0.01), quality,
              cli_effects_text(v->state.effects, words), list, view_split_name(v->state.split),
              v->message[0] ? v->message : "H: help");
@@ -393,7 +404,8 @@ static void on_key(GLFWwindow *window, int key, int scan_code, int action, int m
     case VIEW_CHANGED:
         break;
     }
-    if (key == GLFW_KEY_N || key == GLFW_KEY_B || key == GLFW_KEY_X || key == GLFW_KEY_R)
+    if (key == GLFW_KEY_N || key == GLFW_KEY_B || key == GLFW_KEY_X || key == GLFW_KEY_L ||
+        key == GLFW_KEY_R)
         costs_clear(&v->costs);
     if (v->state.mesh != mesh_before)
         v->failed = use_mesh(v);
@@ -582,6 +594,7 @@ static btf_result run(const char *path) {
     v.state.interpolation = (btf_interpolation)options.interpolation;
     v.state.filter = (btf_filter)options.filter;
     v.state.math = (btf_math)options.math;
+    v.state.levels = options.level == 0;
     btf_result result = prepare(&v, path);
     if (!result)
         result = loop(&v);

@@ -59,6 +59,63 @@ expect "many samples, several bands" 0 render -o big.png --device reference --si
 render -o big2.png --size 300 --samples 4
 same "several bands: the reference's picture" big.png big2.png
 
+# Levels of detail: the level of each sample is part of the table.
+btf-encode data -o levels.btf.exr --preset fast --levels all -q || exit 99
+btf-encode data -o plevels.btf.exr --method paper --levels 4 -q || exit 99
+lod() { btf-render "$@" --size 40 --quiet; }
+for mesh in plane sphere torus drape seat.obj; do
+    for effects in none shift gain all; do
+        lod levels.btf.exr -o r.png --device reference --mesh $mesh --effects $effects --view 35,-70 --repeat 9
+        for device in $devices; do
+            [ $device = softpipe ] && continue
+            [ $device = osmesa ] || [ $effects = all ] || continue
+            lod levels.btf.exr -o g.png --device $device --mesh $mesh --effects $effects --view 35,-70 --repeat 9
+            same "levels, $mesh, $effects: $device gives the reference's picture" r.png g.png
+        done
+    done
+    lod levels.btf.exr -o finest.png --mesh $mesh --view 35,-70 --repeat 9 --level 0
+    differ "levels, $mesh: another picture than the finest level alone" r.png finest.png
+    for effects in shadow shadow,shift hidden all; do
+        lod plevels.btf.exr -o r.png --device reference --mesh $mesh --effects $effects --view 35,-70 --repeat 9
+        lod plevels.btf.exr -o g.png --device osmesa --mesh $mesh --effects $effects --view 35,-70 --repeat 9
+        same "paper's levels, $mesh, $effects: the reference's picture" r.png g.png
+    done
+done
+for way in "--filter bilinear" "--interpolation nearest --samples 2" "--level 2" "--fov 0"; do
+    lod levels.btf.exr -o r.png --device reference --mesh plane --view 60,-90 --repeat 9 $way
+    lod levels.btf.exr -o g.png --device osmesa --mesh plane --view 60,-90 --repeat 9 $way
+    same "levels, $way: the reference's picture" r.png g.png
+done
+case $devices in
+*softpipe*)
+    expect "softpipe fetches one level for four pixels" 5 lod levels.btf.exr -o x.png --device softpipe
+    expect_text "is told" 'does not fetch the level of detail that each pixel asks for; try --level 0' err
+    for level in 0 2; do
+        lod levels.btf.exr -o r.png --device reference --level $level
+        lod levels.btf.exr -o g.png --device softpipe --level $level
+        same "level $level alone: softpipe gives the reference's picture" r.png g.png
+    done
+    ;;
+esac
+plane() { btf-render levels.btf.exr --mesh plane --fov 0 --repeat 1 --quiet "$@"; }
+for level in 0 1 2 3 4; do
+    plane -o auto.png --size $((16 >> level))
+    plane -o level.png --size $((16 >> level)) --level $level
+    same "a plane at 1/$((1 << level)) scale takes level $level" auto.png level.png
+done
+plane -o finer.png --size 16 --samples 2
+plane -o level.png --size 16 --samples 2 --level 0
+same "supersamples take the level of their own spacing" finer.png level.png
+expect "a level that is not there" 1 render -o x.png --level 1
+expect_text "is told" 'option --level: 1, but m.btf.exr has 1 level$' err
+expect "no level" 1 render -o x.png --level coarse
+expect "figure 13 of a coarser level" 1 lod levels.btf.exr -o x.png --figure13 --original data --level 1
+expect_text "is told why" 'option --level: 1, but --figure13' err
+expect "figure 13 of a file with levels" 0 lod plevels.btf.exr -o f13.png --figure13 --original data --mesh plane --view 40,0 --repeat 9
+btf-encode data -o pone.btf.exr --method paper -q
+lod pone.btf.exr -o f13b.png --figure13 --original data --mesh plane --view 40,0 --repeat 9 >out2
+same "shows the finest" f13.png f13b.png
+
 btf-decode m.btf.exr -o d.png --light 40,120
 expect "a plane straight on" 0 btf-render m.btf.exr -o p.png --mesh plane --fov 0 --repeat 1 --size 16 --quiet
 same "which is the decoded image" d.png p.png

@@ -10,6 +10,18 @@ for tool in btf-view x_drop xdotool Xvfb; do
 done
 small_data
 btf-encode data -o m.btf.exr --method paper -q || exit 99
+btf-encode data -o levels.btf.exr --preset fast --levels all -q || exit 99
+cat >far.obj <<'O'
+v -1 -1 0
+v 1 -1 0
+v 1 1 0
+v -1 1 0
+vt 0 0
+vt 40 0
+vt 40 40
+vt 0 40
+f 1/1 2/2 3/3 4/4
+O
 cat >seat.obj <<'O'
 v -1 -1 0
 v 1 -1 0
@@ -21,7 +33,7 @@ f 1/1 2/2 3/3
 O
 
 expect "help" 0 btf-view --help
-for option in mesh original size effects interpolation filter math screenshots verbose quiet; do
+for option in mesh original size effects interpolation filter math level screenshots verbose quiet; do
     expect_text "help names --$option" "--$option" out
 done
 expect "no display" 5 env -u DISPLAY -u WAYLAND_DISPLAY btf-view m.btf.exr
@@ -130,6 +142,8 @@ differ "bilinear is seen" start.png bilinear.png
 press b '^filter texel'
 press x '^math fast'
 press x '^math exact'
+press l '^levels off \(the file has one\)'
+press l '^levels on'
 press plus '^exposure \+0.25'
 shoot bright
 differ "exposure is seen" start.png bright.png
@@ -185,6 +199,28 @@ press s '^split off'
 xdotool key Escape
 wait $viewer
 expect_that "Escape quits with 0" test $? = 0
+
+seen=0
+start levels.btf.exr --mesh far.obj
+press i '^panel off'
+shoot minified
+press l '^levels off$'
+shoot finest
+differ "levels are seen where the texture is small" minified.png finest.png
+press l '^levels on$'
+press x '^math fast'
+press x '^math exact'
+shoot again
+expect_that "levels again are the same picture" cmp minified.png again.png
+xdotool key q
+wait $viewer
+seen=0
+start levels.btf.exr --mesh far.obj --level 0
+press i '^panel off'
+shoot option
+expect_that "--level 0 is what the key does" cmp finest.png option.png
+xdotool key q
+wait $viewer
 
 seen=0
 start --mesh seat.obj --effects none --interpolation nearest --filter bilinear --math fast

@@ -154,7 +154,7 @@ static void test_plane_table(void **state) {
                          .height = SIZE,
                          .threads = 2};
     table_sample samples[SIZE * SIZE], again[SIZE];
-    float inputs[8 * SIZE * SIZE], weights[3 * SIZE * SIZE];
+    float inputs[TABLE_INPUTS * SIZE * SIZE], weights[3 * SIZE * SIZE];
     table_cast(&scene, 0, SIZE, samples);
     for (int i = 0; i < SIZE * SIZE; i++) {
         double u = 2 * (i % SIZE + 0.5) / SIZE, v = 3 * (1 - (i / SIZE + 0.5) / SIZE);
@@ -166,17 +166,72 @@ static void test_plane_table(void **state) {
     assert_memory_equal(again, samples + 5 * SIZE, sizeof again);
     light far = {false, vec_from_angles(30, 90), {2, 1, 0.5}};
     table_light(&scene, &far, SIZE * SIZE, samples, inputs, weights);
-    close_to((double)inputs[8 * 9 + 6], sin(30 * RENDER_PI / 180), 1e-6);
-    close_to((double)inputs[8 * 9 + 7], cos(30 * RENDER_PI / 180), 1e-6);
+    close_to((double)inputs[TABLE_INPUTS * 9 + 6], sin(30 * RENDER_PI / 180), 1e-6);
+    close_to((double)inputs[TABLE_INPUTS * 9 + 7], cos(30 * RENDER_PI / 180), 1e-6);
     close_to((double)weights[3 * 9], 2, 0);
     light near = {true, vec_add(vec_from(samples[9].position), vec(0, 0, 2)), {4, 4, 4}};
     table_light(&scene, &near, SIZE * SIZE, samples, inputs, weights);
-    close_to((double)inputs[8 * 9 + 7], 1, 1e-6);
+    close_to((double)inputs[TABLE_INPUTS * 9 + 7], 1, 1e-6);
     close_to((double)weights[3 * 9], 1, 1e-6);
+    for (int i = 0; i < SIZE * SIZE; i++) /* a material of one level */
+        assert_true(samples[i].level == 0 && inputs[TABLE_INPUTS * i + 8] == 0);
     scene.camera = (camera){180, 0, 0, 1}; /* from behind: the frame turns over */
     table_cast(&scene, 0, SIZE, samples);
     close_to((double)samples[0].normal[2], -1, 1e-6);
     close_to((double)samples[0].view[2], 1, 1e-6);
+    bvh_destroy(&b);
+    mesh_destroy(&m);
+}
+
+/* Levels of detail by footprint: 2 repeats of 64 columns over 8 samples are 16 texels a sample, level 4,
+ * however the picture is turned; rows are shorter. From the side, the far rows take coarser levels. */
+static void test_levels(void **state) {
+    (void)state;
+    enum { SIZE = 8 };
+    mesh *m = make("plane");
+    bvh *b = bvh_create(m);
+    table_scene scene = {.mesh = m,
+                         .bvh = b,
+                         .camera = {0, 0, 0, 1},
+                         .repeat = {2, 3},
+                         .width = SIZE,
+                         .height = SIZE,
+                         .texels = {64, 32},
+                         .levels = 7,
+                         .level = -1,
+                         .threads = 2};
+    table_sample samples[SIZE * SIZE];
+    for (int turn = 0; turn < 3; turn++) {
+        scene.camera.theta = turn < 2 ? 0 : 180;
+        scene.repeat[0] = turn == 1 ? 3.9 : 2; /* 31.2 texels round to level 5 */
+        table_cast(&scene, 0, SIZE, samples);
+        for (int i = 0; i < SIZE * SIZE; i++)
+            assert_int_equal(samples[i].level, turn == 1 ? 5 : 4);
+    }
+    scene.levels = 3;
+    table_cast(&scene, 0, SIZE, samples);
+    assert_int_equal(samples[9].level, 2);
+    scene.level = 1;
+    table_cast(&scene, 0, SIZE, samples);
+    assert_int_equal(samples[9].level, 1);
+    scene.level = -1;
+    scene.repeat[0] = scene.repeat[1] = 0.01; /* magnified */
+    table_cast(&scene, 0, SIZE, samples);
+    assert_int_equal(samples[9].level, 0);
+    scene.levels = 7;
+    scene.repeat[0] = scene.repeat[1] = 1;
+    scene.camera = (camera){80, -90, 60, 1};
+    table_cast(&scene, 0, SIZE, samples);
+    int levels = 0, near = 7;
+    for (int y = SIZE - 1; y >= 0; y--) {
+        const table_sample *sample = &samples[y * SIZE + SIZE / 2];
+        if (sample->view[2] == 0)
+            continue;
+        assert_true(sample->level >= near || near == 7);
+        levels += sample->level != near;
+        near = sample->level;
+    }
+    assert_true(levels >= 2);
     bvh_destroy(&b);
     mesh_destroy(&m);
 }
@@ -186,7 +241,7 @@ static void test_cast_shadows(void **state) {
     (void)state;
     enum { SIZE = 64 };
     static table_sample samples[SIZE * SIZE];
-    static float inputs[8 * SIZE * SIZE], weights[3 * SIZE * SIZE];
+    static float inputs[TABLE_INPUTS * SIZE * SIZE], weights[3 * SIZE * SIZE];
     for (int k = 1; k < 3; k++) {
         mesh *m = make(names[k]);
         bvh *b = bvh_create(m);
@@ -204,7 +259,7 @@ static void test_cast_shadows(void **state) {
         table_light(&scene, &l, SIZE * SIZE, samples, inputs, weights);
         for (int i = 0; i < SIZE * SIZE; i++) {
             misses += samples[i].view[2] == 0;
-            if (inputs[8 * i + 7] > 0.05f)
+            if (inputs[TABLE_INPUTS * i + 7] > 0.05f)
                 *(weights[3 * i] > 0 ? &lit : &dark) += 1;
         }
         assert_true(lit > 100 && misses > 100);
@@ -307,7 +362,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_built_in),    cmocka_unit_test(test_computed_frames),
         cmocka_unit_test(test_handedness),  cmocka_unit_test(test_rays),
-        cmocka_unit_test(test_plane_table), cmocka_unit_test(test_cast_shadows),
+        cmocka_unit_test(test_plane_table), cmocka_unit_test(test_levels), cmocka_unit_test(test_cast_shadows),
         cmocka_unit_test(test_environment), cmocka_unit_test(test_light_words),
         cmocka_unit_test(test_camera),      cmocka_unit_test(test_picture),
     };

@@ -7,6 +7,7 @@
 #include "../reference_view.h"
 #include "encoder/reader.h"
 #include "file.h"
+#include "table.h"
 #include <stdlib.h>
 
 struct original {
@@ -113,7 +114,7 @@ static btf_result run(void *user, int variant, int width, int rows, const float 
     (void)log;
 #pragma omp parallel for schedule(dynamic, 256) num_threads(o->threads)
     for (int i = 0; i < count; i++)
-        evaluate(o, inputs + 8 * (size_t)i, out + 3 * (size_t)i);
+        evaluate(o, inputs + TABLE_INPUTS * (size_t)i, out + 3 * (size_t)i);
     return BTF_OK;
 }
 

@@ -51,7 +51,7 @@ static bool allocate(band *b, const render_scene *scene, int count) {
         b->rows = b->table.height;
     const size_t n = (size_t)b->rows * (size_t)b->table.width;
     b->samples = calloc(n, sizeof *b->samples);
-    b->inputs = calloc(n, 8 * sizeof *b->inputs);
+    b->inputs = calloc(n, TABLE_INPUTS * sizeof *b->inputs);
     b->weights = calloc(n, 3 * sizeof *b->weights);
     b->radiance = calloc(n, 3 * sizeof *b->radiance);
     bool ok = b->samples && b->inputs && b->weights && b->radiance;

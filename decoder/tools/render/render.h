@@ -11,7 +11,7 @@
 
 enum { RENDER_PICTURES = SHADER_VARIANTS + 1 };
 
-/* Something that turns inputs[rows][width][8] (table_light) into out[rows][width][3]. */
+/* Something that turns inputs[rows][width][TABLE_INPUTS] (table_light) into out[rows][width][3]. */
 typedef struct evaluator {
     btf_result (*run)(void *user, int variant, int width, int rows, const float *inputs, float *out,
                       const btf_log *log);

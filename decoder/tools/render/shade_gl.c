@@ -8,6 +8,7 @@
 #include "../reference_view.h"
 #include "file.h"
 #include "gl_api.h"
+#include "table.h"
 #include "decoder/tools/context/context.h"
 #include <omp.h>
 #include <stdio.h>
@@ -20,14 +21,16 @@ typedef struct gl_device {
     gl_api gl;
     btf_gl *material;
     GLuint programs[SHADER_VARIANTS], phong;
-    GLuint inputs, outputs, framebuffer, array, colour;
+    GLuint inputs, levels, outputs, framebuffer, array, colour;
     int width, rows; /* of the textures */
     int variants;
+    int level;       /* of all samples */
+    bool has_levels; /* a level a sample */
     uint32_t *bits; /* [rows][width][4] */
     char name[240];
 } gl_device;
 
-enum { UNIT_INPUTS = 0, UNIT_COLOUR = 1, UNIT_MATERIAL = 2 };
+enum { UNIT_INPUTS = 0, UNIT_COLOUR = 1, UNIT_LEVELS = 2, UNIT_MATERIAL = 3 };
 
 static const char vertex_text[] =
     "void main() {\n"
@@ -38,6 +41,7 @@ static const char vertex_text[] =
 static const char interface_text[] = "precision highp float;\n"
                                      "precision highp int;\n"
                                      "uniform highp usampler2DArray render_inputs;\n"
+                                     "uniform highp usampler2D render_levels;\n"
                                      "uniform highp sampler2D render_colour;\n"
                                      "out highp uvec4 render_result;\n";
 
@@ -51,6 +55,18 @@ static const char main_text[] =
 
 static const char decode_text[] =
     "vec3 render_evaluate(vec2 uv, vec3 l, vec3 v) { return btf_evaluate(uv, l, v); }\n";
+
+/* One level of detail for all. */
+static const char one_level_text[] = "vec3 render_evaluate(vec2 uv, vec3 l, vec3 v) {\n"
+                                     "    return btf_evaluate_level(uv, l, v, RENDER_LEVEL);\n"
+                                     "}\n";
+
+/* One a sample. */
+static const char level_text[] =
+    "vec3 render_evaluate(vec2 uv, vec3 l, vec3 v) {\n"
+    "    uint level = texelFetch(render_levels, ivec2(gl_FragCoord.xy), 0).x;\n"
+    "    return btf_evaluate_level(uv, l, v, int(level));\n"
+    "}\n";
 
 static const char phong_text[] =
     "vec3 render_evaluate(vec2 uv, vec3 l, vec3 v) {\n"
@@ -107,13 +123,16 @@ static GLuint make_program(gl_device *d, const context_device *device, const cha
     snprintf(version, sizeof version, "#version %s\n%s", device->glsl,
              device->enable_gpu_shader5 ? "#extension GL_ARB_gpu_shader5 : require\n" : "");
     const char *vertex[] = {vertex_text, NULL};
-    const char *fragment[] = {interface_text, library, body, main_text, NULL};
+    char level[40];
+    snprintf(level, sizeof level, "#define RENDER_LEVEL %d\n", d->level);
+    const char *fragment[] = {level, interface_text, library, body, main_text, NULL};
     GLuint program = gl_api_program(&d->gl, version, vertex, fragment, log);
     if (!program)
         return 0;
     d->gl.UseProgram(program);
     d->gl.Uniform1i(d->gl.GetUniformLocation(program, "render_inputs"), UNIT_INPUTS);
     d->gl.Uniform1i(d->gl.GetUniformLocation(program, "render_colour"), UNIT_COLOUR);
+    d->gl.Uniform1i(d->gl.GetUniformLocation(program, "render_levels"), UNIT_LEVELS);
     d->gl.UseProgram(0);
     return program;
 }
@@ -131,7 +150,8 @@ static btf_result make_variant(gl_device *d, const context_device *device, const
     btf_result result = btf_shader_source(request->material, &options, log, &library);
     if (result)
         return result;
-    d->programs[variant] = make_program(d, device, library, decode_text, log);
+    d->programs[variant] = 
+        make_program(d, device, library, d->has_levels ? level_text : d->level > 0 ? one_level_text : decode_text, log);
     btf_free(library);
     if (!d->programs[variant])
         return BTF_ERROR_INTERNAL;
@@ -170,6 +190,10 @@ static btf_result fill(gl_device *d, const context_device *device, const shader_
         file_say(log, "out of memory for a texture");
         result = BTF_ERROR_MEMORY;
     }
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_material_get_info(request->material, &info);
+    d->has_levels = info.levels > 1 && request->level < 0;
+    d->level = info.levels > 1 ? request->level : 0;
     d->variants = request->variants;
     for (int i = 0; i < request->variants && !result; i++)
         result = make_variant(d, device, request, i, log);
@@ -182,6 +206,41 @@ static btf_result fill(gl_device *d, const context_device *device, const shader_
     d->gl.GenVertexArrays(1, &d->array);
     d->gl.BindVertexArray(d->array);
     return BTF_OK;
+}
+
+/* Whether neighbouring pixels get the level that each asks for: Mesa's softpipe fetches that of the first pixel
+ * of four, and what it takes for the level where that one has nothing to decode. */
+static btf_result check_levels(gl_device *d, const context_device *device, const shader_request *request,
+                               const btf_log *log) {
+    enum { WIDTH = 16, ROWS = 2 };
+    float inputs[ROWS * WIDTH * TABLE_INPUTS], out[2][ROWS * WIDTH * 3];
+    shader_request reference = *request;
+    shader *s = NULL;
+    if ((!d->has_levels && d->level <= 0) || request->math == BTF_MATH_FAST)
+        return BTF_OK;
+    for (int i = 0; i < ROWS * WIDTH; i++) {
+        float *in = inputs + TABLE_INPUTS * i;
+        in[0] = ((float)(i % WIDTH) + 0.5f) / WIDTH;
+        in[1] = (float)(i % 7) / 7;
+        in[2] = in[3] = in[5] = 0;
+        in[4] = 1;
+        in[6] = 0.6f;
+        in[7] = i % 6 == 0 ? -0.8f : 0.8f; /* some have nothing to decode */
+        in[8] = d->has_levels ? (float)(i % 3 == 1) : (float)d->level;
+    }
+    reference.device = "reference";
+    btf_result result = shader_create(&reference, log, &s);
+    if (!result)
+        result = shader_run(s, 0, WIDTH, ROWS, inputs, out[0], log);
+    if (!result)
+        result = shader_class_gl.run(d, 0, WIDTH, ROWS, inputs, out[1], log);
+    shader_destroy(&s);
+    if (!result && memcmp(out[0], out[1], sizeof out[0]) != 0) {
+        file_say(log, "device %s (%s) does not fetch the level of detail that each pixel asks for; try --level 0",
+                 device->name, d->name);
+        return BTF_ERROR_UNSUPPORTED;
+    }
+    return result;
 }
 
 static void destroy(void *self) {
@@ -214,7 +273,8 @@ static void *create(const shader_request *request, const btf_log *log, btf_resul
         free(d);
         return NULL;
     }
-    if ((*out_result = fill(d, device, request, log))) {
+    if ((*out_result = fill(d, device, request, log)) ||
+        (*out_result = check_levels(d, device, request, log))) {
         destroy(d);
         return NULL;
     }
@@ -241,8 +301,8 @@ static btf_result resize(gl_device *d, int width, int rows, const btf_log *log) 
         return BTF_ERROR_MEMORY;
     }
     d->bits = bits;
-    const GLuint old[2] = {d->inputs, d->outputs};
-    d->gl.DeleteTextures(2, old);
+    const GLuint old[3] = {d->inputs, d->outputs, d->levels};
+    d->gl.DeleteTextures(3, old);
     d->outputs = make_texture(d, GL_TEXTURE_2D, UNIT_INPUTS);
     d->gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
     d->gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
@@ -252,6 +312,9 @@ static btf_result resize(gl_device *d, int width, int rows, const btf_log *log) 
     d->gl.TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
     d->gl.TexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RGBA32UI, width, rows, 2, 0, GL_RGBA_INTEGER,
                      GL_UNSIGNED_INT, NULL);
+    d->levels = make_texture(d, GL_TEXTURE_2D, UNIT_LEVELS);
+    d->gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    d->gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
     d->gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, d->outputs, 0);
     d->width = width;
     d->rows = rows;
@@ -274,9 +337,17 @@ static btf_result run(void *self, int variant, int width, int rows, const float 
     d->gl.BindTexture(GL_TEXTURE_2D_ARRAY, d->inputs);
     for (int half = 0; half < 2; half++) {
         for (size_t i = 0; i < count; i++)
-            memcpy(d->bits + 4 * i, inputs + 8 * i + 4 * half, 16);
+            memcpy(d->bits + 4 * i, inputs + TABLE_INPUTS * i + 4 * half, 16);
         d->gl.TexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, half, width, rows, 1, GL_RGBA_INTEGER,
                             GL_UNSIGNED_INT, d->bits);
+    }
+    if (d->has_levels) {
+        for (size_t i = 0; i < count; i++)
+            d->bits[i] = (uint32_t)inputs[TABLE_INPUTS * i + 8];
+        d->gl.ActiveTexture(GL_TEXTURE0 + UNIT_LEVELS);
+        d->gl.BindTexture(GL_TEXTURE_2D, d->levels);
+        d->gl.TexImage2D(GL_TEXTURE_2D, 0, GL_R32UI, width, rows, 0, GL_RED_INTEGER, GL_UNSIGNED_INT,
+                         d->bits);
     }
     d->gl.UseProgram(d->programs[variant]);
     d->gl.Viewport(0, 0, width, rows);

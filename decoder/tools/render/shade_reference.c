@@ -6,10 +6,12 @@
 
 #include "../reference_view.h"
 #include "file.h"
+#include "table.h"
 #include <stdlib.h>
 
 typedef struct reference {
-    btf_ref_material material;
+    btf_ref_material level[BTF_MAX_LEVELS];
+    int levels;
     btf_ref_options options[SHADER_VARIANTS];
     int threads;
 } reference;
@@ -31,7 +33,11 @@ static void *create(const shader_request *request, const btf_log *log, btf_resul
         *out_result = BTF_ERROR_MEMORY;
         return NULL;
     }
-    reference_view(request->material, 0, &self->material);
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_material_get_info(request->material, &info);
+    self->levels = (int)info.levels;
+    for (uint32_t i = 0; i < info.levels; i++)
+        reference_view(request->material, i, &self->level[i]);
     self->threads = request->threads;
     for (int i = 0; i < request->variants; i++)
         self->options[i] = (btf_ref_options){
@@ -60,8 +66,9 @@ static btf_result run(void *self, int variant, int width, int rows, const float 
     (void)log;
 #pragma omp parallel for schedule(dynamic, 256) num_threads(r->threads)
     for (int i = 0; i < count; i++) {
-        const float *in = inputs + 8 * (size_t)i;
-        btf_ref_evaluate(&r->material, &r->options[variant], in[0], in[1], in + 5, in + 2,
+        const float *in = inputs + TABLE_INPUTS * (size_t)i;
+        const int level = (int)in[8] < r->levels ? (int)in[8] : r->levels - 1;
+        btf_ref_evaluate(&r->level[level], &r->options[variant], in[0], in[1], in + 5, in + 2,
                          out + 3 * (size_t)i);
     }
     return BTF_OK;

@@ -18,7 +18,7 @@ camera_frame camera_get_frame(const camera *c) {
     return f;
 }
 
-static void primary_ray(const table_scene *s, const camera_frame *f, int x, int y, vec3 *origin,
+static void primary_ray(const table_scene *s, const camera_frame *f, double x, double y, vec3 *origin,
                         vec3 *direction) {
     const double smaller = s->width < s->height ? s->width : s->height;
     double px = (2 * (x + 0.5) - s->width) / smaller * f->half;
@@ -40,6 +40,46 @@ static vec3 blend3(const bvh_hit *h, const float *a, const float *b, const float
 static float fraction(double c) {
     float f = (float)(c - floor(c));
     return f < 1 ? f : 0;
+}
+
+/* Step of uv, in texels, from the hit to where another ray meets the plane of the triangle; infinite where
+ * it does not. */
+static double footprint(const table_scene *s, const bvh_hit *h, vec3 at, vec3 origin, vec3 direction) {
+    const uint32_t *t = s->mesh->triangles + 3 * (size_t)h->triangle;
+    const mesh_vertex *a = s->mesh->vertices + t[0], *b = s->mesh->vertices + t[1],
+                      *c = s->mesh->vertices + t[2];
+    const vec3 pa = vec_from(a->position), ab = vec_sub(vec_from(b->position), pa),
+               ac = vec_sub(vec_from(c->position), pa), face = vec_cross(ab, ac);
+    const double along = vec_dot(direction, face), area = vec_dot(face, face);
+    const double distance = vec_dot(vec_sub(at, origin), face) / along;
+    if (!(area > 0) || !(distance > 0) || !isfinite(distance))
+        return INFINITY;
+    const vec3 step = vec_sub(vec_add(origin, vec_mul(direction, distance)), at);
+    const double wb = vec_dot(vec_cross(step, ac), face) / area,
+                 wc = vec_dot(vec_cross(ab, step), face) / area;
+    double length = 0;
+    for (int k = 0; k < 2; k++) {
+        const double d =
+            (wb * ((double)b->uv[k] - (double)a->uv[k]) + wc * ((double)c->uv[k] - (double)a->uv[k])) *
+            s->repeat[k] * s->texels[k];
+        length += d * d;
+    }
+    return sqrt(length);
+}
+
+static int find_level(const table_scene *s, const camera_frame *f, int x, int y, vec3 at,
+                      const bvh_hit *h) {
+    const int last = s->levels - 1;
+    if (s->level >= 0 || last <= 0)
+        return s->level > 0 ? s->level : 0;
+    double longest = 1;
+    for (int axis = 0; axis < 2; axis++) {
+        vec3 origin, direction;
+        primary_ray(s, f, x + (axis == 0), y + (axis == 1), &origin, &direction);
+        longest = fmax(longest, footprint(s, h, at, origin, direction));
+    }
+    const double level = floor(log2(longest) + 0.5);
+    return level < last ? (int)level : last;
 }
 
 static void fill(const table_scene *s, vec3 to_viewer, vec3 at, const bvh_hit *h, table_sample *out) {
@@ -79,9 +119,11 @@ void table_cast(const table_scene *scene, int first_row, int rows, table_sample 
             bvh_hit hit;
             *sample = (table_sample){0};
             primary_ray(scene, &frame, x, first_row + row, &origin, &direction);
-            if (bvh_trace(scene->bvh, origin, direction, 0, INFINITY, &hit))
-                fill(scene, vec_mul(direction, -1), vec_add(origin, vec_mul(direction, hit.t)), &hit,
-                     sample);
+            if (bvh_trace(scene->bvh, origin, direction, 0, INFINITY, &hit)) {
+                const vec3 at = vec_add(origin, vec_mul(direction, hit.t));
+                fill(scene, vec_mul(direction, -1), at, &hit, sample);
+                sample->level = find_level(scene, &frame, x, first_row + row, at, &hit);
+            }
         }
 }
 
@@ -99,7 +141,7 @@ void table_light(const table_scene *scene, const light *l, size_t count, const t
 #pragma omp parallel for schedule(static, 4096) num_threads(scene->threads)
     for (int64_t i = 0; i < n; i++) {
         const table_sample *sample = samples + i;
-        float *in = inputs + 8 * i, *weight = weights + 3 * i;
+        float *in = inputs + TABLE_INPUTS * i, *weight = weights + 3 * i;
         vec3 to_light = l->at;
         double distance = 1;
         for (int k = 0; k < 2; k++)
@@ -109,6 +151,7 @@ void table_light(const table_scene *scene, const light *l, size_t count, const t
             in[5 + k] = 0;
             weight[k] = 0;
         }
+        in[8] = (float)sample->level;
         if (sample->view[2] == 0)
             continue;
         if (l->is_point) {

@@ -30,6 +30,7 @@ camera_frame camera_get_frame(const camera *c);
 typedef struct table_sample {
     float uv[2];       /* in [0, 1), the fraction of the mesh's uv times the repeats */
     float view[3];     /* to the viewer, in the tangent frame */
+    int level;         /* of detail */
     float position[3]; /* in the world */
     float tangent[3], bitangent[3], normal[3];
 } table_sample;
@@ -40,17 +41,26 @@ typedef struct table_scene {
     camera camera;
     double repeat[2];
     int width, height; /* samples: pixels times supersampling */
+    int texels[2];     /* columns and rows of the material */
+    int levels;        /* of detail that it has, 1 at least */
+    int level;         /* the one to take; below 0: by the sample's footprint */
     bool cast_shadows;
     int threads;
 } table_scene;
 
 /* Casts rows first_row .. first_row + rows - 1: out[rows][width]. A surface seen from behind is lit from
  * there (the frame's normal is turned); at the silhouette, where the interpolated normal looks away, the
- * view is raised to just above the horizon. */
+ * view is raised to just above the horizon. The footprint of a sample is the longer of the two steps of
+ * uv, in texels, from it to the next sample along a row and along a column, on the plane of the triangle
+ * that is hit (H. Igehy, "Tracing Ray Differentials", 1999); its level is the log2 of that, rounded to
+ * nearest, from 0 to levels - 1: what btf_level of the GLSL library says for dFdx and dFdy of uv. */
 void table_cast(const table_scene *scene, int first_row, int rows, table_sample *out);
 
-/* For `count` samples under one light: inputs[count][8] = u, v, view, direction to the light in the tangent
- * frame; weights[count][3] = the light's colour as it arrives (0 for a miss or a cast shadow). */
+/* Floats that an evaluator is handed for a sample: u, v, view, direction to the light in the tangent frame,
+ * level of detail. */
+enum { TABLE_INPUTS = 9 };
+
+/* For `count` samples under one light: inputs[count][TABLE_INPUTS]; weights[count][3] = the light's colour as it arrives (0 for a miss or a cast shadow). */
 void table_light(const table_scene *scene, const light *l, size_t count, const table_sample *samples,
                  float *inputs, float *weights);
 

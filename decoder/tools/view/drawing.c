@@ -18,7 +18,7 @@ typedef struct variant {
     btf_interpolation interpolation;
     btf_filter filter;
     btf_math math;
-    bool images;
+    bool images, levels;
 } variant;
 
 typedef struct program {
@@ -66,6 +66,7 @@ static const char fragment_text[] =
     "uniform float exposure, repeat;\n"
     "out vec4 colour;\n"
     "void main() {\n"
+    "    view_steps = repeat * vec4(dFdx(f_uv), dFdy(f_uv));\n"
     "    vec3 n = normalize(f_normal), t = normalize(f_tangent.xyz - n * dot(n, f_tangent.xyz));\n"
     "    vec3 b = cross(n, t) * (f_tangent.w < 0.0 ? -1.0 : 1.0);\n"
     "    vec3 to_eye = normalize(eye - f_position), face = cross(dFdx(f_position), dFdy(f_position));\n"
@@ -80,8 +81,16 @@ static const char fragment_text[] =
     "                      vec3(greaterThan(c, vec3(0.0031308)))), 1.0);\n"
     "}\n";
 
+/* Steps of uv to the next pixels, set by main. */
+static const char steps_text[] = "vec4 view_steps;\n";
+
 static const char material_text[] =
     "vec3 view_radiance(vec2 uv, vec3 l, vec3 v) { return btf_evaluate(uv, l, v); }\n";
+
+static const char level_text[] =
+    "vec3 view_radiance(vec2 uv, vec3 l, vec3 v) {\n"
+    "    return btf_evaluate_level(uv, l, v, int(btf_level(view_steps.xy, view_steps.zw) + 0.5));\n"
+    "}\n";
 
 /* The images: layer = view, tile = light. */
 static const char images_text[] =
@@ -244,7 +253,7 @@ btf_result drawing_set_mesh(drawing *d, const mesh *m, double repeat, const btf_
 
 static bool same_variant(const variant *a, const variant *b) {
     return a->effects == b->effects && a->interpolation == b->interpolation && a->filter == b->filter &&
-           a->math == b->math && a->images == b->images;
+           a->math == b->math && a->images == b->images && a->levels == b->levels;
 }
 
 static btf_result compile(drawing *d, const variant *v, const btf_log *log, GLuint *out_program) {
@@ -259,7 +268,11 @@ static btf_result compile(drawing *d, const variant *v, const btf_log *log, GLui
     if (result)
         return result;
     const char *vertex[] = {vertex_text, NULL};
-    const char *fragment[] = {library, v->images ? images_text : material_text, fragment_text, NULL};
+    const char *fragment[] = {library, steps_text,
+                              v->images   ? images_text
+                              : v->levels ? level_text
+                                          : material_text,
+                              fragment_text, NULL};
     *out_program =
         gl_api_program(d->gl,
                        d->have_precise ? "#version 330 core\n#extension GL_ARB_gpu_shader5 : require\n"
@@ -349,7 +362,8 @@ btf_result drawing_draw(drawing *d, const view_state *s, int width, int height, 
     if (!d->material)
         return BTF_OK;
     const int split = s->split == VIEW_SPLIT_OFF ? width : (int)(s->split_at * width + 0.5);
-    variant left = {s->effects, s->interpolation, s->filter, s->math, false}, right = left;
+    variant left = {s->effects, s->interpolation, s->filter, s->math, false, s->levels && s->has_levels},
+            right = left;
     right.images = s->split == VIEW_SPLIT_ORIGINAL && d->images;
     right.effects = 0;
     gl->Enable(GL_DEPTH_TEST);

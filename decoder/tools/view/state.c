@@ -30,6 +30,7 @@ const char *view_help_text(void) {
            "N              directions: linear / nearest\n"
            "B              texels: one / bilinear\n"
            "X              math: exact / fast\n"
+           "L              levels of detail: by pixel / the finest\n"
            "S              split: off / SBRDF / original\n"
            "[ ]            move the split line\n"
            "+ -            exposure\n"
@@ -56,6 +57,7 @@ void view_state_reset(view_state *s) {
     s->filter = BTF_FILTER_TEXEL;
     s->math = BTF_MATH_EXACT;
     s->split = VIEW_SPLIT_OFF;
+    s->levels = true;
     s->help = false;
     s->info = true;
     s->animate = false;
@@ -94,6 +96,13 @@ static view_action next_mesh(view_state *s, char *text, size_t size) {
 static view_action flip(bool *flag, const char *name, char *text, size_t size) {
     *flag = !*flag;
     snprintf(text, size, "%s %s", name, *flag ? "on" : "off");
+    return VIEW_CHANGED;
+}
+
+static view_action toggle_levels(view_state *s, char *text, size_t size) {
+    s->levels = !s->levels;
+    snprintf(text, size, "levels %s%s", s->levels ? "on" : "off",
+             s->has_levels ? "" : " (the file has one)");
     return VIEW_CHANGED;
 }
 
@@ -138,6 +147,8 @@ view_action view_state_key(view_state *s, int key, char *text, size_t size) {
         s->math = s->math == BTF_MATH_EXACT ? BTF_MATH_FAST : BTF_MATH_EXACT;
         snprintf(text, size, "math %s", s->math == BTF_MATH_FAST ? "fast" : "exact");
         return VIEW_CHANGED;
+    case 'L':
+        return toggle_levels(s, text, size);
     case 'S':
         return next_split(s, text, size);
     case '[':
