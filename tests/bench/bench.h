@@ -5,11 +5,12 @@
 #ifndef OPENBTF_TESTS_BENCH_BENCH_H
 #define OPENBTF_TESTS_BENCH_BENCH_H
 
-#include "encoder/data.h"
+#include "results.h"
+#include "system.h"
 
 #include <stdio.h>
 
-enum { BENCH_PRESETS = 4 };
+enum { BENCH_PRESETS = 4, BENCH_DECODE_REPEATS = 5 };
 
 typedef struct bench_run {
     const enc_context *context;
@@ -19,18 +20,29 @@ typedef struct bench_run {
     const char *out;             /* existing folder for CSV files */
     int texels;                  /* texels that slow peers are run on */
     bool presets[BENCH_PRESETS]; /* of the joint method, enc_joint_preset */
+    bool presets_given;          /* by the user: section `encode` takes all else */
     uint64_t budget;             /* GPU bytes a codec may take; 0: what layout `paper` takes */
     int rank;                    /* components of the largest PCA */
     FILE *summary;               /* Markdown; the section's heading was written */
+    const bench_held *held;      /* what sweeps encode, and the directions left out */
+    bench_journal *journal;
+    const bench_system *system;
+    int repeats; /* of an encode; a decode is repeated at least BENCH_DECODE_REPEATS times */
+    bool quick;  /* fewer settings */
 } bench_run;
 
 /* Measures, writes CSV into run->out and tables into run->summary. */
 typedef btf_result (*bench_section_fn)(const bench_run *run);
 
+btf_result bench_section_machine(const bench_run *run); /* whatever the data */
+btf_result bench_section_encode(const bench_run *run);
+btf_result bench_section_decode(const bench_run *run);
+btf_result bench_section_storage(const bench_run *run);
+btf_result bench_section_growth(const bench_run *run); /* of the built-in bricks, whatever the data */
 btf_result bench_section_fit(const bench_run *run);
 btf_result bench_section_codecs(const bench_run *run);
 btf_result bench_section_holdout(const bench_run *run);
-btf_result bench_section_decode(const bench_run *run); /* of synthetic materials, whatever the data */
+btf_result bench_section_shaders(const bench_run *run); /* of synthetic materials, whatever the data */
 
 /* run->out/SECTION-MATERIAL.EXTENSION, in `path` of `size` bytes. */
 void bench_path(const bench_run *run, const char *section, const char *extension, char *path, size_t size);

@@ -13,19 +13,29 @@
 #include <errno.h>
 #include <omp.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
 static const struct {
     const char *name, *what;
     bench_section_fn run;
+    bool quick; /* part of --quick */
 } sections[] = {
-    {"fit", "the Lafortune fit beside a Ceres problem with automatic derivatives", bench_section_fit},
+    {"machine", "what the machine could do at best", bench_section_machine, true},
+    {"encode", "encoding: time against accuracy", bench_section_encode, true},
+    {"decode", "decoding: time against accuracy, on every GL device and on the CPU", bench_section_decode,
+     true},
+    {"storage", "storage: bytes against accuracy", bench_section_storage, true},
+    {"growth", "encoding: growth of time and memory", bench_section_growth, true},
+    {"fit", "the Lafortune fit beside a Ceres problem with automatic derivatives", bench_section_fit,
+     false},
     {"codecs", "accuracy at equal bytes, and bytes at equal accuracy, beside principal components",
-     bench_section_codecs},
-    {"holdout", "accuracy at directions that the encoder did not see", bench_section_holdout},
-    {"decode", "nanoseconds a pixel of every shader variant, beside its floor, fast math and peers",
-     bench_section_decode},
+     bench_section_codecs, false},
+    {"holdout", "accuracy of the presets at directions that the encoder did not see", bench_section_holdout,
+     false},
+    {"shaders", "nanoseconds a pixel of every shader variant on random materials", bench_section_shaders,
+     false},
 };
 enum { SECTIONS = sizeof sections / sizeof sections[0], MAX_MATERIALS = 64 };
 
@@ -45,12 +55,14 @@ typedef struct material {
 static struct {
     const char *out;
     material materials[MAX_MATERIALS];
-    int count, threads, texels, rank;
+    int count, threads, texels, rank, repeats, holdout;
     name_set set;
-    bool only, presets_given, quiet;
+    bool only, presets_given, repeats_given, quick, quiet;
     uint64_t budget;
     enc_read_options read;
 } o = {.out = "bench", .texels = 24, .rank = 400};
+
+enum { QUICK_SIDE = 24, QUICK_REPEATS = 1, FULL_REPEATS = 3 };
 
 static const char *parse_input(const char *text, void *value) {
     (void)value;
@@ -107,7 +119,9 @@ static const char *parse_only(const char *text, void *value) {
             i++;
         }
         if (i == SECTIONS) {
-            return "names of fit, codecs, holdout, decode, with commas between";
+            return "names of machine, encode, decode, storage, growth, fit, codecs, holdout, shaders, with "
+                   "commas "
+                   "between";
         }
         o.set.sections[i] = true;
     }
@@ -130,18 +144,45 @@ static const cli_option table[] = {
      .type = CLI_STRING,
      .value = &o.out,
      .help = "folder for CSV files, plots and summary.md; default bench"},
+    {.name = "quick",
+     .type = CLI_FLAG,
+     .value = &o.quick,
+     .help =
+         "under 10 minutes on 2 idle cores: the sections machine, encode,\ndecode, storage and growth with "
+         "fewer settings, samples of\n24x24 texels, data cut to 24x24, encodes once"},
+    {.name = "repeats",
+     .arg = "N",
+     .type = CLI_INT,
+     .value = &o.repeats,
+     .given = &o.repeats_given,
+     .minimum = 1,
+     .maximum = BENCH_MOST_REPEATS,
+     .help =
+         "times that an encode is repeated; default 3, with --quick 1;\ndecodes are repeated 5 times at "
+         "least"},
+    {.name = "holdout",
+     .arg = "WHICH",
+     .type = CLI_CHOICE,
+     .value = &o.holdout,
+     .choices = "ring|none",
+     .help =
+         "ring (default): every second azimuth of the ring at 45 degrees is\nleft out of encoding, and all "
+         "accuracy is measured there too;\nnone: all directions are encoded"},
     {.name = "only",
      .arg = "SECTIONS",
      .type = CLI_CUSTOM,
      .given = &o.only,
      .parse = parse_only,
-     .help = "run some sections: fit, codecs, holdout, decode; default all"},
+     .help = "run some sections: machine, encode, decode, storage, growth,\nfit, codecs, holdout, shaders; "
+             "default all"},
     {.name = "preset",
      .arg = "PRESETS",
      .type = CLI_CUSTOM,
      .given = &o.presets_given,
      .parse = parse_presets,
-     .help = "of --method joint, one or more, with commas between;\ndefault medium"},
+     .help =
+         "of --method joint, one or more, with commas between;\ndefault: encode all of them, codecs and "
+         "holdout medium"},
     {.name = "budget",
      .type = CLI_BYTES,
      .value = &o.budget,
@@ -182,12 +223,46 @@ static const cli_program program = {
     .max_arguments = 0,
 };
 
-static btf_result get_data(const enc_context *context, const material *m, enc_data **out_data) {
-    if (m->input) {
-        return enc_read(context, m->input, &o.read, out_data);
+/* The texels of the top left corner, at most `side` along each side. */
+static btf_result cut(const enc_context *context, int side, enc_data **data) {
+    const enc_data *from = *data;
+    const int width = from->width < side ? from->width : side,
+              height = from->height < side ? from->height : side;
+    const size_t stride = enc_data_texel_stride(from);
+    enc_data *part = NULL;
+    float *buffer = malloc((size_t)width * stride * sizeof *buffer);
+    btf_result result = buffer ? enc_data_create(context, width, height, from->n_views, from->views,
+                                                 from->n_lights, from->lights, &part)
+                               : enc_fail(context, BTF_ERROR_MEMORY, "bench: out of memory");
+    for (int y = 0; y < height && result == BTF_OK; y++) {
+        const float *samples;
+        const size_t w = (size_t)width;
+        result = enc_data_texels(context, from, (size_t)y * (size_t)from->width, w, buffer, &samples);
+        if (result == BTF_OK) {
+            result = enc_data_store_texels(context, part, (size_t)y * w, w, samples);
+        }
     }
-    const sample_options options = {
-        .context = context, .relief = m->relief, .width = o.read.size[0], .height = o.read.size[1]};
+    free(buffer);
+    if (result == BTF_OK) {
+        enc_data_destroy(data);
+        *data = part;
+    } else {
+        enc_data_destroy(&part);
+    }
+    return result;
+}
+
+static btf_result get_data(const enc_context *context, const material *m, enc_data **out_data) {
+    const bool sized = o.read.size[0] > 0;
+    if (m->input) {
+        const btf_result result = enc_read(context, m->input, &o.read, out_data);
+        return result == BTF_OK && o.quick && !sized ? cut(context, QUICK_SIDE, out_data) : result;
+    }
+    const int side = o.quick ? QUICK_SIDE : 0;
+    const sample_options options = {.context = context,
+                                    .relief = m->relief,
+                                    .width = sized ? o.read.size[0] : side,
+                                    .height = sized ? o.read.size[1] : side};
     return sample_render(&options, out_data, NULL);
 }
 
@@ -212,15 +287,22 @@ static void short_name(const char *path, char *name, size_t size) {
     }
 }
 
-static btf_result run_material(const enc_context *context, const material *m, FILE *summary) {
+static bool wanted(int section) {
+    return o.only ? o.set.sections[section] : !o.quick || sections[section].quick;
+}
+
+static btf_result run_material(const enc_context *context, const material *m, const bench_system *system,
+                               bench_journal *journal, FILE *summary) {
     char name[128], source[256];
     enc_data *data = NULL;
+    bench_held held = {0};
     short_name(m->input ? m->input : relief_kind_name(m->relief), name, sizeof name);
     btf_result result = get_data(context, m, &data);
     if (result == BTF_OK) {
         snprintf(source, sizeof source, "%s%s, %dx%d texels, %d views, %d lights",
                  m->input ? "" : "btf-sample ", name, data->width, data->height, data->n_views,
                  data->n_lights);
+        result = bench_held_create(context, data, o.holdout == 0, &held);
     }
     bench_run bench = {.context = context,
                        .data = data,
@@ -228,39 +310,99 @@ static btf_result run_material(const enc_context *context, const material *m, FI
                        .name = name,
                        .out = o.out,
                        .texels = o.texels,
+                       .presets_given = o.presets_given,
                        .budget = o.budget,
                        .rank = o.rank,
-                       .summary = summary};
+                       .summary = summary,
+                       .held = &held,
+                       .journal = journal,
+                       .system = system,
+                       .repeats = o.repeats,
+                       .quick = o.quick};
     memcpy(bench.presets, o.set.presets, sizeof bench.presets);
     for (int i = 0; result == BTF_OK && i < SECTIONS; i++) {
-        if (!o.only || o.set.sections[i]) {
-            fprintf(summary, "## %s: %s\n\n%s; data: %s; %d cores.\n\n", sections[i].name, name,
-                    sections[i].what, bench.source, omp_get_num_procs());
+        if (wanted(i)) {
+            fprintf(summary, "## %s: %s\n\n%s; data: %s.\n\n", sections[i].name, name, sections[i].what,
+                    bench.source);
             result = sections[i].run(&bench);
             fflush(summary);
         }
     }
+    bench_held_clear(&held);
     enc_data_destroy(&data);
     return result;
 }
 
+/* What makes rows comparable: machine, boot, program and settings. Data are named, not read. */
+static void describe(const bench_system *s, char *text, size_t size) {
+    int length = snprintf(text, size,
+                          "%s; %d cores; boot %s; program %016llx; quick %d; threads %d; repeats %d; "
+                          "holdout %d; budget %llu; size %dx%d; crop %d,%d,%d,%d;",
+                          s->cpu, s->cores, s->boot, (unsigned long long)s->program, o.quick, o.threads,
+                          o.repeats, o.holdout, (unsigned long long)o.budget, o.read.size[0],
+                          o.read.size[1], o.read.crop[0], o.read.crop[1], o.read.crop[2], o.read.crop[3]);
+    for (int i = 0; i < o.count && length < (int)size; i++) {
+        const material *m = &o.materials[i];
+        struct stat about = {0};
+        if (m->input && stat(m->input, &about) != 0) {
+            about.st_size = 0;
+        }
+        length += snprintf(text + length, size - (size_t)length, " %s (%lld bytes, %lld)",
+                           m->input ? m->input : relief_kind_name(m->relief), (long long)about.st_size,
+                           (long long)about.st_mtime);
+    }
+}
+
+static void print_system(const bench_system *s, const bench_journal *journal, FILE *summary) {
+    fprintf(summary,
+            "# btf-bench\n\n| | |\n| --- | --- |\n| processor | %s, %d cores |\n| load before the run | "
+            "%.2f |\n"
+            "| system | %s |\n| compiler | %s |\n| OpenBTF | %s, program %016llx |\n| threads | %d |\n"
+            "| repeats | encode %d, decode %d |\n| size | %s |\n\n",
+            s->cpu, s->cores, s->load, s->kernel, s->compiler, OPENBTF_VERSION,
+            (unsigned long long)s->program, o.threads, o.repeats,
+            o.repeats > BENCH_DECODE_REPEATS ? o.repeats : BENCH_DECODE_REPEATS,
+            o.quick ? "--quick: 24x24 texels unless --size says otherwise; absolute figures are those of "
+                      "small data"
+                    : "as given");
+    if (bench_journal_resumed(journal) > 0) {
+        fprintf(
+            summary,
+            "%zu rows come from before this run was stopped, by the same program with the same settings "
+            "on this machine since it was started.\n\n",
+            bench_journal_resumed(journal));
+    }
+}
+
 static btf_result run(const enc_context *context) {
-    char path[4096];
+    char path[4096], identity[3000];
+    bench_system system;
+    bench_journal *journal = NULL;
     if (mkdir(o.out, 0777) != 0 && errno != EEXIST) {
         return cli_error(&program, BTF_ERROR_IO, "%s: cannot make the folder: %s", o.out, strerror(errno));
     }
+    bench_system_find(&system);
+    describe(&system, identity, sizeof identity);
+    btf_result result = bench_journal_open(context, o.out, identity, &journal);
+    if (result != BTF_OK) {
+        return result;
+    }
+    if (bench_journal_resumed(journal) > 0) {
+        enc_log(context, BTF_LOG_INFO, "%zu rows were measured before; going on",
+                bench_journal_resumed(journal));
+    }
     snprintf(path, sizeof path, "%s/summary.md", o.out);
     FILE *summary = fopen(path, "w");
-    if (!summary) {
-        return cli_error(&program, BTF_ERROR_IO, "%s: %s", path, strerror(errno));
+    if (summary) {
+        print_system(&system, journal, summary);
+        for (int i = 0; i < o.count && result == BTF_OK; i++) {
+            result = run_material(context, &o.materials[i], &system, journal, summary);
+        }
     }
-    btf_result result = BTF_OK;
-    for (int i = 0; i < o.count && result == BTF_OK; i++) {
-        result = run_material(context, &o.materials[i], summary);
-    }
-    if (fclose(summary) != 0 && result == BTF_OK) {
+    if (!summary || (fclose(summary) != 0 && result == BTF_OK)) {
         result = cli_error(&program, BTF_ERROR_IO, "%s: %s", path, strerror(errno));
     }
+    bench_journal_close(&journal);
     return result;
 }
 
@@ -280,6 +422,7 @@ static void show(void) {
 int main(int argc, char **argv) {
     cli_arguments arguments;
     int exit_code;
+    bench_sleep_when_idle(argv);
     o.threads = omp_get_num_procs();
     if (!cli_parse(&program, argc, argv, &arguments, &exit_code)) {
         return exit_code;
@@ -288,6 +431,9 @@ int main(int argc, char **argv) {
         o.materials[o.count++] = (material){.relief = RELIEF_BRICKS};
     }
     o.set.presets[1] = o.set.presets[1] || !o.presets_given;
+    if (!o.repeats_given) {
+        o.repeats = o.quick ? QUICK_REPEATS : FULL_REPEATS;
+    }
     progress *shown = progress_create(o.quiet);
     const enc_context context = {
         .log = cli_log(&program, o.quiet), .progress = shown, .threads = o.threads};

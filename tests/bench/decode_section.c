@@ -1,26 +1,525 @@
-/* The section of btf-bench on decoding times.
+/* Section `decode`: what accuracy costs per pixel, for every set of effects, directions, filter and kind of
+ * mathematics, on every GL device and on the CPU, beside peers. All of it is measured in one process.
+ *
+ * Accuracy is that of the device's own pixels: samples drawn at random from the data are decoded by the
+ * very shader that is timed.
  *
  * SPDX-License-Identifier: MIT
  */
-#include "bench.h"
-#include "decode_bench.h"
+#include "decode_table.h"
 
+#include "decode_peers.h"
+#include "decode_shaders.h"
+
+#include "decoder/tools/reference_view.h"
+#include "encoder/joint_budget.h"
+#include "encoder/metrics.h"
+#include "tests/conformance/random.h"
+
+#include <GL/glcorearb.h>
+#include <math.h>
 #include <stdlib.h>
+#include <string.h>
+
+enum { PROBES = RIG_PIXELS, REFERENCE_PIXELS = 4096, MATERIALS = 3 };
+
+/* Samples of the data as inputs of a shader, and what should come out. */
+typedef struct probes {
+    uint32_t *inputs; /* [PROBES][GPU_INPUTS]; NULL: none */
+    float *truth;     /* [PROBES][3] */
+} probes;
+
+/* A material and the subsets of its effects that are decoded. */
+typedef struct subset {
+    const char *name;
+    uint32_t leave_out;
+    uint32_t components; /* 0: all */
+} subset;
+
+typedef struct material {
+    const char *name;
+    bench_encoded encoded;
+    btf_ref_material view;
+    const subset *subsets;
+    int count;
+} material;
+
+typedef struct decoding {
+    const bench_run *run;
+    material materials[MATERIALS];
+    pca_codec equal_bytes, equal_quality;
+    probes trained, held;
+    int repeats;
+    decode_table *table;
+    uint32_t *floor; /* inputs of a floor shader */
+} decoding;
+
+/* Probes.
+ * ------------------------------------------------------------------------------------------------ */
+
+static void probes_clear(probes *p) {
+    free(p->inputs);
+    free(p->truth);
+    *p = (probes){0};
+}
+
+static btf_result probes_create(const enc_context *context, const enc_data *data, probes *p) {
+    const size_t texels = enc_data_texel_count(data), lights = (size_t)data->n_lights;
+    random_state random = {1};
+    float *buffer = malloc(enc_data_texel_stride(data) * sizeof *buffer);
+    *p = (probes){calloc(PROBES, GPU_INPUTS * sizeof *p->inputs), calloc(PROBES, 3 * sizeof *p->truth)};
+    btf_result result = buffer && p->inputs && p->truth
+                            ? BTF_OK
+                            : enc_fail(context, BTF_ERROR_MEMORY, "bench: out of memory for samples");
+    for (size_t i = 0; i < PROBES && result == BTF_OK; i++) {
+        /* Evenly over texels, so that each is read once. */
+        const size_t t = i * texels / PROBES, view = random_bits(&random) % (uint64_t)data->n_views,
+                     light = random_bits(&random) % lights;
+        const float *samples;
+        result = enc_data_texels(context, data, t, 1, buffer, &samples);
+        /* The middle of a texel, a hair further: u * 2^18 is rounded down. */
+        const float u = ((float)(t % (size_t)data->width) + 0.5f) / (float)data->width + 0x1p-18f;
+        const float v = 1 - ((float)(t / (size_t)data->width) + 0.5f) / (float)data->height + 0x1p-18f;
+        const float *l = data->lights[light].xyz, *w = data->views[view].xyz;
+        const float f[GPU_INPUTS] = {u, v, l[0], l[1], l[2], w[0], w[1], w[2]};
+        memcpy(p->inputs + GPU_INPUTS * i, f, sizeof f);
+        for (size_t c = 0; c < 3 && result == BTF_OK; c++) {
+            p->truth[3 * i + c] = samples[(view * 3 + c) * lights + light];
+        }
+    }
+    free(buffer);
+    if (result != BTF_OK) {
+        probes_clear(p);
+    }
+    return result;
+}
+
+/* PSNR of decoded[i * pitch .. + 2] against the truth, linear and sRGB-coded, clipped to [0, 1]. */
+static void compare(const probes *p, const float *decoded, size_t pitch, double *out_linear,
+                    double *out_srgb) {
+    enc_error_sum sum = {.count = 3.0 * PROBES};
+    for (size_t i = 0; i < PROBES; i++) {
+        for (size_t c = 0; c < 3; c++) {
+            const float a = fminf(fmaxf(decoded[i * pitch + c], 0), 1),
+                        b = fminf(fmaxf(p->truth[3 * i + c], 0), 1);
+            const double linear = (double)a - b, srgb = (double)enc_srgb_encode(a) - enc_srgb_encode(b);
+            sum.linear += linear * linear;
+            sum.srgb += srgb * srgb;
+        }
+    }
+    *out_linear = enc_psnr_linear(&sum);
+    *out_srgb = enc_psnr_srgb(&sum);
+}
+
+/* The accuracy of a compiled program into the row. */
+static void probe(const decoding *d, decode_rig *rig, unsigned program, decode_row *row) {
+    const probes *const sets[] = {&d->trained, &d->held};
+    for (int i = 0; i < 2; i++) {
+        if (sets[i]->inputs &&
+            gpu_run(rig->gpu, program, PROBES, sets[i]->inputs, rig->outputs, rig->log) == BTF_OK) {
+            compare(sets[i], (const float *)(const void *)rig->outputs, GPU_OUTPUTS, &row->linear[i],
+                    &row->srgb[i]);
+        }
+    }
+}
+
+/* Our own materials.
+ * ------------------------------------------------------------------------------------------------ */
+
+static void run_variant(decoding *d, decode_rig *rig, const char *device, const material *m,
+                        const subset *s, btf_shader_options shader) {
+    decode_row row = decode_row_named(device, m->name, s->name);
+    shader.leave_out = s->leave_out;
+    shader.components = s->components;
+    row.nearest = shader.interpolation == BTF_INTERPOLATION_NEAREST;
+    row.bilinear = shader.filter == BTF_FILTER_BILINEAR;
+    row.fast = shader.math == BTF_MATH_FAST;
+    rig_variant variant =
+        rig_variant_create(rig, m->encoded.material, &shader, bench_body_decode, GPU_FIRST_UNIT);
+    if (variant.program) {
+        row.ns = rig_measure(rig, variant.program, rig->inputs, RIG_SIDE, &row.spread);
+        probe(d, rig, variant.program, &row);
+    }
+    rig_variant_destroy(rig, &variant);
+    if (row.ns > 0) {
+        decode_table_add(d->table, &row);
+    }
+}
+
+/* The fetches of the whole material, added up. */
+static void run_floor(decoding *d, decode_rig *rig, const char *device, const material *m) {
+    const btf_shader_options shader = {0};
+    decode_row row = decode_row_named(device, m->name, "fetches only");
+    rig_floor_inputs(m->encoded.material, rig->inputs, d->floor);
+    row.ns =
+        rig_measure_variant(rig, m->encoded.material, &shader, bench_body_floor, d->floor, &row.spread);
+    if (row.ns > 0) {
+        decode_table_add(d->table, &row);
+    }
+}
+
+/* `all`: every combination, else for parts of a material only exact texels. */
+static void run_material(decoding *d, decode_rig *rig, const char *device, const material *m, bool all) {
+    for (int s = 0; s < m->count; s++) {
+        for (int way = 0; way < 8; way++) {
+            const btf_shader_options shader = {.interpolation = way & 1 ? BTF_INTERPOLATION_NEAREST
+                                                                        : BTF_INTERPOLATION_LINEAR,
+                                               .filter = way & 2 ? BTF_FILTER_BILINEAR : BTF_FILTER_TEXEL,
+                                               .math = way & 4 ? BTF_MATH_FAST : BTF_MATH_EXACT};
+            if (all || (s == 0 && (way & 2) == 0) || (s == 0 && d->table->devices == 1) ||
+                (d->table->devices == 1 && way < 2)) {
+                run_variant(d, rig, device, m, &m->subsets[s], shader);
+            }
+        }
+    }
+    run_floor(d, rig, device, m);
+}
+
+/* Decoding at smaller and smaller pictures. */
+static void run_sizes(decoding *d, decode_rig *rig, const char *device, const material *m) {
+    const btf_shader_options shader = {0};
+    rig_variant variant =
+        rig_variant_create(rig, m->encoded.material, &shader, bench_body_decode, GPU_FIRST_UNIT);
+    for (int side = RIG_SIDE / 8; variant.program && side <= RIG_SIDE; side *= 2) {
+        decode_row row = decode_row_named(device, m->name, "whole");
+        row.side = side;
+        row.ns = rig_measure(rig, variant.program, rig->inputs, side, &row.spread);
+        decode_table_add_size(d->table, &row);
+    }
+    rig_variant_destroy(rig, &variant);
+}
+
+/* Peers.
+ * ------------------------------------------------------------------------------------------------ */
+
+static void run_peer(decoding *d, decode_rig *rig, const char *device, const char *name, const char *note,
+                     const btf_material *tables, uint32_t leave_out, const char *body,
+                     const char *const samplers[2]) {
+    const btf_shader_options shader = {.leave_out = leave_out, .math = BTF_MATH_FAST};
+    decode_row row = decode_row_named(device, name, note);
+    row.peer = true;
+    row.fast = true;
+    rig_variant variant = rig_variant_create(rig, tables, &shader, body, GPU_FIRST_UNIT + 2);
+    if (variant.program) {
+        for (int i = 0; i < 2 && samplers[i]; ++i) {
+            rig_sampler(rig, variant.program, samplers[i], GPU_FIRST_UNIT + i);
+        }
+        row.ns = rig_measure(rig, variant.program, rig->inputs, RIG_SIDE, &row.spread);
+        probe(d, rig, variant.program, &row);
+    }
+    rig_variant_destroy(rig, &variant);
+    if (row.ns > 0) {
+        decode_table_add(d->table, &row);
+    }
+}
+
+static btf_result run_phong(decoding *d, decode_rig *rig, const char *device, const btf_material *tables) {
+    const enc_data *data = d->run->held->train;
+    unsigned char *albedo, *normal;
+    const btf_result result = peer_phong(d->run->context, data, &albedo, &normal);
+    if (result == BTF_OK) {
+        const unsigned textures[2] = {
+            rig_texture(rig, GPU_FIRST_UNIT, GL_SRGB8_ALPHA8, data->width, data->height, 0, albedo),
+            rig_texture(rig, GPU_FIRST_UNIT + 1, GL_RGBA8, data->width, data->height, 0, normal)};
+        run_peer(d, rig, device, "Phong", "two maps", tables, BTF_EFFECT_ALL, bench_body_phong,
+                 (const char *const[]){"peer_albedo", "peer_normal"});
+        rig_texture_delete(rig, 2, textures);
+        free(albedo);
+        free(normal);
+    }
+    return result;
+}
+
+static btf_result run_look_up(decoding *d, decode_rig *rig, const char *device,
+                              const btf_material *tables) {
+    const enc_data *data = d->run->held->train;
+    unsigned char *bytes;
+    int columns, rows;
+    const btf_result result = peer_images(d->run->context, data, &columns, &rows, &bytes);
+    if (result == BTF_OK) {
+        const unsigned texture = rig_texture(rig, GPU_FIRST_UNIT, GL_SRGB8_ALPHA8, columns * data->width,
+                                             rows * data->height, data->n_views, bytes);
+        run_peer(d, rig, device, "uncompressed", "3 x 3 images of 8 bits", tables, BTF_EFFECT_ALL,
+                 bench_body_lookup, (const char *const[]){"peer_images", NULL});
+        rig_texture_delete(rig, 1, &texture);
+        free(bytes);
+    }
+    return result;
+}
+
+static btf_result run_pca(decoding *d, decode_rig *rig, const char *device, const pca_codec *codec,
+                          const char *note) {
+    char name[64];
+    btf_material *components = NULL;
+    if (codec->rank == 0) {
+        return BTF_OK;
+    }
+    const btf_result result = peer_components(d->run->context, codec, &components);
+    if (result == BTF_OK) {
+        snprintf(name, sizeof name, "rank %zu; %s", codec->rank, note);
+        run_peer(d, rig, device, "PCA", name, components, 0, bench_body_pca,
+                 (const char *const[]){NULL, NULL});
+    }
+    btf_material_close(&components);
+    return result;
+}
+
+/* The smallest rank that reaches the PSNR of joint, at most what a file may hold. */
+static btf_result find_ranks(decoding *d, const bench_row *joint) {
+    const enc_data *data = d->run->held->train;
+    const enc_context *context = d->run->context;
+    pca_factors factors;
+    btf_result result = pca_factorise(context, data, PCA_LINEAR, 256, &factors);
+    if (result != BTF_OK) {
+        return result;
+    }
+    size_t bytes_rank = pca_rank_for(data, PCA_BYTE, 1, (size_t)joint->bytes), low = 0,
+           high = factors.rank + 1;
+    bytes_rank = bytes_rank < factors.rank ? bytes_rank : factors.rank;
+    while (high - low > 1 && result == BTF_OK) {
+        const size_t rank = (low + high) / 2;
+        pca_codec codec;
+        enc_metrics m;
+        result = pca_encode(context, &factors, PCA_BYTE, rank, &codec);
+        if (result == BTF_OK) {
+            result =
+                enc_metrics_compare(context, data, enc_data_images(data), pca_images(&codec), false, &m);
+            if (result == BTF_OK && enc_psnr_linear(&m.total) >= joint->linear) {
+                high = rank;
+            } else {
+                low = rank;
+            }
+            pca_codec_clear(&codec);
+        }
+    }
+    if (result == BTF_OK && bytes_rank > 0) {
+        result = pca_encode(context, &factors, PCA_BYTE, bytes_rank, &d->equal_bytes);
+    }
+    if (result == BTF_OK && high <= factors.rank) {
+        result = pca_encode(context, &factors, PCA_BYTE, high, &d->equal_quality);
+    }
+    pca_factors_clear(&factors);
+    return result;
+}
+
+/* The CPU.
+ * ------------------------------------------------------------------------------------------------ */
+
+static void reference_pixel(const material *m, const btf_ref_options *options, const uint32_t *input,
+                            float out[3]) {
+    float f[GPU_INPUTS];
+    memcpy(f, input, sizeof f);
+    btf_ref_evaluate(&m->view, options, f[0], f[1], f + 2, f + 5, out);
+}
+
+static btf_result run_reference(decoding *d, const material *m) {
+    float *decoded = malloc(3 * (size_t)PROBES * sizeof *decoded);
+    uint32_t *sphere = malloc(REFERENCE_PIXELS * sizeof(uint32_t) * GPU_INPUTS);
+    const btf_result result =
+        decoded && sphere ? BTF_OK : enc_fail(d->run->context, BTF_ERROR_MEMORY, "bench: out of memory");
+    for (size_t i = 0; i < REFERENCE_PIXELS && result == BTF_OK; i++) {
+        float f[GPU_INPUTS];
+        rig_sphere_pixel((int)(i * (RIG_PIXELS / REFERENCE_PIXELS) + i * RIG_SIDE / RIG_PIXELS), f);
+        memcpy(sphere + GPU_INPUTS * i, f, sizeof f);
+    }
+    for (int way = 0; way < 4 && result == BTF_OK; way++) {
+        double ns[RIG_MOST_REPEATS];
+        decode_row row = decode_row_named("CPU reference", m->name, m->subsets[0].name);
+        row.nearest = way & 1;
+        row.bilinear = way & 2;
+        const btf_ref_options options = {.effects = BTF_EFFECT_ALL,
+                                         .components = UINT32_MAX,
+                                         .interpolation = row.nearest ? BTF_REF_NEAREST : BTF_REF_LINEAR,
+                                         .filter = row.bilinear ? BTF_REF_BILINEAR : BTF_REF_TEXEL};
+        for (int r = 0; r < d->repeats; r++) {
+            const double before = rig_core_seconds();
+            for (size_t i = 0; i < REFERENCE_PIXELS; i++) {
+                reference_pixel(m, &options, sphere + GPU_INPUTS * i, decoded + 3 * i);
+            }
+            ns[r] = 1e9 * (rig_core_seconds() - before) / REFERENCE_PIXELS;
+        }
+        row.ns = bench_median(ns, d->repeats, &row.spread);
+        const probes *const sets[] = {&d->trained, &d->held};
+        for (int set = 0; set < 2; set++) {
+            if (!sets[set]->inputs) {
+                continue;
+            }
+#pragma omp parallel for num_threads(d->run->context->threads)
+            for (size_t i = 0; i < PROBES; i++) {
+                reference_pixel(m, &options, sets[set]->inputs + GPU_INPUTS * i, decoded + 3 * i);
+            }
+            compare(sets[set], decoded, 3, &row.linear[set], &row.srgb[set]);
+        }
+        decode_table_add(d->table, &row);
+    }
+    free(decoded);
+    free(sphere);
+    return result;
+}
+
+/* The section.
+ * ------------------------------------------------------------------------------------------------ */
+
+static btf_result encode_all(decoding *d, bench_row *joint) {
+    static const subset low_rank[] = {{"whole", 0, 0},
+                                      {"half the components", 0, 2},
+                                      {"a quarter of the components", 0, 4},
+                                      {"without gain", BTF_EFFECT_GAIN, 0}};
+    static const subset sources[] = {{"whole", 0, 0},
+                                     {"without gain", BTF_EFFECT_GAIN, 0},
+                                     {"SBRDF and shadow", BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN, 0},
+                                     {"SBRDF", BTF_EFFECT_ALL, 0}};
+    static const subset paper[] = {{"whole", 0, 0},
+                                   {"without hidden points", BTF_EFFECT_HIDDEN, 0},
+                                   {"SBRDF and shadow", BTF_EFFECT_HIDDEN | BTF_EFFECT_SHIFT, 0},
+                                   {"SBRDF", BTF_EFFECT_ALL, 0}};
+    const enc_context *context = d->run->context;
+    const enc_data *data = d->run->held->train;
+    enc_joint_options options = enc_joint_options_default(), plain = options;
+    options.budget = plain.budget = d->run->budget;
+    plain.effects &= ~(uint32_t)BTF_EFFECT_RESIDUAL;
+    plain.rounds = 2;
+    d->materials[0] = (material){.name = "joint", .subsets = low_rank, .count = 4};
+    d->materials[1] = (material){.name = "joint; SBRDF x shadow sources", .subsets = sources, .count = 4};
+    d->materials[2] = (material){.name = "paper", .subsets = paper, .count = 4};
+    btf_result result =
+        bench_encode_joint_options(context, data, &options, false, &d->materials[0].encoded);
+    if (result == BTF_OK) {
+        result = bench_encode_joint_options(context, data, &plain, false, &d->materials[1].encoded);
+    }
+    if (result == BTF_OK) {
+        result = bench_encode_paper(context, data, &d->materials[2].encoded);
+    }
+    for (int i = 0; i < MATERIALS && result == BTF_OK; i++) {
+        reference_view(d->materials[i].encoded.material, 0, &d->materials[i].view);
+    }
+    if (result == BTF_OK) {
+        joint->bytes = (double)d->materials[0].encoded.bytes;
+        result = bench_accuracy(context, d->run->held, &d->materials[0].encoded, BTF_EFFECT_ALL, joint);
+    }
+    return result;
+}
+
+/* The table of subsets says half and a quarter of the components as divisors. */
+static subset resolved(const material *m, int i) {
+    subset s = m->subsets[i];
+    s.components = s.components ? (m->view.components / s.components + 3) / 4 * 4 : 0;
+    return s;
+}
+
+static btf_result run_device(decoding *d, const context_device *device) {
+    char why[300];
+    decode_rig rig;
+    btf_result result = rig_create(device, d->repeats, &d->run->context->log, why, sizeof why, &rig);
+    if (result != BTF_OK) {
+        enc_log(d->run->context, BTF_LOG_INFO, "  %s: %s", device->name, why);
+        fprintf(d->run->summary, "Device %s is not here: %s.\n\n", device->name, why);
+        return result == BTF_ERROR_UNSUPPORTED ? BTF_OK : result;
+    }
+    decode_table_device(d->table, device->name, gpu_name(rig.gpu), rig.software);
+    enc_log(d->run->context, BTF_LOG_INFO, "  %s: %s", device->name, gpu_name(rig.gpu));
+    for (int i = 0; i < MATERIALS; i++) {
+        material m = d->materials[i];
+        subset subsets[8];
+        for (int s = 0; s < m.count; s++) {
+            subsets[s] = resolved(&m, s);
+        }
+        m.subsets = subsets;
+        run_material(d, &rig, device->name, &m, !d->run->quick);
+        if (d->table->devices == 1 && i != 1) {
+            run_sizes(d, &rig, device->name, &m);
+        }
+    }
+    const btf_material *tables = d->materials[0].encoded.material;
+    result = run_phong(d, &rig, device->name, tables);
+    if (result == BTF_OK) {
+        result = run_look_up(d, &rig, device->name, tables);
+    }
+    if (result == BTF_OK) {
+        result = run_pca(d, &rig, device->name, &d->equal_bytes, "equal bytes");
+    }
+    if (result == BTF_OK) {
+        result = run_pca(d, &rig, device->name, &d->equal_quality, "equal quality");
+    }
+    rig_destroy(&rig);
+    return result;
+}
+
+/* --quick: one of each language that keeps exactness in another way. */
+static bool in_quick(const context_device *device) {
+    static const char *const names[] = {"osmesa", "egl", "egl-es300", "glfw"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        if (strcmp(device->name, names[i]) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Every device but softpipe: OSMesa takes one driver a process, and that one only interprets shaders. The
+ * devices that name no driver get what the user's environment says. */
+static btf_result run_devices(decoding *d) {
+    const char *set = getenv("GALLIUM_DRIVER");
+    char *users = set ? strdup(set) : NULL;
+    btf_result result = BTF_OK;
+    for (const context_device *device = context_devices; device->name && result == BTF_OK; device++) {
+        const bool interprets = device->gallium_driver && strcmp(device->gallium_driver, "softpipe") == 0;
+        if (users) {
+            setenv("GALLIUM_DRIVER", users, 1);
+        } else {
+            unsetenv("GALLIUM_DRIVER");
+        }
+        if (!interprets && (!d->run->quick || in_quick(device))) {
+            result = run_device(d, device);
+        }
+    }
+    free(users);
+    return result;
+}
+
+static btf_result measure(decoding *d) {
+    const bench_held *held = d->run->held;
+    bench_row joint = bench_row_named("", "", NAN);
+    btf_result result = encode_all(d, &joint);
+    if (result == BTF_OK) {
+        result = probes_create(d->run->context, held->train, &d->trained);
+    }
+    if (result == BTF_OK && held->sets[2]) {
+        result = probes_create(d->run->context, held->sets[2], &d->held);
+    }
+    if (result == BTF_OK) {
+        result = find_ranks(d, &joint);
+    }
+    if (result == BTF_OK) {
+        result = run_devices(d);
+    }
+    for (int i = 0; i < MATERIALS && result == BTF_OK; i++) {
+        result = run_reference(d, &d->materials[i]);
+    }
+    return result;
+}
 
 btf_result bench_section_decode(const bench_run *run) {
-    enum { REPEATS = 7 };
-    FILE *csv = NULL;
-    bench_decode *measured = calloc(1, sizeof *measured);
-    if (!measured)
-        return BTF_ERROR_MEMORY;
-    btf_result result = bench_decode_run(REPEATS, NULL, 0, &run->context->log, measured);
-    if (result == BTF_ERROR_UNSUPPORTED) { /* no context: the other sections still count */
-        fprintf(run->summary, "No OpenGL context on this machine.\n\n");
-        result = BTF_OK;
-    } else if (result == BTF_OK && (result = bench_open(run, "decode", "csv", &csv)) == BTF_OK) {
-        bench_decode_print(measured, run->summary, csv);
-        fclose(csv);
+    decoding d = {.run = run,
+                  .repeats = run->repeats > BENCH_DECODE_REPEATS ? run->repeats : BENCH_DECODE_REPEATS,
+                  .table = calloc(1, sizeof(decode_table)),
+                  .floor = calloc(RIG_PIXELS, GPU_INPUTS * sizeof(uint32_t))};
+    btf_result result =
+        d.table && d.floor ? BTF_OK : enc_fail(run->context, BTF_ERROR_MEMORY, "bench: out of memory");
+    if (result == BTF_OK) {
+        result = measure(&d);
     }
-    free(measured);
+    if (result == BTF_OK) {
+        result = decode_table_write(run, d.table);
+    }
+    for (int i = 0; i < MATERIALS; i++) {
+        bench_encoded_clear(&d.materials[i].encoded);
+    }
+    pca_codec_clear(&d.equal_bytes);
+    pca_codec_clear(&d.equal_quality);
+    probes_clear(&d.trained);
+    probes_clear(&d.held);
+    free(d.floor);
+    free(d.table);
     return result;
 }

@@ -81,6 +81,7 @@ static const char bench_body_pca[] =
     "    vec3 l = vec3(uintBitsToFloat(a.zw), uintBitsToFloat(b.x)), v = uintBitsToFloat(b.yzw);\n"
     "    btf_setting s = btf_prepare(l, v, false, 0);\n"
     "    uvec2 x = uvec2(btf_coordinate(uv.x, BTF_WIDTH), btf_coordinate(uv.y, BTF_HEIGHT)) >> 18u;\n"
+    "    x.y = BTF_HEIGHT - 1u - x.y;\n"
     "    vec3 sum = vec3(0.0);\n"
     "    for (int g = 0; g < (BTF_COMPONENTS + 3) / 4; ++g) {\n"
     "        vec4 u = vec4(texelFetch(btf_residual_texels, ivec3(x, g), 0)) *\n"
@@ -98,7 +99,7 @@ static const char bench_body_pca[] =
     "            }\n"
     "        sum += vec3(dot(u, red), dot(u, green), dot(u, blue));\n"
     "    }\n"
-    "    return uvec4(floatBitsToUint(sum), 0u);\n"
+    "    return uvec4(floatBitsToUint(max(sum * 5.9604644775390625e-8, 0.0)), 0u);\n"
     "}\n";
 
 static const char bench_body_phong[] =
@@ -108,11 +109,11 @@ static const char bench_body_phong[] =
     "    vec3 l = vec3(uintBitsToFloat(a.zw), uintBitsToFloat(b.x)), v = uintBitsToFloat(b.yzw);\n"
     "    vec3 n = normalize(texture(peer_normal, uv).xyz * 2.0 - 1.0);\n"
     "    vec3 colour = texture(peer_albedo, uv).xyz * max(dot(n, l), 0.0);\n"
-    "    colour += pow(max(dot(reflect(-l, n), v), 0.0), 40.0);\n"
+    "    colour += texture(peer_albedo, uv).w * pow(max(dot(reflect(-l, n), v), 0.0), 40.0);\n"
     "    return uvec4(floatBitsToUint(colour), 0u);\n"
     "}\n";
 
-/* Images of 81 views, each a 9 x 9 sheet of lights. */
+/* Images, a layer a view, each a sheet of lights. */
 static const char bench_body_lookup[] =
     "uniform highp sampler2DArray peer_images;\n"
     "uvec4 check(uvec4 a, uvec4 b) {\n"
@@ -120,15 +121,17 @@ static const char bench_body_lookup[] =
     "    vec3 l = vec3(uintBitsToFloat(a.zw), uintBitsToFloat(b.x)), v = uintBitsToFloat(b.yzw);\n"
     "    btf_setting s = btf_prepare(l, v, false, 0);\n"
     "    uvec2 x = uvec2(btf_coordinate(uv.x, BTF_WIDTH), btf_coordinate(uv.y, BTF_HEIGHT)) >> 18u;\n"
+    "    x.y = BTF_HEIGHT - 1u - x.y;\n"
+    "    uint columns = uint(textureSize(peer_images, 0).x) / BTF_WIDTH;\n"
     "    vec3 sum = vec3(0.0);\n"
     "    for (int i = 0; i < 3; ++i)\n"
     "        for (int j = 0; j < 3; ++j) {\n"
     "            uint light = s.lights.index[j];\n"
-    "            uvec2 at = uvec2(light % 9u, light / 9u) * uvec2(BTF_WIDTH, BTF_HEIGHT) + x;\n"
+    "            uvec2 at = uvec2(light % columns, light / columns) * uvec2(BTF_WIDTH, BTF_HEIGHT) + x;\n"
     "            float w = float(s.views.weight[i] * s.lights.weight[j]);\n"
     "            sum += w * texelFetch(peer_images, ivec3(at, s.views.index[i]), 0).xyz;\n"
     "        }\n"
-    "    return uvec4(floatBitsToUint(sum), 0u);\n"
+    "    return uvec4(floatBitsToUint(sum * 5.9604644775390625e-8), 0u);\n"
     "}\n";
 
 #endif

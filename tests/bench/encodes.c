@@ -4,8 +4,6 @@
  */
 #include "encodes.h"
 
-#include "encoder/joint.h"
-#include "encoder/method_paper.h"
 #include "encoder/pack.h"
 #include "encoder/unpack.h"
 
@@ -24,8 +22,10 @@ bench_clock bench_now(void) {
 
 /* Packs and unpacks what was found since `start`, and frees it. */
 static btf_result store(const enc_context *context, const enc_data *data, enc_solution *found,
-                        btf_layout layout, const char *method, bench_clock start, bench_encoded *out) {
-    const enc_pack_options options = {.layout = layout, .method = method, .source = data->source};
+                        btf_layout layout, bool half, const char *method, bench_clock start,
+                        bench_encoded *out) {
+    const enc_pack_options options = {
+        .layout = layout, .half_float = half, .method = method, .source = data->source};
     btf_result result = enc_pack(context, data, found, &options, &out->material);
     const bench_clock end = bench_now();
     enc_solution_clear(found);
@@ -44,26 +44,38 @@ static btf_result store(const enc_context *context, const enc_data *data, enc_so
     return result;
 }
 
-btf_result bench_encode_joint(const enc_context *context, const enc_data *data, int preset, uint64_t budget,
-                              bench_encoded *out) {
+btf_result bench_encode_joint_options(const enc_context *context, const enc_data *data,
+                                      const enc_joint_options *options, bool half, bench_encoded *out) {
     const bench_clock start = bench_now();
-    enc_joint_options options = enc_joint_options_default();
     enc_solution found;
-    options.preset = preset;
-    options.budget = budget;
     *out = (bench_encoded){0};
-    const btf_result result = enc_joint(context, data, &options, &found, NULL);
-    return result == BTF_OK ? store(context, data, &found, BTF_LAYOUT_TIGHT, "joint", start, out) : result;
+    const btf_result result = enc_joint(context, data, options, &found, NULL);
+    return result == BTF_OK ? store(context, data, &found, BTF_LAYOUT_TIGHT, half, "joint", start, out)
+                            : result;
 }
 
-btf_result bench_encode_paper(const enc_context *context, const enc_data *data, bench_encoded *out) {
+btf_result bench_encode_paper_options(const enc_context *context, const enc_data *data,
+                                      const enc_paper_options *options, bool half, bench_encoded *out) {
     const bench_clock start = bench_now();
-    const enc_paper_options options = enc_paper_options_default();
     enc_paper_stats stats;
     enc_solution found;
     *out = (bench_encoded){0};
-    const btf_result result = enc_paper(context, data, &options, &found, NULL, &stats);
-    return result == BTF_OK ? store(context, data, &found, BTF_LAYOUT_PAPER, "paper", start, out) : result;
+    const btf_result result = enc_paper(context, data, options, &found, NULL, &stats);
+    return result == BTF_OK ? store(context, data, &found, BTF_LAYOUT_PAPER, half, "paper", start, out)
+                            : result;
+}
+
+btf_result bench_encode_joint(const enc_context *context, const enc_data *data, int preset, uint64_t budget,
+                              bench_encoded *out) {
+    enc_joint_options options = enc_joint_options_default();
+    options.preset = preset;
+    options.budget = budget;
+    return bench_encode_joint_options(context, data, &options, false, out);
+}
+
+btf_result bench_encode_paper(const enc_context *context, const enc_data *data, bench_encoded *out) {
+    const enc_paper_options options = enc_paper_options_default();
+    return bench_encode_paper_options(context, data, &options, false, out);
 }
 
 void bench_encoded_clear(bench_encoded *encoded) {

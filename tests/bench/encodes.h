@@ -5,6 +5,8 @@
 #ifndef OPENBTF_TESTS_BENCH_ENCODES_H
 #define OPENBTF_TESTS_BENCH_ENCODES_H
 
+#include "encoder/joint.h"
+#include "encoder/method_paper.h"
 #include "encoder/solution.h"
 
 typedef struct bench_encoded {
@@ -19,6 +21,11 @@ btf_result bench_encode_joint(const enc_context *context, const enc_data *data, 
                               bench_encoded *out);
 /* --method paper with its defaults, layout paper. */
 btf_result bench_encode_paper(const enc_context *context, const enc_data *data, bench_encoded *out);
+/* The same with any options; half: SBRDF parameters as half floats. */
+btf_result bench_encode_joint_options(const enc_context *context, const enc_data *data,
+                                      const enc_joint_options *options, bool half, bench_encoded *out);
+btf_result bench_encode_paper_options(const enc_context *context, const enc_data *data,
+                                      const enc_paper_options *options, bool half, bench_encoded *out);
 void bench_encoded_clear(bench_encoded *encoded);
 
 /* Seconds since some moment: of the wall clock, and of all threads of this process. */

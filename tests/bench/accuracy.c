@@ -1,0 +1,103 @@
+/* What a codec decodes to, against the data, where it was encoded and where not. See results.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "results.h"
+
+#include "decoder/tools/reference_view.h"
+#include "encoder/metrics.h"
+#include "encoder/playback.h"
+#include "encoder/reference_images.h"
+
+#include <stdlib.h>
+
+static btf_result compare(const enc_context *context, const enc_data *truth, enc_image_source images,
+                          bool ssim, double *out_linear, double *out_srgb, double *out_ssim) {
+    enc_metrics m;
+    const btf_result result = enc_metrics_compare(context, truth, enc_data_images(truth), images, ssim, &m);
+    if (result == BTF_OK) {
+        *out_linear = enc_psnr_linear(&m.total);
+        *out_srgb = enc_psnr_srgb(&m.total);
+        if (out_ssim) {
+            *out_ssim = m.ssim;
+        }
+    }
+    return result;
+}
+
+btf_result bench_accuracy(const enc_context *context, const bench_held *held, const bench_encoded *encoded,
+                          uint32_t effects, bench_row *row) {
+    enc_playback *playback = NULL;
+    btf_ref_material material;
+    btf_result result = enc_playback_create(context, held->train, &encoded->solution, &playback);
+    const enc_played played = {.playback = playback, .effects = effects};
+    if (result == BTF_OK) {
+        result = compare(context, held->train, enc_played_images(&played), true, &row->linear, &row->srgb,
+                         &row->ssim);
+    }
+    enc_playback_destroy(&playback);
+    reference_view(encoded->material, 0, &material);
+    for (int i = 0; i < BENCH_HELD_SETS && held->sets[i] && result == BTF_OK; i++) {
+        const enc_reference_images decoded = {.shape = held->sets[i],
+                                              .material = material,
+                                              .options = {.effects = effects,
+                                                          .components = UINT32_MAX,
+                                                          .interpolation = BTF_REF_LINEAR,
+                                                          .filter = BTF_REF_TEXEL}};
+        result = compare(context, held->sets[i], enc_reference_image_source(&decoded), false,
+                         &row->held[i][0], &row->held[i][1], NULL);
+    }
+    return result;
+}
+
+/* Every image of `images` as data, at the directions of `shape`. */
+static btf_result decode_all(const enc_context *context, const enc_data *shape, enc_image_source images,
+                             enc_data **out_data) {
+    const size_t texels = enc_data_texel_count(shape), lights = (size_t)shape->n_lights;
+    const size_t row = 3 * lights, stride = enc_data_texel_stride(shape);
+    btf_result result = enc_data_create(context, shape->width, shape->height, shape->n_views, shape->views,
+                                        shape->n_lights, shape->lights, out_data);
+    if (result != BTF_OK) {
+        return result;
+    }
+    if (!(*out_data)->samples) {
+        enc_data_destroy(out_data);
+        return enc_fail(context, BTF_ERROR_MEMORY, "bench: decoded peers need memory for all samples");
+    }
+#pragma omp parallel for schedule(dynamic) num_threads(context->threads)
+    for (int view = 0; view < shape->n_views; view++) {
+        float *view_images = malloc(texels * row * sizeof *view_images);
+        btf_result mine = view_images ? images.view(images.user, view, view_images) : BTF_ERROR_MEMORY;
+        for (size_t i = 0; i < texels * row && mine == BTF_OK; i++) {
+            const size_t light = i / (3 * texels), texel = i / 3 % texels, channel = i % 3;
+            (*out_data)->samples[texel * stride + (size_t)view * row + channel * lights + light] =
+                view_images[i];
+        }
+        free(view_images);
+        if (mine != BTF_OK) {
+#pragma omp critical(bench_decode_all)
+            result = mine;
+        }
+    }
+    if (result != BTF_OK) {
+        enc_data_destroy(out_data);
+    }
+    return result;
+}
+
+btf_result bench_accuracy_images(const enc_context *context, const bench_held *held,
+                                 const btf_ref_material *tables, enc_image_source images, bench_row *row) {
+    enc_data *decoded = NULL;
+    btf_result result = decode_all(context, held->train, images, &decoded);
+    if (result == BTF_OK) {
+        result = compare(context, held->train, enc_data_images(decoded), true, &row->linear, &row->srgb,
+                         &row->ssim);
+    }
+    for (int i = 0; i < BENCH_HELD_SETS && held->sets[i] && result == BTF_OK; i++) {
+        const bench_blend blend = {decoded, held->sets[i], tables, false};
+        result = compare(context, held->sets[i], bench_blended_images(&blend), false, &row->held[i][0],
+                         &row->held[i][1], NULL);
+    }
+    enc_data_destroy(&decoded);
+    return result;
+}

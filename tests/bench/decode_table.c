@@ -1,0 +1,237 @@
+/* Rows of section `decode`. See decode_table.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "decode_table.h"
+
+#include "plots.h"
+
+#include <math.h>
+#include <string.h>
+
+decode_row decode_row_named(const char *device, const char *material, const char *effects) {
+    decode_row row = {.linear = {NAN, NAN}, .srgb = {NAN, NAN}};
+    snprintf(row.device, sizeof row.device, "%s", device);
+    snprintf(row.material, sizeof row.material, "%s", material);
+    snprintf(row.effects, sizeof row.effects, "%s", effects);
+    return row;
+}
+
+void decode_table_add(decode_table *table, const decode_row *row) {
+    table->rows[table->count < DECODE_MOST_ROWS ? table->count++ : DECODE_MOST_ROWS - 1] = *row;
+}
+
+void decode_table_add_size(decode_table *table, const decode_row *row) {
+    table->sizes[table->size_count < DECODE_MOST_SIZES ? table->size_count++ : DECODE_MOST_SIZES - 1] =
+        *row;
+}
+
+void decode_table_device(decode_table *table, const char *name, const char *renderer, bool software) {
+    const int i = table->devices < DECODE_MOST_DEVICES ? table->devices++ : DECODE_MOST_DEVICES - 1;
+    snprintf(table->device[i].name, sizeof table->device[i].name, "%s", name);
+    snprintf(table->device[i].renderer, sizeof table->device[i].renderer, "%s", renderer);
+    table->device[i].software = software;
+}
+
+const decode_row *decode_table_find(const decode_table *table, const char *device, const char *material,
+                                    const char *effects, bool nearest, bool bilinear, bool fast) {
+    for (int i = 0; i < table->count; i++) {
+        const decode_row *r = &table->rows[i];
+        if (strcmp(r->device, device) == 0 && strcmp(r->material, material) == 0 &&
+            strcmp(r->effects, effects) == 0 && r->nearest == nearest && r->bilinear == bilinear &&
+            r->fast == fast) {
+            return r;
+        }
+    }
+    return NULL;
+}
+
+static void write_figure(FILE *csv, double x) {
+    if (isnan(x)) {
+        fputc(',', csv);
+    } else {
+        fprintf(csv, ",%.4f", x);
+    }
+}
+
+static void write_csv(const decode_table *table, FILE *csv) {
+    fprintf(csv, "device,material,effects,directions,filter,math,side,ns,spread,psnr_linear,psnr_srgb,"
+                 "psnr_held_linear,psnr_held_srgb\n");
+    for (int i = 0; i < table->count + table->size_count; i++) {
+        const decode_row *r = i < table->count ? &table->rows[i] : &table->sizes[i - table->count];
+        fprintf(csv, "%s,%s,%s,%s,%s,%s,%d,%.2f,%.4f", r->device, r->material, r->effects,
+                r->nearest ? "nearest" : "linear", r->bilinear ? "bilinear" : "texel",
+                r->fast ? "fast" : "exact", r->side, r->ns, r->spread);
+        write_figure(csv, r->linear[0]);
+        write_figure(csv, r->srgb[0]);
+        write_figure(csv, r->linear[1]);
+        write_figure(csv, r->srgb[1]);
+        fputc('\n', csv);
+    }
+}
+
+static void print_pair(double linear, double srgb, FILE *out) {
+    if (isnan(linear)) {
+        fprintf(out, " - |");
+    } else {
+        fprintf(out, " %.2f / %.2f |", linear, srgb);
+    }
+}
+
+static void print_device(const decode_table *table, const char *device, const char *renderer, bool software,
+                         FILE *out) {
+    const decode_row *base = decode_table_find(table, device, "joint", "whole", false, false, false);
+    fprintf(out,
+            "### %s\n\n%s; %s a pixel.\n\n"
+            "| material | effects | directions | filter | mathematics | times joint | times its fetches "
+            "| ns | spread | encoded | held out |\n"
+            "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
+            device, renderer, software ? "core time" : "time");
+    for (int i = 0; i < table->count; i++) {
+        const decode_row *r = &table->rows[i];
+        if (strcmp(r->device, device) != 0) {
+            continue;
+        }
+        const decode_row *floor =
+            decode_table_find(table, device, r->material, "fetches only", false, false, false);
+        const bool of_floor = floor && strcmp(r->effects, "whole") == 0 && !r->nearest && !r->bilinear;
+        fprintf(out, "| %s | %s | %s | %s | %s | %.2f |", r->material, r->effects,
+                r->nearest ? "nearest" : "linear", r->bilinear ? "bilinear" : "texel",
+                r->fast ? "fast" : "exact", base ? r->ns / base->ns : NAN);
+        if (of_floor) {
+            fprintf(out, " %.2f |", r->ns / floor->ns);
+        } else {
+            fprintf(out, " |");
+        }
+        fprintf(out, " %.0f | %.0f%% |", r->ns, 100 * r->spread);
+        print_pair(r->linear[0], r->srgb[0], out);
+        print_pair(r->linear[1], r->srgb[1], out);
+        fputc('\n', out);
+    }
+    fputc('\n', out);
+}
+
+/* Times of smaller pictures, and the exponent of a picture's time over its pixels. */
+static void print_sizes(const decode_table *table, FILE *out) {
+    static const char *const materials[] = {"joint", "paper"};
+    fprintf(out,
+            "### Growth with resolution\n\n| material | exponent of time over pixels | ns a pixel at 32, "
+            "64, 128, 256 pixels a side |\n| --- | --- | --- |\n");
+    for (int m = 0; m < 2; m++) {
+        double pixels[DECODE_MOST_SIZES], time[DECODE_MOST_SIZES];
+        int count = 0;
+        for (int i = 0; i < table->size_count; i++) {
+            const decode_row *r = &table->sizes[i];
+            if (strcmp(r->material, materials[m]) == 0) {
+                pixels[count] = (double)r->side * r->side;
+                time[count] = r->ns * pixels[count];
+                count++;
+            }
+        }
+        if (count > 1) {
+            fprintf(out, "| %s | %.2f |", materials[m], bench_exponent(pixels, time, count));
+            for (int i = 0; i < count; i++) {
+                fprintf(out, "%s%.0f", i ? ", " : " ", time[i] / pixels[i]);
+            }
+            fprintf(out, " |\n");
+        }
+    }
+    fputc('\n', out);
+}
+
+typedef struct shown {
+    const char *material, *title;
+    int fast; /* 0, 1; -1: either */
+} shown;
+
+static const shown series[] = {{"joint", "joint, exact", 0},
+                               {"joint", "joint, fast math", 1},
+                               {"paper", "paper, exact", 0},
+                               {"paper", "paper, fast math", 1},
+                               {"joint; SBRDF x shadow sources", "SBRDF x shadow, exact", 0},
+                               {"joint; SBRDF x shadow sources", "SBRDF x shadow, fast math", 1},
+                               {"Phong", "Phong", -1},
+                               {"PCA", "PCA, 8 bit", -1},
+                               {"uncompressed", "uncompressed, 3 x 3 images", -1}};
+
+/* What is special about a row, for the mark of an exact one. */
+static const char *label_of(const decode_row *r) {
+    const bool whole = strcmp(r->effects, "whole") == 0;
+    if (r->peer) {
+        return strncmp(r->effects, "rank", 4) == 0 ? strchr(r->effects, ';') + 2 : NULL;
+    }
+    if (r->fast || r->bilinear || strchr(r->material, ';')) {
+        return NULL;
+    }
+    return !whole ? NULL : r->nearest ? "nearest" : "linear";
+}
+
+static btf_result decode_plot(const bench_run *run, const decode_table *table, const char *device,
+                              const char *section, bool headline) {
+    char title[200];
+    const bool held = run->held->owned;
+    const int panels = held ? headline ? 2 : 4 : 2;
+    snprintf(title, sizeof title, "Decoding: time against accuracy, %s", run->source);
+    plot *p = plot_create(title, "time of one pixel, ns", panels);
+    plot_panel(p, 0, "directions that were encoded", "PSNR of linear values, dB");
+    plot_panel(p, 1, headline && held ? "views and lights left out" : "directions that were encoded",
+               headline && held ? "PSNR of linear values, dB" : "PSNR of sRGB-coded values, dB");
+    plot_panel(p, 2, "views and lights left out of the encoding", "PSNR of linear values, dB");
+    plot_panel(p, 3, "views and lights left out of the encoding", "PSNR of sRGB-coded values, dB");
+    plot_front(p);
+    for (size_t s = 0; s < sizeof series / sizeof *series; s++) {
+        plot_series(p, series[s].title, false);
+        for (int i = 0; i < table->count; i++) {
+            const decode_row *r = &table->rows[i];
+            if (strcmp(r->device, device) == 0 && strcmp(r->material, series[s].material) == 0 &&
+                (series[s].fast < 0 || series[s].fast == r->fast)) {
+                /* What was not compressed is as good as its 8 bits, and would hide all else. */
+                const double whole = strcmp(r->material, "uncompressed") == 0 ? NAN : 1;
+                const double y[PLOT_PANELS] = {whole * r->linear[0],
+                                               headline && held ? r->linear[1] : whole * r->srgb[0],
+                                               r->linear[1], r->srgb[1]};
+                if (isfinite(r->linear[0])) {
+                    plot_point(p, r->ns, y, label_of(r));
+                }
+            }
+        }
+    }
+    for (int i = 0; i < table->count; i++) {
+        const decode_row *r = &table->rows[i];
+        if (strcmp(r->device, device) == 0 && strcmp(r->effects, "fetches only") == 0) {
+            snprintf(title, sizeof title, "fetches of %s",
+                     strchr(r->material, ';') ? "SBRDF x shadow" : r->material);
+            plot_vertical(p, r->ns, title);
+        }
+    }
+    return bench_finish_plot(run, section, &p);
+}
+
+btf_result decode_table_write(const bench_run *run, const decode_table *table) {
+    FILE *csv = NULL;
+    btf_result result = bench_open(run, "decode", "csv", &csv);
+    if (result != BTF_OK) {
+        return result;
+    }
+    write_csv(table, csv);
+    if (fclose(csv) != 0) {
+        return enc_fail(run->context, BTF_ERROR_IO, "decode-%s.csv: cannot write", run->name);
+    }
+    fprintf(
+        run->summary,
+        "Median of the repeats. Accuracy is that of the very pixels: PSNR of 65,536 random samples, linear "
+        "/ "
+        "sRGB-coded dB, at directions that were encoded, and at views and lights that both were not. At "
+        "the "
+        "middle of a texel, where there is truth to compare with, bilinear filtering changes nothing.\n\n");
+    if (table->devices > 0) {
+        result = decode_plot(run, table, table->device[0].name, "decode", false);
+        print_sizes(table, run->summary);
+    }
+    for (int i = 0; i < table->devices; i++) {
+        print_device(table, table->device[i].name, table->device[i].renderer, table->device[i].software,
+                     run->summary);
+    }
+    print_device(table, "CPU reference", run->system->cpu, true, run->summary);
+    return result;
+}

@@ -1,0 +1,45 @@
+/* Rows of section `decode` as CSV, Markdown and plots.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_TESTS_BENCH_DECODE_TABLE_H
+#define OPENBTF_TESTS_BENCH_DECODE_TABLE_H
+
+#include "bench.h"
+#include "decode_rig.h"
+
+enum { DECODE_MOST_ROWS = 1200, DECODE_MOST_SIZES = 16, DECODE_MOST_DEVICES = 12 };
+
+typedef struct decode_row {
+    char device[24], material[40], effects[40];
+    bool nearest, bilinear, fast, peer;
+    int side;                  /* of the picture, where that is what changes; else 0 */
+    double ns, spread;         /* a pixel: median of the repeats, (largest - smallest) / median */
+    double linear[2], srgb[2]; /* PSNR at sampled directions, and at those held out (both); NAN: none */
+} decode_row;
+
+typedef struct decode_table {
+    decode_row rows[DECODE_MOST_ROWS];
+    int count;
+    decode_row sizes[DECODE_MOST_SIZES];
+    int size_count;
+    struct {
+        char name[24], renderer[200];
+        bool software;
+    } device[DECODE_MOST_DEVICES];
+    int devices;
+} decode_table;
+
+decode_row decode_row_named(const char *device, const char *material, const char *effects);
+void decode_table_add(decode_table *table, const decode_row *row);
+void decode_table_add_size(decode_table *table, const decode_row *row);
+void decode_table_device(decode_table *table, const char *name, const char *renderer, bool software);
+
+/* The row of those names; NULL: not measured. */
+const decode_row *decode_table_find(const decode_table *table, const char *device, const char *material,
+                                    const char *effects, bool nearest, bool bilinear, bool fast);
+
+/* decode-MATERIAL.csv, tables in the summary, plots. Errors: BTF_ERROR_IO, BTF_ERROR_MEMORY. */
+btf_result decode_table_write(const bench_run *run, const decode_table *table);
+
+#endif

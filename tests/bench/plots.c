@@ -1,0 +1,110 @@
+/* Sweeps as plots. See plots.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "plots.h"
+
+#include <math.h>
+#include <string.h>
+
+btf_result bench_finish_plot(const bench_run *run, const char *section, plot **p) {
+    char name[200];
+    bool drawn;
+    snprintf(name, sizeof name, "%s-%s", section, run->name);
+    const btf_result result = plot_finish(run->context, p, run->out, name, &drawn);
+    if (result == BTF_OK && drawn) {
+        fprintf(run->summary, "![%s](%s.png)\n\n", name, name);
+    }
+    return result;
+}
+
+static void accuracy_panels(const bench_run *run, plot *p) {
+    char title[120];
+    plot_panel(p, 0, "all samples encoded", "PSNR of linear values, dB");
+    plot_panel(p, 1, "all samples encoded", "PSNR of sRGB-coded values, dB");
+    snprintf(title, sizeof title, "views and lights left out of the encoding (%.0f degrees)",
+             run->held->theta);
+    plot_panel(p, 2, title, "PSNR of linear values, dB");
+    plot_panel(p, 3, title, "PSNR of sRGB-coded values, dB");
+}
+
+static void add_row(plot *p, double x, const bench_row *r, const char *label) {
+    const double y[PLOT_PANELS] = {r->linear, r->srgb, r->held[2][0], r->held[2][1]};
+    plot_point(p, x, y, label);
+}
+
+/* The rows of some sweeps as series, with labels where asked. */
+typedef struct shown {
+    const char *sweep, *title;
+    bool joined;
+    bool label; /* the name without its first word, or x */
+} shown;
+
+static void add_sweeps(plot *p, const bench_table *table, const shown *sweeps, int count,
+                       double (*cost)(const bench_row *row), double unit) {
+    for (int s = 0; s < count; s++) {
+        plot_series(p, sweeps[s].title, sweeps[s].joined);
+        for (int i = 0; i < table->count; i++) {
+            const bench_row *r = &table->rows[i];
+            const char *space = strrchr(r->name, ' ');
+            if (strcmp(r->sweep, sweeps[s].sweep) == 0) {
+                add_row(p, unit * cost(r), r, sweeps[s].label ? (space ? space + 1 : r->name) : NULL);
+            }
+        }
+    }
+}
+
+btf_result bench_plot_encode(const bench_run *run, const bench_table *table) {
+    static const shown all[] = {{"preset", "joint, by preset", true, true},
+                                {"rounds", "joint medium, by rounds (1 to 16)", true, false},
+                                {"joint effects", "joint, effects left out", false, false},
+                                {"paper", "paper", false, true},
+                                {"lobes", "paper, lobes 1 to 4", true, false},
+                                {"rejection", "paper, rejections 0 to 3", true, false},
+                                {"lights voted", "paper, lights that vote", true, false},
+                                {"window", "paper, search window", true, false},
+                                {"centres", "paper, cluster centres", true, false},
+                                {"numbers", "paper, half floats", false, false}};
+    char title[200];
+    const int panels = run->held->owned ? 4 : 2, count = sizeof all / sizeof *all;
+    snprintf(title, sizeof title, "Encoding: time against accuracy, %s", run->source);
+    plot *p = plot_create(title, "core time of encoding, s (all threads added)", panels);
+    accuracy_panels(run, p);
+    plot_front(p);
+    add_sweeps(p, table, all, count, bench_cost_core, 1);
+    btf_result result = bench_finish_plot(run, "encode", &p);
+    if (result != BTF_OK) {
+        return result;
+    }
+    static const shown paper[] = {{"lobes", "lobes 1 to 4", true, true},
+                                  {"rejection", "rejections 0 to 3", true, false},
+                                  {"lights voted", "lights that vote", true, false},
+                                  {"window", "search window", true, true},
+                                  {"centres", "cluster centres", true, false},
+                                  {"numbers", "floats, half floats", false, false}};
+    snprintf(title, sizeof title, "Encoding by --method paper: its settings, %s", run->source);
+    p = plot_create(title, "core time of encoding, s (all threads added)", panels);
+    accuracy_panels(run, p);
+    plot_front(p);
+    add_sweeps(p, table, paper, sizeof paper / sizeof *paper, bench_cost_core, 1);
+    return bench_finish_plot(run, "encode-paper", &p);
+}
+
+btf_result bench_plot_storage(const bench_run *run, const bench_table *table) {
+    static const shown all[] = {{"joint", "joint medium, by budget", true, false},
+                                {"joint SBRDF", "joint, SBRDF x shadow sources", false, false},
+                                {"paper", "paper: SBRDF, STVS, full", true, false},
+                                {"paper centres", "paper, by centres", true, false},
+                                {"PCA linear", "PCA, 8 bit, linear values", true, false},
+                                {"PCA sRGB", "PCA, 8 bit, sRGB-coded values", true, false},
+                                {"PCA half", "PCA, half floats, linear values", true, false},
+                                {"PCA clusters 8", "PCA in 8 clusters, 8 bit", true, false},
+                                {"PCA clusters 16", "PCA in 16 clusters, 8 bit", true, false}};
+    char title[200];
+    snprintf(title, sizeof title, "Storage: bytes against accuracy, %s", run->source);
+    plot *p = plot_create(title, "bytes on the GPU, MB (10^6)", run->held->owned ? 4 : 2);
+    accuracy_panels(run, p);
+    plot_front(p);
+    add_sweeps(p, table, all, sizeof all / sizeof *all, bench_cost_bytes, 1e-6);
+    return bench_finish_plot(run, "storage", &p);
+}

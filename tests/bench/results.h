@@ -1,0 +1,83 @@
+/* Rows of the sweeps: what one setting costs and what it gives; statistics over repeats, the Pareto front,
+ * CSV, and the journal that a run goes on from after a stop.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_TESTS_BENCH_RESULTS_H
+#define OPENBTF_TESTS_BENCH_RESULTS_H
+
+#include "encodes.h"
+#include "held.h"
+
+#include <stdio.h>
+
+enum { BENCH_MOST_REPEATS = 25, BENCH_MOST_ROWS = 256 };
+
+/* Figures that do not apply are NAN. */
+typedef struct bench_row {
+    char sweep[24];           /* rows of one sweep are joined by a line in plots */
+    char name[72];            /* the setting, without commas or quotes */
+    double x;                 /* the number that the sweep changes */
+    double core, core_spread; /* seconds of all threads: median; (largest - smallest) / median */
+    double wall, wall_spread; /* seconds of the clock */
+    double bytes;             /* GPU bytes */
+    double memory;            /* bytes: peak of the process while encoding */
+    double linear, srgb;      /* PSNR over all samples encoded, dB */
+    double ssim;
+    double held[BENCH_HELD_SETS][2];   /* PSNR at directions left out: linear, sRGB-coded, dB */
+    double pareto_linear, pareto_srgb; /* 1: nothing else is both cheaper and better, else 0 */
+} bench_row;
+
+/* All figures NAN. */
+bench_row bench_row_named(const char *sweep, const char *name, double x);
+
+typedef struct bench_table {
+    bench_row rows[BENCH_MOST_ROWS];
+    int count;
+} bench_table;
+
+/* Adds a copy; the last row is overwritten in a full table. */
+void bench_table_add(bench_table *table, const bench_row *row);
+
+/* Median and (largest - smallest) / median of `count` values, which it sorts. */
+double bench_median(double *values, int count, double *out_spread);
+
+/* Marks rows whose cost no row of a better or equal figure undercuts. cost: what is paid, of a row. */
+void bench_mark_pareto(bench_table *table, double (*cost)(const bench_row *row));
+double bench_cost_core(const bench_row *row);
+double bench_cost_bytes(const bench_row *row);
+
+/* The columns above, one line a row; NAN is left empty. */
+void bench_table_write(const bench_table *table, FILE *csv);
+
+/* The slope of log y over log x by least squares. */
+double bench_exponent(const double *x, const double *y, int count);
+
+/* The journal: rows as they were measured, of one run. A run is known by its identity, a text of machine,
+ * boot, program and settings: rows of another identity are dropped when it is opened, so that no table
+ * mixes them. */
+typedef struct bench_journal bench_journal;
+
+/* Reads DIR/journal.csv; a line that was cut short is dropped. Errors, on the log: BTF_ERROR_IO,
+ * BTF_ERROR_MEMORY. */
+btf_result bench_journal_open(const enc_context *context, const char *directory, const char *identity,
+                              bench_journal **out_journal);
+/* The row of that table, sweep and name as measured before, into *row; false where there is none. */
+bool bench_journal_find(const bench_journal *journal, const char *table, bench_row *row);
+/* Appends and flushes to the disk. Errors, on the log: BTF_ERROR_IO, BTF_ERROR_MEMORY. */
+btf_result bench_journal_add(const enc_context *context, bench_journal *journal, const char *table,
+                             const bench_row *row);
+/* Rows that were found at opening. */
+size_t bench_journal_resumed(const bench_journal *journal);
+void bench_journal_close(bench_journal **journal);
+
+/* Accuracy of a material over the samples that were encoded, with SSIM, and at the directions held out
+ * (three neighbours, by the reference decoder); effects: those decoded. Errors: those of comparing. */
+btf_result bench_accuracy(const enc_context *context, const bench_held *held, const bench_encoded *encoded,
+                          uint32_t effects, bench_row *row);
+/* The same of any codec of images at the directions of held->train, which are blended where directions were
+ * held out, by `tables`. */
+btf_result bench_accuracy_images(const enc_context *context, const bench_held *held,
+                                 const btf_ref_material *tables, enc_image_source images, bench_row *row);
+
+#endif

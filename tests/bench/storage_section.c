@@ -1,0 +1,248 @@
+/* Section `storage`: bytes against accuracy, our methods beside principal components, whole and by
+ * clusters.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "bench.h"
+#include "pca.h"
+#include "plots.h"
+
+#include "decoder/tools/reference_view.h"
+#include "encoder/joint_budget.h"
+#include "encoder/pack.h"
+#include "encoder/report.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Parts of the budget that the curves stand at. */
+static const double parts[] = {0.125, 0.25, 0.5, 1, 2};
+enum { PARTS = sizeof parts / sizeof parts[0] };
+
+typedef struct storage {
+    const bench_run *run;
+    const enc_data *data;
+    char name[160]; /* in the journal */
+    uint64_t budget;
+    bench_table *table;
+    btf_ref_material tables; /* directions, for what lies between; of `first` */
+    bench_encoded first;
+} storage;
+
+/* Takes the row of the journal, else measures it by `measure` and keeps it. */
+typedef btf_result (*measure_fn)(storage *s, const void *what, bench_row *row);
+
+static btf_result measured(storage *s, bench_row row, measure_fn measure, const void *what) {
+    btf_result result = BTF_OK;
+    if (!bench_journal_find(s->run->journal, s->name, &row)) {
+        result = measure(s, what, &row);
+        if (result == BTF_OK) {
+            result = bench_journal_add(s->run->context, s->run->journal, s->name, &row);
+        }
+    }
+    if (result == BTF_OK) {
+        bench_table_add(s->table, &row);
+        enc_log(s->run->context, BTF_LOG_INFO, "  %-40s %8.3f MB %6.2f %6.2f dB", row.name,
+                1e-6 * row.bytes, row.linear, row.srgb);
+    }
+    return result;
+}
+
+/* One subset of effects of a material. */
+typedef struct subset {
+    const bench_encoded *encoded;
+    uint32_t effects;
+} subset;
+
+static btf_result measure_subset(storage *s, const void *what, bench_row *row) {
+    const subset *of = what;
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_result result = btf_material_get_info(of->encoded->material, &info);
+    row->bytes = (double)enc_report_gpu_bytes(&info, of->effects);
+    row->core = of->encoded->core;
+    row->wall = of->encoded->wall;
+    if (result == BTF_OK) {
+        result = bench_accuracy(s->run->context, s->run->held, of->encoded, of->effects, row);
+    }
+    return result;
+}
+
+static btf_result measure_joint(storage *s, const void *what, bench_row *row) {
+    const enc_joint_options *options = what;
+    bench_encoded encoded;
+    btf_result result = bench_encode_joint_options(s->run->context, s->data, options, false, &encoded);
+    const subset whole = {&encoded, BTF_EFFECT_ALL};
+    if (result == BTF_OK) {
+        result = measure_subset(s, &whole, row);
+        bench_encoded_clear(&encoded);
+    }
+    return result;
+}
+
+static btf_result run_joint(storage *s) {
+    char name[72];
+    btf_result result = BTF_OK;
+    for (int i = 0; i < PARTS && result == BTF_OK; i++) {
+        enc_joint_options options = enc_joint_options_default();
+        options.budget = (uint64_t)(parts[i] * (double)s->budget);
+        snprintf(name, sizeof name, "joint medium; %g of the budget", parts[i]);
+        result = measured(s, bench_row_named("joint", name, parts[i]), measure_joint, &options);
+    }
+    enc_joint_options sources = enc_joint_options_default();
+    sources.effects &= ~(uint32_t)BTF_EFFECT_RESIDUAL;
+    sources.rounds = s->run->quick ? 2 : 0;
+    sources.budget = s->budget;
+    if (result == BTF_OK) {
+        result = measured(s, bench_row_named("joint SBRDF", "joint; SBRDF x shadow sources", NAN),
+                          measure_joint, &sources);
+    }
+    return result;
+}
+
+static btf_result run_paper(storage *s) {
+    static const struct {
+        const char *name;
+        uint32_t effects;
+    } subsets[] = {
+        {"paper: SBRDF", 0}, {"paper: STVS", BTF_EFFECT_SHADOW}, {"paper: full", BTF_EFFECT_ALL}};
+    btf_result result = BTF_OK;
+    for (int i = 0; i < 3 && result == BTF_OK; i++) {
+        const subset of = {&s->first, subsets[i].effects};
+        result = measured(s, bench_row_named("paper", subsets[i].name, i), measure_subset, &of);
+    }
+    return result;
+}
+
+/* Principal components in some number of clusters, 8 bits or halves. */
+typedef struct components {
+    const pca_factors *factors;
+    pca_number number;
+    size_t clusters, rank;
+} components;
+
+static btf_result measure_pca(storage *s, const void *what, bench_row *row) {
+    const components *of = what;
+    const bench_clock start = bench_now();
+    pca_codec codec;
+    btf_result result =
+        of->clusters > 1
+            ? pca_encode_clusters(s->run->context, of->factors, of->number, of->clusters, of->rank, &codec)
+            : pca_encode(s->run->context, of->factors, of->number, of->rank, &codec);
+    if (result == BTF_OK) {
+        const bench_clock end = bench_now();
+        row->core = end.core - start.core;
+        row->wall = end.wall - start.wall;
+        row->bytes = (double)codec.bytes;
+        result = bench_accuracy_images(s->run->context, s->run->held, &s->tables, pca_images(&codec), row);
+        pca_codec_clear(&codec);
+    }
+    return result;
+}
+
+static btf_result run_components(storage *s, const char *sweep, components of) {
+    char name[72];
+    size_t last = 0;
+    btf_result result = BTF_OK;
+    for (int i = 0; i < PARTS && result == BTF_OK; i++) {
+        of.rank = pca_rank_for(s->data, of.number, of.clusters, (uint64_t)(parts[i] * (double)s->budget));
+        of.rank = of.rank < of.factors->rank ? of.rank : of.factors->rank;
+        if (of.rank > last) {
+            snprintf(name, sizeof name, "%s rank %zu", sweep, of.rank);
+            result = measured(s, bench_row_named(sweep, name, (double)of.rank), measure_pca, &of);
+            last = of.rank;
+        }
+    }
+    return result;
+}
+
+static btf_result run_pca(storage *s) {
+    static const char *const sweeps[] = {"PCA linear", "PCA sRGB"};
+    const size_t most =
+        pca_rank_for(s->data, PCA_BYTE, 1, (uint64_t)(parts[PARTS - 1] * (double)s->budget));
+    btf_result result = BTF_OK;
+    for (int coding = PCA_LINEAR; coding <= PCA_SRGB && most > 0 && result == BTF_OK; coding++) {
+        pca_factors factors;
+        result = pca_factorise(s->run->context, s->data, (pca_coding)coding, most, &factors);
+        if (result != BTF_OK) {
+            break;
+        }
+        result = run_components(s, sweeps[coding], (components){&factors, PCA_BYTE, 1, 0});
+        if (result == BTF_OK && coding == PCA_LINEAR) {
+            result = run_components(s, "PCA half", (components){&factors, PCA_HALF, 1, 0});
+        }
+        for (size_t clusters = 8; clusters <= 16 && coding == PCA_LINEAR && result == BTF_OK;
+             clusters *= 2) {
+            char sweep[24];
+            snprintf(sweep, sizeof sweep, "PCA clusters %zu", clusters);
+            if (clusters < enc_data_texel_count(s->data)) {
+                result = run_components(s, sweep, (components){&factors, PCA_BYTE, clusters, 0});
+            }
+        }
+        pca_factors_clear(&factors);
+    }
+    return result;
+}
+
+static void print(const storage *s, FILE *out) {
+    const bench_row *base = NULL;
+    for (int i = 0; i < s->table->count; i++) {
+        if (strcmp(s->table->rows[i].sweep, "joint") == 0 && s->table->rows[i].x == 1) {
+            base = &s->table->rows[i];
+        }
+    }
+    fprintf(
+        out,
+        "The budget is %.3f MB (10^6 bytes on the GPU). `*`: on the Pareto front of bytes and PSNR "
+        "(linear, sRGB).\n\n"
+        "| codec | times the budget | dB against joint at the budget, linear / sRGB | front | MB | linear "
+        "/ sRGB dB | SSIM | held view and light, linear / sRGB |\n"
+        "| --- | --- | --- | --- | --- | --- | --- | --- |\n",
+        1e-6 * (double)s->budget);
+    for (int i = 0; i < s->table->count && base; i++) {
+        const bench_row *r = &s->table->rows[i];
+        fprintf(out, "| %s | %.3f | %+.2f / %+.2f | %s %s | %.3f | %.2f / %.2f | %.4f |", r->name,
+                r->bytes / (double)s->budget, r->linear - base->linear, r->srgb - base->srgb,
+                r->pareto_linear > 0 ? "*" : "", r->pareto_srgb > 0 ? "*" : "", 1e-6 * r->bytes, r->linear,
+                r->srgb, r->ssim);
+        if (isnan(r->held[2][0])) {
+            fprintf(out, " - |\n");
+        } else {
+            fprintf(out, " %.2f / %.2f |\n", r->held[2][0], r->held[2][1]);
+        }
+    }
+    fputc('\n', out);
+}
+
+btf_result bench_section_storage(const bench_run *run) {
+    FILE *csv = NULL;
+    storage s = {.run = run,
+                 .data = run->held->train,
+                 .budget = run->budget ? run->budget : joint_default_budget(run->held->train),
+                 .table = calloc(1, sizeof(bench_table))};
+    if (!s.table) {
+        return enc_fail(run->context, BTF_ERROR_MEMORY, "bench: out of memory");
+    }
+    snprintf(s.name, sizeof s.name, "storage/%s", run->name);
+    btf_result result = bench_encode_paper(run->context, s.data, &s.first);
+    if (result == BTF_OK) {
+        reference_view(s.first.material, 0, &s.tables);
+        result = run_joint(&s);
+    }
+    if (result == BTF_OK) {
+        result = run_paper(&s);
+    }
+    if (result == BTF_OK) {
+        result = run_pca(&s);
+    }
+    if (result == BTF_OK && (result = bench_open(run, "storage", "csv", &csv)) == BTF_OK) {
+        bench_mark_pareto(s.table, bench_cost_bytes);
+        bench_table_write(s.table, csv);
+        fclose(csv);
+        print(&s, run->summary);
+        result = bench_plot_storage(run, s.table);
+    }
+    bench_encoded_clear(&s.first);
+    free(s.table);
+    return result;
+}

@@ -1,0 +1,44 @@
+/* The machine a run is made on, and what it could do at best.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_TESTS_BENCH_SYSTEM_H
+#define OPENBTF_TESTS_BENCH_SYSTEM_H
+
+#include "encoder/context.h"
+
+#include <stdint.h>
+
+typedef struct bench_system {
+    char cpu[128];
+    int cores;
+    double load;      /* average of the last minute, before the run */
+    char boot[64];    /* changes when the machine starts anew; "unknown" where the system has none */
+    uint64_t program; /* hash of this program's file: which build */
+    char kernel[200], compiler[120];
+} bench_system;
+
+void bench_system_find(bench_system *out_system);
+
+/* Starts this program anew with idle threads asleep instead of spinning, unless the environment chose: time
+ * of the cores would count the spinning of a thread that waits for another one. Returns when nothing had to
+ * be done or nothing could be. */
+void bench_sleep_when_idle(char **argv);
+
+/* Peak memory of the process since the last reset, bytes; the reset also hands freed memory back. Where the
+ * system cannot reset it, the peak since the start. */
+void bench_peak_reset(void);
+double bench_peak_memory(void);
+
+/* What the machine could do at best, measured with small kernels over `threads` threads, each the best of
+ * some tries, by the clock: bandwidth of a sum of two arrays too large for the caches, and of one that fits
+ * the second-level cache, bytes read and written a second; fused multiply-adds on independent vectors, each
+ * two operations, operations a second. Where the compiler or the processor lacks AVX-512 or AVX2, plain
+ * vectors are used. Errors: BTF_ERROR_MEMORY. */
+typedef struct bench_limits {
+    double memory, cache, flops;
+    const char *vectors; /* which instructions `flops` used */
+} bench_limits;
+btf_result bench_limits_measure(const enc_context *context, bench_limits *out_limits);
+
+#endif
