@@ -27,8 +27,9 @@ typedef struct bench_run {
     const bench_held *held;      /* what sweeps encode, and the directions left out */
     bench_journal *journal;
     const bench_system *system;
-    int repeats; /* of an encode; a decode is repeated at least BENCH_DECODE_REPEATS times */
-    bool quick;  /* fewer settings */
+    int repeats;        /* of an encode; a decode is repeated at least BENCH_DECODE_REPEATS times */
+    bool quick;         /* fewer settings */
+    const char *device; /* the only one to decode on; NULL: all */
 } bench_run;
 
 /* Measures, writes CSV into run->out and tables into run->summary. */

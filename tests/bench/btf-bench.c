@@ -53,7 +53,7 @@ typedef struct material {
 } material;
 
 static struct {
-    const char *out;
+    const char *out, *device;
     material materials[MAX_MATERIALS];
     int count, threads, texels, rank, repeats, holdout;
     name_set set;
@@ -62,7 +62,7 @@ static struct {
     enc_read_options read;
 } o = {.out = "bench", .texels = 24, .rank = 400};
 
-enum { QUICK_SIDE = 24, QUICK_REPEATS = 1, FULL_REPEATS = 3 };
+enum { QUICK_SIDE = 32, QUICK_REPEATS = 1, FULL_REPEATS = 3 };
 
 static const char *parse_input(const char *text, void *value) {
     (void)value;
@@ -149,7 +149,7 @@ static const cli_option table[] = {
      .value = &o.quick,
      .help =
          "under 10 minutes on 2 idle cores: the sections machine, encode,\ndecode, storage and growth with "
-         "fewer settings, samples of\n24x24 texels, data cut to 24x24, encodes once"},
+         "fewer settings, samples of\n32x32 texels, data cut to 32x32, encodes once"},
     {.name = "repeats",
      .arg = "N",
      .type = CLI_INT,
@@ -183,6 +183,12 @@ static const cli_option table[] = {
      .help =
          "of --method joint, one or more, with commas between;\ndefault: encode all of them, codecs and "
          "holdout medium"},
+    {.name = "device",
+     .arg = "NAME",
+     .type = CLI_STRING,
+     .value = &o.device,
+     .help = "decode on one GL device of btf-conform --list; default all of\nthem, with --quick one a "
+             "language"},
     {.name = "budget",
      .type = CLI_BYTES,
      .value = &o.budget,
@@ -318,8 +324,15 @@ static btf_result run_material(const enc_context *context, const material *m, co
                        .journal = journal,
                        .system = system,
                        .repeats = o.repeats,
-                       .quick = o.quick};
+                       .quick = o.quick,
+                       .device = o.device};
     memcpy(bench.presets, o.set.presets, sizeof bench.presets);
+    if (held.owned) {
+        fprintf(summary,
+                "Left out of encoding: %d views and %d lights, every second azimuth of the ring at %.0f "
+                "degrees.\n\n",
+                held.n_views, held.n_lights, held.theta);
+    }
     for (int i = 0; result == BTF_OK && i < SECTIONS; i++) {
         if (wanted(i)) {
             fprintf(summary, "## %s: %s\n\n%s; data: %s.\n\n", sections[i].name, name, sections[i].what,
@@ -362,7 +375,7 @@ static void print_system(const bench_system *s, const bench_journal *journal, FI
             s->cpu, s->cores, s->load, s->kernel, s->compiler, OPENBTF_VERSION,
             (unsigned long long)s->program, o.threads, o.repeats,
             o.repeats > BENCH_DECODE_REPEATS ? o.repeats : BENCH_DECODE_REPEATS,
-            o.quick ? "--quick: 24x24 texels unless --size says otherwise; absolute figures are those of "
+            o.quick ? "--quick: 32x32 texels unless --size says otherwise; absolute figures are those of "
                       "small data"
                     : "as given");
     if (bench_journal_resumed(journal) > 0) {

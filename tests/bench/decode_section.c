@@ -469,7 +469,8 @@ static btf_result run_devices(decoding *d) {
         } else {
             unsetenv("GALLIUM_DRIVER");
         }
-        if (!interprets && (!d->run->quick || in_quick(device))) {
+        const char *only = d->run->device;
+        if (only ? strcmp(only, device->name) == 0 : !interprets && (!d->run->quick || in_quick(device))) {
             result = run_device(d, device);
         }
     }

@@ -5,6 +5,7 @@
 #include "decode_table.h"
 
 #include "plots.h"
+#include "readme.h"
 
 #include <math.h>
 #include <string.h>
@@ -226,6 +227,12 @@ btf_result decode_table_write(const bench_run *run, const decode_table *table) {
         "middle of a texel, where there is truth to compare with, bilinear filtering changes nothing.\n\n");
     if (table->devices > 0) {
         result = decode_plot(run, table, table->device[0].name, "decode", false);
+        if (result == BTF_OK) {
+            result = decode_plot(run, table, table->device[0].name, "readme-decode", true);
+        }
+        if (result == BTF_OK) {
+            result = bench_readme_decode(run, table);
+        }
         print_sizes(table, run->summary);
     }
     for (int i = 0; i < table->devices; i++) {

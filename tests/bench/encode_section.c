@@ -4,6 +4,7 @@
  */
 #include "bench.h"
 #include "plots.h"
+#include "readme.h"
 
 #include "encoder/pack.h"
 
@@ -267,6 +268,9 @@ btf_result bench_section_encode(const bench_run *run) {
         fclose(csv);
         print(table, &table->rows[p->medium >= 0 ? p->medium : p->paper], run->repeats, run->summary);
         result = bench_plot_encode(run, table);
+    }
+    if (result == BTF_OK) {
+        result = bench_readme_encode(run, table);
     }
     free(p);
     free(table);

@@ -54,6 +54,43 @@ static void add_sweeps(plot *p, const bench_table *table, const shown *sweeps, i
     }
 }
 
+/* The plot of the README: linear values, where samples were encoded and where not. */
+static btf_result plot_headline(const bench_run *run, const bench_table *table) {
+    static const struct {
+        shown by;
+        const char *more[6]; /* sweeps of the same series */
+    } all[] = {{{"preset", "joint, by preset", true, true}, {NULL}},
+               {{"rounds", "joint medium, 1 to 16 rounds", true, false}, {NULL}},
+               {{"joint effects", "joint, effects left out", false, false}, {NULL}},
+               {{"paper", "paper, by its settings", false, true},
+                {"lobes", "rejection", "lights voted", "window", "centres", NULL}}};
+    char title[200];
+    snprintf(title, sizeof title, "Encoding: time against accuracy, %s", run->source);
+    plot *p = plot_create(title, "core time of encoding, s (all threads added)", 2);
+    accuracy_panels(run, p);
+    if (run->held->owned) {
+        plot_panel(p, 1, "views and lights left out of the encoding", "PSNR of linear values, dB");
+    }
+    plot_front(p);
+    for (size_t s = 0; s < sizeof all / sizeof *all; s++) {
+        plot_series(p, all[s].by.title, all[s].by.joined);
+        for (int i = 0; i < table->count; i++) {
+            const bench_row *r = &table->rows[i];
+            const char *space = strrchr(r->name, ' ');
+            bool in = strcmp(r->sweep, all[s].by.sweep) == 0;
+            const char *label = in && all[s].by.label ? (space ? space + 1 : r->name) : NULL;
+            for (int k = 0; all[s].more[k]; k++) {
+                in = in || strcmp(r->sweep, all[s].more[k]) == 0;
+            }
+            const double y[PLOT_PANELS] = {r->linear, run->held->owned ? r->held[2][0] : r->srgb};
+            if (in) {
+                plot_point(p, r->core, y, label);
+            }
+        }
+    }
+    return bench_finish_plot(run, "readme-encode", &p);
+}
+
 btf_result bench_plot_encode(const bench_run *run, const bench_table *table) {
     static const shown all[] = {{"preset", "joint, by preset", true, true},
                                 {"rounds", "joint medium, by rounds (1 to 16)", true, false},
@@ -87,7 +124,8 @@ btf_result bench_plot_encode(const bench_run *run, const bench_table *table) {
     accuracy_panels(run, p);
     plot_front(p);
     add_sweeps(p, table, paper, sizeof paper / sizeof *paper, bench_cost_core, 1);
-    return bench_finish_plot(run, "encode-paper", &p);
+    result = bench_finish_plot(run, "encode-paper", &p);
+    return result == BTF_OK ? plot_headline(run, table) : result;
 }
 
 btf_result bench_plot_storage(const bench_run *run, const bench_table *table) {

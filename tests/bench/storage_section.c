@@ -86,6 +86,10 @@ static btf_result run_joint(storage *s) {
     for (int i = 0; i < PARTS && result == BTF_OK; i++) {
         enc_joint_options options = enc_joint_options_default();
         options.budget = (uint64_t)(parts[i] * (double)s->budget);
+        if (joint_components_for(s->data, &(joint_shape){.effects = BTF_EFFECT_RESIDUAL}, options.budget,
+                                 4) == 0) {
+            continue; /* nothing is that small */
+        }
         snprintf(name, sizeof name, "joint medium; %g of the budget", parts[i]);
         result = measured(s, bench_row_named("joint", name, parts[i]), measure_joint, &options);
     }

@@ -1,0 +1,195 @@
+/* Fragments of the README. See readme.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "readme.h"
+
+#include <math.h>
+#include <string.h>
+
+static const bench_row *find(const bench_table *table, const char *name) {
+    for (int i = 0; i < table->count; i++) {
+        if (strcmp(table->rows[i].name, name) == 0) {
+            return &table->rows[i];
+        }
+    }
+    return NULL;
+}
+
+static void print_pair(double linear, double srgb, FILE *out) {
+    if (isnan(linear)) {
+        fprintf(out, " - |");
+    } else {
+        fprintf(out, " %.2f / %.2f |", linear, srgb);
+    }
+}
+
+static btf_result encode_table(const bench_run *run, const bench_table *table, const bench_row *medium) {
+    static const char *const names[] = {"joint fast",           "joint medium", "joint thorough",
+                                        "joint exhaustive",     "paper",        "paper; 0 rejections",
+                                        "paper; 9 lights vote", "paper; 1 lobe"};
+    FILE *out;
+    const btf_result result = bench_open(run, "readme-encode", "md", &out);
+    if (result != BTF_OK) {
+        return result;
+    }
+    fprintf(out, "| encoding | times `medium` | core s | samples encoded | held out | GPU MB | peak MB |\n"
+                 "| --- | --- | --- | --- | --- | --- | --- |\n");
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        const bench_row *r = find(table, names[i]);
+        if (r) {
+            fprintf(out, "| %s | %.2f | %.1f |", r->name, r->core / medium->core, r->core);
+            print_pair(r->linear, r->srgb, out);
+            print_pair(r->held[2][0], r->held[2][1], out);
+            fprintf(out, " %.3f | %.0f |\n", 1e-6 * r->bytes, 1e-6 * r->memory);
+        }
+    }
+    return fclose(out) == 0 ? BTF_OK : enc_fail(run->context, BTF_ERROR_IO, "readme-encode: cannot write");
+}
+
+/* dB of `a` over `b` in words, where samples were encoded and where not. */
+static void print_gain(const bench_row *a, const bench_row *b, FILE *out) {
+    fprintf(out, "%+.2f / %+.2f dB", a->linear - b->linear, a->srgb - b->srgb);
+    if (!isnan(a->held[2][0])) {
+        fprintf(out, " (held out %+.2f / %+.2f)", a->held[2][0] - b->held[2][0],
+                a->held[2][1] - b->held[2][1]);
+    }
+}
+
+btf_result bench_readme_encode(const bench_run *run, const bench_table *table) {
+    const bench_row *fast = find(table, "joint fast"), *medium = find(table, "joint medium"),
+                    *thorough = find(table, "joint thorough"), *paper = find(table, "paper");
+    FILE *out;
+    if (!fast || !medium || !paper) {
+        return BTF_OK;
+    }
+    btf_result result = encode_table(run, table, medium);
+    if (result != BTF_OK || (result = bench_open(run, "guide-encode", "md", &out)) != BTF_OK) {
+        return result;
+    }
+    fprintf(out, "- **While a scene is being made**: `--preset fast`: %.2f times the time of `medium`, ",
+            fast->core / medium->core);
+    print_gain(fast, medium, out);
+    fprintf(out, ".\n- **For a game or a viewer**: `--preset medium`, the default.\n");
+    if (thorough) {
+        fprintf(out, "- **For an archive**: `--preset thorough`: %.1f times the time of `medium`, ",
+                thorough->core / medium->core);
+        print_gain(thorough, medium, out);
+        fprintf(out, ".\n");
+    }
+    fprintf(out, "- `--method paper`: %.1f times the time of `medium`, ", paper->core / medium->core);
+    print_gain(paper, medium, out);
+    fprintf(out, "; there as a baseline, not to be used.\n");
+    return fclose(out) == 0 ? BTF_OK : enc_fail(run->context, BTF_ERROR_IO, "guide-encode: cannot write");
+}
+
+static void print_row(const decode_row *r, const char *name, double unit, FILE *out) {
+    if (r) {
+        fprintf(out, "| %s | %.2f | %.0f |", name, r->ns / unit, r->ns);
+        print_pair(r->linear[0], r->srgb[0], out);
+        print_pair(r->linear[1], r->srgb[1], out);
+        fputc('\n', out);
+    }
+}
+
+static btf_result decode_rows(const bench_run *run, const decode_table *table, const char *device,
+                              const decode_row *base) {
+    static const struct {
+        const char *material, *effects, *name;
+        bool nearest, bilinear, fast;
+    } rows[] = {
+        {"joint", "whole", "joint: three directions, exact", false, false, false},
+        {"joint", "whole", "the same, fast math", false, false, true},
+        {"joint", "whole", "joint: nearest directions, exact", true, false, false},
+        {"joint", "whole", "joint: three directions, bilinear, exact", false, true, false},
+        {"joint", "half the components", "joint: half of the components", false, false, false},
+        {"joint; SBRDF x shadow sources", "whole", "SBRDF x shadow sources, exact", false, false, false},
+        {"paper", "whole", "paper: three directions, exact", false, false, false},
+        {"paper", "whole", "the same, fast math", false, false, true},
+        {"paper", "SBRDF and shadow", "paper: SBRDF and shadow", false, false, false},
+        {"Phong", "two maps", "Phong, two maps", false, false, true},
+        {"uncompressed", "3 x 3 images of 8 bits", "uncompressed, 3 x 3 images", false, false, true}};
+    FILE *out;
+    const btf_result result = bench_open(run, "readme-decode", "md", &out);
+    if (result != BTF_OK) {
+        return result;
+    }
+    fprintf(out,
+            "| decoding, %s | times joint | ns a pixel | samples encoded | held out |\n"
+            "| --- | --- | --- | --- | --- |\n",
+            table->device[0].renderer);
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        print_row(decode_table_find(table, device, rows[i].material, rows[i].effects, rows[i].nearest,
+                                    rows[i].bilinear, rows[i].fast),
+                  rows[i].name, base->ns, out);
+    }
+    for (int i = 0; i < table->count; i++) {
+        const decode_row *r = &table->rows[i];
+        char name[64];
+        if (strcmp(r->device, device) == 0 && strcmp(r->material, "PCA") == 0) {
+            snprintf(name, sizeof name, "PCA, 8 bit, %s", r->effects);
+            print_row(r, name, base->ns, out);
+        }
+    }
+    return fclose(out) == 0 ? BTF_OK : enc_fail(run->context, BTF_ERROR_IO, "readme-decode: cannot write");
+}
+
+/* What a cheaper way costs and loses against `base`. */
+static void print_way(const char *text, const decode_row *r, const decode_row *base, FILE *out) {
+    if (!r) {
+        return;
+    }
+    fprintf(out, "- %s: %.2f times the time", text, r->ns / base->ns);
+    if (!isnan(base->linear[1])) {
+        fprintf(out, ", %+.2f / %+.2f dB between the samples", r->linear[1] - base->linear[1],
+                r->srgb[1] - base->srgb[1]);
+    }
+    if (fabs(r->linear[0] - base->linear[0]) >= 0.005) {
+        fprintf(out, ", %+.2f / %+.2f dB at them", r->linear[0] - base->linear[0],
+                r->srgb[0] - base->srgb[0]);
+    }
+    fprintf(out, ".\n");
+}
+
+btf_result bench_readme_decode(const bench_run *run, const decode_table *table) {
+    const char *device = table->devices > 0 ? table->device[0].name : "";
+    const decode_row *base = decode_table_find(table, device, "joint", "whole", false, false, false);
+    FILE *out;
+    if (!base) {
+        return BTF_OK;
+    }
+    btf_result result = decode_rows(run, table, device, base);
+    if (result != BTF_OK || (result = bench_open(run, "guide-decode", "md", &out)) != BTF_OK) {
+        return result;
+    }
+    fprintf(out,
+            "\nOf the shader, against joint with three directions, texels and exact mathematics (%.0f ns a "
+            "pixel; a viewer's choice), on that device:\n\n",
+            base->ns);
+    print_way("**A game** that cannot afford more: nearest directions",
+              decode_table_find(table, device, "joint", "whole", true, false, false), base, out);
+    print_way("half of the components, `components` of the shader's options",
+              decode_table_find(table, device, "joint", "half the components", false, false, false), base,
+              out);
+    print_way("a quarter of them",
+              decode_table_find(table, device, "joint", "a quarter of the components", false, false, false),
+              base, out);
+    print_way("**A still, or a close look**: bilinear texels",
+              decode_table_find(table, device, "joint", "whole", false, true, false), base, out);
+    print_way("native mathematics (`BTF_MATH_FAST`), what exactness costs here",
+              decode_table_find(table, device, "joint", "whole", false, false, true), base, out);
+    const decode_row *paper = decode_table_find(table, device, "paper", "whole", false, false, false),
+                     *fast = decode_table_find(table, device, "paper", "whole", false, false, true);
+    if (paper && fast) {
+        fprintf(
+            out,
+            "- where `pow` is computed, exactness costs more: `--method paper` takes %.2f times the time "
+            "of native mathematics.\n",
+            paper->ns / fast->ns);
+    }
+    fprintf(
+        out,
+        "- Leaving gain or shifts out of the shader of a material that has them loses more than it saves; "
+        "leave them out of the encoding.\n");
+    return fclose(out) == 0 ? BTF_OK : enc_fail(run->context, BTF_ERROR_IO, "guide-decode: cannot write");
+}

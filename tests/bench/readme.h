@@ -1,0 +1,17 @@
+/* What the README shows of a run: the two headline plots, their tables and the guide on what to choose,
+ * with the numbers as measured. readme.sh puts them there.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_TESTS_BENCH_README_H
+#define OPENBTF_TESTS_BENCH_README_H
+
+#include "decode_table.h"
+
+/* readme-encode-MATERIAL.md and guide-encode-MATERIAL.md; nothing without the presets fast and medium and
+ * the paper. Errors: BTF_ERROR_IO. */
+btf_result bench_readme_encode(const bench_run *run, const bench_table *table);
+/* readme-decode-MATERIAL.md and guide-decode-MATERIAL.md, of the first device. Errors: BTF_ERROR_IO. */
+btf_result bench_readme_decode(const bench_run *run, const decode_table *table);
+
+#endif

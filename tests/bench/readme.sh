@@ -1,0 +1,57 @@
+#!/bin/bash
+# Measures what the README shows of encoding and decoding, and writes it there: two plots in tests/data/readme/
+# and what stands between the two `bench` marks of README.md.
+#
+#   tests/bench/readme.sh [BUILD [btf-bench option...]]    default: build --quick
+#
+# SPDX-License-Identifier: MIT
+set -euo pipefail
+root=$(cd "$(dirname "$0")/../.." && pwd)
+build=${1:-$root/build}
+shift || true
+[ $# -gt 0 ] || set -- --quick
+out=$build/bench-readme
+"$build/tests/bench/btf-bench" --only machine,encode,decode --out "$out" "$@"
+name=$(basename "$out"/readme-encode-*.md .md)
+name=${name#readme-encode-}
+for plot in encode decode; do
+    cp "$out/readme-$plot-$name.png" "$root/tests/data/readme/$plot.png"
+done
+python3 - "$root/README.md" "$out" "$name" <<'EOF'
+import re, sys
+readme, out, name = sys.argv[1:]
+def read(path):
+    with open(path) as file:
+        return file.read()
+def part(kind):
+    return read(f"{out}/{kind}-{name}.md").strip()
+summary = read(f"{out}/summary.md")
+def field(key):
+    return re.search(r"\| " + key + r" \| (.*) \|", summary).group(1)
+data = re.search(r"data: (.*)\.\n", summary[summary.index("## encode"):]).group(1)
+held = re.search(r"Left out of encoding: (.*)\.\n", summary)
+text = f"""<!-- bench: written by tests/bench/readme.sh -->
+Data: {data}. Machine: {field("processor")}; {field("threads")} threads; load {field("load before the run")} before
+the run. Repeats: {field("repeats")}. PSNR in dB, linear / sRGB-coded{"; held out: " + held.group(1) if held else ""}.
+
+![Encoding: time against accuracy](tests/data/readme/encode.png)
+
+{part("readme-encode")}
+
+![Decoding: time against accuracy](tests/data/readme/decode.png)
+
+{part("readme-decode")}
+
+### What to choose
+
+{part("guide-encode")}
+
+{part("guide-decode")}
+<!-- /bench -->"""
+old = read(readme)
+new, count = re.subn(r"<!-- bench: .*?<!-- /bench -->", lambda _: text, old, flags=re.S)
+if count != 1:
+    sys.exit(f"{readme}: expected one pair of marks <!-- bench: ... --> and <!-- /bench -->, found {count}")
+with open(readme, "w") as file:
+    file.write(new)
+EOF
