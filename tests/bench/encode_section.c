@@ -158,7 +158,7 @@ static btf_result measure(const bench_run *run, const setting *s, bench_row *row
         bench_encoded encoded;
         enc_joint_options joint = s->joint_options;
         joint.budget = run->budget;
-        bench_peak_reset();
+        const double before = bench_peak_reset();
         result = s->paper ? bench_encode_paper_options(run->context, run->held->train, &s->paper_options,
                                                        s->half, &encoded)
                           : bench_encode_joint_options(run->context, run->held->train, &joint, s->half,
@@ -169,7 +169,7 @@ static btf_result measure(const bench_run *run, const setting *s, bench_row *row
         core[i] = encoded.core;
         wall[i] = encoded.wall;
         if (i == run->repeats - 1) {
-            row->memory = bench_peak_memory();
+            row->memory = bench_peak_memory() - before + bench_samples_bytes(run->held->train);
             row->bytes = (double)encoded.bytes;
             result = bench_accuracy(run->context, run->held, &encoded, BTF_EFFECT_ALL, row);
         }

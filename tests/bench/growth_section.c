@@ -54,11 +54,11 @@ static btf_result measure(const bench_run *run, const enc_data *data, bool paper
     btf_result result = BTF_OK;
     for (int i = 0; i < run->repeats && result == BTF_OK; i++) {
         bench_encoded encoded;
-        bench_peak_reset();
+        const double before = bench_peak_reset();
         result = paper ? bench_encode_paper(run->context, data, &encoded)
                        : bench_encode_joint(run->context, data, ENC_JOINT_FAST, 0, &encoded);
         if (result == BTF_OK) {
-            row->memory = bench_peak_memory();
+            row->memory = bench_peak_memory() - before + bench_samples_bytes(data);
             row->bytes = (double)encoded.bytes;
             core[i] = encoded.core;
             wall[i] = encoded.wall;
@@ -126,7 +126,7 @@ static btf_result draw(const bench_run *run, const bench_table *table, const gro
     plot *p = plot_create(title, g->unit, 2);
     plot_axes(p, true, true);
     plot_panel(p, 0, "time", "core time, s (all threads added)");
-    plot_panel(p, 1, "memory", "peak memory of the process, MB (10^6), samples included");
+    plot_panel(p, 1, "memory", "peak memory, MB (10^6), samples included");
     for (int method = 0; method < METHODS; method++) {
         plot_series(p, method_names[method], true);
         for (int i = 0; i < table->count; i++) {

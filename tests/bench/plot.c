@@ -206,7 +206,7 @@ static void write_panel(const plot *p, int k, const char *name, FILE *file) {
     }
     for (int s = 0; s < p->series; s++) {
         fprintf(file,
-                ", \\\n  '%s.dat' index %d using 1:%d:%d with labels noenhanced left offset 0.7,-0.55 "
+                ", \\\n  '%s.dat' index %d using 1:%d:%d with labels noenhanced left offset 0.2,0.75 "
                 "font ',9' textcolor rgb '#404040' notitle",
                 name, s, 2 + k, 2 + p->panels);
     }
@@ -228,6 +228,16 @@ static void write_script(const plot *p, const char *name, FILE *file) {
         "set xlabel '%s' noenhanced\n",
         name, name, p->title, p->x_label);
     if (p->log_x) {
+        double least = HUGE_VAL, most = 0;
+        for (size_t i = 0; i < p->count; i++) {
+            if (p->points[i].x > 0) {
+                least = fmin(least, p->points[i].x);
+                most = fmax(most, p->points[i].x);
+            }
+        }
+        if (most > 0) {
+            fprintf(file, "set xrange [%.3g:%.3g]\n", least / 1.25, most * 1.6);
+        }
         fputs("set logscale x\nset format x '%g'\nset xtics add (0.2, 0.5, 2, 5, 20, 50, 200, 500, 2000, "
               "5000)\n",
               file);

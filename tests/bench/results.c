@@ -110,3 +110,8 @@ void bench_table_write(const bench_table *table, FILE *csv) {
         fputc('\n', csv);
     }
 }
+
+double bench_samples_bytes(const enc_data *data) {
+    return data->samples ? 4.0 * (double)enc_data_texel_count(data) * (double)enc_data_texel_stride(data)
+                         : 0;
+}

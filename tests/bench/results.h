@@ -21,7 +21,7 @@ typedef struct bench_row {
     double core, core_spread; /* seconds of all threads: median; (largest - smallest) / median */
     double wall, wall_spread; /* seconds of the clock */
     double bytes;             /* GPU bytes */
-    double memory;            /* bytes: peak of the process while encoding */
+    double memory;            /* bytes: samples, and what encoding added at its peak */
     double linear, srgb;      /* PSNR over all samples encoded, dB */
     double ssim;
     double held[BENCH_HELD_SETS][2];   /* PSNR at directions left out: linear, sRGB-coded, dB */
@@ -70,6 +70,9 @@ btf_result bench_journal_add(const enc_context *context, bench_journal *journal,
 /* Rows that were found at opening. */
 size_t bench_journal_resumed(const bench_journal *journal);
 void bench_journal_close(bench_journal **journal);
+
+/* Bytes that the samples take in memory. */
+double bench_samples_bytes(const enc_data *data);
 
 /* Accuracy of a material over the samples that were encoded, with SSIM, and at the directions held out
  * (three neighbours, by the reference decoder); effects: those decoded. Errors: those of comparing. */

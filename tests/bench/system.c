@@ -73,22 +73,28 @@ void bench_sleep_when_idle(char **argv) {
     }
 }
 
-void bench_peak_reset(void) {
+/* A number of KiB in /proc/self/status, as bytes. */
+static double status_of(const char *key) {
+    char text[64];
+    line_of("/proc/self/status", key, text, sizeof text);
+    return 1024.0 * strtod(text, NULL);
+}
+
+double bench_peak_reset(void) {
     malloc_trim(0);
     FILE *file = fopen("/proc/self/clear_refs", "w");
     if (file) {
         fputs("5", file);
         fclose(file);
     }
+    return status_of("VmRSS");
 }
 
 double bench_peak_memory(void) {
-    char text[64];
-    line_of("/proc/self/status", "VmHWM", text, sizeof text);
-    const double kib = strtod(text, NULL);
+    const double peak = status_of("VmHWM");
     struct rusage use;
     getrusage(RUSAGE_SELF, &use);
-    return 1024.0 * (kib > 0 ? kib : (double)use.ru_maxrss);
+    return peak > 0 ? peak : 1024.0 * (double)use.ru_maxrss;
 }
 
 /* Limits.

@@ -25,9 +25,9 @@ void bench_system_find(bench_system *out_system);
  * be done or nothing could be. */
 void bench_sleep_when_idle(char **argv);
 
-/* Peak memory of the process since the last reset, bytes; the reset also hands freed memory back. Where the
- * system cannot reset it, the peak since the start. */
-void bench_peak_reset(void);
+/* Memory of the process, bytes: hands freed memory back and starts a new peak, returns what is held now;
+ * and the peak since then. Where the system cannot start a new one, the peak since the start. */
+double bench_peak_reset(void);
 double bench_peak_memory(void);
 
 /* What the machine could do at best, measured with small kernels over `threads` threads, each the best of
