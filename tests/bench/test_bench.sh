@@ -30,7 +30,7 @@ assert sweeps == {"paper", "preset", "rounds", "joint effects", "lobes", "reject
 names = {row["setting"]: row for row in rows}
 for row in rows:
     assert row["psnr_held_both_linear"] != "" and float(row["psnr_linear"]) > 10, row
-    assert float(row["core_s"]) > 0 and float(row["peak_bytes"]) > 1e6, row
+    assert float(row["core_s"]) > 0 and float(row["peak_bytes"]) > 1e5, row
 # More rounds never fit worse than one by much, and the front is not empty.
 one, many = names["joint medium; at most 1 rounds"], names["joint medium"]
 assert float(many["psnr_linear"]) > float(one["psnr_linear"]) - 0.5
@@ -102,7 +102,7 @@ fi
 expect "an unknown section" 1 btf-bench --only nothing
 expect "no data" 2 btf-bench --input missing --out x -q
 expect "no folder" 2 btf-bench --quick --input tiny --out columns.py/x -q
-expect "interrupted" 130 timeout --preserve-status -s INT 3 btf-bench --materials bricks --size 48x48 --only encode --out i -q
+expect "interrupted" 130 timeout --preserve-status -s INT 1 btf-bench --materials bricks --size 24x24 --only encode --out i -q
 expect_that "nothing to hold out" btf-bench --quick --input tiny --only encode --preset fast --holdout none --out n -q
 expect_that "then no held-out figures" test -z "$(cut -d, -f13 n/encode-tiny.csv | tail -n +2 | tr -d '\n')"
 finish
