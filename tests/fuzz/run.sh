@@ -16,7 +16,7 @@ if [ $# -lt 2 ]; then
 fi
 target=$1 seconds=$2 folder=${3:-build-fuzz}/$1
 version=$(pkg-config --modversion OpenEXR)
-core=$(ls decoder/*.c | grep -v -e /gl -e /shader_source)
+core=$(ls decoder/*.c | grep -v -e /gl -e /plan -e /shader_source)
 images="encoder/image.c encoder/image_hdr.c encoder/context.c $(echo decoder/tools/{exr,jpeg,png}_image.c) decoder/tools/exif.c decoder/tools/output.c
         decoder/tools/progress.c decoder/result.c decoder/temporary.c"
 libraries="$(pkg-config --cflags --libs-only-L OpenEXR) -lm"

@@ -1,0 +1,85 @@
+#!/bin/bash
+# ThreadSanitizer over the encoder's OpenMP stages: clang with libomp, whose tool libarcher tells the sanitizer of
+# OpenMP's own synchronisation (with libgomp every barrier looks like a race).
+#
+#   tests/tsan.sh [FOLDER]     FOLDER (default build-tsan) takes the build
+#
+# Both methods encode tiny data with 4 threads, options and layouts varied, and a BTF is sampled; then a copy of one
+# stage with a race in it has to be reported, or nothing would be shown. Exits 0, 1 on a race, 77 (with the reason)
+# without clang or libomp.
+#
+# SPDX-License-Identifier: MIT
+set -eu
+cd "$(dirname "$0")/.."
+folder=${1:-build-tsan}
+skip() {
+    echo "skipped: $1"
+    exit 77
+}
+command -v clang >/dev/null && command -v clang++ >/dev/null || skip "clang is not there"
+archer=$(readlink -f "$(clang -print-resource-dir)/../../libarcher.so")
+[ -f "$archer" ] || skip "libarcher.so is not there (package libomp-dev)"
+mkdir -p "$folder"
+if [ ! -f "$folder/build.ninja" ]; then
+    CC=clang CXX=clang++ meson setup "$folder" -Dbuildtype=debugoptimized -Db_sanitize=thread -Db_lundef=false \
+        >"$folder/setup.log" 2>&1 || { cat "$folder/setup.log"; exit 1; }
+fi
+ninja -C "$folder" encoder/btf-encode encoder/btf-compare tests/sample/btf-sample >"$folder/ninja.log" 2>&1 || {
+    tail -30 "$folder/ninja.log"
+    exit 1
+}
+export OMP_TOOL_LIBRARIES=$archer TSAN_OPTIONS="ignore_noninstrumented_modules=1 exitcode=66 history_size=5"
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+tools=$PWD/$folder
+failures=0
+
+# watched NAME COMMAND...: it must succeed, and the sanitizer must be silent.
+watched() {
+    local name=$1 code=0
+    shift
+    "$@" >"$work/out" 2>"$work/err" || code=$?
+    if [ $code = 0 ] && ! grep -q "WARNING: ThreadSanitizer" "$work/err"; then
+        echo "[ RUN      ] $name"
+        echo "[       OK ] $name"
+    else
+        echo "[ RUN      ] $name"
+        head -60 "$work/err"
+        echo "[  FAILED  ] $name"
+        failures=$((failures + 1))
+    fi
+}
+
+encode() { "$tools/encoder/btf-encode" "$work/data" -o "$work/x.btf.exr" --threads 4 -q "$@"; }
+watched "sample" "$tools/tests/sample/btf-sample" -o "$work/data" --relief bricks --size 12 --directions 0:1,45:5 --quiet
+watched "paper" encode --method paper
+watched "paper, scratch file, pictures, report" encode --method paper --memory 100k --pictures "$work/p" --report "$work/r.json"
+watched "joint" encode --preset fast
+watched "joint, model without residual" encode --preset fast --effects shadow,shift,gain
+watched "joint, layout paper" encode --preset fast --layout paper
+watched "compare" "$tools/encoder/btf-compare" "$work/data" "$work/x.btf.exr"
+
+# the same tool with a race: the sum of a parallel loop without a reduction
+cat >"$work/race.c" <<'C'
+#include <stdio.h>
+int main(void) {
+    static double sum;
+#pragma omp parallel for num_threads(4)
+    for (int i = 0; i < 100000; i++)
+        sum += i;
+    printf("%g\n", sum);
+    return 0;
+}
+C
+clang -fopenmp -fsanitize=thread -g -O1 "$work/race.c" -o "$work/race"
+code=0
+"$work/race" >"$work/out" 2>"$work/err" || code=$?
+echo "[ RUN      ] a race is seen"
+if grep -q "WARNING: ThreadSanitizer: data race" "$work/err"; then
+    echo "[       OK ] a race is seen"
+else
+    echo "exit code $code"
+    echo "[  FAILED  ] a race is seen"
+    failures=$((failures + 1))
+fi
+exit $((failures > 0))
