@@ -77,23 +77,58 @@ static void band_weights(const btf_range *range, uint32_t count, const float *li
 
 typedef struct table {
     btf_effect_errors rows;
+    double at_samples; /* 0: between samples, 1: view and light are samples */
     double view[BTF_MAX_BANDS], light[BTF_MAX_BANDS];
 } table;
 
+static const float *row_at(const table *t, uint32_t index) {
+    return t->rows.rows + (size_t)index * t->rows.row_stride;
+}
+
+/* Adds a row's errors, weighted by the bands and by `share`. */
+static void add_errors(const table *t, const float *row, double share, double mse[2]) {
+    const float *cell = row + 5;
+    for (uint32_t v = 0; v < t->rows.view_bands; v++)
+        for (uint32_t l = 0; l < t->rows.light_bands; l++, cell += 2)
+            for (int i = 0; i < 2; i++)
+                mse[i] += share * t->view[v] * t->light[l] * (double)cell[i];
+}
+
+/* Between samples the errors of up to nine samples average out, so that they are less than at the samples.
+ */
 static way read_way(const table *t, uint32_t index) {
-    const float *row = t->rows.rows + (size_t)index * t->rows.row_stride, *mse = row + 5;
+    const float *row = row_at(t, index), *there = NULL;
     way w = {.effects = (uint32_t)row[0],
              .components = (uint32_t)row[1],
-             .interpolation = row[2] != 0 ? BTF_INTERPOLATION_NEAREST : BTF_INTERPOLATION_LINEAR};
-    for (uint32_t v = 0; v < t->rows.view_bands; v++)
-        for (uint32_t l = 0; l < t->rows.light_bands; l++, mse += 2)
-            for (int i = 0; i < 2; i++)
-                w.mse[i] += t->view[v] * t->light[l] * (double)mse[i];
+             .interpolation = row[2] == 0 ? BTF_INTERPOLATION_LINEAR : BTF_INTERPOLATION_NEAREST};
+    for (uint32_t r = 0; r < t->rows.row_count && t->at_samples > 0 && !there; r++) {
+        const float *other = row_at(t, r);
+        if (other[0] == row[0] && other[1] == row[1] && other[2] == 2 && other[3] == row[3])
+            there = other;
+    }
+    add_errors(t, row, there ? 1 - t->at_samples : 1, w.mse);
+    if (there)
+        add_errors(t, there, t->at_samples, w.mse);
     return w;
 }
 
+static bool is_at_samples(const table *t, uint32_t index) {
+    return row_at(t, index)[2] == 2;
+}
+
+/* The sum of squared weights: 1 at a sample, 1/2 on the average over a triangle. */
+static double concentration(const btfi_directions *d, const btf_range *range) {
+    double sum = 0;
+    if (!range->fixed)
+        return 0.5;
+    const btfi_neighbours n = btfi_neighbours_of(d, range->direction, false);
+    for (uint32_t i = 0; i < n.count; i++)
+        sum += (double)n.weight[i] * n.weight[i] * 0x1p-24;
+    return sum;
+}
+
 static uint32_t level_of(const table *t, uint32_t index) {
-    return (uint32_t)t->rows.rows[(size_t)index * t->rows.row_stride + 3];
+    return (uint32_t)row_at(t, index)[3];
 }
 
 static double psnr(double mse) {
@@ -161,11 +196,14 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *given
         return BTF_OK;
     band_weights(&scene.view, t.rows.view_bands, t.rows.view_limits, t.view);
     band_weights(&scene.light, t.rows.light_bands, t.rows.light_limits, t.light);
+    const double both =
+        concentration(&material->views, &scene.view) * concentration(&material->lights, &scene.light);
+    t.at_samples = fmin(fmax((both - 0.25) / 0.75, 0), 1);
     bool found = false;
     way full = {0};
     for (uint32_t r = 0; r < t.rows.row_count && !found; r++) {
         full = read_way(&t, r);
-        found = level_of(&t, r) == plan->level && full.effects == info->effects &&
+        found = !is_at_samples(&t, r) && level_of(&t, r) == plan->level && full.effects == info->effects &&
                 full.components == info->components && full.interpolation == BTF_INTERPOLATION_LINEAR;
     }
     if (!found)
@@ -177,8 +215,8 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *given
     for (uint32_t r = 0; r < t.rows.row_count; r++) {
         const way w = read_way(&t, r);
         const float linear = (float)psnr(w.mse[0]), srgb = (float)psnr(w.mse[1]);
-        if (level_of(&t, r) != plan->level || linear < plan->full_psnr_linear - tolerance ||
-            srgb < plan->full_psnr_srgb - tolerance ||
+        if (is_at_samples(&t, r) || level_of(&t, r) != plan->level ||
+            linear < plan->full_psnr_linear - tolerance || srgb < plan->full_psnr_srgb - tolerance ||
             (scene.interpolate && w.interpolation == BTF_INTERPOLATION_NEAREST))
             continue;
         btf_plan tried = *plan;

@@ -178,13 +178,15 @@ static void reach_records(const btfi_directions *d, const region *r, btfi_reach 
     }
 }
 
-/* What one direction's record names. */
+/* What one direction's record names: the one direction that has all the weight, an edge's two, or the
+ * triangle, whose weights follow from all three. */
 static void reach_direction(const btfi_directions *d, const float direction[3], btfi_reach *out) {
     uint32_t index[3], weight[3];
     const uint32_t record = btfi_lookup(d, direction, index, weight);
     const bool triangle = record < d->triangle_count;
+    const bool one = (weight[0] == 4096) + (weight[1] == 4096) + (weight[2] == 4096) > 0;
     for (int k = 0; k < 3; k++)
-        if (triangle || weight[k] > 0)
+        if ((triangle && !one) || weight[k] > 0)
             out->keep[index[k]] = true;
 }
 

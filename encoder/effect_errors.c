@@ -23,9 +23,13 @@ typedef struct bands {
     double limit[BTF_MAX_BANDS + 1];
 } bands;
 
+/* Column 3 of a row. */
+typedef enum kind { INTERPOLATED, NEAREST, AT_SAMPLES, KINDS } kind;
+
 /* A way to decode. */
 typedef struct way {
     btf_ref_options options;
+    kind kind;
     double gpu_bytes;
 } way;
 
@@ -70,11 +74,13 @@ static uint32_t effective(const btf_material_info *info, uint32_t effects) {
 static void add_way(job *j, const btf_material_info *info, uint32_t effects, uint32_t components) {
     btf_material_info reduced = *info;
     reduced.components = components;
-    for (int interpolation = BTF_REF_NEAREST; interpolation <= BTF_REF_LINEAR; interpolation++) {
+    for (int kind = INTERPOLATED; kind < KINDS; kind++) {
+        const int interpolation = kind == INTERPOLATED ? BTF_REF_LINEAR : BTF_REF_NEAREST;
         j->ways[j->n_ways++] = (way){.options = {.effects = effects,
                                                  .components = components,
                                                  .interpolation = interpolation,
                                                  .filter = BTF_REF_TEXEL},
+                                     .kind = (enum kind)kind,
                                      .gpu_bytes = (double)enc_report_gpu_bytes(&reduced, effects)};
     }
 }
@@ -91,7 +97,8 @@ static void make_ways(job *j, const btf_material_info *info) {
             continue;
         }
         const uint32_t k = info->components;
-        const uint32_t some[] = {k, 3 * k / 4, k / 2, 3 * k / 8, k / 4, k / 8, 8, 4};
+        const uint32_t some[] = {
+            k, k > 4 ? k - 4 : 0, 7 * k / 8, 3 * k / 4, k / 2, 3 * k / 8, k / 4, k / 8, 8, 4};
         uint32_t last = UINT32_MAX;
         for (size_t i = 0; i < sizeof some / sizeof *some; i++) {
             const uint32_t components = i == 0 ? k : (some[i] + 3) / 4 * 4;
@@ -125,6 +132,19 @@ static void pick(const bands *b, int band, uint64_t seed, float out[3]) {
     out[2] = (float)z;
 }
 
+/* One of the sampled directions of a band. */
+static void pick_sample(const bands *b, int band, const enc_direction *directions, int count, uint64_t seed,
+                        float out[3]) {
+    int inside[256], n = 0;
+    for (int i = 0; i < count; i++) {
+        if (directions[i].theta >= b->limit[band] - 1e-3 &&
+            directions[i].theta <= b->limit[band + 1] + 1e-3) {
+            inside[n++] = i;
+        }
+    }
+    memcpy(out, directions[n > 0 ? inside[mix(seed) % (uint64_t)n] : 0].xyz, 3 * sizeof *out);
+}
+
 static btf_ref_neighbours look_up(const uint16_t *table, uint32_t grid, const float direction[3]) {
     int32_t q[2];
     btf_ref_project(direction, q);
@@ -151,22 +171,31 @@ static float clip(float x) {
     return x > 0 ? (x < 1 ? x : 1.0f) : 0.0f;
 }
 
-/* One texel under two directions: adds squared errors, linear and sRGB-coded, of each way:
- * sum[way][cell][2]. */
-static void measure_pair(const job *j, size_t texel, const float *profiles, const float light[3],
-                         const float view[3], double *sum) {
-    const btf_ref_neighbours views = look_up(j->material.view_table, j->material.view_grid, view);
-    const btf_ref_neighbours lights = look_up(j->material.light_table, j->material.light_grid, light);
-    const uint32_t column = (uint32_t)texel % j->material.width, row = (uint32_t)texel / j->material.width;
+/* Two directions and what is known of them. */
+typedef struct pair {
+    float light[3], view[3];
+    btf_ref_neighbours lights, views;
     float truth[3];
-    interpolate(j->data, profiles, &views, &lights, truth);
+} pair;
+
+static void look_up_pair(const job *j, const float *profiles, pair *p) {
+    p->views = look_up(j->material.view_table, j->material.view_grid, p->view);
+    p->lights = look_up(j->material.light_table, j->material.light_grid, p->light);
+    interpolate(j->data, profiles, &p->views, &p->lights, p->truth);
+}
+
+/* One texel under two pairs of directions, between samples and at samples: adds squared errors, linear and
+ * sRGB-coded, of each way: sum[way][cell][2]. */
+static void measure_pair(const job *j, size_t texel, const pair pairs[2], double *sum) {
+    const uint32_t column = (uint32_t)texel % j->material.width, row = (uint32_t)texel / j->material.width;
     for (size_t w = 0; w < j->n_ways; w++) {
+        const pair *p = &pairs[j->ways[w].kind == AT_SAMPLES];
         float rgb[3];
-        btf_ref_evaluate_neighbours(&j->material, &j->ways[w].options, column, row, &lights, &views, light,
-                                    view, rgb);
+        btf_ref_evaluate_neighbours(&j->material, &j->ways[w].options, column, row, &p->lights, &p->views,
+                                    p->light, p->view, rgb);
         for (int c = 0; c < 3; c++) {
-            const double linear = (double)clip(rgb[c]) - clip(truth[c]);
-            const double srgb = (double)enc_srgb_encode(rgb[c]) - enc_srgb_encode(truth[c]);
+            const double linear = (double)clip(rgb[c]) - clip(p->truth[c]);
+            const double srgb = (double)enc_srgb_encode(rgb[c]) - enc_srgb_encode(p->truth[c]);
             sum[2 * w * j->cells] += linear * linear;
             sum[2 * w * j->cells + 1] += srgb * srgb;
         }
@@ -183,10 +212,17 @@ static btf_result measure_texel(const job *j, size_t index, float *buffer, doubl
     for (size_t cell = 0; result == BTF_OK && cell < j->cells; cell++) {
         for (size_t p = 0; p < j->pairs; p++) {
             const uint64_t seed = mix((index * j->cells + cell) * j->pairs + p);
-            float light[3], view[3];
-            pick(&j->views, (int)(cell / (size_t)j->lights.count), seed, view);
-            pick(&j->lights, (int)(cell % (size_t)j->lights.count), seed + 2, light);
-            measure_pair(j, texel, profiles, light, view, sum + 2 * cell);
+            const int view_band = (int)(cell / (size_t)j->lights.count);
+            const int light_band = (int)(cell % (size_t)j->lights.count);
+            pair pairs[2];
+            pick(&j->views, view_band, seed, pairs[0].view);
+            pick(&j->lights, light_band, seed + 2, pairs[0].light);
+            pick_sample(&j->views, view_band, j->data->views, j->data->n_views, seed + 4, pairs[1].view);
+            pick_sample(&j->lights, light_band, j->data->lights, j->data->n_lights, seed + 5,
+                        pairs[1].light);
+            look_up_pair(j, profiles, &pairs[0]);
+            look_up_pair(j, profiles, &pairs[1]);
+            measure_pair(j, texel, pairs, sum + 2 * cell);
         }
     }
     return result;
@@ -261,7 +297,7 @@ static btf_result measure_level(void *user, int level, const enc_data *data) {
         const btf_ref_options *o = &j->ways[w].options;
         *j->rows++ = (float)o->effects;
         *j->rows++ = (float)o->components;
-        *j->rows++ = o->interpolation == BTF_REF_NEAREST;
+        *j->rows++ = (float)j->ways[w].kind;
         *j->rows++ = (float)level;
         *j->rows++ = (float)j->ways[w].gpu_bytes;
         for (size_t i = 0; i < 2 * j->cells; i++) {

@@ -4,22 +4,33 @@
  */
 #include "cli.h"
 #include "json.h"
+#include "scene_option.h"
 #include <math.h>
 #include <openbtf/material.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/stat.h>
 
-static struct { bool json; } options;
+static struct {
+    bool json, plan;
+    scene_option scene;
+} options;
 
 static const cli_option option_table[] = {
     {.name = "json", .type = CLI_FLAG, .value = &options.json, .help = "print JSON"},
+    {.name = "plan",
+     .arg = "SCENE",
+     .type = CLI_CUSTOM,
+     .value = &options.scene,
+     .given = &options.plan,
+     .parse = scene_option_parse,
+     .help = "print how a scene is decoded, as the shader options of btf_plan_effects:\n" SCENE_OPTION_HELP},
     {.type = CLI_END},
 };
 
 static const cli_program program = {
     .name = "btf-info",
-    .usage = "FILE [--json]",
+    .usage = "FILE [--json] [--plan SCENE]",
     .summary =
         "Shows what a material file (*.btf.exr) holds: its sizes, directions, effects, what each effect\n"
         "buys (measured by the encoder), bytes by texture and how it was made.",
@@ -27,7 +38,7 @@ static const cli_program program = {
         "Bytes 'gpu' are those of all textures that a decoder uploads, of all levels of detail; direction\n"
         "tables stand apart. The textures listed are those of level 0.\n"
         "Memory: the file once, then the textures.",
-    .example = "btf-info bricks.btf.exr",
+    .example = "btf-info bricks.btf.exr\nbtf-info bricks.btf.exr --plan views=0:30,lights=0:75,pixels=1.5",
     .options = option_table,
     .min_arguments = 1,
     .max_arguments = 1,
@@ -344,6 +355,74 @@ static btf_result print_json(const char *path, uint64_t file_bytes, const btf_ma
     return text ? BTF_OK : cli_error(&program, BTF_ERROR_MEMORY, "out of memory");
 }
 
+static void json_range(json *j, const char *key, const btf_range *r) {
+    json_object(j, key);
+    json_bool(j, "fixed", r->fixed);
+    json_array(j, r->fixed ? "direction" : "theta");
+    for (int i = 0; i < (r->fixed ? 3 : 2); i++)
+        json_float(j, NULL, r->fixed ? r->direction[i] : r->theta[i]);
+    json_end(j);
+    if (!r->fixed) {
+        json_array(j, "phi");
+        json_float(j, NULL, r->phi[0]);
+        json_float(j, NULL, r->phi[1]);
+        json_end(j);
+    }
+    json_end(j);
+}
+
+static btf_result print_json_plan(const char *path, const btf_plan *plan) {
+    json j = {0};
+    json_object(&j, NULL);
+    json_string(&j, "file", path);
+    json_range(&j, "view", &plan->scene.view);
+    json_range(&j, "light", &plan->scene.light);
+    json_float(&j, "tolerance", options.scene.tolerance);
+    json_effect_list(&j, "effects", plan->effects);
+    json_integer(&j, "components", plan->components);
+    json_bool(&j, "nearest", plan->shader.interpolation == BTF_INTERPOLATION_NEAREST);
+    json_bool(&j, "bilinear", plan->shader.filter == BTF_FILTER_BILINEAR);
+    json_integer(&j, "level", plan->level);
+    json_array(&j, "textures");
+    for (int id = 0; id < BTF_TEXTURE_COUNT; id++)
+        if (plan->textures >> id & 1)
+            json_string(&j, NULL, btf_texture_name((btf_texture_id)id));
+    json_end(&j);
+    json_integer(&j, "views", plan->views);
+    json_integer(&j, "lights", plan->lights);
+    json_integer(&j, "gpu", (int64_t)plan->gpu_bytes);
+    json_integer(&j, "full_gpu", (int64_t)plan->full_gpu_bytes);
+    json_float(&j, "cost", plan->cost);
+    json_float(&j, "full_cost", plan->full_cost);
+    json_bool(&j, "measured", plan->measured);
+    json_float(&j, "linear", plan->psnr_linear);
+    json_float(&j, "srgb", plan->psnr_srgb);
+    json_float(&j, "full_linear", plan->full_psnr_linear);
+    json_float(&j, "full_srgb", plan->full_psnr_srgb);
+    json_end(&j);
+    const char *text = json_text(&j);
+    if (text)
+        fputs(text, stdout);
+    json_free(&j);
+    return text ? BTF_OK : cli_error(&program, BTF_ERROR_MEMORY, "out of memory");
+}
+
+static btf_result print_plan(const char *path, const btf_material *material) {
+    btf_plan plan;
+    btf_result result = btf_plan_effects(material, &options.scene.scene, options.scene.tolerance, &plan);
+    if (result)
+        return cli_error(&program, result, "--plan: no such scene");
+    if (options.json)
+        return print_json_plan(path, &plan);
+    scene_plan_print(stdout, "", &plan);
+    printf("textures");
+    for (int id = 0; id < BTF_TEXTURE_COUNT; id++)
+        if (plan.textures >> id & 1)
+            printf(" %s", btf_texture_name((btf_texture_id)id));
+    printf("\n");
+    return BTF_OK;
+}
+
 static btf_result run(const char *path) {
     btf_log log = cli_log(&program, false);
     btf_material *material = NULL;
@@ -354,7 +433,9 @@ static btf_result run(const char *path) {
     btf_material_get_info(material, &info);
     struct stat status;
     uint64_t file_bytes = stat(path, &status) == 0 && status.st_size > 0 ? (uint64_t)status.st_size : 0;
-    if (options.json)
+    if (options.plan)
+        result = print_plan(path, material);
+    else if (options.json)
         result = print_json(path, file_bytes, material, &info);
     else
         print_text(path, file_bytes, material, &info);

@@ -60,4 +60,19 @@ for relief in bumps weave flat axes; do
     expect "sample $relief" 0 btf-sample -o "s-$relief" --relief $relief --size 12 --directions 0:1,45:4 --format exr --quiet
     expect "encode $relief" 0 btf-encode "s-$relief" -o $relief.btf.exr --method paper -q
 done
+expect "a plan" 0 btf-info m.btf.exr --plan views=0:15,light=40:60,pixels=1.5,tolerance=20
+expect_text "names effects" "^effects " out
+expect_text "and what it saves" "7 views, 1 lights, .* bytes of" out
+expect "a plan as JSON" 0 btf-info m.btf.exr --json --plan all
+expect_that "keeps everything where everything is asked for" python3 - <<'P'
+import json
+r = json.load(open("out"))
+assert r["measured"] and r["views"] == 7 and r["lights"] == 7
+assert r["full_linear"] - 0.5 <= r["linear"] and r["cost"] <= r["full_cost"]
+P
+expect "a far scene" 0 btf-info levels.btf.exr --json --plan pixels=0.25
+expect_that "takes a coarser level" python3 -c 'import json; assert json.load(open("out"))["level"] == 2'
+for scene in views=30:20 views=0 light=90:0 pixels=-1 count=1.5 "" all, nonsense views=0:30:0; do
+    expect "no scene: '$scene'" 1 btf-info m.btf.exr --plan "$scene"
+done
 finish

@@ -145,8 +145,9 @@ static void errors_are_the_integrals(void **state) {
     static const float limits[RINGS + 1] = {0, 15, 45, 60};
     assert_memory_equal(e.view_limits, limits, sizeof limits);
     assert_memory_equal(e.light_limits, limits, sizeof limits);
-    assert_int_equal(e.row_count, 4); /* with gain and without, nearest and interpolated */
-    const float *full = find_row(&e, BTF_EFFECT_GAIN, 0), *without = find_row(&e, 0, 0);
+    assert_int_equal(e.row_count, 6); /* with gain and without; interpolated, nearest, at samples */
+    const float *full = find_row(&e, BTF_EFFECT_GAIN, 0), *without = find_row(&e, 0, 0),
+                *exact = find_row(&e, BTF_EFFECT_GAIN, 2);
     assert_true(full[4] == (float)(TEXELS * (2 * 16 + DIRECTIONS)));
     assert_true(without[4] == (float)(TEXELS * 2 * 16));
     for (int v = 0; v < RINGS; v++) {
@@ -156,6 +157,7 @@ static void errors_are_the_integrals(void **state) {
             print_message("view band %d, light band %d: full %.1e, without gain %.5f, expected %.5f\n", v,
                           l, (double)full[at], (double)without[at], expected);
             assert_true(full[at] < 4e-4); /* the chord of a cosine between samples 30 degrees apart */
+            assert_true(exact[at] < 1e-10f);
             assert_true(fabs(without[at] / expected - 1) < 0.1); /* the chord again */
             assert_true(without[at + 1] > 0.5f * without[at] && without[at + 1] < 2 * without[at]);
         }
@@ -181,7 +183,7 @@ static void wrong_tables_are_refused(void **state) {
         size_t index;
         float value;
     } wrong[] = {{0, 0},   {0, 17},   {1, 1.5f}, {1, NAN},   {3, 0},    {3, 91},
-                 {5, 70},  {7, 1},    {7, -1},   {8, 1},     {9, 2},    {9, NAN},
+                 {5, 70},  {7, 1},    {7, -1},   {8, 1},     {9, 3},    {9, NAN},
                  {10, -1}, {10, NAN}, {11, -1},  {12, 1.5f}, {13, NAN}, {14, INFINITY}};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         float values[COUNT];

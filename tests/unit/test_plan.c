@@ -183,14 +183,14 @@ static void restrictions_are_small(void **state) {
     assert_int_equal(plan.measured, 0); /* no table: everything is decoded */
     assert_int_equal(plan.effects, BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN);
     assert_int_equal(plan.views, 7); /* the pole and the ring around it */
-    assert_int_equal(plan.lights, 3);
+    assert_int_equal(plan.lights, 1);
     assert_int_equal(plan.textures & (1u << BTF_TEXTURE_LIGHT_TABLE), 0);
     assert_int_equal(btf_material_restrict(whole, &plan, NULL, &small), BTF_OK);
     btf_material_get_info(small, &info);
     assert_int_equal(info.layout, BTF_LAYOUT_TIGHT);
     assert_int_equal(info.n_views, 7);
-    assert_int_equal(info.n_lights, 3);
-    assert_int_equal(info.gpu_bytes, 256 * (4 * 16 + 3 + 7 * 3) + info.centres * 3 * 4);
+    assert_int_equal(info.n_lights, 1);
+    assert_int_equal(info.gpu_bytes, 256 * (4 * 16 + 1 + 7 * 3) + info.centres * 4);
     assert_true(info.gpu_bytes <= plan.gpu_bytes && plan.gpu_bytes < plan.full_gpu_bytes / 2);
     void *data;
     size_t size;
@@ -258,6 +258,7 @@ enum { EFFECTS = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL };
  * linear and sRGB errors of each band. */
 static const float known_table[] = {
     2, 1, 0, 30, 75, 0, 75,
+    EFFECTS, 8, 2, 0, 0, 0.01f, 0.01f, 0.01f, 0.01f,                                        /* at the samples */
     EFFECTS, 8, 0, 0, 0, 0.001f, 0.002f, 0.002f, 0.004f,                                    /* everything */
     EFFECTS, 4, 0, 0, 0, 0.0011f, 0.0021f, 0.004f, 0.008f,                                  /* fine from the top */
     BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL, 8, 0, 0, 0, 0.00105f, 0.00205f, 0.1f, 0.1f,      /* likewise */
@@ -305,6 +306,11 @@ static void plans_follow_the_table(void **state) {
     assert_int_equal(plan.effects, BTF_EFFECT_RESIDUAL);
     assert_int_equal(btf_plan_effects(material, &scene, 0, &plan), BTF_OK);
     assert_int_equal(plan.effects, EFFECTS);
+
+    btf_scene still = scene; /* the samples' errors count where a direction is one: a third of the way */
+    still.view = (btf_range){.fixed = 1, .direction = {0, 0, 1}};
+    assert_int_equal(btf_plan_effects(material, &still, 0, &plan), BTF_OK);
+    assert_true(fabs(plan.full_psnr_linear + 10 * log10(0.001 * 2 / 3 + 0.01 / 3)) < 1e-3);
 
     scene.pixels = 0.5f; /* far away: a coarser level */
     assert_int_equal(btf_plan_effects(material, &scene, 0.5f, &plan), BTF_OK);

@@ -143,8 +143,9 @@ typedef struct btf_level_error {
 } btf_level_error;
 /** What the encoder measured of the ways to decode, by bands of view and light elevation (FORMAT.md section 7,
  *  openbtf.effectErrors). Row r has 5 + 2 * view_bands * light_bands numbers: btf_effect bits decoded, residual
- *  components, 1 for nearest directions or 0 for interpolated ones, level of detail, gpu bytes of level 0; then, [view band][light band], the
- *  mean squared error of values clipped to [0, 1], linear and sRGB-coded. All 0 and NULL when there is none. */
+ *  components, 0 for interpolated directions, 1 for nearest ones or 2 for either at the samples, level of detail,
+ *  gpu bytes of level 0; then, [view band][light band], the mean squared error of values clipped to [0, 1], linear
+ *  and sRGB-coded. All 0 and NULL when there is none. */
 typedef struct btf_effect_errors {
     uint32_t view_bands, light_bands;        /**< 1 .. BTF_MAX_BANDS */
     const float *view_limits, *light_limits; /**< [bands + 1] theta in degrees, ascending */

@@ -1,0 +1,128 @@
+/* A scene on the command line. See scene_option.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "scene_option.h"
+
+#include "cli.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define DEGREE (3.14159265358979323846 / 180)
+
+static const char expected[] =
+    "views=T0:T1[:P0:P1],lights=...,view=T:P,light=T:P,pixels=X,count=N,tolerance=DB,"
+    "interpolate or all";
+
+/* Numbers with colons between, up to the end of the word; returns how many, 0 when there is anything else.
+ */
+static int read_numbers(const char *text, size_t length, double out[4]) {
+    const char *end = text + length;
+    for (int count = 1; count <= 4; count++) {
+        char *next;
+        out[count - 1] = strtod(text, &next);
+        if (next == text || next > end || !isfinite(out[count - 1]))
+            return 0;
+        if (next == end)
+            return count;
+        if (*next != ':')
+            return 0;
+        text = next + 1;
+    }
+    return 0;
+}
+
+static bool in_order(double low, double high) {
+    return low >= 0 && high >= low && high <= 90;
+}
+
+static bool set_range(btf_range *range, const double *n, int count) {
+    if ((count != 2 && count != 4) || !in_order(n[0], n[1]))
+        return false;
+    *range = (btf_range){.theta = {(float)n[0], (float)n[1]}};
+    for (int i = 2; i < count; i++) {
+        if (!(fabs(n[i]) <= 360))
+            return false;
+        range->phi[i - 2] = (float)n[i];
+    }
+    return true;
+}
+
+static bool set_direction(btf_range *range, const double *n, int count) {
+    if (count != 2 || !(n[0] >= 0 && n[0] < 90) || !(fabs(n[1]) <= 360))
+        return false;
+    const double s = sin(n[0] * DEGREE);
+    *range = (btf_range){.fixed = 1,
+                         .direction = {(float)(s * cos(n[1] * DEGREE)), (float)(s * sin(n[1] * DEGREE)),
+                                       (float)cos(n[0] * DEGREE)}};
+    return true;
+}
+
+/* One word of the list. */
+static bool read_word(const char *word, size_t length, scene_option *o) {
+    static const char *const keys[] = {
+        "views=", "lights=", "view=", "light=", "pixels=", "count=", "tolerance="};
+    double n[4];
+    if (length == 3 && memcmp(word, "all", 3) == 0)
+        return true;
+    if (length == 11 && memcmp(word, "interpolate", 11) == 0) {
+        o->scene.interpolate = 1;
+        return true;
+    }
+    for (int k = 0; k < (int)(sizeof keys / sizeof *keys); k++) {
+        const size_t size = strlen(keys[k]);
+        if (length <= size || memcmp(word, keys[k], size) != 0)
+            continue;
+        const int count = read_numbers(word + size, length - size, n);
+        if (k < 2)
+            return set_range(k == 0 ? &o->scene.view : &o->scene.light, n, count);
+        if (k < 4)
+            return set_direction(k == 2 ? &o->scene.view : &o->scene.light, n, count);
+        if (count != 1 || !(n[0] >= 0 && n[0] <= 1e6))
+            return false;
+        if (k == 4)
+            o->scene.pixels = (float)n[0];
+        else if (k == 5)
+            o->scene.lights = (uint32_t)n[0];
+        else
+            o->tolerance = (float)n[0];
+        return k != 5 || (n[0] >= 1 && n[0] == floor(n[0]));
+    }
+    return false;
+}
+
+const char *scene_option_parse(const char *text, void *value) {
+    scene_option *o = value;
+    *o = (scene_option){.scene = {.struct_size = sizeof o->scene}, .tolerance = 0.5f};
+    while (true) {
+        const size_t length = strcspn(text, ",");
+        if (!read_word(text, length, o))
+            return expected;
+        if (!text[length])
+            return NULL;
+        text += length + 1;
+    }
+}
+
+void scene_plan_print(FILE *out, const char *indent, const btf_plan *plan) {
+    char words[48];
+    fprintf(out, "%seffects %s", indent, cli_effects_text(plan->effects, words));
+    if (plan->components)
+        fprintf(out, ", %u components", (unsigned)plan->components);
+    fprintf(out, ", %s directions, %s, level %u%s%s\n",
+            plan->shader.interpolation == BTF_INTERPOLATION_NEAREST ? "nearest" : "interpolated",
+            plan->shader.filter == BTF_FILTER_BILINEAR ? "bilinear" : "one texel", (unsigned)plan->level,
+            plan->shader.fixed & BTF_FIXED_VIEW ? ", fixed view" : "",
+            plan->shader.fixed & BTF_FIXED_LIGHT ? ", fixed light" : "");
+    fprintf(out, "%s%u views, %u lights, %zu bytes of %zu (%.0f%%), %.0f%% of the time\n", indent,
+            (unsigned)plan->views, (unsigned)plan->lights, plan->gpu_bytes, plan->full_gpu_bytes,
+            100 * (double)plan->gpu_bytes / (double)plan->full_gpu_bytes,
+            100 * (double)plan->cost / (double)plan->full_cost);
+    if (plan->measured)
+        fprintf(out, "%spredicted PSNR %.2f dB linear, %.2f sRGB; full decode %.2f, %.2f\n", indent,
+                (double)plan->psnr_linear, (double)plan->psnr_srgb, (double)plan->full_psnr_linear,
+                (double)plan->full_psnr_srgb);
+    else
+        fprintf(out, "%sthe file has no effect errors: everything is decoded\n", indent);
+}
