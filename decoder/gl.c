@@ -143,10 +143,24 @@ static btf_result upload(btf_gl *gl, btf_texture_id id, const btf_texture *textu
 }
 
 /* The unpacking state; entry 0 is absent from OpenGL ES. */
-enum { UNPACK_COUNT = 7 };
-static const uint32_t unpack_names[UNPACK_COUNT] = {
+static const uint32_t unpack_names[BTFI_UNPACK_COUNT] = {
     GL_UNPACK_SWAP_BYTES,  GL_UNPACK_ALIGNMENT,   GL_UNPACK_ROW_LENGTH,  GL_UNPACK_SKIP_ROWS,
     GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_IMAGES, GL_UNPACK_IMAGE_HEIGHT};
+
+void btfi_gl_save_unpack(const btfi_gl_functions *gl, btfi_gl_unpack *out) {
+    gl->GetIntegerv(GL_PIXEL_UNPACK_BUFFER_BINDING, &out->buffer);
+    gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+    for (int i = gl->is_es; i < BTFI_UNPACK_COUNT; ++i) {
+        gl->GetIntegerv(unpack_names[i], &out->value[i]);
+        gl->PixelStorei(unpack_names[i], unpack_names[i] == GL_UNPACK_ALIGNMENT ? 1 : 0);
+    }
+}
+
+void btfi_gl_restore_unpack(const btfi_gl_functions *gl, const btfi_gl_unpack *saved) {
+    for (int i = gl->is_es; i < BTFI_UNPACK_COUNT; ++i)
+        gl->PixelStorei(unpack_names[i], saved->value[i]);
+    gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, (uint32_t)saved->buffer);
+}
 
 btf_result btf_gl_upload(const btf_material *material, const btf_gl_options *options, const btf_log *log,
                          btf_gl **out_gl) {
@@ -164,15 +178,11 @@ btf_result btf_gl_upload(const btf_material *material, const btf_gl_options *opt
         return result;
     }
     btfi_gl_errors(api);
-    int32_t bound_2d = 0, bound_array = 0, buffer = 0, unpack[UNPACK_COUNT] = {0};
+    int32_t bound_2d = 0, bound_array = 0;
+    btfi_gl_unpack unpack = {0};
     api->GetIntegerv(GL_TEXTURE_BINDING_2D, &bound_2d);
     api->GetIntegerv(GL_TEXTURE_BINDING_2D_ARRAY, &bound_array);
-    api->GetIntegerv(GL_PIXEL_UNPACK_BUFFER_BINDING, &buffer);
-    api->BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
-    for (int i = api->is_es; i < UNPACK_COUNT; ++i) {
-        api->GetIntegerv(unpack_names[i], &unpack[i]);
-        api->PixelStorei(unpack_names[i], unpack_names[i] == GL_UNPACK_ALIGNMENT ? 1 : 0);
-    }
+    btfi_gl_save_unpack(api, &unpack);
 
     const btf_shader_options *shader =
         options->struct_size > offsetof(btf_gl_options, shader) ? options->shader : NULL;
@@ -195,9 +205,7 @@ btf_result btf_gl_upload(const btf_material *material, const btf_gl_options *opt
             result = upload(gl, (btf_texture_id)id, texture, levels, log);
     }
 
-    for (int i = api->is_es; i < UNPACK_COUNT; ++i)
-        api->PixelStorei(unpack_names[i], unpack[i]);
-    api->BindBuffer(GL_PIXEL_UNPACK_BUFFER, (uint32_t)buffer);
+    btfi_gl_restore_unpack(api, &unpack);
     api->BindTexture(GL_TEXTURE_2D, (uint32_t)bound_2d);
     api->BindTexture(GL_TEXTURE_2D_ARRAY, (uint32_t)bound_array);
     if (result != BTF_OK)

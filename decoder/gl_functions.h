@@ -125,6 +125,7 @@ enum {
     GL_RG8UI = 0x8238,
     GL_TEXTURE0 = 0x84C0,
     GL_ACTIVE_TEXTURE = 0x84E0,
+    GL_SAMPLER_BINDING = 0x8919,
     GL_VERTEX_ARRAY_BINDING = 0x85B5,
     GL_RGBA32F = 0x8814,
     GL_RGBA16F = 0x881A,
@@ -159,6 +160,16 @@ enum {
 /* Fills the table and the version. Errors, on log: BTF_ERROR_USAGE (no get_proc_address),
  * BTF_ERROR_UNSUPPORTED (a function is missing; GL below 3.3, GL ES below 3.0; no context). */
 btf_result btfi_gl_load(const btf_gl_options *options, const btf_log *log, btfi_gl_functions *out_gl);
+
+/* How GL reads texels from memory. */
+enum { BTFI_UNPACK_COUNT = 7 };
+typedef struct btfi_gl_unpack {
+    int32_t buffer, value[BTFI_UNPACK_COUNT];
+} btfi_gl_unpack;
+
+/* Keeps the state in *out and sets tight packing from the caller's memory; puts it back. */
+void btfi_gl_save_unpack(const btfi_gl_functions *gl, btfi_gl_unpack *out);
+void btfi_gl_restore_unpack(const btfi_gl_functions *gl, const btfi_gl_unpack *saved);
 
 /* Takes GL errors off the queue; returns the first, GL_NO_ERROR when there was none. */
 uint32_t btfi_gl_errors(const btfi_gl_functions *gl);

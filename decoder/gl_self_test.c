@@ -1,4 +1,4 @@
-/* Runs the GLSL self-test on the current context: one pixel into an RGBA32UI framebuffer, state restored.
+/* Runs the GLSL self-test on the current context: four pixels into an RGBA32UI framebuffer, state restored.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -9,19 +9,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What drawing one pixel touches. */
+/* What drawing touches. */
 static const uint32_t capabilities[] = {
     GL_CULL_FACE,       GL_DEPTH_TEST,         GL_STENCIL_TEST,
     GL_SCISSOR_TEST,    GL_RASTERIZER_DISCARD, GL_SAMPLE_ALPHA_TO_COVERAGE,
     GL_SAMPLE_COVERAGE,
 };
 enum { CAPABILITY_COUNT = sizeof capabilities / sizeof *capabilities, PACK_COUNT = 4 };
+enum { SIDE = 2 }; /* of the framebuffer: pixels are drawn in such blocks */
 static const uint32_t pack_names[PACK_COUNT] = {GL_PACK_SWAP_BYTES, GL_PACK_ROW_LENGTH, GL_PACK_SKIP_ROWS,
                                                 GL_PACK_SKIP_PIXELS};
 
 typedef struct state {
     uint8_t enabled[CAPABILITY_COUNT], mask[4];
-    int32_t viewport[4], draw, read, array, program, texture, pack_buffer, unpack_buffer, pack[PACK_COUNT];
+    int32_t viewport[4], draw, read, array, program, texture, unit, sampler, pack_buffer, pack[PACK_COUNT];
+    btfi_gl_unpack unpack;
 } state;
 
 static void save_state(const btfi_gl_functions *gl, state *s) {
@@ -37,10 +39,13 @@ static void save_state(const btfi_gl_functions *gl, state *s) {
     gl->GetIntegerv(GL_VERTEX_ARRAY_BINDING, &s->array);
     gl->GetIntegerv(GL_CURRENT_PROGRAM, &s->program);
     gl->GetIntegerv(GL_TEXTURE_BINDING_2D, &s->texture);
+    gl->GetIntegerv(GL_ACTIVE_TEXTURE, &s->unit);
+    s->unit -= GL_TEXTURE0;
+    gl->GetIntegerv(GL_SAMPLER_BINDING, &s->sampler);
+    gl->BindSampler((uint32_t)s->unit, 0);
     gl->GetIntegerv(GL_PIXEL_PACK_BUFFER_BINDING, &s->pack_buffer);
-    gl->GetIntegerv(GL_PIXEL_UNPACK_BUFFER_BINDING, &s->unpack_buffer);
     gl->BindBuffer(GL_PIXEL_PACK_BUFFER, 0);
-    gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+    btfi_gl_save_unpack(gl, &s->unpack);
     for (int i = gl->is_es; i < PACK_COUNT; ++i) {
         gl->GetIntegerv(pack_names[i], &s->pack[i]);
         gl->PixelStorei(pack_names[i], 0);
@@ -50,9 +55,10 @@ static void save_state(const btfi_gl_functions *gl, state *s) {
 static void restore_state(const btfi_gl_functions *gl, const state *s) {
     for (int i = gl->is_es; i < PACK_COUNT; ++i)
         gl->PixelStorei(pack_names[i], s->pack[i]);
-    gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, (uint32_t)s->unpack_buffer);
+    btfi_gl_restore_unpack(gl, &s->unpack);
     gl->BindBuffer(GL_PIXEL_PACK_BUFFER, (uint32_t)s->pack_buffer);
     gl->BindTexture(GL_TEXTURE_2D, (uint32_t)s->texture);
+    gl->BindSampler((uint32_t)s->unit, (uint32_t)s->sampler);
     gl->UseProgram((uint32_t)s->program);
     gl->BindVertexArray((uint32_t)s->array);
     gl->BindFramebuffer(GL_READ_FRAMEBUFFER, (uint32_t)s->read);
@@ -81,22 +87,15 @@ static uint32_t compile(const btfi_gl_functions *gl, uint32_t kind, int count, c
     return shader;
 }
 
-/* The program of one pass; 0 when GL refuses it. */
-static uint32_t make_program(const btfi_gl_functions *gl, const char *version, int without_precise,
+/* The program of one pass, of the version and the two other pieces of its fragment shader; 0 when GL
+ * refuses it. */
+static uint32_t make_program(const btfi_gl_functions *gl, const char *const fragment_parts[4],
                              const btf_log *log) {
     static const char vertex_text[] = "void main() {\n"
                                       "    gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0,\n"
                                       "                       gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0);\n"
                                       "}\n";
-    static const char main_text[] = "uniform highp uint btf_runtime_zero;\n"
-                                    "out highp uvec4 btf_result;\n"
-                                    "void main() {\n"
-                                    "    uint zero = btf_runtime_zero ^ uint(gl_FragCoord.x);\n"
-                                    "    btf_result = uvec4(btf_self_test(zero), 0x42544621u, 0u, 0u);\n"
-                                    "}\n";
-    const char *vertex_parts[] = {version, vertex_text};
-    const char *fragment_parts[] = {version, without_precise ? "#define BTF_HAVE_PRECISE 0\n" : "",
-                                    btf_shader_self_test(), main_text};
+    const char *vertex_parts[] = {fragment_parts[0], vertex_text};
     uint32_t vertex = compile(gl, GL_VERTEX_SHADER, 2, vertex_parts, log);
     uint32_t fragment = vertex ? compile(gl, GL_FRAGMENT_SHADER, 4, fragment_parts, log) : 0;
     uint32_t program = 0;
@@ -120,23 +119,78 @@ static uint32_t make_program(const btfi_gl_functions *gl, const char *version, i
     return program;
 }
 
-/* Draws the pixel and reads it. */
-static btf_result run_pass(const btfi_gl_functions *gl, const char *version, int without_precise,
-                           const btf_log *log, uint32_t *failures) {
-    uint32_t program = make_program(gl, version, without_precise, log);
+/* Draws the pixels and reads them. `unit` is that of the sampler, if there is one. */
+static btf_result run_program(const btfi_gl_functions *gl, uint32_t program, int32_t unit,
+                              const btf_log *log, uint32_t *failures) {
     if (!program)
         return BTF_ERROR_UNSUPPORTED;
-    uint32_t pixel[4] = {0};
+    uint32_t pixels[SIDE * SIDE][4] = {{0}};
     gl->UseProgram(program);
+    int32_t location = gl->GetUniformLocation(program, "btf_levels");
+    if (location >= 0)
+        gl->Uniform1i(location, unit);
     gl->DrawArrays(GL_TRIANGLES, 0, 3);
-    gl->ReadPixels(0, 0, 1, 1, GL_RGBA_INTEGER, GL_UNSIGNED_INT, pixel);
+    gl->ReadPixels(0, 0, SIDE, SIDE, GL_RGBA_INTEGER, GL_UNSIGNED_INT, pixels);
     gl->DeleteProgram(program);
     uint32_t error = btfi_gl_errors(gl);
-    if (error != GL_NO_ERROR || pixel[1] != 0x42544621u)
-        return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "gl: the self-test was not drawn (GL error 0x%04x)",
-                         error);
-    *failures |= pixel[0];
+    for (int i = 0; i < SIDE * SIDE; ++i) {
+        if (error != GL_NO_ERROR || pixels[i][1] != 0x42544621u)
+            return btfi_fail(log, BTF_ERROR_UNSUPPORTED,
+                             "gl: the self-test was not drawn (GL error 0x%04x)", error);
+        *failures |= pixels[i][0];
+    }
     return BTF_OK;
+}
+
+static btf_result run_arithmetic(const btfi_gl_functions *gl, const char *version, int without_precise,
+                                 const btf_log *log, uint32_t *failures) {
+    static const char main_text[] = "uniform highp uint btf_runtime_zero;\n"
+                                    "out highp uvec4 btf_result;\n"
+                                    "void main() {\n"
+                                    "    uint zero = btf_runtime_zero ^ (uint(gl_FragCoord.x) >> 1u);\n"
+                                    "    btf_result = uvec4(btf_self_test(zero), 0x42544621u, 0u, 0u);\n"
+                                    "}\n";
+    const char *parts[] = {version, without_precise ? "#define BTF_HAVE_PRECISE 0\n" : "",
+                           btf_shader_self_test(), main_text};
+    return run_program(gl, make_program(gl, parts, log), 0, log, failures);
+}
+
+/* Four neighbouring pixels fetch from different mip levels, together and while the first of them rests
+ * (Mesa's softpipe takes the first one's level for all, what it may be). */
+static btf_result run_levels(const btfi_gl_functions *gl, const char *version, int32_t unit,
+                             const btf_log *log, uint32_t *failures) {
+    static const char head_text[] = "precision highp float;\n"
+                                    "precision highp int;\n"
+                                    "uniform highp usampler2D btf_levels;\n"
+                                    "out highp uvec4 btf_result;\n";
+    static const char main_text[] =
+        "uint wrong(int level) {\n"
+        "    return texelFetch(btf_levels, ivec2(0), level).x ^ (0x1234567u << uint(level));\n"
+        "}\n"
+        "void main() {\n"
+        "    ivec2 p = ivec2(gl_FragCoord.xy);\n"
+        "    uint sum = wrong((p.x + 2 * p.y) % 3);\n"
+        "    if (p.x + p.y > 0)\n"
+        "        sum |= wrong(2 - p.x - p.y) | wrong(0);\n"
+        "    btf_result = uvec4(sum != 0u ? 128u : 0u, 0x42544621u, 0u, 0u);\n"
+        "}\n";
+    uint32_t texture = 0;
+    gl->GenTextures(1, &texture);
+    gl->BindTexture(GL_TEXTURE_2D, texture);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST_MIPMAP_NEAREST);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 2);
+    for (int32_t level = 0; level < 3; ++level) {
+        uint32_t texels[16][4];
+        for (int i = 0; i < 16; ++i)
+            texels[i][0] = texels[i][1] = texels[i][2] = texels[i][3] = 0x1234567u << level;
+        gl->TexImage2D(GL_TEXTURE_2D, level, GL_RGBA32UI, 4 >> level, 4 >> level, 0, GL_RGBA_INTEGER,
+                       GL_UNSIGNED_INT, texels);
+    }
+    const char *parts[] = {version, head_text, "", main_text};
+    btf_result result = run_program(gl, make_program(gl, parts, log), unit, log, failures);
+    gl->DeleteTextures(1, &texture);
+    return result;
 }
 
 btf_result btf_gl_self_test(const btf_gl_options *options, const btf_log *log, uint32_t *out_failures) {
@@ -154,14 +208,14 @@ btf_result btf_gl_self_test(const btf_gl_options *options, const btf_log *log, u
     api.BindTexture(GL_TEXTURE_2D, texture);
     api.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
     api.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-    api.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32UI, 1, 1, 0, GL_RGBA_INTEGER, GL_UNSIGNED_INT, NULL);
+    api.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32UI, SIDE, SIDE, 0, GL_RGBA_INTEGER, GL_UNSIGNED_INT, NULL);
     api.GenFramebuffers(1, &framebuffer);
     api.BindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
     api.BindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer);
     api.FramebufferTexture2D(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
     api.GenVertexArrays(1, &array);
     api.BindVertexArray(array);
-    api.Viewport(0, 0, 1, 1);
+    api.Viewport(0, 0, SIDE, SIDE);
     if (api.CheckFramebufferStatus(GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
         result = btfi_fail(log, BTF_ERROR_UNSUPPORTED, "gl: an RGBA32UI framebuffer is refused");
 
@@ -172,9 +226,11 @@ btf_result btf_gl_self_test(const btf_gl_options *options, const btf_log *log, u
         snprintf(version, sizeof version, "#version %d%d0 core\n", api.major, api.minor);
     int has_precise = api.is_es ? 10 * api.major + api.minor >= 32 : api.major >= 4;
     if (result == BTF_OK)
-        result = run_pass(&api, version, 1, log, out_failures);
+        result = run_arithmetic(&api, version, 1, log, out_failures);
     if (result == BTF_OK && has_precise)
-        result = run_pass(&api, version, 0, log, out_failures);
+        result = run_arithmetic(&api, version, 0, log, out_failures);
+    if (result == BTF_OK)
+        result = run_levels(&api, version, saved.unit, log, out_failures);
 
     api.DeleteVertexArrays(1, &array);
     api.DeleteFramebuffers(1, &framebuffer);

@@ -513,6 +513,10 @@ static btf_result check_device(viewer *v) {
     uint32_t failures = 0;
     char names[200];
     btf_result result = btf_gl_self_test(&gl_options, &v->log, &failures);
+    if (failures & BTF_SELF_TEST_LEVELS)
+        fprintf(stderr, "btf-view: warning: this device fetches from wrong mip levels: "
+                        "materials of several levels of detail will look wrong\n");
+    failures &= ~(uint32_t)BTF_SELF_TEST_LEVELS;
     if (!result && failures) {
         btf_self_test_names(failures, names, sizeof names);
         fprintf(stderr, "btf-view: warning: this device is not exact (%s): using fast math\n", names);

@@ -38,7 +38,8 @@ static struct {
     const char *missing;
     GLint texture_size, layers, major, minor; /* 0: as it is */
     const char *version;
-    int live; /* textures made and not deleted */
+    int live;         /* textures made and not deleted */
+    int wrong_levels; /* mip levels hold other texels than those given */
 } fake;
 
 static void APIENTRY fake_get_integer(GLenum name, GLint *value) {
@@ -69,6 +70,15 @@ static void APIENTRY fake_delete_textures(GLsizei count, const GLuint *names) {
     GL(PFNGLDELETETEXTURESPROC, glDeleteTextures)(count, names);
 }
 
+static void APIENTRY fake_tex_image(GLenum target, GLint level, GLint internal, GLsizei width,
+                                    GLsizei height, GLint border, GLenum format, GLenum type,
+                                    const void *data) {
+    static const uint32_t zeros[64];
+    GL(PFNGLTEXIMAGE2DPROC, glTexImage2D)
+    (target, level, internal, width, height, border, format, type,
+     fake.wrong_levels && level > 0 ? zeros : data);
+}
+
 static btf_gl_function fake_get_proc_address(void *user, const char *name) {
     (void)user;
     if (fake.missing && strcmp(name, fake.missing) == 0)
@@ -79,6 +89,8 @@ static btf_gl_function fake_get_proc_address(void *user, const char *name) {
         return (btf_gl_function)fake_get_string;
     if (strcmp(name, "glGenTextures") == 0)
         return (btf_gl_function)fake_gen_textures;
+    if (strcmp(name, "glTexImage2D") == 0)
+        return (btf_gl_function)fake_tex_image;
     if (strcmp(name, "glDeleteTextures") == 0)
         return (btf_gl_function)fake_delete_textures;
     return real(name);
@@ -128,6 +140,23 @@ static void old_and_partial_contexts_are_refused(void **state) {
     btf_gl_options none = {.struct_size = sizeof none};
     assert_int_equal(btf_gl_upload(tight, &none, &hearing, &gl), BTF_ERROR_USAGE);
     assert_int_equal(btf_gl_upload(tight, NULL, NULL, &gl), BTF_ERROR_USAGE);
+}
+
+/* Not an error of the device as a whole: a bit of its own. */
+static void wrong_mip_levels_are_told(void **state) {
+    (void)state;
+    memset(&fake, 0, sizeof fake);
+    uint32_t failures;
+    char names[200];
+    assert_int_equal(btf_gl_self_test(&faked, &hearing, &failures), BTF_OK);
+    assert_int_equal(failures, 0);
+    fake.wrong_levels = 1;
+    assert_int_equal(btf_gl_self_test(&faked, &hearing, &failures), BTF_OK);
+    assert_int_equal(failures, BTF_SELF_TEST_LEVELS);
+    btf_self_test_names(failures, names, sizeof names);
+    assert_string_equal(names, "levels");
+    assert_int_equal(fake.live, 0);
+    memset(&fake, 0, sizeof fake);
 }
 
 static void frees_what_it_made(void **state) {
@@ -195,6 +224,7 @@ static void uploads_what_a_variant_reads(void **state) {
 /* State that a program may have set: every entry must be as it was. */
 static const GLenum state_names[] = {
     GL_ACTIVE_TEXTURE,
+    GL_SAMPLER_BINDING,
     GL_TEXTURE_BINDING_2D,
     GL_TEXTURE_BINDING_2D_ARRAY,
     GL_UNPACK_ALIGNMENT,
@@ -255,12 +285,14 @@ static void set_state(int odd, GLuint texture, GLuint array, GLuint buffer) {
 
 static void state_is_restored(void **unused) {
     (void)unused;
-    GLuint textures[2], buffer;
+    GLuint textures[2], buffer, sampler;
+    GL(PFNGLGENSAMPLERSPROC, glGenSamplers)(1, &sampler); /* filters as no integer texture can be */
     GL(PFNGLGENTEXTURESPROC, glGenTextures)(2, textures);
     GL(PFNGLGENBUFFERSPROC, glGenBuffers)(1, &buffer);
     for (int odd = 1; odd >= 0; --odd) {
         GLint before[STATES + 8] = {0}, after[STATES + 8] = {0};
         set_state(odd, odd ? textures[0] : 0, odd ? textures[1] : 0, odd ? buffer : 0);
+        GL(PFNGLBINDSAMPLERPROC, glBindSampler)(odd ? 5 : 0, odd ? sampler : 0);
         read_state(before);
         btf_gl_options options = gpu_gl_options(device, NULL);
         btf_gl *gl;
@@ -277,6 +309,7 @@ static void state_is_restored(void **unused) {
     }
     GL(PFNGLDELETETEXTURESPROC, glDeleteTextures)(2, textures);
     GL(PFNGLDELETEBUFFERSPROC, glDeleteBuffers)(1, &buffer);
+    GL(PFNGLDELETESAMPLERSPROC, glDeleteSamplers)(1, &sampler);
 }
 
 /* Uploaded under odd unpacking state, the texels still arrive. */
@@ -451,6 +484,7 @@ int main(void) {
         cmocka_unit_test(options_are_checked),
         cmocka_unit_test(limits_are_told_with_both_numbers),
         cmocka_unit_test(old_and_partial_contexts_are_refused),
+        cmocka_unit_test(wrong_mip_levels_are_told),
         cmocka_unit_test(frees_what_it_made),
         cmocka_unit_test(uploads_what_a_variant_reads),
         cmocka_unit_test(state_is_restored),

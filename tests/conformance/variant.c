@@ -13,7 +13,7 @@
 enum factor {
     SIZE,
     DIRECTIONS,
-    LAYOUT,
+    LAYOUT, /* paper, tight, tight with all levels of detail */
     DOMAIN,
     COLOUR,
     HALF,
@@ -28,10 +28,9 @@ enum factor {
     TRUNCATE,
     INTERPOLATION,
     FILTER,
-    DETAIL,
     FACTORS
 };
-static const uint8_t levels[FACTORS] = {6, 6, 2, 2, 3, 2, 4, 2, 2, 3, 2, 4, 2, 6, 2, 2, 2, 2};
+static const uint8_t levels[FACTORS] = {6, 6, 3, 2, 3, 2, 4, 2, 2, 3, 2, 4, 2, 6, 2, 2, 2};
 
 static const uint32_t sizes[][2] = {{1, 1}, {3, 5}, {16, 16}, {37, 41}, {130, 7}, {64, 32}};
 static const struct {
@@ -55,7 +54,7 @@ static void write_name(variant *v) {
              s->effects & BTF_EFFECT_SHADOW ? " shadow" : "", s->effects & BTF_EFFECT_SHIFT ? " shift" : "",
              s->effects & BTF_EFFECT_HIDDEN ? " hidden" : "", s->effects & BTF_EFFECT_GAIN ? " gain" : "",
              s->components, s->all_hidden ? " all-hidden" : "", s->values ? " extreme" : "",
-             s->levels > 1 && s->layout ? " levels" : "", v->shader.leave_out, v->shader.components,
+             s->levels > 1 ? " levels" : "", v->shader.leave_out, v->shader.components,
              v->shader.interpolation ? "nearest" : "linear", v->shader.filter ? "bilinear" : "texel");
 }
 
@@ -68,7 +67,8 @@ static void make_variant(const uint8_t row[FACTORS], uint64_t seed, variant *v) 
     s->n_views = directions[row[DIRECTIONS]].n_views;
     s->n_lights = directions[row[DIRECTIONS]].n_lights;
     s->directions = directions[row[DIRECTIONS]].kind;
-    s->layout = (btf_layout)row[LAYOUT];
+    s->layout = row[LAYOUT] ? BTF_LAYOUT_TIGHT : BTF_LAYOUT_PAPER;
+    s->levels = row[LAYOUT] == 2 ? BTF_MAX_LEVELS : 1; /* as many as the size has */
     s->domain = (btf_domain)row[DOMAIN];
     s->colour = (btf_colour)row[COLOUR];
     s->half_float = row[HALF];
@@ -82,7 +82,6 @@ static void make_variant(const uint8_t row[FACTORS], uint64_t seed, variant *v) 
     s->centres = row[HIDDEN] == 1 ? 5000 : 300;
     s->all_hidden = row[HIDDEN] == 2;
     s->values = (synthetic_values)row[VALUES];
-    s->levels = row[DETAIL] ? BTF_MAX_LEVELS : 1; /* all that the size has */
     v->shader.struct_size = sizeof v->shader;
     v->shader.leave_out = left_out[row[LEAVE_OUT]];
     v->shader.components = row[TRUNCATE] ? 5 : 0;

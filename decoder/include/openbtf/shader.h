@@ -98,7 +98,9 @@ const char *btf_shader_library(void);
     X(BTF_SELF_TEST_FLUSH, 8, "flush", "normal numbers are flushed to zero")                               \
     X(BTF_SELF_TEST_CONVERSION, 16, "conversion", "integers, floats and bits do not convert exactly")      \
     X(BTF_SELF_TEST_INTEGER, 32, "integer", "32-bit integers wrap, shift or divide otherwise")             \
-    X(BTF_SELF_TEST_ELEMENTARY, 64, "elementary", "log2, exp2, pow or reciprocal give other bits")
+    X(BTF_SELF_TEST_ELEMENTARY, 64, "elementary", "log2, exp2, pow or reciprocal give other bits")         \
+    X(BTF_SELF_TEST_LEVELS, 128, "levels", "fetches from another mip level than asked for (matters to "    \
+                                           "materials of several levels of detail alone)")
 
 typedef enum btf_self_test {
 #define BTF_SELF_TEST_ENUM(id, bit, name, text) id = bit,
@@ -111,7 +113,8 @@ typedef enum btf_self_test {
 void btf_self_test_names(uint32_t failures, char *out_names, size_t size);
 
 /** @return text with `uint btf_self_test(uint zero)`, which gives the sum of the BTF_SELF_TEST bits that
- * fail when called with a zero that is known at run time only. Stands alone; for the same #version as the
+ * fail when called with a zero that is known at run time only (LEVELS, which takes a texture, is tested by
+ * btf_gl_self_test alone). Stands alone; for the same #version as the
  * decoder. */
 const char *btf_shader_self_test(void);
 
