@@ -88,7 +88,9 @@ typedef struct enc_fit_result {
  * (options->starts is not looked at; at least one of both must be there), and the best end is returned.
  * With a start, the cost at its end is never above the cost at the start, up to float rounding of the
  * parameters (about 1e-6 of the target's energy).
- * out_parameters: enc_sbrdf_stride(lobes, rgb) floats, normalised; all zeros when every target is 0.
+ * out_parameters: enc_sbrdf_stride(lobes, rgb) floats, normalised; all zeros when every target is 0. Never
+ * a worse model than the best one without lobes, also where the limits of the file (2^-24 to 2^24) change a
+ * parameter: then the cost is that of what is stored.
  * Errors: BTF_ERROR_MEMORY. */
 btf_result enc_fit_texel(enc_fit_workspace *workspace, const enc_fit_samples *samples,
                          const enc_fit_options *options, const float *start, int starts,

@@ -31,7 +31,8 @@ void enc_flow_planes_clear(enc_flow_planes *planes);
  * for every texel of the top view, out_backward: top(x) ~ target(x + backward(x)). Texels are taken as
  * square. Heights from `depth` below to `rise` above the plane are tried, in tiles (the longer side), as
  * far as shifts stay below half the tile and 127 texels. Not wrapped; fractions of a texel are by a
- * parabola. Any thread. Errors: BTF_ERROR_MEMORY. */
+ * parabola. Where nothing but rounding tells shifts apart (no texture), it is the smallest. Any thread.
+ * Errors: BTF_ERROR_MEMORY. */
 btf_result enc_flow_prior(const enc_flow_planes *target, const enc_flow_planes *top,
                           const enc_direction *view, float depth, float rise, float *out_forward,
                           float *out_backward);

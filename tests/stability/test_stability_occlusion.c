@@ -485,49 +485,86 @@ static void clusters(void) {
     }
 }
 
-/* k-means itself: duplicates, and clusters that lose their members on the way. */
+enum { POINTS = 24, STRIDE = 16 };
+
+/* One run of k-means over n points. False for an index out of range or a centre that is no number. */
+static bool settle(int n, const float *points, size_t k, uint64_t seed, size_t *out_distinct,
+                   int *out_empty, double *out_error) {
+    float centres[POINTS * STRIDE];
+    uint32_t index[POINTS] = {0};
+    size_t count[POINTS] = {0};
+    for (size_t i = 0; i < POINTS * STRIDE; i++) {
+        centres[i] = NAN;
+    }
+    *out_empty = 0;
+    *out_error = 0;
+    if (enc_kmeans_distinct((size_t)n, STRIDE, points, out_distinct) != BTF_OK ||
+        enc_kmeans((size_t)n, STRIDE, points, k, 100, seed, false, centres, index) != BTF_OK) {
+        return false;
+    }
+    for (int i = 0; i < n; i++) {
+        if (index[i] >= k) {
+            return false;
+        }
+        count[index[i]]++;
+        for (int c = 0; c < STRIDE; c++) {
+            const double r = (double)(points[i * STRIDE + c] - centres[index[i] * STRIDE + (size_t)c]);
+            *out_error += r * r;
+        }
+    }
+    bool finite = true;
+    for (size_t j = 0; j < k; j++) {
+        *out_empty += count[j] == 0 && *out_distinct >= k;
+        for (int c = 0; c < STRIDE; c++) {
+            finite = finite && isfinite(centres[j * STRIDE + (size_t)c]);
+        }
+    }
+    return finite;
+}
+
+/* k-means itself: duplicates, fewer points than centres, and clusters that lose their members on the way.
+ */
 static void empty_clusters(void) {
-    enum { N = 14, STRIDE = 16, TRIALS = 3000 };
-    int emptied = 0, unsettled = 0;
+    enum { TRIALS = 3000 };
+    int emptied = 0, unsettled = 0, empty;
     bool ok = true;
+    size_t distinct;
+    double error;
     for (uint32_t trial = 0; trial < TRIALS; trial++) {
-        float points[N * STRIDE] = {0}, centres[N * STRIDE];
-        uint32_t index[N] = {0};
+        float points[POINTS * STRIDE] = {0};
         const size_t k = 2 + trial % 6;
-        for (int i = 0; i < N; i++) {
+        for (int i = 0; i < 14; i++) {
             for (int c = 0; c < 2; c++) { /* a plane of small integers: many ties and duplicates */
-                points[i * STRIDE + c] = floorf(hard_random(trial, (uint32_t)i, (uint32_t)c) * 9) *
-                                         (c == 0 && trial % 3 == 0 ? 100 : 1);
+                points[i * STRIDE + c] =
+                    floorf(hard_random(trial, (uint32_t)i, (uint32_t)c) * (trial % 2 ? 9 : 2)) *
+                    (c == 0 && trial % 3 == 0 ? 100 : 1);
             }
         }
-        size_t distinct;
-        for (size_t i = 0; i < N * STRIDE; i++) {
-            centres[i] = NAN;
-        }
-        ok = ok && enc_kmeans_distinct(N, STRIDE, points, &distinct) == BTF_OK &&
-             enc_kmeans(N, STRIDE, points, k, 100, trial + 1, false, centres, index) == BTF_OK;
-        size_t count[N] = {0};
-        double error = 0;
-        for (int i = 0; ok && i < N; i++) {
-            ok = index[i] < k;
-            count[index[i]]++;
-            for (int c = 0; c < STRIDE; c++) {
-                const double r = (double)(points[i * STRIDE + c] - centres[index[i] * STRIDE + (size_t)c]);
-                error += r * r;
-            }
-        }
-        for (size_t j = 0; j < k; j++) {
-            emptied += count[j] == 0 && distinct >= k;
-            for (int c = 0; c < STRIDE; c++) {
-                ok = ok && isfinite(centres[j * STRIDE + (size_t)c]);
-            }
-        }
+        ok = settle(14, points, k, trial + 1, &distinct, &empty, &error) && ok;
+        emptied += empty;
         unsettled += distinct <= k && error > 0;
     }
     cases_add("k-means of 14 small integer points, 3000 sets, k up to 7",
               "finite centres, no cluster left empty", ok && emptied == 0, "%d empty", emptied);
     cases_add("k-means with k at least the different points", "every point is its centre",
               ok && unsettled == 0, "%d sets with an error", unsettled);
+
+    /* sets found by search, in which Lloyd's rounds alone empty a cluster */
+    static const uint32_t sets[] = {19168, 20999, 25355, 26658, 31991, 33462};
+    emptied = 0;
+    ok = true;
+    for (size_t s = 0; s < sizeof sets / sizeof *sets; s++) {
+        float points[POINTS * STRIDE] = {0};
+        for (int i = 0; i < POINTS; i++) {
+            for (int c = 0; c < 2; c++) {
+                points[i * STRIDE + c] = hard_random(sets[s], (uint32_t)i, (uint32_t)c);
+            }
+        }
+        ok = settle(POINTS, points, 7, sets[s] + 1, &distinct, &empty, &error) && ok;
+        emptied += empty;
+    }
+    cases_add("k-means of 24 points, 6 sets that empty a cluster of 7 on the way", "no cluster left empty",
+              ok && emptied == 0, "%d empty", emptied);
 }
 
 static void shares(void) {

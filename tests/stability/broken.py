@@ -1,0 +1,141 @@
+#!/usr/bin/env python3
+"""Deliberately broken builds: each must make a stability test fail. broken.py SOURCE_ROOT [NAME...]
+
+Copies the sources, and for each change of the list below puts it in, builds the test that has to notice, runs it, and
+takes the change out again. A change that no longer applies, does not build, or goes unnoticed is a failure. The long
+run of the tests runs it (table.py); names of changes as arguments run those alone.
+
+SPDX-License-Identifier: MIT
+"""
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+
+# What is broken: [(file, text, its replacement)], and the test that has to notice.
+CHANGES = [
+    ("the bound on n removed", "stability_fit", [
+        ("encoder/fit_texel.c", "log(fmax(ENC_FIT_MAX_N, value))", "log(fmax(1e9, value))")]),
+    ("lobes may tower between samples", "stability_fit", [
+        ("encoder/fit_texel.c", "most_overshoot = 4;", "most_overshoot = 1e30;")]),
+    ("lobes of one colour may leave the range of floats", "stability_fit", [
+        ("encoder/fit_normal.c", "if (!p->rgb && most * log(peak) > most_peak)", "if (most < 0)")]),
+    ("parameters beyond 2^24 stored", "stability_fit", [
+        ("encoder/fit_texel.c", "copysign(fmin(magnitude, 0x1p24), value)", "copysign(magnitude, value)")]),
+    ("what the file's limits do to a lobe not looked at", "stability_fit", [
+        ("encoder/fit_texel.c", "diffuse = !(best.cost < stored_cost(&p, plain));", "diffuse = false;")]),
+    ("all samples may be rejected", "stability_fit", [
+        ("encoder/fit.c", "least_kept = 0.1;", "least_kept = 0.0;")]),
+    ("the division by a model of nothing put back", "stability_fit", [
+        ("encoder/shadow.h", " || !(model >= ENC_SHADOW_MIN_MODEL)", "")]),
+    ("the division by the largest of black samples put back", "stability_fit", [
+        ("encoder/fit.c", "return any;", "return true;"),
+        ("encoder/fit_texel.c", "if (largest == 0) {", "if (largest < 0) {")]),
+    ("empty clusters left empty", "stability_occlusion", [
+        ("encoder/kmeans.c", "if (counts[j] > 0)\n            continue;", "continue;")]),
+    ("the division by the members of an empty cluster put back", "stability_occlusion", [
+        ("encoder/kmeans.c", "d < stride && counts[j] > 0; d++", "d < stride; d++")]),
+    ("a scale of centres that no file holds", "stability_occlusion", [
+        ("encoder/cluster.c", "fminf(fmaxf(most / 255.0f, 0x1p-24f), 0x1p24f)", "most / 255.0f")]),
+    ("clusters that depend on the thread", "stability_occlusion", [
+        ("encoder/cluster.c", "s->options.seed + (uint64_t)view", "s->options.seed + (uint64_t)omp_get_thread_num()"),
+        ("encoder/cluster.c", "#include <math.h>\n", "#include <math.h>\n#include <omp.h>\n")]),
+    ("rounding taken for texture", "stability_occlusion", [
+        ("encoder/flow_prior.c", "equal_sums = 1e-5f;", "equal_sums = 0.0f;")]),
+    ("the division by no visible points put back", "stability_occlusion", [
+        ("encoder/refine.c", "return n == 0 ? 0 : (float)(sum / (double)n);", "return (float)(sum / (double)n);")]),
+    ("a shift of 128 taken for one of -128", "stability_occlusion", [
+        ("encoder/occlusion.c", "2 * r > size || r > 127 ? r - size : r", "2 * r > size ? r - size : r")]),
+    ("a radiance scale that no file holds", "stability_joint", [
+        ("encoder/joint_rows.c", "exp2(fmin((double)bin / 64.0, 24.0))", "exp2((double)bin / 64.0)")]),
+    ("samples that are no numbers read", "stability_input", [
+        ("encoder/reader.c", "if (finite && ", "if (finite || ")]),
+    ("the square root of the cosine forgotten in playback", "precision", [
+        ("encoder/playback.c", "solution->domain == BTF_DOMAIN_SQRT ? sqrtf(xyz[2]) : xyz[2]", "xyz[2]")]),
+    ("the derivative by n wrong", "precision", [
+        ("encoder/fit_normal.c", "return at->held[j] ? 0 : at->shape[j][3];", "return at->held[j] ? 0 : at->shape[j][0];")]),
+    ("the diffuse term stored four times too large", "perturbation", [
+        ("encoder/fit_texel.c", "out[3] = storable(at->diffuse * factor, cut);", "out[3] = storable(4 * at->diffuse * factor, cut);"),
+        ("encoder/fit_texel.c", "if (store(&p, &best, out_parameters)) {\n            best.cost = stored_cost", "if (!store(&p, &best, out_parameters)) {\n            best.cost = stored_cost")]),
+    ("a threshold that does not scale with radiance", "equivariance", [
+        ("encoder/shadow.h", "ENC_SHADOW_MIN_MODEL 1e-5f", "ENC_SHADOW_MIN_MODEL 0.05f")]),
+    ("shifts along the wrong line, in the flow's first estimate", "equivariance", [
+        ("encoder/flow_prior.c", ".rows = across > 0 ? view->xyz[1] / across : 0}", ".rows = across > 0 ? -view->xyz[0] / across : 0}")]),
+    ("parameters beyond 2^24 read", "decoder_bits", [
+        ("decoder/internal.h", "magnitude <= BTFI_PARAMETER_MAX", "magnitude <= 2 * BTFI_PARAMETER_MAX")]),
+    ("NaN taken for a coordinate", "decoder_bits", [
+        ("reference/btf_addressing.c", "if (magnitude > 0x45800000u || magnitude < 0x00800000u)", "if (magnitude < 0x00800000u)")]),
+    ("weights that do not sum to 4096", "decoder_bits", [
+        ("reference/btf_directions.c", "{w0, w1, 4096 - w0 - w1}", "{w0, w1, 4095 - w0 - w1}")]),
+    ("no upper bound of y", "decoder_bits", [
+        ("reference/btf_evaluate.c", "else if (value > 0x1p32f)", "else if (value < 0)")]),
+    ("addresses of 32 bits", "decoder_bits", [
+        ("reference/btf_evaluate.c", "return ((size_t)layer * material->height + row) * material->width + column;",
+         "return (layer * material->height + row) * material->width + column;")]),
+    ("directions that are no numbers looked up", "decoder_bits", [
+        ("reference/btf_evaluate.c", "if (l > 0x40000000u || v > 0x40000000u)", "if (l == v && l == 1)")]),
+]
+
+
+def first_failure(output):
+    for line in output.splitlines():
+        if line.startswith('CASE | ') and line.endswith('| FAIL'):
+            return line.split(' | ')[1]
+    return 'it ends without a verdict'
+
+
+def check(tree, name, test, edits):
+    """(whether noticed, what was seen)"""
+    kept = {}
+    for path, old, new in edits:
+        full = os.path.join(tree, path)
+        with open(full, encoding='utf-8') as file:
+            text = file.read()
+        kept.setdefault(full, text)
+        if text.count(old) != 1:
+            seen = f'{path} has the text to change {text.count(old)} times'
+            break
+        with open(full, 'w', encoding='utf-8') as file:
+            file.write(text.replace(old, new))
+    else:
+        target = f'tests/stability/test_{test}'
+        built = subprocess.run(['ninja', '-C', f'{tree}/build', target], capture_output=True, text=True)
+        if built.returncode != 0:
+            print(built.stdout[-3000:])
+            seen = 'it does not build'
+        else:
+            try:
+                ran = subprocess.run([f'{tree}/build/{target}'], capture_output=True, text=True, errors='replace',
+                                     timeout=600)
+                code, output = ran.returncode, ran.stdout
+            except subprocess.TimeoutExpired:
+                code, output = 1, ''
+            seen = f'{test}: {first_failure(output)}' if code != 0 else f'{test} noticed nothing'
+            if code != 0:
+                kept['noticed'] = ''
+    noticed = kept.pop('noticed', None) is not None
+    for full, text in kept.items():
+        with open(full, 'w', encoding='utf-8') as file:
+            file.write(text)
+    return noticed, seen
+
+
+def main():
+    source = os.path.abspath(sys.argv[1])
+    wanted = [change for change in CHANGES if len(sys.argv) == 2 or change[0] in sys.argv[2:]]
+    failures = 0
+    print('TITLE | Deliberately broken builds: the test that notices, and its first case that fails.')
+    with tempfile.TemporaryDirectory(prefix='btf-broken-') as folder:
+        tree = os.path.join(folder, 'openbtf')
+        shutil.copytree(source, tree, ignore=shutil.ignore_patterns('build*', '.git', '__pycache__'))
+        subprocess.run(['meson', 'setup', f'{tree}/build', tree], check=True, capture_output=True)
+        for name, test, edits in wanted:
+            noticed, seen = check(tree, name, test, edits)
+            failures += not noticed
+            print(f'CASE | {name} | {test} fails | {seen} | {"pass" if noticed else "FAIL"}', flush=True)
+    print(f'{len(wanted)} changes, {failures} unnoticed')
+    sys.exit(1 if failures or not wanted else 0)
+
+
+main()
