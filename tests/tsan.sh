@@ -4,9 +4,8 @@
 #
 #   tests/tsan.sh [FOLDER]     FOLDER (default build-tsan) takes the build
 #
-# Both methods encode tiny data with 4 threads, options and layouts varied, and a BTF is sampled; then a copy of one
-# stage with a race in it has to be reported, or nothing would be shown. Exits 0, 1 on a race, 77 (with the reason)
-# without clang or libomp.
+# Both methods encode tiny data with 4 threads, options and layouts varied, and a BTF is sampled; then a loop with a race
+# in it has to be reported, or nothing would be shown. Exits 0, 1 on a race, 77 (with the reason) without clang or libomp.
 #
 # SPDX-License-Identifier: MIT
 set -eu
@@ -22,7 +21,10 @@ archer=$(readlink -f "$(clang -print-resource-dir)/../../libarcher.so")
 mkdir -p "$folder"
 if [ ! -f "$folder/build.ninja" ]; then
     CC=clang CXX=clang++ meson setup "$folder" -Dbuildtype=debugoptimized -Db_sanitize=thread -Db_lundef=false \
-        >"$folder/setup.log" 2>&1 || { cat "$folder/setup.log"; exit 1; }
+        >"$folder/setup.log" 2>&1 || {
+        cat "$folder/setup.log"
+        exit 1
+    }
 fi
 ninja -C "$folder" encoder/btf-encode encoder/btf-compare tests/sample/btf-sample >"$folder/ninja.log" 2>&1 || {
     tail -30 "$folder/ninja.log"
@@ -31,7 +33,7 @@ ninja -C "$folder" encoder/btf-encode encoder/btf-compare tests/sample/btf-sampl
 export OMP_TOOL_LIBRARIES=$archer TSAN_OPTIONS="ignore_noninstrumented_modules=1 exitcode=66 history_size=5"
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-tools=$PWD/$folder
+tools=$(cd "$folder" && pwd)
 failures=0
 
 # watched NAME COMMAND...: it must succeed, and the sanitizer must be silent.
@@ -59,7 +61,7 @@ watched "joint, model without residual" encode --preset fast --effects shadow,sh
 watched "joint, layout paper" encode --preset fast --layout paper
 watched "compare" "$tools/encoder/btf-compare" "$work/data" "$work/x.btf.exr"
 
-# the same tool with a race: the sum of a parallel loop without a reduction
+# the sum of a parallel loop without a reduction
 cat >"$work/race.c" <<'C'
 #include <stdio.h>
 int main(void) {
