@@ -3,15 +3,20 @@
 # and what stands between the two `bench` marks of README.md.
 #
 #   tests/bench/readme.sh [BUILD [btf-bench option...]]    default: build --quick
+#   tests/bench/readme.sh --from DIR                       of a finished run
 #
 # SPDX-License-Identifier: MIT
 set -euo pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd)
-build=${1:-$root/build}
-shift || true
-[ $# -gt 0 ] || set -- --quick
-out=$build/bench-readme
-"$build/tests/bench/btf-bench" --only machine,encode,decode --out "$out" "$@"
+if [ "${1:-}" = --from ]; then
+    out=${2:?expected a folder after --from}
+else
+    build=${1:-$root/build}
+    shift || true
+    [ $# -gt 0 ] || set -- --quick
+    out=$build/bench-readme
+    "$build/tests/bench/btf-bench" --only machine,encode,decode --out "$out" "$@"
+fi
 name=$(basename "$out"/readme-encode-*.md .md)
 name=${name#readme-encode-}
 for plot in encode decode; do

@@ -31,7 +31,7 @@ double bench_peak_reset(void);
 double bench_peak_memory(void);
 
 /* What the machine could do at best, measured with small kernels over `threads` threads, each the best of
- * some tries, by the clock: bandwidth of a sum of two arrays too large for the caches, and of one that fits
+ * some tries, by core time: bandwidth of a sum of two arrays too large for the caches, and of one that fits
  * the second-level cache, bytes read and written a second; fused multiply-adds on independent vectors, each
  * two operations, operations a second. Where the compiler or the processor lacks AVX-512 or AVX2, plain
  * vectors are used. Errors: BTF_ERROR_MEMORY. */
