@@ -23,6 +23,7 @@ static struct {
     uint64_t memory, budget;
     double hidden_threshold, error_threshold, btf_threshold;
     int window[2];
+    double effect_tolerance[2]; /* dB; dB for each MB */
     bool data_points, quiet;
 } o = {.job = {.levels = 1}, .effects = UINT32_MAX, .hidden_threshold = 0.7};
 
@@ -36,6 +37,20 @@ static const char *parse_levels(const char *text, void *value) {
         return "a number from 1 to 15, or all";
     }
     return NULL;
+}
+
+/* Whether options of one method were given, in the order of the table. */
+static bool given[14];
+
+/* "DB" or "DB,DB". */
+static const char *parse_tolerance(const char *text, void *value) {
+    double *tolerance = value;
+    char *end;
+    tolerance[0] = strtod(text, &end);
+    tolerance[1] = *end == ',' ? strtod(end + 1, &end) : 0;
+    const bool ok = end != text && *end == 0 && tolerance[0] >= 0 && tolerance[0] <= 100 && tolerance[1] >= 0 &&
+                    tolerance[1] <= 1e6;
+    return ok ? NULL : "one or two numbers of dB, 0 to 100 and 0 to 1e6 a MB, such as 0.1 or 0.05,0.2";
 }
 
 static const cli_option table[] = {
@@ -54,29 +69,40 @@ static const cli_option table[] = {
     {.name = "preset",
      .type = CLI_CHOICE,
      .value = &o.job.joint.preset,
+     .given = &given[0],
      .choices = "fast|medium|thorough|exhaustive",
-     .help = "joint: how long to search; default medium"},
+     .help = "joint: fast tries one set of effects, then 5 rounds; medium\n(default) 3 and 18; thorough 6 and 90; exhaustive all, until\nnothing is gained"},
     {.name = "effects",
      .type = CLI_EFFECTS,
      .value = &o.effects,
      .given = &o.effects_given,
      .choices = "auto",
-     .help = "effects that may be used: auto (default), none, or of\nshadow,shift,hidden,gain,residual"},
+     .help = "auto (default): those that pay (--effect-tolerance); none; or\nexactly these of shadow,shift,hidden,gain,residual"},
+    {.name = "effect-tolerance",
+     .arg = "DB[,DB]",
+     .type = CLI_CUSTOM,
+     .value = o.effect_tolerance,
+     .parse = parse_tolerance,
+     .help = "--effects auto leaves out an effect that gains less than so\nmany dB in the fitted domain, and so many dB for each MB "
+             "that it\nadds; default 0.05,0"},
     {.name = "budget",
      .type = CLI_BYTES,
      .value = &o.budget,
+     .given = &given[1],
      .help = "joint: bytes on the GPU at most; default what the paper's\nlayout takes (2.36 MB for 64x64 "
              "and 81 directions)"},
     {.name = "quality",
      .arg = "DB",
      .type = CLI_DOUBLE,
      .value = &o.job.joint.quality,
+     .given = &given[2],
      .minimum = 0,
      .maximum = 100,
      .help = "joint: the fewest bytes that reach this PSNR (sRGB-coded), at\nmost --budget"},
     {.name = "metric",
      .type = CLI_CHOICE,
      .value = &o.job.joint.metric,
+     .given = &given[3],
      .choices = "balanced|srgb|linear",
      .help = "joint: whose error weighs more; default balanced"},
     {.name = "layout",
@@ -101,60 +127,70 @@ static const cli_option table[] = {
     {.name = "lobes",
      .type = CLI_INT,
      .value = &o.job.paper.fit.lobes,
+     .given = &given[4],
      .minimum = 1,
      .maximum = 4,
      .help = "paper: Lafortune lobes; default 3"},
     {.name = "rounds",
      .type = CLI_INT,
      .value = &o.job.paper.fit.rounds,
+     .given = &given[5],
      .minimum = 0,
      .maximum = 16,
      .help = "paper: shadow rejections of the fit; default 3"},
     {.name = "starts",
      .type = CLI_INT,
      .value = &o.job.paper.fit.starts,
+     .given = &given[6],
      .minimum = 1,
      .maximum = ENC_FIT_MAX_STARTS,
      .help = "paper: starts of a texel's first fit; default 4"},
     {.name = "error-threshold",
      .type = CLI_DOUBLE,
      .value = &o.error_threshold,
+     .given = &given[7],
      .minimum = 0,
      .maximum = 1e6,
      .help = "paper: relative error that means shadow; default 0.3"},
     {.name = "btf-threshold",
      .type = CLI_DOUBLE,
      .value = &o.btf_threshold,
+     .given = &given[8],
      .minimum = 0,
      .maximum = 1e6,
      .help = "paper: luminance below which shadow is possible; default 0.3"},
     {.name = "flow-lights",
      .type = CLI_INT,
      .value = &o.job.paper.flow.lights,
+     .given = &given[9],
      .minimum = 1,
      .maximum = 256,
      .help = "paper: lights that vote on shifts; default all"},
     {.name = "hidden-threshold",
      .type = CLI_DOUBLE,
      .value = &o.hidden_threshold,
+     .given = &given[10],
      .minimum = 0.001,
      .maximum = 1,
      .help = "paper: HiddenRatio above which a point is hidden; default 0.7"},
     {.name = "window",
      .type = CLI_SIZE,
      .value = o.window,
+     .given = &given[11],
      .minimum = 1,
      .maximum = 16384,
      .help = "paper: search window of the refinement; default 256x256, and\n64x64 around the voted shift beyond 64x64 texels"},
     {.name = "centres",
      .type = CLI_INT,
      .value = &o.centres,
+     .given = &given[12],
      .minimum = 1,
      .maximum = BTF_MAX_CENTRES,
      .help = "paper: cluster centres; default what the atlas leaves room for"},
     {.name = "data-points",
      .type = CLI_FLAG,
      .value = &o.data_points,
+     .given = &given[13],
      .help = "paper: centres are data points nearest to the centroids"},
     {.name = "report",
      .arg = "FILE",
@@ -276,6 +312,9 @@ static void describe_all(void) {
     char effects[48];
     describe_input(&o.job.read);
     describe("effects", "%s", o.effects == UINT32_MAX ? "auto" : cli_effects_text(o.effects, effects));
+    if (o.effects == UINT32_MAX) {
+        describe("effect-tolerance", "%g,%g", o.effect_tolerance[0], o.effect_tolerance[1]);
+    }
     describe("layout", "%s", o.job.layout == BTF_LAYOUT_PAPER ? "paper" : "tight");
     describe("half", "%s", yes_no(o.job.half_float));
     if (o.job.levels == 0) {
@@ -316,6 +355,19 @@ static void describe_all(void) {
     }
 }
 
+/* Options whose help begins with the name of a method have no meaning for the other one. */
+static btf_result refuse_other(const char *method, const char *other) {
+    const size_t length = strlen(other);
+    for (const cli_option *option = table; option->type != CLI_END; option++) {
+        if (option->given && *option->given && strncmp(option->help, other, length) == 0 &&
+            option->help[length] == ':') {
+            return cli_error(&program, BTF_ERROR_USAGE, "option --%s: for --method %s only, not for %s",
+                             option->name, other, method);
+        }
+    }
+    return BTF_OK;
+}
+
 static btf_result prepare(void) {
     enc_job *job = &o.job;
     const uint32_t paper_effects = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN;
@@ -330,6 +382,11 @@ static btf_result prepare(void) {
         (o.effects & ~paper_effects)) {
         return cli_error(&program, BTF_ERROR_USAGE,
                          "option --effects: --method paper has shadow, shift and hidden only");
+    }
+    const bool paper = job->method == ENC_METHOD_PAPER;
+    const btf_result refused = refuse_other(paper ? "paper" : "joint", paper ? "joint" : "paper");
+    if (refused != BTF_OK) {
+        return refused;
     }
     job->layout = o.layout_given ? (o.layout == 1 ? BTF_LAYOUT_TIGHT : BTF_LAYOUT_PAPER)
                   : job->method == ENC_METHOD_PAPER && job->levels == 1 ? BTF_LAYOUT_PAPER
@@ -347,6 +404,9 @@ static btf_result prepare(void) {
     job->paper.cluster.data_points = o.data_points;
     job->paper.centres = (uint32_t)o.centres;
     job->joint.effects = o.effects == UINT32_MAX ? BTF_EFFECT_ALL : o.effects;
+    job->joint.choose = o.effects == UINT32_MAX;
+    job->joint.effect_tolerance = o.effect_tolerance[0];
+    job->joint.effect_tolerance_bytes = o.effect_tolerance[1];
     job->joint.budget = o.budget;
     describe_all();
     job->option_values = described;
@@ -375,6 +435,8 @@ int main(int argc, char **argv) {
     o.error_threshold = o.job.paper.fit.t_error;
     o.btf_threshold = o.job.paper.fit.t_btf;
     o.job.joint = enc_joint_options_default();
+    o.effect_tolerance[0] = o.job.joint.effect_tolerance;
+    o.effect_tolerance[1] = o.job.joint.effect_tolerance_bytes;
     o.threads = omp_get_num_procs();
     o.memory = machine_memory() / 2;
     if (!cli_parse(&program, argc, argv, &arguments, &exit_code)) {

@@ -91,6 +91,7 @@ typedef struct job_state {
     enc_occlusion *occlusion;
     btf_material *material;
     char *options;
+    enc_joint_stats joint;
 } job_state;
 
 static btf_result analyse(const enc_context *context, const enc_job *job, job_state *s,
@@ -105,7 +106,10 @@ static btf_result analyse(const enc_context *context, const enc_job *job, job_st
         report->hidden_total = stats.hidden_total;
         return result;
     }
-    return enc_joint(context, s->data, &job->joint, &s->found, NULL);
+    const btf_result result = enc_joint(context, s->data, &job->joint, &s->found, &s->joint);
+    report->trials = s->joint.trials;
+    report->n_trials = s->joint.trials_count;
+    return result;
 }
 
 /* How many levels the data may have is known only now. */

@@ -8,6 +8,9 @@
 
 #include "data.h"
 #include "solution.h"
+#include "trial.h"
+
+#include <stdbool.h>
 
 typedef enum enc_joint_preset {
     ENC_JOINT_FAST = 0,
@@ -25,7 +28,12 @@ typedef enum enc_joint_metric {
 typedef struct enc_joint_options {
     int preset;       /* enc_joint_preset; default medium */
     int metric;       /* enc_joint_metric; default balanced */
-    uint32_t effects; /* btf_effect bits that may be used; default all */
+    uint32_t effects; /* btf_effect bits; default all */
+    bool choose;      /* default: those of `effects` are used that pay; false: all of them, in any case */
+    /* dB in the fitted domain that an effect must bring against the components that its bytes could hold;
+     * default 0.05. The second counts for each MB more, default 0. */
+    double effect_tolerance, effect_tolerance_bytes;
+    double front_tolerance; /* dB that an SBRDF in front of the residual may cost; default 0.1 */
     uint64_t
         budget; /* gpu bytes at most; 0: what layout `paper` takes (2.36 MB for 64x64, 81 directions) */
     double
@@ -51,10 +59,12 @@ typedef struct enc_joint_stats {
     double psnr_linear, psnr_srgb;     /* dB over all samples clipped to [0, 1], of the codes */
     uint64_t gpu_bytes;                /* of layout `tight` */
     size_t moved;                      /* points (texel, view) with a shift */
+    enc_trial trials[ENC_MAX_TRIALS];  /* in the order in which they were tried */
+    int trials_count;
 } enc_joint_stats;
 
-/* Analyses `data`: sources are a residual alone, or SBRDF times shadow where the options do not allow one.
- * Chooses the effects and the number of components that serve best within the budget, and fits them. The
+/* Analyses `data`: chooses effects, SBRDF and number of components that serve best within the budget, and
+ * fits them. The
  * same data and options give the same solution for any number of threads. out_stats may be NULL. Errors:
  * BTF_ERROR_USAGE (a budget that holds nothing), BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED. On
  * error *out_solution is zeroed. */

@@ -13,8 +13,10 @@ typedef struct joint_shape {
     uint32_t effects; /* btf_effect bits */
     size_t components, centres;
     int lobes; /* 0: no SBRDF */
-    bool rgb;
+    bool rgb, half;
 } joint_shape;
+
+joint_shape joint_solution_shape(const enc_solution *solution);
 
 uint64_t joint_bytes(const enc_data *data, const joint_shape *shape);
 
@@ -27,7 +29,8 @@ enum { JOINT_MOST_BEYOND = 80 };
 size_t joint_components_for(const enc_data *data, const joint_shape *shape, uint64_t budget, size_t limit);
 
 /* The bytes that layout `paper` takes for this data: 64 W H + 4 AW AH, by the formula of FORMAT.md section
- * 5; where it has no legal atlas, 64 W H + 4 * 1.6 * T W H; never less than maps and four components take. */
+ * 5; where it has no legal atlas, 64 W H + 4 * 1.6 * T W H; never less than maps and four components take.
+ */
 uint64_t joint_default_budget(const enc_data *data);
 
 #endif

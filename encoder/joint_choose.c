@@ -19,8 +19,8 @@
 enum {
     FRONT_DIMS = 12, /* basis vectors for fronts beside a residual */
     LONE_DIMS = 48,  /* the same without one */
-    SAMPLES = 256,   /* fronts that the basis of a view is made from */
-    ITERATIONS = 2,  /* of its subspace iteration */
+    SAMPLES = 128,   /* fronts that the basis of a view is made from */
+    ITERATIONS = 1,  /* of its subspace iteration */
 };
 
 static btf_result out_of_memory(const joint_rows *rows, size_t k) {

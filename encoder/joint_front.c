@@ -366,3 +366,63 @@ btf_result joint_front_fit(const joint_rows *rows, joint_model *model, int start
 btf_result joint_front_refit(const joint_rows *rows, joint_model *model) {
     return solve_all(rows, model, 0);
 }
+
+/* The SBRDF of one texel for itself, and what it leaves. */
+static btf_result probe_one(const batch *b, joint_front *front, int starts, worker *w, float *texel,
+                            double *out_error) {
+    btf_result result = BTF_OK;
+    for (size_t view = 0; view < b->rows->views && result == BTF_OK; view++) {
+        b->weight[view] = 1.0f;
+        result = joint_rows_one(b->rows, b->first, view, texel, b->target + view * b->rows->row);
+    }
+    if (result == BTF_OK)
+        result = fit_sbrdf(b, front, b->first, starts, w);
+    if (result == BTF_OK)
+        *out_error = source_error(b, front, b->first, w);
+    return result;
+}
+
+btf_result joint_front_probe(const joint_rows *rows, const joint_front_kind *kind, int starts, size_t count,
+                             double *out_error) {
+    const size_t texel = rows->views * rows->row;
+    const joint_model model = {.texels = rows->texels, .views = rows->views, .row = rows->row};
+    joint_front *front = NULL;
+    count = count < rows->texels ? count : rows->texels;
+    double *errors = calloc(count, sizeof *errors);
+    btf_result result = errors ? joint_front_create(rows, kind, &front) : no_memory(rows);
+#pragma omp parallel num_threads(rows->context->threads)
+    {
+        worker w = {0};
+        batch b = {.rows = rows,
+                   .model = &model,
+                   .count = 1,
+                   .target = malloc(texel * sizeof(float)),
+                   .weight = malloc(rows->views * sizeof(float))};
+        float *buffer = malloc(texel * sizeof *buffer);
+        btf_result mine = result;
+        if (mine == BTF_OK)
+            mine = worker_init(rows, &w);
+        if (mine == BTF_OK && (!b.target || !b.weight || !buffer))
+            mine = no_memory(rows);
+#pragma omp for schedule(dynamic)
+        for (size_t i = 0; i < count; i++) {
+            b.first = i * rows->texels / count;
+            if (mine == BTF_OK)
+                mine = probe_one(&b, front, starts, &w, buffer, &errors[i]);
+        }
+        worker_clear(&w);
+        free(b.target);
+        free(b.weight);
+        free(buffer);
+        if (mine != BTF_OK) {
+#pragma omp critical(joint_front)
+            result = mine;
+        }
+    }
+    *out_error = 0.0;
+    for (size_t i = 0; i < count && result == BTF_OK; i++)
+        *out_error += errors[i] / ((double)count * (double)texel);
+    joint_front_destroy(&front);
+    free(errors);
+    return result;
+}

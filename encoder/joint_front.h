@@ -40,6 +40,11 @@ void joint_front_destroy(joint_front **front);
 void joint_front_row(const joint_rows *rows, const joint_front *front, size_t source, size_t view,
                      float *out);
 
+/* The mean squared error of a sample that SBRDFs of this kind, alone and each for its own texel, leave of
+ * `count` texels evenly spaced. Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO. */
+btf_result joint_front_probe(const joint_rows *rows, const joint_front_kind *kind, int starts, size_t count,
+                             double *out_error);
+
 /* The first fit of model->front: every source's SBRDF to all samples that refer to it, the residual left
  * out, then its shadows, in closed form, and the SBRDF again. `starts` fixed starts are tried. */
 btf_result joint_front_fit(const joint_rows *rows, struct joint_model *model, int starts);

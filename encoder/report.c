@@ -324,6 +324,27 @@ static void write_effects(json *j, const enc_report *report) {
     json_end(j);
 }
 
+/* Which choices of effects were tried, and what became of them. */
+static void write_trials(json *j, const enc_report *report) {
+    char text[64];
+    json_array(j, "trials");
+    for (int i = 0; i < report->n_trials; i++) {
+        const enc_trial *trial = &report->trials[i];
+        json_object(j, NULL);
+        json_string(j, "effects", cli_effects_text(trial->effects, text));
+        json_integer(j, "lobes", trial->lobes);
+        json_string(j, "colour", trial->lobes == 0 ? "none" : trial->rgb ? "rgb" : "mono");
+        json_integer(j, "components", trial->components);
+        json_integer(j, "centres", trial->centres);
+        json_integer(j, "gpu", (int64_t)trial->gpu_bytes);
+        json_number(j, "psnr", trial->psnr);
+        json_number(j, "core_seconds", trial->core_seconds);
+        json_string(j, "verdict", trial->verdict);
+        json_end(j);
+    }
+    json_end(j);
+}
+
 btf_result enc_report_write(const enc_context *context, const enc_report *report, const char *const *options,
                             const char *path) {
     btf_material_info info = {.struct_size = sizeof info};
@@ -365,6 +386,7 @@ btf_result enc_report_write(const enc_context *context, const enc_report *report
         json_null(&j, "hidden");
     }
     write_effects(&j, report);
+    write_trials(&j, report);
     write_levels(&j, report);
     json_object(&j, "options");
     for (int i = 0; options && options[i]; i += 2) {

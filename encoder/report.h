@@ -10,6 +10,7 @@
 #include "levels.h"
 #include "metrics.h"
 #include "solution.h"
+#include "trial.h"
 
 #include <stdio.h>
 
@@ -46,6 +47,8 @@ typedef struct enc_report {
     double seconds_total;
     const struct progress *progress; /* times by stage */
     size_t peak_rss;                 /* bytes */
+    const enc_trial *trials;         /* choices of effects that were tried */
+    int n_trials;
 } enc_report;
 
 /* Bytes of the textures that decoding with `effects` needs (FORMAT.md section 3, tables apart). In layout `paper` the

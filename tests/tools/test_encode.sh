@@ -93,6 +93,12 @@ for metric in balanced srgb linear; do
         --report joint.json -q
     expect_that "joint: the budget is kept" test "$(json joint.json "r['bytes']['gpu'] <= 20000")" = True
 done
+expect_that "joint: the report lists what was tried" test "$(json joint.json "len(r['trials']) > 1")" = True
+expect "joint: an option of the paper's method" 1 btf-encode data -o x.btf.exr --lobes 2 -q
+expect_text "is refused by name" "option --lobes: for --method paper only" err
+expect "paper: an option of the joint method" 1 btf-encode data -o x.btf.exr --method paper --budget 1M -q
+expect_text "is refused by name" "option --budget: for --method joint only" err
+expect "a tolerance that is none" 1 btf-encode data -o x.btf.exr --effect-tolerance a
 expect "joint: quality" 0 btf-encode data -o joint.btf.exr --preset fast --quality 15 --report joint.json -q
 expect_that "joint: the quality is reached" test "$(json joint.json "r['psnr']['full']['srgb'] >= 15")" = True
 

@@ -1,0 +1,219 @@
+/* Candidates of the joint method: which effects and fronts are tried, and what decides between them (see
+ * joint_run.h).
+ *
+ * A candidate is a shape: effects, a front or none, and as many components as the bytes beside them allow.
+ * So the candidates of a residual take about the same bytes, and an effect has to bring more than the
+ * components that its bytes could hold.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "joint_run.h"
+
+#include <assert.h>
+#include <math.h>
+#include <openbtf/material.h>
+#include <string.h>
+
+enum {
+    MOST_CANDIDATES = 20,
+    STARTS = 2,          /* of the SBRDF of a front */
+    FRONT_STEPS = 2,     /* least squares of the residual when it gets a front */
+    SMALL = 1024,        /* texels up to which every candidate is tried by every preset */
+    FEW_COMPONENTS = 16, /* below which sources without a residual are tried, too */
+    PROBED = 64,         /* texels that a plain SBRDF is tried on first */
+};
+
+/* A plain SBRDF whose first probe leaves so many times what is enough (25 dB above it) is not pursued. */
+static const double hopeless = 316.0;
+
+/* Fronts from the fewest bytes to the most; half floats. */
+static const joint_front_kind fronts[] = {
+    {.lobes = 1, .half = true},
+    {.lobes = 2, .half = true},
+    {.lobes = 1, .rgb = true, .half = true},
+    {.lobes = 3, .half = true},
+    {.lobes = 2, .rgb = true, .half = true},
+    {.lobes = 3, .rgb = true, .half = true},
+};
+enum { FRONTS = sizeof fronts / sizeof *fronts };
+
+static void set_front(joint_shape *shape, const joint_front_kind *kind) {
+    shape->lobes = kind ? kind->lobes : 0;
+    shape->rgb = kind && kind->rgb;
+    shape->half = kind && kind->half;
+}
+
+static joint_front_kind front_of(const joint_shape *shape) {
+    return (joint_front_kind){.lobes = shape->lobes,
+                              .rgb = shape->rgb,
+                              .shadow = shape->effects & BTF_EFFECT_SHADOW,
+                              .half = shape->half};
+}
+
+/* Gives the shape the richest front that leaves as many components as the smallest does; false when not
+ * even that one fits. */
+static bool add_front(const joint_run *r, joint_shape *shape) {
+    joint_shape fitting = *shape;
+    bool found = false;
+    for (int i = 0; i < FRONTS; i++) {
+        set_front(shape, &fronts[i]);
+        const size_t k = shape->effects & BTF_EFFECT_RESIDUAL ? joint_run_components(r, shape) : 0;
+        if (joint_bytes(r->rows.data, shape) > r->budget)
+            break;
+        if ((shape->effects & BTF_EFFECT_RESIDUAL) && (k == 0 || (found && k < fitting.components)))
+            break;
+        shape->components = k;
+        fitting = *shape;
+        found = true;
+    }
+    *shape = fitting;
+    return found;
+}
+
+/* Adds a shape with these effects, and a front if asked for, where the budget holds one. */
+static void propose(const joint_run *r, uint32_t effects, bool front, joint_shape *list, int *count) {
+    joint_shape shape = {.effects = effects};
+    assert(*count < MOST_CANDIDATES);
+    if (!front)
+        shape.components = joint_run_components(r, &shape);
+    if (front ? add_front(r, &shape) : shape.components > 0)
+        list[(*count)++] = shape;
+}
+
+/* The candidates in the order in which they are tried, most promising first. With options->choose every set
+ * of the effects may be proposed, else only the given one. */
+static int list_candidates(const joint_run *r, joint_shape *list) {
+    const uint32_t allowed = r->options->effects & ~(uint32_t)BTF_EFFECT_HIDDEN;
+    const uint32_t maps = allowed & (BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN);
+    const uint32_t shadow = allowed & BTF_EFFECT_SHADOW, residual = allowed & BTF_EFFECT_RESIDUAL;
+    const bool choose = r->options->choose;
+    int count = 0;
+    if (residual && (choose || !shadow)) {
+        propose(r, maps | residual, false, list, &count);
+        propose(r, maps | residual, true, list, &count);
+    }
+    if (residual && choose)
+        for (uint32_t left_out = BTF_EFFECT_GAIN; left_out >= BTF_EFFECT_SHIFT; left_out /= 2)
+            if ((maps & left_out) && maps != left_out)
+                propose(r, (maps & ~left_out) | residual, false, list, &count);
+    if (residual && shadow)
+        propose(r, maps | residual | shadow, true, list, &count);
+    if (residual && choose && maps && shadow)
+        propose(r, residual | shadow, true, list, &count);
+    if (residual && choose && maps)
+        propose(r, residual, true, list, &count);
+    if (!residual || (choose && (count == 0 || list[0].components < FEW_COMPONENTS)))
+        propose(r, maps | shadow, true, list, &count);
+    if (choose && !residual && shadow && maps)
+        propose(r, maps, true, list, &count);
+    return count;
+}
+
+/* dB that candidate b is better than a. */
+static double gain(double a, double b) {
+    return a > 0.0 ? (b > 0.0 ? 10.0 * log10(a / b) : HUGE_VAL) : b > 0.0 ? -HUGE_VAL : 0.0;
+}
+
+/* Whether b takes the place of a. A front is worth front_tolerance: with it a file shows something without
+ * the residual, too. Of others that differ by less than the effect tolerance, the one with fewer effects
+ * is taken. */
+static bool takes_place(const joint_run *r, const joint_fit *a, const joint_fit *b) {
+    const joint_shape old = joint_run_shape(a), new = joint_run_shape(b);
+    const double bytes = (double)joint_bytes(r->rows.data, &new) - (double)joint_bytes(r->rows.data, &old);
+    double needed = r->options->effect_tolerance_bytes * bytes * 1e-6;
+    if (!old.lobes != !new.lobes)
+        needed += old.lobes ? r->options->front_tolerance : -r->options->front_tolerance;
+    const int difference = __builtin_popcount(new.effects) - __builtin_popcount(old.effects);
+    if (new.effects != old.effects && difference != 0)
+        needed += difference > 0 ? r->options->effect_tolerance : -r->options->effect_tolerance;
+    return gain(a->error, b->error) > needed;
+}
+
+/* Starts a candidate and lets it go through `rounds`. */
+static btf_result try_one(joint_run *r, const joint_shape *shape, int rounds, double *history,
+                          int *out_done, joint_fit *out_fit) {
+    const joint_front_kind kind = front_of(shape);
+    btf_result result;
+    *out_done = 0;
+    if (shape->components == 0) {
+        result = joint_fit_lone(&r->rows, shape->effects, &kind, STARTS, out_fit);
+    } else {
+        const size_t k = shape->components < r->plain.model.k ? shape->components : r->plain.model.k;
+        result = joint_fit_start(&r->plain, k, shape->effects, out_fit);
+        if (result == BTF_OK && shape->lobes > 0)
+            result = joint_fit_add_front(out_fit, &kind, STARTS, FRONT_STEPS);
+    }
+    return result == BTF_OK ? joint_run_rounds(r, out_fit, rounds, history, out_done) : result;
+}
+
+btf_result joint_try_candidates(joint_run *r) {
+    joint_shape list[MOST_CANDIDATES];
+    int count = list_candidates(r, list);
+    if (r->rows.texels > SMALL && count > r->preset.candidates)
+        count = r->preset.candidates;
+    const bool residual = count > 0 && list[0].components > 0;
+    const int rounds = r->options->rounds > 0 ? r->options->rounds
+                       : residual             ? r->preset.rounds
+                                              : r->preset.front;
+    const int trial = count > 1 && r->preset.trial < rounds ? r->preset.trial : rounds;
+    double history[ENC_JOINT_MAX_ROUNDS];
+    btf_result result = BTF_OK;
+    joint_fit_rest(&r->plain);
+    for (int i = 0; i < count && result == BTF_OK; i++) {
+        joint_fit fit = {0};
+        int done = 0;
+        joint_fit_rest(&r->best);
+        result = try_one(r, &list[i], trial, history, &done, &fit);
+        const bool better = result == BTF_OK && (!r->best.rows || takes_place(r, &r->best, &fit));
+        if (result == BTF_OK)
+            joint_run_note(r, &list[i], fit.error, better ? "best so far" : "left out");
+        if (better) {
+            joint_fit_clear(&r->best);
+            r->best = fit;
+            fit = (joint_fit){0};
+            r->stats->rounds = done;
+            memcpy(r->stats->history, history, (size_t)done * sizeof *history);
+        }
+        joint_fit_clear(&fit);
+    }
+    if (result == BTF_OK && count > 0)
+        result = joint_run_rounds(r, &r->best, rounds, r->stats->history, &r->stats->rounds);
+    joint_fit_rest(&r->best);
+    return result;
+}
+
+btf_result joint_try_plain_sbrdf(joint_run *r, enc_solution *out_solution, joint_error *out_error,
+                                 bool *out_done) {
+    static const joint_front_kind exact[] = {{.lobes = 3}, {.lobes = 3, .rgb = true}};
+    const joint_front_kind *kinds[FRONTS + 2];
+    const double samples = (double)r->rows.texels * (double)r->rows.views * (double)r->rows.row;
+    btf_result result = BTF_OK;
+    *out_done = false;
+    for (int i = 0; i < FRONTS + 2; i++)
+        kinds[i] = i < FRONTS ? &fronts[i] : &exact[i - FRONTS];
+    for (int i = 0; i < FRONTS + 2 && result == BTF_OK && !*out_done; i++) {
+        joint_shape shape = {0};
+        joint_fit fit = {0};
+        double probe;
+        set_front(&shape, kinds[i]);
+        if (joint_bytes(r->rows.data, &shape) > r->budget)
+            continue;
+        result = joint_front_probe(&r->rows, kinds[i], STARTS, PROBED, &probe);
+        if (result == BTF_OK && i == 0)
+            joint_run_note(r, &shape, probe * samples, "probe");
+        if (result != BTF_OK || probe * samples > hopeless * r->enough)
+            break;
+        if (probe * samples > r->enough)
+            continue;
+        result = joint_fit_lone(&r->rows, 0, kinds[i], STARTS, &fit);
+        if (result == BTF_OK && fit.error <= r->enough) {
+            joint_run_note(r, &shape, fit.error, "enough");
+            r->stats->history[0] = fit.error;
+            r->stats->rounds = 1;
+            result = joint_run_finish(r, &fit, out_solution, out_error);
+            *out_done = result == BTF_OK;
+        }
+        joint_fit_clear(&fit);
+    }
+    return result;
+}

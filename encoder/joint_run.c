@@ -1,0 +1,279 @@
+/* A run of the joint method from data to codes (see joint.h, joint_run.h).
+ *
+ * An SBRDF alone comes first, if a sample of texels promises that it is enough. The plain factorisation is
+ * next: it is the start of all other shapes, and their rival where nothing moves. The candidates are tried
+ * for a few rounds from there; the best of them is fitted to the end, and kept unless the plain one is
+ * better.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "joint_run.h"
+
+#include "decoder/tools/cli.h"
+
+#include <math.h>
+#include <openbtf/material.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+
+enum {
+    MOST_COMPONENTS = 128, /* more would make the solves of every source dominate */
+    REDUCE_ROUNDS = 3,     /* rounds after components were dropped for --quality */
+};
+
+/* dB in the fitted domain that 8-bit codes reach but hardly pass: better is not sought. */
+static const double enough_psnr = 55.0;
+
+/* The plain factorisation is finished, too, where its error is at most so many times the best one's. */
+static const double plain_chance = 1.03;
+
+static const joint_preset_values presets[] = {
+    [ENC_JOINT_FAST] = {3, 1, 1, 5, 2, 2e-3},
+    [ENC_JOINT_MEDIUM] = {4, 3, 2, 18, 4, 5e-4},
+    [ENC_JOINT_THOROUGH] = {5, 6, 4, 90, 10, 1e-4},
+    [ENC_JOINT_EXHAUSTIVE] = {8, 20, 6, ENC_JOINT_MAX_ROUNDS, 100, 1e-6},
+};
+
+enc_joint_options enc_joint_options_default(void) {
+    return (enc_joint_options){.preset = ENC_JOINT_MEDIUM,
+                               .effects = BTF_EFFECT_ALL,
+                               .choose = true,
+                               .effect_tolerance = 0.05,
+                               .front_tolerance = 0.1};
+}
+
+joint_shape joint_run_shape(const joint_fit *fit) {
+    const joint_front *front = fit->model.front;
+    return (joint_shape){.effects = fit->effects,
+                         .components = fit->model.k,
+                         .lobes = front ? front->kind.lobes : 0,
+                         .rgb = front && front->kind.rgb,
+                         .half = front && front->kind.half};
+}
+
+size_t joint_run_components(const joint_run *r, const joint_shape *shape) {
+    joint_shape with = *shape;
+    with.effects |= BTF_EFFECT_RESIDUAL;
+    const size_t limit = r->options->components > 0 ? (size_t)r->options->components : MOST_COMPONENTS;
+    return joint_components_for(r->rows.data, &with, r->budget, limit);
+}
+
+/* CPU time of the process. */
+static double core_seconds(void) {
+    struct rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    return (double)(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+           1e-6 * (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+}
+
+void joint_run_note(joint_run *r, const joint_shape *shape, double error, const char *verdict) {
+    enc_joint_stats *stats = r->stats;
+    const double now = core_seconds();
+    const enc_trial trial = {.effects = shape->effects,
+                             .lobes = shape->lobes,
+                             .rgb = shape->rgb,
+                             .components = (int)shape->components,
+                             .gpu_bytes = joint_bytes(r->rows.data, shape),
+                             .psnr = joint_psnr(&r->rows, error),
+                             .core_seconds = now - r->noted,
+                             .verdict = verdict};
+    if (stats->trials_count < ENC_MAX_TRIALS)
+        stats->trials[stats->trials_count++] = trial;
+    char text[64];
+    r->noted = now;
+    enc_log(r->rows.context, BTF_LOG_INFO,
+            "joint: %s, %d lobe%s%s, %zu components, %llu bytes: %.2f dB, %s",
+            cli_effects_text(shape->effects, text), shape->lobes, shape->lobes == 1 ? "" : "s",
+            shape->rgb ? " in RGB" : "", shape->components, (unsigned long long)trial.gpu_bytes, trial.psnr,
+            verdict);
+}
+
+btf_result joint_run_rounds(joint_run *r, joint_fit *fit, int count, double *history, int *io_rounds) {
+    btf_result result = BTF_OK;
+    while (result == BTF_OK && *io_rounds < count && fit->error > r->enough) {
+        const double before = fit->error;
+        result = joint_fit_round(fit);
+        if (result == BTF_OK)
+            history[(*io_rounds)++] = fit->error;
+        if (before - fit->error < r->preset.tolerance * before)
+            break;
+    }
+    return result;
+}
+
+btf_result joint_run_finish(joint_run *r, joint_fit *fit, enc_solution *out_solution,
+                            joint_error *out_error) {
+    btf_result result = joint_fit_round_off(fit);
+    joint_fit_rest(fit);
+    if (result == BTF_OK)
+        result = joint_fit_solution(fit, out_solution);
+    if (result == BTF_OK)
+        result = joint_measure(&r->rows, out_solution, out_error);
+    return result;
+}
+
+btf_result joint_run_finish_part(joint_run *r, const joint_fit *from, size_t k, enc_solution *out_solution,
+                                 joint_error *out_error) {
+    joint_fit fit = {0};
+    double history[REDUCE_ROUNDS];
+    int done = 0;
+    btf_result result = joint_fit_start(from, k, from->effects, &fit);
+    if (result == BTF_OK && k < from->model.k) {
+        if (from->effects == BTF_EFFECT_RESIDUAL && !from->model.front)
+            result = joint_fit_refine_plain(&fit, 1, NULL);
+        else
+            result = joint_run_rounds(r, &fit, REDUCE_ROUNDS, history, &done);
+    }
+    if (result == BTF_OK)
+        result = joint_run_finish(r, &fit, out_solution, out_error);
+    joint_fit_clear(&fit);
+    return result;
+}
+
+/* The smallest plain shape whose error is small enough, or 0. */
+static size_t enough_components(const joint_run *r) {
+    double error = r->rows.total;
+    for (size_t j = 0; j < r->plain.model.k; j++) {
+        error -= r->energy[j];
+        if (error <= r->enough)
+            return (j + 4) / 4 * 4 < r->plain.model.k ? (j + 4) / 4 * 4 : r->plain.model.k;
+    }
+    return 0;
+}
+
+/* Finishes the best candidate. */
+static btf_result finish_best(joint_run *r, enc_solution *out_solution, joint_error *out_error) {
+    btf_result result = BTF_OK;
+    if (r->best.model.k == 0)
+        return joint_run_finish(r, &r->best, out_solution, out_error);
+    result = joint_principal_basis(&r->rows, &r->best.model, NULL);
+    if (result == BTF_OK)
+        result = joint_run_finish_part(r, &r->best, r->best.model.k, out_solution, out_error);
+    return result;
+}
+
+/* The better of the best candidate and the plain factorisation, as codes. */
+static btf_result finish_better(joint_run *r, enc_solution *out_solution, joint_error *out_error) {
+    btf_result result = BTF_OK;
+    joint_error plain_error;
+    enc_solution plain = {0};
+    const bool have = r->best.rows;
+    if (have)
+        result = finish_best(r, out_solution, out_error);
+    const bool may_be_plain = r->options->choose || !have;
+    if (result != BTF_OK || !may_be_plain || (have && r->plain.error > plain_chance * out_error->fitted))
+        return result;
+    result = joint_fit_refine_plain(&r->plain, r->preset.start, NULL);
+    joint_fit_rest(&r->plain);
+    if (result == BTF_OK)
+        result = joint_run_finish_part(r, &r->plain, r->plain.model.k, &plain, &plain_error);
+    const bool better =
+        result == BTF_OK &&
+        (!have || plain_error.fitted < exp10(0.1 * r->options->effect_tolerance) * out_error->fitted);
+    if (result == BTF_OK) {
+        const joint_shape shape = joint_run_shape(&r->plain);
+        joint_run_note(r, &shape, plain_error.fitted, better ? "best" : "left out");
+    }
+    if (better) {
+        enc_solution_clear(out_solution);
+        *out_solution = plain;
+        plain = (enc_solution){0};
+        *out_error = plain_error;
+        r->stats->rounds = 0;
+    }
+    enc_solution_clear(&plain);
+    return result;
+}
+
+/* The plain factorisation with as many components as the budget allows. */
+static btf_result start(joint_run *r) {
+    const joint_shape shape = {.effects = BTF_EFFECT_RESIDUAL};
+    const size_t k = joint_run_components(r, &shape);
+    if (k == 0)
+        return enc_fail(r->rows.context, BTF_ERROR_USAGE,
+                        "joint: a budget of %llu bytes holds no component", (unsigned long long)r->budget);
+    r->energy = malloc(k * sizeof *r->energy);
+    if (!r->energy)
+        return enc_fail(r->rows.context, BTF_ERROR_MEMORY, "joint: out of memory for %zu components", k);
+    return joint_fit_plain(&r->rows, k, r->preset.start, &r->plain, r->energy);
+}
+
+/* From data to codes. */
+static btf_result solve(joint_run *r, enc_solution *out_solution, joint_error *out_error) {
+    const bool residual = r->options->effects & BTF_EFFECT_RESIDUAL, quality = r->options->quality > 0.0;
+    bool done = false;
+    btf_result result = BTF_OK;
+    if (r->options->choose)
+        result = joint_try_plain_sbrdf(r, out_solution, out_error, &done);
+    if (result != BTF_OK || done)
+        return result;
+    if (residual)
+        result = start(r);
+    if (result != BTF_OK)
+        return result;
+    const size_t plenty = residual && !quality && r->options->choose ? enough_components(r) : 0;
+    if (plenty > 0)
+        return joint_run_finish_part(r, &r->plain, plenty, out_solution, out_error);
+    result = joint_try_candidates(r);
+    if (result == BTF_OK && !residual && !r->best.rows)
+        result =
+            enc_fail(r->rows.context, BTF_ERROR_USAGE, "joint: a budget of %llu bytes holds no such model",
+                     (unsigned long long)r->budget);
+    if (result == BTF_OK)
+        result =
+            residual ? finish_better(r, out_solution, out_error) : finish_best(r, out_solution, out_error);
+    if (result == BTF_OK && quality)
+        result = joint_reach_quality(r, out_solution, out_error);
+    return result;
+}
+
+static void fill_stats(joint_run *r, const enc_solution *solution, const joint_error *error) {
+    const joint_shape shape = joint_solution_shape(solution);
+    enc_joint_stats *stats = r->stats;
+    stats->error = error->fitted;
+    stats->psnr_fitted = joint_psnr(&r->rows, error->fitted);
+    stats->psnr_linear = joint_psnr(&r->rows, error->linear);
+    stats->psnr_srgb = joint_psnr(&r->rows, error->srgb);
+    stats->gpu_bytes = joint_bytes(r->rows.data, &shape);
+    for (size_t i = 0; i < r->rows.texels * r->rows.views && solution->shift; i++)
+        stats->moved += solution->shift[2 * i] != 0 || solution->shift[2 * i + 1] != 0;
+}
+
+btf_result enc_joint(const enc_context *context, const enc_data *data, const enc_joint_options *options,
+                     enc_solution *out_solution, enc_joint_stats *out_stats) {
+    joint_run r = {.options = options,
+                   .preset = presets[options->preset],
+                   .budget = options->budget ? options->budget : joint_default_budget(data),
+                   .stats = calloc(1, sizeof *r.stats)};
+    joint_error error = {0};
+    btf_result result = BTF_OK;
+    *out_solution = (enc_solution){0};
+    if (!r.stats)
+        return enc_fail(context, BTF_ERROR_MEMORY, "joint: out of memory");
+    if (options->tolerance > 0.0)
+        r.preset.tolerance = options->tolerance;
+    r.noted = core_seconds();
+    enc_stage_begin(context, "joint",
+                    (size_t)(r.preset.start + r.preset.candidates * r.preset.trial + r.preset.rounds));
+    result = joint_rows_init(context, data, options->metric != ENC_JOINT_LINEAR, &r.rows);
+    r.enough =
+        exp10(-0.1 * enough_psnr) * (double)r.rows.texels * (double)r.rows.views * (double)r.rows.row;
+    if (result == BTF_OK)
+        result = solve(&r, out_solution, &error);
+    enc_stage_end(context);
+    if (result == BTF_OK) {
+        fill_stats(&r, out_solution, &error);
+        if (out_stats)
+            *out_stats = *r.stats;
+    }
+    if (result != BTF_OK)
+        enc_solution_clear(out_solution);
+    joint_fit_clear(&r.plain);
+    joint_fit_clear(&r.best);
+    joint_rows_clear(&r.rows);
+    free(r.energy);
+    free(r.stats);
+    return result;
+}

@@ -1,0 +1,69 @@
+/* One run of the joint method: what its parts share. Internal.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_JOINT_RUN_H
+#define OPENBTF_ENCODER_JOINT_RUN_H
+
+#include "joint_budget.h"
+#include "joint_fit.h"
+#include "joint_measure.h"
+
+/* What a preset stands for. */
+typedef struct joint_preset_values {
+    int start;        /* subspace iterations of the plain factorisation */
+    int candidates;   /* shapes that are tried */
+    int trial;        /* rounds of a trial */
+    int rounds;       /* rounds of the best, trial included */
+    int front;        /* the same where sources have no residual */
+    double tolerance; /* relative decrease of the error that ends the rounds */
+} joint_preset_values;
+
+typedef struct joint_run {
+    const enc_joint_options *options;
+    joint_preset_values preset;
+    uint64_t budget;
+    double enough; /* error below which nothing more is sought */
+    joint_rows rows;
+    joint_fit plain; /* the plain factorisation, start and rival of the others */
+    joint_fit best;  /* the best candidate; empty before there is one */
+    double *energy;  /* [plain.model.k] of the plain components */
+    enc_joint_stats *stats;
+    double noted; /* CPU time at the last note */
+} joint_run;
+
+/* The shape of a fit. */
+joint_shape joint_run_shape(const joint_fit *fit);
+
+/* Components that `shape` may have. */
+size_t joint_run_components(const joint_run *r, const joint_shape *shape);
+
+/* Rounds until `count` are done, nothing is gained, or it is enough; history receives the errors. */
+btf_result joint_run_rounds(joint_run *r, joint_fit *fit, int count, double *history, int *io_rounds);
+
+/* Rounds a fit off and measures its codes. */
+btf_result joint_run_finish(joint_run *r, joint_fit *fit, enc_solution *out_solution,
+                            joint_error *out_error);
+
+/* Finishes the first k components of a fit in its principal basis, after a few rounds or iterations where
+ * that leaves some out. */
+btf_result joint_run_finish_part(joint_run *r, const joint_fit *from, size_t k, enc_solution *out_solution,
+                                 joint_error *out_error);
+
+/* Notes a candidate in stats and log; psnr in the fitted domain, CPU time since the one before. */
+void joint_run_note(joint_run *r, const joint_shape *shape, double error, const char *verdict);
+
+/* Tries shapes and leaves the best in r->best, unfinished; it stays empty when none fits the budget
+ * (joint_candidates.c). */
+btf_result joint_try_candidates(joint_run *r);
+
+/* An SBRDF alone, if a sample of texels says that this is enough: *out_done where it was
+ * (joint_candidates.c). */
+btf_result joint_try_plain_sbrdf(joint_run *r, enc_solution *out_solution, joint_error *out_error,
+                                 bool *out_done);
+
+/* options->quality: replaces *solution by the fewest bytes that reach it, of the best fit and of the plain
+ * one (joint_quality.c). */
+btf_result joint_reach_quality(joint_run *r, enc_solution *solution, joint_error *error);
+
+#endif
