@@ -72,12 +72,14 @@ static btf_result check_limits(const btfi_gl_functions *gl, const char *name, co
     int32_t side = 0, layers = 0;
     gl->GetIntegerv(GL_MAX_TEXTURE_SIZE, &side);
     gl->GetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &layers);
+    const char *advice =
+        strcmp(name, btf_texture_name(BTF_TEXTURE_MAPS)) == 0 ? " (btf_material_to_tight takes it apart)" : "";
     if ((int64_t)texture->width > side)
-        return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "%s: width %u exceeds GL_MAX_TEXTURE_SIZE %d", name,
-                         texture->width, side);
+        return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "%s: width %u exceeds GL_MAX_TEXTURE_SIZE %d%s", name,
+                         texture->width, side, advice);
     if ((int64_t)texture->height > side)
-        return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "%s: height %u exceeds GL_MAX_TEXTURE_SIZE %d", name,
-                         texture->height, side);
+        return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "%s: height %u exceeds GL_MAX_TEXTURE_SIZE %d%s", name,
+                         texture->height, side, advice);
     if (texture->is_array && (int64_t)texture->layers > layers)
         return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "%s: %u layers exceed GL_MAX_ARRAY_TEXTURE_LAYERS %d",
                          name, texture->layers, layers);
@@ -162,6 +164,47 @@ void btfi_gl_restore_unpack(const btfi_gl_functions *gl, const btfi_gl_unpack *s
     gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, (uint32_t)saved->buffer);
 }
 
+/* The levels of a texture as they are uploaded; returns their number. */
+static uint32_t list_levels(const btf_material *material, btf_texture_id id, uint32_t count, uint32_t components,
+                            btf_texture *out_levels) {
+    /* Components are stored four a layer, so that the first ones are a prefix. */
+    const uint32_t groups = (components + 3) / 4;
+    for (uint32_t i = 0; i < count; ++i) {
+        out_levels[i] = btf_material_level_texture(material, i, id);
+        if (out_levels[i].format == BTF_FORMAT_NONE)
+            return i;
+        if (id == BTF_TEXTURE_RESIDUAL_TEXELS)
+            out_levels[i].layers = groups;
+        else if (id == BTF_TEXTURE_RESIDUAL_DIRECTIONS)
+            out_levels[i].layers = 3 * groups;
+    }
+    return count;
+}
+
+btf_result btf_gl_fits(const btf_material *material, const btf_gl_options *options, const btf_log *log,
+                       int *out_fits) {
+    btfi_gl_functions api;
+    btf_material_info info = {.struct_size = sizeof info};
+    *out_fits = 0;
+    btf_result result = btfi_gl_load(options, log, &api);
+    if (result == BTF_OK)
+        result = btf_material_get_info(material, &info);
+    if (result != BTF_OK)
+        return result;
+    const btf_shader_options *shader =
+        options->struct_size > offsetof(btf_gl_options, shader) ? options->shader : NULL;
+    uint32_t components;
+    const uint32_t wanted = choose_textures(&info, shader, &components);
+    *out_fits = 1;
+    for (int id = 0; id < BTF_TEXTURE_COUNT; ++id) {
+        btf_texture texture[BTF_MAX_LEVELS];
+        if (wanted >> id & 1 && list_levels(material, (btf_texture_id)id, 1, components, texture) > 0 &&
+            check_limits(&api, btf_texture_name((btf_texture_id)id), texture, NULL) != BTF_OK)
+            *out_fits = 0;
+    }
+    return BTF_OK;
+}
+
 btf_result btf_gl_upload(const btf_material *material, const btf_gl_options *options, const btf_log *log,
                          btf_gl **out_gl) {
     *out_gl = NULL;
@@ -189,18 +232,8 @@ btf_result btf_gl_upload(const btf_material *material, const btf_gl_options *opt
     uint32_t components, wanted = choose_textures(&info, shader, &components);
     for (int id = 0; id < BTF_TEXTURE_COUNT && result == BTF_OK; ++id) {
         btf_texture texture[BTF_MAX_LEVELS];
-        uint32_t levels = 0;
-        for (; wanted >> id & 1 && levels < info.levels; ++levels) {
-            texture[levels] = btf_material_level_texture(material, levels, (btf_texture_id)id);
-            if (texture[levels].format == BTF_FORMAT_NONE)
-                break;
-            /* Components are stored four a layer, so that the first ones are a prefix. */
-            uint32_t groups = (components + 3) / 4;
-            if (id == BTF_TEXTURE_RESIDUAL_TEXELS)
-                texture[levels].layers = groups;
-            else if (id == BTF_TEXTURE_RESIDUAL_DIRECTIONS)
-                texture[levels].layers = 3 * groups;
-        }
+        const uint32_t levels =
+            wanted >> id & 1 ? list_levels(material, (btf_texture_id)id, info.levels, components, texture) : 0;
         if (levels > 0)
             result = upload(gl, (btf_texture_id)id, texture, levels, log);
     }

@@ -115,10 +115,43 @@ static void limits_are_told_with_both_numbers(void **state) {
     fake.texture_size = 16;
     expect_refusal(tight, BTF_ERROR_UNSUPPORTED, "sbrdf: width 24 exceeds GL_MAX_TEXTURE_SIZE 16");
     fake.texture_size = 100;
-    expect_refusal(paper, BTF_ERROR_UNSUPPORTED, "exceeds GL_MAX_TEXTURE_SIZE 100");
+    expect_refusal(paper, BTF_ERROR_UNSUPPORTED, "exceeds GL_MAX_TEXTURE_SIZE 100 (btf_material_to_tight");
     fake.texture_size = 0;
     fake.layers = 12;
     expect_refusal(tight, BTF_ERROR_UNSUPPORTED, "shadow: 13 layers exceed GL_MAX_ARRAY_TEXTURE_LAYERS 12");
+    memset(&fake, 0, sizeof fake);
+}
+
+/* The atlas is larger than the context allows: taken apart, it fits. */
+static void an_atlas_too_large_is_taken_apart(void **state) {
+    (void)state;
+    int fits = -1;
+    btf_material *whole = NULL, *apart = NULL;
+    btf_gl *gl = NULL;
+    const synthetic_spec spec = {.seed = 3,
+                                 .width = 64,
+                                 .height = 40,
+                                 .n_views = 60,
+                                 .n_lights = 50,
+                                 .layout = BTF_LAYOUT_PAPER,
+                                 .lobes = 1,
+                                 .effects = 11};
+    assert_int_equal(synthetic_create(&spec, &hearing, &whole), BTF_OK);
+    memset(&fake, 0, sizeof fake);
+    assert_true(btf_material_texture(whole, BTF_TEXTURE_MAPS).width >
+                256); /* which the direction tables need */
+    assert_int_equal(btf_gl_fits(whole, &faked, &hearing, &fits), BTF_OK);
+    assert_int_equal(fits, 1);
+    fake.texture_size = 256;
+    assert_int_equal(btf_gl_fits(whole, &faked, &hearing, &fits), BTF_OK);
+    assert_int_equal(fits, 0);
+    assert_int_equal(btf_material_to_tight(whole, &hearing, &apart), BTF_OK);
+    assert_int_equal(btf_gl_fits(apart, &faked, &hearing, &fits), BTF_OK);
+    assert_int_equal(fits, 1);
+    assert_int_equal(btf_gl_upload(apart, &faked, &hearing, &gl), BTF_OK);
+    btf_gl_destroy(&gl);
+    btf_material_close(&apart);
+    btf_material_close(&whole);
     memset(&fake, 0, sizeof fake);
 }
 
@@ -483,6 +516,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(options_are_checked),
         cmocka_unit_test(limits_are_told_with_both_numbers),
+        cmocka_unit_test(an_atlas_too_large_is_taken_apart),
         cmocka_unit_test(old_and_partial_contexts_are_refused),
         cmocka_unit_test(wrong_mip_levels_are_told),
         cmocka_unit_test(frees_what_it_made),

@@ -113,6 +113,31 @@ static int compare(random_state *r, const btf_material *whole, const btf_materia
     return lit;
 }
 
+/* Every direction, every effect: a GPU that cannot hold the atlas. */
+static void tight_decodes_like_paper(void **state) {
+    (void)state;
+    random_state r = {11};
+    int lit = 0;
+    for (uint32_t effects = 0; effects < 32; effects++) {
+        const uint32_t n_views = 1 + random_below(&r, 40), n_lights = 1 + random_below(&r, 40);
+        btf_material_desc desc = random_material_desc(9, 6, n_views, n_lights, BTF_LAYOUT_PAPER, effects);
+        btf_material *paper = make(&desc, &r), *tight = NULL;
+        assert_int_equal(btf_material_to_tight(paper, NULL, &tight), BTF_OK);
+        btf_material_info a = {.struct_size = sizeof a}, b = a;
+        btf_material_get_info(paper, &a);
+        btf_material_get_info(tight, &b);
+        assert_int_equal(b.layout, BTF_LAYOUT_TIGHT);
+        assert_int_equal(a.effects, b.effects);
+        assert_int_equal(a.n_views, b.n_views);
+        assert_int_equal(a.n_lights, b.n_lights);
+        const btf_plan everything = {.struct_size = sizeof everything};
+        lit += compare(&r, paper, tight, &everything, 60);
+        btf_material_close(&tight);
+        btf_material_close(&paper);
+    }
+    assert_true(lit > 32 * 30);
+}
+
 static void restrictions_decode_alike(void **state) {
     (void)state;
     enum { MATERIALS = 60, PLANS = 12, SAMPLES = 60 };
@@ -361,6 +386,7 @@ static void wrong_scenes_are_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(tight_decodes_like_paper),
         cmocka_unit_test(restrictions_decode_alike),
         cmocka_unit_test(restrictions_are_small),
         cmocka_unit_test(fixed_neighbours_are_the_reference_s),

@@ -36,6 +36,12 @@ typedef struct btf_gl_options {
 
 typedef struct btf_gl btf_gl;
 
+/** Sets *out_fits to 1 when every texture that btf_gl_upload would make is within GL_MAX_TEXTURE_SIZE and
+ *  GL_MAX_ARRAY_TEXTURE_LAYERS, else to 0: a material of layout `paper` may fit after btf_material_to_tight.
+ *  Errors: BTF_ERROR_USAGE, BTF_ERROR_UNSUPPORTED (a function is missing; the context is too old). */
+btf_result btf_gl_fits(const btf_material *material, const btf_gl_options *options, const btf_log *log,
+                       int *out_fits);
+
 /** Uploads the textures of a material, all levels of detail, which may be closed afterwards.
  *  Errors: BTF_ERROR_USAGE, BTF_ERROR_UNSUPPORTED (a function is missing; the context is too old; a texture
  *  exceeds GL_MAX_TEXTURE_SIZE or GL_MAX_ARRAY_TEXTURE_LAYERS: the message has both numbers),
