@@ -59,15 +59,24 @@ static void on_signal(int number) {
     raise(number);
 }
 
+/* A mapped input that another process made shorter: what is missing cannot be read. */
+static void on_bus_error(int number) {
+    static const char text[] = "error: a file became shorter while it was read\n";
+    (void)number;
+    output_remove_all();
+    (void)!write(STDERR_FILENO, text, sizeof text - 1);
+    _exit(btf_result_exit_code(BTF_ERROR_IO));
+}
+
 /* Signals that somebody else handles, or that are ignored (nohup), stay as they are. */
 static void install_handlers(void) {
     atexit(output_remove_all);
-    const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
+    const int numbers[] = {SIGINT, SIGTERM, SIGHUP, SIGBUS};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
         struct sigaction old;
         if (sigaction(numbers[i], NULL, &old) == 0 && !(old.sa_flags & SA_SIGINFO) &&
             old.sa_handler == SIG_DFL) {
-            struct sigaction action = {.sa_handler = on_signal};
+            struct sigaction action = {.sa_handler = numbers[i] == SIGBUS ? on_bus_error : on_signal};
             sigemptyset(&action.sa_mask);
             sigaction(numbers[i], &action, NULL);
         }

@@ -14,7 +14,8 @@ typedef struct output output;
 /* Creates `.NAME.PID-N.tmp` beside `path`, first removing such files that a dead process left there. A
  * symbolic link is followed; a target that exists and is no regular file (a pipe, /dev/null) is written
  * directly. Temporary files still open when the process exits, or dies of SIGINT, SIGTERM or SIGHUP, are
- * removed. Errors: BTF_ERROR_IO (named on log), BTF_ERROR_MEMORY. */
+ * removed. From the first call on, SIGBUS (a mapped input that became shorter) ends the process as
+ * BTF_ERROR_IO does. Errors: BTF_ERROR_IO (named on log), BTF_ERROR_MEMORY. */
 btf_result output_open(const char *path, btf_log log, output **out_output);
 
 /* Where to write: a stream (owned by the output), or a path for writers that open files themselves. */
