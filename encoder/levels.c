@@ -100,6 +100,7 @@ btf_result enc_levels_fit(const enc_context *context, const enc_data *data, int 
     fit_pass pass = {
         .quiet = *context, .context = context, .paper = paper, .base = base, .levels = out_levels};
     pass.quiet.progress = NULL;
+    pass.quiet.checkpoint = NULL; /* steps of level 0 */
     *out_levels = (enc_levels){.count = count, .level = calloc((size_t)count, sizeof(enc_solution))};
     if (!out_levels->level) {
         *out_levels = (enc_levels){0};

@@ -123,8 +123,18 @@ P
 expect_text "btf-info tells of each level" '^  3  2 x 2 .* bytes +[0-9.]+ / +[0-9.]+' <(btf-info levels.btf.exr)
 expect "levels through a scratch file" 0 env TMPDIR="$work" btf-encode data -o levels2.btf.exr --preset fast --levels all --memory 1k -q
 expect_that "the same bytes through a scratch file, with levels" cmp levels.btf.exr levels2.btf.exr
+for level in 1 2 3; do
+    size=$((16 >> level))
+    expect "level $level decoded by the reference" 0 btf-decode levels.btf.exr -o level$level --all --level $level --format exr
+    expect "against the original, filtered to $size x $size as images" 0 btf-compare data level$level --size ${size}x$size --json -q
+    cp out compared.json
+    expect_that "is as good as the file says" test "$(json compared.json "abs(r['psnr']['linear'] - json.load(open('info.json'))['levels'][$level]['linear']) < 0.02")" = True
+done
 expect "levels of the paper's method" 0 btf-encode data -o plevels.btf.exr --method paper --levels 3 --report plevels.json -q
 expect_that "in layout tight" test "$(json plevels.json "(r['options']['layout'], len(r['levels']))")" = "('tight', 3)"
+expect "a checkpoint of level 0 is not for the others" 0 btf-encode data -o clevels.btf.exr --method paper --levels 3 \
+    --checkpoint steps -q
+expect_that "the same bytes" cmp plevels.btf.exr clevels.btf.exr
 expect "one level is no table of levels" 0 btf-encode data -o onelevel.btf.exr --method paper --levels 1 --threads 1 -q
 expect_that "and the same maps as without the option" btf-compare onelevel.btf.exr paper.btf.exr -q
 expect "levels in layout paper" 1 btf-encode data -o x.btf.exr --method paper --layout paper --levels 2
