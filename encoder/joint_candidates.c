@@ -12,6 +12,7 @@
 #include <assert.h>
 #include <math.h>
 #include <openbtf/material.h>
+#include <stdio.h>
 #include <string.h>
 
 enum {
@@ -129,21 +130,29 @@ static bool takes_place(const joint_run *r, const joint_fit *a, const joint_fit 
     return gain(a->error, b->error) > needed;
 }
 
-/* Starts a candidate and lets it go through `rounds`. */
-static btf_result try_one(joint_run *r, const joint_shape *shape, int rounds, double *history,
-                          int *out_done, joint_fit *out_fit) {
+/* Starts a candidate. */
+static btf_result start_one(joint_run *r, const joint_shape *shape, joint_fit *out_fit) {
     const joint_front_kind kind = front_of(shape);
-    btf_result result;
+    if (shape->components == 0)
+        return joint_fit_lone(&r->rows, shape->effects, &kind, STARTS, out_fit);
+    const size_t k = shape->components < r->plain.model.k ? shape->components : r->plain.model.k;
+    const btf_result result = joint_fit_start(&r->plain, k, shape->effects, out_fit);
+    return result == BTF_OK && shape->lobes > 0 ? joint_fit_add_front(out_fit, &kind, STARTS, FRONT_STEPS)
+                                                : result;
+}
+
+/* Starts a candidate, or takes it from a checkpoint, and lets it go through `rounds`. */
+static btf_result try_one(joint_run *r, const joint_shape *shape, int number, int rounds, double *history,
+                          int *out_done, joint_fit *out_fit) {
+    char step[32];
+    bool over = false;
+    btf_result result = BTF_OK;
     *out_done = 0;
-    if (shape->components == 0) {
-        result = joint_fit_lone(&r->rows, shape->effects, &kind, STARTS, out_fit);
-    } else {
-        const size_t k = shape->components < r->plain.model.k ? shape->components : r->plain.model.k;
-        result = joint_fit_start(&r->plain, k, shape->effects, out_fit);
-        if (result == BTF_OK && shape->lobes > 0)
-            result = joint_fit_add_front(out_fit, &kind, STARTS, FRONT_STEPS);
-    }
-    return result == BTF_OK ? joint_run_rounds(r, out_fit, rounds, history, out_done) : result;
+    snprintf(step, sizeof step, "joint-trial-%d", number);
+    if (!joint_run_take(r, step, out_fit, history, out_done, &over))
+        result = start_one(r, shape, out_fit);
+    return result == BTF_OK && !over ? joint_run_rounds(r, out_fit, rounds, step, history, out_done)
+                                     : result;
 }
 
 btf_result joint_try_candidates(joint_run *r) {
@@ -163,7 +172,7 @@ btf_result joint_try_candidates(joint_run *r) {
         joint_fit fit = {0};
         int done = 0;
         joint_fit_rest(&r->best);
-        result = try_one(r, &list[i], trial, history, &done, &fit);
+        result = try_one(r, &list[i], i, trial, history, &done, &fit);
         const bool better = result == BTF_OK && (!r->best.rows || takes_place(r, &r->best, &fit));
         if (result == BTF_OK)
             joint_run_note(r, &list[i], fit.error, better ? "best so far" : "left out");
@@ -176,8 +185,11 @@ btf_result joint_try_candidates(joint_run *r) {
         }
         joint_fit_clear(&fit);
     }
+    bool over = false;
     if (result == BTF_OK && count > 0)
-        result = joint_run_rounds(r, &r->best, rounds, r->stats->history, &r->stats->rounds);
+        joint_run_take(r, "joint-best", &r->best, r->stats->history, &r->stats->rounds, &over);
+    if (result == BTF_OK && count > 0 && !over)
+        result = joint_run_rounds(r, &r->best, rounds, "joint-best", r->stats->history, &r->stats->rounds);
     joint_fit_rest(&r->best);
     return result;
 }

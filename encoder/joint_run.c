@@ -8,6 +8,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "joint_run.h"
+#include "joint_steps.h"
 
 #include "decoder/tools/cli.h"
 
@@ -90,15 +91,48 @@ void joint_run_note(joint_run *r, const joint_shape *shape, double error, const 
             verdict);
 }
 
-btf_result joint_run_rounds(joint_run *r, joint_fit *fit, int count, double *history, int *io_rounds) {
+/* What a checkpoint holds beside a fit: the rounds it went through, and whether it is done. */
+typedef struct round_note {
+    int rounds, over;
+    double history[ENC_JOINT_MAX_ROUNDS];
+} round_note;
+
+static btf_result keep_rounds(const char *step, const joint_fit *fit, int rounds, bool over,
+                              const double *history) {
+    round_note note = {.rounds = rounds, .over = over};
+    if (!step || !fit->rows->context->checkpoint)
+        return BTF_OK;
+    memcpy(note.history, history, (size_t)rounds * sizeof *history);
+    return joint_step_keep(step, fit, &note, sizeof note);
+}
+
+bool joint_run_take(const joint_run *r, const char *step, joint_fit *fit, double *history, int *out_rounds,
+                    bool *out_over) {
+    round_note note;
+    joint_fit kept;
+    *out_over = false;
+    if (!joint_step_take(&r->rows, step, &kept, &note, sizeof note))
+        return false;
+    joint_fit_clear(fit);
+    *fit = kept;
+    memcpy(history, note.history, (size_t)note.rounds * sizeof *history);
+    *out_rounds = note.rounds;
+    *out_over = note.over;
+    return true;
+}
+
+btf_result joint_run_rounds(joint_run *r, joint_fit *fit, int count, const char *step, double *history,
+                            int *io_rounds) {
     btf_result result = BTF_OK;
-    while (result == BTF_OK && *io_rounds < count && fit->error > r->enough) {
+    bool over = false;
+    while (result == BTF_OK && !over && *io_rounds < count && fit->error > r->enough) {
         const double before = fit->error;
         result = joint_fit_round(fit);
-        if (result == BTF_OK)
-            history[(*io_rounds)++] = fit->error;
-        if (before - fit->error < r->preset.tolerance * before)
+        if (result != BTF_OK)
             break;
+        history[(*io_rounds)++] = fit->error;
+        over = before - fit->error < r->preset.tolerance * before;
+        result = keep_rounds(step, fit, *io_rounds, over, history);
     }
     return result;
 }
@@ -124,7 +158,7 @@ btf_result joint_run_finish_part(joint_run *r, const joint_fit *from, size_t k, 
         if (from->effects == BTF_EFFECT_RESIDUAL && !from->model.front)
             result = joint_fit_refine_plain(&fit, 1, NULL);
         else
-            result = joint_run_rounds(r, &fit, REDUCE_ROUNDS, history, &done);
+            result = joint_run_rounds(r, &fit, REDUCE_ROUNDS, NULL, history, &done);
     }
     if (result == BTF_OK)
         result = joint_run_finish(r, &fit, out_solution, out_error);
@@ -197,7 +231,11 @@ static btf_result start(joint_run *r) {
     r->energy = malloc(k * sizeof *r->energy);
     if (!r->energy)
         return enc_fail(r->rows.context, BTF_ERROR_MEMORY, "joint: out of memory for %zu components", k);
-    return joint_fit_plain(&r->rows, k, r->preset.start, &r->plain, r->energy);
+    if (joint_step_take(&r->rows, "joint-plain", &r->plain, r->energy, k * sizeof *r->energy))
+        return BTF_OK;
+    const btf_result result = joint_fit_plain(&r->rows, k, r->preset.start, &r->plain, r->energy);
+    return result == BTF_OK ? joint_step_keep("joint-plain", &r->plain, r->energy, k * sizeof *r->energy)
+                            : result;
 }
 
 /* From data to codes. */

@@ -38,8 +38,15 @@ joint_shape joint_run_shape(const joint_fit *fit);
 /* Components that `shape` may have. */
 size_t joint_run_components(const joint_run *r, const joint_shape *shape);
 
-/* Rounds until `count` are done, nothing is gained, or it is enough; history receives the errors. */
-btf_result joint_run_rounds(joint_run *r, joint_fit *fit, int count, double *history, int *io_rounds);
+/* Replaces *fit, its history and rounds by what a checkpoint holds of them; false when it holds nothing.
+ * *out_over says whether the rounds had come to their end. */
+bool joint_run_take(const joint_run *r, const char *step, joint_fit *fit, double *history, int *out_rounds,
+                    bool *out_over);
+
+/* Rounds until `count` are done, nothing is gained, or it is enough; history receives the errors. `step`
+ * names what a checkpoint keeps of it after every round; NULL: nothing. */
+btf_result joint_run_rounds(joint_run *r, joint_fit *fit, int count, const char *step, double *history,
+                            int *io_rounds);
 
 /* Rounds a fit off and measures its codes. */
 btf_result joint_run_finish(joint_run *r, joint_fit *fit, enc_solution *out_solution,

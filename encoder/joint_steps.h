@@ -1,0 +1,18 @@
+/* Fits of the joint method in a checkpoint. Internal.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_JOINT_STEPS_H
+#define OPENBTF_ENCODER_JOINT_STEPS_H
+
+#include "joint_fit.h"
+
+/* The fit that step `name` holds, resting, and `size` bytes beside it; false when it holds none of these
+ * sizes. *out_fit is cleared by the caller in any case. */
+bool joint_step_take(const joint_rows *rows, const char *name, joint_fit *out_fit, void *beside,
+                     size_t size);
+
+/* Keeps a fit and what is beside it. Errors: those of enc_checkpoint_put. */
+btf_result joint_step_keep(const char *name, const joint_fit *fit, const void *beside, size_t size);
+
+#endif
