@@ -277,7 +277,12 @@ class Material:
         for part in self.parts.values():
             if "openbtf.version" in part.attributes:
                 head = part
-        self.width, self.height = head.integer("openbtf.width"), head.integer("openbtf.height")
+        level = how["level"]
+        assert 0 <= level < head.integer("openbtf.levels", 1), path
+        self.width, self.height = (max(1, head.integer("openbtf." + side) >> level) for side in ("width", "height"))
+        if level > 0:
+            self.parts.update({name[len("level%d." % level):]: part for name, part in self.parts.items()
+                               if name.startswith("level%d." % level)})
         self.paper = head.text("openbtf.layout") == "paper"
         self.root = head.text("openbtf.domain") == "sqrt"
         self.colour, self.lobes = head.text("openbtf.colour"), head.integer("openbtf.lobes")

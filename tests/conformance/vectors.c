@@ -18,9 +18,10 @@ enum { SIDE = 16, PIXELS = SIDE * SIDE, PLANES = 4, LARGEST = 400000 }; /* bytes
 static const char *const plane_names[PLANES] = {"uv", "light", "view", "radiance"};
 
 /* Arguments and radiance of a vector, one RGB plane after the other. */
-static void evaluate(const btf_material *material, const variant *v, float (*planes)[PIXELS][3]) {
+static void evaluate(const btf_material *material, uint32_t level, const variant *v,
+                     float (*planes)[PIXELS][3]) {
     btf_ref_material reference;
-    reference_view(material, 0, &reference);
+    reference_view(material, level, &reference);
     btf_ref_options options = variant_reference_options(&v->shader);
     random_state r = {v->spec.seed};
     for (int i = 0; i < PIXELS; ++i) {
@@ -49,6 +50,7 @@ static btf_result write_vector(const char *directory, int number, const variant 
         btf_material_close(&material);
         return BTF_OK;
     }
+    const uint32_t level = (uint32_t)(v->spec.seed % info.levels);
     char path[1200], name[40], effects[48];
     snprintf(name, sizeof name, "%02d.btf.exr", number);
     snprintf(path, sizeof path, "%.1000s/%s", directory, name);
@@ -60,7 +62,8 @@ static btf_result write_vector(const char *directory, int number, const variant 
     json_integer(j, "components", v->shader.components ? v->shader.components : BTF_MAX_COMPONENTS);
     json_string(j, "interpolation", v->shader.interpolation ? "nearest" : "linear");
     json_string(j, "filter", v->shader.filter ? "bilinear" : "texel");
-    evaluate(material, v, planes);
+    json_integer(j, "level", level);
+    evaluate(material, level, v, planes);
     for (int p = 0; p < PLANES && result == BTF_OK; ++p) {
         snprintf(name, sizeof name, "%02d-%s.exr", number, plane_names[p]);
         snprintf(path, sizeof path, "%.1000s/%s", directory, name);
@@ -96,7 +99,8 @@ btf_result vectors_write(const char *directory, uint64_t seed, const btf_log *lo
     json_integer(&j, "version", BTF_FORMAT_VERSION);
     json_string(
         &j, "about",
-        "For each vector: decode `material` with `effects`, at most `components` residual components, "
+        "For each vector: decode level of detail `level` of `material` with `effects`, at most "
+        "`components` residual components, "
         "`interpolation` and `filter` at each pixel's uv (R, G), light and view (xyz in RGB); all 32 bits "
         "of "
         "each channel of `radiance` must come out. Float channels; arguments may be NaN or infinite.");
