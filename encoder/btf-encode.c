@@ -227,7 +227,7 @@ static const cli_option table[] = {
      .type = CLI_BYTES,
      .value = &o.memory,
      .help = "bound of the working set; default half of the machine's.\nData beyond half of it go through "
-             "a scratch file in $TMPDIR"},
+             "a scratch file in $TMPDIR;\nrefused where the data take more at the least"},
     {.short_name = 'q',
      .name = "quiet",
      .type = CLI_FLAG,
@@ -448,7 +448,8 @@ int main(int argc, char **argv) {
         const enc_context context = {.log = cli_log(&program, o.quiet),
                                      .progress = shown,
                                      .threads = o.threads,
-                                     .memory = (size_t)o.memory};
+                                     .memory = (size_t)o.memory,
+                                     .need = o.job.method == ENC_METHOD_PAPER ? ENC_NEED_PAPER : ENC_NEED_JOINT};
         o.job.input = arguments.values[0];
         result = run(&context);
         if (result == BTF_ERROR_INTERRUPTED) {

@@ -6,6 +6,7 @@
 
 #include "kmeans.h"
 #include "kmeans_split.h"
+#include "memory_plan.h"
 #include "profiles.h"
 
 #include <assert.h>
@@ -101,6 +102,7 @@ typedef struct cluster_stage {
     size_t *hidden, *distinct, *shares, *first; /* [view] */
     size_t k;
     float *centres; /* [k][stride] */
+    uint64_t bytes; /* of the fullest view's points, sorted into parts */
 } cluster_stage;
 
 /* The hidden points of one view, in parts that are clustered apart. */
@@ -248,7 +250,8 @@ static btf_result choose_centres(const cluster_stage *s, int view) {
 
 static btf_result for_each_view(const cluster_stage *s, btf_result (*pass)(const cluster_stage *, int)) {
     btf_result result = BTF_OK;
-#pragma omp parallel for num_threads(s->context->threads) schedule(dynamic, 1)
+    const int threads = enc_memory_threads(s->context, s->bytes);
+#pragma omp parallel for num_threads(threads) schedule(dynamic, 1)
     for (int view = 0; view < s->data->n_views; view++) {
         btf_result mine = enc_cancelled(s->context) ? BTF_ERROR_INTERRUPTED : pass(s, view);
         enc_stage_step(s->context, 1);
@@ -332,6 +335,13 @@ btf_result enc_cluster(const enc_context *context, const enc_data *data, const e
     s.dimensions = 3 * (size_t)data->n_lights;
     s.stride = enc_kmeans_stride(s.dimensions);
     s.hidden = calloc(4 * n_views, sizeof *s.hidden);
+    size_t most = 0;
+    for (int v = 0; v < data->n_views; v++) {
+        const size_t count = enc_occlusion_hidden_count(occlusion, v);
+        most = count > most ? count : most;
+    }
+    s.bytes = (uint64_t)most * (2 * s.stride * sizeof(float) + 8 * sizeof(size_t)) +
+              (data->samples ? 0 : 2 * (uint64_t)s.n_texels * s.dimensions * sizeof(float));
     enc_centres *centres = calloc(1, sizeof *centres);
     btf_result result = BTF_ERROR_MEMORY;
     if (s.hidden && centres) {

@@ -5,6 +5,7 @@
 #include "data.h"
 
 #include "data_fill.h"
+#include "memory_plan.h"
 #include "scratch.h"
 
 #include <assert.h>
@@ -47,6 +48,9 @@ static btf_result create_empty(const enc_context *context, int width, int height
     if (n_views < 1 || n_lights < 1 || n_views > MAX_DIRECTIONS || n_lights > MAX_DIRECTIONS)
         return enc_fail(context, BTF_ERROR_USAGE, "%d views and %d lights are not usable: each is 1 to %d",
                         n_views, n_lights, MAX_DIRECTIONS);
+    const btf_result enough = enc_memory_check(context, width, height, n_views, n_lights);
+    if (enough != BTF_OK)
+        return enough;
     /* At most 2^28 texels of 3 * 2^16 floats: no overflow in 64 bits. */
     *out_bytes =
         (uint64_t)width * (uint64_t)height * (uint64_t)n_views * 3 * (uint64_t)n_lights * sizeof(float);
@@ -71,8 +75,15 @@ static btf_result create_empty(const enc_context *context, int width, int height
     return BTF_OK;
 }
 
-static bool fits_memory(const enc_context *context, uint64_t bytes) {
-    return !context || context->memory == 0 || bytes <= context->memory / 2;
+/* Half of the memory is for samples, as far as the rest suffices for the encode. */
+static bool fits_memory(const enc_context *context, const enc_data *data, uint64_t bytes) {
+    if (!context || context->memory == 0)
+        return true;
+    const uint64_t least = context->need == ENC_NEED_UNKNOWN
+                               ? 0
+                               : enc_memory_least(context->need, data->width, data->height, data->n_views,
+                                                  data->n_lights, context->threads);
+    return bytes <= context->memory / 2 && bytes + least <= context->memory;
 }
 
 static btf_result allocate(const enc_context *context, enc_data *data, uint64_t bytes) {
@@ -90,7 +101,7 @@ btf_result enc_data_create(const enc_context *context, int width, int height, in
         create_empty(context, width, height, n_views, views, n_lights, lights, &bytes, out_data);
     if (result != BTF_OK)
         return result;
-    result = fits_memory(context, bytes)
+    result = fits_memory(context, *out_data, bytes)
                  ? allocate(context, *out_data, bytes)
                  : enc_scratch_open(context, "samples", bytes, &(*out_data)->scratch_fd);
     if (result != BTF_OK)
@@ -137,7 +148,7 @@ btf_result enc_data_create_from(const enc_context *context, int width, int heigh
         return result;
     }
     (*out_data)->origin = origin;
-    if (fits_memory(context, bytes)) {
+    if (fits_memory(context, *out_data, bytes)) {
         result = allocate(context, *out_data, bytes);
         if (result == BTF_OK)
             result = keep_samples(context, *out_data);

@@ -6,6 +6,7 @@
 
 #include "flow_pair.h"
 #include "flow_prior.h"
+#include "memory_plan.h"
 
 #include <assert.h>
 #include <math.h>
@@ -289,8 +290,12 @@ static btf_result vote_view(const flow_stage *s, int view, enc_flow_worker *w) {
 
 static btf_result vote_views(const flow_stage *s) {
     btf_result result = BTF_OK;
+    const int width = s->data->width, height = s->data->height;
+    const int threads = enc_memory_threads(
+        s->context, enc_memory_flow(enc_data_texel_count(s->data), (uint64_t)(width > height ? width : height),
+                                    (uint64_t)s->data->n_lights));
     enc_stage_begin(s->context, "flow", (size_t)s->data->n_views);
-#pragma omp parallel num_threads(s->context->threads)
+#pragma omp parallel num_threads(threads)
     {
         enc_flow_worker worker;
         btf_result mine = make_worker(s, &worker);

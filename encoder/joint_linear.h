@@ -9,6 +9,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* Inner product of floats, exact products summed in double over eight lanes in one order. */
+double joint_dot(size_t n, const float *restrict a, const float *restrict b);
+
 /* In place, a = R^T R of a symmetric matrix [n][n]: the part at and above the diagonal is read, and the
  * upper triangular R written there. Returns false when a pivot is not positive. */
 bool joint_cholesky(size_t n, double *a);

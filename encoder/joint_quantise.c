@@ -214,10 +214,62 @@ static btf_result add_helpers(const joint_rows *rows, joint_model *model) {
     return BTF_OK;
 }
 
+/* Steps of u for ranges of at most `clip` times a component's root mean square; beyond it codes end. */
+static void set_u_steps(const joint_model *model, double clip, double *step) {
+    for (size_t j = 0; j < model->k; j++) {
+        double sum = 0.0;
+        for (size_t s = 0; s < model->texels; s++)
+            sum += (double)model->u[s * model->k + j] * model->u[s * model->k + j];
+        step[j] = fmin(range_of_u(model, j), clip * sqrt(sum / (double)model->texels)) / 127.0;
+    }
+}
+
+/* Rounds u. A few texels reach many times as far as the rest, and would make the steps of all coarse: the
+ * better of cutting them off and of keeping them. */
+static btf_result round_u(const joint_rows *rows, const joint_projection *projection, joint_model *model,
+                          joint_codes *codes) {
+    static const double clips[2] = {8.0, 1e9};
+    const size_t k = model->k, count = model->texels * k, points = model->texels * model->views;
+    const joint_rounding rounding = {codes->u_step, codes->u};
+    float *u = malloc(2 * count * sizeof *u), *best_u = u + count;
+    int8_t *best_codes = malloc(count);
+    uint8_t *gain = malloc(points);
+    double *best_step = malloc(k * sizeof *best_step), error, best = HUGE_VAL;
+    btf_result result = u && best_codes && gain && best_step ? BTF_OK : no_memory(rows, k);
+    if (result == BTF_OK) {
+        memcpy(u, model->u, count * sizeof *u);
+        memcpy(gain, model->gain, points);
+    }
+    for (int i = 0; i < 2 && result == BTF_OK; i++) {
+        memcpy(model->u, u, count * sizeof *u);
+        memcpy(model->gain, gain, points);
+        set_u_steps(model, clips[i], codes->u_step);
+        result = joint_solve_u(rows, projection, &rounding, model);
+        if (result == BTF_OK)
+            result = joint_choose(rows, projection, false, 0.0, model, &error);
+        if (result == BTF_OK && error < best) {
+            best = error;
+            memcpy(best_u, model->u, count * sizeof *u);
+            memcpy(best_codes, codes->u, count);
+            memcpy(best_step, codes->u_step, k * sizeof *best_step);
+        }
+    }
+    if (result == BTF_OK) {
+        memcpy(model->u, best_u, count * sizeof *u);
+        memcpy(codes->u, best_codes, count);
+        memcpy(codes->u_step, best_step, k * sizeof *best_step);
+    }
+    free(u);
+    free(best_codes);
+    free(gain);
+    free(best_step);
+    return result;
+}
+
 btf_result joint_quantise(const joint_rows *rows, joint_projection *projection, double tolerance,
                           joint_model *model, joint_codes *codes, double *out_error) {
     const size_t k = model->k;
-    const joint_rounding round_v = {codes->v_step, codes->v}, round_u = {codes->u_step, codes->u};
+    const joint_rounding round_v = {codes->v_step, codes->v};
     if (k == 0) {
         const btf_result projected = joint_project(rows, model, projection);
         return projected == BTF_OK ? joint_choose(rows, projection, false, tolerance, model, out_error)
@@ -236,12 +288,10 @@ btf_result joint_quantise(const joint_rows *rows, joint_projection *projection, 
         result = joint_choose(rows, projection, true, tolerance, model, out_error);
     if (result == BTF_OK)
         result = joint_solve_u(rows, projection, NULL, model);
-    for (size_t j = 0; j < k; j++)
-        codes->u_step[j] = range_of_u(model, j) / 127.0;
     if (result == BTF_OK)
         result = joint_choose(rows, projection, false, tolerance, model, out_error);
     if (result == BTF_OK)
-        result = joint_solve_u(rows, projection, &round_u, model);
+        result = round_u(rows, projection, model, codes);
     if (result == BTF_OK)
         result = joint_choose(rows, projection, true, tolerance, model, out_error);
     return result;

@@ -9,6 +9,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "joint_linear.h"
 #include "joint_reach.h"
 #include "joint_search.h"
 
@@ -17,13 +18,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* Copies of a hot loop for wider vectors; see joint_linear.c. */
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#define DOT_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define DOT_CLONES
-#endif
 
 enum {
     LANES = 16,
@@ -49,18 +43,6 @@ static void candidates_clear(candidates *set) {
     free(set->high);
     free(set->norm);
     free(set->before);
-}
-
-/* Sums over eight lanes, so that wider vectors give the same bits. */
-DOT_CLONES static double exact_dot(const float *restrict a, const float *restrict b, size_t k) {
-    double sum[8] = {0.0};
-    size_t j = 0;
-    for (; j + 8 <= k; j += 8)
-        for (size_t i = 0; i < 8; i++)
-            sum[i] += (double)a[j + i] * (double)b[j + i];
-    for (size_t i = 0; j + i < k; i++)
-        sum[i] += (double)a[j + i] * (double)b[j + i];
-    return ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7]));
 }
 
 /* One panel of 32 sources as unit vectors, and their ranges; what pads it is 0, and so is its value. */
@@ -99,7 +81,7 @@ static btf_result candidates_init(const joint_search *search, const float *z, co
         memcpy(set->before, match, texels * sizeof *set->before);
 #pragma omp parallel for num_threads(search->threads)
     for (size_t i = 0; i < texels; i++)
-        set->norm[i] = exact_dot(z + i * k, z + i * k, k);
+        set->norm[i] = joint_dot(k, z + i * k, z + i * k);
 #pragma omp parallel for num_threads(search->threads)
     for (size_t panel = 0; panel < set->reach.chunks * PANELS; panel++)
         pack_panel(search, set, z, panel);
@@ -192,7 +174,7 @@ typedef struct choice {
 static void consider(const joint_search *search, const candidates *set, const float *c, const float *z,
                      uint32_t texel, uint32_t source, choice *best) {
     double value;
-    const int code = joint_best_gain(&search->gains, exact_dot(c, z + source * search->k, search->k),
+    const int code = joint_best_gain(&search->gains, joint_dot(search->k, c, z + source * search->k),
                                      set->norm[source], &value);
     if (value < best->value - best->tie)
         return;
@@ -243,7 +225,7 @@ static void scan(const joint_search *search, const candidates *set, size_t block
                  uint8_t *gain, double *out_value) {
     const size_t groups = set->reach.chunk_count[block] * LANES;
     const uint32_t *chunks = set->reach.chunk + set->reach.first_chunk[block];
-    const double length = exact_dot(c, c, search->k);
+    const double length = joint_dot(search->k, c, c);
     const double margin = 2.5e-7 * (double)(search->k + 8) * length + 1e-30;
     choice best = {-DBL_MAX, 1e-9 * energy, 0, texel, search->gains.low};
     consider(search, set, c, z, texel, texel, &best);
@@ -338,7 +320,7 @@ void joint_search_gains(const joint_search *search, const float *c, const float 
 #pragma omp parallel for num_threads(search->threads)
     for (size_t x = 0; x < count; x++) {
         const float *source = z + match[x] * k;
-        gain[x] = (uint8_t)joint_best_gain(&search->gains, exact_dot(c + x * k, source, k),
-                                           exact_dot(source, source, k), out_value + x);
+        gain[x] = (uint8_t)joint_best_gain(&search->gains, joint_dot(k, c + x * k, source),
+                                           joint_dot(k, source, source), out_value + x);
     }
 }

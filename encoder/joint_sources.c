@@ -110,12 +110,8 @@ static void subtract_fronts(const u_step *step, const joint_model *model, size_t
 /* u^T gram u - 2 right^T u: the error of a source's points but for a constant. */
 static double quadratic(size_t k, const float *gram, const float *right, const float *u) {
     double sum = 0.0;
-    for (size_t i = 0; i < k; i++) {
-        double product = -2.0 * right[i];
-        for (size_t j = 0; j < k; j++)
-            product += (double)gram[i * k + j] * u[j];
-        sum += product * u[i];
-    }
+    for (size_t i = 0; i < k; i++)
+        sum += (joint_dot(k, gram + i * k, u) - 2.0 * right[i]) * u[i];
     return sum;
 }
 

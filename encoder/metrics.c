@@ -4,6 +4,7 @@
  */
 #include "metrics.h"
 
+#include "memory_plan.h"
 #include "coincident.h"
 #include "ssim.h"
 
@@ -110,16 +111,6 @@ static btf_result compare_view(const enc_data *shape, enc_image_source original,
     return result;
 }
 
-/* Threads whose two views of images fit half of the allowed memory, the other half being the data's; at
- * least 1. */
-static int threads_within(const enc_context *context, const enc_data *shape) {
-    const size_t view = enc_data_texel_count(shape) * (size_t)shape->n_lights * 3 * sizeof(float);
-    const size_t most = context->memory / 2 / (2 * view);
-    return context->memory == 0 || most >= (size_t)context->threads ? context->threads
-           : most > 1                                               ? (int)most
-                                                                    : 1;
-}
-
 btf_result enc_metrics_compare(const enc_context *context, const enc_data *shape, enc_image_source original,
                                enc_image_source other, bool with_ssim, enc_metrics *out) {
     const int views = shape->n_views, lights = shape->n_lights;
@@ -127,7 +118,8 @@ btf_result enc_metrics_compare(const enc_context *context, const enc_data *shape
     double *ssim = calloc((size_t)views, sizeof *ssim);
     int view_ring_of[256], light_ring_of[256];
     btf_result result = error && ssim ? BTF_OK : BTF_ERROR_MEMORY;
-    const int threads = threads_within(context, shape);
+    const int threads =
+        enc_memory_threads(context, 2 * enc_data_texel_count(shape) * (uint64_t)shape->n_lights * 3 * sizeof(float));
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
     for (int v = 0; v < views; v++) {
         btf_result mine;

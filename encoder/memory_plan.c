@@ -1,0 +1,95 @@
+/* Sums of what the stages allocate (see memory_plan.h).
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "memory_plan.h"
+
+#include "joint_budget.h"
+#include "joint_reach.h"
+#include "joint_rows.h"
+
+enum {
+    FLOW_LIGHTS = 27,  /* of the first estimate ... */
+    FLOW_LABELS = 256, /* ... and its shifts, at most */
+    SOURCE_TASK = 96,  /* sources solved together */
+    COMPONENTS = 128,  /* at most, up to 64x64 texels */
+};
+
+/* The extent of a data set. */
+typedef struct extent {
+    uint64_t texels, side, views, lights, points, row, image_view, threads; /* side: the longer one */
+} extent;
+
+static uint64_t larger(uint64_t a, uint64_t b) {
+    return a > b ? a : b;
+}
+
+/* Reading one image a thread, and one view's planes; measuring two views. */
+static uint64_t common(const extent *e) {
+    return larger(e->image_view + e->texels * 12 * (1 + 3 * e->threads),
+                  2 * e->image_view + e->texels * 24);
+}
+
+uint64_t enc_memory_flow(uint64_t texels, uint64_t side, uint64_t lights) {
+    const uint64_t labels = side + 2 < FLOW_LABELS ? side + 2 : FLOW_LABELS;
+    return texels * (12 * lights + FLOW_LIGHTS * 12 + 12 * labels + 3 * lights + 64);
+}
+
+static uint64_t paper(const extent *e) {
+    const uint64_t lanes = (e->lights + 15) / 16 * 16;
+    const uint64_t held =
+        e->texels * (68 + 56 + e->lights) + e->points * (2 + 1 + 1 + 4 + 2) + 3 * e->points;
+    const uint64_t fit = e->threads * e->views * e->lights * (13 * 4 + 1 + 16 * 12);
+    const uint64_t flow =
+        enc_memory_flow(e->texels, e->side, e->lights) + e->texels * (FLOW_LIGHTS * 12 + 11 * e->lights);
+    const uint64_t refine = e->image_view + e->texels * (2 * 12 * lanes + 2 * 4 * 48 + 4);
+    return held + larger(larger(fit, flow), larger(refine, common(e)));
+}
+
+static uint64_t joint(const extent *e) {
+    const uint64_t most = e->texels > JOINT_EXACT ? JOINT_MOST_BEYOND : COMPONENTS;
+    const uint64_t rank = e->texels < e->views * e->row ? e->texels : e->views * e->row;
+    const uint64_t k = most < rank ? most : rank, basis = 4 * e->views * k * e->row;
+    /* three fits: the plain one, the best and the one at work */
+    const uint64_t fits = 3 * (5 * e->points + 4 * e->texels * k + basis);
+    const uint64_t held = 4 * e->points + 3 * e->points + e->texels * k + basis / 4;
+    const uint64_t choose = 24 * e->points + 4 * e->texels * (4 * k + 8);
+    const uint64_t solve = 4 * e->texels * (2 * k + e->views + 2) + 8 * e->views * k * k +
+                           e->threads * 4 * SOURCE_TASK * (e->views + 2 * k + k * k);
+    const uint64_t pass = 2 * basis + 4 * JOINT_BLOCK * e->row * (e->views + 4 * e->threads);
+    return held + larger(fits + basis + larger(choose, larger(solve, pass)), common(e) + 3 * e->points);
+}
+
+uint64_t enc_memory_least(enc_need need, int width, int height, int n_views, int n_lights, int threads) {
+    extent e = {.texels = (uint64_t)width * (uint64_t)height,
+                .side = (uint64_t)(width > height ? width : height),
+                .views = (uint64_t)n_views,
+                .lights = (uint64_t)n_lights,
+                .threads = threads > 0 ? (uint64_t)threads : 1};
+    e.points = e.texels * e.views;
+    e.row = 3 * e.lights;
+    e.image_view = 4 * e.texels * e.row;
+    /* a third more for the allocator, and for a projection that is kept in memory */
+    const uint64_t sum = need == ENC_NEED_PAPER ? paper(&e) : joint(&e);
+    return sum + sum / 3;
+}
+
+btf_result enc_memory_check(const enc_context *context, int width, int height, int n_views, int n_lights) {
+    if (!context || context->memory == 0 || context->need == ENC_NEED_UNKNOWN)
+        return BTF_OK;
+    const uint64_t least =
+        enc_memory_least(context->need, width, height, n_views, n_lights, context->threads);
+    if (least <= context->memory)
+        return BTF_OK;
+    return enc_fail(context, BTF_ERROR_USAGE,
+                    "--memory %zu is too small: %dx%d texels, %d views and %d lights take at least %lluK",
+                    context->memory, width, height, n_views, n_lights,
+                    (unsigned long long)((least + 999) / 1000));
+}
+
+int enc_memory_threads(const enc_context *context, uint64_t bytes) {
+    const uint64_t most = context->memory / 2 / (bytes > 0 ? bytes : 1);
+    if (context->memory == 0 || most >= (uint64_t)context->threads)
+        return context->threads;
+    return most > 1 ? (int)most : 1;
+}

@@ -1,0 +1,29 @@
+/* What an encode needs at least, and how many threads a stage may run in what it is allowed.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_MEMORY_PLAN_H
+#define OPENBTF_ENCODER_MEMORY_PLAN_H
+
+#include "context.h"
+#include <stdint.h>
+
+/* Bytes that an encode of such data takes beside the samples and, by --method joint, the projection, which
+ * go to scratch files where there is no room for them: the largest stage, each in its smallest blocks with
+ * one thread where a thread needs much. Of the program itself only what grows with the data.
+ * `need` is not ENC_NEED_UNKNOWN. */
+uint64_t enc_memory_least(enc_need need, int width, int height, int n_views, int n_lights, int threads);
+
+/* Refuses data whose least exceeds context->memory, naming both; BTF_OK where context->need is unknown or
+ * memory unbounded. Errors: BTF_ERROR_USAGE. */
+btf_result enc_memory_check(const enc_context *context, int width, int height, int n_views, int n_lights);
+
+/* Bytes of one view's flow: images, planes of the first estimate, volumes of its search, votes. `side` is
+ * the longer one. */
+uint64_t enc_memory_flow(uint64_t texels, uint64_t side, uint64_t lights);
+
+/* Threads that may each hold `bytes`, in half of the allowed memory, the other half being the data's: 1 to
+ * context->threads. */
+int enc_memory_threads(const enc_context *context, uint64_t bytes);
+
+#endif
