@@ -77,7 +77,7 @@ static void band_weights(const btf_range *range, uint32_t count, const float *li
 
 typedef struct table {
     btf_effect_errors rows;
-    double at_samples; /* 0: between samples, 1: view and light are samples */
+    double at_samples; /* 0: between samples, 1/2: one of view and light is a sample, 1: both are */
     double view[BTF_MAX_BANDS], light[BTF_MAX_BANDS];
 } table;
 
@@ -85,30 +85,38 @@ static const float *row_at(const table *t, uint32_t index) {
     return t->rows.rows + (size_t)index * t->rows.row_stride;
 }
 
-/* Adds a row's errors, weighted by the bands and by `share`. */
-static void add_errors(const table *t, const float *row, double share, double mse[2]) {
+/* Adds a row's errors, weighted by the bands. */
+static void add_errors(const table *t, const float *row, double mse[2]) {
     const float *cell = row + 5;
     for (uint32_t v = 0; v < t->rows.view_bands; v++)
         for (uint32_t l = 0; l < t->rows.light_bands; l++, cell += 2)
             for (int i = 0; i < 2; i++)
-                mse[i] += share * t->view[v] * t->light[l] * (double)cell[i];
+                mse[i] += t->view[v] * t->light[l] * (double)cell[i];
+}
+
+/* A geometric mean; where one is 0 it says nothing of the other. */
+static double between(double a, double b, double share) {
+    return a > 0 && b > 0 ? exp((1 - share) * log(a) + share * log(b)) : a > b ? a : b;
 }
 
 /* Between samples the errors of up to nine samples average out, so that they are less than at the samples.
  */
 static way read_way(const table *t, uint32_t index) {
     const float *row = row_at(t, index), *there = NULL;
+    double at_samples[2] = {0};
     way w = {.effects = (uint32_t)row[0],
              .components = (uint32_t)row[1],
              .interpolation = row[2] == 0 ? BTF_INTERPOLATION_LINEAR : BTF_INTERPOLATION_NEAREST};
+    add_errors(t, row, w.mse);
     for (uint32_t r = 0; r < t->rows.row_count && t->at_samples > 0 && !there; r++) {
         const float *other = row_at(t, r);
         if (other[0] == row[0] && other[1] == row[1] && other[2] == 2 && other[3] == row[3])
             there = other;
     }
-    add_errors(t, row, there ? 1 - t->at_samples : 1, w.mse);
     if (there)
-        add_errors(t, there, t->at_samples, w.mse);
+        add_errors(t, there, at_samples);
+    for (int i = 0; i < 2 && there; i++)
+        w.mse[i] = between(w.mse[i], at_samples[i], t->at_samples);
     return w;
 }
 
@@ -198,7 +206,7 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *given
     band_weights(&scene.light, t.rows.light_bands, t.rows.light_limits, t.light);
     const double both =
         concentration(&material->views, &scene.view) * concentration(&material->lights, &scene.light);
-    t.at_samples = fmin(fmax((both - 0.25) / 0.75, 0), 1);
+    t.at_samples = fmin(fmax(log(4 * both) / log(4), 0), 1);
     bool found = false;
     way full = {0};
     for (uint32_t r = 0; r < t.rows.row_count && !found; r++) {

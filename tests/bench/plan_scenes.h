@@ -1,0 +1,37 @@
+/* Scenes to plan for, and what a plan costs in accuracy there: predicted by the file, measured on the data.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_TESTS_PLAN_SCENES_H
+#define OPENBTF_TESTS_PLAN_SCENES_H
+
+#include "encoder/data.h"
+
+#include <openbtf/plan.h>
+
+typedef struct plan_scene {
+    const char *name;
+    btf_scene scene;
+} plan_scene;
+
+/* "everything", "top-down", "grazing", "frontal light", "orbit", "still light", "still view", "far". */
+enum { PLAN_SCENES = 8 };
+extern const plan_scene plan_scenes[PLAN_SCENES];
+
+/* The material of an analysis with its effect errors in it, by `solution` as enc_pack takes it; levels: of
+ * detail (1 for none), of the joint method. */
+struct enc_solution;
+btf_result plan_pack(const enc_context *context, const enc_data *data, struct enc_solution *solution,
+                     btf_layout layout, int levels, btf_material **out_material);
+
+/* Mean squared errors of values clipped to [0, 1], linear and sRGB-coded, against the data area-filtered to
+ * the plan's level and interpolated in radiance: of the restriction `small` as planned, and of all of
+ * `whole` at that level. At random directions of the scene, down to the outermost ring; the same ones for
+ * both. */
+btf_result plan_measure(const enc_context *context, const enc_data *data, const btf_material *whole,
+                        const btf_material *small, const btf_plan *plan, double planned[2], double full[2]);
+
+/* dB. */
+double plan_psnr(double mse);
+
+#endif
