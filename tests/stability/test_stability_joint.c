@@ -109,38 +109,49 @@ typedef struct hard_case {
     int width, height;
     hard_value_fn value;
     float user;
-    bool few;   /* one view, one light */
-    float peak; /* of the PSNR */
+    enum {
+        MANY,
+        FEW,
+        GRAZING
+    } directions; /* FEW: one view, one light; GRAZING: 0 and 85 to 89.9 degrees */
+    float peak;   /* of the PSNR */
 } hard_case;
 
 static const hard_case list[] = {
-    {"black", 4, 3, black, 0, false, 1},
-    {"constant 0.5", 4, 3, constant, 0.5f, false, 1},
-    {"constant 1", 4, 3, constant, 1, false, 1},
-    {"noise", 5, 4, noise, 0, false, 1},
-    {"one sample in two thousand is 1e7", 4, 4, outliers, 1e7f, false, 1},
-    {"one sample in a hundred is 1e6", 4, 4, outliers, 1e6f, false, 1e6f},
-    {"one sample in a hundred is 65504", 4, 4, outliers, 65504, false, 65504},
-    {"one sample in a hundred is 1e38", 4, 4, outliers, 1e38f, false, 0x1p24f},
-    {"values from 1e-8 to 1e6", 4, 4, spread, 0, false, 1e6f},
-    {"a surface times 1e-8", 4, 4, scaled, 1e-8f, false, 1},
-    {"a surface times 1e-40, denormals", 4, 4, scaled, 1e-40f, false, 1},
-    {"a surface times 1e6", 4, 4, scaled, 1e6f, false, 1e6f},
-    {"a surface times 1e12", 4, 4, scaled, 1e12f, false, 1},
-    {"half of the samples 0", 4, 4, zeros, 0, false, 1},
-    {"one texel lit, the others black", 4, 3, one_texel_lit, 0, false, 1},
-    {"one sample lit of 2028", 4, 3, one_sample, 0, false, 1},
-    {"8-bit sRGB codes with clipped highlights", 4, 4, quantised, 0, false, 1},
-    {"1x1 texel", 1, 1, scaled, 1, false, 1},
-    {"1x9 texels", 1, 9, scaled, 1, false, 1},
-    {"one view, one light, 3x3 texels", 3, 3, scaled, 1, true, 1},
-    {"one sample", 1, 1, scaled, 1, true, 1},
+    {"black", 4, 3, black, 0, MANY, 1},
+    {"constant 0.5", 4, 3, constant, 0.5f, MANY, 1},
+    {"constant 1", 4, 3, constant, 1, MANY, 1},
+    {"noise", 5, 4, noise, 0, MANY, 1},
+    {"one sample in two thousand is 1e7", 4, 4, outliers, 1e7f, MANY, 1},
+    {"one sample in a hundred is 1e6", 4, 4, outliers, 1e6f, MANY, 1e6f},
+    {"one sample in a hundred is 65504", 4, 4, outliers, 65504, MANY, 65504},
+    {"one sample in a hundred is 1e38", 4, 4, outliers, 1e38f, MANY, 0x1p24f},
+    {"values from 1e-8 to 1e6", 4, 4, spread, 0, MANY, 1e6f},
+    {"a surface times 1e-8", 4, 4, scaled, 1e-8f, MANY, 1},
+    {"a surface times 1e-40, denormals", 4, 4, scaled, 1e-40f, MANY, 1},
+    {"a surface times 1e-3", 4, 4, scaled, 1e-3f, MANY, 1e-3f},
+    {"a surface times 1e-5", 4, 4, scaled, 1e-5f, MANY, 1e-5f},
+    {"a surface times 1e6", 4, 4, scaled, 1e6f, MANY, 1e6f},
+    {"a surface times 1e12", 4, 4, scaled, 1e12f, MANY, 1},
+    {"half of the samples 0", 4, 4, zeros, 0, MANY, 1},
+    {"one texel lit, the others black", 4, 3, one_texel_lit, 0, MANY, 1},
+    {"one sample lit of 2028", 4, 3, one_sample, 0, MANY, 1},
+    {"8-bit sRGB codes with clipped highlights", 4, 4, quantised, 0, MANY, 1},
+    {"views and lights at 0 and 85 to 89.9 degrees", 4, 3, scaled, 1, GRAZING, 1},
+    {"1x1 texel", 1, 1, scaled, 1, MANY, 1},
+    {"1x9 texels", 1, 9, scaled, 1, MANY, 1},
+    {"one view, one light, 3x3 texels", 3, 3, scaled, 1, FEW, 1},
+    {"one sample", 1, 1, scaled, 1, FEW, 1},
 };
 
 static void run(const hard_case *h, encode_method method) {
     const hard_directions many = hard_thirteen(),
                           one = hard_rings(1, (const double[]){0}, (const int[]){1});
-    const hard_directions *directions = h->few ? &one : &many;
+    const hard_directions grazing =
+        hard_rings(4, (const double[]){0, 85, 88, 89.9}, (const int[]){1, 4, 4, 4});
+    const hard_directions *directions = h->directions == FEW       ? &one
+                                        : h->directions == GRAZING ? &grazing
+                                                                   : &many;
     enc_data *data = hard_create(h->width, h->height, directions, directions, h->value, &h->user);
     encoded e[2];
     bool same = true;
