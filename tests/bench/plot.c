@@ -180,10 +180,30 @@ static void write_fronts(const plot *p, FILE *file) {
     free(sorted);
 }
 
+/* The range of a logarithmic axis: of x, or of panel k's y. Returns largest over smallest. */
+static double write_range(const plot *p, int k, const char *axis, FILE *file) {
+    double least = HUGE_VAL, most = 0;
+    for (size_t i = 0; i < p->count; i++) {
+        const double value = k < 0 ? p->points[i].x : p->points[i].y[k];
+        if (value > 0 && isfinite(value)) {
+            least = fmin(least, value);
+            most = fmax(most, value);
+        }
+    }
+    if (most > 0) {
+        fprintf(file, "set %srange [%.3g:%.3g]\n", axis, least / 1.25, most * 1.6);
+    }
+    return most > 0 ? most / least : 1;
+}
+
 static void write_panel(const plot *p, int k, const char *name, FILE *file) {
+    if (p->log_y) {
+        write_range(p, k, "y", file);
+    }
     const int columns = p->panels > 1 ? 2 : 1, rows = p->panels > 2 ? 2 : 1;
     const double width = 0.75 / columns, height = (rows == 1 ? 0.92 : 0.94) / rows;
-    const double left = 0.075 + (k % columns) * (width + 0.0), top = 0.93 - (k / columns) * height;
+    const double left = 0.075 + (k % columns) * (width + 0.0),
+                 top = (rows == 1 ? 0.90 : 0.93) - (k / columns) * height;
     fprintf(file,
             "set lmargin at screen %.3f\nset rmargin at screen %.3f\nset tmargin at screen %.3f\n"
             "set bmargin at screen %.3f\nset title '%s' noenhanced\nset ylabel '%s' noenhanced\n",
@@ -228,19 +248,13 @@ static void write_script(const plot *p, const char *name, FILE *file) {
         "set xlabel '%s' noenhanced\n",
         name, name, p->title, p->x_label);
     if (p->log_x) {
-        double least = HUGE_VAL, most = 0;
-        for (size_t i = 0; i < p->count; i++) {
-            if (p->points[i].x > 0) {
-                least = fmin(least, p->points[i].x);
-                most = fmax(most, p->points[i].x);
-            }
+        const double wide = write_range(p, -1, "x", file);
+        fputs("set logscale x\nset format x '%g'\n", file);
+        if (wide < 300) {
+            fputs("set xtics add (0.002, 0.005, 0.02, 0.05, 0.2, 0.5, 2, 5, 20, 50, 200, 500, 2000, "
+                  "5000)\n",
+                  file);
         }
-        if (most > 0) {
-            fprintf(file, "set xrange [%.3g:%.3g]\n", least / 1.25, most * 1.6);
-        }
-        fputs("set logscale x\nset format x '%g'\nset xtics add (0.2, 0.5, 2, 5, 20, 50, 200, 500, 2000, "
-              "5000)\n",
-              file);
     }
     if (p->log_y) {
         fputs("set logscale y\nset format y '%g'\n", file);

@@ -132,7 +132,6 @@ btf_result bench_plot_storage(const bench_run *run, const bench_table *table) {
     static const shown all[] = {{"joint", "joint medium, by budget", true, false},
                                 {"joint SBRDF", "joint, SBRDF x shadow sources", false, false},
                                 {"paper", "paper: SBRDF, STVS, full", true, false},
-                                {"paper centres", "paper, by centres", true, false},
                                 {"PCA linear", "PCA, 8 bit, linear values", true, false},
                                 {"PCA sRGB", "PCA, 8 bit, sRGB-coded values", true, false},
                                 {"PCA half", "PCA, half floats, linear values", true, false},
