@@ -140,6 +140,32 @@ static void print_sizes(const decode_table *table, FILE *out) {
     fputc('\n', out);
 }
 
+/* Where the time of a whole pixel goes on the first device: found by leaving things out of the shader. */
+static void print_places(const decode_table *table, FILE *out) {
+    static const char *const materials[] = {"joint", "joint; SBRDF x shadow sources", "paper"};
+    const char *device = table->device[0].name;
+    fprintf(out,
+            "### Where the time goes, %s\n\nOf a whole pixel, three directions, texels, exact: the same "
+            "fetches "
+            "alone; what exactness adds to native mathematics; the rest is arithmetic.\n\n"
+            "| material | ns | fetches | exactness | the rest |\n| --- | --- | --- | --- | --- |\n",
+            device);
+    for (int m = 0; m < 3; m++) {
+        const decode_row *whole =
+                             decode_table_find(table, device, materials[m], "whole", false, false, false),
+                         *fast =
+                             decode_table_find(table, device, materials[m], "whole", false, false, true),
+                         *floor = decode_table_find(table, device, materials[m], "fetches only", false,
+                                                    false, false);
+        if (whole && fast && floor) {
+            fprintf(out, "| %s | %.0f | %.0f %% | %+.0f %% | %.0f %% |\n", materials[m], whole->ns,
+                    100 * floor->ns / whole->ns, 100 * (whole->ns - fast->ns) / whole->ns,
+                    100 * (fast->ns - floor->ns) / whole->ns);
+        }
+    }
+    fputc('\n', out);
+}
+
 typedef struct shown {
     const char *material, *title;
     int fast; /* 0, 1; -1: either */
@@ -233,6 +259,7 @@ btf_result decode_table_write(const bench_run *run, const decode_table *table) {
         if (result == BTF_OK) {
             result = bench_readme_decode(run, table);
         }
+        print_places(table, run->summary);
         print_sizes(table, run->summary);
     }
     for (int i = 0; i < table->devices; i++) {
