@@ -183,10 +183,11 @@ static double range_of_u(const joint_model *model, size_t component) {
     return range;
 }
 
-/* The strongest few components each get one of the weakest as a helper, placed right behind: 0, k - 1, 1, k
- * - 2, ... Then u_j += r u_i, v_i -= r v_j for each such pair: one step of v_j moves the sum by much less
- * than one of v_i along the strong component, and by little along the weak; with r = sqrt(step_i / step_j)
- * both come to sqrt(step_i step_j), where the strong one alone had step_i. */
+/* The strongest few components each get one of the weakest as a helper; the helpers stand right behind them
+ * all: 0, 1, 2, 3, k - 1, k - 2, k - 3, k - 4, 4, 5, ... Then u_j += r u_i, v_i -= r v_j for each such pair:
+ * one step of v_j moves the sum by much less than one of v_i along the strong component, and by little along
+ * the weak; with r = sqrt(step_i / step_j) both come to sqrt(step_i step_j), where the strong one alone had
+ * step_i. A decoder that stops before the helpers loses r u_i v_j, some 30 dB below component i. */
 static btf_result add_helpers(const joint_rows *rows, joint_model *model) {
     const size_t k = model->k, row = model->row;
     const size_t pairs = k / 4 < HELPERS ? k / 4 : HELPERS;
@@ -194,13 +195,13 @@ static btf_result add_helpers(const joint_rows *rows, joint_model *model) {
     if (!t)
         return no_memory(rows, k);
     for (size_t to = 0; to < k; to++) {
-        const size_t from = to >= 2 * pairs ? to - pairs : to % 2 ? k - 1 - to / 2 : to / 2;
+        const size_t from = to >= 2 * pairs ? to - pairs : to >= pairs ? k - 1 - (to - pairs) : to;
         t[from * k + to] = inverse[to * k + from] = 1.0;
     }
     change_basis(rows, model, t, inverse);
     free(t);
-    for (size_t i = 0; i < 2 * pairs; i += 2) {
-        const size_t j = i + 1;
+    for (size_t i = 0; i < pairs; i++) {
+        const size_t j = pairs + i;
         const double strong = range_of_v(rows, model, i), weak = range_of_v(rows, model, j);
         if (!(weak > 0.0) || strong < 4.0 * weak)
             continue;
