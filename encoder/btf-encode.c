@@ -83,8 +83,7 @@ static const cli_option table[] = {
      .type = CLI_CUSTOM,
      .value = o.effect_tolerance,
      .parse = parse_tolerance,
-     .help = "--effects auto leaves out an effect that gains less than so\nmany dB in the fitted domain, and so many dB for each MB "
-             "that it\nadds; default 0.05,0"},
+     .help = "--effects auto leaves out an effect that gains less than so\nmany dB (joint: in the fitted domain; paper: linear), and so\nmany for each MB that it adds; default 0.05,0"},
     {.name = "budget",
      .type = CLI_BYTES,
      .value = &o.budget,
@@ -104,7 +103,7 @@ static const cli_option table[] = {
      .value = &o.job.joint.metric,
      .given = &given[3],
      .choices = "balanced|srgb|linear",
-     .help = "joint: whose error weighs more; default balanced"},
+     .help = "joint: linear fits radiance; balanced (default) and srgb fit its\nsquare root, which serves both figures"},
     {.name = "layout",
      .type = CLI_CHOICE,
      .value = &o.layout,
@@ -396,6 +395,9 @@ static btf_result prepare(void) {
                          "option --levels: --layout paper has one level; take --layout tight");
     }
     job->paper.effects = o.effects == UINT32_MAX ? paper_effects : o.effects;
+    job->paper.choose = o.effects == UINT32_MAX;
+    job->paper.effect_tolerance = o.effect_tolerance[0];
+    job->paper.effect_tolerance_bytes = o.effect_tolerance[1];
     job->paper.fit.t_error = (float)o.error_threshold;
     job->paper.fit.t_btf = (float)o.btf_threshold;
     job->paper.flow.hidden_threshold = (float)o.hidden_threshold;

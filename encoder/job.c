@@ -92,18 +92,21 @@ typedef struct job_state {
     btf_material *material;
     char *options;
     enc_joint_stats joint;
+    enc_paper_stats paper;
 } job_state;
 
 static btf_result analyse(const enc_context *context, const enc_job *job, job_state *s,
                           enc_report *report) {
     if (job->method == ENC_METHOD_PAPER) {
-        enc_paper_stats stats;
+        const enc_paper_stats *stats = &s->paper;
         const btf_result result =
-            enc_paper(context, s->data, &job->paper, &s->found, &s->occlusion, &stats);
-        report->has_hidden = stats.hidden_total > 0;
-        report->hidden_before = stats.hidden_before;
-        report->hidden_after = stats.hidden_after;
-        report->hidden_total = stats.hidden_total;
+            enc_paper(context, s->data, &job->paper, &s->found, &s->occlusion, &s->paper);
+        report->has_hidden = stats->hidden_total > 0;
+        report->hidden_before = stats->hidden_before;
+        report->hidden_after = stats->hidden_after;
+        report->hidden_total = stats->hidden_total;
+        report->trials = stats->trials;
+        report->n_trials = stats->trials_count;
         return result;
     }
     const btf_result result = enc_joint(context, s->data, &job->joint, &s->found, &s->joint);

@@ -55,6 +55,7 @@ static btf_result fit_paper(fit_pass *pass, const enc_data *data, int level, enc
     uint32_t most = 0;
     btf_result result = BTF_OK;
     options.effects = base->effects;
+    options.choose = false;
     if (base->effects & BTF_EFFECT_HIDDEN) {
         const int shift = 2 * level < 31 ? 2 * level : 31;
         result = enc_pack_centre_room(&pass->quiet, data->width, data->height, data->n_views,

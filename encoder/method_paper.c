@@ -5,6 +5,7 @@
 #include "method_paper.h"
 
 #include "pack.h"
+#include "paper_effects.h"
 #include "paper_steps.h"
 
 #include <stdlib.h>
@@ -77,7 +78,20 @@ static btf_result run_occlusion(const enc_context *context, const enc_data *data
         }
         enc_centres_destroy(&centres);
     }
-    return result == BTF_OK ? take_occlusion(context, occlusion, s) : result;
+    return result;
+}
+
+/* Frees what the effects that were left out had. */
+static void drop_unused(enc_solution *s) {
+    if (!(s->effects & BTF_EFFECT_SHADOW)) {
+        free(s->shadow);
+        s->shadow = NULL;
+    }
+    if (!(s->effects & BTF_EFFECT_HIDDEN)) {
+        free(s->centre_codes);
+        s->centre_codes = NULL;
+        s->n_centres = 0;
+    }
 }
 
 btf_result enc_paper(const enc_context *context, const enc_data *data, const enc_paper_options *options,
@@ -100,8 +114,21 @@ btf_result enc_paper(const enc_context *context, const enc_data *data, const enc
         result = out->shadow ? enc_step_shadow(context, data, out->sbrdf, &shadow, out->shadow)
                              : enc_fail(context, BTF_ERROR_MEMORY, "out of memory");
     }
-    if (result == BTF_OK && (out->effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN))) {
+    const uint32_t occluding = BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN;
+    bool promising = true;
+    if (result == BTF_OK && options->choose && (out->effects & occluding)) {
+        result = enc_paper_probe(context, data, options, out, out_stats, &promising);
+    }
+    out->effects &= promising ? UINT32_MAX : ~occluding;
+    if (result == BTF_OK && (out->effects & occluding)) {
         result = run_occlusion(context, data, options, out, &occlusion, out_stats);
+    }
+    if (result == BTF_OK && options->choose) {
+        result = enc_paper_choose(context, data, options, out, occlusion, out_stats);
+        drop_unused(out);
+    }
+    if (result == BTF_OK && (out->effects & occluding)) {
+        result = take_occlusion(context, occlusion, out);
     }
     if (result != BTF_OK) {
         enc_solution_clear(out);

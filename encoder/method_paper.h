@@ -11,6 +11,7 @@
 #include "refine.h"
 #include "shadow.h"
 #include "solution.h"
+#include "trial.h"
 
 typedef struct enc_paper_options {
     enc_fit_options fit;
@@ -18,12 +19,16 @@ typedef struct enc_paper_options {
     enc_refine_options refine;
     enc_cluster_options cluster;
     uint32_t effects; /* of shadow, shift, hidden; stages of the others do not run */
+    bool choose;      /* leave out those of `effects` that do not pay; default false */
+    double effect_tolerance, effect_tolerance_bytes; /* dB that an effect must gain; dB for each MB of it */
     uint32_t centres; /* k; 0: what the smallest legal atlas has room for (paper: 1984) */
 } enc_paper_options;
 
 typedef struct enc_paper_stats {
     enc_fit_stats fit;
     size_t hidden_before, hidden_after, hidden_total; /* table 1; zeros when shift and hidden do not run */
+    enc_trial trials[ENC_MAX_TRIALS]; /* with options->choose: what was tried, linear PSNR on a sample */
+    int trials_count;
 } enc_paper_stats;
 
 /* The paper's own settings. */

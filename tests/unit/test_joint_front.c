@@ -269,11 +269,46 @@ static void test_never_worse(void **unused) {
     }
 }
 
+/* --effects auto of the paper's method: all effects of a deep material, none of a flat one, whose flow is
+ * not even made; the error that decides is that of what is decoded. */
+static void test_paper_effects(void **unused) {
+    static const relief_kind reliefs[] = {RELIEF_BRICKS, RELIEF_FLAT};
+    (void)unused;
+    for (int i = 0; i < 2; i++) {
+        enc_data *data = sample(reliefs[i], 16);
+        enc_paper_options options = enc_paper_options_default();
+        enc_paper_stats stats;
+        enc_solution solution;
+        double linear;
+        options.choose = true;
+        options.effect_tolerance = 0.05;
+        assert_int_equal(enc_paper(&two_threads, data, &options, &solution, NULL, &stats), BTF_OK);
+        if (reliefs[i] == RELIEF_FLAT) {
+            assert_int_equal(solution.effects, 0);
+            assert_int_equal(stats.hidden_total, 0);
+            assert_null(solution.shadow);
+            assert_null(solution.shift);
+        } else {
+            assert_true(solution.effects & BTF_EFFECT_HIDDEN);
+            assert_true(stats.hidden_total > 0);
+        }
+        decoded_psnr(data, &solution, &linear);
+        bool found = false;
+        for (int t = 0; t < stats.trials_count; t++)
+            found = found || (stats.trials[t].effects == solution.effects &&
+                              fabs(stats.trials[t].psnr - linear) < 0.01);
+        assert_true(found);
+        enc_solution_clear(&solution);
+        enc_data_destroy(&data);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_monotone),    cmocka_unit_test(test_refit),
         cmocka_unit_test(test_round_trip),  cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_truncation), cmocka_unit_test(test_never_worse),
+        cmocka_unit_test(test_truncation),  cmocka_unit_test(test_paper_effects),
+        cmocka_unit_test(test_never_worse),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,217 @@
+/* Measuring and leaving out effects (see paper_effects.h).
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "paper_effects.h"
+
+#include "decoder/tools/cli.h"
+
+#include <math.h>
+#include <openbtf/material.h>
+#include <stdlib.h>
+#include <sys/resource.h>
+
+enum { SAMPLE = 256, PROBE_LIGHTS = 3 };
+
+static const double hidden_share = 0.01; /* of points, below which clusters are not worth a try */
+
+static double core_seconds(void) {
+    struct rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    return (double)(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+           1e-6 * (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+}
+
+static double clipped(double value) {
+    return value < 1.0 ? value : 1.0;
+}
+
+/* Lights as planes. */
+typedef struct light_planes {
+    float x[BTF_MAX_DIRECTIONS], y[BTF_MAX_DIRECTIONS], z[BTF_MAX_DIRECTIONS];
+} light_planes;
+
+/* Sum of squares of one texel. model: 3 * n_lights floats of scratch. */
+static double texel_error(const enc_data *data, const enc_solution *s, const enc_occlusion *occlusion,
+                          uint32_t effects, const light_planes *lights, size_t texel, const float *samples,
+                          float *model) {
+    const size_t texels = enc_data_texel_count(data), n = (size_t)data->n_lights;
+    double sum = 0.0;
+    for (size_t view = 0; view < (size_t)data->n_views; view++) {
+        const size_t point = view * texels + texel;
+        const float *truth = samples + view * 3 * n;
+        const bool hidden = (effects & BTF_EFFECT_HIDDEN) && occlusion->hidden[point];
+        const bool moved = (effects & BTF_EFFECT_SHIFT) && !hidden;
+        const size_t source =
+            moved ? enc_occlusion_source(data->width, data->height, texel, occlusion->shift[2 * point],
+                                         occlusion->shift[2 * point + 1])
+                  : texel;
+        if (!hidden)
+            enc_sbrdf_evaluate(s->sbrdf, source, data->views[view].xyz, (int)n, lights->x, lights->y,
+                               lights->z, model);
+        for (size_t p = 0; p < 3 * n; p++) {
+            const size_t l = p % n;
+            double value;
+            if (hidden) {
+                const uint8_t *centre = s->centre_codes + 3 * ((size_t)occlusion->centre[point] * n + l);
+                const double root = centre[p / n] * (double)s->centre_scale;
+                value = root * root;
+            } else {
+                value = (double)model[p] * lights->z[l];
+                if (effects & BTF_EFFECT_SHADOW)
+                    value *= s->shadow[l * texels + source] * (double)s->shadow_scale;
+            }
+            const double difference = clipped(value) - clipped(truth[p]);
+            sum += difference * difference;
+        }
+    }
+    return sum;
+}
+
+btf_result enc_paper_error(const enc_context *context, const enc_data *data, const enc_solution *solution,
+                           const enc_occlusion *occlusion, uint32_t effects, double *out_error) {
+    const size_t texels = enc_data_texel_count(data), stride = enc_data_texel_stride(data);
+    const size_t count = texels < SAMPLE ? texels : SAMPLE;
+    double *errors = calloc(count, sizeof *errors);
+    light_planes lights;
+    btf_result result = errors ? BTF_OK : enc_fail(context, BTF_ERROR_MEMORY, "effects: out of memory");
+    for (int l = 0; l < data->n_lights; l++) {
+        lights.x[l] = data->lights[l].xyz[0];
+        lights.y[l] = data->lights[l].xyz[1];
+        lights.z[l] = data->lights[l].xyz[2];
+    }
+#pragma omp parallel num_threads(context->threads)
+    {
+        float *buffer = malloc((stride + 3 * (size_t)data->n_lights) * sizeof *buffer);
+        btf_result mine = result;
+        if (mine == BTF_OK && !buffer)
+            mine = enc_fail(context, BTF_ERROR_MEMORY, "effects: out of memory");
+#pragma omp for schedule(dynamic)
+        for (size_t i = 0; i < count; i++) {
+            const float *samples;
+            const size_t texel = i * texels / count;
+            if (mine == BTF_OK)
+                mine = enc_data_texels(context, data, texel, 1, buffer, &samples);
+            if (mine == BTF_OK)
+                errors[i] = texel_error(data, solution, occlusion, effects, &lights, texel, samples,
+                                        buffer + stride);
+        }
+        free(buffer);
+        if (mine != BTF_OK) {
+#pragma omp critical(paper_effects)
+            result = mine;
+        }
+    }
+    *out_error = 0.0;
+    for (size_t i = 0; i < count && result == BTF_OK; i++)
+        *out_error += errors[i] / ((double)count * (double)stride);
+    free(errors);
+    return result;
+}
+
+/* Bytes of the maps of these effects in layout `tight`: what a texel of a map costs counts, not how the
+ * atlas is rounded up. */
+static uint64_t map_bytes(const enc_data *data, const enc_solution *s, uint32_t effects) {
+    const uint64_t texels = enc_data_texel_count(data), views = (uint64_t)data->n_views;
+    const uint64_t lights = (uint64_t)data->n_lights;
+    return (effects & BTF_EFFECT_SHADOW ? texels * lights : 0) +
+           (effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN) ? 2 * texels * views : 0) +
+           (effects & BTF_EFFECT_HIDDEN ? texels * views + 4 * (uint64_t)s->n_centres * lights : 0);
+}
+
+static void note(const enc_context *context, const enc_data *data, const enc_solution *s, uint32_t effects,
+                 double error, double since, const char *verdict, enc_paper_stats *stats) {
+    char text[64];
+    const enc_trial trial = {.effects = effects,
+                             .lobes = s->sbrdf->lobes,
+                             .rgb = s->sbrdf->rgb,
+                             .centres = effects & BTF_EFFECT_HIDDEN ? (int)s->n_centres : 0,
+                             .gpu_bytes = map_bytes(data, s, effects),
+                             .psnr = error > 1e-10 ? -10.0 * log10(error) : 100.0,
+                             .core_seconds = core_seconds() - since,
+                             .verdict = verdict};
+    if (stats->trials_count < ENC_MAX_TRIALS)
+        stats->trials[stats->trials_count++] = trial;
+    enc_log(context, BTF_LOG_INFO, "paper: effects %s on %d texels: %.2f dB, %s",
+            cli_effects_text(effects, text), SAMPLE, trial.psnr, verdict);
+}
+
+/* dB that the error `without` an effect lies above that `with` it, less what its bytes have to bring. */
+static double worth(const enc_paper_options *options, double with, double without, uint64_t bytes) {
+    const double floor = 1e-10; /* 100 dB */
+    return 10.0 * log10(fmax(without, floor) / fmax(with, floor)) -
+           options->effect_tolerance_bytes * (double)bytes * 1e-6;
+}
+
+btf_result enc_paper_probe(const enc_context *context, const enc_data *data,
+                           const enc_paper_options *options, const enc_solution *solution,
+                           enc_paper_stats *stats, bool *out_promising) {
+    const double start = core_seconds();
+    enc_context quiet = *context; /* the stage "flow" is that of all lights */
+    const uint32_t without = solution->effects & BTF_EFFECT_SHADOW, with = without | BTF_EFFECT_SHIFT;
+    enc_flow_options flow = options->flow;
+    enc_occlusion *occlusion = NULL;
+    double still, moved = 0.0;
+    quiet.progress = NULL;
+    enc_stage_begin(context, "probe", 1);
+    flow.lights = PROBE_LIGHTS < data->n_lights ? PROBE_LIGHTS : data->n_lights;
+    btf_result result = enc_paper_error(context, data, solution, NULL, without, &still);
+    if (result == BTF_OK)
+        result = enc_flow_vote(&quiet, data, &flow, &occlusion);
+    if (result == BTF_OK)
+        result = enc_paper_error(context, data, solution, occlusion, with, &moved);
+    if (result == BTF_OK) {
+        const double points = (double)enc_data_texel_count(data) * data->n_views;
+        const double share = (double)enc_occlusion_hidden_count(occlusion, -1) / points;
+        *out_promising = worth(options, moved, still, map_bytes(data, solution, with & ~without)) >=
+                             options->effect_tolerance ||
+                         share >= hidden_share;
+        note(context, data, solution, without, still, start, *out_promising ? "probe" : "enough", stats);
+        note(context, data, solution, with, moved, start,
+             *out_promising ? "probe: worth a try" : "probe: left out", stats);
+    }
+    enc_occlusion_destroy(&occlusion);
+    enc_stage_end(context);
+    return result;
+}
+
+btf_result enc_paper_choose(const enc_context *context, const enc_data *data,
+                            const enc_paper_options *options, enc_solution *solution,
+                            const enc_occlusion *occlusion, enc_paper_stats *stats) {
+    static const uint32_t single[] = {BTF_EFFECT_SHADOW, BTF_EFFECT_SHIFT, BTF_EFFECT_HIDDEN};
+    double start = core_seconds(), present;
+    btf_result result = enc_paper_error(context, data, solution, occlusion, solution->effects, &present);
+    if (result == BTF_OK)
+        note(context, data, solution, solution->effects, present, start, "all that were found", stats);
+    for (bool again = true; again && result == BTF_OK;) {
+        double least = HUGE_VAL, error_without = 0.0;
+        uint32_t candidate = 0;
+        again = false;
+        for (int i = 0; i < 3 && result == BTF_OK; i++) {
+            const uint32_t without = solution->effects & ~single[i];
+            double error;
+            if (without == solution->effects)
+                continue;
+            start = core_seconds();
+            result = enc_paper_error(context, data, solution, occlusion, without, &error);
+            if (result != BTF_OK)
+                break;
+            const uint64_t bytes =
+                map_bytes(data, solution, solution->effects) - map_bytes(data, solution, without);
+            const double loss = worth(options, present, error, bytes);
+            note(context, data, solution, without, error, start, "tried", stats);
+            if (loss < least) {
+                least = loss;
+                candidate = without;
+                error_without = error;
+            }
+        }
+        if (result == BTF_OK && least < options->effect_tolerance) {
+            solution->effects = candidate;
+            present = error_without;
+            note(context, data, solution, candidate, present, core_seconds(), "best so far", stats);
+            again = true;
+        }
+    }
+    return result;
+}
