@@ -18,6 +18,7 @@ typedef struct scalars {
     bool shift;
     joint_front_kind front;
     float shadow_scale;
+    unsigned searches;
 } scalars;
 
 static scalars scalars_of(const joint_fit *fit) {
@@ -35,6 +36,7 @@ static scalars scalars_of(const joint_fit *fit) {
     s.prior = m->prior;
     s.gains = m->gains;
     s.shift = m->shift;
+    s.searches = m->searches;
     if (m->front) {
         s.front = m->front->kind;
         s.shadow_scale = m->front->shadow_scale;
@@ -74,6 +76,7 @@ static bool make_fit(const joint_rows *rows, const scalars *s, joint_fit *out_fi
         return false;
     m->gains = s->gains;
     m->shift = s->shift;
+    m->searches = s->searches;
     m->prior = s->prior;
     if (s->has_centres) {
         m->centre = malloc(points * sizeof *m->centre);

@@ -55,7 +55,8 @@ watched() {
 encode() { "$tools/encoder/btf-encode" "$work/data" -o "$work/x.btf.exr" --threads 4 -q "$@"; }
 watched "sample" "$tools/tests/sample/btf-sample" -o "$work/data" --relief bricks --size 12 --directions 0:1,45:5 --quiet
 watched "paper" encode --method paper
-watched "paper, scratch file, pictures, report" encode --method paper --memory 100k --pictures "$work/p" --report "$work/r.json"
+least=$(encode --method paper --memory 1 2>&1 | grep -o 'at least [0-9]*K' | grep -o '[0-9]*K') # samples then lie in a scratch file
+watched "paper, scratch file, pictures, report" encode --method paper --memory "$least" --pictures "$work/p" --report "$work/r.json"
 watched "joint" encode --preset fast
 watched "joint, model without residual" encode --preset fast --effects shadow,shift,gain
 watched "joint, layout paper" encode --preset fast --layout paper

@@ -58,3 +58,6 @@ finish() { exit $((failures > 0)); }
 
 # A data set of 7 views and 7 lights in $work/data, 16 x 16.
 small_data() { btf-sample -o data --relief bricks --size 16 --directions 0:1,40:6 --quiet "$@" || exit 99; }
+
+# The least --memory that btf-encode takes with these arguments: samples then lie in a scratch file.
+least_memory() { btf-encode "$@" -o least.btf.exr -q --memory 1 2>&1 | grep -o 'at least [0-9]*K' | grep -o '[0-9]*K'; }
