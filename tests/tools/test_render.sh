@@ -45,7 +45,7 @@ for mesh in plane sphere torus drape seat.obj; do
     done
 done
 for way in "--interpolation nearest" "--filter bilinear" "--samples 3 --exposure -1.5" "--point 1,1,2,3 --light 20,0,0.5,1,0,0" \
-    "--tone filmic --background 0.2" "--fov 0 --zoom 0.5 --repeat 1.5" "--size 31x17"; do
+    "--tone filmic --background 0.2" "--tone reinhard" "--fov 0 --zoom 0.5 --repeat 1.5" "--size 31x17"; do
     render -o r.png --device reference $way
     render -o g.png --device osmesa $way
     same "$way: the reference's picture" r.png g.png
@@ -159,6 +159,9 @@ expect "data without figure 13" 1 render -o x.png --original data
 expect "help" 0 btf-render --help
 for option in $(grep -o '^ *\.\?{*.*\.name = "[a-z0-9-]*"' "$BTF_SOURCE_ROOT/decoder/tools/btf-render.c" | sed 's/.*"\(.*\)"/\1/' | grep -v btf-render); do
     expect_text "help names --$option" "--$option" out
+    name=--$option
+    [ $option = output ] && name=-o
+    expect_that "$name is exercised" grep -Eq -- "(^|[^a-z-])$name([^a-z-]|\$)" "$0"
 done
 expect "no output" 1 render
 expect_text "is told" 'option --output is missing' err

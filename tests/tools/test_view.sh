@@ -35,6 +35,7 @@ O
 expect "help" 0 btf-view --help
 for option in mesh original size effects interpolation filter math level screenshots verbose quiet; do
     expect_text "help names --$option" "--$option" out
+    expect_that "--$option is exercised" grep -Eq -- "(^|[^a-z-])--$option([^a-z-]|\$)" "$0"
 done
 expect "no display" 5 env -u DISPLAY -u WAYLAND_DISPLAY btf-view m.btf.exr
 expect_text "is told, with what to do" 'no display: .*btf-render' err

@@ -327,6 +327,43 @@ static void test_joint_without_residual(void **unused) {
     enc_data_destroy(&data);
 }
 
+/* SBRDF times shadow in front of a residual: each level fits both, and is better than with the front alone
+ * (even with the V of another fit, which knows nothing of the front). */
+static void test_front_and_residual(void **unused) {
+    (void)unused;
+    enc_data *data = sample(RELIEF_BRICKS, 12);
+    enc_solution front, residual;
+    enc_levels alone, none, both;
+    enc_metrics metrics[2][2];
+    fit_joint(data, BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN, 3, &one_thread, &front, &alone);
+    fit_joint(data, BTF_EFFECT_RESIDUAL, 1, &one_thread, &residual, &none);
+    assert_true(front.sbrdf && residual.n_components >= 8);
+    enc_solution base = front;
+    base.effects |= BTF_EFFECT_RESIDUAL;
+    base.n_components = residual.n_components;
+    base.residual_texels = residual.residual_texels;
+    base.residual_directions = residual.residual_directions;
+    base.residual_scales = residual.residual_scales;
+    assert_int_equal(enc_levels_fit(&one_thread, data, 3, NULL, &base, &both), BTF_OK);
+    assert_int_equal(enc_levels_measure(&one_thread, data, &alone, metrics[0]), BTF_OK);
+    assert_int_equal(enc_levels_measure(&one_thread, data, &both, metrics[1]), BTF_OK);
+    for (int i = 0; i < 2; i++) {
+        const double without = enc_psnr_linear(&metrics[0][i].total),
+                     with = enc_psnr_linear(&metrics[1][i].total);
+        printf("bricks, level %d: front alone %.2f dB, with a residual %.2f dB\n", i + 1, without, with);
+        assert_non_null(both.level[i].sbrdf);
+        assert_non_null(both.level[i].shadow);
+        assert_true(with > without + 0.4);
+    }
+    check_round_trip(data, &base, &both);
+    enc_levels_clear(&both);
+    enc_levels_clear(&alone);
+    enc_levels_clear(&none);
+    enc_solution_clear(&front);
+    enc_solution_clear(&residual);
+    enc_data_destroy(&data);
+}
+
 static void test_threads(void **unused) {
     (void)unused;
     enc_data *data = sample(RELIEF_BUMPS, 11);
@@ -421,10 +458,15 @@ static void test_report(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_filter),  cmocka_unit_test(test_filter_scratch),
-        cmocka_unit_test(test_each),    cmocka_unit_test(test_joint),
-        cmocka_unit_test(test_threads), cmocka_unit_test(test_joint_without_residual),
-        cmocka_unit_test(test_paper),   cmocka_unit_test(test_report),
+        cmocka_unit_test(test_filter),
+        cmocka_unit_test(test_filter_scratch),
+        cmocka_unit_test(test_each),
+        cmocka_unit_test(test_joint),
+        cmocka_unit_test(test_front_and_residual),
+        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_joint_without_residual),
+        cmocka_unit_test(test_paper),
+        cmocka_unit_test(test_report),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
