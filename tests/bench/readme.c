@@ -134,6 +134,11 @@ static btf_result decode_rows(const bench_run *run, const decode_table *table, c
     return fclose(out) == 0 ? BTF_OK : enc_fail(run->context, BTF_ERROR_IO, "readme-decode: cannot write");
 }
 
+/* a - b, without the sign of a zero. */
+static double gap(double a, double b) {
+    return fabs(a - b) < 0.005 ? 0 : a - b;
+}
+
 /* What a cheaper way costs and loses against `base`. */
 static void print_way(const char *text, const decode_row *r, const decode_row *base, FILE *out) {
     if (!r) {
@@ -141,8 +146,8 @@ static void print_way(const char *text, const decode_row *r, const decode_row *b
     }
     fprintf(out, "- %s: %.2f times the time", text, r->ns / base->ns);
     if (!isnan(base->linear[1])) {
-        fprintf(out, ", %+.2f / %+.2f dB between the samples", r->linear[1] - base->linear[1],
-                r->srgb[1] - base->srgb[1]);
+        fprintf(out, ", %+.2f / %+.2f dB between the samples", gap(r->linear[1], base->linear[1]),
+                gap(r->srgb[1], base->srgb[1]));
     }
     if (fabs(r->linear[0] - base->linear[0]) >= 0.005) {
         fprintf(out, ", %+.2f / %+.2f dB at them", r->linear[0] - base->linear[0],
@@ -166,7 +171,11 @@ btf_result bench_readme_decode(const bench_run *run, const decode_table *table) 
             "\nOf the shader, against joint with three directions, texels and exact mathematics (%.0f ns a "
             "pixel; a viewer's choice), on that device:\n\n",
             base->ns);
-    print_way("**A game** that cannot afford more: nearest directions",
+    print_way(
+        "**A game**: `--effects shadow,shift,gain` when encoding: SBRDF times shadow instead of components",
+        decode_table_find(table, device, "joint; SBRDF x shadow sources", "whole", false, false, false),
+        base, out);
+    print_way("a game that cannot afford more: nearest directions",
               decode_table_find(table, device, "joint", "whole", true, false, false), base, out);
     print_way("half of the components, `components` of the shader's options",
               decode_table_find(table, device, "joint", "half the components", false, false, false), base,
