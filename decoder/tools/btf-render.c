@@ -5,8 +5,10 @@
 #include "cli.h"
 #include "render/figure.h"
 #include "render/original.h"
+#include "render/plan_table.h"
 #include "render/render.h"
 #include "progress.h"
+#include "scene_option.h"
 #include <omp.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,12 +16,12 @@
 
 static struct {
     const char *out, *mesh, *device, *environment, *original, *baseline;
-    double view[2], repeat, fov, zoom, exposure, background, env_rotate, env_gain;
-    bool repeat_given, zoom_given, figure13, stats, cast_shadows, quiet;
+    double view[2], repeat, fov, zoom, exposure, background, env_rotate, env_gain, tolerance;
+    bool repeat_given, zoom_given, interpolation_given, figure13, stats, cast_shadows, quiet;
     light_list lights;
     uint32_t effects;
     int size[2], samples, env_lights, components, math, interpolation, filter, tone, frames, animate,
-        threads, repeats, level;
+        threads, repeats, level, plan;
 } options = {.mesh = "sphere",
              .device = "osmesa",
              .fov = 30,
@@ -31,6 +33,8 @@ static struct {
              .components = BTF_MAX_COMPONENTS,
              .frames = 1,
              .level = -1,
+             .plan = -1,
+             .tolerance = 0.5,
              .repeats = 9};
 
 static const char *parse_size(const char *text, void *value) {
@@ -181,6 +185,19 @@ static const cli_option option_table[] = {
      .type = CLI_EFFECTS,
      .value = &options.effects,
      .help = "effects to decode (default all that the file holds)"},
+    {.name = "plan",
+     .arg = "auto|none",
+     .type = CLI_CHOICE,
+     .value = &options.plan,
+     .choices = "auto|none",
+     .help = "auto: decode and upload only what the pictures call for (btf-info --plan)"},
+    {.name = "tolerance",
+     .arg = "DB",
+     .type = CLI_DOUBLE,
+     .value = &options.tolerance,
+     .minimum = 0,
+     .maximum = 100,
+     .help = "what --plan may lose against the full decode, predicted; default 0.5"},
     {.name = "components",
      .type = CLI_INT,
      .value = &options.components,
@@ -191,6 +208,7 @@ static const cli_option option_table[] = {
      .type = CLI_CHOICE,
      .choices = "linear|nearest",
      .value = &options.interpolation,
+     .given = &options.interpolation_given,
      .help = "between sampled directions (default linear)"},
     {.name = "filter",
      .type = CLI_CHOICE,
@@ -292,6 +310,7 @@ typedef struct job {
     shader *shader, *baseline_shader;
     original *original;
     render_scene scene;
+    btf_plan plan; /* with --plan auto */
 } job;
 
 static btf_result check_options(void) {
@@ -306,6 +325,8 @@ static btf_result check_options(void) {
     if (!options.figure13 && (options.original || options.baseline))
         return cli_error(&program, BTF_ERROR_USAGE, "option --%s: only together with --figure13",
                          options.original ? "original" : "baseline");
+    if (options.figure13 && options.plan == 0)
+        return cli_error(&program, BTF_ERROR_USAGE, "option --plan: not together with --figure13");
     if (options.figure13 && options.level > 0)
         return cli_error(&program, BTF_ERROR_USAGE,
                          "option --level: %d, but --figure13 compares the original with level 0",
@@ -401,14 +422,80 @@ static btf_result open_original(job *j) {
     return result;
 }
 
+/* All lights by `degrees` of phi. */
+static void turn_lights(double degrees) {
+    const double c = cos(degrees * (RENDER_PI / 180)), s = sin(degrees * (RENDER_PI / 180));
+    for (size_t i = 0; i < options.lights.count; i++) {
+        vec3 *at = &options.lights.lights[i].at;
+        *at = vec(c * at->x - s * at->y, s * at->x + c * at->y, at->z);
+    }
+}
+
+/* The camera or the lights of a frame of an animation. */
+static void set_frame(job *j, int frame) {
+    const double step = 360.0 / options.frames;
+    if (options.animate == 0)
+        j->scene.table.camera.phi = options.view[1] + frame * step;
+    else if (frame > 0)
+        turn_lights(step);
+}
+
+/* What all frames see; lights are left as they were. */
+static btf_result range_of_frames(job *j, plan_range *range) {
+    const size_t size = options.lights.count * sizeof *options.lights.lights;
+    light *before = malloc(size ? size : 1);
+    btf_result result = before ? BTF_OK : BTF_ERROR_MEMORY;
+    if (before)
+        memcpy(before, options.lights.lights, size);
+    for (int frame = 0; frame < options.frames && !result; frame++) {
+        set_frame(j, frame);
+        result = plan_range_add(&j->scene, range);
+    }
+    if (before)
+        memcpy(options.lights.lights, before, size);
+    free(before);
+    return result;
+}
+
+/* One plan for all frames: the material becomes what they call for. */
+static btf_result plan_pictures(job *j) {
+    plan_range range = {0};
+    btf_plan *plan = &j->plan;
+    btf_material *small = NULL;
+    btf_result result = range_of_frames(j, &range);
+    if (result)
+        return cli_error(&program, result, "out of memory for a plan");
+    btf_scene scene = plan_range_scene(&range);
+    scene.interpolate = options.frames > 1 || options.interpolation_given;
+    if (options.level >= 0)
+        scene.pixels = 1;
+    result = btf_plan_effects(j->material, &scene, (float)options.tolerance, plan);
+    if (!result)
+        result = btf_material_restrict(j->material, plan, &j->log, &small);
+    if (result)
+        return cli_error(&program, result, "no plan for these pictures");
+    btf_material_close(&j->material);
+    j->material = small;
+    btf_material_get_info(j->material, &j->info);
+    j->scene.table.texels[0] = (int)j->info.width;
+    j->scene.table.texels[1] = (int)j->info.height;
+    j->scene.table.levels = (int)j->info.levels;
+    options.effects &= plan->effects;
+    if (plan->components && (int)plan->components < options.components)
+        options.components = (int)plan->components;
+    if (!options.interpolation_given)
+        options.interpolation = plan->shader.interpolation == BTF_INTERPOLATION_NEAREST
+                                    ? BTF_INTERPOLATION_NEAREST
+                                    : options.interpolation;
+    return BTF_OK;
+}
+
 static btf_result prepare(job *j, const char *path) {
     btf_result result = make_lights(&j->log);
     if (!result)
         result = btf_material_open(path, &j->log, &j->material);
     if (!result)
         result = load_mesh(j);
-    if (!result)
-        result = open_shader(j);
     if (!result)
         btf_material_get_info(j->material, &j->info);
     if (!result && options.level >= (int)j->info.levels)
@@ -439,7 +526,9 @@ static btf_result prepare(job *j, const char *path) {
                        .height = options.size[1],
                        .samples = options.samples,
                        .background = options.background};
-    return BTF_OK;
+    if (options.plan == 0)
+        result = plan_pictures(j);
+    return result ? result : open_shader(j);
 }
 
 /* OUT, or for an animation OUT with a number before its ending; false when it is too long. */
@@ -463,6 +552,10 @@ static void print_stats(const job *j, const render_times *t) {
            options.interpolation == BTF_INTERPOLATION_NEAREST ? "nearest" : "linear",
            options.filter == BTF_FILTER_BILINEAR ? "bilinear" : "texel",
            options.math == BTF_MATH_FAST ? "fast" : "exact");
+    if (options.plan == 0) {
+        printf("plan:\n");
+        scene_plan_print(stdout, "  ", &j->plan);
+    }
     printf("cast: %.1f ms\nshade: %.1f ms\n", 1e3 * t->cast, 1e3 * t->shade);
     if (t->decode.seconds > 0) {
         print_times("decode", &t->decode);
@@ -512,26 +605,13 @@ static btf_result render_figure(job *j, const char *path) {
     return result;
 }
 
-/* All lights by `degrees` of phi. */
-static void turn_lights(double degrees) {
-    const double c = cos(degrees * (RENDER_PI / 180)), s = sin(degrees * (RENDER_PI / 180));
-    for (size_t i = 0; i < options.lights.count; i++) {
-        vec3 *at = &options.lights.lights[i].at;
-        *at = vec(c * at->x - s * at->y, s * at->x + c * at->y, at->z);
-    }
-}
-
 static btf_result render_all(job *j) {
     btf_result result = BTF_OK;
-    const double step = 360.0 / options.frames;
     for (int frame = 0; frame < options.frames && !result; frame++) {
         char path[4096];
         if (!frame_path(frame, path, sizeof path))
             return cli_error(&program, BTF_ERROR_USAGE, "option --output: the name is too long");
-        if (options.animate == 0)
-            j->scene.table.camera.phi = options.view[1] + frame * step;
-        else if (frame > 0)
-            turn_lights(step);
+        set_frame(j, frame);
         result = options.figure13 ? render_figure(j, path) : render_one(j, path);
         if (options.frames > 1 && !options.quiet && !result)
             fprintf(stderr, "%s\n", path);

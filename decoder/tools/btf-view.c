@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "cli.h"
+#include <openbtf/plan.h>
 #include "png_image.h"
 #include "progress.h"
 #include "view/costs.h"
@@ -19,10 +20,11 @@
 
 static struct {
     const char *mesh, *original, *screenshots;
-    int size[2], interpolation, filter, math, level;
+    int size[2], interpolation, filter, math, level, plan;
+    double tolerance;
     uint32_t effects;
     bool verbose, quiet;
-} options = {.screenshots = "btf-view", .size = {800, 800}, .effects = BTF_EFFECT_ALL};
+} options = {.plan = -1, .tolerance = 0.5, .screenshots = "btf-view", .size = {800, 800}, .effects = BTF_EFFECT_ALL};
 
 static const cli_option option_table[] = {
     {.name = "mesh",
@@ -67,6 +69,20 @@ static const cli_option option_table[] = {
      .value = &options.level,
      .help = "level of detail, of a file that has several: by pixel (default), or the\n"
              "finest"},
+    {.name = "plan",
+     .arg = "auto|none",
+     .type = CLI_CHOICE,
+     .choices = "auto|none",
+     .value = &options.plan,
+     .help = "auto: upload and decode only what an orbit under any light calls for\n"
+             "(btf-info --plan interpolate); default none"},
+    {.name = "tolerance",
+     .arg = "DB",
+     .type = CLI_DOUBLE,
+     .value = &options.tolerance,
+     .minimum = 0,
+     .maximum = 100,
+     .help = "what --plan may lose against the full decode, predicted; default 0.5"},
     {.name = "screenshots",
      .arg = "PREFIX",
      .type = CLI_STRING,
@@ -113,6 +129,7 @@ typedef struct viewer {
     overlay *overlay;
     mesh *own_mesh;
     char material_name[64], message[160];
+    btf_plan plan; /* with --plan auto */
     double pointer[2], frame_ms, animated_at;
     bool dirty;
     btf_result failed; /* ends the loop */
@@ -190,15 +207,36 @@ static void use_material_facts(viewer *v, const char *path) {
     btf_material_get_info(v->material, &info);
     v->state.has_sbrdf = info.colour != BTF_COLOUR_NONE;
     v->state.has_levels = info.levels > 1;
+    if (options.plan == 0)
+        v->state.effects &= info.effects;
     if (!v->state.has_sbrdf && v->state.split == VIEW_SPLIT_SBRDF)
         v->state.split = VIEW_SPLIT_OFF;
     snprintf(v->material_name, sizeof v->material_name, "%.60s", base_name(path));
 }
 
+/* With --plan auto the material becomes what the plan names. */
+static btf_result open_planned(viewer *v, const char *path, btf_material **out_material) {
+    btf_material *whole = NULL;
+    btf_result result = btf_material_open(path, &v->log, &whole);
+    if (result || options.plan != 0) {
+        *out_material = whole;
+        return result;
+    }
+    const btf_scene orbit = {.struct_size = sizeof orbit, .interpolate = 1};
+    btf_plan plan;
+    result = btf_plan_effects(whole, &orbit, (float)options.tolerance, &plan);
+    if (!result)
+        result = btf_material_restrict(whole, &plan, &v->log, out_material);
+    if (!result)
+        v->plan = plan;
+    btf_material_close(&whole);
+    return result;
+}
+
 /* Another material; what is shown stays when it cannot be opened. The images belong to the old one. */
 static btf_result load_material(viewer *v, const char *path) {
     btf_material *fresh = NULL;
-    btf_result result = btf_material_open(path, &v->log, &fresh);
+    btf_result result = open_planned(v, path, &fresh);
     if (result)
         return result;
     result = drawing_set_material(v->drawing, fresh, NULL, &v->log);
@@ -252,6 +290,10 @@ static void panel_text(const viewer *v, char *text, size_t size) {
     if (error)
         snprintf(quality, sizeof quality, "%.1f dB linear, %.1f dB sRGB", (double)error->psnr_linear,
                  (double)error->psnr_srgb);
+    if (options.plan == 0 && v->plan.measured)
+        snprintf(quality, sizeof quality, "planned %.1f dB linear of %.1f, %.0f%% of bytes, k %u",
+                 (double)v->plan.psnr_linear, (double)v->plan.full_psnr_linear,
+                 100 * (double)v->plan.gpu_bytes / (double)v->plan.full_gpu_bytes, (unsigned)v->plan.components);
     costs_text(&v->costs, v->material, v->state.effects, list, sizeof list);
     snprintf(text, size,
              "%s on %s\n%s, %s, %s math%s, exposure %+.2f\nframe %.1f ms (%.0f a second)\nPSNR %s\n"
@@ -544,7 +586,7 @@ static btf_result choose_mesh(viewer *v) {
 static btf_result prepare(viewer *v, const char *path) {
     btf_result result = choose_mesh(v);
     if (!result && path) /* so that a missing file is told without a window */
-        result = btf_material_open(path, &v->log, &v->material);
+        result = open_planned(v, path, &v->material);
     if (!result && options.original)
         result = v->material ? open_images(v, options.original)
                              : cli_error(&program, BTF_ERROR_USAGE, "option --original: needs a FILE");

@@ -43,6 +43,7 @@ btf_result bench_section_growth(const bench_run *run); /* of the built-in bricks
 btf_result bench_section_fit(const bench_run *run);
 btf_result bench_section_codecs(const bench_run *run);
 btf_result bench_section_holdout(const bench_run *run);
+btf_result bench_section_plan(const bench_run *run);
 btf_result bench_section_shaders(const bench_run *run); /* of synthetic materials, whatever the data */
 
 /* run->out/SECTION-MATERIAL.EXTENSION, in `path` of `size` bytes. */

@@ -77,6 +77,16 @@ static void pick(random_state *r, const btf_range *range, double outermost, floa
     out[2] = (float)z;
 }
 
+void plan_arguments(const btf_plan *plan, const enc_data *data, size_t count, uint32_t *out) {
+    random_state r = {7};
+    for (size_t i = 0; i < count; i++) {
+        float f[8] = {(float)random_between(&r, 0, 1), (float)random_between(&r, 0, 1)};
+        pick(&r, &plan->scene.light, data->lights[data->n_lights - 1].theta, f + 2);
+        pick(&r, &plan->scene.view, data->views[data->n_views - 1].theta, f + 5);
+        memcpy(out + 8 * i, f, sizeof f);
+    }
+}
+
 static btf_ref_neighbours look_up(const uint16_t *table, uint32_t grid, const float direction[3]) {
     int32_t q[2];
     btf_ref_project(direction, q);

@@ -189,4 +189,22 @@ expect "an output folder that is not there" 2 render -o none/x.png
 expect_that "no picture is left of a failure" test ! -e x.png
 expect "no display" 5 env -u DISPLAY -u WAYLAND_DISPLAY btf-render m.btf.exr -o x.png --device glfw
 expect_text "is told" 'device glfw' err
+
+# Plans: what is decoded of less is the same picture; tolerance 0 leaves out nothing that shows.
+for way in "--mesh plane --view 10,20 --light 15,40" "--mesh sphere" "--mesh plane --view 0,0 --animate view --frames 2"; do
+    render -o whole.png --device reference $way
+    expect "planned: $way" 0 render -o planned.png --device reference $way --plan auto --tolerance 0 --stats
+    expect_text "says what: $way" '^  effects ' out
+    if [ -e whole.png ]; then
+        same "planned: the same picture, $way" whole.png planned.png
+    else
+        same "planned: the same second picture" whole.0002.png planned.0002.png
+    fi
+    rm -f whole*.png planned*.png
+done
+render -o r.png --device reference --mesh plane --plan auto --tolerance 30
+render -o g.png --device osmesa --mesh plane --plan auto --tolerance 30
+same "planned with less: the reference's picture" r.png g.png
+expect "no plan for figure 13" 1 btf-render m.btf.exr -o x.png --figure13 --original data --plan auto
+expect "a plan that is none" 1 render -o x.png --plan all
 finish

@@ -33,7 +33,7 @@ f 1/1 2/2 3/3
 O
 
 expect "help" 0 btf-view --help
-for option in mesh original size effects interpolation filter math level screenshots verbose quiet; do
+for option in mesh original size effects interpolation filter math level plan tolerance screenshots verbose quiet; do
     expect_text "help names --$option" "--$option" out
     expect_that "--$option is exercised" grep -Eq -- "(^|[^a-z-])--$option([^a-z-]|\$)" "$0"
 done
@@ -46,6 +46,7 @@ expect "an unknown mesh" 1 btf-view m.btf.exr --mesh cube
 echo "v 1" >bad.obj
 expect "a broken OBJ" 3 env -u DISPLAY btf-view m.btf.exr --mesh bad.obj
 expect "original without a file" 1 btf-view --original data
+expect "a plan that is none" 1 btf-view m.btf.exr --plan all
 expect "a wrong size" 1 btf-view --size 1x1
 
 # A display of our own.
@@ -234,4 +235,12 @@ press x '^math exact'
 xdotool key q
 wait $viewer
 expect_that "Q quits with 0" test $? = 0
+
+seen=0
+start levels.btf.exr --plan auto --tolerance 20
+press h '^help'
+shoot planned
+xdotool key q
+wait $viewer
+expect_that "a planned view quits with 0" test $? = 0
 finish
