@@ -12,7 +12,7 @@
 #include <string.h>
 
 enum {
-    ROUNDS = 2, /* of search and least squares; more gain less than 0.05 dB */
+    ROUNDS = 2, /* of search and least squares */
     STARTS = 2, /* of the SBRDF's first fit */
 };
 
@@ -48,7 +48,7 @@ static void load_v(const joint_rows *rows, const enc_solution *base, const doubl
 }
 
 /* U, sources and gains from the data; codes [texel][k]. */
-static btf_result fit(const joint_rows *rows, const joint_projection *projection, const double *step,
+static btf_result fit(const joint_rows *rows, joint_projection *projection, const double *step,
                       joint_model *model, int8_t *codes) {
     const joint_rounding rounding = {step, codes};
     double error = rows->total;
@@ -60,6 +60,11 @@ static btf_result fit(const joint_rows *rows, const joint_projection *projection
             result = joint_solve_u(rows, projection, NULL, model);
         if (result == BTF_OK)
             result = joint_choose(rows, projection, false, 0.0, model, &error);
+        if (result == BTF_OK && model->front) {
+            result = joint_front_refit(rows, model);
+            if (result == BTF_OK)
+                result = joint_project(rows, model, projection);
+        }
         model->prior =
             prior_strength * error / ((double)rows->texels * (double)rows->views * (double)rows->row);
     }
@@ -70,8 +75,7 @@ static btf_result fit(const joint_rows *rows, const joint_projection *projection
     return result;
 }
 
-static btf_result hand_over(const joint_rows *rows, joint_model *model, int8_t **codes,
-                            enc_solution *out) {
+static btf_result hand_over(const joint_rows *rows, joint_model *model, int8_t **codes, enc_solution *out) {
     const size_t points = rows->texels * rows->views;
     if (out->effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN))
         out->shift = malloc(2 * points);

@@ -8,9 +8,10 @@
 #include "solution.h"
 
 /* Fits the maps that a level has for itself to its data, with what it shares with `base`, the solution of
- * level 0: V, scales and effects. U, shifts and gains are found in turn by least squares and search, as for
- * level 0; then U is rounded to codes and the choices are made for those. *out_solution owns its own maps
- * and no others (enc_level_clear). Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED. */
+ * level 0: V, scales and effects. U, SBRDF, shadow, shifts and gains are found in turn by least squares and
+ * search, as for level 0; then U is rounded to codes and the choices are made for those. *out_solution owns
+ * its own maps and no others (enc_level_clear). Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO,
+ * BTF_ERROR_INTERRUPTED. */
 btf_result enc_level_joint(const enc_context *context, const enc_data *data, const enc_solution *base,
                            enc_solution *out_solution);
 
