@@ -17,10 +17,11 @@ static const double shift_tolerance = 1e-6;
  * in range. */
 static const double prior_strength = 3.0;
 
-enum { FRONT_PERIOD = 4 }; /* rounds from one refit of a front beside a residual to the next */
+enum { FRONT_PERIOD = 8 }; /* rounds from one refit of a front beside a residual to the next */
 
 void joint_fit_clear(joint_fit *fit) {
     joint_codes_clear(&fit->codes);
+    free(fit->centre_codes);
     joint_projection_clear(&fit->projection);
     joint_model_clear(&fit->model);
     *fit = (joint_fit){0};
@@ -95,6 +96,23 @@ static void set_freedom(joint_fit *fit) {
     }
 }
 
+/* Centres, and the points that they show. */
+static bool copy_centres(const joint_fit *from, joint_fit *to) {
+    const size_t points = to->rows->texels * to->rows->views, size = from->n_centres * to->rows->row;
+    joint_model *model = &to->model;
+    to->n_centres = from->n_centres;
+    to->centre_scale = from->centre_scale;
+    to->centre_codes = malloc(size);
+    model->centre = malloc(points * sizeof *model->centre);
+    model->centre_error = malloc(points * sizeof *model->centre_error);
+    if (!to->centre_codes || !model->centre || !model->centre_error)
+        return false;
+    memcpy(to->centre_codes, from->centre_codes, size);
+    memcpy(model->centre, from->model.centre, points * sizeof *model->centre);
+    memcpy(model->centre_error, from->model.centre_error, points * sizeof *model->centre_error);
+    return true;
+}
+
 btf_result joint_fit_start(const joint_fit *from, size_t k, uint32_t effects, joint_fit *out_fit) {
     const joint_rows *rows = from->rows;
     const size_t points = rows->texels * rows->views;
@@ -112,6 +130,9 @@ btf_result joint_fit_start(const joint_fit *from, size_t k, uint32_t effects, jo
     memcpy(model->match, from->model.match, points * sizeof *model->match);
     memcpy(model->gain, from->model.gain, points);
     set_freedom(out_fit);
+    if (from->n_centres > 0 && !copy_centres(from, out_fit))
+        return enc_fail(rows->context, BTF_ERROR_MEMORY, "joint: out of memory for %zu centres",
+                        from->n_centres);
     if (from->model.front)
         result = joint_front_copy(rows, from->model.front, &model->front);
     return result == BTF_OK ? refresh(out_fit) : result;
@@ -151,6 +172,16 @@ btf_result joint_fit_lone(const joint_rows *rows, uint32_t effects, const joint_
         return result;
     set_freedom(out_fit);
     return joint_fit_add_front(out_fit, kind, starts, 0);
+}
+
+btf_result joint_fit_point_errors(joint_fit *fit) {
+    fit->model.point_error = calloc(fit->rows->texels * fit->rows->views, sizeof(float));
+    if (!fit->model.point_error)
+        return enc_fail(fit->rows->context, BTF_ERROR_MEMORY, "joint: out of memory for %zu points",
+                        fit->rows->texels * fit->rows->views);
+    return fit->projection.c
+               ? joint_choose(fit->rows, &fit->projection, false, 0.0, &fit->model, &fit->error)
+               : refresh(fit);
 }
 
 btf_result joint_fit_round(joint_fit *fit) {
@@ -197,8 +228,13 @@ static void export_points(const joint_fit *fit, enc_solution *out) {
         const bool fits = joint_shift(width, height, (uint32_t)(i % texels), fit->model.match[i], &dx, &dy);
         assert(fits);
         (void)fits;
-        out->shift[2 * i] = (int8_t)dx;
-        out->shift[2 * i + 1] = (int8_t)dy;
+        const bool hidden = fit->n_centres > 0 && fit->model.gain[i] == 0;
+        out->shift[2 * i] = hidden ? 0 : (int8_t)dx;
+        out->shift[2 * i + 1] = hidden ? 0 : (int8_t)dy;
+    }
+    if (out->centre) {
+        memcpy(out->centre, fit->model.centre, texels * fit->rows->views * sizeof *out->centre);
+        memcpy(out->centre_codes, fit->centre_codes, fit->n_centres * fit->rows->row);
     }
 }
 
@@ -255,6 +291,12 @@ btf_result joint_fit_solution(const joint_fit *fit, enc_solution *out_solution) 
         ok = (out_solution->shift = malloc(2 * points)) && ok;
     if (fit->effects & BTF_EFFECT_GAIN)
         ok = (out_solution->gain = malloc(points)) && ok;
+    if (fit->effects & BTF_EFFECT_HIDDEN) {
+        out_solution->n_centres = (uint32_t)fit->n_centres;
+        out_solution->centre_scale = fit->centre_scale;
+        ok = (out_solution->centre = malloc(points * sizeof *out_solution->centre)) && ok;
+        ok = (out_solution->centre_codes = malloc(fit->n_centres * rows->row)) && ok;
+    }
     if (fit->effects & BTF_EFFECT_RESIDUAL) {
         out_solution->residual_texels = malloc(rows->texels * k);
         out_solution->residual_directions = malloc(rows->views * rows->row * k);

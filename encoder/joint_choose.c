@@ -20,7 +20,6 @@ enum {
     FRONT_DIMS = 12, /* basis vectors for fronts beside a residual */
     LONE_DIMS = 48,  /* the same without one */
     SAMPLES = 128,   /* fronts that the basis of a view is made from */
-    ITERATIONS = 1,  /* of its subspace iteration */
 };
 
 static btf_result out_of_memory(const joint_rows *rows, size_t k) {
@@ -53,8 +52,8 @@ void joint_projection_clear(joint_projection *projection) {
     *projection = (joint_projection){0};
 }
 
-/* The basis of one view: v first, then by subspace iteration the directions in which a sample of the fronts
- * is largest beyond v; then zero. */
+/* The basis of one view: v first, then what a power step from a few fronts over a sample of them leaves
+ * beyond v: directions in which fronts are large. The last vector is zero. */
 static bool front_basis(const joint_rows *rows, const joint_model *model, size_t view, float *basis,
                         float *lower) {
     const size_t k = model->k, row = rows->row, extra = front_dims(rows, model), spanned = k + extra;
@@ -64,27 +63,22 @@ static bool front_basis(const joint_rows *rows, const joint_model *model, size_t
     bool ok = fronts && factors;
     for (size_t i = 0; i < count && ok; i++)
         joint_front_row(rows, model->front, i * rows->texels / count, view, fronts + i * row);
-    if (ok) {
+    if (ok)
         memcpy(vectors, model->v + view * k * row, k * row * sizeof(float));
-        for (size_t j = 0; j < extra; j++)
-            memcpy(vectors + (k + j) * row, fronts + j * count / extra * row, row * sizeof(float));
-    }
-    for (int step = 0; step <= ITERATIONS && ok; step++) {
-        ok = joint_orthonormal_rows(spanned, row, vectors, basis, factors);
-        for (size_t j = k; j < spanned && ok && step < ITERATIONS; j++) {
-            const float *restrict direction = basis + j * row;
-            float *restrict sum = vectors + j * row;
-            memset(sum, 0, row * sizeof *sum);
-            for (size_t i = 0; i < count; i++) {
-                const float *restrict front = fronts + i * row;
-                float dot = 0.0f;
-                for (size_t p = 0; p < row; p++)
-                    dot += direction[p] * front[p];
-                for (size_t p = 0; p < row; p++)
-                    sum[p] += dot * front[p];
-            }
+    for (size_t j = 0; j < extra && ok; j++) {
+        const float *restrict direction = fronts + j * count / extra * row;
+        float *restrict sum = vectors + (k + j) * row;
+        memset(sum, 0, row * sizeof *sum);
+        for (size_t i = 0; i < count; i++) {
+            const float *restrict front = fronts + i * row;
+            float dot = 0.0f;
+            for (size_t p = 0; p < row; p++)
+                dot += direction[p] * front[p];
+            for (size_t p = 0; p < row; p++)
+                sum[p] += dot * front[p];
         }
     }
+    ok = ok && joint_orthonormal_rows(spanned, row, vectors, basis, factors);
     for (size_t i = 0; i < k && ok; i++)
         memcpy(lower + i * k, factors + i * spanned, k * sizeof(float));
     memset(basis + spanned * row, 0, row * sizeof *basis);
@@ -334,6 +328,8 @@ static void decide(void *user, size_t view, size_t first, size_t count, const fl
         double best = -HUGE_VAL;
         if (model->gain[point] == 0) {
             c->errors[view] += hidden_error(model, point);
+            if (model->point_error)
+                model->point_error[point] = (float)hidden_error(model, point);
             model->match[point] = candidates[0].source;
             continue;
         }
@@ -351,6 +347,8 @@ static void decide(void *user, size_t view, size_t first, size_t count, const fl
                 model->gain[point] = (uint8_t)code;
             }
         }
+        if (model->point_error)
+            model->point_error[point] = (float)(c->rows->energy[point] - best);
         c->errors[view] += c->rows->energy[point] - best;
     }
 }
@@ -366,9 +364,13 @@ btf_result joint_choose(const joint_rows *rows, const joint_projection *projecti
             break;
         }
         result = choose_view(&c, view, search);
-        for (size_t x = 0; x < rows->texels && result == BTF_OK && !model->front; x++)
-            error += c.hidden[x] ? hidden_error(model, view * rows->texels + x)
-                                 : rows->energy[view * rows->texels + x] - c.value[x];
+        for (size_t x = 0; x < rows->texels && result == BTF_OK && !model->front; x++) {
+            const size_t point = view * rows->texels + x;
+            const double left = c.hidden[x] ? hidden_error(model, point) : rows->energy[point] - c.value[x];
+            if (model->point_error)
+                model->point_error[point] = (float)left;
+            error += left;
+        }
     }
     if (model->front && result == BTF_OK)
         result = joint_rows_pass(rows, decide, &c);

@@ -26,6 +26,9 @@ typedef struct joint_fit {
     joint_codes codes;           /* after joint_fit_round_off */
     double error;                /* sum of squares in the fitted domain */
     int rounds;                  /* done so far */
+    size_t n_centres;            /* with effect hidden */
+    float centre_scale;
+    uint8_t *centre_codes; /* [centre][light][3] */
 } joint_fit;
 
 void joint_fit_clear(joint_fit *fit);
@@ -51,6 +54,9 @@ btf_result joint_fit_lone(const joint_rows *rows, uint32_t effects, const joint_
 
 /* One round; fit->error is that after it. */
 btf_result joint_fit_round(joint_fit *fit);
+
+/* Fills fit->model.point_error for the present choices. */
+btf_result joint_fit_point_errors(joint_fit *fit);
 
 /* Frees what only rounds need; joint_fit_round makes it again. */
 void joint_fit_rest(joint_fit *fit);

@@ -184,10 +184,11 @@ static double range_of_u(const joint_model *model, size_t component) {
 }
 
 /* The strongest few components each get one of the weakest as a helper; the helpers stand right behind them
- * all: 0, 1, 2, 3, k - 1, k - 2, k - 3, k - 4, 4, 5, ... Then u_j += r u_i, v_i -= r v_j for each such pair:
- * one step of v_j moves the sum by much less than one of v_i along the strong component, and by little along
- * the weak; with r = sqrt(step_i / step_j) both come to sqrt(step_i step_j), where the strong one alone had
- * step_i. A decoder that stops before the helpers loses r u_i v_j, some 30 dB below component i. */
+ * all: 0, 1, 2, 3, k - 1, k - 2, k - 3, k - 4, 4, 5, ... Then u_j += r u_i, v_i -= r v_j for each such
+ * pair: one step of v_j moves the sum by much less than one of v_i along the strong component, and by
+ * little along the weak; with r = sqrt(step_i / step_j) both come to sqrt(step_i step_j), where the strong
+ * one alone had step_i. A decoder that stops before the helpers loses r u_i v_j, some 30 dB below component
+ * i. */
 static btf_result add_helpers(const joint_rows *rows, joint_model *model) {
     const size_t k = model->k, row = model->row;
     const size_t pairs = k / 4 < HELPERS ? k / 4 : HELPERS;
@@ -352,6 +353,16 @@ static void add_sbrdf(const measure_pass *pass, size_t view, size_t source, floa
     }
 }
 
+/* decoded [row] = y of a centre. */
+static void decode_centre(const joint_rows *rows, const enc_solution *s, size_t centre, float *decoded) {
+    const size_t lights = rows->row / 3;
+    for (size_t p = 0; p < rows->row; p++) {
+        const float root =
+            (float)s->centre_codes[(centre * lights + p % lights) * 3 + p / lights] * s->centre_scale;
+        decoded[p] = rows->root ? root : root * root;
+    }
+}
+
 static void measure_block(void *user, size_t view, size_t first, size_t count, const float *block) {
     const measure_pass *pass = user;
     const joint_rows *rows = pass->rows;
@@ -371,7 +382,12 @@ static void measure_block(void *user, size_t view, size_t first, size_t count, c
     for (size_t i = 0; i < count && s->sbrdf; i++)
         add_sbrdf(pass, view, source_of(s, view, first + i), decoded + i * row);
     for (size_t i = 0; i < count; i++) {
-        const float gain = s->gain ? (float)s->gain[view * rows->texels + first + i] * s->gain_scale : 1.0f;
+        const bool hidden = s->n_centres > 0 && s->gain[view * rows->texels + first + i] == 0;
+        if (hidden)
+            decode_centre(rows, s, s->centre[view * rows->texels + first + i], decoded + i * row);
+        const float gain = hidden    ? 1.0f
+                           : s->gain ? (float)s->gain[view * rows->texels + first + i] * s->gain_scale
+                                     : 1.0f;
         for (size_t p = 0; p < row; p++) {
             const float y = fmaxf(decoded[i * row + p] * gain, 0.0f), truth = block[i * row + p];
             const float a = clipped_radiance(rows, y), b = clipped_radiance(rows, truth);

@@ -49,6 +49,7 @@ joint_shape joint_run_shape(const joint_fit *fit) {
     const joint_front *front = fit->model.front;
     return (joint_shape){.effects = fit->effects,
                          .components = fit->model.k,
+                         .centres = fit->n_centres,
                          .lobes = front ? front->kind.lobes : 0,
                          .rgb = front && front->kind.rgb,
                          .half = front && front->kind.half};
@@ -76,6 +77,7 @@ void joint_run_note(joint_run *r, const joint_shape *shape, double error, const 
                              .lobes = shape->lobes,
                              .rgb = shape->rgb,
                              .components = (int)shape->components,
+                             .centres = (int)shape->centres,
                              .gpu_bytes = joint_bytes(r->rows.data, shape),
                              .psnr = joint_psnr(&r->rows, error),
                              .core_seconds = now - r->noted,
@@ -255,6 +257,8 @@ static btf_result solve(joint_run *r, enc_solution *out_solution, joint_error *o
     if (plenty > 0)
         return joint_run_finish_part(r, &r->plain, plenty, out_solution, out_error);
     result = joint_try_candidates(r);
+    if (result == BTF_OK && r->best.rows)
+        result = joint_try_centres(r);
     if (result == BTF_OK && !residual && !r->best.rows)
         result =
             enc_fail(r->rows.context, BTF_ERROR_USAGE, "joint: a budget of %llu bytes holds no such model",

@@ -64,6 +64,10 @@ void joint_run_note(joint_run *r, const joint_shape *shape, double error, const 
  * (joint_candidates.c). */
 btf_result joint_try_candidates(joint_run *r);
 
+/* Hidden points and centres for r->best, where it has shift and gain: in the bytes that are left, or in
+ * those of the last four components where that saves more (joint_hide.c). */
+btf_result joint_try_centres(joint_run *r);
+
 /* An SBRDF alone, if a sample of texels says that this is enough: *out_done where it was
  * (joint_candidates.c). */
 btf_result joint_try_plain_sbrdf(joint_run *r, enc_solution *out_solution, joint_error *out_error,

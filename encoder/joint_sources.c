@@ -41,6 +41,7 @@ void joint_model_clear(joint_model *model) {
     free(model->gain);
     free(model->centre);
     free(model->centre_error);
+    free(model->point_error);
     joint_front_destroy(&model->front);
     *model = (joint_model){0};
 }

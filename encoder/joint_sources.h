@@ -29,6 +29,7 @@ typedef struct joint_model {
     unsigned searches; /* so far: moves the grid of sources that points look at */
     uint16_t *centre;    /* [view][texel] of the points of gain 0, which are hidden; NULL: none is */
     float *centre_error; /* [view][texel] squared distance of those points to their centre */
+    float *point_error;  /* [view][texel] squared error of a point; joint_choose fills it unless NULL */
     joint_front *front;  /* NULL: none. k is 0 where the front is all of a source */
     double prior;        /* variance of the noise over that of u: weight of a pull of u towards 0 */
 } joint_model;

@@ -269,6 +269,57 @@ static void test_never_worse(void **unused) {
     }
 }
 
+/* Points that no source can show, among those of a relief, become hidden: their centres are found, decode
+ * as measured, and more than pay; without such points nothing is hidden. */
+static void test_centres(void **unused) {
+    (void)unused;
+    for (int strange = 0; strange < 2; strange++) {
+        enc_data *data = sample(RELIEF_BRICKS, 12);
+        const size_t row = 3 * 13;
+        uint32_t state = 12345;
+        size_t count = 0, hidden = 0, right = 0;
+        bool is_strange[7 * 144] = {false};
+        for (size_t point = 0; strange && point < 7 * 144; point++) {
+            state = state * 1664525u + 1013904223u;
+            if (state >> 28)
+                continue;
+            float *samples = data->samples + (point % 144 * 7 + point / 144) * row;
+            const uint32_t kind = state >> 20 & 3;
+            is_strange[point] = true;
+            count++;
+            for (size_t p = 0; p < row; p++)
+                samples[p] = (float)((p * (7 + 4 * kind) + 5 * kind * kind) % 17) / 17.0f;
+        }
+        enc_joint_options options = fast(BTF_EFFECT_ALL & ~(uint32_t)BTF_EFFECT_SHADOW, true);
+        enc_joint_stats with, without;
+        enc_solution solution;
+        double linear;
+        options.components = 4;
+        options.budget = 6000; /* maps, four components and some centres */
+        assert_int_equal(enc_joint(&two_threads, data, &options, &solution, &with), BTF_OK);
+        assert_true(with.gpu_bytes <= options.budget);
+        assert_true(fabs(decoded_psnr(data, &solution, &linear) - with.psnr_srgb) < 0.01);
+        for (size_t point = 0; point < 7 * 144 && (solution.effects & BTF_EFFECT_HIDDEN); point++) {
+            hidden += solution.gain[point] == 0;
+            right += solution.gain[point] == 0 && is_strange[point];
+            assert_true(solution.gain[point] > 0 || solution.centre[point] < solution.n_centres);
+        }
+        enc_solution_clear(&solution);
+        options.effects &= ~(uint32_t)BTF_EFFECT_HIDDEN;
+        assert_int_equal(enc_joint(&two_threads, data, &options, &solution, &without), BTF_OK);
+        printf("%zu strange points: %zu hidden, %zu of them strange; %.2f dB, %.2f without\n", count,
+               hidden, right, with.psnr_fitted, without.psnr_fitted);
+        if (strange) {
+            assert_true(right >= count * 9 / 10);
+            assert_true(with.psnr_fitted > without.psnr_fitted + 1.0);
+        } else {
+            assert_true(with.psnr_fitted >= without.psnr_fitted - 0.05);
+        }
+        enc_solution_clear(&solution);
+        enc_data_destroy(&data);
+    }
+}
+
 /* --effects auto of the paper's method: all effects of a deep material, none of a flat one, whose flow is
  * not even made; the error that decides is that of what is decoded. */
 static void test_paper_effects(void **unused) {
@@ -305,10 +356,10 @@ static void test_paper_effects(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_monotone),    cmocka_unit_test(test_refit),
-        cmocka_unit_test(test_round_trip),  cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_truncation),  cmocka_unit_test(test_paper_effects),
-        cmocka_unit_test(test_never_worse),
+        cmocka_unit_test(test_monotone),   cmocka_unit_test(test_refit),
+        cmocka_unit_test(test_round_trip), cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_truncation), cmocka_unit_test(test_paper_effects),
+        cmocka_unit_test(test_centres),    cmocka_unit_test(test_never_worse),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
