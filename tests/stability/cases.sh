@@ -4,6 +4,9 @@
 . "$BTF_SOURCE_ROOT/tests/tools/common.sh" || exit 99
 broken=0 asked=0
 
+# Whether the tools are built with AddressSanitizer: slower, and with all addresses taken.
+sanitized() { nm -D "$(command -v btf-encode)" 2>/dev/null | grep -q __asan; }
+
 title() { echo "TITLE | $1"; }
 
 # verdict INPUT EXPECTED SEEN: the case passes when nothing was complained of since the last verdict.

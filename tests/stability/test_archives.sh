@@ -11,7 +11,7 @@ btf-encode data -o good.btf.exr --method paper -q || exit 99
 
 # Memory that a process may take, in KiB: a bomb that is swallowed whole does not fit (sanitizers need their own).
 bound=2500000
-case $(btf-encode --help 2>/dev/null; nm -D "$(command -v btf-encode)" 2>/dev/null) in *__asan*) bound=unlimited ;; esac
+sanitized && bound=unlimited
 
 # encodes INPUT WHAT: the same samples as from the folder.
 encodes() {
