@@ -13,7 +13,7 @@
 
 enum {
     CANDIDATES = 24, /* of the worst points, for each centre */
-    LLOYD = 8,       /* iterations of the first clustering */
+    LLOYD = 5,       /* iterations of the first clustering */
     ROUNDS = 3,      /* of assigning points and moving centres */
 };
 

@@ -10,7 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LAYER = 4 }; /* components of a texture layer: what can be given up */
+enum {
+    LAYER = 4,  /* components of a texture layer: what can be given up */
+    MOST = 512, /* centres: the time of the clustering grows with their square */
+};
 
 /* Centres that the budget holds beside r->best with k components. */
 static size_t room(const joint_run *r, size_t k) {
@@ -20,8 +23,8 @@ static size_t room(const joint_run *r, size_t k) {
     const uint64_t bytes = joint_bytes(r->rows.data, &shape);
     const uint64_t each = 4 * (uint64_t)r->rows.data->n_lights;
     const uint64_t most = bytes < r->budget ? (r->budget - bytes) / each : 0;
-    /* blocks of 4096 centres have equal numbers of rows: up to one block nothing is rounded up */
-    return (size_t)(most < 4096 ? most : 4096);
+    return (size_t)(most < MOST ? most
+                                : MOST); /* one block of FORMAT.md section 3: nothing is rounded up */
 }
 
 /* r->best without its last four components, in the principal basis that it is in. */
