@@ -42,8 +42,12 @@ uint64_t joint_bytes(const enc_data *data, const joint_shape *shape) {
 
 size_t joint_components_for(const enc_data *data, const joint_shape *shape, uint64_t budget, size_t limit) {
     joint_shape trial = *shape;
-    if (enc_data_texel_count(data) > JOINT_EXACT && limit > JOINT_MOST_BEYOND)
-        limit = JOINT_MOST_BEYOND;
+    if (enc_data_texel_count(data) > JOINT_EXACT && limit > JOINT_MOST_BEYOND) {
+        enc_data exact = *data; /* its samples are not looked at */
+        exact.width = exact.height = 64;
+        const size_t there = joint_components_for(&exact, shape, joint_default_budget(&exact), limit);
+        limit = there > JOINT_MOST_BEYOND ? there : JOINT_MOST_BEYOND;
+    }
     for (trial.components = limit / 4 * 4; trial.components > 0; trial.components -= 4)
         if (joint_bytes(data, &trial) <= budget)
             break;

@@ -20,12 +20,12 @@ joint_shape joint_solution_shape(const enc_solution *solution);
 
 uint64_t joint_bytes(const enc_data *data, const joint_shape *shape);
 
-/* Beyond 64x64 texels no more components than this: what they gain is little beside the time that their
- * solves take, which grows with their cube. */
+/* Beyond 64x64 texels no more components than this, or than 64x64 texels get by the default budget: the time
+ * of solves grows with their cube. */
 enum { JOINT_MOST_BEYOND = 80 };
 
 /* Components that fit `budget` beside the rest of `shape`: a multiple of 4 (the texels of a texture), at
- * most `limit`, and JOINT_MOST_BEYOND beyond 64x64 texels. */
+ * most `limit`, and fewer beyond 64x64 texels (above). */
 size_t joint_components_for(const enc_data *data, const joint_shape *shape, uint64_t budget, size_t limit);
 
 /* The bytes that layout `paper` takes for this data: 64 W H + 4 AW AH, by the formula of FORMAT.md section

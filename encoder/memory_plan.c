@@ -4,15 +4,13 @@
  */
 #include "memory_plan.h"
 
-#include "joint_budget.h"
-#include "joint_reach.h"
 #include "joint_rows.h"
 
 enum {
     FLOW_LIGHTS = 27,  /* of the first estimate ... */
     FLOW_LABELS = 256, /* ... and its shifts, at most */
     SOURCE_TASK = 96,  /* sources solved together */
-    COMPONENTS = 128,  /* at most, up to 64x64 texels */
+    COMPONENTS = 128,  /* at most */
 };
 
 /* The extent of a data set. */
@@ -47,9 +45,8 @@ static uint64_t paper(const extent *e) {
 }
 
 static uint64_t joint(const extent *e) {
-    const uint64_t most = e->texels > JOINT_EXACT ? JOINT_MOST_BEYOND : COMPONENTS;
     const uint64_t rank = e->texels < e->views * e->row ? e->texels : e->views * e->row;
-    const uint64_t k = most < rank ? most : rank, basis = 4 * e->views * k * e->row;
+    const uint64_t k = COMPONENTS < rank ? COMPONENTS : rank, basis = 4 * e->views * k * e->row;
     /* three fits: the plain one, the best and the one at work */
     const uint64_t fits = 3 * (5 * e->points + 4 * e->texels * k + basis);
     const uint64_t held = 4 * e->points + 3 * e->points + e->texels * k + basis / 4;
