@@ -228,14 +228,14 @@ static btf_result measure_texel(const job *j, size_t index, float *buffer, doubl
     return result;
 }
 
-/* Texels and pairs of directions within the bounds of effect_errors.h; a quarter of them for the next
+/* Texels and pairs of directions within the bounds of effect_errors.h; half of them for the next
  * level. */
 static void choose_samples(job *j, int level) {
     const size_t count = enc_data_texel_count(j->data);
     const size_t samples = count * (size_t)j->data->n_views * (size_t)j->data->n_lights;
     size_t each =
         (samples / 2 < MOST_EVALUATIONS ? samples / 2 : MOST_EVALUATIONS) / (j->n_ways * j->cells);
-    each = (each > CELL_SAMPLES ? CELL_SAMPLES : each) >> (level < 8 ? 2 * level : 16);
+    each = (each > CELL_SAMPLES ? CELL_SAMPLES : each) >> level;
     each = each < 16 ? 16 : each;
     j->texels = count < MOST_TEXELS ? count : MOST_TEXELS;
     if (j->texels > each) {
