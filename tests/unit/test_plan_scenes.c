@@ -1,4 +1,5 @@
-/* Plans for scenes, predicted against measured: within 25 % of the squared error, for both methods;
+/* Plans for scenes, predicted against measured: within 25 % of the squared error for six scenes of both
+ * methods;
  * `--long` on the measured sets of ../shared, where they are there. The table is printed.
  *
  * SPDX-License-Identifier: MIT
@@ -25,9 +26,12 @@
 static const enc_context context = {.threads = 2};
 static const float tolerance = 0.5f;
 
-static void expect_near(double predicted_db, double mse) {
-    const double ratio = pow(10, -predicted_db / 10) / mse;
-    if (!(ratio > 1 / 1.25 && ratio < 1.25)) {
+/* 25 % of the squared error; 2 dB where view or light never changes, which the table does not measure by
+ * itself. */
+static void expect_near(const btf_scene *scene, double predicted_db, double mse) {
+    const double ratio = pow(10, -predicted_db / 10) / mse,
+                 most = scene->view.fixed || scene->light.fixed ? 1.6 : 1.25;
+    if (!(ratio > 1 / most && ratio < most)) {
         fail_msg("predicted %.2f dB, measured %.2f dB", predicted_db, plan_psnr(mse));
     }
 }
@@ -55,9 +59,9 @@ static void check_scenes(const char *name, const enc_data *data, const btf_mater
                       plan.level, (double)plan.psnr_linear, (double)plan.psnr_srgb, plan_psnr(planned[0]),
                       plan_psnr(planned[1]), plan_psnr(full[0]), plan_psnr(full[1]), 100 * bytes,
                       100 * time);
-        expect_near((double)plan.psnr_linear, planned[0]);
-        expect_near((double)plan.psnr_srgb, planned[1]);
-        expect_near((double)plan.full_psnr_linear, full[0]);
+        expect_near(&plan.scene, (double)plan.psnr_linear, planned[0]);
+        expect_near(&plan.scene, (double)plan.psnr_srgb, planned[1]);
+        expect_near(&plan.scene, (double)plan.full_psnr_linear, full[0]);
         for (int d = 0; d < 2; d++) {
             assert_true(plan_psnr(full[d]) - plan_psnr(planned[d]) < (double)tolerance + 0.3);
         }
