@@ -31,7 +31,7 @@ static btf_result check_row(const btfi_check *check, const btf_material_info *in
     if (!is_integer(row[1], residual ? 1 : 0, residual ? info->components : 0))
         return btfi_fail(check->log, check->code, "effect errors: row %zu has %g components", index,
                          (double)row[1]);
-    if (!is_integer(row[2], 0, 2) || !is_integer(row[3], 0, info->levels - 1) ||
+    if (!is_integer(row[2], 0, 4) || !is_integer(row[3], 0, info->levels - 1) ||
         !(row[4] >= 0 && row[4] <= 0x1p62f))
         return btfi_fail(check->log, check->code, "effect errors: row %zu begins (%g, %g, %g, %g, %g)",
                          index, (double)row[0], (double)row[1], (double)row[2], (double)row[3],

@@ -77,7 +77,7 @@ static void band_weights(const btf_range *range, uint32_t count, const float *li
 
 typedef struct table {
     btf_effect_errors rows;
-    double at_samples; /* 0: between samples, 1/2: one of view and light is a sample, 1: both are */
+    double at_view, at_light; /* 0: between samples, 1: at a sample */
     double view[BTF_MAX_BANDS], light[BTF_MAX_BANDS];
 } table;
 
@@ -94,34 +94,46 @@ static void add_errors(const table *t, const float *row, double mse[2]) {
                 mse[i] += t->view[v] * t->light[l] * (double)cell[i];
 }
 
-/* A geometric mean; where one is 0 it says nothing of the other. */
-static double between(double a, double b, double share) {
-    return a > 0 && b > 0 ? exp((1 - share) * log(a) + share * log(b)) : a > b ? a : b;
+/* The row that measures what row `index` does where view, light or both are samples (column 3: 3, 4, 2). */
+static const float *row_of_kind(const table *t, uint32_t index, int kind) {
+    const float *row = row_at(t, index);
+    for (uint32_t r = 0; r < t->rows.row_count; r++) {
+        const float *other = row_at(t, r);
+        if (other[0] == row[0] && other[1] == row[1] && other[2] == (float)kind && other[3] == row[3])
+            return other;
+    }
+    return row;
 }
 
-/* Between samples the errors of up to nine samples average out, so that they are less than at the samples.
- */
+/* Between samples the errors of up to nine samples average out, so that they are less than at the samples:
+ * the geometric mean of what is measured for both, by how near view and light are to being samples. */
 static way read_way(const table *t, uint32_t index) {
-    const float *row = row_at(t, index), *there = NULL;
-    double at_samples[2] = {0};
+    const float *row = row_at(t, index);
     way w = {.effects = (uint32_t)row[0],
              .components = (uint32_t)row[1],
              .interpolation = row[2] == 0 ? BTF_INTERPOLATION_LINEAR : BTF_INTERPOLATION_NEAREST};
     add_errors(t, row, w.mse);
-    for (uint32_t r = 0; r < t->rows.row_count && t->at_samples > 0 && !there; r++) {
-        const float *other = row_at(t, r);
-        if (other[0] == row[0] && other[1] == row[1] && other[2] == 2 && other[3] == row[3])
-            there = other;
+    if (t->at_view == 0 && t->at_light == 0)
+        return w;
+    const double share[4] = {t->at_view * t->at_light, t->at_view * (1 - t->at_light),
+                             (1 - t->at_view) * t->at_light, (1 - t->at_view) * (1 - t->at_light)};
+    static const int kinds[3] = {2, 3, 4};
+    double mse[4][2] = {{0}};
+    /* Nearest directions have no rows of their own where one is a sample: what lies between is no less. */
+    for (int k = 0; k < 3; k++)
+        add_errors(t, k > 0 && row[2] == 1 ? row : row_of_kind(t, index, kinds[k]), mse[k]);
+    for (int i = 0; i < 2; i++) {
+        double sum = 0;
+        mse[3][i] = w.mse[i];
+        for (int k = 0; k < 4; k++)
+            sum += share[k] * log(fmax(mse[k][i], 1e-12));
+        w.mse[i] = exp(sum);
     }
-    if (there)
-        add_errors(t, there, at_samples);
-    for (int i = 0; i < 2 && there; i++)
-        w.mse[i] = between(w.mse[i], at_samples[i], t->at_samples);
     return w;
 }
 
 static bool is_at_samples(const table *t, uint32_t index) {
-    return row_at(t, index)[2] == 2;
+    return row_at(t, index)[2] >= 2;
 }
 
 /* The sum of squared weights: 1 at a sample, 1/2 on the average over a triangle. */
@@ -204,9 +216,8 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *given
         return BTF_OK;
     band_weights(&scene.view, t.rows.view_bands, t.rows.view_limits, t.view);
     band_weights(&scene.light, t.rows.light_bands, t.rows.light_limits, t.light);
-    const double both =
-        concentration(&material->views, &scene.view) * concentration(&material->lights, &scene.light);
-    t.at_samples = fmin(fmax(log(4 * both) / log(4), 0), 1);
+    t.at_view = fmin(fmax(1 + log2(concentration(&material->views, &scene.view)), 0), 1);
+    t.at_light = fmin(fmax(1 + log2(concentration(&material->lights, &scene.light)), 0), 1);
     bool found = false;
     way full = {0};
     for (uint32_t r = 0; r < t.rows.row_count && !found; r++) {

@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_WAYS = 512, MOST_TEXELS = 512, CELL_SAMPLES = 2048, MOST_EVALUATIONS = 2000000, ROW_HEAD = 5 };
+enum { MOST_WAYS = 1024, MOST_TEXELS = 512, CELL_SAMPLES = 2048, MOST_EVALUATIONS = 3000000, ROW_HEAD = 5 };
 
 #define DEGREE (3.14159265358979323846 / 180)
 
@@ -24,7 +24,7 @@ typedef struct bands {
 } bands;
 
 /* Column 3 of a row. */
-typedef enum kind { INTERPOLATED, NEAREST, AT_SAMPLES, KINDS } kind;
+typedef enum kind { INTERPOLATED, NEAREST, AT_SAMPLES, VIEW_AT_SAMPLE, LIGHT_AT_SAMPLE, KINDS } kind;
 
 /* A way to decode. */
 typedef struct way {
@@ -75,7 +75,7 @@ static void add_way(job *j, const btf_material_info *info, uint32_t effects, uin
     btf_material_info reduced = *info;
     reduced.components = components;
     for (int kind = INTERPOLATED; kind < KINDS; kind++) {
-        const int interpolation = kind == INTERPOLATED ? BTF_REF_LINEAR : BTF_REF_NEAREST;
+        const int interpolation = kind == NEAREST || kind == AT_SAMPLES ? BTF_REF_NEAREST : BTF_REF_LINEAR;
         j->ways[j->n_ways++] = (way){.options = {.effects = effects,
                                                  .components = components,
                                                  .interpolation = interpolation,
@@ -184,12 +184,12 @@ static void look_up_pair(const job *j, const float *profiles, pair *p) {
     interpolate(j->data, profiles, &p->views, &p->lights, p->truth);
 }
 
-/* One texel under two pairs of directions, between samples and at samples: adds squared errors, linear and
- * sRGB-coded, of each way: sum[way][cell][2]. */
-static void measure_pair(const job *j, size_t texel, const pair pairs[2], double *sum) {
+/* One texel under a pair of directions for each kind: adds squared errors, linear and sRGB-coded, of each
+ * way: sum[way][cell][2]. */
+static void measure_pair(const job *j, size_t texel, const pair pairs[KINDS], double *sum) {
     const uint32_t column = (uint32_t)texel % j->material.width, row = (uint32_t)texel / j->material.width;
     for (size_t w = 0; w < j->n_ways; w++) {
-        const pair *p = &pairs[j->ways[w].kind == AT_SAMPLES];
+        const pair *p = &pairs[j->ways[w].kind];
         float rgb[3];
         btf_ref_evaluate_neighbours(&j->material, &j->ways[w].options, column, row, &p->lights, &p->views,
                                     p->light, p->view, rgb);
@@ -214,14 +214,18 @@ static btf_result measure_texel(const job *j, size_t index, float *buffer, doubl
             const uint64_t seed = mix((index * j->cells + cell) * j->pairs + p);
             const int view_band = (int)(cell / (size_t)j->lights.count);
             const int light_band = (int)(cell % (size_t)j->lights.count);
-            pair pairs[2];
-            pick(&j->views, view_band, seed, pairs[0].view);
-            pick(&j->lights, light_band, seed + 2, pairs[0].light);
-            pick_sample(&j->views, view_band, j->data->views, j->data->n_views, seed + 4, pairs[1].view);
-            pick_sample(&j->lights, light_band, j->data->lights, j->data->n_lights, seed + 5,
-                        pairs[1].light);
-            look_up_pair(j, profiles, &pairs[0]);
-            look_up_pair(j, profiles, &pairs[1]);
+            pair between, at, pairs[KINDS];
+            pick(&j->views, view_band, seed, between.view);
+            pick(&j->lights, light_band, seed + 2, between.light);
+            pick_sample(&j->views, view_band, j->data->views, j->data->n_views, seed + 4, at.view);
+            pick_sample(&j->lights, light_band, j->data->lights, j->data->n_lights, seed + 5, at.light);
+            for (int kind = INTERPOLATED; kind < KINDS; kind++) {
+                const bool at_view = kind == AT_SAMPLES || kind == VIEW_AT_SAMPLE;
+                const bool at_light = kind == AT_SAMPLES || kind == LIGHT_AT_SAMPLE;
+                memcpy(pairs[kind].view, at_view ? at.view : between.view, sizeof at.view);
+                memcpy(pairs[kind].light, at_light ? at.light : between.light, sizeof at.light);
+                look_up_pair(j, profiles, &pairs[kind]);
+            }
             measure_pair(j, texel, pairs, sum + 2 * cell);
         }
     }

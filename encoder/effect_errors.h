@@ -12,7 +12,7 @@
 
 /* Decodes the packed material by the reference at directions spread over each pair of bands and compares
  * with the data, interpolated in radiance between the same three views and three lights. At most 2048
- * samples a pair of bands, of at most 512 texels; in all at most 2,000,000 evaluations or half as many as
+ * samples a pair of bands, of at most 512 texels; in all at most 3,000,000 evaluations or half as many as
  * the data have samples, but 16 a way and pair of bands. Which ones depends on sizes alone. *out_values
  * (the caller frees) holds *out_count numbers as btf_material_desc.effect_errors takes them. Stage "effect
  * errors". Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED. */

@@ -145,7 +145,7 @@ static void errors_are_the_integrals(void **state) {
     static const float limits[RINGS + 1] = {0, 15, 45, 60};
     assert_memory_equal(e.view_limits, limits, sizeof limits);
     assert_memory_equal(e.light_limits, limits, sizeof limits);
-    assert_int_equal(e.row_count, 6); /* with gain and without; interpolated, nearest, at samples */
+    assert_int_equal(e.row_count, 10); /* with gain and without; five kinds */
     const float *full = find_row(&e, BTF_EFFECT_GAIN, 0), *without = find_row(&e, 0, 0),
                 *exact = find_row(&e, BTF_EFFECT_GAIN, 2);
     assert_true(full[4] == (float)(TEXELS * (2 * 16 + DIRECTIONS)));
@@ -183,7 +183,7 @@ static void wrong_tables_are_refused(void **state) {
         size_t index;
         float value;
     } wrong[] = {{0, 0},   {0, 17},   {1, 1.5f}, {1, NAN},   {3, 0},    {3, 91},
-                 {5, 70},  {7, 1},    {7, -1},   {8, 1},     {9, 3},    {9, NAN},
+                 {5, 70},  {7, 1},    {7, -1},   {8, 1},     {9, 5},    {9, NAN},
                  {10, -1}, {10, NAN}, {11, -1},  {12, 1.5f}, {13, NAN}, {14, INFINITY}};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         float values[COUNT];

@@ -64,11 +64,10 @@ typedef struct btf_plan {
 
 /** Finds the plan whose PSNR, linear and sRGB-coded, is at most @p tolerance dB below the full decode's and
  * whose mean of relative cost and relative bytes is least. Ways of the table of effect errors are compared
- * by their mean over the bands that the ranges meet; a view or light that never changes counts as the
- * geometric mean of what is between the samples and what is at them, by how near to one it is, which can be
- * off by more than a decibel. The level is the coarsest whose texels are not larger
- * than a pixel; the filter is bilinear where a texel is larger than a pixel and a half. No memory is
- * allocated. Errors: BTF_ERROR_USAGE (a range that is none, a negative or infinite number). */
+ * by their mean over the bands that the ranges meet; a view or light that never changes counts by how
+ * near to a sample it is, where errors are larger than between. The level is the coarsest whose texels are
+ * not larger than a pixel; the filter is bilinear where a texel is larger than a pixel and a half. No
+ * memory is allocated. Errors: BTF_ERROR_USAGE (a range that is none, a negative or infinite number). */
 btf_result btf_plan_effects(const btf_material *material, const btf_scene *scene, float tolerance,
                             btf_plan *out_plan);
 
