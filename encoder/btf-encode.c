@@ -109,7 +109,7 @@ static const cli_option table[] = {
      .value = &o.layout,
      .given = &o.layout_given,
      .choices = "paper|tight",
-     .help = "paper: one atlas, as in 3.1; tight: a texture an effect; default\npaper for --method paper "
+     .help = "one atlas, as in 3.1 (paper), or a texture an effect (tight); default\npaper for --method paper "
              "without --levels, else tight"},
     {.name = "levels",
      .arg = "N|all",

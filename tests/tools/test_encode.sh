@@ -62,6 +62,9 @@ printf '15 0 16 0\n' >strange.txt
 expect "a direction that the data lack" 3 btf-encode data -o strange.btf.exr --coincident strange.txt
 expect_text "file and line are named" "strange.txt: line 1" err
 
+expect "joint in one atlas" 0 btf-encode data -o atlas.btf.exr --preset fast --layout paper -q
+expect_that "it has maps" bash -c 'btf-info atlas.btf.exr --json | grep -q "\"layout\": *\"paper\""'
+
 expect "no effects" 0 btf-encode data -o none.btf.exr --method paper --effects none --report none.json -q
 expect_that "no effects, no maps" test "$(json none.json "'maps' in r['bytes']['parts']")" = False
 expect "shadow alone" 0 btf-encode data -o shadow.btf.exr --method paper --effects shadow -q

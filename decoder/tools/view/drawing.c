@@ -31,6 +31,7 @@ struct drawing {
     btf_gl_get_proc_address get;
     void *user;
     const btf_material *material;
+    btf_material *apart; /* what is drawn in its place where GL's textures cannot hold its atlas */
     btf_gl *textures;
     program programs[PROGRAMS];
     int program_count;
@@ -121,6 +122,7 @@ static void forget_material(drawing *d) {
     d->gl->DeleteTextures(1, &d->images);
     d->images = 0;
     btf_gl_destroy(&d->textures);
+    btf_material_close(&d->apart);
     d->material = NULL;
 }
 
@@ -210,11 +212,21 @@ static btf_result upload_images(drawing *d, const original *images, const btf_lo
 btf_result drawing_set_material(drawing *d, const btf_material *material, const original *images,
                                 const btf_log *log) {
     const btf_gl_options options = {sizeof options, d->get, d->user, NULL};
+    btf_material_info info = {.struct_size = sizeof info};
+    int fits = 1;
     forget_material(d);
-    btf_result result = btf_gl_upload(material, &options, log, &d->textures);
-    if (result)
+    btf_result result = btf_material_get_info(material, &info);
+    if (!result)
+        result = btf_gl_fits(material, &options, log, &fits);
+    if (!result && !fits && info.layout == BTF_LAYOUT_PAPER)
+        result = btf_material_to_tight(material, log, &d->apart);
+    if (!result)
+        result = btf_gl_upload(d->apart ? d->apart : material, &options, log, &d->textures);
+    if (result) {
+        forget_material(d);
         return result;
-    d->material = material;
+    }
+    d->material = d->apart ? d->apart : material;
     if (images)
         result = upload_images(d, images, log);
     if (result)
