@@ -33,7 +33,7 @@ static const double plain_chance = 1.03;
 static const joint_preset_values presets[] = {
     [ENC_JOINT_FAST] = {3, 1, 1, 5, 2, 2e-3},
     [ENC_JOINT_MEDIUM] = {4, 3, 2, 18, 4, 5e-4},
-    [ENC_JOINT_THOROUGH] = {5, 6, 4, 90, 10, 1e-4},
+    [ENC_JOINT_THOROUGH] = {5, 6, 4, 60, 10, 1e-4},
     [ENC_JOINT_EXHAUSTIVE] = {8, 20, 6, ENC_JOINT_MAX_ROUNDS, 100, 1e-6},
 };
 
