@@ -4,12 +4,14 @@
  */
 #include "batch.h"
 
+#include "decoder/tools/output.h"
+#include "decoder/tools/progress.h"
+
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
-#include <time.h>
 
 enum { LONGEST = 4096 };
 
@@ -121,15 +123,7 @@ void enc_batch_clear(enc_batch *batch) {
 }
 
 static btf_result make_folder(const enc_context *context, const char *path) {
-    if (!path || mkdir(path, 0777) == 0 || errno == EEXIST)
-        return BTF_OK;
-    return enc_fail(context, BTF_ERROR_IO, "%s: cannot make the folder: %s", path, strerror(errno));
-}
-
-static double now(void) {
-    struct timespec time;
-    clock_gettime(CLOCK_MONOTONIC, &time);
-    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
+    return path ? output_make_folder(path, context->log, NULL) : BTF_OK;
 }
 
 static btf_result run_one(const enc_context *context, const enc_job *job, const char *input,
@@ -195,10 +189,10 @@ btf_result enc_batch_run(const enc_context *context, const enc_job *job, const e
     for (size_t i = 0; i < batch->count && result == BTF_OK; i++) {
         if (item > 0 && i + 1 != item)
             continue;
-        const double begin = now();
+        const double begin = progress_clock();
         outcomes[i].tried = true;
         outcomes[i].result = run_one(context, job, batch->inputs[i], batch->names[i]);
-        outcomes[i].seconds = now() - begin;
+        outcomes[i].seconds = progress_clock() - begin;
         if (first == BTF_OK)
             first = outcomes[i].result;
         if (outcomes[i].result == BTF_ERROR_INTERRUPTED)

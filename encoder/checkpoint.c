@@ -130,8 +130,8 @@ btf_result enc_checkpoint_open(const enc_context *context, const char *folder, c
         return enc_fail(context, BTF_ERROR_MEMORY, "%s: out of memory", folder);
     }
     btf_result result = find_key(context, options, data, &c->key);
-    if (result == BTF_OK && mkdir(folder, 0777) != 0 && errno != EEXIST)
-        result = enc_fail(context, BTF_ERROR_IO, "%s: cannot make the folder: %s", folder, strerror(errno));
+    if (result == BTF_OK)
+        result = output_make_folder(folder, context->log, NULL);
     if (result == BTF_OK)
         result = check_folder(context, c, resume);
     if (result != BTF_OK)

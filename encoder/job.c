@@ -21,22 +21,7 @@
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
-
-static double now(void) {
-    struct timespec time;
-    clock_gettime(CLOCK_MONOTONIC, &time);
-    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
-}
-
-static btf_result make_folder(const enc_context *context, const char *path, bool *out_made) {
-    *out_made = mkdir(path, 0777) == 0;
-    if (!*out_made && errno != EEXIST) {
-        return enc_fail(context, BTF_ERROR_IO, "%s: cannot make the folder: %s", path, strerror(errno));
-    }
-    return BTF_OK;
-}
 
 /* Whether a file can be made there, which is better known before the work than after it. Pipes and devices
  * are not opened to no purpose. */
@@ -57,7 +42,7 @@ static btf_result prepare_outputs(const enc_context *context, const enc_job *job
         result = try_output(context, job->report);
     }
     if (result == BTF_OK && job->pictures) {
-        result = make_folder(context, job->pictures, out_made_folder);
+        result = output_make_folder(job->pictures, context->log, out_made_folder);
     }
     return result;
 }
@@ -215,7 +200,7 @@ static btf_result draw(const enc_context *context, const enc_job *job, job_state
 }
 
 btf_result enc_job_run(const enc_context *context, const enc_job *job) {
-    const double start = now();
+    const double start = progress_clock();
     bool made_folder = false;
     int levels = 1;
     job_state state = {.options = join_options(job->option_values)};
@@ -263,7 +248,7 @@ btf_result enc_job_run(const enc_context *context, const enc_job *job) {
     struct rusage usage;
     getrusage(RUSAGE_SELF, &usage);
     report.peak_rss = (size_t)usage.ru_maxrss * 1024;
-    report.seconds_total = now() - start;
+    report.seconds_total = progress_clock() - start;
     if (result == BTF_OK && job->report) {
         result = enc_report_write(context, &report, job->option_values, job->report);
     }

@@ -97,6 +97,14 @@ static void live_remove(int slot) {
         atomic_store(&live[slot], NULL);
 }
 
+btf_result output_make_folder(const char *path, btf_log log, bool *out_made) {
+    const bool made = mkdir(path, 0777) == 0;
+    if (out_made)
+        *out_made = made;
+    return made || errno == EEXIST ? BTF_OK
+                                   : fail(log, "%s: cannot make the folder: %s", path, strerror(errno));
+}
+
 static void output_free(output *file) {
     if (file->stream)
         fclose(file->stream);

@@ -6,6 +6,7 @@
 #define OPENBTF_TOOLS_OUTPUT_H
 
 #include <openbtf/result.h>
+#include <stdbool.h>
 #include <stdio.h>
 
 /* A file being written. Used by one thread at a time; several may be open at once. */
@@ -28,6 +29,10 @@ btf_result output_commit(output **file);
 
 /* Closes and removes the temporary file; nulls *file. Accepts NULL inside. */
 void output_abort(output **file);
+
+/* Makes a folder, unless it is there; *out_made (may be NULL) says whether it was made. Errors: BTF_ERROR_IO (named on
+ * log). */
+btf_result output_make_folder(const char *path, btf_log log, bool *out_made);
 
 /* Removes the temporary files of every open output. Async-signal-safe: meant for signal handlers that end
  * the process. */

@@ -46,7 +46,7 @@ static void on_signal(int number) {
     cancelled = 1;
 }
 
-static double now(void) {
+double progress_clock(void) {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
@@ -104,7 +104,7 @@ static void draw_bar(const progress *p, double fraction, double elapsed) {
 static void draw(progress *p) {
     if (p->quiet || !p->active || p->total == 0 || atomic_flag_test_and_set(&p->drawing))
         return;
-    const double time = now();
+    const double time = progress_clock();
     const size_t done = atomic_load(&p->done);
     const double fraction = done >= p->total ? 1.0 : (double)done / (double)p->total;
     if (p->tty) {
@@ -132,7 +132,7 @@ void progress_begin(progress *p, const char *stage, size_t total) {
         return; /* the stage goes unseen */
     p->total = total;
     atomic_store(&p->done, 0);
-    p->began = now();
+    p->began = progress_clock();
     p->drawn = p->tty ? 0.0 : p->began;
     p->drawn_tenth = 0;
     p->active = true;
@@ -170,7 +170,7 @@ void progress_end(progress *p) {
     if (!p->active)
         return;
     p->active = false;
-    const double seconds = now() - p->began;
+    const double seconds = progress_clock() - p->began;
     if (!p->quiet)
         fprintf(stderr, "%s%s: %s after %.1f s\n", p->tty ? "\r\033[K" : "", p->name,
                 cancelled ? "stopped" : "done", seconds);

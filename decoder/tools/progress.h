@@ -26,6 +26,9 @@ void progress_begin(progress *p, const char *stage, size_t total);
 void progress_step(progress *p, size_t steps);
 void progress_end(progress *p);
 
+/* Seconds of a clock that only goes forwards. */
+double progress_clock(void);
+
 /* True once SIGINT or SIGTERM came. */
 bool progress_cancelled(void);
 
