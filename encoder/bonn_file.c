@@ -4,6 +4,8 @@
  */
 #include "bonn_file.h"
 
+#include "btf_reference.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
@@ -449,23 +451,9 @@ void enc_bonn_close(enc_bonn_file **file) {
     *file = NULL;
 }
 
-/* Every half is a float: its bits in a float's places are off by a factor of 2^112. */
-static inline float half_value(unsigned bits) {
-    const uint32_t magnitude = (bits & 0x7FFFu) << 13, sign = (bits & 0x8000u) << 16;
-    const uint32_t special = (bits & 0x7C00u) == 0x7C00u ? 0x7F800000u : 0;
-    float value;
-    uint32_t out;
-    memcpy(&value, &magnitude, sizeof value);
-    value *= 0x1p112f;
-    memcpy(&out, &value, sizeof out);
-    out = (special ? magnitude | special : out) | sign;
-    memcpy(&value, &out, sizeof value);
-    return value;
-}
-
 float enc_bonn_number(const unsigned char *at, unsigned scalar) {
     if (scalar == 2)
-        return half_value((unsigned)at[0] | (unsigned)at[1] << 8);
+        return btf_ref_half((uint16_t)(at[0] | at[1] << 8));
     const uint64_t low = u32_at(at);
     if (scalar == 4) {
         const uint32_t bits = (uint32_t)low;
@@ -484,7 +472,7 @@ void enc_bonn_numbers(const enc_bonn_file *file, uint64_t offset, unsigned scala
     const unsigned char *at = file->bytes + offset;
     if (scalar == 2) {
         for (size_t i = 0; i < count; i++)
-            out[i] = half_value((unsigned)at[2 * i] | (unsigned)at[2 * i + 1] << 8);
+            out[i] = btf_ref_half((uint16_t)(at[2 * i] | at[2 * i + 1] << 8));
     } else {
         for (size_t i = 0; i < count; i++)
             out[i] = enc_bonn_number(at + i * scalar, scalar);
