@@ -23,6 +23,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
         }                                                                                                  \
     } while (0)
 
+/* The bytes as a file that has no place on disk; returns its path. The same file every time. */
+const char *fuzz_file(const uint8_t *data, size_t size);
+
 /* Changes data[size] in place, within max_size bytes: attributes, names, types and pixels of an OpenEXR
  * file, with offsets that still fit, so that what lies behind the outer checks is reached. Returns the new
  * size. */

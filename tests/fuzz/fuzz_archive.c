@@ -7,19 +7,9 @@
 
 #include "encoder/source.h"
 
-#include <sys/mman.h>
-#include <unistd.h>
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-    static int fd = -1;
-    static char path[64];
-    if (fd < 0) {
-        fd = memfd_create("archive", MFD_CLOEXEC);
-        FUZZ_CHECK(fd >= 0);
-        snprintf(path, sizeof path, "/proc/self/fd/%d", fd);
-    }
-    FUZZ_CHECK(ftruncate(fd, 0) == 0);
-    FUZZ_CHECK(pwrite(fd, data, size, 0) == (ssize_t)size);
+    const char *path = fuzz_file(data, size);
     const enc_context context = {.threads = 1};
     enc_source *source = NULL;
     if (enc_source_open_archive(&context, path, &source) != BTF_OK)

@@ -8,8 +8,6 @@
 #include "encoder/bonn_decode.h"
 
 #include <math.h>
-#include <sys/mman.h>
-#include <unistd.h>
 
 enum { MOST_SAMPLES = 1 << 20 };
 
@@ -40,15 +38,7 @@ static void decode_some(const enc_context *context, const enc_bonn_file *file) {
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-    static int fd = -1;
-    static char path[64];
-    if (fd < 0) {
-        fd = memfd_create("bonn", MFD_CLOEXEC);
-        FUZZ_CHECK(fd >= 0);
-        snprintf(path, sizeof path, "/proc/self/fd/%d", fd);
-    }
-    FUZZ_CHECK(ftruncate(fd, 0) == 0);
-    FUZZ_CHECK(pwrite(fd, data, size, 0) == (ssize_t)size);
+    const char *path = fuzz_file(data, size);
     const enc_context context = {.threads = 1};
     enc_bonn_file *file = NULL;
     enc_bonn_is(path);

@@ -41,12 +41,12 @@ jpeg | png | hdr | exr)
     libraries+=" -DFUZZ_IMAGE=FUZZ_${target^^} -DENC_IMAGE_MAX_PIXELS=((size_t)1<<20) -lOpenEXRCore -lpng -ljpeg -lz"
     ;;
 archive)
-    sources="tests/fuzz/fuzz_archive.c encoder/source.c encoder/source_archive.c encoder/source_dir.c encoder/names.c encoder/context.c
+    sources="tests/fuzz/fuzz_archive.c tests/fuzz/file.c encoder/source.c encoder/source_archive.c encoder/source_dir.c encoder/names.c encoder/context.c
              decoder/tools/progress.c decoder/tools/output.c decoder/result.c decoder/temporary.c"
     libraries+=" -DENC_SOURCE_MAX_FILE=((size_t)1<<20) -larchive"
     ;;
 bonn)
-    sources="tests/fuzz/fuzz_bonn.c encoder/bonn_file.c encoder/bonn_decode.c encoder/bonn_colour.c encoder/joint_gemm.c
+    sources="tests/fuzz/fuzz_bonn.c tests/fuzz/file.c reference/btf_arithmetic.c encoder/bonn_file.c encoder/bonn_decode.c encoder/bonn_colour.c encoder/joint_gemm.c
              encoder/context.c decoder/tools/progress.c decoder/tools/output.c decoder/result.c decoder/temporary.c"
     libraries+=" -fopenmp=libgomp -larchive"
     ;;
