@@ -71,6 +71,7 @@ static const cli_option table[] = {
      .value = &o.job.joint.preset,
      .given = &given[0],
      .choices = "fast|medium|thorough|exhaustive",
+     .only = "joint",
      .help = "joint: fast tries one set of effects, then 5 rounds; medium\n(default) 3 and 18; thorough 6 and 60; exhaustive all, until\nnothing is gained"},
     {.name = "effects",
      .type = CLI_EFFECTS,
@@ -88,6 +89,7 @@ static const cli_option table[] = {
      .type = CLI_BYTES,
      .value = &o.budget,
      .given = &given[1],
+     .only = "joint",
      .help = "joint: bytes on the GPU at most; default what the paper's\nlayout takes (2.36 MB for 64x64 "
              "and 81 directions)"},
     {.name = "quality",
@@ -97,12 +99,14 @@ static const cli_option table[] = {
      .given = &given[2],
      .minimum = 0,
      .maximum = 100,
+     .only = "joint",
      .help = "joint: the fewest bytes that reach this PSNR (sRGB-coded), at\nmost --budget"},
     {.name = "metric",
      .type = CLI_CHOICE,
      .value = &o.job.joint.metric,
      .given = &given[3],
      .choices = "balanced|srgb|linear",
+     .only = "joint",
      .help = "joint: linear fits radiance; balanced (default) and srgb fit its\nsquare root, which serves both figures"},
     {.name = "layout",
      .type = CLI_CHOICE,
@@ -129,6 +133,7 @@ static const cli_option table[] = {
      .given = &given[4],
      .minimum = 1,
      .maximum = 4,
+     .only = "paper",
      .help = "paper: Lafortune lobes; default 3"},
     {.name = "rounds",
      .type = CLI_INT,
@@ -136,6 +141,7 @@ static const cli_option table[] = {
      .given = &given[5],
      .minimum = 0,
      .maximum = 16,
+     .only = "paper",
      .help = "paper: shadow rejections of the fit; default 3"},
     {.name = "starts",
      .type = CLI_INT,
@@ -143,6 +149,7 @@ static const cli_option table[] = {
      .given = &given[6],
      .minimum = 1,
      .maximum = ENC_FIT_MAX_STARTS,
+     .only = "paper",
      .help = "paper: starts of a texel's first fit; default 4"},
     {.name = "error-threshold",
      .type = CLI_DOUBLE,
@@ -150,6 +157,7 @@ static const cli_option table[] = {
      .given = &given[7],
      .minimum = 0,
      .maximum = 1e6,
+     .only = "paper",
      .help = "paper: relative error that means shadow; default 0.3"},
     {.name = "btf-threshold",
      .type = CLI_DOUBLE,
@@ -157,6 +165,7 @@ static const cli_option table[] = {
      .given = &given[8],
      .minimum = 0,
      .maximum = 1e6,
+     .only = "paper",
      .help = "paper: luminance below which shadow is possible; default 0.3"},
     {.name = "flow-lights",
      .type = CLI_INT,
@@ -164,6 +173,7 @@ static const cli_option table[] = {
      .given = &given[9],
      .minimum = 1,
      .maximum = 256,
+     .only = "paper",
      .help = "paper: lights that vote on shifts; default all"},
     {.name = "hidden-threshold",
      .type = CLI_DOUBLE,
@@ -171,6 +181,7 @@ static const cli_option table[] = {
      .given = &given[10],
      .minimum = 0.001,
      .maximum = 1,
+     .only = "paper",
      .help = "paper: HiddenRatio above which a point is hidden; default 0.7"},
     {.name = "window",
      .type = CLI_SIZE,
@@ -178,6 +189,7 @@ static const cli_option table[] = {
      .given = &given[11],
      .minimum = 1,
      .maximum = 16384,
+     .only = "paper",
      .help = "paper: search window of the refinement; default 256x256, and\n64x64 around the voted shift beyond 64x64 texels"},
     {.name = "centres",
      .type = CLI_INT,
@@ -185,11 +197,13 @@ static const cli_option table[] = {
      .given = &given[12],
      .minimum = 1,
      .maximum = BTF_MAX_CENTRES,
+     .only = "paper",
      .help = "paper: cluster centres; default what the atlas leaves room for"},
     {.name = "data-points",
      .type = CLI_FLAG,
      .value = &o.data_points,
      .given = &given[13],
+     .only = "paper",
      .help = "paper: centres are data points nearest to the centroids"},
     {.name = "report",
      .arg = "FILE",
@@ -354,12 +368,9 @@ static void describe_all(void) {
     }
 }
 
-/* Options whose help begins with the name of a method have no meaning for the other one. */
 static btf_result refuse_other(const char *method, const char *other) {
-    const size_t length = strlen(other);
     for (const cli_option *option = table; option->type != CLI_END; option++) {
-        if (option->given && *option->given && strncmp(option->help, other, length) == 0 &&
-            option->help[length] == ':') {
+        if (option->only && strcmp(option->only, other) == 0 && *option->given) {
             return cli_error(&program, BTF_ERROR_USAGE, "option --%s: for --method %s only, not for %s",
                              option->name, other, method);
         }

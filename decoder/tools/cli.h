@@ -57,7 +57,8 @@ typedef struct cli_option {
     const char *help; /* one line or more ('\n'), without the final full stop; say the default */
     cli_type type;
     void *value;
-    bool *given; /* set to true when the option is met; may be NULL */
+    const char *only; /* the --method that the option belongs to; NULL: every one. For the program's own checks */
+    bool *given;      /* set to true when the option is met; may be NULL */
     double minimum, maximum;
     const char *choices;
     /* CLI_CUSTOM: reads `text` into `value`; returns NULL, or what was expected ("a list of numbers") */
