@@ -4,6 +4,7 @@
  */
 #include "bonn_reader.h"
 
+#include "area.h"
 #include "bonn_decode.h"
 #include "grid.h"
 
@@ -12,12 +13,6 @@
 #include <string.h>
 
 enum { SOURCES = 16 /* texels of the file that are decoded together for one resized texel */ };
-
-/* What of a line of `length` pixels one output pixel covers: `count` pixels from `first` on. */
-typedef struct span {
-    int first, count;
-    double begin, end; /* in pixels of the line */
-} span;
 
 /* The origin of the samples: the file, and what of it becomes which texel. */
 typedef struct bonn_origin {
@@ -29,20 +24,6 @@ typedef struct bonn_origin {
     int n_views, n_lights;
     bool flip_v, strict;
 } bonn_origin;
-
-static span span_of(int index, int pixels, int length) {
-    const double step = (double)length / pixels;
-    span s = {.begin = index * step, .end = index + 1 == pixels ? length : (index + 1) * step};
-    s.first = (int)s.begin;
-    s.count = (int)ceil(s.end) - s.first;
-    return s;
-}
-
-/* How much of pixel i of the line the span covers, as part of the span. */
-static double share(span s, int i) {
-    const double begin = fmax(s.begin, i), end = fmin(s.end, i + 1.0);
-    return (end - begin) / (s.end - s.begin);
-}
 
 /* Number in the file of pixel (x, y) of the area. */
 static size_t file_texel(const bonn_origin *o, int x, int y) {
@@ -67,22 +48,25 @@ static btf_result check_strict(const enc_context *context, const bonn_origin *o,
 /* One texel as the mean of those that it covers; sources is room for SOURCES of them. */
 static btf_result resize(const enc_context *context, const bonn_origin *o, size_t texel, int view,
                          int n_views, float *sources, float *out) {
-    const span columns = span_of((int)(texel % (size_t)o->width), o->width, o->area.width);
-    const span rows = span_of((int)(texel / (size_t)o->width), o->height, o->area.height);
+    const int column = (int)(texel % (size_t)o->width), row = (int)(texel / (size_t)o->width);
+    const double area = (double)o->area.width * (double)o->area.height;
     const size_t size = (size_t)n_views * 3 * (size_t)o->n_lights;
-    const int total = columns.count * rows.count;
+    int x0, x1, y0, y1;
+    enc_area_span(o->area.width, o->width, column, &x0, &x1);
+    enc_area_span(o->area.height, o->height, row, &y0, &y1);
+    const int total = (x1 - x0) * (y1 - y0);
     memset(out, 0, size * sizeof *out);
     for (int first = 0; first < total; first += SOURCES) {
         const int n = total - first < SOURCES ? total - first : SOURCES;
         size_t texels[SOURCES];
         for (int i = 0; i < n; i++)
-            texels[i] = file_texel(o, columns.first + (first + i) % columns.count,
-                                   rows.first + (first + i) / columns.count);
+            texels[i] = file_texel(o, x0 + (first + i) % (x1 - x0), y0 + (first + i) / (x1 - x0));
         btf_result result =
             enc_bonn_decode(context, o->decoder, (size_t)n, texels, view, n_views, size, sources);
         for (int i = 0; i < n && result == BTF_OK; i++) {
-            const double weight = share(columns, columns.first + (first + i) % columns.count) *
-                                  share(rows, rows.first + (first + i) / columns.count);
+            const int x = x0 + (first + i) % (x1 - x0), y = y0 + (first + i) / (x1 - x0);
+            const double weight = (double)enc_area_overlap(o->area.width, o->width, column, x) *
+                                  (double)enc_area_overlap(o->area.height, o->height, row, y) / area;
             result = check_strict(context, o, texels[i], size, sources + (size_t)i * size);
             for (size_t s = 0; s < size; s++)
                 out[s] += (float)weight * sources[(size_t)i * size + s];

@@ -4,6 +4,8 @@
  */
 #include "level_filter.h"
 
+#include "area.h"
+
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,35 +17,20 @@ int enc_level_count(int width, int height) {
     return count;
 }
 
-/* What of texel k, in parts of 1 / to, lies in texel c of the coarser row: both rows span from * to parts.
- */
-static int64_t overlap(int from, int to, int c, int k) {
-    const int64_t left = (int64_t)c * from > (int64_t)k * to ? (int64_t)c * from : (int64_t)k * to;
-    const int64_t right =
-        (int64_t)(c + 1) * from < (int64_t)(k + 1) * to ? (int64_t)(c + 1) * from : (int64_t)(k + 1) * to;
-    return right > left ? right - left : 0;
-}
-
-/* The texels [*first, *end) of the finer row that texel c touches. */
-static void span(int from, int to, int c, int *first, int *end) {
-    *first = (int)((int64_t)c * from / to);
-    *end = (int)(((int64_t)(c + 1) * from + to - 1) / to);
-}
-
 /* One texel; buffer and out take a texel each, sums likewise. */
 static btf_result filter_texel(const enc_context *context, const enc_data *from, const enc_data *to,
                                size_t texel, float *buffer, double *sums, float *out) {
     const size_t stride = enc_data_texel_stride(from);
     const int column = (int)(texel % (size_t)to->width), row = (int)(texel / (size_t)to->width);
     int x0, x1, y0, y1;
-    span(from->width, to->width, column, &x0, &x1);
-    span(from->height, to->height, row, &y0, &y1);
+    enc_area_span(from->width, to->width, column, &x0, &x1);
+    enc_area_span(from->height, to->height, row, &y0, &y1);
     memset(sums, 0, stride * sizeof *sums);
     for (int y = y0; y < y1; y++)
         for (int x = x0; x < x1; x++) {
             const float *samples;
-            const double weight = (double)overlap(from->width, to->width, column, x) *
-                                  (double)overlap(from->height, to->height, row, y);
+            const double weight = (double)enc_area_overlap(from->width, to->width, column, x) *
+                                  (double)enc_area_overlap(from->height, to->height, row, y);
             const btf_result result = enc_data_texels(
                 context, from, (size_t)y * (size_t)from->width + (size_t)x, 1, buffer, &samples);
             if (result != BTF_OK)

@@ -1,0 +1,25 @@
+/* What a pixel covers of a row of other pixels, exactly, for area filters. Both rows span from * to parts.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_AREA_H
+#define OPENBTF_ENCODER_AREA_H
+
+#include <stdint.h>
+
+/* Parts of pixel k of a row of `from` pixels that lie in pixel c of a row of `to`; over all k they sum to
+ * `from`. */
+static inline int64_t enc_area_overlap(int from, int to, int c, int k) {
+    const int64_t left = (int64_t)c * from > (int64_t)k * to ? (int64_t)c * from : (int64_t)k * to;
+    const int64_t right =
+        (int64_t)(c + 1) * from < (int64_t)(k + 1) * to ? (int64_t)(c + 1) * from : (int64_t)(k + 1) * to;
+    return right > left ? right - left : 0;
+}
+
+/* The pixels *first .. *end - 1 of the row of `from` that pixel c of the row of `to` touches. */
+static inline void enc_area_span(int from, int to, int c, int *first, int *end) {
+    *first = (int)((int64_t)c * from / to);
+    *end = (int)(((int64_t)(c + 1) * from + to - 1) / to);
+}
+
+#endif
