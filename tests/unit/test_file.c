@@ -5,6 +5,7 @@
  */
 #include "exr_edit.h"
 #include "random_material.h"
+#include "refusals.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -14,16 +15,6 @@
 #include <string.h>
 
 #include <cmocka.h>
-
-static char last_message[2048];
-
-static void keep(void *user, btf_log_level level, const char *message) {
-    (void)user;
-    (void)level;
-    snprintf(last_message, sizeof last_message, "%s", message);
-}
-
-static const btf_log log_keep = {keep, NULL};
 
 /* A saved material with every effect; atlas or tight. */
 typedef struct saved {
@@ -68,29 +59,6 @@ static int teardown(void **state) {
 
 static edit_file *take(const saved *s) {
     return edit_load(s->data, s->size);
-}
-
-/* Saves, opens, frees the edited file. */
-static btf_result open_edited(edit_file *file, btf_material **out_material) {
-    void *data;
-    size_t size;
-    edit_save(file, &data, &size);
-    edit_free(file);
-    last_message[0] = 0;
-    btf_result result = btf_material_open_memory(data, size, &log_keep, out_material);
-    free(data);
-    return result;
-}
-
-/* The edited file must be refused with a message that holds `text`. */
-static void refused_as(edit_file *file, btf_result code, const char *text) {
-    btf_material *material;
-    btf_result result = open_edited(file, &material);
-    if (result != code || !strstr(last_message, text))
-        print_error("expected \"%s\", got %d \"%s\"\n", text, (int)result, last_message);
-    assert_int_equal(result, code);
-    assert_non_null(strstr(last_message, text));
-    assert_null(material);
 }
 
 static void refused(edit_file *file, const char *text) {

@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "random_material.h"
+#include "refusals.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -13,17 +14,6 @@
 #include <unistd.h>
 
 #include <cmocka.h>
-
-/* The last message. */
-static char last_message[2048];
-
-static void keep(void *user, btf_log_level level, const char *message) {
-    (void)user;
-    (void)level;
-    snprintf(last_message, sizeof last_message, "%s", message);
-}
-
-static const btf_log log_keep = {keep, NULL};
 
 static void assert_same_directions(btf_directions a, btf_directions b) {
     assert_int_equal(a.count, b.count);
@@ -385,19 +375,6 @@ static void test_info(void **state) {
     random_material_free(&desc);
 }
 
-/* Creating must fail with a message that holds `text`. */
-static void refused(const btf_material_desc *desc, const char *text) {
-    btf_material *material;
-    last_message[0] = 0;
-    btf_result result = btf_material_create(desc, &log_keep, &material);
-    if (result != BTF_ERROR_USAGE || !strstr(last_message, text))
-        print_error("expected \"%s\", got %d \"%s\"\n", text, (int)result, last_message);
-    assert_int_equal(result, BTF_ERROR_USAGE);
-    assert_non_null(strstr(last_message, text));
-    assert_null(material);
-    assert_int_equal(btf_material_create(desc, NULL, &material), BTF_ERROR_USAGE);
-}
-
 static void test_create_refuses_info(void **state) {
     (void)state;
     random_state r = {7};
@@ -407,7 +384,7 @@ static void test_create_refuses_info(void **state) {
     do {                                                                                                   \
         bad = good;                                                                                        \
         bad.change;                                                                                        \
-        refused(&bad, text);                                                                               \
+        create_refused(&bad, text);                                                                        \
     } while (0)
     REFUSED(struct_size = 8, "struct_size is 8");
     REFUSED(info.width = 0, "size 0 x 4");
@@ -445,7 +422,7 @@ static void test_create_refuses_info(void **state) {
     bad.info.components = bad.info.centres = 0;
     bad.info.colour = BTF_COLOUR_NONE;
     bad.info.lobes = 0;
-    refused(&bad, "colour none without");
+    create_refused(&bad, "colour none without");
     const float low[9] = {0, 0, 1, 0.6f, 0, 0.8f, 1, 0, 0}, twice[9] = {0, 0, 1, 0.6f, 0, 0.8f, 0, 0, 1},
                 longer[9] = {0, 0, 1.01f, 0.6f, 0, 0.8f, 0, 0.6f, 0.8f},
                 nan[9] = {0, 0, 1, NAN, 0, 0.8f, 0, 0.6f, 0.8f};
@@ -457,9 +434,9 @@ static void test_create_refuses_info(void **state) {
     bad = good;
     bad.errors = errors;
     bad.error_count = 2;
-    refused(&bad, "row 1 has effects 0x20");
+    create_refused(&bad, "row 1 has effects 0x20");
     errors[1] = (btf_material_error){1, NAN, 20, 100};
-    refused(&bad, "errors: row 1");
+    create_refused(&bad, "errors: row 1");
     random_material_free(&good);
 }
 
@@ -468,7 +445,7 @@ static void refused_u8(btf_material_desc *desc, btf_texture_id id, size_t i, uin
                        const char *text) {
     uint8_t *data = (uint8_t *)(uintptr_t)desc->texture[id], old = data[i];
     data[i] = value;
-    refused(desc, text);
+    create_refused(desc, text);
     data[i] = old;
 }
 
@@ -476,14 +453,14 @@ static void refused_float(btf_material_desc *desc, btf_texture_id id, size_t i, 
                           const char *text) {
     float *data = (float *)(uintptr_t)desc->texture[id], old = data[i];
     data[i] = value;
-    refused(desc, text);
+    create_refused(desc, text);
     data[i] = old;
 }
 
 static void refused_half(btf_material_desc *desc, size_t i, uint16_t value, const char *text) {
     uint16_t *data = (uint16_t *)(uintptr_t)desc->texture[BTF_TEXTURE_SBRDF], old = data[i];
     data[i] = value;
-    refused(desc, text);
+    create_refused(desc, text);
     data[i] = old;
 }
 
@@ -514,19 +491,19 @@ static void test_create_refuses_values(void **state) {
     gain[0] = 0;
     shift[0] = 7;
     shift[1] = 0;
-    refused(&d, "gain: view 0, texel (0, 0): centre 7 of 7");
+    create_refused(&d, "gain: view 0, texel (0, 0): centre 7 of 7");
     shift[0] = 1;
     shift[1] = 1;
-    refused(&d, "centre 257 of 7");
+    create_refused(&d, "centre 257 of 7");
     shift[0] = b0;
     shift[1] = b1;
     gain[0] = old;
 
     d.info.effects &= ~(uint32_t)BTF_EFFECT_SHIFT; /* some point has a shift */
-    refused(&d, "without the effect shift");
+    create_refused(&d, "without the effect shift");
     d.info.effects |= BTF_EFFECT_SHIFT;
     d.info.effects &= ~(uint32_t)BTF_EFFECT_GAIN;
-    refused(&d, "without the effect gain");
+    create_refused(&d, "without the effect gain");
     d.info.effects |= BTF_EFFECT_GAIN;
     random_material_free(&d);
 
@@ -554,7 +531,7 @@ static void test_create_refuses_maps(void **state) {
     size_t last = (size_t)d.info.atlas_width * d.info.atlas_height * 4 - 4;
     refused_u8(&d, BTF_TEXTURE_MAPS, last, 9, "holds 9 where nothing has a meaning");
     d.info.effects &= ~(uint32_t)BTF_EFFECT_SHADOW;
-    refused(&d, "where nothing has a meaning");
+    create_refused(&d, "where nothing has a meaning");
     d.info.effects |= BTF_EFFECT_SHADOW;
     random_material_free(&d);
 

@@ -1,0 +1,58 @@
+/* Materials that must be refused. See refusals.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "refusals.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+char last_message[2048];
+
+static void keep(void *user, btf_log_level level, const char *message) {
+    (void)user;
+    (void)level;
+    snprintf(last_message, sizeof last_message, "%s", message);
+}
+
+const btf_log log_keep = {keep, NULL};
+
+static void assert_refused(btf_result result, btf_result code, const char *text,
+                           const btf_material *material) {
+    if (result != code || !strstr(last_message, text))
+        print_error("expected \"%s\", got %d \"%s\"\n", text, (int)result, last_message);
+    assert_int_equal(result, code);
+    assert_non_null(strstr(last_message, text));
+    assert_null(material);
+}
+
+void create_refused(const btf_material_desc *desc, const char *text) {
+    btf_material *material;
+    last_message[0] = 0;
+    const btf_result result = btf_material_create(desc, &log_keep, &material);
+    assert_refused(result, BTF_ERROR_USAGE, text, material);
+    assert_int_equal(btf_material_create(desc, NULL, &material), BTF_ERROR_USAGE);
+}
+
+btf_result open_edited(edit_file *file, btf_material **out_material) {
+    void *data;
+    size_t size;
+    edit_save(file, &data, &size);
+    edit_free(file);
+    last_message[0] = 0;
+    const btf_result result = btf_material_open_memory(data, size, &log_keep, out_material);
+    assert_int_equal(result == BTF_OK, *out_material != NULL);
+    free(data);
+    return result;
+}
+
+void refused_as(edit_file *file, btf_result code, const char *text) {
+    btf_material *material;
+    const btf_result result = open_edited(file, &material);
+    assert_refused(result, code, text, material);
+}
