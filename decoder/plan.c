@@ -16,40 +16,68 @@ typedef struct way {
     double mse[2]; /* linear, sRGB-coded */
 } way;
 
-/* Directions that a shader of these options goes through. */
-static uint32_t used(const btfi_directions *directions, const btf_shader_options *o, uint32_t fixed,
-                     const float direction[3]) {
+/* How a shader goes through directions. */
+typedef struct trips {
+    float run, passed; /* directions of weight above 0; those of weight 0 that cost time all the same */
+} trips;
+
+static trips trips_of(const btfi_directions *directions, const btf_shader_options *o, uint32_t fixed,
+                      const float fixed_direction[3], const btf_range *range) {
     const bool nearest = o->interpolation == BTF_INTERPOLATION_NEAREST;
-    return o->fixed & fixed ? btfi_neighbours_of(directions, direction, nearest).count : nearest ? 1 : 3;
+    if (o->fixed & fixed)
+        return (trips){(float)btfi_neighbours_of(directions, fixed_direction, nearest).count, 0};
+    if (nearest)
+        return (trips){1, 0};
+    if (!range || !range->fixed)
+        return (trips){3, 0};
+    const float run = (float)btfi_neighbours_of(directions, range->direction, false).count;
+    return (trips){run, 3 - run};
 }
 
-/* Fitted to the section `decode` of btf-bench (llvmpipe, 15 shaders, mean deviation 8 %, worst 20 %): the
- * nanoseconds of what is done once, of a look-up, and of a fetch with what follows from it. */
-float btf_plan_cost(const btf_material *material, const btf_shader_options *o) {
+/* See plan.h for the model and where its numbers come from. */
+static float cost_of(const btf_material *material, btf_layout layout, const btf_shader_options *o,
+                     const btf_scene *scene) {
     const btf_material_info *info = &material->info;
-    enum { ONCE = 10, LOOK_UP = 20 };
-    const float parameters = 1.4f, lobe = 0.3f, code = 6.6f, profile = 5, texel_group = 5,
-                direction_group = 2.2f;
+    const bool tight = layout == BTF_LAYOUT_TIGHT;
+    const float atlas = tight ? 0 : 0.8f, once = 8.3f, look_up = 10.7f, texel_view = 1.5f, code = 1,
+                parameter = 4.1f, profile = 3.4f, centre = 4.8f, texel_group = 3.9f, direction_group = 2.3f;
+    enum { UNROLLED = 6 };
     const uint32_t effects = info->effects & ~o->leave_out, residual = effects & BTF_EFFECT_RESIDUAL;
+    const uint32_t codes = BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN | BTF_EFFECT_GAIN;
     const uint32_t components =
         o->components && o->components < info->components ? o->components : info->components;
     const float groups = residual ? (float)((components + 3) / 4) : 0;
     const float texels = o->filter == BTF_FILTER_BILINEAR ? 4 : 1;
-    const float views = (float)used(&material->views, o, BTF_FIXED_VIEW, o->fixed_view);
-    const float lights = (float)used(&material->lights, o, BTF_FIXED_LIGHT, o->fixed_light);
-    const uint32_t code_bits = BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN | BTF_EFFECT_GAIN;
-    float codes = effects & code_bits ? 1 : 0, each = 0;
-    if (info->layout == BTF_LAYOUT_TIGHT)
-        codes = (effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN) ? 1.0f : 0.0f) +
-                (effects & (BTF_EFFECT_GAIN | BTF_EFFECT_HIDDEN) ? 1.0f : 0.0f);
+    const bool has_shadow = info->colour != BTF_COLOUR_NONE && effects & BTF_EFFECT_SHADOW;
+    const bool lights_matter = has_shadow || residual || effects & BTF_EFFECT_HIDDEN;
+    trips views = trips_of(&material->views, o, BTF_FIXED_VIEW, o->fixed_view, scene ? &scene->view : NULL);
+    const trips light =
+        trips_of(&material->lights, o, BTF_FIXED_LIGHT, o->fixed_light, scene ? &scene->light : NULL);
+    const float lights = light.run + light.passed;
+    /* The same for each view: compilers see that where the views are constants. */
+    if (o->fixed & BTF_FIXED_VIEW && !(effects & codes) && !residual)
+        views = (trips){1, 0};
+    float fetched = effects & codes ? 1 : 0, each = 0;
+    if (tight)
+        fetched = (effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN) ? 1.0f : 0.0f) +
+                  (effects & (BTF_EFFECT_GAIN | BTF_EFFECT_HIDDEN) ? 1.0f : 0.0f);
     if (info->colour != BTF_COLOUR_NONE) {
         const uint32_t head = info->colour == BTF_COLOUR_MONO ? 1 : (3 + 3 * info->lobes + 3) / 4;
-        each += parameters * (float)(head + info->lobes) + lobe * (float)info->lobes;
-        each += effects & BTF_EFFECT_SHADOW ? profile * lights : 0;
+        each = parameter * (float)(head + info->lobes) + (has_shadow ? (atlas + profile) * lights : 0);
     }
-    each += code * codes + (effects & BTF_EFFECT_HIDDEN ? profile * lights : 0) + texel_group * groups;
-    const float look_ups = (float)(!(o->fixed & BTF_FIXED_VIEW) + !(o->fixed & BTF_FIXED_LIGHT));
-    return ONCE + LOOK_UP * look_ups + views * (texels * each + direction_group * groups * 3 * lights);
+    each += texel_view + (atlas + code) * fetched +
+            (effects & BTF_EFFECT_HIDDEN ? (atlas + centre) * lights : 0);
+    const float group_trips =
+        groups > UNROLLED ? views.run * groups + views.passed : (views.run + views.passed) * groups;
+    const float look_ups = (o->fixed & BTF_FIXED_VIEW ? 0.0f : 1.0f) +
+                           (!lights_matter || o->fixed & BTF_FIXED_LIGHT ? 0.0f : 1.0f);
+    return once + look_up * look_ups + (views.run + views.passed) * texels * each +
+           group_trips * (texel_group * texels + 3 * direction_group * lights);
+}
+
+float btf_plan_cost(const btf_material *material, const btf_shader_options *options,
+                    const btf_scene *scene) {
+    return cost_of(material, material->info.layout, options, scene);
 }
 
 /* The share of a range's solid angle that each band has; the outermost band goes on to the horizon, the
@@ -167,8 +195,8 @@ static void price(const btf_material *material, uint32_t views, uint32_t lights,
     plan->shader.components = plan->components;
     plan->textures = btf_shader_textures(&small, &plan->shader);
     plan->gpu_bytes = btfi_gpu_bytes(&small);
-    plan->cost =
-        btf_plan_cost(material, &plan->shader) * (float)(plan->scene.lights ? plan->scene.lights : 1);
+    plan->cost = cost_of(material, small.layout, &plan->shader, &plan->scene) *
+                 (float)(plan->scene.lights ? plan->scene.lights : 1);
 }
 
 static bool is_positive(float x) {
@@ -187,7 +215,8 @@ static void plan_all(const btf_material *material, const btf_scene *scene, uint3
                        .full_gpu_bytes = info->gpu_bytes};
     plan->shader.struct_size = sizeof plan->shader;
     plan->shader.filter = pixels > 1.5f ? BTF_FILTER_BILINEAR : BTF_FILTER_TEXEL;
-    plan->full_cost = btf_plan_cost(material, &plan->shader) * (float)(scene->lights ? scene->lights : 1);
+    plan->full_cost =
+        btf_plan_cost(material, &plan->shader, scene) * (float)(scene->lights ? scene->lights : 1);
     while (plan->level + 1 < info->levels && ldexpf(pixels, (int)plan->level + 1) <= 1)
         plan->level++;
     plan->shader.fixed =

@@ -13,7 +13,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_WAYS = 1024, MOST_TEXELS = 512, CELL_SAMPLES = 2048, MOST_EVALUATIONS = 3000000, ROW_HEAD = 5 };
+enum {
+    MOST_WAYS = 1024,
+    MOST_TEXELS = 512,
+    MOST_PAIRS = 16,
+    CELL_SAMPLES = 2048,
+    MOST_EVALUATIONS = 3000000,
+    MOST_OF_FULL = 300000,
+    ROW_HEAD = 5
+};
 
 #define DEGREE (3.14159265358979323846 / 180)
 
@@ -40,6 +48,7 @@ typedef struct job {
     bands views, lights;
     way *ways;
     size_t n_ways, cells;
+    btf_ref_options full; /* everything: effects and components of the file */
     size_t texels, pairs; /* of the level at hand; pairs: directions a texel and pair of bands */
     const btf_material *packed;
     float *rows; /* of the levels so far */
@@ -232,22 +241,20 @@ static btf_result measure_texel(const job *j, size_t index, float *buffer, doubl
     return result;
 }
 
-/* Texels and pairs of directions within the bounds of effect_errors.h; half of them for the next
- * level. */
-static void choose_samples(job *j, int level) {
+/* Texels and pairs of directions so that all ways take at most `evaluations`; halved so many times. */
+static void choose_samples(job *j, size_t evaluations, int halvings) {
     const size_t count = enc_data_texel_count(j->data);
     const size_t samples = count * (size_t)j->data->n_views * (size_t)j->data->n_lights;
-    size_t each =
-        (samples / 2 < MOST_EVALUATIONS ? samples / 2 : MOST_EVALUATIONS) / (j->n_ways * j->cells);
-    each = (each > CELL_SAMPLES ? CELL_SAMPLES : each) >> level;
+    size_t each = (samples / 2 < evaluations ? samples / 2 : evaluations) / (j->n_ways * j->cells);
+    each = (each > CELL_SAMPLES ? CELL_SAMPLES : each) >> halvings;
     each = each < 16 ? 16 : each;
     j->texels = count < MOST_TEXELS ? count : MOST_TEXELS;
     if (j->texels > each) {
         j->texels = each;
     }
     j->pairs = each / j->texels;
-    if (j->pairs > 4) {
-        j->pairs = 4;
+    if (j->pairs > MOST_PAIRS) {
+        j->pairs = MOST_PAIRS;
     }
 }
 
@@ -280,23 +287,74 @@ static btf_result measure(const job *j, double *total) {
             total[i % length] += sums[i];
         }
     }
-    enc_stage_step(j->context, 1);
     free(sums);
+    return result;
+}
+
+/* Mean squared errors of some ways: out[way][cell][2]. Errors: BTF_ERROR_MEMORY, those of the data. */
+static btf_result measure_means(const job *j, double **out) {
+    const size_t length = 2 * j->n_ways * j->cells;
+    *out = calloc(length, sizeof **out);
+    const btf_result result = *out ? measure(j, *out) : BTF_ERROR_MEMORY;
+    for (size_t i = 0; result == BTF_OK && i < length; i++) {
+        (*out)[i] /= 3.0 * (double)(j->texels * j->pairs);
+    }
+    return result;
+}
+
+/* Ways that decode everything, one a kind: they are measured at more samples. What a way differs from them
+ * by varies far less from sample to sample than its error does, so that few samples are enough for that
+ * (control variates). */
+static btf_result correct_by_full(const job *all, double *mean) {
+    job j = *all;
+    way full[KINDS];
+    size_t index[KINDS];
+    double *better = NULL;
+    j.ways = full;
+    j.n_ways = 0;
+    for (size_t w = 0; w < all->n_ways && j.n_ways < KINDS; w++) {
+        if (all->ways[w].options.effects == all->full.effects &&
+            all->ways[w].options.components == all->full.components) {
+            index[j.n_ways] = w;
+            full[j.n_ways++] = all->ways[w];
+        }
+    }
+    if (j.n_ways < KINDS) {
+        return BTF_OK;
+    }
+    choose_samples(&j, MOST_OF_FULL, 0);
+    if (j.texels * j.pairs <= all->texels * all->pairs) {
+        return BTF_OK;
+    }
+    const btf_result result = measure_means(&j, &better);
+    for (size_t k = 0; result == BTF_OK && k < KINDS; k++) {
+        for (size_t i = 0; i < 2 * j.cells; i++) {
+            const double step = better[2 * k * j.cells + i] - mean[2 * index[k] * j.cells + i];
+            for (size_t w = 0; w < all->n_ways; w++) {
+                double *m = &mean[2 * w * j.cells + i];
+                if (all->ways[w].kind == full[k].kind && w != index[k]) {
+                    *m = fmax(*m + step, *m / 4);
+                }
+            }
+            mean[2 * index[k] * j.cells + i] += step;
+        }
+    }
+    free(better);
     return result;
 }
 
 /* Measures all ways in a level (an enc_level_fn) and writes their rows. */
 static btf_result measure_level(void *user, int level, const enc_data *data) {
     job *j = user;
-    double *total = calloc(j->n_ways * j->cells, 2 * sizeof *total);
-    if (!total) {
-        return BTF_ERROR_MEMORY;
-    }
+    double *mean = NULL;
     j->data = data;
     reference_view(j->packed, (uint32_t)level, &j->material);
-    choose_samples(j, level);
-    const btf_result result = measure(j, total);
-    const double samples = 3.0 * (double)(j->texels * j->pairs);
+    choose_samples(j, MOST_EVALUATIONS, level);
+    btf_result result = measure_means(j, &mean);
+    if (result == BTF_OK) {
+        result = correct_by_full(j, mean);
+    }
+    enc_stage_step(j->context, 1);
     for (size_t w = 0; result == BTF_OK && w < j->n_ways; w++) {
         const btf_ref_options *o = &j->ways[w].options;
         *j->rows++ = (float)o->effects;
@@ -305,10 +363,10 @@ static btf_result measure_level(void *user, int level, const enc_data *data) {
         *j->rows++ = (float)level;
         *j->rows++ = (float)j->ways[w].gpu_bytes;
         for (size_t i = 0; i < 2 * j->cells; i++) {
-            *j->rows++ = fminf((float)(total[2 * w * j->cells + i] / samples), 1.0f);
+            *j->rows++ = fminf((float)mean[2 * w * j->cells + i], 1.0f);
         }
     }
-    free(total);
+    free(mean);
     return result;
 }
 
@@ -339,6 +397,7 @@ btf_result enc_effect_errors(const enc_context *context, const enc_data *data, c
              .views = make_bands(data->views, data->n_views),
              .lights = make_bands(data->lights, data->n_lights)};
     j.cells = (size_t)j.views.count * (size_t)j.lights.count;
+    j.full = (btf_ref_options){.effects = info.effects, .components = info.components};
     j.ways = calloc(MOST_WAYS, sizeof *j.ways);
     float *values = NULL;
     size_t count = 0;

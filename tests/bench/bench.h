@@ -30,7 +30,10 @@ typedef struct bench_run {
     int repeats;        /* of an encode; a decode is repeated at least BENCH_DECODE_REPEATS times */
     bool quick;         /* fewer settings */
     const char *device; /* the only one to decode on; NULL: all */
+    const char *keep;   /* folder of materials that section `plan` encodes once; NULL: none */
 } bench_run;
+
+extern const char *const bench_preset_names[BENCH_PRESETS];
 
 /* Measures, writes CSV into run->out and tables into run->summary. */
 typedef btf_result (*bench_section_fn)(const bench_run *run);

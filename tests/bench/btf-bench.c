@@ -40,7 +40,7 @@ static const struct {
 };
 enum { SECTIONS = sizeof sections / sizeof sections[0], MAX_MATERIALS = 64 };
 
-static const char *const preset_names[BENCH_PRESETS] = {"fast", "medium", "thorough", "exhaustive"};
+const char *const bench_preset_names[BENCH_PRESETS] = {"fast", "medium", "thorough", "exhaustive"};
 
 /* Comma-separated names as bits. */
 typedef struct name_set {
@@ -54,7 +54,7 @@ typedef struct material {
 } material;
 
 static struct {
-    const char *out, *device;
+    const char *out, *device, *keep;
     material materials[MAX_MATERIALS];
     int count, threads, texels, rank, repeats, holdout;
     name_set set;
@@ -100,7 +100,7 @@ static const char *parse_presets(const char *text, void *value) {
     (void)value;
     while (next_word(&text, word, sizeof word)) {
         int i = 0;
-        while (i < BENCH_PRESETS && strcmp(word, preset_names[i]) != 0) {
+        while (i < BENCH_PRESETS && strcmp(word, bench_preset_names[i]) != 0) {
             i++;
         }
         if (i == BENCH_PRESETS) {
@@ -190,6 +190,12 @@ static const cli_option table[] = {
      .value = &o.device,
      .help = "decode on one GL device of btf-conform --list; default all of\nthem, with --quick one a "
              "language"},
+    {.name = "keep",
+     .arg = "DIR",
+     .type = CLI_STRING,
+     .value = &o.keep,
+     .help = "section plan: take NAME-joint-PRESET.btf.exr (--levels 4) and\nNAME-paper.btf.exr from this "
+             "folder, or encode them once and put\nthem there"},
     {.name = "budget",
      .type = CLI_BYTES,
      .value = &o.budget,
@@ -326,7 +332,8 @@ static btf_result run_material(const enc_context *context, const material *m, co
                        .system = system,
                        .repeats = o.repeats,
                        .quick = o.quick,
-                       .device = o.device};
+                       .device = o.device,
+                       .keep = o.keep};
     memcpy(bench.presets, o.set.presets, sizeof bench.presets);
     if (held.owned) {
         fprintf(summary,

@@ -16,7 +16,6 @@
 #include <math.h>
 #include <string.h>
 
-static const char *const preset_names[BENCH_PRESETS] = {"fast", "medium", "thorough", "exhaustive"};
 static const char *const coding_names[] = {"linear", "sRGB", "square root"};
 static const size_t cluster_counts[] = {8, 16, 32};
 /* Ranks of the curve in the plot, over that of the budget. */
@@ -85,7 +84,7 @@ static btf_result run_joint(const bench_run *run, uint64_t budget, int preset, c
     const char *names[] = {name};
     const uint32_t all[] = {BTF_EFFECT_ALL};
     bench_encoded encoded;
-    snprintf(name, sizeof name, "joint, %s", preset_names[preset]);
+    snprintf(name, sizeof name, "joint, %s", bench_preset_names[preset]);
     btf_result result = bench_encode_joint(run->context, run->data, preset, budget, &encoded);
     if (result == BTF_OK) {
         result = measure_encoded(run, &encoded, 1, names, all, table);

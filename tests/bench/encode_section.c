@@ -12,8 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const preset_names[BENCH_PRESETS] = {"fast", "medium", "thorough", "exhaustive"};
-
 /* One setting of one of the methods. */
 typedef struct setting {
     char sweep[24], name[72];
@@ -52,7 +50,7 @@ static void plan_presets(plan *p, const bench_run *run) {
         if (run->presets_given ? run->presets[i] : !run->quick || i < ENC_JOINT_EXHAUSTIVE) {
             s = add(p, "preset", i, -1);
             s->joint_options.preset = i;
-            NAME(s, "joint %s", preset_names[i]);
+            NAME(s, "joint %s", bench_preset_names[i]);
             p->medium = i == ENC_JOINT_MEDIUM ? p->count - 1 : p->medium;
         }
     }

@@ -15,7 +15,6 @@
 
 #include <math.h>
 
-static const char *const preset_names[BENCH_PRESETS] = {"fast", "medium", "thorough", "exhaustive"};
 enum { SETS = BENCH_HELD_SETS, CELLS = 1 + SETS, ROWS = 2 + 2 * BENCH_PRESETS };
 static const char *const set_names[CELLS] = {"train", "held view", "held light", "both"};
 
@@ -87,7 +86,7 @@ static btf_result run_preset(const bench_run *run, const bench_held *held, int p
     }
     for (int nearest = 1; nearest >= 0 && result == BTF_OK; nearest--) {
         held_row *row = &rows[(*count)++];
-        snprintf(row->name, sizeof row->name, "joint, %s, %s", preset_names[preset],
+        snprintf(row->name, sizeof row->name, "joint, %s, %s", bench_preset_names[preset],
                  nearest ? "nearest" : "interpolated");
         result = decoded_row(run, held, &encoded, &material, nearest, row);
         enc_stage_step(run->context, 1);

@@ -77,12 +77,35 @@ static void pick(random_state *r, const btf_range *range, double outermost, floa
     out[2] = (float)z;
 }
 
-void plan_arguments(const btf_plan *plan, const enc_data *data, size_t count, uint32_t *out) {
-    random_state r = {7};
-    for (size_t i = 0; i < count; i++) {
-        float f[8] = {(float)random_between(&r, 0, 1), (float)random_between(&r, 0, 1)};
-        pick(&r, &plan->scene.light, data->lights[data->n_lights - 1].theta, f + 2);
-        pick(&r, &plan->scene.view, data->views[data->n_views - 1].theta, f + 5);
+/* Across a range: one share of its solid angle, another of its turn. */
+static void place(const btf_range *range, double outermost, double rise, double turn, float out[3]) {
+    if (range->fixed) {
+        memcpy(out, range->direction, 3 * sizeof *out);
+        return;
+    }
+    const bool all = range->theta[0] == 0 && range->theta[1] == 0;
+    const double low = cos((double)range->theta[0] * DEGREE),
+                 high = cos(fmin(all ? 90 : (double)range->theta[1], outermost) * DEGREE);
+    double all_turn = fmod((double)range->phi[1] - (double)range->phi[0] + 720, 360);
+    all_turn = all_turn > 0 ? all_turn : 360;
+    const double z = low + (high - low) * rise, s = sqrt(1 - z * z),
+                 phi = ((double)range->phi[0] + turn * all_turn) * DEGREE;
+    out[0] = (float)(s * cos(phi));
+    out[1] = (float)(s * sin(phi));
+    out[2] = (float)z;
+}
+
+void plan_arguments(const btf_plan *plan, const enc_data *data, size_t side, uint32_t *out) {
+    const double view = data->views[data->n_views - 1].theta,
+                 light = data->lights[data->n_lights - 1].theta;
+    const float pixels = plan->scene.pixels > 0 ? plan->scene.pixels : 1;
+    for (size_t i = 0; i < side * side; i++) {
+        const double x = ((double)(i % side) + 0.5) / (double)side,
+                     y = ((double)(i / side) + 0.5) / (double)side;
+        float f[8] = {(float)(x * (double)side / data->width) / pixels,
+                      (float)(y * (double)side / data->height) / pixels};
+        place(&plan->scene.light, light, y, x, f + 2);
+        place(&plan->scene.view, view, x, y, f + 5);
         memcpy(out + 8 * i, f, sizeof f);
     }
 }

@@ -31,8 +31,10 @@ btf_result plan_pack(const enc_context *context, const enc_data *data, struct en
 btf_result plan_measure(const enc_context *context, const enc_data *data, const btf_material *whole,
                         const btf_material *small, const btf_plan *plan, double planned[2], double full[2]);
 
-/* `count` arguments to evaluate in the scene: u, v, light, view as bits, 8 words each. */
-void plan_arguments(const btf_plan *plan, const enc_data *data, size_t count, uint32_t *out);
+/* A picture of side x side pixels of the scene: u, v, light, view as bits, 8 words each. Neighbouring
+ * pixels show neighbouring texels (of the scene's size) under alike directions: views rise along rows and
+ * turn along columns, lights the other way round. */
+void plan_arguments(const btf_plan *plan, const enc_data *data, size_t side, uint32_t *out);
 
 /* dB. */
 double plan_psnr(double mse);

@@ -360,7 +360,7 @@ static void plans_follow_the_table(void **state) {
     assert_int_equal(plan.level, 0);
     assert_true(
         plan.full_cost ==
-        3 * btf_plan_cost(material, &(btf_shader_options){.struct_size = sizeof(btf_shader_options)}));
+        3 * btf_plan_cost(material, &(btf_shader_options){.struct_size = sizeof(btf_shader_options)}, NULL));
     scene.pixels = 2;
     assert_int_equal(btf_plan_effects(material, &scene, 0.5f, &plan), BTF_OK);
     assert_int_equal(plan.shader.filter, BTF_FILTER_BILINEAR);

@@ -8,17 +8,38 @@
 #include "render.h"
 #include <openbtf/plan.h>
 
+enum { PLAN_SECTORS = 72 }; /* of azimuth, 5 degrees each */
+
+/* The directions that were met: elevations, sectors of azimuth, and whether they are one alone. */
+typedef struct plan_directions {
+    bool any, varies;
+    float z[2]; /* least and greatest cosine */
+    bool sector[PLAN_SECTORS];
+    float first[3];
+} plan_directions;
+
 /* What samples were met so far. Start with all zeros. */
 typedef struct plan_range {
-    bool any;
-    float view_z[2], light_z[2]; /* least and greatest cosine */
-    int level;                   /* the finest */
+    plan_directions view, light;
+    int level; /* the finest */
 } plan_range;
 
 /* Casts the picture and widens the range by its samples under all lights. Errors: BTF_ERROR_MEMORY. */
 btf_result plan_range_add(const render_scene *scene, plan_range *range);
 
-/* The range as a scene; elevations are widened by a hundredth of a degree. */
+/* Widens a range by another. */
+void plan_range_join(plan_range *range, const plan_range *other);
+
+/* The range as a scene; elevations are widened by a hundredth of a degree and azimuths to sectors, all where
+ * only one sector in a row is empty. A direction that is the same in all samples, bit for bit, is fixed:
+ * the light of a flat mesh under one light far away; the view of a flat mesh in parallel projection. */
 btf_scene plan_range_scene(const plan_range *range);
+
+/* The same scene for what moves: elevations widened by `degrees` and then outward to multiples of them,
+ * azimuths by as much; a fixed direction becomes such a range. */
+btf_range plan_range_widen(const btf_range *range, float degrees);
+
+/* Every direction of `inner` is in `outer`, and stays in it when inner grows by `slack` degrees. */
+bool plan_range_covers(const btf_range *outer, const btf_range *inner, float slack);
 
 #endif

@@ -25,7 +25,7 @@ static void primary_ray(const table_scene *s, const camera_frame *f, double x, d
     double py = (s->height - 2 * (y + 0.5)) / smaller * f->half;
     vec3 target = vec_add(vec_mul(f->right, px), vec_mul(f->up, py));
     *origin = f->distance > 0 ? vec_mul(f->back, f->distance) : vec_add(target, vec_mul(f->back, 1000));
-    *direction = vec_unit(vec_sub(target, *origin), vec(0, 0, -1));
+    *direction = f->distance > 0 ? vec_unit(vec_sub(target, *origin), vec(0, 0, -1)) : vec_mul(f->back, -1);
 }
 
 /* Attribute of a hit from those of the corners. */
