@@ -6,6 +6,7 @@
 
 #include "decoder/tools/output.h"
 #include "decoder/tools/progress.h"
+#include "team.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -123,7 +124,7 @@ void enc_batch_clear(enc_batch *batch) {
 }
 
 static btf_result make_folder(const enc_context *context, const char *path) {
-    return path ? output_make_folder(path, context->log, NULL) : BTF_OK;
+    return path && enc_team_leads(context) ? output_make_folder(path, context->log, NULL) : BTF_OK;
 }
 
 static btf_result run_one(const enc_context *context, const enc_job *job, const char *input,
@@ -185,6 +186,7 @@ btf_result enc_batch_run(const enc_context *context, const enc_job *job, const e
         result = make_folder(context, job->report);
     if (result == BTF_OK)
         result = make_folder(context, job->pictures);
+    result = enc_team_agree(context, result);
     btf_result first = result;
     for (size_t i = 0; i < batch->count && result == BTF_OK; i++) {
         if (item > 0 && i + 1 != item)
@@ -198,7 +200,7 @@ btf_result enc_batch_run(const enc_context *context, const enc_job *job, const e
         if (outcomes[i].result == BTF_ERROR_INTERRUPTED)
             result = first = BTF_ERROR_INTERRUPTED;
     }
-    if (outcomes && summary)
+    if (outcomes && summary && enc_team_leads(context))
         print_summary(batch, outcomes, summary);
     free(outcomes);
     return first;

@@ -5,8 +5,10 @@
 #include "batch.h"
 #include "decoder/tools/progress.h"
 #include "input_options.h"
+#include "team_mpi.h"
 
 #include <assert.h>
+#include <fcntl.h>
 #include <inttypes.h>
 #include <omp.h>
 #include <stdarg.h>
@@ -235,11 +237,11 @@ static const cli_option table[] = {
      .value = &o.threads,
      .minimum = 1,
      .maximum = 1024,
-     .help = "default: all cores. The output does not depend on it"},
+     .help = "default: all cores; of a rank those it may use, divided by the\nranks that share them. The output does not depend on it"},
     {.name = "memory",
      .type = CLI_BYTES,
      .value = &o.memory,
-     .help = "bound of the working set; default half of the machine's.\nData beyond half of it go through "
+     .help = "bound of the working set of a process; default half of the\nmachine's, divided by its ranks. Data beyond half of it go through "
              "a scratch file in $TMPDIR;\nrefused where the data take more at the least"},
     {.short_name = 'q',
      .name = "quiet",
@@ -260,7 +262,10 @@ static const cli_program program = {
     .details =
         "The tables printed at the end, and the report, measure what the written material decodes to.\n"
         "A list goes on after an input that fails, ends with a line an input, and with the exit code of the\n"
-        "first failure.",
+        "first failure.\n"
+        "mpirun -n N btf-encode ... splits one encode over N processes, of one machine or of several, which write\n"
+        "the same bytes as one. Each reads its share of the images and leaves it in a scratch file: TMPDIR names\n"
+        "a folder that all machines share. MPI is not touched where no launcher started the program.",
     .example = "btf-encode UBO_IMPALLA256.zip --size 64x64 -o impalla.btf.exr --pictures pictures",
     .options = table,
     .min_arguments = 1,
@@ -441,34 +446,75 @@ static btf_result run(const enc_context *context) {
     return result;
 }
 
-int main(int argc, char **argv) {
+/* Opens the null device in place of a stream; -1 where that fails, else what the stream was. */
+static int silence(int stream) {
+    const int before = fcntl(stream, F_DUPFD_CLOEXEC, 3), null = open("/dev/null", O_WRONLY | O_CLOEXEC);
+    if (null >= 0) {
+        dup2(null, stream);
+        close(null);
+    }
+    return before;
+}
+
+/* Options and input; rank 0 alone tells what is wrong with them, since all ranks have the same. */
+static bool parse(int argc, char **argv, bool leads, cli_arguments *out_arguments, int *out_exit_code) {
+    int spoken = -1;
+    if (!leads) {
+        silence(STDOUT_FILENO);
+        spoken = silence(STDERR_FILENO);
+    }
+    bool good = cli_parse(&program, argc, argv, out_arguments, out_exit_code);
+    if (good) {
+        const btf_result result = prepare();
+        good = result == BTF_OK;
+        *out_exit_code = btf_result_exit_code(result);
+    }
+    if (spoken >= 0) {
+        dup2(spoken, STDERR_FILENO);
+        close(spoken);
+    }
+    return good;
+}
+
+static int encode(enc_team *team, int argc, char **argv) {
     cli_arguments arguments;
     int exit_code;
+    const enc_context alone = {.team = team};
+    const bool leads = enc_team_leads(&alone);
+    if (!parse(argc, argv, leads, &arguments, &exit_code)) {
+        return exit_code;
+    }
+    progress *shown = progress_create(o.quiet || !leads);
+    const btf_log log = cli_log(&program, o.quiet);
+    const enc_context context = {.log = team ? enc_team_log(team, log) : log,
+                                 .progress = shown,
+                                 .threads = o.threads,
+                                 .memory = (size_t)o.memory,
+                                 .need = o.job.method == ENC_METHOD_PAPER ? ENC_NEED_PAPER : ENC_NEED_JOINT,
+                                 .team = team};
+    o.job.input = arguments.values[0];
+    const btf_result result = run(&context);
+    if (result == BTF_ERROR_INTERRUPTED && leads) {
+        cli_error(&program, result, "interrupted; no material was written");
+    }
+    progress_destroy(&shown);
+    return cli_finish(&program, result);
+}
+
+int main(int argc, char **argv) {
+    enc_mpi_share share = {.threads = omp_get_num_procs(), .memory = machine_memory() / 2};
+    enc_team *team;
     o.job.paper = enc_paper_options_default();
     o.error_threshold = o.job.paper.fit.t_error;
     o.btf_threshold = o.job.paper.fit.t_btf;
     o.job.joint = enc_joint_options_default();
     o.effect_tolerance[0] = o.job.joint.effect_tolerance;
     o.effect_tolerance[1] = o.job.joint.effect_tolerance_bytes;
-    o.threads = omp_get_num_procs();
-    o.memory = machine_memory() / 2;
-    if (!cli_parse(&program, argc, argv, &arguments, &exit_code)) {
-        return exit_code;
-    }
-    btf_result result = prepare();
-    if (result == BTF_OK) {
-        progress *shown = progress_create(o.quiet);
-        const enc_context context = {.log = cli_log(&program, o.quiet),
-                                     .progress = shown,
-                                     .threads = o.threads,
-                                     .memory = (size_t)o.memory,
-                                     .need = o.job.method == ENC_METHOD_PAPER ? ENC_NEED_PAPER : ENC_NEED_JOINT};
-        o.job.input = arguments.values[0];
-        result = run(&context);
-        if (result == BTF_ERROR_INTERRUPTED) {
-            cli_error(&program, result, "interrupted; no material was written");
-        }
-        progress_destroy(&shown);
-    }
-    return cli_finish(&program, result);
+    const btf_result started = enc_mpi_start(cli_log(&program, false), &team, &share);
+    o.threads = share.threads;
+    o.memory = share.memory;
+    const int exit_code =
+        started == BTF_OK ? encode(team, argc, argv) : btf_result_exit_code(started);
+    enc_mpi_stop(&team);
+    return exit_code;
 }

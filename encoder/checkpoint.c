@@ -8,6 +8,7 @@
 #include "checkpoint.h"
 
 #include "decoder/tools/output.h"
+#include "team.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -23,6 +24,7 @@ enum { HEADER = 24, HASHED_TEXELS = 256 };
 struct enc_checkpoint {
     char *folder;
     uint64_t key;
+    bool leads; /* reads and writes the files; the other ranks of a team hear of it */
 };
 
 /* FNV-1a over 8 bytes at a time, the rest byte by byte. */
@@ -129,11 +131,15 @@ btf_result enc_checkpoint_open(const enc_context *context, const char *folder, c
         free(c);
         return enc_fail(context, BTF_ERROR_MEMORY, "%s: out of memory", folder);
     }
-    btf_result result = find_key(context, options, data, &c->key);
-    if (result == BTF_OK)
+    btf_result result = BTF_OK;
+    c->leads = enc_team_leads(context);
+    if (c->leads)
+        result = find_key(context, options, data, &c->key);
+    if (c->leads && result == BTF_OK)
         result = output_make_folder(folder, context->log, NULL);
-    if (result == BTF_OK)
+    if (c->leads && result == BTF_OK)
         result = check_folder(context, c, resume);
+    result = enc_team_agree(context, result);
     if (result != BTF_OK)
         enc_checkpoint_close(&c, false);
     *out_checkpoint = c;
@@ -154,7 +160,7 @@ static void remove_steps(const enc_checkpoint *c) {
 void enc_checkpoint_close(enc_checkpoint **checkpoint, bool remove_files) {
     if (!checkpoint || !*checkpoint)
         return;
-    if (remove_files)
+    if (remove_files && (*checkpoint)->leads)
         remove_steps(*checkpoint);
     free((*checkpoint)->folder);
     free(*checkpoint);
@@ -224,10 +230,25 @@ static bool read_step(const enc_checkpoint *c, const char *path, enc_blob *out, 
     return true;
 }
 
-bool enc_checkpoint_get(const enc_context *context, const char *name, enc_blob *out_blob) {
-    *out_blob = (enc_blob){0};
-    if (!context->checkpoint)
+/* What rank 0 found, to all ranks. Whether there is anything. */
+static bool share_blob(const enc_context *context, bool found, enc_blob *blob) {
+    uint64_t size = found ? blob->size : UINT64_MAX;
+    btf_result result = enc_team_broadcast(context, BTF_OK, &size, sizeof size);
+    if (result != BTF_OK || size == UINT64_MAX)
         return false;
+    if (!enc_team_leads(context)) {
+        *blob = (enc_blob){.bytes = malloc(size ? size : 1), .size = size, .room = size};
+        if (!blob->bytes)
+            result = enc_fail(context, BTF_ERROR_MEMORY, "checkpoint: out of memory");
+    }
+    result = enc_team_broadcast(context, result, blob->bytes, size);
+    if (result != BTF_OK)
+        enc_blob_clear(blob);
+    return result == BTF_OK;
+}
+
+/* Whether this process has the step; says what is wrong with one that is damaged. */
+static bool find_step(const enc_context *context, const char *name, enc_blob *out_blob) {
     const char *why;
     char *path = path_of(context->checkpoint->folder, name);
     const bool found = path && read_step(context->checkpoint, path, out_blob, &why);
@@ -235,6 +256,14 @@ bool enc_checkpoint_get(const enc_context *context, const char *name, enc_blob *
         enc_log(context, BTF_LOG_WARNING, "%s: %s", path, why);
     free(path);
     return found;
+}
+
+bool enc_checkpoint_get(const enc_context *context, const char *name, enc_blob *out_blob) {
+    *out_blob = (enc_blob){0};
+    if (!context->checkpoint)
+        return false;
+    const bool found = enc_team_leads(context) && find_step(context, name, out_blob);
+    return enc_team_size(context) > 1 ? share_blob(context, found, out_blob) : found;
 }
 
 static btf_result write_step(const enc_context *context, const char *path, const enc_blob *blob) {
@@ -258,7 +287,7 @@ static btf_result write_step(const enc_context *context, const char *path, const
 
 btf_result enc_checkpoint_put(const enc_context *context, const char *name, enc_blob *blob) {
     btf_result result = BTF_OK;
-    if (context->checkpoint) {
+    if (context->checkpoint && enc_team_leads(context)) {
         char *path = path_of(context->checkpoint->folder, name);
         result = !path || blob->failed ? enc_fail(context, BTF_ERROR_MEMORY, "checkpoint: out of memory")
                                        : write_step(context, path, blob);

@@ -2,7 +2,8 @@
  *
  * Every stage is deterministic. On resumption the encode runs from its beginning, and each step whose
  * result is in the folder takes it from there instead of working it out: the bytes that come out are the
- * same.
+ * same. Of the ranks of a team (team.h), rank 0 alone reads and writes the folder and tells the others, so
+ * that a job may go on with another number of ranks.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -34,7 +35,9 @@ void enc_blob_put(enc_blob *blob, const void *piece, size_t size);
 /* Fills `piece`, or sets blob->failed and fills it with zeros. */
 void enc_blob_take(enc_blob *blob, void *piece, size_t size);
 
-/* Whether context->checkpoint holds the result of step `name`: *out_blob is it then, to be cleared by the
+/* The ranks of a team meet in enc_checkpoint_open and enc_checkpoint_get.
+ *
+ * Whether context->checkpoint holds the result of step `name`: *out_blob is it then, to be cleared by the
  * caller. A damaged file is named in a warning and counts as none. */
 bool enc_checkpoint_get(const enc_context *context, const char *name, enc_blob *out_blob);
 /* Keeps the result of a step, replacing an earlier one of its name, and clears the blob. Does nothing

@@ -12,6 +12,7 @@
 
 struct progress;       /* decoder/tools/progress.h */
 struct enc_checkpoint; /* checkpoint.h */
+struct enc_team;       /* team.h */
 
 /* Whose least need of memory is asked for before data are read. */
 typedef enum enc_need { ENC_NEED_UNKNOWN = 0, ENC_NEED_JOINT = 1, ENC_NEED_PAPER = 2 } enc_need;
@@ -23,6 +24,7 @@ typedef struct enc_context {
     size_t memory;             /* bytes the working set may take, 0 = unbounded */
     struct enc_checkpoint *checkpoint; /* where stages keep what they found; NULL: nowhere */
     enc_need need;             /* data that take more by this method are refused; unknown: none are */
+    struct enc_team *team;     /* the ranks that share the work; NULL: this process is alone */
 } enc_context;
 
 /* printf-style message to context->log; does nothing without a callback. context may be NULL. */

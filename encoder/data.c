@@ -7,11 +7,13 @@
 #include "data_fill.h"
 #include "memory_plan.h"
 #include "scratch.h"
+#include "team.h"
 
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 enum { MAX_SIDE = 16384, MAX_DIRECTIONS = 256 };
@@ -101,39 +103,82 @@ btf_result enc_data_create(const enc_context *context, int width, int height, in
         create_empty(context, width, height, n_views, views, n_lights, lights, &bytes, out_data);
     if (result != BTF_OK)
         return result;
-    result = fits_memory(context, *out_data, bytes)
-                 ? allocate(context, *out_data, bytes)
-                 : enc_scratch_open(context, "samples", bytes, &(*out_data)->scratch_fd);
+    if (enc_team_size(context) > 1)
+        result = enc_scratch_open_shared(context, "samples", bytes, &(*out_data)->scratch_fd,
+                                         &(*out_data)->scratch_path);
+    else
+        result = fits_memory(context, *out_data, bytes)
+                     ? allocate(context, *out_data, bytes)
+                     : enc_scratch_open(context, "samples", bytes, &(*out_data)->scratch_fd);
     if (result != BTF_OK)
         enc_data_destroy(out_data);
     return result;
 }
 
-/* Makes all samples and keeps them. */
+/* One block of keep_samples; buffer is used where samples do not lie in memory. */
+static btf_result keep_block(const enc_context *context, enc_data *data, size_t first, size_t count,
+                             float *buffer) {
+    const size_t stride = enc_data_texel_stride(data);
+    float *out = data->samples ? data->samples + first * stride : buffer;
+    if (!out)
+        return BTF_ERROR_MEMORY;
+    const btf_result result = data->origin->texels(context, data->origin, first, count, out);
+    return result != BTF_OK || data->samples ? result
+                                             : enc_data_store_texels(context, data, first, count, out);
+}
+
+/* Makes all samples, or this rank's part of them, and keeps them. */
 static btf_result keep_samples(const enc_context *context, enc_data *data) {
     enum { BLOCK = 16 };
-    const size_t texels = enc_data_texel_count(data), stride = enc_data_texel_stride(data);
     const int threads = context && context->threads > 0 ? context->threads : 1;
+    size_t begin, end;
     btf_result result = BTF_OK;
-    enc_stage_begin(context, "decode", texels);
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
-    for (size_t first = 0; first < texels; first += BLOCK) {
-        const size_t count = texels - first < BLOCK ? texels - first : BLOCK;
-        btf_result mine;
+    enc_team_range(context, enc_data_texel_count(data), &begin, &end);
+    enc_stage_begin(context, "decode", end - begin);
+#pragma omp parallel num_threads(threads)
+    {
+        float *buffer = data->samples ? NULL : malloc(BLOCK * enc_data_texel_stride(data) * sizeof *buffer);
+#pragma omp for schedule(dynamic)
+        for (size_t first = begin; first < end; first += BLOCK) {
+            const size_t count = end - first < BLOCK ? end - first : BLOCK;
+            btf_result mine;
 #pragma omp atomic read
-        mine = result;
-        if (mine != BTF_OK)
-            continue;
-        mine = enc_cancelled(context) ? BTF_ERROR_INTERRUPTED
-                                      : data->origin->texels(context, data->origin, first, count,
-                                                             data->samples + first * stride);
-        if (mine != BTF_OK) {
+            mine = result;
+            if (mine != BTF_OK)
+                continue;
+            mine = enc_cancelled(context) ? BTF_ERROR_INTERRUPTED
+                                          : keep_block(context, data, first, count, buffer);
+            if (mine != BTF_OK) {
 #pragma omp atomic write
-            result = mine;
+                result = mine;
+            }
+            enc_stage_step(context, count);
         }
-        enc_stage_step(context, count);
+        free(buffer);
     }
+    result = enc_data_complete(context, data, result);
     enc_stage_end(context);
+    return result;
+}
+
+/* The samples of a scratch file as memory, where there is room for them. What cannot be mapped is read. */
+static void map_samples(const enc_context *context, enc_data *data) {
+    const size_t bytes = enc_data_texel_count(data) * enc_data_texel_stride(data) * sizeof(float);
+    if (!fits_memory(context, data, bytes))
+        return;
+    void *samples = mmap(NULL, bytes, PROT_READ, MAP_SHARED, data->scratch_fd, 0);
+    if (samples == MAP_FAILED)
+        return;
+    data->samples = samples;
+    data->mapped = bytes;
+}
+
+btf_result enc_data_complete(const enc_context *context, enc_data *data, btf_result result) {
+    if (enc_team_size(context) == 1)
+        return result;
+    result = enc_scratch_written(context, result, &data->scratch_fd, &data->scratch_path);
+    if (result == BTF_OK)
+        map_samples(context, data);
     return result;
 }
 
@@ -148,8 +193,11 @@ btf_result enc_data_create_from(const enc_context *context, int width, int heigh
         return result;
     }
     (*out_data)->origin = origin;
-    if (fits_memory(context, *out_data, bytes)) {
-        result = allocate(context, *out_data, bytes);
+    if (enc_team_all(context, fits_memory(context, *out_data, bytes))) {
+        result = enc_team_size(context) > 1
+                     ? enc_scratch_open_shared(context, "samples", bytes, &(*out_data)->scratch_fd,
+                                               &(*out_data)->scratch_path)
+                     : allocate(context, *out_data, bytes);
         if (result == BTF_OK)
             result = keep_samples(context, *out_data);
     } else {
@@ -180,15 +228,26 @@ void enc_data_destroy(enc_data **data) {
     enc_data *d = *data;
     free(d->views);
     free(d->lights);
-    free(d->samples);
+    if (d->mapped > 0)
+        munmap(d->samples, d->mapped);
+    else
+        free(d->samples);
     if (d->scratch_fd >= 0)
         close(d->scratch_fd);
+    if (d->scratch_path)
+        unlink(d->scratch_path);
+    free(d->scratch_path);
     if (d->origin)
         d->origin->close(d->origin);
     free(d->moved_light);
     free(d->source);
     free(d);
     *data = NULL;
+}
+
+/* Whether samples are made when asked for. */
+static bool is_made(const enc_data *data) {
+    return data->origin && data->scratch_fd < 0;
 }
 
 btf_result enc_data_texels(const enc_context *context, const enc_data *data, size_t first, size_t count,
@@ -200,10 +259,52 @@ btf_result enc_data_texels(const enc_context *context, const enc_data *data, siz
         return BTF_OK;
     }
     *out_samples = buffer;
-    if (data->origin)
+    if (is_made(data))
         return data->origin->texels(context, data->origin, first, count, buffer);
     return enc_scratch_read(context, data->scratch_fd, (uint64_t)first * stride * sizeof(float),
                             count * stride * sizeof(float), buffer);
+}
+
+/* Profiles of one view after another, turned round to [texel][view]. */
+static btf_result make_views(const enc_context *context, const enc_data *data, size_t first, size_t count,
+                             size_t first_view, size_t n_views, float *out) {
+    const size_t profile = 3 * (size_t)data->n_lights;
+    if (n_views == 1)
+        return data->origin->profiles(context, data->origin, (int)first_view, first, count, out);
+    float *one = malloc(count * profile * sizeof *one);
+    btf_result result = one ? BTF_OK : BTF_ERROR_MEMORY;
+    for (size_t v = 0; v < n_views && result == BTF_OK; v++) {
+        result = data->origin->profiles(context, data->origin, (int)(first_view + v), first, count, one);
+        for (size_t t = 0; t < count && result == BTF_OK; t++)
+            memcpy(out + (t * n_views + v) * profile, one + t * profile, profile * sizeof *one);
+    }
+    free(one);
+    return result;
+}
+
+btf_result enc_data_texel_views(const enc_context *context, const enc_data *data, size_t first,
+                                size_t count, size_t first_view, size_t n_views, float *buffer,
+                                const float **out_samples, size_t *out_pitch) {
+    const size_t stride = enc_data_texel_stride(data), profile = 3 * (size_t)data->n_lights;
+    btf_result result = BTF_OK;
+    assert(first + count <= enc_data_texel_count(data));
+    assert(first_view + n_views <= (size_t)data->n_views);
+    *out_pitch = n_views * profile;
+    if (n_views == (size_t)data->n_views)
+        return enc_data_texels(context, data, first, count, buffer, out_samples);
+    *out_samples = buffer;
+    if (data->samples) {
+        *out_samples = data->samples + first * stride + first_view * profile;
+        *out_pitch = stride;
+        return BTF_OK;
+    }
+    if (is_made(data))
+        return make_views(context, data, first, count, first_view, n_views, buffer);
+    for (size_t t = 0; t < count && result == BTF_OK; t++)
+        result = enc_scratch_read(context, data->scratch_fd,
+                                  ((first + t) * stride + first_view * profile) * sizeof(float),
+                                  n_views * profile * sizeof(float), buffer + t * n_views * profile);
+    return result;
 }
 
 btf_result enc_data_store_texels(const enc_context *context, enc_data *data, size_t first, size_t count,
@@ -242,12 +343,12 @@ btf_result enc_data_view(const enc_context *context, const enc_data *data, int v
     for (size_t first = 0; first < texels && result == BTF_OK; first += BLOCK) {
         const size_t count = texels - first < BLOCK ? texels - first : BLOCK;
         const float *profiles[BLOCK];
-        if (data->origin && !data->samples)
+        if (is_made(data) && !data->samples)
             result = data->origin->profiles(context, data->origin, view, first, count, buffer);
         for (size_t t = 0; t < count && result == BTF_OK; t++) {
             const size_t at = (first + t) * stride + (size_t)view * profile;
             profiles[t] = data->samples ? data->samples + at : buffer + t * profile;
-            if (!data->samples && !data->origin)
+            if (!data->samples && !is_made(data))
                 result = enc_scratch_read(context, data->scratch_fd, (uint64_t)at * sizeof(float),
                                           profile * sizeof(float), buffer + t * profile);
         }

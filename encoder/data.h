@@ -53,11 +53,13 @@ typedef struct enc_data {
     enc_direction *lights; /* [n_lights] */
     int top_view;          /* index of the view nearest to the pole */
     float *samples; /* all samples; NULL when they lie in the scratch file or are made when asked for */
-    int scratch_fd; /* -1 without a scratch file */
-    enc_data_origin *origin; /* what makes samples when asked for; NULL: they are stored */
+    size_t mapped; /* bytes of samples that are a view of the scratch file, not to be written to; 0: none */
+    int scratch_fd;               /* -1 without a scratch file */
+    char *scratch_path;           /* of one that ranks share, where it has a name; else NULL */
+    enc_data_origin *origin;      /* what makes samples when asked for; NULL: they are stored */
     enc_moved_light *moved_light; /* [n_views], or NULL: every light stood where it should (coincident.h) */
-    uint64_t negative;       /* samples clamped to 0 on reading */
-    char *source;            /* what was read, for messages and reports */
+    uint64_t negative;            /* samples clamped to 0 on reading */
+    char *source;                 /* what was read, for messages and reports */
 } enc_data;
 
 static inline size_t enc_data_texel_count(const enc_data *data) {
@@ -75,17 +77,23 @@ static inline size_t enc_data_texel_stride(const enc_data *data) {
 
 /* Makes a BTF of zeros with copies of the direction lists. Samples are held in memory when they fit
  * half of context->memory (0: always), else in an unlinked scratch file in $TMPDIR (default /var/tmp),
- * whose size is announced and checked against free space first.
+ * whose size is announced and checked against free space first. The ranks of a team share one scratch
+ * file instead; each stores a part of the samples, and then all meet in enc_data_complete.
  * Errors: BTF_ERROR_USAGE (sizes), BTF_ERROR_MEMORY, BTF_ERROR_IO (scratch file, free space). */
 btf_result enc_data_create(const enc_context *context, int width, int height, int n_views,
                            const enc_direction *views, int n_lights, const enc_direction *lights,
                            enc_data **out_data);
 /* The same with an origin that makes the samples, which then belongs to the BTF (also on error: it is
  * closed). Where all samples fit half of context->memory (0: always) they are made here, once, with all
- * threads, and kept; else whenever they are asked for, and no scratch file is written. */
+ * threads, and kept, by the ranks of a team in a scratch file that they share; else they are made whenever
+ * they are asked for, and no scratch file is written. */
 btf_result enc_data_create_from(const enc_context *context, int width, int height, int n_views,
                                 const enc_direction *views, int n_lights, const enc_direction *lights,
                                 enc_data_origin *origin, enc_data **out_data);
+/* To be called once all samples are stored: `result`, or what sharing them with the team gives. Samples
+ * that fit half of context->memory are then in memory for all ranks of a machine together. Errors:
+ * `result`, BTF_ERROR_IO. */
+btf_result enc_data_complete(const enc_context *context, enc_data *data, btf_result result);
 /* Gives `to`, of the same directions, the moved lights of `from`. Errors: BTF_ERROR_MEMORY. */
 btf_result enc_data_copy_lights(const enc_data *from, enc_data *to);
 void enc_data_destroy(enc_data **data);
@@ -95,6 +103,12 @@ void enc_data_destroy(enc_data **data);
  * Thread-safe. Errors: BTF_ERROR_IO. */
 btf_result enc_data_texels(const enc_context *context, const enc_data *data, size_t first, size_t count,
                            float *buffer, const float **out_samples);
+
+/* The same for views first_view .. first_view+n_views-1 alone: texel i's are at out_samples + i *
+ * *out_pitch. `buffer` is for count * n_views * 3 * n_lights floats. */
+btf_result enc_data_texel_views(const enc_context *context, const enc_data *data, size_t first,
+                                size_t count, size_t first_view, size_t n_views, float *buffer,
+                                const float **out_samples, size_t *out_pitch);
 
 /* Gathers every image of one view: out[light][texel][channel], n_lights * texels * 3 floats.
  * Thread-safe. Errors: BTF_ERROR_IO. */

@@ -8,6 +8,7 @@
 #include "level_filter.h"
 #include "metrics.h"
 #include "report.h"
+#include "team.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -261,17 +262,20 @@ static void choose_samples(job *j, size_t evaluations, int halvings) {
 /* sums[texel][way][cell][2], added up in the order of texels whatever thread made them. */
 static btf_result measure(const job *j, double *total) {
     const size_t length = 2 * j->n_ways * j->cells;
-    enum { BATCH = 16 };
-    double *sums = malloc(BATCH * length * sizeof *sums);
+    enum { BATCH = 16 }; /* of each rank */
+    const size_t batch = BATCH * (size_t)enc_team_size(j->context);
+    double *sums = malloc(batch * length * sizeof *sums);
     if (!sums) {
         return BTF_ERROR_MEMORY;
     }
     btf_result result = BTF_OK;
-    for (size_t first = 0; first < j->texels && result == BTF_OK; first += BATCH) {
-        const size_t n = j->texels - first < BATCH ? j->texels - first : BATCH;
+    for (size_t first = 0; first < j->texels && result == BTF_OK; first += batch) {
+        const size_t n = j->texels - first < batch ? j->texels - first : batch;
+        size_t begin, end;
+        enc_team_range(j->context, n, &begin, &end);
         memset(sums, 0, n * length * sizeof *sums);
 #pragma omp parallel for schedule(dynamic) num_threads(j->context->threads)
-        for (size_t i = 0; i < n; i++) {
+        for (size_t i = begin; i < end; i++) {
             float *buffer = malloc(enc_data_texel_stride(j->data) * sizeof *buffer);
             const btf_result mine = !buffer ? BTF_ERROR_MEMORY
                                     : enc_cancelled(j->context)
@@ -283,7 +287,8 @@ static btf_result measure(const job *j, double *total) {
                 result = mine;
             }
         }
-        for (size_t i = 0; i < n * length; i++) {
+        result = enc_team_gather(j->context, result, sums, length * sizeof *sums, n);
+        for (size_t i = 0; i < n * length && result == BTF_OK; i++) {
             total[i % length] += sums[i];
         }
     }

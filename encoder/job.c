@@ -13,6 +13,7 @@
 #include "pictures.h"
 #include "playback.h"
 #include "report.h"
+#include "team.h"
 #include "unpack.h"
 
 #include <errno.h>
@@ -37,6 +38,9 @@ static btf_result try_output(const enc_context *context, const char *path) {
 }
 
 static btf_result prepare_outputs(const enc_context *context, const enc_job *job, bool *out_made_folder) {
+    if (!enc_team_leads(context)) {
+        return BTF_OK;
+    }
     btf_result result = try_output(context, job->output);
     if (result == BTF_OK && job->report) {
         result = try_output(context, job->report);
@@ -199,10 +203,52 @@ static btf_result draw(const enc_context *context, const enc_job *job, job_state
     return result;
 }
 
+/* The outputs, which rank 0 of a team alone writes. */
+static btf_result write_outputs(const enc_context *context, const enc_job *job, job_state *s, enc_report *report) {
+    btf_result result = job->pictures ? draw(context, job, s, report) : BTF_OK;
+    if (result == BTF_OK && enc_cancelled(context)) {
+        result = BTF_ERROR_INTERRUPTED;
+    }
+    return result == BTF_OK ? btf_material_save(s->material, job->output, &context->log) : result;
+}
+
+/* The report, as a file and on standard output. */
+static btf_result write_report(const enc_context *context, const enc_job *job, double start, enc_report *report) {
+    struct stat file;
+    struct rusage usage;
+    btf_result result = BTF_OK;
+    getrusage(RUSAGE_SELF, &usage);
+    report->file_bytes = stat(job->output, &file) == 0 ? (size_t)file.st_size : 0;
+    report->peak_rss = (size_t)usage.ru_maxrss * 1024;
+    report->seconds_total = progress_clock() - start;
+    report->ranks = enc_team_size(context);
+    report->volumes = enc_team_volumes(context, &report->n_volumes);
+    if (job->report) {
+        result = enc_report_write(context, report, job->option_values, job->report);
+    }
+    if (result == BTF_OK && !job->quiet) {
+        enc_report_print(report, stdout);
+    }
+    return result;
+}
+
+static void clear_state(job_state *s) {
+    btf_material_close(&s->material);
+    enc_levels_clear(&s->stored_levels);
+    enc_levels_clear(&s->found_levels);
+    enc_solution_clear(&s->stored);
+    enc_solution_clear(&s->found);
+    enc_occlusion_destroy(&s->occlusion);
+    enc_data_destroy(&s->data);
+    free(s->options);
+}
+
 btf_result enc_job_run(const enc_context *context, const enc_job *job) {
     const double start = progress_clock();
+    const bool leads = enc_team_leads(context);
     bool made_folder = false;
     int levels = 1;
+    enc_team_begin(context);
     job_state state = {.options = join_options(job->option_values)};
     enc_report report = {.input = job->input,
                          .output = job->output,
@@ -210,6 +256,7 @@ btf_result enc_job_run(const enc_context *context, const enc_job *job) {
                          .progress = context->progress};
     btf_result result = state.options ? prepare_outputs(context, job, &made_folder)
                                       : enc_fail(context, BTF_ERROR_MEMORY, "out of memory");
+    result = enc_team_agree(context, result);
     if (result == BTF_OK) {
         result = enc_read(context, job->input, &job->read, &state.data);
     }
@@ -231,41 +278,21 @@ btf_result enc_job_run(const enc_context *context, const enc_job *job) {
     if (result == BTF_OK) {
         result = pack_and_measure(context, job, &state, &report);
     }
-    if (result == BTF_OK && job->pictures) {
-        result = draw(context, job, &state, &report);
+    result = enc_team_agree(context, result); /* no output before all ranks are done */
+    if (result == BTF_OK && leads) {
+        result = write_outputs(context, job, &state, &report);
     }
-    if (result == BTF_OK && enc_cancelled(context)) {
-        result = BTF_ERROR_INTERRUPTED;
-    }
-    if (result == BTF_OK) {
-        result = btf_material_save(state.material, job->output, &context->log);
-    }
-    struct stat file;
     if (result == BTF_OK) {
         enc_checkpoint_close(&keeping.checkpoint, true);
-        report.file_bytes = stat(job->output, &file) == 0 ? (size_t)file.st_size : 0;
     }
-    struct rusage usage;
-    getrusage(RUSAGE_SELF, &usage);
-    report.peak_rss = (size_t)usage.ru_maxrss * 1024;
-    report.seconds_total = progress_clock() - start;
-    if (result == BTF_OK && job->report) {
-        result = enc_report_write(context, &report, job->option_values, job->report);
+    if (result == BTF_OK && leads) {
+        result = write_report(context, job, start, &report);
     }
-    if (result == BTF_OK && !job->quiet) {
-        enc_report_print(&report, stdout);
-    }
+    result = enc_team_agree(context, result);
     if (result != BTF_OK && made_folder) {
         rmdir(job->pictures); /* when nothing was drawn */
     }
     enc_checkpoint_close(&keeping.checkpoint, false);
-    btf_material_close(&state.material);
-    enc_levels_clear(&state.stored_levels);
-    enc_levels_clear(&state.found_levels);
-    enc_solution_clear(&state.stored);
-    enc_solution_clear(&state.found);
-    enc_occlusion_destroy(&state.occlusion);
-    enc_data_destroy(&state.data);
-    free(state.options);
+    clear_state(&state);
     return result;
 }

@@ -59,14 +59,15 @@ static int compare_floats(const void *a, const void *b) {
     return (x < y) - (x > y);
 }
 
-static void take_row(void *user, size_t view, size_t first, size_t count, const float *block) {
+static bool is_in(void *user, size_t view, size_t texel) {
     const crowd *c = user;
-    const size_t row = c->rows->row;
-    for (size_t i = 0; i < count; i++) {
-        const uint32_t at = c->slot[view * c->rows->texels + first + i];
-        if (at != UINT32_MAX)
-            memcpy(c->row + at * c->stride, block + i * row, row * sizeof(float));
-    }
+    return c->slot[view * c->rows->texels + texel] != UINT32_MAX;
+}
+
+static void take_row(void *user, size_t view, size_t texel, const float *row) {
+    const crowd *c = user;
+    const uint32_t at = c->slot[view * c->rows->texels + texel];
+    memcpy(c->row + at * c->stride, row, c->rows->row * sizeof(float));
 }
 
 /* The `most` points of largest error, and their rows. */
@@ -99,7 +100,7 @@ static btf_result crowd_init(const joint_rows *rows, const float *errors, size_t
         }
     }
     free(sorted);
-    return ok ? joint_rows_pass(rows, take_row, c) : no_memory(rows, count);
+    return ok ? joint_rows_pick(rows, is_in, take_row, c) : no_memory(rows, count);
 }
 
 /* Centres become the means of the points that gain by them; one that nobody takes restarts at the point

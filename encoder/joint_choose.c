@@ -123,10 +123,12 @@ btf_result joint_project(const joint_rows *rows, const joint_model *model, joint
     pass.packed = enc_gemm_alloc(rows->views * pass.packed_pitch);
     pass.scratch = enc_gemm_alloc(threads * pass.scratch_pitch);
     btf_result result = BTF_OK;
+    size_t begin, end;
+    joint_rows_views(rows, &begin, &end);
     bool ok = pass.packed && pass.scratch;
     if (ok)
 #pragma omp parallel for schedule(dynamic) num_threads(rows->context->threads)
-        for (size_t view = 0; view < rows->views; view++) {
+        for (size_t view = begin; view < end; view++) {
             float *basis = projection->basis + view * dims * row, *lower = projection->lower + view * k * k;
             const bool made = model->front
                                   ? front_basis(rows, model, view, basis, lower)
@@ -167,7 +169,7 @@ typedef struct chooser {
     double *value;         /* [texel] of one view */
     uint8_t *hidden;       /* [texel] of one view: the point's gain is 0 */
     candidate *candidates; /* [view][texel][2]: the present choice and the search's; with a front */
-    double *errors;        /* [view]; with a front */
+    double *errors;        /* [view] */
 } chooser;
 
 static void chooser_clear(chooser *c) {
@@ -210,10 +212,10 @@ static btf_result chooser_init(const joint_rows *rows, const joint_projection *p
         c->residual = enc_gemm_alloc(texels * k);
         c->packed_basis = enc_gemm_alloc(enc_gemm_panels(dims, ENC_GEMM_N) * ENC_GEMM_N * row);
         c->candidates = malloc(2 * rows->views * texels * sizeof *c->candidates);
-        c->errors = calloc(rows->views, sizeof *c->errors);
     }
-    const bool ok = c->z && c->packed_lower && c->value && c->hidden && c->scratch &&
-                    (!front || (c->residual && c->packed_basis && c->candidates && c->errors));
+    c->errors = calloc(rows->views, sizeof *c->errors);
+    const bool ok = c->z && c->packed_lower && c->value && c->hidden && c->scratch && c->errors &&
+                    (!front || (c->residual && c->packed_basis && c->candidates));
     return ok ? BTF_OK : out_of_memory(rows, dims);
 }
 
@@ -353,30 +355,53 @@ static void decide(void *user, size_t view, size_t first, size_t count, const fl
     }
 }
 
+/* What a view's choices within the basis leave. */
+static void add_errors(chooser *c, size_t view) {
+    const joint_rows *rows = c->rows;
+    joint_model *model = c->model;
+    for (size_t x = 0; x < rows->texels; x++) {
+        const size_t point = view * rows->texels + x;
+        const double left = c->hidden[x] ? hidden_error(model, point) : rows->energy[point] - c->value[x];
+        if (model->point_error)
+            model->point_error[point] = (float)left;
+        c->errors[view] += left;
+    }
+}
+
+/* What the ranks have chosen for their views, to all. Without a search the sources are as they were. */
+static btf_result share(const chooser *c, bool search, btf_result result) {
+    const joint_rows *rows = c->rows;
+    joint_model *model = c->model;
+    result = joint_rows_gather(rows, result, c->errors, sizeof *c->errors);
+    result = joint_rows_gather(rows, result, model->gain, rows->texels);
+    if (search && model->shift)
+        result = joint_rows_gather(rows, result, model->match, rows->texels * sizeof *model->match);
+    if (model->point_error)
+        result = joint_rows_gather(rows, result, model->point_error, rows->texels * sizeof(float));
+    return result;
+}
+
 btf_result joint_choose(const joint_rows *rows, const joint_projection *projection, bool search,
                         double tolerance, joint_model *model, double *out_error) {
     chooser c;
-    double error = 0.0;
+    size_t begin, end;
     btf_result result = chooser_init(rows, projection, model, tolerance, &c);
-    for (size_t view = 0; view < rows->views && result == BTF_OK; view++) {
+    joint_rows_views(rows, &begin, &end);
+    for (size_t view = begin; view < end && result == BTF_OK; view++) {
         if (enc_cancelled(rows->context)) {
             result = BTF_ERROR_INTERRUPTED;
             break;
         }
         result = choose_view(&c, view, search);
-        for (size_t x = 0; x < rows->texels && result == BTF_OK && !model->front; x++) {
-            const size_t point = view * rows->texels + x;
-            const double left = c.hidden[x] ? hidden_error(model, point) : rows->energy[point] - c.value[x];
-            if (model->point_error)
-                model->point_error[point] = (float)left;
-            error += left;
-        }
+        if (result == BTF_OK && !model->front)
+            add_errors(&c, view);
     }
     if (model->front && result == BTF_OK)
         result = joint_rows_pass(rows, decide, &c);
-    for (size_t view = 0; view < rows->views && model->front && result == BTF_OK; view++)
-        error += c.errors[view];
-    *out_error = error;
+    result = share(&c, search, result);
+    *out_error = 0.0;
+    for (size_t view = 0; view < rows->views && result == BTF_OK; view++)
+        *out_error += c.errors[view];
     model->searches += search;
     chooser_clear(&c);
     return result;

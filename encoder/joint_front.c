@@ -6,6 +6,7 @@
 #include "fit.h"
 #include "joint_sources.h"
 #include "pack.h"
+#include "team.h"
 
 #include <math.h>
 #include <openbtf/material.h>
@@ -103,22 +104,23 @@ typedef struct batch {
     float *weight; /* [source][view] sum of squared gains */
 } batch;
 
-static void gather_block(void *user, size_t view, size_t first, size_t count, const float *block) {
+/* Whether a point has a say in one of the batch's sources. */
+static bool refers(void *user, size_t view, size_t texel) {
+    const batch *b = user;
+    const size_t point = view * b->model->texels + texel, source = b->model->match[point];
+    return source >= b->first && source < b->first + b->count && b->model->gain[point] != 0;
+}
+
+static void gather_row(void *user, size_t view, size_t texel, const float *from) {
     const batch *b = user;
     const joint_model *model = b->model;
-    const size_t row = model->row, views = model->views;
-    for (size_t i = 0; i < count; i++) {
-        const size_t point = view * model->texels + first + i, source = model->match[point];
-        const float gain = (float)model->gain[point] * model->gains.step;
-        if (source < b->first || source >= b->first + b->count || gain == 0.0f)
-            continue;
-        const size_t at = (source - b->first) * views + view;
-        float *restrict target = b->target + at * row;
-        const float *restrict from = block + i * row;
-        b->weight[at] += gain * gain;
-        for (size_t p = 0; p < row; p++)
-            target[p] += gain * from[p];
-    }
+    const size_t row = model->row, point = view * model->texels + texel;
+    const float gain = (float)model->gain[point] * model->gains.step;
+    const size_t at = (model->match[point] - b->first) * model->views + view;
+    float *restrict target = b->target + at * row;
+    b->weight[at] += gain * gain;
+    for (size_t p = 0; p < row; p++)
+        target[p] += gain * from[p];
 }
 
 /* Scratch of one thread. */
@@ -314,7 +316,7 @@ static btf_result refit(const batch *b, joint_front *front, size_t source, worke
 
 /* Gathers and solves one batch. */
 static btf_result solve_batch(const batch *b, joint_front *front, int starts) {
-    btf_result result = joint_rows_pass(b->rows, gather_block, (void *)b);
+    btf_result result = joint_rows_pick(b->rows, refers, gather_row, (void *)b);
     if (result != BTF_OK)
         return result;
 #pragma omp parallel num_threads(b->rows->context->threads)
@@ -339,24 +341,36 @@ static btf_result solve_batch(const batch *b, joint_front *front, int starts) {
     return result;
 }
 
+/* The sources that the ranks of a team have solved, to all. */
+static btf_result share(const joint_rows *rows, joint_front *front, btf_result result) {
+    const size_t stride = enc_sbrdf_stride(front->kind.lobes, front->kind.rgb);
+    result =
+        enc_team_gather(rows->context, result, front->sbrdf->values, stride * sizeof(float), rows->texels);
+    if (front->shadow)
+        result = enc_team_gather(rows->context, result, front->shadow, rows->row / 3, rows->texels);
+    return result;
+}
+
 static btf_result solve_all(const joint_rows *rows, joint_model *model, int starts) {
     const size_t bytes = rows->views * (rows->row + 1) * sizeof(float);
     const size_t most = BATCH_BYTES / bytes > 0 ? BATCH_BYTES / bytes : 1;
-    const size_t size = most < rows->texels ? most : rows->texels;
+    size_t first, end;
+    enc_team_range(rows->context, rows->texels, &first, &end);
+    const size_t size = most < end - first ? most : end - first;
     batch b = {.rows = rows,
                .model = model,
-               .target = malloc(size * rows->views * rows->row * sizeof(float)),
-               .weight = malloc(size * rows->views * sizeof(float))};
+               .target = malloc((size * rows->views * rows->row + 1) * sizeof(float)),
+               .weight = malloc((size * rows->views + 1) * sizeof(float))};
     btf_result result = b.target && b.weight ? BTF_OK : no_memory(rows);
-    for (b.first = 0; b.first < rows->texels && result == BTF_OK; b.first += size) {
-        b.count = rows->texels - b.first < size ? rows->texels - b.first : size;
+    for (b.first = first; b.first < end && result == BTF_OK; b.first += size) {
+        b.count = end - b.first < size ? end - b.first : size;
         memset(b.target, 0, b.count * rows->views * rows->row * sizeof(float));
         memset(b.weight, 0, b.count * rows->views * sizeof(float));
         result = solve_batch(&b, model->front, starts);
     }
     free(b.target);
     free(b.weight);
-    return result;
+    return share(rows, model->front, result);
 }
 
 btf_result joint_front_fit(const joint_rows *rows, joint_model *model, int starts) {
@@ -388,6 +402,8 @@ btf_result joint_front_probe(const joint_rows *rows, const joint_front_kind *kin
     const joint_model model = {.texels = rows->texels, .views = rows->views, .row = rows->row};
     joint_front *front = NULL;
     count = count < rows->texels ? count : rows->texels;
+    size_t begin, end;
+    enc_team_range(rows->context, count, &begin, &end);
     double *errors = calloc(count, sizeof *errors);
     btf_result result = errors ? joint_front_create(rows, kind, &front) : no_memory(rows);
 #pragma omp parallel num_threads(rows->context->threads)
@@ -405,7 +421,7 @@ btf_result joint_front_probe(const joint_rows *rows, const joint_front_kind *kin
         if (mine == BTF_OK && (!b.target || !b.weight || !buffer))
             mine = no_memory(rows);
 #pragma omp for schedule(dynamic)
-        for (size_t i = 0; i < count; i++) {
+        for (size_t i = begin; i < end; i++) {
             b.first = i * rows->texels / count;
             if (mine == BTF_OK)
                 mine = probe_one(&b, front, starts, &w, buffer, &errors[i]);
@@ -419,6 +435,7 @@ btf_result joint_front_probe(const joint_rows *rows, const joint_front_kind *kin
             result = mine;
         }
     }
+    result = enc_team_gather(rows->context, result, errors, sizeof *errors, count);
     *out_error = 0.0;
     for (size_t i = 0; i < count && result == BTF_OK; i++)
         *out_error += errors[i] / ((double)count * (double)texel);

@@ -6,6 +6,7 @@
 
 #include "joint_gemm.h"
 #include "scratch.h"
+#include "team.h"
 
 #include <stdint.h>
 #include <stdlib.h>
@@ -13,20 +14,23 @@
 #include <unistd.h>
 
 struct joint_points {
-    size_t floats;
-    float *values; /* [view][floats]; with a scratch file [floats], of the view read last */
-    int scratch;   /* -1: all in memory */
+    size_t floats, first; /* first: of the views held */
+    float *values;        /* [view - first][floats]; with a scratch file [floats], of the view read last */
+    int scratch;          /* -1: all in memory */
 };
 
 btf_result joint_points_create(const enc_context *context, size_t views, size_t floats,
                                joint_points **out_points) {
+    size_t first, end;
+    enc_team_range(context, views, &first, &end);
+    views = end - first;
     const uint64_t bytes = (uint64_t)views * floats * sizeof(float);
     const bool in_memory = context->memory == 0 || bytes <= context->memory / 4;
     joint_points *points = malloc(sizeof *points);
     *out_points = points;
     if (!points)
         return BTF_ERROR_MEMORY;
-    *points = (joint_points){floats, enc_gemm_alloc(in_memory ? views * floats : floats), -1};
+    *points = (joint_points){floats, first, enc_gemm_alloc(in_memory ? views * floats : floats), -1};
     btf_result result = points->values ? BTF_OK : BTF_ERROR_MEMORY;
     if (result == BTF_OK && !in_memory)
         result = enc_scratch_open(context, "joint: projection", bytes, &points->scratch);
@@ -47,7 +51,7 @@ void joint_points_destroy(joint_points **points) {
 
 btf_result joint_points_store(const enc_context *context, joint_points *points, size_t view, size_t at,
                               size_t count, const float *values) {
-    const size_t first = view * points->floats + at;
+    const size_t first = (view - points->first) * points->floats + at;
     if (points->scratch >= 0)
         return enc_scratch_write(context, points->scratch, (uint64_t)first * sizeof(float),
                                  count * sizeof(float), values);
@@ -57,9 +61,10 @@ btf_result joint_points_store(const enc_context *context, joint_points *points, 
 
 btf_result joint_points_view(const enc_context *context, joint_points *points, size_t view,
                              const float **out_values) {
-    *out_values = points->values + (points->scratch < 0 ? view * points->floats : 0);
+    const size_t first = (view - points->first) * points->floats;
+    *out_values = points->values + (points->scratch < 0 ? first : 0);
     if (points->scratch < 0)
         return BTF_OK;
-    return enc_scratch_read(context, points->scratch, (uint64_t)(view * points->floats) * sizeof(float),
+    return enc_scratch_read(context, points->scratch, (uint64_t)first * sizeof(float),
                             points->floats * sizeof(float), points->values);
 }

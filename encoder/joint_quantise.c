@@ -7,6 +7,7 @@
 #include "joint_linear.h"
 #include "joint_measure.h"
 #include "metrics.h"
+#include "team.h"
 
 #include <assert.h>
 #include <math.h>
@@ -36,11 +37,13 @@ void joint_codes_clear(joint_codes *codes) {
 
 /* u := u * t and v := t^-1 v, both given: t [k][k] acts on rows of u from the right, inverse on v from the
  * left. */
-static void change_basis(const joint_rows *rows, joint_model *model, const double *t,
-                         const double *inverse) {
+static btf_result change_basis(const joint_rows *rows, joint_model *model, const double *t,
+                               const double *inverse) {
     const size_t k = model->k, row = model->row;
+    size_t first, end;
+    enc_team_range(rows->context, model->texels, &first, &end);
 #pragma omp parallel for num_threads(rows->context->threads)
-    for (size_t s = 0; s < model->texels; s++) {
+    for (size_t s = first; s < end; s++) {
         double x[JOINT_MAX_COMPONENTS] = {0};
         float *u = model->u + s * k;
         for (size_t i = 0; i < k; i++)
@@ -49,8 +52,9 @@ static void change_basis(const joint_rows *rows, joint_model *model, const doubl
         for (size_t j = 0; j < k; j++)
             u[j] = (float)x[j];
     }
+    joint_rows_views(rows, &first, &end);
 #pragma omp parallel for num_threads(rows->context->threads)
-    for (size_t view = 0; view < model->views; view++)
+    for (size_t view = first; view < end; view++)
         for (size_t p = 0; p < row; p++) {
             double x[JOINT_MAX_COMPONENTS];
             float *v = model->v + view * k * row + p;
@@ -62,6 +66,9 @@ static void change_basis(const joint_rows *rows, joint_model *model, const doubl
             for (size_t i = 0; i < k; i++)
                 v[i * row] = (float)x[i];
         }
+    const btf_result result =
+        enc_team_gather(rows->context, BTF_OK, model->u, k * sizeof *model->u, model->texels);
+    return joint_rows_gather(rows, result, model->v, k * row * sizeof *model->v);
 }
 
 /* a [k][k] = sum over points of gain^2 u u^T / points. */
@@ -105,7 +112,8 @@ static btf_result no_memory(const joint_rows *rows, size_t k) {
 
 /* u := u L^-T and v := L^T v, a = L L^T the Gram matrix of u, slightly regularised; a is destroyed, t and
  * inverse are scratch, all [k][k]. */
-static void whiten(const joint_rows *rows, joint_model *model, double *a, double *t, double *inverse) {
+static btf_result whiten(const joint_rows *rows, joint_model *model, double *a, double *t,
+                         double *inverse) {
     const size_t k = model->k;
     double trace = 0.0;
     for (size_t i = 0; i < k; i++)
@@ -122,7 +130,7 @@ static void whiten(const joint_rows *rows, joint_model *model, double *a, double
     for (size_t i = 0; i < k; i++)
         for (size_t j = 0; j < k; j++)
             inverse[i * k + j] = j >= i ? a[i * k + j] : 0.0;
-    change_basis(rows, model, t, inverse);
+    return change_basis(rows, model, t, inverse);
 }
 
 btf_result joint_orthogonalise(const joint_rows *rows, joint_model *model) {
@@ -136,9 +144,9 @@ btf_result joint_orthogonalise(const joint_rows *rows, joint_model *model) {
                 a[i * k + j] += (double)model->u[s * k + i] * model->u[s * k + j];
     for (size_t i = 0; i < k * k; i++)
         a[i] /= (double)model->texels;
-    whiten(rows, model, a, a + k * k, a + 2 * k * k);
+    const btf_result result = whiten(rows, model, a, a + k * k, a + 2 * k * k);
     free(a);
-    return BTF_OK;
+    return result;
 }
 
 btf_result joint_principal_basis(const joint_rows *rows, joint_model *model, double *energy) {
@@ -149,7 +157,7 @@ btf_result joint_principal_basis(const joint_rows *rows, joint_model *model, dou
     double *vectors = a + k * k + model->texels, *t = vectors + k * k, *inverse = t + k * k,
            *values = inverse + k * k;
     gram_of_u(model, a);
-    whiten(rows, model, a, t, inverse);
+    btf_result result = whiten(rows, model, a, t, inverse);
     gram_of_v(model, a);
     joint_eigen(k, a, values, vectors);
     for (size_t j = 0; j < k && energy; j++)
@@ -157,9 +165,10 @@ btf_result joint_principal_basis(const joint_rows *rows, joint_model *model, dou
     for (size_t i = 0; i < k; i++)
         for (size_t j = 0; j < k; j++)
             t[i * k + j] = vectors[j * k + i];
-    change_basis(rows, model, t, vectors);
+    if (result == BTF_OK)
+        result = change_basis(rows, model, t, vectors);
     free(a);
-    return BTF_OK;
+    return result;
 }
 
 /* Largest |v / m| of a component. */
@@ -199,9 +208,9 @@ static btf_result add_helpers(const joint_rows *rows, joint_model *model) {
         const size_t from = to >= 2 * pairs ? to - pairs : to >= pairs ? k - 1 - (to - pairs) : to;
         t[from * k + to] = inverse[to * k + from] = 1.0;
     }
-    change_basis(rows, model, t, inverse);
+    const btf_result result = change_basis(rows, model, t, inverse);
     free(t);
-    for (size_t i = 0; i < pairs; i++) {
+    for (size_t i = 0; i < pairs && result == BTF_OK; i++) {
         const size_t j = pairs + i;
         const double strong = range_of_v(rows, model, i), weak = range_of_v(rows, model, j);
         if (!(weak > 0.0) || strong < 4.0 * weak)
@@ -213,7 +222,7 @@ static btf_result add_helpers(const joint_rows *rows, joint_model *model) {
             for (size_t p = 0; p < row; p++)
                 model->v[(view * k + i) * row + p] -= (float)(r * model->v[(view * k + j) * row + p]);
     }
-    return BTF_OK;
+    return result;
 }
 
 /* Steps of u for ranges of at most `clip` times a component's root mean square; beyond it codes end. */
@@ -441,6 +450,7 @@ btf_result joint_measure(const joint_rows *rows, const enc_solution *solution, j
         enc_gemm_pack_columns(row, k, view_directions, row, ENC_GEMM_N, pass.packed + view * pass.pitch);
     }
     result = joint_rows_pass(rows, measure_block, &pass);
+    result = joint_rows_gather(rows, result, pass.sums, sizeof *pass.sums);
     for (size_t view = 0; view < rows->views; view++) {
         out_error->fitted += pass.sums[view].fitted;
         out_error->linear += pass.sums[view].linear;

@@ -7,6 +7,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "joint_rows.h"
+#include "team.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -14,17 +15,28 @@
 
 enum { HISTOGRAM = 4096 }; /* bins of the percentile: 64 a factor of two, from 1 to 2^64 */
 
-/* One block of data, shared by the calls of a pass. */
-static btf_result load_block(const joint_rows *rows, size_t first, size_t *out_count, float *buffer,
-                             const float **out_samples) {
-    *out_count = rows->texels - first < JOINT_BLOCK ? rows->texels - first : JOINT_BLOCK;
-    return enc_data_texels(rows->context, rows->data, first, *out_count, buffer, out_samples);
+/* One block of data: samples of texel i and view first_view + j are at samples + i * pitch + j * row. */
+typedef struct data_block {
+    size_t count, pitch;
+    const float *samples;
+} data_block;
+
+/* Reads `n_views` views from first_view on of the block of texels that begins at `first`. */
+static btf_result load_block(const joint_rows *rows, size_t first, size_t first_view, size_t n_views,
+                             float *buffer, data_block *out) {
+    out->count = rows->texels - first < JOINT_BLOCK ? rows->texels - first : JOINT_BLOCK;
+    return enc_data_texel_views(rows->context, rows->data, first, out->count, first_view, n_views, buffer,
+                                &out->samples, &out->pitch);
 }
 
-static float *block_buffer(const joint_rows *rows) {
-    if (rows->data->samples)
-        return NULL;
-    return enc_gemm_alloc(JOINT_BLOCK * enc_data_texel_stride(rows->data));
+/* What load_block needs; *out is NULL where that is nothing. False when out of memory. */
+static bool block_buffer(const joint_rows *rows, size_t n_views, float **out) {
+    *out = rows->data->samples ? NULL : enc_gemm_alloc(JOINT_BLOCK * n_views * rows->row);
+    return *out || rows->data->samples;
+}
+
+void joint_rows_views(const joint_rows *rows, size_t *out_first, size_t *out_end) {
+    enc_team_range(rows->context, rows->views, out_first, out_end);
 }
 
 static void transform(const joint_rows *rows, const float *restrict from, float *restrict to) {
@@ -45,37 +57,97 @@ btf_result joint_rows_one(const joint_rows *rows, size_t texel, size_t view, flo
     return result;
 }
 
+static btf_result no_memory(const joint_rows *rows) {
+    return enc_fail(rows->context, BTF_ERROR_MEMORY, "joint: out of memory for a block of %d texels",
+                    JOINT_BLOCK);
+}
+
 btf_result joint_rows_pass(const joint_rows *rows, joint_pass_fn fn, void *user) {
-    const size_t stride = enc_data_texel_stride(rows->data);
     const int threads = rows->context->threads;
-    float *buffer = block_buffer(rows);
+    size_t begin, end;
+    float *buffer;
+    joint_rows_views(rows, &begin, &end);
     float *block = enc_gemm_alloc((size_t)threads * JOINT_BLOCK * rows->row);
-    btf_result result = BTF_OK;
-    if (!block || (!buffer && !rows->data->samples)) {
-        result = enc_fail(rows->context, BTF_ERROR_MEMORY, "joint: out of memory for a block of %d texels",
-                          JOINT_BLOCK);
-        goto fail;
-    }
-    for (size_t first = 0; first < rows->texels; first += JOINT_BLOCK) {
-        const float *samples;
-        size_t count;
-        if (enc_cancelled(rows->context)) {
-            result = BTF_ERROR_INTERRUPTED;
-            goto fail;
-        }
-        result = load_block(rows, first, &count, buffer, &samples);
+    btf_result result = block_buffer(rows, end - begin, &buffer) && block ? BTF_OK : no_memory(rows);
+    for (size_t first = 0; first < rows->texels && begin < end && result == BTF_OK; first += JOINT_BLOCK) {
+        data_block data;
+        result = enc_cancelled(rows->context) ? BTF_ERROR_INTERRUPTED
+                                              : load_block(rows, first, begin, end - begin, buffer, &data);
         if (result != BTF_OK)
-            goto fail;
+            break;
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
+        for (size_t view = begin; view < end; view++) {
+            float *mine = block + (size_t)enc_thread_index() * JOINT_BLOCK * rows->row;
+            for (size_t i = 0; i < data.count; i++)
+                transform(rows, data.samples + i * data.pitch + (view - begin) * rows->row,
+                          mine + i * rows->row);
+            fn(user, view, first, data.count, mine);
+        }
+    }
+    free(block);
+    free(buffer);
+    return result;
+}
+
+/* What joint_rows_pick needs. */
+typedef struct picker {
+    const joint_rows *rows;
+    joint_want_fn want;
+    joint_row_fn fn;
+    void *user;
+} picker;
+
+/* The wanted rows of one view and block. Where `whole` is NULL, each is read alone, to `one`. */
+static btf_result pick_block(const picker *p, size_t view, size_t first, size_t count,
+                             const data_block *whole, float *one, float *row) {
+    const joint_rows *rows = p->rows;
+    btf_result result = BTF_OK;
+    for (size_t x = first; x < first + count && result == BTF_OK; x++) {
+        const float *samples;
+        size_t pitch;
+        if (!p->want(p->user, view, x))
+            continue;
+        if (whole)
+            samples = whole->samples + (x - first) * whole->pitch + view * rows->row;
+        else
+            result = enc_data_texel_views(rows->context, rows->data, x, 1, view, 1, one, &samples, &pitch);
+        if (result != BTF_OK)
+            break;
+        transform(rows, samples, row);
+        p->fn(p->user, view, x, row);
+    }
+    return result;
+}
+
+btf_result joint_rows_pick(const joint_rows *rows, joint_want_fn want, joint_row_fn fn, void *user) {
+    const picker p = {rows, want, fn, user};
+    const int threads = rows->context->threads;
+    /* a rank of a team wants few rows of a block: it does not read the rest of it */
+    const bool whole = rows->data->samples || enc_team_size(rows->context) == 1;
+    float *buffer = NULL, *scratch = enc_gemm_alloc((size_t)threads * 2 * rows->row);
+    btf_result result =
+        scratch && (!whole || block_buffer(rows, rows->views, &buffer)) ? BTF_OK : no_memory(rows);
+    for (size_t first = 0; first < rows->texels && result == BTF_OK; first += JOINT_BLOCK) {
+        const size_t count = rows->texels - first < JOINT_BLOCK ? rows->texels - first : JOINT_BLOCK;
+        data_block data;
+        if (enc_cancelled(rows->context))
+            result = BTF_ERROR_INTERRUPTED;
+        else if (whole)
+            result = load_block(rows, first, 0, rows->views, buffer, &data);
+        if (result != BTF_OK)
+            break;
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
         for (size_t view = 0; view < rows->views; view++) {
-            float *mine = block + (size_t)enc_thread_index() * JOINT_BLOCK * rows->row;
-            for (size_t i = 0; i < count; i++)
-                transform(rows, samples + i * stride + view * rows->row, mine + i * rows->row);
-            fn(user, view, first, count, mine);
+            float *one = scratch + enc_thread_index() * 2 * rows->row;
+            const btf_result mine =
+                pick_block(&p, view, first, count, whole ? &data : NULL, one, one + rows->row);
+            if (mine != BTF_OK) {
+#pragma omp atomic write
+                result = mine;
+            }
         }
     }
-fail:
-    free(block);
+    free(scratch);
     free(buffer);
     return result;
 }
@@ -89,27 +161,24 @@ static size_t bin_of(float sample) {
 /* The 99.9th percentile of all samples, at least 1: the upper edge of its bin. */
 static btf_result find_scale(joint_rows *rows) {
     uint64_t histogram[HISTOGRAM] = {0};
-    const size_t stride = enc_data_texel_stride(rows->data);
-    float *buffer = block_buffer(rows);
-    btf_result result = BTF_OK;
-    uint64_t above = 0;
-    if (!buffer && !rows->data->samples)
-        return enc_fail(rows->context, BTF_ERROR_MEMORY, "joint: out of memory for a block of %d texels",
-                        JOINT_BLOCK);
-    for (size_t first = 0; first < rows->texels && result == BTF_OK; first += JOINT_BLOCK) {
-        const float *samples;
-        size_t count;
-        result = load_block(rows, first, &count, buffer, &samples);
-        for (size_t i = 0; result == BTF_OK && i < count * stride; i++)
-            if (samples[i] > 1.0f) {
-                histogram[bin_of(samples[i])]++;
-                above++;
-            }
+    size_t begin, end;
+    float *buffer;
+    joint_rows_views(rows, &begin, &end);
+    btf_result result = block_buffer(rows, end - begin, &buffer) ? BTF_OK : no_memory(rows);
+    for (size_t first = 0; first < rows->texels && begin < end && result == BTF_OK; first += JOINT_BLOCK) {
+        data_block data;
+        result = load_block(rows, first, begin, end - begin, buffer, &data);
+        for (size_t i = 0; result == BTF_OK && i < data.count; i++)
+            for (size_t p = 0; p < (end - begin) * rows->row; p++)
+                if (data.samples[i * data.pitch + p] > 1.0f)
+                    histogram[bin_of(data.samples[i * data.pitch + p])]++;
     }
     free(buffer);
-    const uint64_t kept = rows->texels * stride / 1000;
+    result = enc_team_sum(rows->context, result, histogram, HISTOGRAM);
+    const uint64_t kept = rows->texels * rows->views * rows->row / 1000;
+    uint64_t above = 0;
     size_t bin = HISTOGRAM;
-    for (above = 0; bin > 0 && above + histogram[bin - 1] <= kept; bin--)
+    for (; bin > 0 && above + histogram[bin - 1] <= kept; bin--)
         above += histogram[bin - 1];
     rows->scale = (float)exp2(fmin((double)bin / 64.0, 24.0)); /* what radianceScale may be */
     return result;
@@ -148,7 +217,8 @@ static btf_result allocate(const enc_context *context, const enc_data *data, boo
 }
 
 static btf_result find_energies(joint_rows *rows) {
-    const btf_result result = joint_rows_pass(rows, add_energy, rows);
+    btf_result result = joint_rows_pass(rows, add_energy, rows);
+    result = joint_rows_gather(rows, result, rows->energy, rows->texels * sizeof *rows->energy);
     for (size_t i = 0; result == BTF_OK && i < rows->texels * rows->views; i++)
         rows->total += rows->energy[i];
     return result;
@@ -164,9 +234,13 @@ btf_result joint_rows_init(const enc_context *context, const enc_data *data, boo
 
 btf_result joint_rows_init_scaled(const enc_context *context, const enc_data *data, bool root, float scale,
                                   joint_rows *out_rows) {
-    btf_result result = allocate(context, data, root, out_rows);
+    const btf_result result = allocate(context, data, root, out_rows);
     out_rows->scale = scale;
     return result == BTF_OK ? find_energies(out_rows) : result;
+}
+
+btf_result joint_rows_gather(const joint_rows *rows, btf_result result, void *array, size_t view_bytes) {
+    return enc_team_gather(rows->context, result, array, view_bytes, rows->views);
 }
 
 void joint_rows_clear(joint_rows *rows) {

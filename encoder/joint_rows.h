@@ -46,7 +46,21 @@ typedef void (*joint_pass_fn)(void *user, size_t view, size_t first, size_t coun
 
 /* Calls `fn` for every view and every block of texels, from context->threads threads: blocks of one view
  * come in ascending order, one after another, so that what `fn` sums up view by view does not depend on
- * the number of threads. Errors: BTF_ERROR_IO, BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
+ * the number of threads. A rank of a team passes over its own views alone (joint_rows_views).
+ * Errors: BTF_ERROR_IO, BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
 btf_result joint_rows_pass(const joint_rows *rows, joint_pass_fn fn, void *user);
+
+/* The views of this rank: out_first .. out_end - 1. */
+void joint_rows_views(const joint_rows *rows, size_t *out_first, size_t *out_end);
+/* Completes an array [view] of view_bytes each, of which every rank has filled its own views; the ranks
+ * meet (team.h). */
+btf_result joint_rows_gather(const joint_rows *rows, btf_result result, void *array, size_t view_bytes);
+
+typedef bool (*joint_want_fn)(void *user, size_t view, size_t texel);
+typedef void (*joint_row_fn)(void *user, size_t view, size_t texel, const float *row);
+
+/* Calls `fn` for the rows of all views that `want` asks for, from context->threads threads; texels of one
+ * view come in ascending order, one after another. Errors as above. */
+btf_result joint_rows_pick(const joint_rows *rows, joint_want_fn want, joint_row_fn fn, void *user);
 
 #endif

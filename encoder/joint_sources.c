@@ -4,6 +4,7 @@
  */
 #include "joint_sources.h"
 #include "joint_linear.h"
+#include "team.h"
 
 #include <openbtf/material.h>
 
@@ -46,7 +47,10 @@ void joint_model_clear(joint_model *model) {
     *model = (joint_model){0};
 }
 
-enum { SOURCES = 96 }; /* sources that one task of joint_solve_u handles: a multiple of ENC_GEMM_M */
+enum {
+    SOURCES = 96,           /* sources that one task of joint_solve_u handles: a multiple of ENC_GEMM_M */
+    WINDOW_BYTES = 64 << 20 /* of what the ranks of a team exchange at once */
+};
 
 /* Weight of the present value in each solve, against the trace: keeps what the data do not determine, and
  * since it pulls towards a point that is already there, never raises the error. */
@@ -58,8 +62,9 @@ typedef struct u_step {
     const joint_projection *projection;
     float *packed_gram; /* [view][k * k] gram of v, packed as columns */
     const joint_rounding *rounding;
-    float *weights; /* [texel][view] sum of squared gains of a source's points */
-    float *right;   /* [texel][k] sum of gain * lower * c over them */
+    size_t first, end; /* sources that this process solves */
+    float *weights;    /* [source - first][view] sum of squared gains of a source's points */
+    float *right;      /* [source - first][k] sum of gain * lower * c over them */
     /* of the view at hand */
     uint32_t *start,
         *order;          /* points by source: of s they are order[start[s]] .. order[start[s + 1] - 1] */
@@ -89,15 +94,22 @@ static size_t u_scratch(const joint_model *model) {
     return SOURCES * (model->views + k + k + k * k + (model->front ? 2 * model->row + k : 0));
 }
 
+/* Where the sums of a task's sources go: weights [source], right-hand sides [source][k], each with a pitch.
+ */
+typedef struct u_sums {
+    float *weights, *right;
+    size_t weights_pitch, right_pitch;
+    bool accumulate; /* of the right-hand sides */
+} u_sums;
+
 /* sums[s] -= weight of source first + s * its front in the basis of v. scratch: SOURCES * (2 * row + k)
  * floats. */
 static void subtract_fronts(const u_step *step, const joint_model *model, size_t view, size_t first,
-                            size_t count, float *sums, float *scratch) {
+                            size_t count, const u_sums *out, float *sums, float *scratch) {
     const size_t k = model->k, row = model->row;
-    const float *weights = step->weights + first * model->views + view;
     float *fronts = scratch, *packed = fronts + SOURCES * row, *within = packed + SOURCES * row;
     for (size_t s = 0; s < count; s++)
-        if (weights[s * model->views] > 0.0f)
+        if (out->weights[s * out->weights_pitch] > 0.0f)
             joint_front_row(step->rows, model->front, first + s, view, fronts + s * row);
         else
             memset(fronts + s * row, 0, row * sizeof *fronts);
@@ -105,7 +117,7 @@ static void subtract_fronts(const u_step *step, const joint_model *model, size_t
     enc_gemm_multiply(step->rows->tile, count, k, row, packed, step->packed_basis, within, k, 0);
     for (size_t s = 0; s < count; s++)
         for (size_t j = 0; j < k; j++)
-            sums[s * k + j] -= weights[s * model->views] * within[s * k + j];
+            sums[s * k + j] -= out->weights[s * out->weights_pitch] * within[s * k + j];
 }
 
 /* u^T gram u - 2 right^T u: the error of a source's points but for a constant. */
@@ -152,11 +164,10 @@ static void solve_source(const u_step *step, joint_model *model, size_t source, 
         u[i] = (float)x[i];
 }
 
-/* Adds the points of one view to weights and right-hand sides of a task's sources. */
+/* The points of one view, of `count` <= SOURCES sources from `first` on. */
 static void gather_sources(const u_step *step, const joint_model *model, size_t view, const float *c,
-                           size_t first, float *scratch) {
-    const size_t k = model->k, views = model->views, texels = model->texels, dims = step->projection->dims;
-    const size_t count = texels - first < SOURCES ? texels - first : SOURCES;
+                           size_t first, size_t count, const u_sums *out, float *scratch) {
+    const size_t k = model->k, texels = model->texels, dims = step->projection->dims;
     float *sums = scratch, *packed_sums = sums + SOURCES * k;
     const uint32_t *start = step->start + first;
     const uint8_t *code = model->gain + view * texels;
@@ -170,53 +181,172 @@ static void gather_sources(const u_step *step, const joint_model *model, size_t 
             for (size_t j = 0; j < k; j++)
                 sums[s * k + j] += gain * from[j];
         }
-        step->weights[(first + s) * views + view] = weight;
+        out->weights[s * out->weights_pitch] = weight;
     }
     if (model->front)
-        subtract_fronts(step, model, view, first, count, sums, packed_sums + SOURCES * k);
+        subtract_fronts(step, model, view, first, count, out, sums, packed_sums + SOURCES * k);
     enc_gemm_pack_rows(count, k, sums, k, ENC_GEMM_M, packed_sums);
-    enc_gemm_multiply(step->rows->tile, count, k, k, packed_sums, step->packed_lower,
-                      step->right + first * k, k, 1);
+    enc_gemm_multiply(step->rows->tile, count, k, k, packed_sums, step->packed_lower, out->right,
+                      out->right_pitch, out->accumulate);
+}
+
+/* Makes ready for gather_sources of one view; *out_c is its coordinates. */
+static btf_result prepare_view(u_step *step, const joint_model *model, size_t view, const float **out_c) {
+    const joint_rows *rows = step->rows;
+    const size_t k = model->k, dims = step->projection->dims;
+    const btf_result result = joint_points_view(rows->context, step->projection->c, view, out_c);
+    if (result != BTF_OK)
+        return result;
+    invert_view(model, view, step->start, step->order);
+    enc_gemm_pack_rows(k, k, step->projection->lower + view * k * k, k, ENC_GEMM_N, step->packed_lower);
+    if (model->front)
+        enc_gemm_pack_rows(k, rows->row, step->projection->basis + view * dims * rows->row, rows->row,
+                           ENC_GEMM_N, step->packed_basis);
+    return BTF_OK;
 }
 
 static btf_result gather_views(u_step *step, const joint_model *model, float *scratch) {
-    const joint_rows *rows = step->rows;
-    const size_t k = model->k;
-    for (size_t view = 0; view < rows->views; view++) {
+    const size_t k = model->k, views = model->views, texels = model->texels;
+    btf_result result = BTF_OK;
+    for (size_t view = 0; view < views && result == BTF_OK; view++) {
         const float *c;
-        const btf_result result = joint_points_view(rows->context, step->projection->c, view, &c);
+        result = prepare_view(step, model, view, &c);
         if (result != BTF_OK)
-            return result;
-        invert_view(model, view, step->start, step->order);
-        enc_gemm_pack_rows(k, k, step->projection->lower + view * k * k, k, ENC_GEMM_N, step->packed_lower);
-        if (model->front)
-            enc_gemm_pack_rows(k, rows->row,
-                               step->projection->basis + view * step->projection->dims * rows->row,
-                               rows->row, ENC_GEMM_N, step->packed_basis);
-#pragma omp parallel for schedule(dynamic, 4) num_threads(rows->context->threads)
-        for (size_t first = 0; first < rows->texels; first += SOURCES)
-            gather_sources(step, model, view, c, first, scratch + enc_thread_index() * u_scratch(model));
+            break;
+#pragma omp parallel for schedule(dynamic, 4) num_threads(step->rows->context->threads)
+        for (size_t first = 0; first < texels; first += SOURCES) {
+            const size_t count = texels - first < SOURCES ? texels - first : SOURCES;
+            const u_sums out = {step->weights + first * views + view, step->right + first * k, views, k,
+                                true};
+            gather_sources(step, model, view, c, first, count, &out,
+                           scratch + enc_thread_index() * u_scratch(model));
+        }
     }
-    return BTF_OK;
+    return result;
+}
+
+/* What the ranks of a team hand each other in one turn: the sums of `window` sources of every rank, by
+ * those who have the views. */
+typedef struct u_exchange {
+    size_t at, window;       /* of each rank's sources: the turn's are from `at` on */
+    size_t begin, end;       /* this rank's views */
+    float *send;             /* [rank][view - begin][source of that rank][k + 1], the weight last */
+    float *receive;          /* [view][source of this rank][k + 1] */
+    size_t *sent, *received; /* [rank + 1] bounds, in floats */
+} u_exchange;
+
+static size_t least_of(size_t a, size_t b) {
+    return a < b ? a : b;
+}
+
+/* The sources of a rank whose turn it is. */
+static void sources_of_turn(const u_step *step, const u_exchange *e, int rank, size_t *out_first,
+                            size_t *out_count) {
+    size_t first, end;
+    enc_team_range_of(step->rows->context, rank, step->rows->texels, &first, &end);
+    *out_first = least_of(first + e->at, end);
+    *out_count = least_of(e->window, end - *out_first);
+}
+
+/* Sums of this rank's views for the sources of all. */
+static btf_result fill_turn(u_step *step, const joint_model *model, u_exchange *e, float *scratch) {
+    const enc_context *context = step->rows->context;
+    const size_t pitch = model->k + 1;
+    btf_result result = BTF_OK;
+    for (size_t view = e->begin; view < e->end && result == BTF_OK; view++) {
+        const float *c;
+        result = prepare_view(step, model, view, &c);
+        for (int rank = 0; rank < enc_team_size(context) && result == BTF_OK; rank++) {
+            size_t first, count;
+            sources_of_turn(step, e, rank, &first, &count);
+            float *to = e->send + e->sent[rank] + (view - e->begin) * count * pitch;
+#pragma omp parallel for schedule(dynamic, 4) num_threads(context->threads)
+            for (size_t s = 0; s < count; s += SOURCES) {
+                float *sums = to + s * pitch;
+                const u_sums out = {sums + model->k, sums, pitch, pitch, false};
+                gather_sources(step, model, view, c, first + s, least_of(SOURCES, count - s), &out,
+                               scratch + enc_thread_index() * u_scratch(model));
+            }
+        }
+    }
+    return result;
+}
+
+/* Adds what came for this rank's sources, view by view as one process does. */
+static void take_turn(const u_step *step, const joint_model *model, const u_exchange *e) {
+    const size_t k = model->k, views = model->views;
+    size_t first, count;
+    sources_of_turn(step, e, enc_team_rank(step->rows->context), &first, &count);
+#pragma omp parallel for num_threads(step->rows->context->threads)
+    for (size_t s = 0; s < count; s++) {
+        float *restrict right = step->right + (first + s - step->first) * k;
+        for (size_t view = 0; view < views; view++) {
+            const float *restrict from = e->receive + (view * count + s) * (k + 1);
+            for (size_t j = 0; j < k; j++)
+                right[j] += from[j];
+            step->weights[(first + s - step->first) * views + view] = from[k];
+        }
+    }
+}
+
+static void set_bounds(const u_step *step, const joint_model *model, u_exchange *e) {
+    const enc_context *context = step->rows->context;
+    size_t first, mine, count, begin, end;
+    sources_of_turn(step, e, enc_team_rank(context), &first, &mine);
+    e->sent[0] = e->received[0] = 0;
+    for (int rank = 0; rank < enc_team_size(context); rank++) {
+        sources_of_turn(step, e, rank, &first, &count);
+        enc_team_range_of(context, rank, model->views, &begin, &end);
+        e->sent[rank + 1] = e->sent[rank] + (e->end - e->begin) * count * (model->k + 1);
+        e->received[rank + 1] = e->received[rank] + (end - begin) * mine * (model->k + 1);
+    }
+}
+
+/* gather_views for the ranks of a team: each has the coordinates of its views, and solves its sources. */
+static btf_result exchange_views(u_step *step, const joint_model *model, float *scratch) {
+    const enc_context *context = step->rows->context;
+    const size_t size = (size_t)enc_team_size(context), pitch = model->k + 1;
+    const size_t longest = (model->texels + size - 1) / size;
+    const size_t most = WINDOW_BYTES / (model->views * pitch * sizeof(float));
+    u_exchange e = {.window = least_of(longest, most > SOURCES ? most : SOURCES)};
+    joint_rows_views(step->rows, &e.begin, &e.end);
+    e.sent = malloc(2 * (size + 1) * sizeof *e.sent);
+    e.received = e.sent + size + 1;
+    e.send = enc_gemm_alloc((e.end - e.begin) * size * e.window * pitch);
+    e.receive = enc_gemm_alloc(model->views * e.window * pitch);
+    btf_result result = e.sent && e.send && e.receive ? BTF_OK : out_of_memory(step->rows, model->k);
+    for (e.at = 0; e.at < longest && result == BTF_OK; e.at += e.window) {
+        set_bounds(step, model, &e);
+        result = fill_turn(step, model, &e, scratch);
+        result = enc_team_exchange(context, result, e.send, e.sent, e.receive, e.received);
+        if (result == BTF_OK)
+            take_turn(step, model, &e);
+    }
+    free(e.sent);
+    free(e.send);
+    free(e.receive);
+    return result;
 }
 
 static void solve_sources(const u_step *step, joint_model *model, size_t first, float *scratch,
                           double *system) {
-    const size_t k = model->k, views = model->views, texels = model->texels;
-    const size_t count = texels - first < SOURCES ? texels - first : SOURCES;
+    const size_t k = model->k, views = model->views, at = first - step->first;
+    const size_t count = least_of(SOURCES, step->end - first);
     float *packed_weights = scratch, *gram = packed_weights + SOURCES * views;
-    enc_gemm_pack_rows(count, views, step->weights + first * views, views, ENC_GEMM_M, packed_weights);
+    enc_gemm_pack_rows(count, views, step->weights + at * views, views, ENC_GEMM_M, packed_weights);
     enc_gemm_multiply(step->rows->tile, count, k * k, views, packed_weights, step->packed_gram, gram, k * k,
                       0);
     for (size_t s = 0; s < count; s++)
-        solve_source(step, model, first + s, gram + s * k * k, step->right + (first + s) * k, system);
+        solve_source(step, model, first + s, gram + s * k * k, step->right + (at + s) * k, system);
 }
 
 /* gram [view][k * k] of v, packed as columns. */
-static void pack_gram(const joint_rows *rows, const joint_projection *projection, size_t k, float *gram,
-                      float *packed_gram) {
+static btf_result pack_gram(const joint_rows *rows, const joint_projection *projection, size_t k,
+                            float *gram, float *packed_gram) {
+    size_t begin, end;
+    joint_rows_views(rows, &begin, &end);
 #pragma omp parallel for schedule(dynamic) num_threads(rows->context->threads)
-    for (size_t view = 0; view < rows->views; view++) {
+    for (size_t view = begin; view < end; view++) {
         const float *lower = projection->lower + view * k * k;
         for (size_t i = 0; i < k; i++)
             for (size_t j = 0; j < k; j++) {
@@ -226,7 +356,19 @@ static void pack_gram(const joint_rows *rows, const joint_projection *projection
                 gram[(view * k + i) * k + j] = (float)sum;
             }
     }
-    enc_gemm_pack_columns(k * k, rows->views, gram, k * k, ENC_GEMM_N, packed_gram);
+    const btf_result result = joint_rows_gather(rows, BTF_OK, gram, k * k * sizeof *gram);
+    if (result == BTF_OK)
+        enc_gemm_pack_columns(k * k, rows->views, gram, k * k, ENC_GEMM_N, packed_gram);
+    return result;
+}
+
+/* The sources that the ranks have solved, to all. */
+static btf_result share_sources(const u_step *step, joint_model *model, btf_result result) {
+    const enc_context *context = step->rows->context;
+    result = enc_team_gather(context, result, model->u, model->k * sizeof *model->u, model->texels);
+    if (step->rounding)
+        result = enc_team_gather(context, result, step->rounding->codes, model->k, model->texels);
+    return result;
 }
 
 btf_result joint_solve_u(const joint_rows *rows, const joint_projection *projection,
@@ -237,12 +379,13 @@ btf_result joint_solve_u(const joint_rows *rows, const joint_projection *project
                    .projection = projection,
                    .packed_gram = enc_gemm_alloc(enc_gemm_panels(k * k, ENC_GEMM_N) * ENC_GEMM_N * views),
                    .rounding = rounding,
-                   .weights = malloc(texels * views * sizeof(float)),
-                   .right = calloc(texels * k, sizeof(float)),
                    .start = malloc((texels + 1) * sizeof(uint32_t)),
                    .order = malloc(texels * sizeof(uint32_t)),
                    .packed_lower = enc_gemm_alloc(panels * ENC_GEMM_N * k),
                    .packed_basis = enc_gemm_alloc(model->front ? panels * ENC_GEMM_N * model->row : 0)};
+    enc_team_range(rows->context, texels, &step.first, &step.end);
+    step.weights = malloc((step.end - step.first + 1) * views * sizeof(float));
+    step.right = calloc((step.end - step.first + 1) * k, sizeof(float));
     float *gram = enc_gemm_alloc(views * k * k);
     float *scratch = enc_gemm_alloc(threads * u_scratch(model));
     double *system = malloc(threads * (k * k + k) * sizeof *system);
@@ -252,16 +395,19 @@ btf_result joint_solve_u(const joint_rows *rows, const joint_projection *project
         result = out_of_memory(rows, k);
         goto fail;
     }
-    pack_gram(rows, projection, k, gram, step.packed_gram);
-    result = gather_views(&step, model, scratch);
+    result = pack_gram(rows, projection, k, gram, step.packed_gram);
+    if (result == BTF_OK)
+        result = enc_team_size(rows->context) > 1 ? exchange_views(&step, model, scratch)
+                                                  : gather_views(&step, model, scratch);
     if (result != BTF_OK)
         goto fail;
 #pragma omp parallel for schedule(dynamic) num_threads(rows->context->threads)
-    for (size_t first = 0; first < texels; first += SOURCES) {
+    for (size_t first = step.first; first < step.end; first += SOURCES) {
         const size_t thread = enc_thread_index();
         solve_sources(&step, model, first, scratch + thread * u_scratch(model),
                       system + thread * (k * k + k));
     }
+    result = share_sources(&step, model, result);
 fail:
     free(step.packed_gram);
     free(step.weights);
@@ -372,11 +518,13 @@ btf_result joint_solve_v(const joint_rows *rows, const joint_rounding *rounding,
     pass.right = calloc(rows->views * k * row, sizeof(float));
     pass.gram = calloc(rows->views * k * k, sizeof(float));
     pass.scratch = enc_gemm_alloc(threads * pass.scratch_pitch);
+    size_t begin, end;
+    joint_rows_views(rows, &begin, &end);
     bool ok = pass.right && pass.gram && pass.scratch;
     btf_result result = ok ? joint_rows_pass(rows, gather_block, &pass) : BTF_OK;
     if (ok && result == BTF_OK)
 #pragma omp parallel for schedule(dynamic) num_threads(rows->context->threads)
-        for (size_t view = 0; view < rows->views; view++)
+        for (size_t view = begin; view < end; view++)
             if (!solve_view(&pass, model, view)) {
 #pragma omp atomic write
                 ok = false;
@@ -384,5 +532,10 @@ btf_result joint_solve_v(const joint_rows *rows, const joint_rounding *rounding,
     free(pass.right);
     free(pass.gram);
     free(pass.scratch);
-    return ok ? result : out_of_memory(rows, k);
+    if (!ok)
+        result = out_of_memory(rows, k);
+    result = joint_rows_gather(rows, result, model->v, k * row * sizeof *model->v);
+    if (rounding)
+        result = joint_rows_gather(rows, result, rounding->codes, k * row);
+    return result;
 }

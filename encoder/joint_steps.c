@@ -5,6 +5,7 @@
 #include "joint_steps.h"
 
 #include "checkpoint.h"
+#include "team.h"
 
 #include <stdlib.h>
 
@@ -108,6 +109,7 @@ bool joint_step_take(const joint_rows *rows, const char *name, joint_fit *out_fi
         good = !blob.failed && blob.at == blob.size;
     }
     enc_blob_clear(&blob);
+    good = enc_team_all(rows->context, good);
     if (!good)
         joint_fit_clear(out_fit);
     return good;
@@ -117,7 +119,7 @@ btf_result joint_step_keep(const char *name, const joint_fit *fit, const void *b
     const scalars s = scalars_of(fit);
     joint_model model = fit->model; /* its arrays are only read */
     enc_blob blob = {0};
-    if (!fit->rows->context->checkpoint)
+    if (!fit->rows->context->checkpoint || !enc_team_leads(fit->rows->context))
         return BTF_OK;
     enc_blob_put(&blob, &s, sizeof s);
     each_array(&model, put, &blob);

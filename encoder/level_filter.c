@@ -5,6 +5,7 @@
 #include "level_filter.h"
 
 #include "area.h"
+#include "team.h"
 
 #include <assert.h>
 #include <stdlib.h>
@@ -57,13 +58,15 @@ btf_result enc_level_filter(const enc_context *context, const enc_data *from, in
         enc_data_destroy(&to);
         return result;
     }
-    const size_t stride = enc_data_texel_stride(from), texels = enc_data_texel_count(to);
+    const size_t stride = enc_data_texel_stride(from);
+    size_t first, end;
+    enc_team_range(context, enc_data_texel_count(to), &first, &end);
 #pragma omp parallel num_threads(context->threads)
     {
         float *buffer = malloc(2 * stride * sizeof *buffer);
         double *sums = malloc(stride * sizeof *sums);
 #pragma omp for schedule(dynamic)
-        for (size_t t = 0; t < texels; t++) {
+        for (size_t t = first; t < end; t++) {
             btf_result mine;
 #pragma omp atomic read
             mine = result;
@@ -83,6 +86,7 @@ btf_result enc_level_filter(const enc_context *context, const enc_data *from, in
         free(buffer);
         free(sums);
     }
+    result = enc_data_complete(context, to, result);
     if (result == BTF_OK) {
         *out_data = to;
         return BTF_OK;

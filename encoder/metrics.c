@@ -7,6 +7,7 @@
 #include "memory_plan.h"
 #include "coincident.h"
 #include "ssim.h"
+#include "team.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -120,8 +121,10 @@ btf_result enc_metrics_compare(const enc_context *context, const enc_data *shape
     btf_result result = error && ssim ? BTF_OK : BTF_ERROR_MEMORY;
     const int threads =
         enc_memory_threads(context, 2 * enc_data_texel_count(shape) * (uint64_t)shape->n_lights * 3 * sizeof(float));
+    size_t first, end;
+    enc_team_range(context, (size_t)views, &first, &end);
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
-    for (int v = 0; v < views; v++) {
+    for (int v = (int)first; v < (int)end; v++) {
         btf_result mine;
 #pragma omp atomic read
         mine = result;
@@ -137,6 +140,9 @@ btf_result enc_metrics_compare(const enc_context *context, const enc_data *shape
         }
         enc_stage_step(context, 1);
     }
+    const size_t count = (size_t)views;
+    result = enc_team_gather(context, result, error, (size_t)lights * sizeof *error, count);
+    result = enc_team_gather(context, result, ssim, sizeof *ssim, count);
     if (result != BTF_OK) {
         free(ssim);
         free(error);

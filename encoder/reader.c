@@ -9,6 +9,7 @@
 #include "coincident.h"
 #include "data_fill.h"
 #include "grid.h"
+#include "team.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -38,6 +39,7 @@ typedef struct reader {
     const enc_read_options *options;
     enc_source *source;
     enc_grid *grid;
+    size_t *mine, n_mine; /* items of the grid that this process reads, ascending: its share of the views */
     enc_decoder *decoder;
     enc_data *data;
     int threads;
@@ -212,7 +214,7 @@ static void finish(const reader *r, size_t item, batch_file *file, float *planes
     file->data = NULL;
 }
 
-/* Reads up to `count` images from item `first` into the planes; *out_done says how many it was. A
+/* Reads up to `count` images from mine[first] on into the planes; *out_done says how many it was. A
  * sequential source is read by one thread ahead of the decoding. */
 static btf_result read_batch(reader *r, size_t first, size_t count, float *planes, size_t *out_done) {
     const size_t plane = (size_t)r->width * (size_t)r->height * 3;
@@ -224,7 +226,7 @@ static btf_result read_batch(reader *r, size_t first, size_t count, float *plane
         size_t bytes = 0;
         while (n < count && n < BATCH_FILES && bytes < BATCH_BYTES &&
                (n == 0 || files[n - 1].result == BTF_OK)) {
-            fetch(r, first + n, &files[n]);
+            fetch(r, r->mine[first + n], &files[n]);
             bytes += files[n++].size;
         }
     } else {
@@ -233,18 +235,18 @@ static btf_result read_batch(reader *r, size_t first, size_t count, float *plane
 #pragma omp parallel for schedule(dynamic) num_threads(r->threads)
     for (size_t i = 0; i < n; i++) {
         if (!r->source->is_sequential)
-            fetch(r, first + i, &files[i]);
-        finish(r, first + i, &files[i], planes + i * plane);
+            fetch(r, r->mine[first + i], &files[i]);
+        finish(r, r->mine[first + i], &files[i], planes + i * plane);
     }
-    if (first == 0)
+    if (n > 0 && r->mine[first] == 0)
         r->first_file = NULL; /* finish() freed it */
 
     btf_result result = BTF_OK;
     for (size_t i = 0; i < n && result == BTF_OK; i++) {
         if (files[i].result != BTF_OK)
-            result = report(r, first + i, files[i].result, files[i].message);
+            result = report(r, r->mine[first + i], files[i].result, files[i].message);
         if (files[i].negative > 0 && r->n_negative_files++ == 0)
-            r->first_negative = first + i;
+            r->first_negative = r->mine[first + i];
         r->negative += files[i].negative;
     }
     free(files);
@@ -271,7 +273,7 @@ static btf_result scatter(reader *r, size_t first, size_t count) {
     if (!places)
         return BTF_ERROR_MEMORY;
     for (size_t i = 0; i < count; i++) {
-        const enc_grid_item *item = &r->grid->items[first + i];
+        const enc_grid_item *item = &r->grid->items[r->mine[first + i]];
         for (size_t c = 0; c < 3; c++)
             places[3 * i + c] = (plane_place){((size_t)item->view * 3 + c) * lights + (size_t)item->light,
                                               r->planes + (3 * i + c) * texels};
@@ -320,12 +322,23 @@ static size_t block_size(const reader *r) {
     size_t images = bytes / image;
     if (images > lights)
         images -= images % lights;
-    if (images > r->grid->count)
-        images = r->grid->count;
+    if (images > r->n_mine)
+        images = r->n_mine;
     return images ? images : 1;
 }
 
-static btf_result read_images(reader *r) {
+/* The images of this process: all of them, or those of its share of the views. */
+static btf_result settle_share(reader *r) {
+    size_t first, end;
+    enc_team_range(r->context, (size_t)r->grid->n_views, &first, &end);
+    r->mine = malloc(r->grid->count * sizeof *r->mine);
+    for (size_t i = 0; i < r->grid->count && r->mine; i++)
+        if ((size_t)r->grid->items[i].view >= first && (size_t)r->grid->items[i].view < end)
+            r->mine[r->n_mine++] = i;
+    return r->mine ? BTF_OK : BTF_ERROR_MEMORY;
+}
+
+static btf_result read_mine(reader *r) {
     const size_t plane = (size_t)r->width * (size_t)r->height * 3;
     r->block = block_size(r);
     r->planes = malloc(r->block * plane * sizeof *r->planes);
@@ -333,9 +346,8 @@ static btf_result read_images(reader *r) {
         return enc_fail(r->context, BTF_ERROR_MEMORY, "no memory for %zu images of %dx%d", r->block,
                         r->width, r->height);
     btf_result result = BTF_OK;
-    enc_stage_begin(r->context, "read", r->grid->count);
-    for (size_t first = 0; first < r->grid->count && result == BTF_OK; first += r->block) {
-        const size_t count = r->grid->count - first < r->block ? r->grid->count - first : r->block;
+    for (size_t first = 0; first < r->n_mine && result == BTF_OK; first += r->block) {
+        const size_t count = r->n_mine - first < r->block ? r->n_mine - first : r->block;
         for (size_t done = 0, n; done < count && result == BTF_OK; done += n) {
             result = enc_cancelled(r->context)
                          ? BTF_ERROR_INTERRUPTED
@@ -347,6 +359,36 @@ static btf_result read_images(reader *r) {
         if (result == BTF_OK)
             result = scatter(r, first, count);
     }
+    return result;
+}
+
+/* What the ranks of a team found below 0, together. */
+static btf_result add_negative(reader *r, btf_result result) {
+    uint64_t sums[2] = {r->negative, r->n_negative_files};
+    const size_t size = (size_t)enc_team_size(r->context);
+    size_t *first = malloc(size * sizeof *first);
+    result = enc_team_sum(r->context, result == BTF_OK && !first ? BTF_ERROR_MEMORY : result, sums, 2);
+    if (first)
+        first[enc_team_rank(r->context)] = r->n_negative_files > 0 ? r->first_negative : SIZE_MAX;
+    result = enc_team_gather(r->context, result, first, sizeof *first, size);
+    if (result == BTF_OK) {
+        r->negative = sums[0];
+        r->n_negative_files = (size_t)sums[1];
+        r->first_negative = SIZE_MAX;
+        for (size_t i = 0; i < size; i++)
+            r->first_negative = first[i] < r->first_negative ? first[i] : r->first_negative;
+    }
+    free(first);
+    return result;
+}
+
+static btf_result read_images(reader *r) {
+    btf_result result = settle_share(r);
+    enc_stage_begin(r->context, "read", r->n_mine);
+    if (result == BTF_OK)
+        result = read_mine(r);
+    result = enc_data_complete(r->context, r->data, result);
+    result = add_negative(r, result);
     enc_stage_end(r->context);
     return result;
 }
@@ -386,6 +428,7 @@ static btf_result read_set(const enc_context *context, const char *input, const 
     }
     free(r.first_file);
     free(r.planes);
+    free(r.mine);
     enc_data_destroy(&r.data);
     enc_decoder_destroy(&r.decoder);
     enc_grid_destroy(&r.grid);

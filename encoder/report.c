@@ -206,6 +206,27 @@ static void print_levels(const enc_report *report, FILE *out) {
     }
 }
 
+/* What went between ranks, as rank 0 counted it. */
+static void print_volumes(const enc_report *report, FILE *out) {
+    enc_team_volume all = {0};
+    if (report->n_volumes == 0) {
+        return;
+    }
+    fprintf(out, "\n%d ranks; rank 0 (MB = 10^6 bytes; seconds)\n", report->ranks);
+    fprintf(out, "  %-20s %10s %10s %9s %9s %9s\n", "", "received", "sent", "meetings", "waited", "moved");
+    for (size_t i = 0; i <= report->n_volumes; i++) {
+        const enc_team_volume *v = i < report->n_volumes ? &report->volumes[i] : &all;
+        fprintf(out, "  %-20s %10.2f %10.2f %9llu %9.2f %9.2f\n", i < report->n_volumes ? v->stage : "total",
+                (double)v->received / 1e6, (double)v->sent / 1e6, (unsigned long long)v->meetings, v->waited,
+                v->moved);
+        all.received += v->received;
+        all.sent += v->sent;
+        all.meetings += v->meetings;
+        all.waited += v->waited;
+        all.moved += v->moved;
+    }
+}
+
 void enc_report_print(const enc_report *report, FILE *out) {
     const enc_data *data = report->data;
     const enc_metrics *first = &report->ladder[0].metrics;
@@ -255,6 +276,7 @@ void enc_report_print(const enc_report *report, FILE *out) {
     print_rings(out, "by light theta", first->n_light_rings, first->light_ring_theta, report, true);
     print_coincident(report, out);
     print_levels(report, out);
+    print_volumes(report, out);
     fprintf(out, "\nSeconds:");
     size_t count = 0;
     const progress_stage *stages = progress_stages(report->progress, &count);
@@ -289,6 +311,25 @@ static void write_seconds(json *j, const enc_report *report) {
     const progress_stage *stages = progress_stages(report->progress, &count);
     for (size_t i = 0; i < count; i++) {
         json_number(j, stages[i].name, stages[i].seconds);
+    }
+    json_end(j);
+}
+
+static void write_volumes(json *j, const enc_report *report) {
+    json_integer(j, "ranks", report->ranks);
+    if (report->n_volumes == 0) {
+        return;
+    }
+    json_object(j, "between_ranks");
+    for (size_t i = 0; i < report->n_volumes; i++) {
+        const enc_team_volume *v = &report->volumes[i];
+        json_object(j, v->stage);
+        json_integer(j, "received", (int64_t)v->received);
+        json_integer(j, "sent", (int64_t)v->sent);
+        json_integer(j, "meetings", (int64_t)v->meetings);
+        json_number(j, "waited", v->waited);
+        json_number(j, "moved", v->moved);
+        json_end(j);
     }
     json_end(j);
 }
@@ -362,6 +403,7 @@ btf_result enc_report_write(const enc_context *context, const enc_report *report
     json_number(&j, "ratio", 1 - (double)info.gpu_bytes / data_bytes(report->data));
     write_seconds(&j, report);
     json_integer(&j, "peak_rss", (int64_t)report->peak_rss);
+    write_volumes(&j, report);
     json_object(&j, "psnr");
     static const char *const steps[] = {"sbrdf", "stvs", "full"};
     for (int s = 0; s < 3; s++) {

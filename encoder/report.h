@@ -10,6 +10,7 @@
 #include "levels.h"
 #include "metrics.h"
 #include "solution.h"
+#include "team.h"
 #include "trial.h"
 
 #include <stdio.h>
@@ -47,6 +48,9 @@ typedef struct enc_report {
     double seconds_total;
     const struct progress *progress; /* times by stage */
     size_t peak_rss;                 /* bytes */
+    int ranks;                       /* that encoded together */
+    const enc_team_volume *volumes;  /* what went between them; NULL for one */
+    size_t n_volumes;
     const enc_trial *trials;         /* choices of effects that were tried */
     int n_trials;
 } enc_report;

@@ -11,7 +11,7 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
-btf_result enc_scratch_open(const enc_context *context, const char *what, uint64_t size, int *out_fd) {
+btf_result enc_scratch_folder(const enc_context *context, uint64_t size, const char **out_folder) {
     const char *folder = getenv("TMPDIR");
     if (!folder || !*folder)
         folder = "/var/tmp";
@@ -25,6 +25,15 @@ btf_result enc_scratch_open(const enc_context *context, const char *what, uint64
             context, BTF_ERROR_IO,
             "scratch file: %.2f GB needed in %s, %.2f GB free (set TMPDIR, or allow more --memory)",
             (double)size * 1e-9, folder, available * 1e-9);
+    *out_folder = folder;
+    return BTF_OK;
+}
+
+btf_result enc_scratch_open(const enc_context *context, const char *what, uint64_t size, int *out_fd) {
+    const char *folder;
+    const btf_result result = enc_scratch_folder(context, size, &folder);
+    if (result != BTF_OK)
+        return result;
     const size_t length = strlen(folder) + sizeof "/btf-scratch-XXXXXX";
     char *path = malloc(length);
     if (!path)

@@ -1,0 +1,183 @@
+/* The team of a process that mpirun started: MPI (see team_mpi.h).
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "team_mpi.h"
+
+#include "decoder/tools/output.h"
+#include "decoder/tools/progress.h"
+
+#include <mpi.h>
+#include <sched.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+enum { EAGER_TESTS = 2000, NAP = 50000 /* ns */ };
+
+static const double patience = 5.0; /* seconds that ranks asked to stop have to meet */
+static size_t limit = (size_t)1 << 30;
+static bool initialised;
+
+void enc_mpi_set_limit(size_t bytes) {
+    limit = bytes > 0 ? bytes : (size_t)1 << 30;
+}
+
+/* Waits without taking the core from the ranks that still work. Where a rank is dead, the others are asked
+ * to stop, and do not wait for it. */
+static void wait_for(MPI_Request *request) {
+    const struct timespec nap = {0, NAP};
+    double asked = 0.0;
+    int done = 0;
+    for (unsigned i = 0;; i++) {
+        MPI_Test(request, &done, MPI_STATUS_IGNORE);
+        if (done)
+            return;
+        if (i < EAGER_TESTS)
+            continue;
+        nanosleep(&nap, NULL);
+        if (!progress_cancelled())
+            continue;
+        if (asked == 0.0)
+            asked = progress_clock();
+        if (progress_clock() - asked > patience) {
+            output_remove_all();
+            MPI_Abort(MPI_COMM_WORLD, btf_result_exit_code(BTF_ERROR_INTERRUPTED));
+        }
+    }
+}
+
+static void least(void *user, uint64_t *io_value) {
+    const uint64_t mine = *io_value;
+    MPI_Request request;
+    (void)user;
+    MPI_Iallreduce(&mine, io_value, 1, MPI_UINT64_T, MPI_MIN, MPI_COMM_WORLD, &request);
+    wait_for(&request);
+}
+
+/* MPI counts bytes with an int: what is larger goes piece by piece. */
+static void broadcast_pieces(char *bytes, size_t size, int root) {
+    for (size_t at = 0; at < size; at += limit) {
+        const size_t piece = size - at < limit ? size - at : limit;
+        MPI_Bcast(bytes + at, (int)piece, MPI_BYTE, root, MPI_COMM_WORLD);
+    }
+}
+
+static void broadcast(void *user, void *bytes, size_t size) {
+    (void)user;
+    broadcast_pieces(bytes, size, 0);
+}
+
+/* Counts and displacements of all ranks; false when out of memory. */
+static bool make_counts(int size, const size_t *bounds, int **out_counts) {
+    int *counts = malloc(2 * (size_t)size * sizeof *counts);
+    for (int r = 0; r < size && counts; r++) {
+        counts[r] = (int)(bounds[r + 1] - bounds[r]);
+        counts[size + r] = (int)(bounds[r] - bounds[0]);
+    }
+    *out_counts = counts;
+    return counts;
+}
+
+static void no_memory(void) {
+    output_remove_all();
+    MPI_Abort(MPI_COMM_WORLD, btf_result_exit_code(BTF_ERROR_MEMORY));
+}
+
+static void gather(void *user, void *array, const size_t *bounds) {
+    int size, *counts;
+    (void)user;
+    MPI_Comm_size(MPI_COMM_WORLD, &size);
+    if (bounds[size] - bounds[0] > limit) {
+        for (int r = 0; r < size; r++)
+            broadcast_pieces((char *)array + bounds[r], bounds[r + 1] - bounds[r], r);
+        return;
+    }
+    if (!make_counts(size, bounds, &counts))
+        no_memory();
+    MPI_Allgatherv(MPI_IN_PLACE, 0, MPI_DATATYPE_NULL, (char *)array + bounds[0], counts, counts + size,
+                   MPI_BYTE, MPI_COMM_WORLD);
+    free(counts);
+}
+
+/* A pair of ranks at a time, in as many turns as there are ranks. */
+static void exchange_pieces(const char *send, const size_t *from, char *receive, const size_t *to) {
+    int size, rank;
+    MPI_Comm_size(MPI_COMM_WORLD, &size);
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+    for (int turn = 0; turn < size; turn++) {
+        const int there = (rank + turn) % size, here = (rank + size - turn) % size;
+        const size_t out = from[there + 1] - from[there], in = to[here + 1] - to[here];
+        for (size_t at = 0; at < out || at < in; at += limit) {
+            const size_t rest_out = at < out ? out - at : 0, rest_in = at < in ? in - at : 0;
+            MPI_Sendrecv(send + from[there] + (rest_out ? at : 0),
+                         (int)(rest_out < limit ? rest_out : limit), MPI_BYTE, there, 0,
+                         receive + to[here] + (rest_in ? at : 0), (int)(rest_in < limit ? rest_in : limit),
+                         MPI_BYTE, here, 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+        }
+    }
+}
+
+static void exchange(void *user, const void *send, const size_t *send_bounds, void *receive,
+                     const size_t *receive_bounds) {
+    (void)user;
+    exchange_pieces(send, send_bounds, receive, receive_bounds);
+}
+
+static void sum(void *user, uint64_t *values, size_t count) {
+    (void)user;
+    MPI_Allreduce(MPI_IN_PLACE, values, (int)count, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
+}
+
+/* Whether a launcher of OpenMPI, MPICH or Slurm started this process. */
+static bool is_launched(void) {
+    return getenv("OMPI_COMM_WORLD_SIZE") || getenv("PMI_SIZE") || getenv("PMIX_RANK");
+}
+
+/* Ranks may be bound to cores of their own, or share all of them. */
+static void take_share(MPI_Comm node, int node_ranks, enc_mpi_share *io_share) {
+    cpu_set_t mine, all;
+    CPU_ZERO(&mine);
+    if (sched_getaffinity(0, sizeof mine, &mine) != 0)
+        CPU_SET(0, &mine);
+    MPI_Allreduce(&mine, &all, (int)sizeof mine, MPI_BYTE, MPI_BOR, node);
+    int count = CPU_COUNT(&mine), total;
+    MPI_Allreduce(&count, &total, 1, MPI_INT, MPI_SUM, node);
+    const int threads = (int)((long)count * CPU_COUNT(&all) / total);
+    io_share->threads = threads > 0 ? threads : 1;
+    io_share->memory /= (uint64_t)node_ranks;
+}
+
+btf_result enc_mpi_start(btf_log log, enc_team **out_team, enc_mpi_share *io_share) {
+    enc_transport transport = {
+        .least = least, .gather = gather, .exchange = exchange, .sum = sum, .broadcast = broadcast};
+    int provided;
+    MPI_Comm node;
+    *out_team = NULL;
+    if (!is_launched())
+        return BTF_OK;
+    MPI_Init_thread(NULL, NULL, MPI_THREAD_FUNNELED, &provided);
+    initialised = true;
+    MPI_Comm_size(MPI_COMM_WORLD, &transport.size);
+    MPI_Comm_rank(MPI_COMM_WORLD, &transport.rank);
+    if (transport.size == 1)
+        return BTF_OK;
+    const enc_context context = {.log = log};
+    if (provided < MPI_THREAD_FUNNELED)
+        return enc_fail(&context, BTF_ERROR_UNSUPPORTED, "this MPI does not allow threads");
+    MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);
+    MPI_Comm_size(node, &transport.node_ranks);
+    take_share(node, transport.node_ranks, io_share);
+    MPI_Comm_free(&node);
+    *out_team = enc_team_create(&transport);
+    if (!*out_team)
+        no_memory();
+    return BTF_OK;
+}
+
+void enc_mpi_stop(enc_team **team) {
+    enc_team_destroy(team);
+    if (initialised)
+        MPI_Finalize();
+    initialised = false;
+}
