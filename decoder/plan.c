@@ -226,6 +226,44 @@ static void plan_all(const btf_material *material, const btf_scene *scene, uint3
     price(material, views, lights, plan);
 }
 
+/* The material's table, weighted for a scene. */
+static table open_table(const btf_material *material, const btf_scene *scene) {
+    table t = {.rows = btf_material_effect_errors(material)};
+    if (t.rows.row_count == 0)
+        return t;
+    band_weights(&scene->view, t.rows.view_bands, t.rows.view_limits, t.view);
+    band_weights(&scene->light, t.rows.light_bands, t.rows.light_limits, t.light);
+    t.at_view = fmin(fmax(1 + log2(concentration(&material->views, &scene->view)), 0), 1);
+    t.at_light = fmin(fmax(1 + log2(concentration(&material->lights, &scene->light)), 0), 1);
+    return t;
+}
+
+/* Finds a way to decode a level; false where it was not measured. */
+static bool find_way(const table *t, uint32_t level, uint32_t effects, uint32_t components,
+                     btf_interpolation interpolation, way *out) {
+    for (uint32_t r = 0; r < t->rows.row_count; r++) {
+        const float *row = row_at(t, r);
+        if (!is_at_samples(t, r) && level_of(t, r) == level && row[0] == (float)effects &&
+            row[1] == (float)components && (row[2] == 1) == (interpolation == BTF_INTERPOLATION_NEAREST)) {
+            *out = read_way(t, r);
+            return true;
+        }
+    }
+    return false;
+}
+
+btf_result btf_plan_predict(const btf_material *material, const btf_plan *plan, uint32_t effects,
+                            uint32_t components, float *out_linear, float *out_srgb) {
+    const table t = open_table(material, &plan->scene);
+    way w;
+    *out_linear = *out_srgb = 0;
+    if (!find_way(&t, plan->level, effects, components, plan->shader.interpolation, &w))
+        return BTF_ERROR_UNSUPPORTED;
+    *out_linear = (float)psnr(w.mse[0]);
+    *out_srgb = (float)psnr(w.mse[1]);
+    return BTF_OK;
+}
+
 btf_result btf_plan_effects(const btf_material *material, const btf_scene *given, float tolerance,
                             btf_plan *plan) {
     const btf_material_info *info = &material->info;
@@ -240,31 +278,20 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *given
     btfi_reach_range(&material->lights, &scene.light, &lights);
     plan_all(material, &scene, views.count, lights.count, plan);
 
-    table t = {.rows = btf_material_effect_errors(material)};
-    if (t.rows.row_count == 0)
-        return BTF_OK;
-    band_weights(&scene.view, t.rows.view_bands, t.rows.view_limits, t.view);
-    band_weights(&scene.light, t.rows.light_bands, t.rows.light_limits, t.light);
-    t.at_view = fmin(fmax(1 + log2(concentration(&material->views, &scene.view)), 0), 1);
-    t.at_light = fmin(fmax(1 + log2(concentration(&material->lights, &scene.light)), 0), 1);
-    bool found = false;
-    way full = {0};
-    for (uint32_t r = 0; r < t.rows.row_count && !found; r++) {
-        full = read_way(&t, r);
-        found = !is_at_samples(&t, r) && level_of(&t, r) == plan->level && full.effects == info->effects &&
-                full.components == info->components && full.interpolation == BTF_INTERPOLATION_LINEAR;
-    }
-    if (!found)
+    const table t = open_table(material, &scene);
+    way full;
+    if (!find_way(&t, plan->level, info->effects, info->components, BTF_INTERPOLATION_LINEAR, &full))
         return BTF_OK;
     plan->measured = 1;
     plan->psnr_linear = plan->full_psnr_linear = (float)psnr(full.mse[0]);
     plan->psnr_srgb = plan->full_psnr_srgb = (float)psnr(full.mse[1]);
     btf_plan best = *plan;
     for (uint32_t r = 0; r < t.rows.row_count; r++) {
+        if (is_at_samples(&t, r) || level_of(&t, r) != plan->level)
+            continue;
         const way w = read_way(&t, r);
         const float linear = (float)psnr(w.mse[0]), srgb = (float)psnr(w.mse[1]);
-        if (is_at_samples(&t, r) || level_of(&t, r) != plan->level ||
-            linear < plan->full_psnr_linear - tolerance || srgb < plan->full_psnr_srgb - tolerance ||
+        if (linear < plan->full_psnr_linear - tolerance || srgb < plan->full_psnr_srgb - tolerance ||
             (scene.interpolate && w.interpolation == BTF_INTERPOLATION_NEAREST))
             continue;
         btf_plan tried = *plan;

@@ -414,7 +414,7 @@ static btf_result print_plan(const char *path, const btf_material *material) {
         return cli_error(&program, result, "--plan: no such scene");
     if (options.json)
         return print_json_plan(path, &plan);
-    scene_plan_print(stdout, "", &plan);
+    scene_plan_print(stdout, "", material, &plan);
     printf("textures");
     for (int id = 0; id < BTF_TEXTURE_COUNT; id++)
         if (plan.textures >> id & 1)

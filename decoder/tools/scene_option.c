@@ -105,7 +105,39 @@ const char *scene_option_parse(const char *text, void *value) {
     }
 }
 
-void scene_plan_print(FILE *out, const char *indent, const btf_plan *plan) {
+const char *scene_plan_reason(const btf_material *material, const btf_plan *plan, int index, char *text,
+                              size_t size) {
+    const uint32_t bit = 1u << index, others = plan->effects & ~bit;
+    const bool on = plan->effects & bit, residual = bit == BTF_EFFECT_RESIDUAL;
+    btf_material_info info = {.struct_size = sizeof info};
+    float linear, srgb;
+    btf_material_get_info(material, &info);
+    if (!(info.effects & bit)) {
+        snprintf(text, size, "not in the file");
+        return text;
+    }
+    const uint32_t components = !residual ? plan->components : on ? 0 : info.components;
+    if (btf_plan_predict(material, plan, on ? others : others | bit, components, &linear, &srgb))
+        snprintf(text, size, "%s", on ? "on" : "off");
+    else
+        snprintf(text, size, "%s, %s it %+.1f/%+.1f dB", on ? "on" : "off", on ? "without" : "with",
+                 (double)(linear - plan->psnr_linear), (double)(srgb - plan->psnr_srgb));
+    return text;
+}
+
+static void print_reasons(FILE *out, const char *indent, const btf_material *material,
+                          const btf_plan *plan) {
+    static const char *const names[5] = {"shadow", "shift", "hidden", "gain", "residual"};
+    btf_material_info info = {.struct_size = sizeof info};
+    char text[80];
+    btf_material_get_info(material, &info);
+    for (int i = 0; i < 5; i++)
+        if (info.effects >> i & 1)
+            fprintf(out, "%s%s: %s\n", indent, names[i],
+                    scene_plan_reason(material, plan, i, text, sizeof text));
+}
+
+void scene_plan_print(FILE *out, const char *indent, const btf_material *material, const btf_plan *plan) {
     char words[48];
     fprintf(out, "%seffects %s", indent, cli_effects_text(plan->effects, words));
     if (plan->components)
@@ -119,6 +151,7 @@ void scene_plan_print(FILE *out, const char *indent, const btf_plan *plan) {
             (unsigned)plan->views, (unsigned)plan->lights, plan->gpu_bytes, plan->full_gpu_bytes,
             100 * (double)plan->gpu_bytes / (double)plan->full_gpu_bytes,
             100 * (double)plan->cost / (double)plan->full_cost);
+    print_reasons(out, indent, material, plan);
     if (plan->measured)
         fprintf(out, "%spredicted PSNR %.2f dB linear, %.2f sRGB; full decode %.2f, %.2f\n", indent,
                 (double)plan->psnr_linear, (double)plan->psnr_srgb, (double)plan->full_psnr_linear,

@@ -157,7 +157,7 @@ expect "figure 13 without data" 1 render -o x.png --figure13
 expect "data without figure 13" 1 render -o x.png --original data
 
 expect "help" 0 btf-render --help
-for option in $(grep -o '^ *\.\?{*.*\.name = "[a-z0-9-]*"' "$BTF_SOURCE_ROOT/decoder/tools/btf-render.c" | sed 's/.*"\(.*\)"/\1/' | grep -v btf-render); do
+for option in $(grep -o '^ *\.\?{*.*\.name = "[a-z0-9-]*"' "$BTF_SOURCE_ROOT/decoder/tools/render/settings.c" | sed 's/.*"\(.*\)"/\1/' | grep -v btf-render); do
     expect_text "help names --$option" "--$option" out
     name=--$option
     [ $option = output ] && name=-o
@@ -205,6 +205,40 @@ done
 render -o r.png --device reference --mesh plane --plan auto --tolerance 30
 render -o g.png --device osmesa --mesh plane --plan auto --tolerance 30
 same "planned with less: the reference's picture" r.png g.png
+# What is the same in every pixel is folded into the shader; the reference looks it up. The same pictures.
+folds() { # NAME, WHAT THE PLAN SAYS (none: nothing), OPTIONS
+    local name=$1 fixed=$2
+    shift 2
+    expect "folded: $name" 0 render -o g.png --device osmesa --plan auto --tolerance 3 --stats "$@"
+    if [ "$fixed" = none ]; then
+        expect_that "which folds nothing" test "$(grep -c ', fixed' out)" = 0
+    else
+        expect_text "which says so" "level 0, $fixed\$" out
+    fi
+    render -o r.png --device reference --plan auto --tolerance 3 "$@"
+    same "and is the picture of the plan that looks up: $name" r.png g.png
+    render -o g.png --device osmesa --plan auto --tolerance 0 "$@"
+    render -o r.png --device reference --interpolation linear "$@"
+    same "within 0 dB it is the whole's: $name" r.png g.png
+}
+folds "flat, parallel, one light" 'fixed view, fixed light' --mesh plane --fov 0 --view 30,50 --light 20,100
+folds "flat, parallel, at a sample" 'fixed view, fixed light' --mesh plane --fov 0 --light 0,0
+folds "flat, parallel, two lights" 'fixed view' --mesh plane --fov 0 --view 30,50 --light 20,100 --light 50,0
+folds "flat, parallel, a point" 'fixed view' --mesh plane --fov 0 --view 30,50 --point 1,1,2
+folds "flat, perspective" 'fixed light' --mesh plane --view 30,50 --light 20,100
+folds "not flat" none --mesh torus --fov 0 --view 30,50 --light 20,100
+folds "levels of a folded light" 'fixed light' --mesh plane --view 70,50 --light 20,100 --repeat 4
+for turn in view light; do
+    turn="--mesh plane --view 40,0 --light 30,20 --frames 4 --animate $turn --plan auto --tolerance 3"
+    render -o g.png --device osmesa $turn --stats >out
+    expect_text "a plan for each range of frames" '^plan for frames 1 to ' out
+    render -o r.png --device reference $turn
+    for frame in 0001 0002 0003 0004; do
+        same "frame $frame of $turn" r.$frame.png g.$frame.png
+    done
+done
+render -o g.png --device osmesa --fov 0 $turn --stats >out
+expect_text "lights that turn are not folded, the view is" 'level 0, fixed view$' out
 expect "no plan for figure 13" 1 btf-render m.btf.exr -o x.png --figure13 --original data --plan auto
 expect "a plan that is none" 1 render -o x.png --plan all
 finish

@@ -71,6 +71,12 @@ typedef struct btf_plan {
 btf_result btf_plan_effects(const btf_material *material, const btf_scene *scene, float tolerance,
                             btf_plan *out_plan);
 
+/** What the file's table predicts for the scene, level and directions of a plan decoded another way: PSNR
+ * in dB of a set of effects with so many residual components (0 without the residual). Errors:
+ *  BTF_ERROR_UNSUPPORTED (the encoder did not measure this way; both are 0). */
+btf_result btf_plan_predict(const btf_material *material, const btf_plan *plan, uint32_t effects,
+                            uint32_t components, float *out_linear, float *out_srgb);
+
 /** Cost of one evaluation by a shader of these options where @p scene is shown (NULL: anything), in
  *  nanoseconds of one core. FORMAT.md section 9 counted as fetches with what follows from each:
  *
@@ -87,7 +93,8 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *scene
  *
  *  Fitted to llvmpipe (Mesa 22.3.6, LLVM 15, 256 bits, Zen 4): 150 shaders and scenes of pictures of which
  *  neighbouring pixels look alike, mean deviation 9 %. Only ratios mean something elsewhere. */
-float btf_plan_cost(const btf_material *material, const btf_shader_options *options, const btf_scene *scene);
+float btf_plan_cost(const btf_material *material, const btf_shader_options *options,
+                    const btf_scene *scene);
 
 /** A material with what a plan reads: views and lights that its ranges reach (all where the file's
  * triangulation cannot be kept otherwise), its effects, components, its level and coarser ones, centres in

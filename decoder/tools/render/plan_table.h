@@ -30,9 +30,10 @@ btf_result plan_range_add(const render_scene *scene, plan_range *range);
 /* Widens a range by another. */
 void plan_range_join(plan_range *range, const plan_range *other);
 
-/* The range as a scene; elevations are widened by a hundredth of a degree and azimuths to sectors, all where
- * only one sector in a row is empty. A direction that is the same in all samples, bit for bit, is fixed:
- * the light of a flat mesh under one light far away; the view of a flat mesh in parallel projection. */
+/* The range as a scene; elevations are widened by a hundredth of a degree and azimuths to sectors, all
+ * where only one sector in a row is empty. A direction that is the same in all samples, bit for bit, is
+ * fixed: the light of a flat mesh under one light far away; the view of a flat mesh in parallel projection.
+ */
 btf_scene plan_range_scene(const plan_range *range);
 
 /* The same scene for what moves: elevations widened by `degrees` and then outward to multiples of them,

@@ -139,13 +139,16 @@ static GLuint make_program(gl_device *d, const context_device *device, const cha
 
 static btf_result make_variant(gl_device *d, const context_device *device, const shader_request *request,
                                int variant, const btf_log *log) {
-    const btf_shader_options options = {.struct_size = sizeof options,
-                                        .leave_out = BTF_EFFECT_ALL & ~request->effects[variant],
-                                        .components = request->components,
-                                        .interpolation = request->interpolation,
-                                        .filter = request->filter,
-                                        .math = request->math,
-                                        .have_precise = device->enable_gpu_shader5};
+    btf_shader_options options = {.struct_size = sizeof options,
+                                  .leave_out = BTF_EFFECT_ALL & ~request->effects[variant],
+                                  .components = request->components,
+                                  .interpolation = request->interpolation,
+                                  .filter = request->filter,
+                                  .math = request->math,
+                                  .have_precise = device->enable_gpu_shader5,
+                                  .fixed = request->fixed};
+    memcpy(options.fixed_view, request->fixed_view, sizeof options.fixed_view);
+    memcpy(options.fixed_light, request->fixed_light, sizeof options.fixed_light);
     char *library = NULL;
     btf_result result = btf_shader_source(request->material, &options, log, &library);
     if (result)

@@ -60,7 +60,8 @@ void table_cast(const table_scene *scene, int first_row, int rows, table_sample 
  * level of detail. */
 enum { TABLE_INPUTS = 9 };
 
-/* For `count` samples under one light: inputs[count][TABLE_INPUTS]; weights[count][3] = the light's colour as it arrives (0 for a miss or a cast shadow). */
+/* For `count` samples under one light: inputs[count][TABLE_INPUTS]; weights[count][3] = the light's colour
+ * as it arrives (0 for a miss or a cast shadow). */
 void table_light(const table_scene *scene, const light *l, size_t count, const table_sample *samples,
                  float *inputs, float *weights);
 

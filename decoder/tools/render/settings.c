@@ -1,0 +1,321 @@
+/* What btf-render is asked for. See settings.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "settings.h"
+
+#include "picture.h"
+#include <math.h>
+#include <omp.h>
+#include <openbtf/material.h>
+#include <stdio.h>
+#include <string.h>
+
+settings render_options = {.mesh = "sphere",
+                           .device = "osmesa",
+                           .fov = 30,
+                           .env_gain = 1,
+                           .effects = BTF_EFFECT_ALL,
+                           .size = {512, 512},
+                           .samples = 1,
+                           .env_lights = 64,
+                           .components = BTF_MAX_COMPONENTS,
+                           .frames = 1,
+                           .level = -1,
+                           .plan = -1,
+                           .tolerance = 0.5,
+                           .repeats = 9};
+
+static const char *parse_size(const char *text, void *value) {
+    int *size = value, used = 0;
+    if (sscanf(text, "%dx%d%n", &size[0], &size[1], &used) != 2 || text[used]) {
+        if (sscanf(text, "%d%n", &size[0], &used) != 1 || text[used])
+            return "N or WxH, each 1..8192";
+        size[1] = size[0];
+    }
+    return size[0] >= 1 && size[0] <= 8192 && size[1] >= 1 && size[1] <= 8192 ? NULL
+                                                                              : "N or WxH, each 1..8192";
+}
+
+static const char *parse_view(const char *text, void *value) {
+    double *view = value;
+    int used = 0;
+    if (sscanf(text, "%lf,%lf%n", &view[0], &view[1], &used) != 2 || text[used] ||
+        !(view[0] >= 0 && view[0] <= 180 && fabs(view[1]) <= 360))
+        return "theta,phi in degrees, theta 0..180, phi -360..360";
+    return NULL;
+}
+
+static const char *parse_level(const char *text, void *value) {
+    int *level = value, used = 0;
+    if (!strcmp(text, "auto")) {
+        *level = -1;
+        return NULL;
+    }
+    if (sscanf(text, "%d%n", level, &used) != 1 || text[used] || *level < 0)
+        return "auto, or a level from 0";
+    return NULL;
+}
+
+static const cli_option option_table[] = {
+    {.short_name = 'o',
+     .name = "output",
+     .arg = "OUT",
+     .type = CLI_STRING,
+     .value = &render_options.out,
+     .help = "picture to write: .png (sRGB, 8 bits) or .exr (linear float)"},
+    {.name = "mesh",
+     .arg = "MESH",
+     .type = CLI_STRING,
+     .value = &render_options.mesh,
+     .help = "plane, sphere, torus, drape, or a Wavefront file *.obj with texture\n"
+             "coordinates (default sphere)"},
+    {.name = "repeat",
+     .type = CLI_DOUBLE,
+     .value = &render_options.repeat,
+     .given = &render_options.repeat_given,
+     .minimum = 0.001,
+     .maximum = 1000,
+     .help = "copies of the material along the mesh's unit of uv (default 3; plane, drape\n"
+             "and OBJ 2)"},
+    {.name = "size",
+     .arg = "N|WxH",
+     .type = CLI_CUSTOM,
+     .value = render_options.size,
+     .parse = parse_size,
+     .help = "pixels (default 512)"},
+    {.name = "samples",
+     .type = CLI_INT,
+     .value = &render_options.samples,
+     .minimum = 1,
+     .maximum = 8,
+     .help = "N x N samples a pixel (default 1)"},
+    {.name = "view",
+     .type = CLI_CUSTOM,
+     .arg = "T,P",
+     .value = render_options.view,
+     .parse = parse_view,
+     .help = "where the camera stands, theta,phi in degrees: theta 0..180 from +z\n"
+             "(default 0,0)"},
+    {.name = "fov",
+     .type = CLI_DOUBLE,
+     .value = &render_options.fov,
+     .minimum = 0,
+     .maximum = 120,
+     .help = "angle of view in degrees; 0: parallel projection (default 30)"},
+    {.name = "zoom",
+     .type = CLI_DOUBLE,
+     .value = &render_options.zoom,
+     .given = &render_options.zoom_given,
+     .minimum = 0.01,
+     .maximum = 100,
+     .help = "the picture's smaller side spans 2/zoom at the origin (default 0.9; plane 1)"},
+    {.name = "light",
+     .arg = "T,P[,I[,R,G,B]]",
+     .type = CLI_CUSTOM,
+     .value = &render_options.lights,
+     .parse = light_parse_directional,
+     .help = "a light far away: direction, intensity, colour; may be given several times\n"
+             "(default 40,120 when there is no other light)"},
+    {.name = "point",
+     .arg = "X,Y,Z[,I[,R,G,B]]",
+     .type = CLI_CUSTOM,
+     .value = &render_options.lights,
+     .parse = light_parse_point,
+     .help = "a light at a point; intensity I / distance^2; may be given several times"},
+    {.name = "environment",
+     .arg = "MAP",
+     .type = CLI_STRING,
+     .value = &render_options.environment,
+     .help = "light from a latitude-longitude map, .exr or Radiance .hdr"},
+    {.name = "environment-lights",
+     .type = CLI_INT,
+     .value = &render_options.env_lights,
+     .minimum = 1,
+     .maximum = 1024,
+     .help = "directional lights that stand for the map (default 64)"},
+    {.name = "environment-rotate",
+     .arg = "DEG",
+     .type = CLI_DOUBLE,
+     .value = &render_options.env_rotate,
+     .minimum = -360,
+     .maximum = 360,
+     .help = "turns the map to the right (default 0)"},
+    {.name = "environment-gain",
+     .type = CLI_DOUBLE,
+     .value = &render_options.env_gain,
+     .minimum = 0,
+     .maximum = 1e6,
+     .help = "multiplies the map (default 1)"},
+    {.name = "cast-shadows",
+     .type = CLI_FLAG,
+     .value = &render_options.cast_shadows,
+     .help = "the mesh casts shadows on itself"},
+    {.name = "background",
+     .arg = "GREY",
+     .type = CLI_DOUBLE,
+     .value = &render_options.background,
+     .minimum = 0,
+     .maximum = 1e6,
+     .help = "linear value behind the mesh (default 0)"},
+    {.name = "exposure",
+     .arg = "STOPS",
+     .type = CLI_DOUBLE,
+     .value = &render_options.exposure,
+     .minimum = -30,
+     .maximum = 30,
+     .help = "multiplies the picture by 2^STOPS (default 0)"},
+    {.name = "tone",
+     .type = CLI_CHOICE,
+     .choices = "none|reinhard|filmic",
+     .value = &render_options.tone,
+     .help = "tone curve of PNG output (default none: values are clipped at 1)"},
+    {.name = "effects",
+     .type = CLI_EFFECTS,
+     .value = &render_options.effects,
+     .help = "effects to decode (default all that the file holds)"},
+    {.name = "plan",
+     .arg = "auto|none",
+     .type = CLI_CHOICE,
+     .value = &render_options.plan,
+     .choices = "auto|none",
+     .help = "auto: decode and upload only what the pictures call for (btf-info --plan),\n"
+             "one plan for each range of frames. On a flat mesh one directional light, and\n"
+             "with --fov 0 the view, are the same in every pixel: the shader then holds\n"
+             "their neighbours as constants. The picture is that of the plan without"},
+    {.name = "tolerance",
+     .arg = "DB",
+     .type = CLI_DOUBLE,
+     .value = &render_options.tolerance,
+     .minimum = 0,
+     .maximum = 100,
+     .help = "what --plan may lose against the full decode, predicted; default 0.5"},
+    {.name = "components",
+     .type = CLI_INT,
+     .value = &render_options.components,
+     .minimum = 0,
+     .maximum = BTF_MAX_COMPONENTS,
+     .help = "residual components to decode (default all)"},
+    {.name = "interpolation",
+     .type = CLI_CHOICE,
+     .choices = "linear|nearest",
+     .value = &render_options.interpolation,
+     .given = &render_options.interpolation_given,
+     .help = "between sampled directions (default linear)"},
+    {.name = "filter",
+     .type = CLI_CHOICE,
+     .choices = "texel|bilinear",
+     .value = &render_options.filter,
+     .help = "between texels (default texel)"},
+    {.name = "level",
+     .arg = "auto|N",
+     .type = CLI_CUSTOM,
+     .value = &render_options.level,
+     .parse = parse_level,
+     .help = "level of detail, of a file that has several: auto (default), by what a sample\n"
+             "covers of the texture, or one for all"},
+    {.name = "math",
+     .type = CLI_CHOICE,
+     .choices = "exact|fast",
+     .value = &render_options.math,
+     .help = "exact: the same bits on every device (default); fast: GL's own functions"},
+    {.name = "device",
+     .type = CLI_STRING,
+     .value = &render_options.device,
+     .help = "reference (the CPU), osmesa (default), egl, glfw, or another of\n"
+             "btf-conform's devices"},
+    {.name = "figure13",
+     .type = CLI_FLAG,
+     .value = &render_options.figure13,
+     .help = "original, SBRDF, SBRDF with shadow (STVS) and all effects side by side,\n"
+             "errors x 4 below, PSNR on stdout; needs --original"},
+    {.name = "original",
+     .arg = "DATA",
+     .type = CLI_STRING,
+     .value = &render_options.original,
+     .help = "directory or zip of the images that the material was made from"},
+    {.name = "baseline",
+     .arg = "FILE",
+     .type = CLI_STRING,
+     .value = &render_options.baseline,
+     .help = "with --figure13: another material for SBRDF and STVS, decoded by the\n"
+             "reference; needed when FILE has no SBRDF (method joint may leave it out)"},
+    {.name = "animate",
+     .type = CLI_CHOICE,
+     .choices = "view|light",
+     .value = &render_options.animate,
+     .help = "what turns through 360 degrees of phi over the frames: the camera\n"
+             "(default) or all lights"},
+    {.name = "frames",
+     .type = CLI_INT,
+     .value = &render_options.frames,
+     .minimum = 1,
+     .maximum = 9999,
+     .help = "pictures OUT.0001.png, OUT.0002.png, ... (default 1: OUT itself)"},
+    {.name = "stats",
+     .type = CLI_FLAG,
+     .value = &render_options.stats,
+     .help = "print times: a frame under one light, and a textured Phong shader over the\n"
+             "same pixels (GL devices; median of 9)"},
+    {.name = "threads",
+     .type = CLI_INT,
+     .value = &render_options.threads,
+     .minimum = 1,
+     .maximum = 1024,
+     .help = "threads (default: all cores); the picture does not depend on it"},
+    {.name = "quiet", .type = CLI_FLAG, .value = &render_options.quiet, .help = "no progress"},
+    {.type = CLI_END},
+};
+
+const cli_program render_program = {
+    .name = "btf-render",
+    .usage = "FILE -o OUT [options]",
+    .summary = "Renders a material file (*.btf.exr) on a mesh. Visibility, texture coordinates, light and "
+               "view are\n"
+               "ray-cast once on the CPU; the device evaluates the material; lights, averaging and tone "
+               "curve are C.\n"
+               "With exact math every device gives the same picture, pixel for pixel.",
+    .details =
+        "World: x to the right, y up, z towards the default camera; angles are theta from +z, phi from +x\n"
+        "towards +y. Built-in meshes fill -1..1; an OBJ is centred and scaled to radius 1. A light of\n"
+        "intensity 1 shows the material's own values (a white diffuse surface facing it is 1).\n"
+        "Exit codes: 0 ok, 1 usage, 2 input or output failed, 3 bad file, 4 internal error or out of "
+        "memory,\n"
+        "5 no such device here, 130 interrupted.",
+    .example = "btf-render bricks.btf.exr -o sphere.png --light 40,120 --samples 2\n"
+               "btf-render bricks.btf.exr -o teapot.png --mesh teapot.obj --environment sky.exr\n"
+               "btf-render bricks.btf.exr -o figure13.png --figure13 --original BRICKS64.zip --mesh plane "
+               "--view 40,-90\n"
+               "btf-render bricks.btf.exr -o turn.png --frames 36 --animate light",
+    .options = option_table,
+    .min_arguments = 1,
+    .max_arguments = 1,
+};
+
+btf_result settings_check(void) {
+    if (!render_options.out)
+        return cli_error(&render_program, BTF_ERROR_USAGE,
+                         "option --output is missing: a picture, .png or .exr");
+    if (!picture_knows(render_options.out))
+        return cli_error(&render_program, BTF_ERROR_USAGE,
+                         "option --output: '%s' ends neither in .png nor in .exr", render_options.out);
+    if (render_options.figure13 && !render_options.original)
+        return cli_error(&render_program, BTF_ERROR_USAGE,
+                         "option --figure13: needs --original, the images that the material was made from");
+    if (!render_options.figure13 && (render_options.original || render_options.baseline))
+        return cli_error(&render_program, BTF_ERROR_USAGE, "option --%s: only together with --figure13",
+                         render_options.original ? "original" : "baseline");
+    if (render_options.figure13 && render_options.plan == 0)
+        return cli_error(&render_program, BTF_ERROR_USAGE, "option --plan: not together with --figure13");
+    if (render_options.figure13 && render_options.level > 0)
+        return cli_error(&render_program, BTF_ERROR_USAGE,
+                         "option --level: %d, but --figure13 compares the original with level 0",
+                         render_options.level);
+    if (render_options.environment && (render_options.env_lights & (render_options.env_lights - 1)))
+        return cli_error(&render_program, BTF_ERROR_USAGE,
+                         "option --environment-lights: %d, expected a power of two",
+                         render_options.env_lights);
+    if (render_options.threads == 0)
+        render_options.threads = omp_get_num_procs();
+    return BTF_OK;
+}
