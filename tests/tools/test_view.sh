@@ -236,10 +236,58 @@ xdotool key q
 wait $viewer
 expect_that "Q quits with 0" test $? = 0
 
+# A plan, then one with the light folded in, then the light moves, then the camera leaves the plan's range, then
+# what is seen again: whatever runs, the pictures are those of the viewer that decodes everything.
+# logged NAME N LINE: N such lines come, within some seconds
+logged() {
+    for i in $(seq 200); do
+        [ "$(grep -Ec -- "$3" log)" -ge $2 ] && break
+        sleep 0.1
+    done
+    expect_that "$1" test "$(grep -Ec -- "$3" log)" -ge $2
+}
+tour() { # NAME, planned or not: pictures NAME-0.png to 3
+    press i '^panel off'
+    if [ $2 = planned ]; then
+        logged "$1: a plan" 1 '^plan 1: .*light free'
+        logged "$1: at rest" 1 '^plan .*light folded.*made in [0-9.]+ ms'
+    fi
+    shoot $1-0
+    drag 3 '^light [1-9]'
+    [ $2 = planned ] && logged "$1: the light moved" 2 '^plan .*light free'
+    shoot $1-1
+    [ $2 = planned ] && logged "$1: and rests" 2 '^plan .*light folded'
+    for i in 1 2 3 4; do
+        drag 1 '^view [1-9]'
+    done
+    [ $2 = planned ] && logged "$1: the camera left the range" 1 '^plan .*: views (7.5|[1-9][0-9]).* made in [0-9.]+ ms'
+    shoot $1-2
+    press r '^reset'
+    press i '^panel off'
+    [ $2 = planned ] && logged "$1: and came back" 3 '^plan .*light free'
+    shoot $1-3
+    xdotool key q
+    wait $viewer
+    expect_that "$1 quits with 0" test $? = 0
+}
 seen=0
-start levels.btf.exr --plan auto --tolerance 20
-press h '^help'
+start levels.btf.exr --mesh plane
+tour whole everything
+seen=0
+start levels.btf.exr --mesh plane --plan auto --tolerance 0
+tour planned planned
+for i in 0 1 2 3; do
+    expect_that "planned within 0 dB: picture $i is the same" cmp whole-$i.png planned-$i.png
+done
+seen=0
+start levels.btf.exr --plan auto --tolerance 20 --original data
+logged "a plan that leaves out" 1 '^plan 1: .*bytes of'
+press h '^help on'
+press s '^split SBRDF|^split original'
+press s '^split '
 shoot planned
+press m '^model plane'
+logged "another model, another plan" 1 '^plan [2-9]'
 xdotool key q
 wait $viewer
 expect_that "a planned view quits with 0" test $? = 0

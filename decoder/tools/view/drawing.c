@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { PROGRAMS = 64, UNIT_IMAGES = 0, UNIT_MATERIAL = 1 };
+enum { PROGRAMS = 32, SOURCES = 1 + DRAWING_SLOTS, UNIT_IMAGES = 0, UNIT_MATERIAL = 1 };
 
 /* What makes a program what it is. */
 typedef struct variant {
@@ -26,15 +26,22 @@ typedef struct program {
     GLuint name;
 } program;
 
+/* What is drawn: the whole material (number 0) or one made for a plan (its slot + 1). */
+typedef struct source {
+    const btf_material *material;
+    btf_material *apart; /* what is drawn in its place where GL's textures cannot hold its atlas */
+    btf_gl *textures;    /* NULL until it is drawn */
+    btf_plan plan;       /* of a plan's: what it decodes of the material */
+    program programs[PROGRAMS];
+    int program_count;
+} source;
+
 struct drawing {
     const gl_api *gl;
     btf_gl_get_proc_address get;
     void *user;
-    const btf_material *material;
-    btf_material *apart; /* what is drawn in its place where GL's textures cannot hold its atlas */
-    btf_gl *textures;
-    program programs[PROGRAMS];
-    int program_count;
+    source sources[SOURCES];
+    int used; /* the source that is drawn */
     GLuint array, vertices, triangles, images;
     uint32_t index_count;
     double repeat;
@@ -115,15 +122,20 @@ static const char images_text[] =
     "    return sum;\n"
     "}\n";
 
+static void forget_source(drawing *d, source *s) {
+    for (int i = 0; i < s->program_count; i++)
+        d->gl->DeleteProgram(s->programs[i].name);
+    btf_gl_destroy(&s->textures);
+    btf_material_close(&s->apart);
+    *s = (source){0};
+}
+
 static void forget_material(drawing *d) {
-    for (int i = 0; i < d->program_count; i++)
-        d->gl->DeleteProgram(d->programs[i].name);
-    d->program_count = 0;
+    for (int i = 0; i < SOURCES; i++)
+        forget_source(d, &d->sources[i]);
     d->gl->DeleteTextures(1, &d->images);
     d->images = 0;
-    btf_gl_destroy(&d->textures);
-    btf_material_close(&d->apart);
-    d->material = NULL;
+    d->used = 0;
 }
 
 drawing *drawing_create(const gl_api *gl, btf_gl_get_proc_address get, void *user, const btf_log *log) {
@@ -157,7 +169,7 @@ void drawing_destroy(drawing **d) {
 /* Uploads layer after layer: tiles of W x H, light by light. */
 static btf_result upload_images(drawing *d, const original *images, const btf_log *log) {
     btf_material_info info = {.struct_size = sizeof info};
-    btf_material_get_info(d->material, &info);
+    btf_material_get_info(d->sources[0].material, &info);
     const gl_api *gl = d->gl;
     GLint most = 0, most_layers = 0;
     int columns = 1;
@@ -209,29 +221,61 @@ static btf_result upload_images(drawing *d, const original *images, const btf_lo
     return BTF_OK;
 }
 
-btf_result drawing_set_material(drawing *d, const btf_material *material, const original *images,
-                                const btf_log *log) {
+/* Uploads what was not drawn before. */
+static btf_result upload(drawing *d, source *s, const btf_log *log) {
     const btf_gl_options options = {sizeof options, d->get, d->user, NULL};
     btf_material_info info = {.struct_size = sizeof info};
     int fits = 1;
-    forget_material(d);
-    btf_result result = btf_material_get_info(material, &info);
+    if (s->textures)
+        return BTF_OK;
+    btf_result result = btf_material_get_info(s->material, &info);
     if (!result)
-        result = btf_gl_fits(material, &options, log, &fits);
+        result = btf_gl_fits(s->material, &options, log, &fits);
     if (!result && !fits && info.layout == BTF_LAYOUT_PAPER)
-        result = btf_material_to_tight(material, log, &d->apart);
+        result = btf_material_to_tight(s->material, log, &s->apart);
     if (!result)
-        result = btf_gl_upload(d->apart ? d->apart : material, &options, log, &d->textures);
-    if (result) {
-        forget_material(d);
-        return result;
-    }
-    d->material = d->apart ? d->apart : material;
-    if (images)
+        result = btf_gl_upload(s->apart ? s->apart : s->material, &options, log, &s->textures);
+    if (!result && s->apart)
+        s->material = s->apart;
+    return result;
+}
+
+btf_result drawing_set_material(drawing *d, const btf_material *material, const original *images,
+                                bool planned, const btf_log *log) {
+    forget_material(d);
+    d->sources[0].material = material;
+    btf_result result = planned ? BTF_OK : upload(d, &d->sources[0], log);
+    if (!result && images)
         result = upload_images(d, images, log);
     if (result)
         forget_material(d);
     return result;
+}
+
+btf_result drawing_set_plan(drawing *d, int slot, const btf_material *material, const btf_plan *plan,
+                            const btf_log *log) {
+    source *s = &d->sources[1 + slot];
+    forget_source(d, s);
+    s->material = material;
+    s->plan = *plan;
+    const btf_result result = upload(d, s, log);
+    if (result)
+        forget_source(d, s);
+    return result;
+}
+
+void drawing_use_plan(drawing *d, int slot) {
+    d->used = 1 + slot;
+    for (int i = 1; i < SOURCES; i++)
+        if (i != d->used)
+            btf_gl_destroy(&d->sources[i].textures);
+}
+
+size_t drawing_bytes(const drawing *d) {
+    size_t bytes = 0;
+    for (int i = 0; i < SOURCES; i++)
+        bytes += d->sources[i].textures ? btf_gl_bytes(d->sources[i].textures) : 0;
+    return bytes;
 }
 
 btf_result drawing_set_mesh(drawing *d, const mesh *m, double repeat, const btf_log *log) {
@@ -268,15 +312,24 @@ static bool same_variant(const variant *a, const variant *b) {
            a->math == b->math && a->images == b->images && a->levels == b->levels;
 }
 
-static btf_result compile(drawing *d, const variant *v, const btf_log *log, GLuint *out_program) {
-    const btf_shader_options options = {.struct_size = sizeof options,
-                                        .leave_out = BTF_EFFECT_ALL & ~v->effects,
-                                        .interpolation = v->interpolation,
-                                        .filter = v->filter,
-                                        .math = v->math,
-                                        .have_precise = d->have_precise};
+static btf_result compile(drawing *d, const source *s, const variant *v, const btf_log *log,
+                          GLuint *out_program) {
+    const bool planned = s != &d->sources[0];
+    btf_shader_options options = {.struct_size = sizeof options,
+                                  .leave_out = BTF_EFFECT_ALL & ~v->effects,
+                                  .interpolation = v->interpolation,
+                                  .filter = v->filter,
+                                  .math = v->math,
+                                  .have_precise = d->have_precise};
+    if (planned) {
+        options.leave_out |= BTF_EFFECT_ALL & ~s->plan.effects;
+        options.components = s->plan.components;
+        options.fixed = s->plan.shader.fixed;
+        memcpy(options.fixed_view, s->plan.shader.fixed_view, sizeof options.fixed_view);
+        memcpy(options.fixed_light, s->plan.shader.fixed_light, sizeof options.fixed_light);
+    }
     char *library = NULL;
-    btf_result result = btf_shader_source(d->material, &options, log, &library);
+    btf_result result = btf_shader_source(s->material, &options, log, &library);
     if (result)
         return result;
     const char *vertex[] = {vertex_text, NULL};
@@ -297,21 +350,22 @@ static btf_result compile(drawing *d, const variant *v, const btf_log *log, GLui
 }
 
 /* The program of a variant, compiled when it is new. */
-static btf_result find_program(drawing *d, const variant *v, const btf_log *log, GLuint *out_program) {
-    for (int i = 0; i < d->program_count; i++)
-        if (same_variant(&d->programs[i].variant, v)) {
-            *out_program = d->programs[i].name;
+static btf_result find_program(drawing *d, source *s, const variant *v, const btf_log *log,
+                               GLuint *out_program) {
+    for (int i = 0; i < s->program_count; i++)
+        if (same_variant(&s->programs[i].variant, v)) {
+            *out_program = s->programs[i].name;
             return BTF_OK;
         }
-    btf_result result = compile(d, v, log, out_program);
+    btf_result result = compile(d, s, v, log, out_program);
     if (result)
         return result;
-    if (d->program_count == PROGRAMS) {
-        d->gl->DeleteProgram(d->programs[0].name);
-        memmove(d->programs, d->programs + 1, (PROGRAMS - 1) * sizeof *d->programs);
-        d->program_count--;
+    if (s->program_count == PROGRAMS) {
+        d->gl->DeleteProgram(s->programs[0].name);
+        memmove(s->programs, s->programs + 1, (PROGRAMS - 1) * sizeof *s->programs);
+        s->program_count--;
     }
-    d->programs[d->program_count++] = (program){*v, *out_program};
+    s->programs[s->program_count++] = (program){*v, *out_program};
     return BTF_OK;
 }
 
@@ -335,15 +389,19 @@ static void make_matrix(const camera_frame *f, int width, int height, float m[16
     m[15] = (float)f->distance;
 }
 
-static btf_result draw_side(drawing *d, const view_state *s, const variant *v, int width, int height,
-                            const btf_log *log) {
+/* The images know the directions of the whole material alone. */
+static btf_result draw_side(drawing *d, int used, const view_state *s, const variant *v, int width,
+                            int height, const btf_log *log) {
+    source *from = &d->sources[v->images ? 0 : used];
     const camera camera = {s->theta, s->phi, 30, s->zoom};
     const camera_frame frame = camera_get_frame(&camera);
     const gl_api *gl = d->gl;
     GLuint name = 0;
-    btf_result result = find_program(d, v, log, &name);
+    btf_result result = upload(d, from, log);
     if (!result)
-        result = btf_gl_bind(d->textures, name, UNIT_MATERIAL, NULL, log, NULL);
+        result = find_program(d, from, v, log, &name);
+    if (!result)
+        result = btf_gl_bind(from->textures, name, UNIT_MATERIAL, NULL, log, NULL);
     if (result)
         return result;
     float matrix[16], eye[3], light[3];
@@ -365,29 +423,54 @@ static btf_result draw_side(drawing *d, const view_state *s, const variant *v, i
     return gl->GetError() == GL_NO_ERROR ? BTF_OK : BTF_ERROR_INTERNAL;
 }
 
+static variant variant_of(const view_state *s) {
+    return (variant){s->effects, s->interpolation, s->filter, s->math, false, s->levels && s->has_levels};
+}
+
+btf_result drawing_link_plan(drawing *d, int slot, const view_state *s, const btf_log *log) {
+    const variant v = variant_of(s);
+    GLuint name;
+    return find_program(d, &d->sources[1 + slot], &v, log, &name);
+}
+
+btf_result drawing_try_plan(drawing *d, int slot, const view_state *s, int width, int height,
+                            const btf_log *log) {
+    const gl_api *gl = d->gl;
+    const variant v = variant_of(s);
+    gl->Viewport(0, 0, width, height);
+    gl->Enable(GL_DEPTH_TEST);
+    gl->Enable(GL_SCISSOR_TEST);
+    gl->Scissor(width / 2, height / 2, 1, 1);
+    gl->Clear(GL_DEPTH_BUFFER_BIT);
+    const btf_result result = draw_side(d, 1 + slot, s, &v, width, height, log);
+    gl->Disable(GL_SCISSOR_TEST);
+    gl->Finish();
+    return result;
+}
+
 btf_result drawing_draw(drawing *d, const view_state *s, int width, int height, const btf_log *log) {
     const gl_api *gl = d->gl;
     gl->Viewport(0, 0, width, height);
     gl->Disable(GL_SCISSOR_TEST);
     gl->ClearColor(0.1f, 0.1f, 0.11f, 1);
     gl->Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-    if (!d->material)
+    if (!d->sources[d->used].material)
         return BTF_OK;
     const int split = s->split == VIEW_SPLIT_OFF ? width : (int)(s->split_at * width + 0.5);
-    variant left = {s->effects, s->interpolation, s->filter, s->math, false, s->levels && s->has_levels},
-            right = left;
+    const variant left = variant_of(s);
+    variant right = left;
     right.images = s->split == VIEW_SPLIT_ORIGINAL && d->images;
     right.effects = 0;
     gl->Enable(GL_DEPTH_TEST);
     gl->Enable(GL_SCISSOR_TEST);
     gl->Scissor(0, 0, split, height);
-    btf_result result = draw_side(d, s, &left, width, height, log);
+    btf_result result = draw_side(d, d->used, s, &left, width, height, log);
     if (!result && split < width) {
         gl->Scissor(split, 0, 1, height);
         gl->ClearColor(1, 1, 1, 1);
         gl->Clear(GL_COLOR_BUFFER_BIT);
         gl->Scissor(split + 1, 0, width - split, height);
-        result = draw_side(d, s, &right, width, height, log);
+        result = draw_side(d, d->used, s, &right, width, height, log);
     }
     gl->Disable(GL_SCISSOR_TEST);
     return result;

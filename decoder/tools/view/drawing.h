@@ -9,6 +9,7 @@
 #include "../render/mesh.h"
 #include "../render/original.h"
 #include "state.h"
+#include <openbtf/plan.h>
 
 typedef struct drawing drawing;
 
@@ -16,12 +17,32 @@ typedef struct drawing drawing;
 drawing *drawing_create(const gl_api *gl, btf_gl_get_proc_address get, void *user, const btf_log *log);
 void drawing_destroy(drawing **d);
 
+/* Plans that are kept beside the whole material. */
+enum { DRAWING_SLOTS = 4 };
+
 /* Takes another material (which must outlive the drawing or the next call), and the images it was made from
- * (may be NULL; uploaded as RGB9_E5). On failure, told on log, there is none. Errors: those of
- * btf_gl_upload; BTF_ERROR_UNSUPPORTED when the images exceed GL's limits (the material alone is then drawn
- * no more). */
+ * (may be NULL; uploaded as RGB9_E5); plans are forgotten. planned: it is uploaded when it is first drawn,
+ * beside the images. On failure, told on log, there is none. Errors: those of btf_gl_upload;
+ * BTF_ERROR_UNSUPPORTED when the images exceed GL's limits (the material alone is then drawn no more). */
 btf_result drawing_set_material(drawing *d, const btf_material *material, const original *images,
-                                const btf_log *log);
+                                bool planned, const btf_log *log);
+
+/* Uploads a plan's restriction of the material in a slot, in place of what was there; it must outlive what
+ * the slot holds. Then drawing_link_plan compiles the program for a state, and drawing_try_plan draws one
+ * pixel with it, on which drivers finish their work: each a part of what would else be one long frame.
+ * Errors: those of btf_gl_upload, BTF_ERROR_INTERNAL (GLSL refused). */
+btf_result drawing_set_plan(drawing *d, int slot, const btf_material *material, const btf_plan *plan,
+                            const btf_log *log);
+btf_result drawing_link_plan(drawing *d, int slot, const view_state *s, const btf_log *log);
+btf_result drawing_try_plan(drawing *d, int slot, const view_state *s, int width, int height,
+                            const btf_log *log);
+
+/* Draws this plan from now on. The others keep their programs; their textures go, and come back when they
+ * are drawn again. */
+void drawing_use_plan(drawing *d, int slot);
+
+/* Bytes of all textures of materials that are uploaded. */
+size_t drawing_bytes(const drawing *d);
 
 /* Takes a copy of another mesh; `repeat` copies of the material a unit of uv. */
 btf_result drawing_set_mesh(drawing *d, const mesh *m, double repeat, const btf_log *log);

@@ -1,0 +1,24 @@
+/* What btf-view is asked for: its command line.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_VIEW_OPTIONS_H
+#define OPENBTF_VIEW_OPTIONS_H
+
+#include "../cli.h"
+#include <stdbool.h>
+#include <stdint.h>
+
+/* As given, with defaults for the rest. */
+typedef struct view_settings {
+    const char *mesh, *original, *screenshots;
+    int size[2], interpolation, filter, math, level, plan;
+    double tolerance;
+    uint32_t effects;
+    bool verbose, quiet;
+} view_settings;
+
+extern view_settings view_options;
+extern const cli_program view_program;
+
+#endif

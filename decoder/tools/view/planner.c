@@ -1,0 +1,136 @@
+/* Which plan the viewer draws by. See planner.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "planner.h"
+
+#include "../render/plan_table.h"
+#include <string.h>
+
+static const float ring = 7.5f, slack = 2;
+
+planner planner_begin(void) {
+    return (planner){.current = -1, .pending = -1};
+}
+
+void planner_clear(planner *p) {
+    for (int i = 0; i < PLANNER_SLOTS; i++)
+        btf_material_close(&p->slot[i].material);
+    *p = planner_begin();
+}
+
+static btf_range rings_around(const btf_range *range) {
+    btf_range wide = plan_range_widen(range, ring);
+    wide.phi[0] = wide.phi[1] = 0;
+    return wide;
+}
+
+btf_scene planner_rings(const btf_scene *needed) {
+    return (btf_scene){.struct_size = sizeof(btf_scene),
+                       .view = rings_around(&needed->view),
+                       .light = rings_around(&needed->light),
+                       .pixels = needed->pixels,
+                       .interpolate = 1};
+}
+
+static bool same_range(const btf_range *a, const btf_range *b) {
+    return a->fixed == b->fixed && (a->fixed ? memcmp(a->direction, b->direction, sizeof a->direction) == 0
+                                             : a->theta[0] == b->theta[0] && a->theta[1] == b->theta[1] &&
+                                                   a->phi[0] == b->phi[0] && a->phi[1] == b->phi[1]);
+}
+
+static bool same_scene(const btf_scene *a, const btf_scene *b) {
+    return same_range(&a->view, &b->view) && same_range(&a->light, &b->light) && a->pixels == b->pixels;
+}
+
+static bool holds(const btf_scene *scene, const btf_scene *needed, float more) {
+    return scene->pixels >= needed->pixels && plan_range_covers(&scene->view, &needed->view, more) &&
+           plan_range_covers(&scene->light, &needed->light, more);
+}
+
+/* Wider than what would be planned now by more than a ring, or finer. */
+static bool is_wasteful(const btf_scene *scene, const btf_scene *rings) {
+    const btf_range view = rings_around(&rings->view), light = rings_around(&rings->light);
+    return scene->pixels > rings->pixels || !plan_range_covers(&view, &scene->view, 0) ||
+           !(scene->light.fixed || plan_range_covers(&light, &scene->light, 0));
+}
+
+static int find(const planner *p, const btf_scene *scene) {
+    for (int i = 0; i < PLANNER_SLOTS; i++)
+        if (p->slot[i].material && i != p->pending && same_scene(&p->slot[i].plan.scene, scene))
+            return i;
+    return -1;
+}
+
+/* The slot that was not used for longest; never the present one. */
+static int oldest(const planner *p) {
+    int slot = -1;
+    for (int i = 0; i < PLANNER_SLOTS; i++)
+        if (i != p->current && (slot < 0 || p->slot[i].used < p->slot[slot].used))
+            slot = i;
+    return slot;
+}
+
+static planner_action want(planner *p, const btf_scene *scene) {
+    const int there = find(p, scene);
+    if (there >= 0) {
+        p->pending = -1;
+        p->current = there;
+        p->slot[there].used = ++p->clock;
+        return PLANNER_SWITCH;
+    }
+    p->target = *scene;
+    p->pending = oldest(p);
+    return PLANNER_MAKE;
+}
+
+planner_action planner_decide(planner *p, const btf_scene *needed, bool at_rest, bool folds) {
+    if (p->pending >= 0 && holds(&p->target, needed, 0))
+        return PLANNER_KEEP;
+    if (p->pending >= 0)
+        planner_drop(p);
+    const btf_scene rings = planner_rings(needed);
+    const btf_scene *now = p->current >= 0 ? &p->slot[p->current].plan.scene : NULL;
+    if (!now || !holds(now, needed, slack)) {
+        /* Rather one that is there than a new one. */
+        for (int i = 0; i < PLANNER_SLOTS; i++)
+            if (p->slot[i].material && !p->slot[i].plan.scene.light.fixed &&
+                holds(&p->slot[i].plan.scene, needed, slack))
+                return want(p, &p->slot[i].plan.scene);
+        return want(p, &rings);
+    }
+    if (!at_rest)
+        return PLANNER_KEEP;
+    if (is_wasteful(now, &rings))
+        return want(p, &rings);
+    if (folds && needed->light.fixed && !now->light.fixed) {
+        btf_scene folded = *now;
+        folded.light = needed->light;
+        return want(p, &folded);
+    }
+    return PLANNER_KEEP;
+}
+
+btf_result planner_make(planner *p, const btf_material *whole, float tolerance, const btf_log *log) {
+    planner_plan *made = &p->slot[p->pending];
+    btf_material_close(&made->material);
+    btf_result result = btf_plan_effects(whole, &p->target, tolerance, &made->plan);
+    if (!result)
+        result = btf_material_restrict(whole, &made->plan, log, &made->material);
+    made->number = ++p->count;
+    if (result)
+        planner_drop(p);
+    return result;
+}
+
+void planner_take(planner *p) {
+    p->current = p->pending;
+    p->pending = -1;
+    p->slot[p->current].used = ++p->clock;
+}
+
+void planner_drop(planner *p) {
+    btf_material_close(&p->slot[p->pending].material);
+    p->slot[p->pending].used = 0;
+    p->pending = -1;
+}
