@@ -18,7 +18,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static const char extension[] = ".btf-step", magic[9] = "BTFSTEP1";
+static const char extension[] = ".btf-step", magic[9] = "BTFSTEP2";
 enum { HEADER = 24, HASHED_TEXELS = 256 };
 
 struct enc_checkpoint {
@@ -199,6 +199,24 @@ void enc_blob_take(enc_blob *blob, void *piece, size_t size) {
     }
     memcpy(piece, blob->bytes + blob->at, size);
     blob->at += size;
+}
+
+void enc_blob_take_floats(enc_blob *blob, float *piece, size_t count, float low, float high) {
+    enc_blob_take(blob, piece, count * sizeof *piece);
+    for (size_t i = 0; i < count && !blob->failed; i++)
+        blob->failed = !(piece[i] >= low && piece[i] <= high);
+}
+
+void enc_blob_take_bytes(enc_blob *blob, uint8_t *piece, size_t count, int low, int high) {
+    enc_blob_take(blob, piece, count);
+    for (size_t i = 0; i < count && !blob->failed; i++)
+        blob->failed = piece[i] < low || piece[i] > high;
+}
+
+bool enc_blob_taken(enc_blob *blob) {
+    const bool good = !blob->failed && blob->at == blob->size;
+    enc_blob_clear(blob);
+    return good;
 }
 
 /* Reads a whole file of a step. False: there is none, or *out_why says what is wrong with it. */

@@ -27,13 +27,19 @@ void enc_checkpoint_close(enc_checkpoint **checkpoint, bool remove_files);
 typedef struct enc_blob {
     unsigned char *bytes;
     size_t size, room, at;
-    bool failed; /* out of memory, or more was taken than is there */
+    bool failed; /* out of memory, or something was taken that is not there */
 } enc_blob;
 
 void enc_blob_clear(enc_blob *blob);
 void enc_blob_put(enc_blob *blob, const void *piece, size_t size);
 /* Fills `piece`, or sets blob->failed and fills it with zeros. */
 void enc_blob_take(enc_blob *blob, void *piece, size_t size);
+/* The same for `count` numbers, of which one that is not within low..high counts as missing too: a file that is
+ * whole may still be of no encode. */
+void enc_blob_take_floats(enc_blob *blob, float *piece, size_t count, float low, float high);
+void enc_blob_take_bytes(enc_blob *blob, uint8_t *piece, size_t count, int low, int high);
+/* Ends the taking: whether everything was there, and nothing more. Clears the blob. */
+bool enc_blob_taken(enc_blob *blob);
 
 /* The ranks of a team meet in enc_checkpoint_open and enc_checkpoint_get.
  *

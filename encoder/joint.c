@@ -75,25 +75,26 @@ btf_result joint_fit_refine_plain(joint_fit *fit, int steps, double *energy) {
     return result;
 }
 
+btf_result joint_fit_init(const joint_rows *rows, size_t k, uint32_t effects, joint_fit *out_fit) {
+    *out_fit = (joint_fit){.rows = rows, .effects = effects};
+    const btf_result result = joint_model_init(rows, k, &out_fit->model);
+    out_fit->model.shift = effects & BTF_EFFECT_SHIFT;
+    if (effects & BTF_EFFECT_GAIN) {
+        out_fit->model.gains.low = 1;
+        out_fit->model.gains.high = 255;
+    }
+    return result;
+}
+
 btf_result joint_fit_plain(const joint_rows *rows, size_t k, int steps, joint_fit *out_fit,
                            double *energy) {
     uint64_t state = 88172645463325252u;
-    *out_fit = (joint_fit){.rows = rows, .effects = BTF_EFFECT_RESIDUAL};
-    btf_result result = joint_model_init(rows, k, &out_fit->model);
+    btf_result result = joint_fit_init(rows, k, BTF_EFFECT_RESIDUAL, out_fit);
     for (size_t i = 0; i < rows->texels * k && result == BTF_OK; i++)
         out_fit->model.u[i] = random_unit(&state);
     if (result == BTF_OK)
         result = joint_fit_refine_plain(out_fit, steps, energy);
     return result;
-}
-
-/* What the points of a fit with its effects may choose. */
-static void set_freedom(joint_fit *fit) {
-    fit->model.shift = fit->effects & BTF_EFFECT_SHIFT;
-    if (fit->effects & BTF_EFFECT_GAIN) {
-        fit->model.gains.low = 1;
-        fit->model.gains.high = 255;
-    }
 }
 
 /* Centres, and the points that they show. */
@@ -117,8 +118,7 @@ btf_result joint_fit_start(const joint_fit *from, size_t k, uint32_t effects, jo
     const joint_rows *rows = from->rows;
     const size_t points = rows->texels * rows->views;
     assert(k <= from->model.k);
-    *out_fit = (joint_fit){.rows = rows, .effects = effects};
-    btf_result result = joint_model_init(rows, k, &out_fit->model);
+    btf_result result = joint_fit_init(rows, k, effects, out_fit);
     if (result != BTF_OK)
         return result;
     joint_model *model = &out_fit->model;
@@ -129,7 +129,6 @@ btf_result joint_fit_start(const joint_fit *from, size_t k, uint32_t effects, jo
                k * rows->row * sizeof(float));
     memcpy(model->match, from->model.match, points * sizeof *model->match);
     memcpy(model->gain, from->model.gain, points);
-    set_freedom(out_fit);
     if (from->n_centres > 0 && !copy_centres(from, out_fit))
         return enc_fail(rows->context, BTF_ERROR_MEMORY, "joint: out of memory for %zu centres",
                         from->n_centres);
@@ -166,11 +165,9 @@ btf_result joint_fit_add_front(joint_fit *fit, const joint_front_kind *kind, int
 
 btf_result joint_fit_lone(const joint_rows *rows, uint32_t effects, const joint_front_kind *kind,
                           int starts, joint_fit *out_fit) {
-    *out_fit = (joint_fit){.rows = rows, .effects = effects};
-    btf_result result = joint_model_init(rows, 0, &out_fit->model);
+    const btf_result result = joint_fit_init(rows, 0, effects, out_fit);
     if (result != BTF_OK)
         return result;
-    set_freedom(out_fit);
     return joint_fit_add_front(out_fit, kind, starts, 0);
 }
 

@@ -33,6 +33,9 @@ typedef struct joint_fit {
 
 void joint_fit_clear(joint_fit *fit);
 
+/* A fit of zeros with k components, whose points may choose what the effects allow. Errors: BTF_ERROR_MEMORY. */
+btf_result joint_fit_init(const joint_rows *rows, size_t k, uint32_t effects, joint_fit *out_fit);
+
 /* The plain factorisation of the data (every point its own source, gain 1): `steps` subspace iterations
  * from random u, then the principal basis. energy [k] (may be NULL) receives what each component explains;
  * the error of the first j is rows->total - sum over i < j of energy[i]. */

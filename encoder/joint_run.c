@@ -108,6 +108,13 @@ static btf_result keep_rounds(const char *step, const joint_fit *fit, int rounds
     return joint_step_keep(step, fit, &note, sizeof note);
 }
 
+static bool are_finite(const double *values, size_t count) {
+    bool good = true;
+    for (size_t i = 0; good && i < count; i++)
+        good = isfinite(values[i]);
+    return good;
+}
+
 bool joint_run_take(const joint_run *r, const char *step, joint_fit *fit, double *history, int *out_rounds,
                     bool *out_over) {
     round_note note;
@@ -115,6 +122,11 @@ bool joint_run_take(const joint_run *r, const char *step, joint_fit *fit, double
     *out_over = false;
     if (!joint_step_take(&r->rows, step, &kept, &note, sizeof note))
         return false;
+    if (note.rounds < 0 || note.rounds > ENC_JOINT_MAX_ROUNDS ||
+        !are_finite(note.history, (size_t)note.rounds)) {
+        joint_fit_clear(&kept);
+        return false;
+    }
     joint_fit_clear(fit);
     *fit = kept;
     memcpy(history, note.history, (size_t)note.rounds * sizeof *history);
@@ -233,8 +245,10 @@ static btf_result start(joint_run *r) {
     r->energy = malloc(k * sizeof *r->energy);
     if (!r->energy)
         return enc_fail(r->rows.context, BTF_ERROR_MEMORY, "joint: out of memory for %zu components", k);
-    if (joint_step_take(&r->rows, "joint-plain", &r->plain, r->energy, k * sizeof *r->energy))
+    if (joint_step_take(&r->rows, "joint-plain", &r->plain, r->energy, k * sizeof *r->energy) &&
+        r->plain.model.k == k && r->plain.effects == BTF_EFFECT_RESIDUAL && are_finite(r->energy, k))
         return BTF_OK;
+    joint_fit_clear(&r->plain);
     const btf_result result = joint_fit_plain(&r->rows, k, r->preset.start, &r->plain, r->energy);
     return result == BTF_OK ? joint_step_keep("joint-plain", &r->plain, r->energy, k * sizeof *r->energy)
                             : result;
