@@ -19,7 +19,8 @@ typedef struct enc_batch {
 /* Whether a path is to be read as a list. */
 bool enc_batch_is(const char *path);
 
-/* Errors, naming file and line: BTF_ERROR_IO, BTF_ERROR_BAD_FILE (no input; two of one name; a line too long),
+/* Errors, naming file and line: BTF_ERROR_IO, BTF_ERROR_BAD_FILE (no input; two of one name; a name that is none,
+ * as of ".."; a line too long),
  * BTF_ERROR_MEMORY. */
 btf_result enc_batch_read(const enc_context *context, const char *path, enc_batch *out_batch);
 void enc_batch_clear(enc_batch *batch);

@@ -44,17 +44,6 @@ static const char *parse_levels(const char *text, void *value) {
 /* Whether options of one method were given, in the order of the table. */
 static bool given[14];
 
-/* "DB" or "DB,DB". */
-static const char *parse_tolerance(const char *text, void *value) {
-    double *tolerance = value;
-    char *end;
-    tolerance[0] = strtod(text, &end);
-    tolerance[1] = *end == ',' ? strtod(end + 1, &end) : 0;
-    const bool ok = end != text && *end == 0 && tolerance[0] >= 0 && tolerance[0] <= 100 && tolerance[1] >= 0 &&
-                    tolerance[1] <= 1e6;
-    return ok ? NULL : "one or two numbers of dB, 0 to 100 and 0 to 1e6 a MB, such as 0.1 or 0.05,0.2";
-}
-
 static const cli_option table[] = {
     {.short_name = 'o',
      .name = "output",
@@ -85,7 +74,7 @@ static const cli_option table[] = {
      .arg = "DB[,DB]",
      .type = CLI_CUSTOM,
      .value = o.effect_tolerance,
-     .parse = parse_tolerance,
+     .parse = enc_parse_tolerance,
      .help = "--effects auto leaves out an effect that gains less than so\nmany dB (joint: in the fitted domain; paper: linear), and so\nmany for each MB that it adds; default 0.05,0"},
     {.name = "budget",
      .type = CLI_BYTES,

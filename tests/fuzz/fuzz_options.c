@@ -6,6 +6,7 @@
 #include "fuzz.h"
 
 #include "decoder/tools/cli.h"
+#include "decoder/tools/scene_option.h"
 #include "encoder/input_options.h"
 #include "tests/sample/directions.h"
 
@@ -23,6 +24,8 @@ static struct {
     uint64_t bytes;
     uint32_t effects, automatic;
     enc_read_options read;
+    scene_option scene;
+    double tolerance[2];
 } o;
 
 static const cli_option table[] = {
@@ -61,6 +64,16 @@ static const cli_option table[] = {
      .help = "a curve"},
     {.name = "colour", .type = CLI_CUSTOM, .value = &o.read, .parse = enc_parse_colour, .help = "a space"},
     {.name = "crop", .type = CLI_CUSTOM, .value = &o.read, .parse = enc_parse_crop, .help = "a rectangle"},
+    {.name = "scene",
+     .type = CLI_CUSTOM,
+     .value = &o.scene,
+     .parse = scene_option_parse,
+     .help = "a scene"},
+    {.name = "tolerance",
+     .type = CLI_CUSTOM,
+     .value = o.tolerance,
+     .parse = enc_parse_tolerance,
+     .help = "one or two numbers"},
     {.type = CLI_END},
 };
 
@@ -72,7 +85,20 @@ static const cli_program program = {.name = "fuzz",
                                     .min_arguments = 0,
                                     .max_arguments = 8};
 
+static void check_range(const btf_range *r) {
+    const float *d = r->direction;
+    FUZZ_CHECK(!r->fixed || (d[2] > 0 && fabsf(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - 1) < 1e-5f));
+    FUZZ_CHECK(r->theta[0] >= 0 && r->theta[0] <= r->theta[1] && r->theta[1] <= 90);
+    FUZZ_CHECK(fabsf(r->phi[0]) <= 360 && fabsf(r->phi[1]) <= 360);
+}
+
 static void check_values(void) {
+    FUZZ_CHECK(o.tolerance[0] >= 0 && o.tolerance[0] <= 100 && o.tolerance[1] >= 0 &&
+               o.tolerance[1] <= 1e6);
+    FUZZ_CHECK(o.scene.tolerance >= 0 && o.scene.tolerance <= 1e6f);
+    FUZZ_CHECK(o.scene.scene.pixels >= 0 && o.scene.scene.pixels <= 1e6f);
+    check_range(&o.scene.scene.view);
+    check_range(&o.scene.scene.light);
     FUZZ_CHECK(o.number >= -5 && o.number <= 1024);
     FUZZ_CHECK(o.choice >= 0 && o.choice < 3);
     FUZZ_CHECK(o.size[0] >= 1 && o.size[0] <= 16384 && o.size[1] >= 1 && o.size[1] <= 16384);

@@ -2,6 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "step_data.h"
 #include "tests/unit/bonn_files.h"
 #include "tests/unit/exr_edit.h"
 #include "tests/unit/random_material.h"
@@ -9,6 +10,9 @@
 #include "decoder/tools/exr_image.h"
 #include "decoder/tools/jpeg_image.h"
 #include "decoder/tools/png_image.h"
+#include "encoder/checkpoint.h"
+#include "encoder/joint_steps.h"
+#include "encoder/paper_kept.h"
 
 #include <archive.h>
 #include <archive_entry.h>
@@ -184,7 +188,91 @@ static void write_words(void) {
                "4\n--\n-x");
     write_text("options", "help", "--help");
     write_text("options", "rings", "0:1,30:6:15,60:12\nubo\n200\ntiny");
+    write_text("options", "scene",
+               "--scene\nviews=0:30:-90:90,light=40:60,pixels=0.5,count=3,tolerance=1,interpolate\n"
+               "--tolerance=0.05,0.2\n--scene=all\n--scene=view=0:0,lights=0:75");
+    write_text("options", "wrong-scene",
+               "--tolerance=0.05,\n--tolerance=nan\n--scene=views=30:20,\n--scene=light=90:0");
     write_text("options", "wrong", "--number=99999999999999999999\n--size=3x\n--crop=4294967297,0,1,1");
+}
+
+/* What checkpoint.c wrote of a step, without its header and hash. */
+static void take_step(const char *steps, int step) {
+    enum { HEADER = 24, HASH = 8 };
+    static unsigned char bytes[65536];
+    char path[4096];
+    snprintf(path, sizeof path, "%s/%s.btf-step", steps, step_names[step]);
+    FILE *file = fopen(path, "rb");
+    const size_t size = file ? fread(bytes, 1, sizeof bytes, file) : 0;
+    must(size > HEADER + HASH && fclose(file) == 0, path);
+    bytes[HEADER - 1] = (unsigned char)step;
+    write_seed("checkpoint", step_names[step], bytes + HEADER - 1, size - HEADER - HASH + 1);
+}
+
+static void write_steps(void) {
+    enc_context context = {.threads = 1};
+    char steps[] = "/tmp/btf-corpus-XXXXXX";
+    enc_data *data = step_data(&context);
+    must(data && mkdtemp(steps), "steps");
+    must(enc_checkpoint_open(&context, steps, "corpus", data, false, &context.checkpoint) == BTF_OK,
+         "steps");
+    enc_sbrdf *sbrdf;
+    enc_occlusion *occlusion;
+    const enc_fit_options options = enc_fit_options_default();
+    enc_fit_stats stats;
+    must(enc_fit(&context, data, &options, &sbrdf, &stats) == BTF_OK &&
+             enc_keep_fit(&context, sbrdf, &stats) == BTF_OK,
+         "fit");
+    const uint8_t shadow[STEP_LIGHTS * STEP_TEXELS] = {255, 3};
+    must(enc_keep_shadow(&context, data, shadow) == BTF_OK, "shadow");
+    must(enc_occlusion_create(STEP_VIEWS, STEP_TEXELS, &occlusion) == BTF_OK, "occlusion");
+    memset(occlusion->hidden + 4, 1, 5);
+    must(enc_keep_occlusion(&context, step_names[STEP_FLOW], occlusion) == BTF_OK &&
+             enc_keep_occlusion(&context, step_names[STEP_REFINE], occlusion) == BTF_OK,
+         "occlusion");
+    uint8_t codes[2 * STEP_LIGHTS * 3] = {9, 8, 7};
+    const enc_centres centres = {2, STEP_LIGHTS, 0.01f, codes};
+    occlusion->centre[5] = 1;
+    must(enc_keep_cluster(&context, occlusion, &centres) == BTF_OK, "cluster");
+    joint_rows rows;
+    joint_fit plain, fit;
+    const joint_front_kind kind = {.lobes = 1, .rgb = true, .shadow = true};
+    const uint32_t beside = 7, effects = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL;
+    must(joint_rows_init(&context, data, true, &rows) == BTF_OK &&
+             joint_fit_plain(&rows, 2, 2, &plain, NULL) == BTF_OK &&
+             joint_fit_start(&plain, 2, effects, &fit) == BTF_OK &&
+             joint_fit_add_front(&fit, &kind, 1, 1) == BTF_OK && joint_fit_round(&fit) == BTF_OK &&
+             joint_step_keep(step_names[STEP_JOINT], &fit, &beside, sizeof beside) == BTF_OK,
+         "joint");
+    for (int step = 0; step < STEP_COUNT; step++)
+        take_step(steps, step);
+    joint_fit_clear(&fit);
+    joint_fit_clear(&plain);
+    joint_rows_clear(&rows);
+    enc_occlusion_destroy(&occlusion);
+    enc_sbrdf_destroy(&sbrdf);
+    enc_checkpoint_close(&context.checkpoint, true);
+    enc_data_destroy(&data);
+}
+
+static void write_meshes(void) {
+    write_text(
+        "mesh", "quad.obj",
+        "# a square\nv -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn 0 1 0\n"
+        "f 4/4/1 3/3/1 2/2/1 1/1/1\n");
+    write_text("mesh", "back.obj",
+               "o x\nv 0 0 0\nv 1 0 0 1\r\nv 0 1 \\\n .5e0\nvt 0\nvt 1 2 3\nf -3/-2 -2/-1 -1/1\n"
+               "f 1/1 2/2 3/1 1/2 2/1\n");
+    write_text("mesh", "wrong.obj", "v 0 0\nf 1/1/1/1 2//3 9/9");
+    write_text("mesh", "huge.obj",
+               "v 1e18 -1e18 0\nv -1e18 0 1e18\nv 0 1e-30 0\nvt 1e18 0\nvt 0 1e18\nf 1/1 2/2 3/1");
+}
+
+static void write_lists(void) {
+    write_text("list", "list", "# inputs\nwool/\n  maps/BRICKS.zip\r\n/a/b.tar.gz\n\nx.btf\n");
+    write_text("list", "names", "..\n.\n/\n...zip\na/../\n.zip\n");
+    write_text("list", "table", "# moved\n1 0 0 5 45\n30 90 31.5 -90 # next\n2 30 180 29 180\n");
+    write_text("list", "wrong", "30 90 90 0\n30 90 nan 0\n");
 }
 
 int main(int argc, char **argv) {
@@ -204,5 +292,8 @@ int main(int argc, char **argv) {
     write_bonn("bdi-bzip", BONN_BDI, "!BDIF06R2!", 1);
     write_bonn("bdi-sparse", BONN_BDI, "!BDIF06R2!", 2);
     write_words();
+    write_meshes();
+    write_lists();
+    write_steps();
     return 0;
 }

@@ -3,7 +3,7 @@
 #
 #   tests/fuzz/run.sh TARGET SECONDS [FOLDER]
 #
-# TARGET: material names options jpeg png hdr exr archive bonn. FOLDER (default build-fuzz) takes the program and what it
+# TARGET: material plan names options list mesh environment checkpoint jpeg png hdr exr archive bonn. FOLDER (default build-fuzz) takes the program and what it
 # finds: FOLDER/TARGET/found/ holds an input for each finding, FOLDER/TARGET/corpus/ what it learnt. The last lines say
 # how many executions there were, what they covered and what core time they took. Exits 1 on a finding.
 #
@@ -19,6 +19,8 @@ version=$(pkg-config --modversion OpenEXR)
 core=$(ls decoder/*.c | grep -v -e /gl -e /plan -e /shader_source)
 images="encoder/image.c encoder/image_hdr.c encoder/context.c $(echo decoder/tools/{exr,jpeg,png}_image.c) decoder/tools/exif.c decoder/tools/output.c
         decoder/tools/progress.c decoder/result.c decoder/temporary.c"
+data="encoder/context.c encoder/data.c encoder/memory_plan.c encoder/scratch.c encoder/grid.c encoder/names.c decoder/tools/progress.c decoder/tools/output.c
+      decoder/result.c decoder/temporary.c $(echo reference/*.c)"
 libraries="$(pkg-config --cflags --libs-only-L OpenEXR) -lm"
 most=4096
 case $target in
@@ -27,13 +29,46 @@ material)
     libraries+=" -lOpenEXRCore"
     most=16384
     ;;
+plan)
+    mkdir -p "$folder"
+    python3 shaders/flatten.py --embed btf_shader_library=shaders/openbtf.glsl \
+        btf_shader_self_test=shaders/self_test.glsl -o "$folder/shader_text.c"
+    sources="tests/fuzz/fuzz_plan.c tests/unit/plan_decode.c tests/unit/random_material.c $(ls decoder/*.c | grep -v /gl)
+             $(ls reference/*.c) decoder/tools/reference_view.c $folder/shader_text.c"
+    libraries+=" -lOpenEXRCore"
+    most=512
+    ;;
+mesh)
+    sources="tests/fuzz/fuzz_mesh.c decoder/tools/render/obj.c decoder/tools/render/mesh.c decoder/tools/render/tangents.c
+             decoder/tools/render/file.c"
+    most=1024
+    ;;
+environment)
+    sources="tests/fuzz/fuzz_environment.c tests/fuzz/file.c tests/fuzz/mutate_exr.c decoder/tools/render/environment.c
+             decoder/tools/render/lights.c decoder/tools/render/file.c $images"
+    libraries+=" -lOpenEXRCore -lpng -ljpeg -lz"
+    ;;
+list)
+    sources="tests/fuzz/fuzz_list.c tests/fuzz/file.c encoder/coincident.c encoder/batch_list.c $data"
+    most=2048
+    ;;
+checkpoint)
+    sources="tests/fuzz/fuzz_checkpoint.c tests/fuzz/step_data.c encoder/checkpoint.c encoder/paper_kept.c encoder/sbrdf.c
+             encoder/occlusion.c encoder/cluster.c $(echo encoder/kmeans*.c) $(echo encoder/fit*.c) $(ls encoder/joint*.c |
+             grep -v -e _run -e _candidates -e _hide -e _quality -e _budget) encoder/pack.c encoder/metrics.c
+             encoder/profiles.c encoder/norms.c encoder/coincident.c encoder/ssim.c encoder/vector_math.c             $(ls $core | grep -v -e /result -e /temporary) $folder/ceres_bridge.o $data"
+    mkdir -p "$folder"
+    clang++ -std=c++17 -O1 -isystem/usr/include/eigen3 -I. -Idecoder/include -c encoder/ceres_bridge.cc -o "$folder/ceres_bridge.o"
+    libraries+=" -fopenmp=libgomp -lceres -lglog -lstdc++ -lOpenEXRCore"
+    most=4096
+    ;;
 names)
     sources="tests/fuzz/fuzz_names.c encoder/names.c"
     most=2048
     ;;
 options)
-    sources="tests/fuzz/fuzz_options.c decoder/tools/cli.c encoder/input_options.c tests/sample/directions.c encoder/context.c
-             encoder/data.c encoder/scratch.c decoder/tools/progress.c decoder/tools/output.c decoder/result.c decoder/temporary.c $(ls reference/*.c)"
+    sources="tests/fuzz/fuzz_options.c decoder/tools/cli.c decoder/tools/scene_option.c encoder/input_options.c tests/sample/directions.c encoder/context.c
+             encoder/data.c encoder/memory_plan.c encoder/scratch.c decoder/tools/progress.c decoder/tools/output.c decoder/result.c decoder/temporary.c $(ls reference/*.c)"
     most=1024
     ;;
 jpeg | png | hdr | exr)

@@ -109,7 +109,9 @@ expect "joint: an option of the paper's method" 1 btf-encode data -o x.btf.exr -
 expect_text "is refused by name" "option --lobes: for --method paper only" err
 expect "paper: an option of the joint method" 1 btf-encode data -o x.btf.exr --method paper --budget 1M -q
 expect_text "is refused by name" "option --budget: for --method joint only" err
-expect "a tolerance that is none" 1 btf-encode data -o x.btf.exr --effect-tolerance a
+for tolerance in a 0.05, ,1 0.05,0.2,1 0.05x -1 nan 101 ""; do
+    expect "no tolerance: '$tolerance'" 1 btf-encode data -o x.btf.exr --effect-tolerance "$tolerance"
+done
 expect "joint: quality" 0 btf-encode data -o joint.btf.exr --preset fast --quality 15 --report joint.json -q
 expect_that "joint: the quality is reached" test "$(json joint.json "r['psnr']['full']['srgb'] >= 15")" = True
 

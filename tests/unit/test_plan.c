@@ -12,6 +12,7 @@
 
 #include "btf_reference.h"
 #include "decoder/tools/reference_view.h"
+#include "plan_decode.h"
 #include "random_material.h"
 #include <math.h>
 #include <openbtf/plan.h>
@@ -19,40 +20,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* A direction at polar angles in degrees. */
-static void at_angles(double theta, double phi, float out[3]) {
-    const double s = sin(theta * M_PI / 180);
-    out[0] = (float)(s * cos(phi * M_PI / 180));
-    out[1] = (float)(s * sin(phi * M_PI / 180));
-    out[2] = (float)cos(theta * M_PI / 180);
-}
-
-/* A direction of the range: its borders, the samples in it and anything between. */
-static void random_in_range(random_state *r, const btf_range *range, const btf_directions *list,
-                            float out[3]) {
-    if (range->fixed) {
-        memcpy(out, range->direction, 3 * sizeof *out);
-        return;
-    }
-    const bool all = range->theta[0] == 0 && range->theta[1] == 0;
-    const double low = range->theta[0], high = all ? 89.9 : range->theta[1];
-    double turn = fmod((double)range->phi[1] - range->phi[0] + 720, 360);
-    turn = turn > 0 ? turn : 360;
-    const uint32_t kind = random_below(r, 8);
-    if (kind == 0) { /* a sample, if it is in range */
-        const float *d = list->xyz + 3 * (size_t)random_below(r, list->count);
-        const double theta = acos(fmin((double)d[2], 1)) * 180 / M_PI;
-        const double phi = fmod(atan2((double)d[1], (double)d[0]) * 180 / M_PI - range->phi[0] + 1080, 360);
-        if (theta >= low && theta <= high && phi <= turn) {
-            memcpy(out, d, 3 * sizeof *out);
-            return;
-        }
-    }
-    const double theta = kind == 1 ? low : kind == 2 ? high : low + (high - low) * random_unit(r);
-    const double part = kind == 3 ? 0 : kind == 4 ? 1 : random_unit(r);
-    at_angles(fmin(theta, 89.9), range->phi[0] + turn * part, out);
-}
 
 static btf_material *make(btf_material_desc *desc, random_state *r) {
     btf_material *material = NULL;
@@ -69,7 +36,7 @@ static btf_range random_range(random_state *r) {
         break;
     case 1: {
         range.fixed = 1;
-        at_angles(random_below(r, 3) ? 89 * random_unit(r) : 15.0 * random_below(r, 6),
+        plan_angles(random_below(r, 3) ? 89 * random_unit(r) : 15.0 * random_below(r, 6),
                   random_below(r, 3) ? 360 * random_unit(r) : 15.0 * random_below(r, 24), range.direction);
         break;
     }
@@ -84,33 +51,11 @@ static btf_range random_range(random_state *r) {
     return range;
 }
 
-static btf_ref_options reference_options(const btf_shader_options *o) {
-    return (btf_ref_options){
-        .effects = BTF_EFFECT_ALL & ~o->leave_out,
-        .components = o->components ? o->components : UINT32_MAX,
-        .interpolation = o->interpolation == BTF_INTERPOLATION_NEAREST ? BTF_REF_NEAREST : BTF_REF_LINEAR,
-        .filter = o->filter == BTF_FILTER_BILINEAR ? BTF_REF_BILINEAR : BTF_REF_TEXEL};
-}
-
-/* Decodes both in the ranges; returns how many values were not zero. */
-static int compare(random_state *r, const btf_material *whole, const btf_material *small,
-                   const btf_plan *plan, int count) {
-    btf_ref_material a, b;
-    reference_view(whole, plan->level, &a);
-    reference_view(small, 0, &b);
-    const btf_ref_options options = reference_options(&plan->shader);
-    const btf_directions views = btf_material_views(whole), lights = btf_material_lights(whole);
+/* Decodes both in the ranges, which must give the same bits; returns how many values were not zero. */
+static int decodes_alike(random_state *r, const btf_material *whole, const btf_material *small,
+                         const btf_plan *plan, int count) {
     int lit = 0;
-    for (int i = 0; i < count; i++) {
-        float view[3], light[3], rgb[2][3];
-        random_in_range(r, &plan->scene.view, &views, view);
-        random_in_range(r, &plan->scene.light, &lights, light);
-        const float u = (float)random_unit(r), v = (float)random_unit(r);
-        btf_ref_evaluate(&a, &options, u, v, light, view, rgb[0]);
-        btf_ref_evaluate(&b, &options, u, v, light, view, rgb[1]);
-        assert_memory_equal(rgb[0], rgb[1], sizeof rgb[0]);
-        lit += rgb[0][0] > 0;
-    }
+    assert_int_equal(plan_differences(r, whole, small, plan, count, &lit), 0);
     return lit;
 }
 
@@ -132,7 +77,7 @@ static void tight_decodes_like_paper(void **state) {
         assert_int_equal(a.n_views, b.n_views);
         assert_int_equal(a.n_lights, b.n_lights);
         const btf_plan everything = {.struct_size = sizeof everything};
-        lit += compare(&r, paper, tight, &everything, 60);
+        lit += decodes_alike(&r, paper, tight, &everything, 60);
         btf_material_close(&tight);
         btf_material_close(&paper);
     }
@@ -185,7 +130,7 @@ static void restrictions_decode_alike(void **state) {
             assert_true(less.n_views == plan.views && less.n_lights == plan.lights);
             assert_int_equal(less.levels, info.levels - plan.level);
             fewer += less.n_views < info.n_views || less.n_lights < info.n_lights;
-            lit += compare(&r, whole, small, &plan, SAMPLES);
+            lit += decodes_alike(&r, whole, small, &plan, SAMPLES);
             btf_material_close(&small);
         }
         btf_material_close(&whole);
@@ -227,7 +172,7 @@ static void restrictions_are_small(void **state) {
     btf_material *back = NULL;
     assert_int_equal(btf_material_save_memory(small, NULL, &data, &size), BTF_OK); /* a material like any */
     assert_int_equal(btf_material_open_memory(data, size, NULL, &back), BTF_OK);
-    compare(&r, whole, back, &plan, 500);
+    decodes_alike(&r, whole, back, &plan, 500);
     btf_free(data);
     btf_material_close(&back);
     btf_material_close(&small);
@@ -257,7 +202,7 @@ static void fixed_neighbours_are_the_reference_s(void **state) {
     reference_view(material, 0, &m);
     for (int i = 0; i < 300; i++) {
         btf_shader_options o = {.struct_size = sizeof o, .fixed = BTF_FIXED_LIGHT};
-        at_angles(89.9 * random_unit(&r), 360 * random_unit(&r), o.fixed_light);
+        plan_angles(89.9 * random_unit(&r), 360 * random_unit(&r), o.fixed_light);
         o.interpolation = (btf_interpolation)(i & 1);
         char *text = NULL;
         int32_t q[2];

@@ -131,7 +131,7 @@ static bool read_corner(parser *o, const char *word, corner *out) {
     *out = (corner){{-1, -1, -1}};
     for (int k = 0; k < 3; k++) {
         char *end;
-        if (*p != '/' && (*p || k == 0)) {
+        if (k == 0 || (*p != '/' && *p)) { /* a position is always there */
             long index = strtol(p, &end, 10);
             const long count = (long)o->lists[k].count;
             if (end == p || (*end && *end != '/') || isspace((unsigned char)*p)) {

@@ -1,0 +1,115 @@
+/* Fuzz target: bytes as the result of a step that a checkpoint holds, whole and of the right data. The
+ * first byte says which step. What is taken can be worked with: the target reads all of it, and the joint
+ * method goes through a round and on to its codes.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "fuzz.h"
+
+#include "encoder/checkpoint.h"
+#include "encoder/joint_steps.h"
+#include "encoder/paper_kept.h"
+#include "step_data.h"
+
+#include <math.h>
+#include <string.h>
+
+static enc_context context = {.threads = 1};
+static enc_data *data;
+static joint_rows rows;
+
+static void make_data(void) {
+    char folder[64] = "/dev/shm/btf-fuzz-XXXXXX";
+    data = step_data(&context);
+    FUZZ_CHECK(data && mkdtemp(folder));
+    FUZZ_CHECK(enc_checkpoint_open(&context, folder, "fuzz", data, false, &context.checkpoint) == BTF_OK);
+    FUZZ_CHECK(joint_rows_init(&context, data, true, &rows) == BTF_OK);
+}
+
+static void remove_data(void) {
+    enc_checkpoint_close(&context.checkpoint, true);
+    joint_rows_clear(&rows);
+    enc_data_destroy(&data);
+}
+
+static void check_fit(void) {
+    const enc_fit_options options = enc_fit_options_default();
+    enc_fit_stats stats;
+    enc_sbrdf *sbrdf;
+    if (!enc_kept_fit(&context, data, &options, &sbrdf, &stats))
+        return;
+    float out[3 * STEP_LIGHTS];
+    const float x[STEP_LIGHTS] = {0, 0}, y[STEP_LIGHTS] = {0, 0.6f}, z[STEP_LIGHTS] = {1, 0.8f};
+    FUZZ_CHECK(isfinite(stats.cost) && isfinite(stats.core_seconds));
+    for (size_t t = 0; t < STEP_TEXELS; t++) {
+        enc_sbrdf_evaluate(sbrdf, t, data->views[1].xyz, STEP_LIGHTS, x, y, z, out);
+        for (int i = 0; i < 3 * STEP_LIGHTS; i++)
+            FUZZ_CHECK(!isnan(out[i]));
+    }
+    enc_sbrdf_destroy(&sbrdf);
+}
+
+static void check_occlusion(const char *step) {
+    enc_occlusion *o;
+    if (!enc_kept_occlusion(&context, step, data, &o))
+        return;
+    for (size_t i = 0; i < STEP_VIEWS * STEP_TEXELS; i++)
+        FUZZ_CHECK(o->hidden[i] <= 1 && o->hidden_voted[i] <= 1 && o->ratio[i] >= 0 && o->ratio[i] <= 1 &&
+                   o->centre[i] == 0);
+    enc_occlusion_destroy(&o);
+}
+
+static void check_cluster(void) {
+    enc_occlusion *o;
+    enc_centres *c;
+    FUZZ_CHECK(enc_occlusion_create(STEP_VIEWS, STEP_TEXELS, &o) == BTF_OK);
+    memset(o->hidden + 4, 1, 5);
+    if (enc_kept_cluster(&context, data, STEP_CENTRES, o, &c)) {
+        FUZZ_CHECK(c->k >= 1 && c->k <= STEP_CENTRES && c->n_lights == STEP_LIGHTS && c->scale > 0 &&
+                   isfinite(c->scale));
+        unsigned sum = 0;
+        for (size_t i = 0; i < STEP_VIEWS * STEP_TEXELS; i++)
+            for (size_t j = 0; o->hidden[i] && j < 3 * STEP_LIGHTS; j++)
+                sum += c->codes[o->centre[i] * 3 * STEP_LIGHTS + j];
+        FUZZ_CHECK(sum <= 255 * 5 * 3 * STEP_LIGHTS);
+        enc_centres_destroy(&c);
+    }
+    enc_occlusion_destroy(&o);
+}
+
+static void check_joint(void) {
+    joint_fit fit;
+    uint32_t beside;
+    if (joint_step_take(&rows, "joint", &fit, &beside, sizeof beside)) {
+        enc_solution solution = {0};
+        FUZZ_CHECK(joint_fit_round(&fit) == BTF_OK && joint_fit_round_off(&fit) == BTF_OK);
+        FUZZ_CHECK(joint_fit_solution(&fit, &solution) == BTF_OK);
+        enc_solution_clear(&solution);
+    }
+    joint_fit_clear(&fit);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
+    uint8_t shadow[STEP_LIGHTS * STEP_TEXELS];
+    if (size == 0)
+        return 0;
+    if (!data) {
+        make_data();
+        atexit(remove_data);
+    }
+    const unsigned step = bytes[0] % STEP_COUNT;
+    enc_blob blob = {0};
+    enc_blob_put(&blob, bytes + 1, size - 1);
+    FUZZ_CHECK(enc_checkpoint_put(&context, step_names[step], &blob) == BTF_OK);
+    if (step == STEP_FIT)
+        check_fit();
+    else if (step == STEP_SHADOW)
+        enc_kept_shadow(&context, data, shadow);
+    else if (step == STEP_FLOW || step == STEP_REFINE)
+        check_occlusion(step_names[step]);
+    else if (step == STEP_CLUSTER)
+        check_cluster();
+    else
+        check_joint();
+    return 0;
+}

@@ -1,0 +1,18 @@
+/* The data set whose steps are fuzzed. See step_data.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "step_data.h"
+
+const char *const step_names[STEP_COUNT] = {"fit", "shadow", "flow", "refine", "cluster", "joint"};
+
+enc_data *step_data(const enc_context *context) {
+    const enc_direction list[2] = {enc_direction_from_angles(0, 0), enc_direction_from_angles(45, 90)};
+    enc_data *data = NULL;
+    if (enc_data_create(context, STEP_SIDE, STEP_SIDE, STEP_VIEWS, list, STEP_LIGHTS, list, &data) !=
+        BTF_OK)
+        return NULL;
+    for (int i = 0; i < STEP_TEXELS * STEP_VIEWS * STEP_LIGHTS * 3; i++)
+        data->samples[i] = (float)(i * 37 % 101) / 101;
+    return data;
+}

@@ -1,0 +1,25 @@
+/* The data set whose steps fuzz_checkpoint.c reads and make_corpus.c writes.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_TESTS_STEP_DATA_H
+#define OPENBTF_TESTS_STEP_DATA_H
+
+#include "encoder/data.h"
+
+enum {
+    STEP_SIDE = 3,
+    STEP_TEXELS = STEP_SIDE * STEP_SIDE,
+    STEP_VIEWS = 2,
+    STEP_LIGHTS = 2,
+    STEP_CENTRES = 5
+};
+
+/* The first byte of an input is the index of its step. */
+enum { STEP_FIT, STEP_SHADOW, STEP_FLOW, STEP_REFINE, STEP_CLUSTER, STEP_JOINT, STEP_COUNT };
+extern const char *const step_names[STEP_COUNT];
+
+/* Destroy with enc_data_destroy. NULL when out of memory. */
+enc_data *step_data(const enc_context *context);
+
+#endif
