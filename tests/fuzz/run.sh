@@ -17,12 +17,20 @@ fi
 target=$1 seconds=$2 folder=${3:-build-fuzz}/$1
 version=$(pkg-config --modversion OpenEXR)
 core=$(ls decoder/*.c | grep -v -e /gl -e /plan -e /shader_source)
-images="encoder/image.c encoder/image_hdr.c encoder/context.c $(echo decoder/tools/{exr,jpeg,png}_image.c) decoder/tools/exif.c decoder/tools/output.c
+context="encoder/context.c encoder/team.c encoder/team_alone.c"
+images="encoder/image.c encoder/image_hdr.c $context $(echo decoder/tools/{exr,jpeg,png}_image.c) decoder/tools/exif.c decoder/tools/output.c
         decoder/tools/progress.c decoder/result.c decoder/temporary.c"
-data="encoder/context.c encoder/data.c encoder/memory_plan.c encoder/scratch.c encoder/grid.c encoder/names.c decoder/tools/progress.c decoder/tools/output.c
+data="$context encoder/data.c encoder/scratch_shared.c encoder/memory_plan.c encoder/scratch.c encoder/grid.c encoder/names.c decoder/tools/progress.c decoder/tools/output.c
       decoder/result.c decoder/temporary.c $(echo reference/*.c)"
 libraries="$(pkg-config --cflags --libs-only-L OpenEXR) -lm"
 most=4096
+planner="$(ls decoder/*.c | grep -v /gl) $folder/shader_text.c"
+# The GLSL that decoder/shader_source.c puts together.
+embed_shaders() {
+    mkdir -p "$folder"
+    python3 shaders/flatten.py --embed btf_shader_library=shaders/openbtf.glsl \
+        btf_shader_self_test=shaders/self_test.glsl -o "$folder/shader_text.c"
+}
 case $target in
 material)
     sources="tests/fuzz/fuzz_material.c tests/fuzz/mutate_exr.c $core $(ls reference/*.c) decoder/tools/reference_view.c"
@@ -30,11 +38,9 @@ material)
     most=16384
     ;;
 plan)
-    mkdir -p "$folder"
-    python3 shaders/flatten.py --embed btf_shader_library=shaders/openbtf.glsl \
-        btf_shader_self_test=shaders/self_test.glsl -o "$folder/shader_text.c"
-    sources="tests/fuzz/fuzz_plan.c tests/unit/plan_decode.c tests/unit/random_material.c $(ls decoder/*.c | grep -v /gl)
-             $(ls reference/*.c) decoder/tools/reference_view.c $folder/shader_text.c"
+    embed_shaders
+    sources="tests/fuzz/fuzz_plan.c tests/unit/plan_decode.c tests/unit/random_material.c $planner
+             $(ls reference/*.c) decoder/tools/reference_view.c"
     libraries+=" -lOpenEXRCore"
     most=512
     ;;
@@ -56,7 +62,8 @@ checkpoint)
     sources="tests/fuzz/fuzz_checkpoint.c tests/fuzz/step_data.c encoder/checkpoint.c encoder/paper_kept.c encoder/sbrdf.c
              encoder/occlusion.c encoder/cluster.c $(echo encoder/kmeans*.c) $(echo encoder/fit*.c) $(ls encoder/joint*.c |
              grep -v -e _run -e _candidates -e _hide -e _quality -e _budget) encoder/pack.c encoder/metrics.c
-             encoder/profiles.c encoder/norms.c encoder/coincident.c encoder/ssim.c encoder/vector_math.c             $(ls $core | grep -v -e /result -e /temporary) $folder/ceres_bridge.o $data"
+             encoder/profiles.c encoder/norms.c encoder/coincident.c encoder/ssim.c encoder/vector_math.c
+             $(ls $core | grep -v -e /result -e /temporary) $folder/ceres_bridge.o $data"
     mkdir -p "$folder"
     clang++ -std=c++17 -O1 -isystem/usr/include/eigen3 -I. -Idecoder/include -c encoder/ceres_bridge.cc -o "$folder/ceres_bridge.o"
     libraries+=" -fopenmp=libgomp -lceres -lglog -lstdc++ -lOpenEXRCore"
@@ -67,8 +74,10 @@ names)
     most=2048
     ;;
 options)
-    sources="tests/fuzz/fuzz_options.c decoder/tools/cli.c decoder/tools/scene_option.c encoder/input_options.c tests/sample/directions.c encoder/context.c
-             encoder/data.c encoder/memory_plan.c encoder/scratch.c decoder/tools/progress.c decoder/tools/output.c decoder/result.c decoder/temporary.c $(ls reference/*.c)"
+    embed_shaders
+    sources="tests/fuzz/fuzz_options.c decoder/tools/cli.c decoder/tools/scene_option.c encoder/input_options.c
+             tests/sample/directions.c $(ls $planner | grep -v -e /result -e /temporary) $data"
+    libraries+=" -lOpenEXRCore"
     most=1024
     ;;
 jpeg | png | hdr | exr)
@@ -76,13 +85,13 @@ jpeg | png | hdr | exr)
     libraries+=" -DFUZZ_IMAGE=FUZZ_${target^^} -DENC_IMAGE_MAX_PIXELS=((size_t)1<<20) -lOpenEXRCore -lpng -ljpeg -lz"
     ;;
 archive)
-    sources="tests/fuzz/fuzz_archive.c tests/fuzz/file.c encoder/source.c encoder/source_archive.c encoder/source_dir.c encoder/names.c encoder/context.c
+    sources="tests/fuzz/fuzz_archive.c tests/fuzz/file.c encoder/source.c encoder/source_archive.c encoder/source_dir.c encoder/names.c $context
              decoder/tools/progress.c decoder/tools/output.c decoder/result.c decoder/temporary.c"
     libraries+=" -DENC_SOURCE_MAX_FILE=((size_t)1<<20) -larchive"
     ;;
 bonn)
     sources="tests/fuzz/fuzz_bonn.c tests/fuzz/file.c reference/btf_arithmetic.c encoder/bonn_file.c encoder/bonn_decode.c encoder/bonn_colour.c encoder/joint_gemm.c
-             encoder/context.c decoder/tools/progress.c decoder/tools/output.c decoder/result.c decoder/temporary.c"
+             $context decoder/tools/progress.c decoder/tools/output.c decoder/result.c decoder/temporary.c"
     libraries+=" -fopenmp=libgomp -larchive"
     ;;
 *)

@@ -102,6 +102,7 @@ static void test_broken(void **state) {
         {"v 0 0 0\nvt 0 0\nf 1/1/7 1/1 1/1\n", "normal 7 of 0", BTF_ERROR_BAD_FILE},
         {"v 0 0 0\nvt 0 0\nf 1/1/1/1 1/1 1/1\n", "normal 1 of 0", BTF_ERROR_BAD_FILE},
         {"v 0 0 0\nvt 0 0\nvn 0 0 1\nf 1/1/1/1 1/1 1/1\n", "more than three", BTF_ERROR_BAD_FILE},
+        {"v 0 0 0\nvt 0 0\nf 1/1 1/1 /1\n", "'/1' is no reference", BTF_ERROR_BAD_FILE},
         {"v 0 0 0\nvt 0 0\nf a b c\n", "'a' is no reference", BTF_ERROR_BAD_FILE},
         {"v 0 0 0\nvt 0 0\nf 99999999999999999999/1 1/1 1/1\n", "of 1", BTF_ERROR_BAD_FILE},
     };
