@@ -8,6 +8,7 @@
 #include "kmeans_split.h"
 #include "memory_plan.h"
 #include "profiles.h"
+#include "team.h"
 
 #include <assert.h>
 #include <math.h>
@@ -248,17 +249,36 @@ static btf_result choose_centres(const cluster_stage *s, int view) {
     return result;
 }
 
+/* A rank of a team does its own views. */
 static btf_result for_each_view(const cluster_stage *s, btf_result (*pass)(const cluster_stage *, int)) {
     btf_result result = BTF_OK;
     const int threads = enc_memory_threads(s->context, s->bytes);
+    size_t begin, end;
+    enc_team_range(s->context, (size_t)s->data->n_views, &begin, &end);
 #pragma omp parallel for num_threads(threads) schedule(dynamic, 1)
-    for (int view = 0; view < s->data->n_views; view++) {
+    for (int view = (int)begin; view < (int)end; view++) {
         btf_result mine = enc_cancelled(s->context) ? BTF_ERROR_INTERRUPTED : pass(s, view);
         enc_stage_step(s->context, 1);
 #pragma omp critical(enc_cluster_result)
         if (mine > result)
             result = mine;
     }
+    return result;
+}
+
+/* The centres that the ranks of a team have found for their views, to all. */
+static btf_result share_centres(const cluster_stage *s, btf_result result) {
+    const size_t size = (size_t)enc_team_size(s->context), views = (size_t)s->data->n_views;
+    size_t *bounds = malloc((size + 1) * sizeof *bounds), first, end;
+    if (bounds == NULL)
+        return BTF_ERROR_MEMORY;
+    bounds[size] = s->k;
+    for (size_t r = 0; r < size; r++) {
+        enc_team_range_of(s->context, (int)r, views, &first, &end);
+        bounds[r] = first < views ? s->first[first] : s->k;
+    }
+    result = enc_team_gather_bounds(s->context, result, s->centres, s->stride * sizeof *s->centres, bounds);
+    free(bounds);
     return result;
 }
 
@@ -292,7 +312,10 @@ static btf_result make_codes(const cluster_stage *s, enc_centres *out) {
 }
 
 static btf_result cluster_views(cluster_stage *s, int k_total, enc_centres *centres) {
+    const size_t views = (size_t)s->data->n_views;
     btf_result result = for_each_view(s, count_view);
+    result = enc_team_gather(s->context, result, s->hidden, sizeof *s->hidden, views);
+    result = enc_team_gather(s->context, result, s->distinct, sizeof *s->distinct, views);
     if (result != BTF_OK)
         return result;
     enc_cluster_shares(s->data->n_views, s->hidden, s->distinct, (size_t)k_total, s->shares);
@@ -303,12 +326,13 @@ static btf_result cluster_views(cluster_stage *s, int k_total, enc_centres *cent
     s->centres = calloc(s->k > 0 ? s->k * s->stride : 1, sizeof *s->centres);
     if (s->centres == NULL)
         return BTF_ERROR_MEMORY;
-    result = for_each_view(s, find_centres);
+    result = share_centres(s, for_each_view(s, find_centres));
     if (result == BTF_OK)
         result = make_codes(s, centres);
     if (result == BTF_OK)
         result = for_each_view(s, choose_centres);
-    return result;
+    return enc_team_gather(s->context, result, s->occlusion->centre,
+                           s->n_texels * sizeof *s->occlusion->centre, views);
 }
 
 btf_result enc_cluster(const enc_context *context, const enc_data *data, const enc_cluster_options *options,
@@ -349,7 +373,9 @@ btf_result enc_cluster(const enc_context *context, const enc_data *data, const e
         s.shares = s.distinct + n_views;
         s.first = s.shares + n_views;
         memset(occlusion->centre, 0, n_views * s.n_texels * sizeof *occlusion->centre);
-        enc_stage_begin(context, "cluster", 3 * n_views);
+        size_t begin, end;
+        enc_team_range(context, n_views, &begin, &end);
+        enc_stage_begin(context, "cluster", 3 * (end - begin));
         result = cluster_views(&s, k_total, centres);
         enc_stage_end(context);
     }

@@ -4,6 +4,7 @@
  */
 #include "fit.h"
 #include "shadow.h"
+#include "team.h"
 #include <math.h>
 #include <omp.h>
 #include <stdlib.h>
@@ -225,10 +226,9 @@ static btf_result fit_texel(const enc_data *data, const geometry *g, const enc_f
 }
 
 static btf_result fit_chunk(const enc_context *context, const enc_data *data, const geometry *g,
-                            const enc_fit_options *options, size_t first, enc_sbrdf *sbrdf, worker *w,
-                            texel_stats *stats) {
-    const size_t texels = enc_data_texel_count(data);
-    const size_t count = first + CHUNK < texels ? CHUNK : texels - first;
+                            const enc_fit_options *options, size_t first, size_t end, enc_sbrdf *sbrdf,
+                            worker *w, texel_stats *stats) {
+    const size_t count = first + CHUNK < end ? CHUNK : end - first;
     const float *samples;
     btf_result result = enc_data_texels(context, data, first, count, w->chunk, &samples);
     for (size_t i = 0; i < count && result == BTF_OK; i++) {
@@ -289,23 +289,28 @@ btf_result enc_fit(const enc_context *context, const enc_data *data, const enc_f
         result = enc_sbrdf_create(texels, options->lobes, options->rgb, &sbrdf);
     }
     if (result == BTF_OK) {
-        enc_stage_begin(context, "fit", texels);
+        size_t begin, end;
+        enc_team_range(context, texels, &begin, &end);
+        enc_stage_begin(context, "fit", end - begin);
 #pragma omp parallel num_threads(context->threads)
         {
             worker w;
             btf_result mine = worker_make(data, g.n, &w);
 #pragma omp for schedule(dynamic, 1)
-            for (size_t first = 0; first < texels; first += CHUNK) {
+            for (size_t first = begin; first < end; first += CHUNK) {
                 if (mine == BTF_OK) {
                     mine = enc_cancelled(context)
                                ? BTF_ERROR_INTERRUPTED
-                               : fit_chunk(context, data, &g, options, first, sbrdf, &w, stats);
+                               : fit_chunk(context, data, &g, options, first, end, sbrdf, &w, stats);
                 }
             }
             worker_free(&w);
 #pragma omp critical(enc_fit_result)
             result = result == BTF_OK ? mine : result;
         }
+        const size_t stride = enc_sbrdf_stride(sbrdf->lobes, sbrdf->rgb);
+        result = enc_team_gather(context, result, sbrdf->values, stride * sizeof *sbrdf->values, texels);
+        result = enc_team_gather(context, result, stats, sizeof *stats, texels);
         enc_stage_end(context);
     }
     if (result == BTF_OK && out_stats != NULL) {

@@ -7,6 +7,7 @@
 #include "flow_pair.h"
 #include "flow_prior.h"
 #include "memory_plan.h"
+#include "team.h"
 
 #include <assert.h>
 #include <math.h>
@@ -288,19 +289,32 @@ static btf_result vote_view(const flow_stage *s, int view, enc_flow_worker *w) {
     return result;
 }
 
+/* What the ranks of a team have found for their views, to all. */
+static btf_result share(const flow_stage *s, btf_result result) {
+    const size_t texels = enc_data_texel_count(s->data), views = (size_t)s->data->n_views;
+    enc_occlusion *o = s->occlusion;
+    result = enc_team_gather(s->context, result, o->shift, 2 * texels, views);
+    result = enc_team_gather(s->context, result, o->hidden, texels, views);
+    result = enc_team_gather(s->context, result, o->hidden_voted, texels, views);
+    return enc_team_gather(s->context, result, o->ratio, texels * sizeof *o->ratio, views);
+}
+
 static btf_result vote_views(const flow_stage *s) {
+    size_t begin, end;
     btf_result result = BTF_OK;
     const int width = s->data->width, height = s->data->height;
-    const int threads = enc_memory_threads(
-        s->context, enc_memory_flow(enc_data_texel_count(s->data), (uint64_t)(width > height ? width : height),
-                                    (uint64_t)s->data->n_lights));
-    enc_stage_begin(s->context, "flow", (size_t)s->data->n_views);
+    const int threads =
+        enc_memory_threads(s->context, enc_memory_flow(enc_data_texel_count(s->data),
+                                                       (uint64_t)(width > height ? width : height),
+                                                       (uint64_t)s->data->n_lights));
+    enc_team_range(s->context, (size_t)s->data->n_views, &begin, &end);
+    enc_stage_begin(s->context, "flow", end - begin);
 #pragma omp parallel num_threads(threads)
     {
         enc_flow_worker worker;
         btf_result mine = make_worker(s, &worker);
 #pragma omp for schedule(dynamic, 1)
-        for (int view = 0; view < s->data->n_views; view++) {
+        for (int view = (int)begin; view < (int)end; view++) {
             if (mine == BTF_OK && view != s->data->top_view)
                 mine = vote_view(s, view, &worker);
             enc_stage_step(s->context, 1);
@@ -310,6 +324,7 @@ static btf_result vote_views(const flow_stage *s) {
             result = mine;
         enc_flow_worker_clear(&worker);
     }
+    result = share(s, result);
     enc_stage_end(s->context);
     return result;
 }

@@ -5,6 +5,7 @@
 #include "paper_effects.h"
 
 #include "decoder/tools/cli.h"
+#include "team.h"
 
 #include <math.h>
 #include <openbtf/material.h>
@@ -72,6 +73,8 @@ btf_result enc_paper_error(const enc_context *context, const enc_data *data, con
                            const enc_occlusion *occlusion, uint32_t effects, double *out_error) {
     const size_t texels = enc_data_texel_count(data), stride = enc_data_texel_stride(data);
     const size_t count = texels < SAMPLE ? texels : SAMPLE;
+    size_t begin, end;
+    enc_team_range(context, count, &begin, &end);
     double *errors = calloc(count, sizeof *errors);
     light_planes lights;
     btf_result result = errors ? BTF_OK : enc_fail(context, BTF_ERROR_MEMORY, "effects: out of memory");
@@ -87,7 +90,7 @@ btf_result enc_paper_error(const enc_context *context, const enc_data *data, con
         if (mine == BTF_OK && !buffer)
             mine = enc_fail(context, BTF_ERROR_MEMORY, "effects: out of memory");
 #pragma omp for schedule(dynamic)
-        for (size_t i = 0; i < count; i++) {
+        for (size_t i = begin; i < end; i++) {
             const float *samples;
             const size_t texel = i * texels / count;
             if (mine == BTF_OK)
@@ -102,6 +105,7 @@ btf_result enc_paper_error(const enc_context *context, const enc_data *data, con
             result = mine;
         }
     }
+    result = enc_team_gather(context, result, errors, sizeof *errors, count);
     *out_error = 0.0;
     for (size_t i = 0; i < count && result == BTF_OK; i++)
         *out_error += errors[i] / ((double)count * (double)stride);

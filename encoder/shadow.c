@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "shadow.h"
+#include "team.h"
 #include <math.h>
 #include <omp.h>
 #include <stdlib.h>
@@ -61,6 +62,29 @@ static btf_result shadow_chunk(const enc_context *context, const enc_data *data,
     return BTF_OK;
 }
 
+/* The codes that the ranks of a team have found for their texels, first .. end - 1, to all. */
+static btf_result share(const enc_context *context, btf_result result, size_t texels, size_t lights,
+                        size_t first, size_t end, uint8_t *codes) {
+    if (enc_team_size(context) == 1) {
+        return result;
+    }
+    uint8_t *turned = malloc(texels * lights); /* [texel][light] */
+    if (turned == NULL) {
+        result = enc_fail(context, BTF_ERROR_MEMORY, "shadow: out of memory");
+    }
+    for (size_t t = first; t < end && turned != NULL; t++) {
+        for (size_t l = 0; l < lights; l++) {
+            turned[t * lights + l] = codes[l * texels + t];
+        }
+    }
+    result = enc_team_gather(context, result, turned, lights, texels);
+    for (size_t i = 0; i < texels * lights && result == BTF_OK; i++) {
+        codes[i] = turned[i % texels * lights + i / texels];
+    }
+    free(turned);
+    return result;
+}
+
 btf_result enc_top_view_shadow(const enc_context *context, const enc_data *data, const enc_sbrdf *sbrdf,
                                const enc_shadow_options *options, uint8_t *out) {
     const size_t texels = enc_data_texel_count(data), lights = (size_t)data->n_lights;
@@ -73,7 +97,9 @@ btf_result enc_top_view_shadow(const enc_context *context, const enc_data *data,
                         sbrdf->n_texels, texels);
     }
     btf_result result = BTF_OK;
-    enc_stage_begin(context, "shadow", texels);
+    size_t begin, end;
+    enc_team_range(context, texels, &begin, &end);
+    enc_stage_begin(context, "shadow", end - begin);
 #pragma omp parallel num_threads(context->threads)
     {
         float *samples =
@@ -84,8 +110,8 @@ btf_result enc_top_view_shadow(const enc_context *context, const enc_data *data,
             mine = enc_fail(context, BTF_ERROR_MEMORY, "shadow: out of memory");
         }
 #pragma omp for schedule(static)
-        for (size_t first = 0; first < texels; first += CHUNK) {
-            const size_t count = first + CHUNK < texels ? CHUNK : texels - first;
+        for (size_t first = begin; first < end; first += CHUNK) {
+            const size_t count = first + CHUNK < end ? CHUNK : end - first;
             if (mine == BTF_OK) {
                 mine = enc_cancelled(context) ? BTF_ERROR_INTERRUPTED
                                               : shadow_chunk(context, data, sbrdf, options, first, count,
@@ -98,6 +124,7 @@ btf_result enc_top_view_shadow(const enc_context *context, const enc_data *data,
 #pragma omp critical(enc_shadow_result)
         result = result == BTF_OK ? mine : result;
     }
+    result = share(context, result, texels, lights, begin, end, out);
     enc_stage_end(context);
     return result;
 }

@@ -109,11 +109,12 @@ static void exchange_pieces(const char *send, const size_t *from, char *receive,
         const int there = (rank + turn) % size, here = (rank + size - turn) % size;
         const size_t out = from[there + 1] - from[there], in = to[here + 1] - to[here];
         for (size_t at = 0; at < out || at < in; at += limit) {
-            const size_t rest_out = at < out ? out - at : 0, rest_in = at < in ? in - at : 0;
-            MPI_Sendrecv(send + from[there] + (rest_out ? at : 0),
-                         (int)(rest_out < limit ? rest_out : limit), MPI_BYTE, there, 0,
-                         receive + to[here] + (rest_in ? at : 0), (int)(rest_in < limit ? rest_in : limit),
-                         MPI_BYTE, here, 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+            const size_t left_out = at < out ? out - at : 0, left_in = at < in ? in - at : 0;
+            MPI_Sendrecv(send + from[there] + (left_out ? at : 0),
+                         (int)(left_out < limit ? left_out : limit), MPI_BYTE,
+                         left_out ? there : MPI_PROC_NULL, 0, receive + to[here] + (left_in ? at : 0),
+                         (int)(left_in < limit ? left_in : limit), MPI_BYTE, left_in ? here : MPI_PROC_NULL,
+                         0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
         }
     }
 }

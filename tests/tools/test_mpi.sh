@@ -1,0 +1,136 @@
+#!/bin/bash
+# mpirun -n N btf-encode: the bytes of one process, and what happens when a rank fails, dies, or is asked to stop.
+# Argument: "yes" where btf-encode was built with MPI.
+#
+# SPDX-License-Identifier: MIT
+. "$BTF_SOURCE_ROOT/tests/tools/common.sh" || exit 99
+PATH=$build/tests/tools:$PATH
+if [ "$1" != yes ]; then
+    expect "a program without MPI refuses to be one of several" 5 env OMPI_COMM_WORLD_SIZE=2 btf-encode data -o x.btf.exr
+    expect_text "it says why" "2 ranks, but this program was built without MPI" err
+    [ "$failures" = 0 ] || finish
+    echo "skipped: built without MPI"
+    exit 77
+fi
+if ! command -v mpirun >/dev/null; then
+    echo "skipped: no mpirun"
+    exit 77
+fi
+export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMP_WAIT_POLICY=passive
+export OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_btl_vader_single_copy_mechanism=none
+mkdir tmp
+export TMPDIR=$work/tmp
+
+team() { # N ARGUMENT...: btf-encode on N ranks of one thread
+    local n=$1
+    shift
+    timeout 120 mpirun -n "$n" btf-encode "$@" --threads 1
+}
+nothing_left() { [ ! -e "$1" ] && [ -z "$(find . -name '.*.tmp' -o -name 'btf-scratch-*')" ]; }
+
+small_data
+python3 -c 'import shutil; shutil.make_archive("data", "zip", "data")'
+bonn_sample small.btf || exit 99
+
+# The bytes of one process. An option is given to both, so that it cannot tell them apart.
+same() { # NAME RANKS ARGUMENT...
+    local name=$1 ranks=$2 n
+    shift 2
+    expect "$name: alone" 0 btf-encode "$@" -o one.btf.exr -q --threads 2
+    for n in $ranks; do
+        rm -f many.btf.exr
+        expect "$name: $n ranks" 0 team "$n" "$@" -o many.btf.exr -q
+        expect_that "$name: $n ranks write the same bytes" cmp one.btf.exr many.btf.exr
+    done
+}
+same "joint, folder" "1 2 3" data
+same "joint, fast, levels, archive" 3 data.zip --preset fast --levels all
+same "joint, sources with a front" 2 data --effects shadow,shift,gain --preset fast
+same "joint, centres" 2 data --effects shift,gain,hidden,residual --preset fast --budget 30000
+same "joint, Bonn" "2 3" small.btf --preset fast
+same "joint, more ranks than views" 9 data --preset fast --effects shift,gain,residual
+same "joint, samples on disk" 2 data --preset fast --memory "$(least_memory data --preset fast)"
+same "joint, Bonn, samples made when needed" 2 small.btf --preset fast --memory "$(least_memory small.btf --preset fast)"
+same "paper, folder" "2 3" data --method paper
+same "paper, archive, levels" 2 data.zip --method paper --levels 2
+same "paper, Bonn" 2 small.btf --method paper
+expect_that "no scratch file stays" nothing_left none
+
+# The report knows of the ranks; the tables come once.
+expect "a report" 0 team 2 data -o r.btf.exr --preset fast --report r.json
+expect_that "its numbers" python3 -c '
+import json
+r = json.load(open("r.json"))
+b = r["between_ranks"]
+assert r["ranks"] == 2
+assert b["joint"]["received"] > 1000 and b["joint"]["meetings"] > 10, b
+assert b["read"]["meetings"] >= 1 and b["measure"]["received"] > 0, b'
+expect_that "one table" test "$(grep -c 'Table 2' out)" = 1
+
+# A list, each input by all ranks; a bad one does not stop the rest.
+printf 'data\nnowhere\nsmall.btf\n' >list.txt
+expect "a list with a bad input" 2 team 2 list.txt -o many -q --preset fast
+btf-encode data -o one.btf.exr -q --preset fast
+expect_that "the first of it" cmp one.btf.exr many/data.btf.exr
+btf-encode small.btf -o one.btf.exr -q --preset fast
+expect_that "the last of it" cmp one.btf.exr many/small.btf.exr
+expect_that "the bad input is named once" test "$(grep -c 'error: nowhere' err)" = 1
+
+# Errors: one message, the documented code, nothing left.
+expect "a bad option" 1 team 3 data -o x.btf.exr --nonsense
+expect_that "it is named once" test "$(grep -c 'unknown option --nonsense' err)" = 1
+expect "help" 0 team 2 --help
+expect_that "help comes once" test "$(grep -c 'mpirun -n N' out)" = 1
+cp -r data bad
+last=$(find bad -name '*.png' | sort | tail -1)
+head -c 40 "$last" >cut && mv cut "$last"
+expect "an image that rank 1 finds bad" 3 team 2 bad -o x.btf.exr -q
+expect_that "it is named once" test "$(grep -c "rank [0-9]*: .*$(basename "$last")" err)" = 1
+expect_that "nothing is written" nothing_left x.btf.exr
+mkdir full
+expect "an output that cannot be made" 2 team 2 data -o nowhere/x.btf.exr -q
+expect_that "it is said once" test "$(grep -c 'nowhere' err)" = 1
+expect "no folder for scratch files" 2 mpirun -n 2 env TMPDIR=/nonexistent btf-encode data -o x.btf.exr -q
+expect_text "it is named" "/nonexistent" err
+mkdir a b
+expect "a folder that the ranks do not share" 2 \
+    mpirun -n 1 -wdir "$work/a" env TMPDIR=. btf-encode ../data -o ../x.btf.exr -q : \
+    -n 1 -wdir "$work/b" env TMPDIR=. btf-encode ../data -o ../x.btf.exr -q
+expect_text "the advice" "rank 1: scratch file: .*set TMPDIR to a folder that all nodes share" err
+expect_that "nothing is written then" nothing_left x.btf.exr
+
+# Killed: with SIGKILL one of the ranks, with SIGTERM all. Slow enough to be met.
+slow=(data --preset exhaustive --effects shift,gain,residual -o x.btf.exr -q --checkpoint steps)
+wait_for_steps() { # N PID: until so many steps are kept
+    while kill -0 "$2" 2>/dev/null && [ "$(find steps -name '*.btf-step' 2>/dev/null | wc -l)" -lt "$1" ]; do
+        sleep 0.05
+    done
+}
+kill_one() { # SIGNAL WHO: of the encode of two ranks, once it has kept a step
+    mpirun -n 2 btf-encode "${slow[@]}" --threads 1 2>err >out &
+    local run=$! victim=$!
+    wait_for_steps 1 $run
+    if [ "$2" = rank ]; then
+        victim=$(pgrep -P $run | tail -1)
+    fi
+    kill -"$1" "$victim"
+    wait $run
+    code=$?
+}
+kill_one KILL rank
+expect_that "a killed rank ends the job with a code ($code)" test "$code" != 0
+expect_text "a message tells of it" "signal 9|[Kk]illed|exited" err
+expect_that "no half file after it" test ! -e x.btf.exr
+expect_that "no scratch file after it" test -z "$(find tmp -name 'btf-scratch-*')"
+expect_that "the checkpoint is there" test -n "$(ls steps)"
+btf-encode "${slow[@]}" --resume && mv x.btf.exr alone.btf.exr
+expect_that "one process goes on from there, nothing half stays" nothing_left x.btf.exr
+btf-encode data --preset exhaustive --effects shift,gain,residual -o whole.btf.exr -q
+expect_that "with the bytes of an uninterrupted run" cmp whole.btf.exr alone.btf.exr
+kill_one TERM all
+expect_that "SIGTERM to all ends the job with a code ($code)" test "$code" != 0
+expect_that "nothing half after it" nothing_left x.btf.exr
+expect "three ranks go on from two" 0 team 3 "${slow[@]}" --resume
+expect_that "with the same bytes" cmp whole.btf.exr x.btf.exr
+expect_that "the checkpoint is gone" test ! -e steps
+finish
