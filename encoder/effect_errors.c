@@ -18,6 +18,7 @@ enum {
     MOST_WAYS = 1024,
     MOST_TEXELS = 512,
     MOST_PAIRS = 16,
+    LEAST_EVALUATIONS = 200000,
     CELL_SAMPLES = 2048,
     MOST_EVALUATIONS = 3000000,
     MOST_OF_FULL = 300000,
@@ -246,7 +247,8 @@ static btf_result measure_texel(const job *j, size_t index, float *buffer, doubl
 static void choose_samples(job *j, size_t evaluations, int halvings) {
     const size_t count = enc_data_texel_count(j->data);
     const size_t samples = count * (size_t)j->data->n_views * (size_t)j->data->n_lights;
-    size_t each = (samples / 2 < evaluations ? samples / 2 : evaluations) / (j->n_ways * j->cells);
+    const size_t enough = samples / 2 > LEAST_EVALUATIONS ? samples / 2 : LEAST_EVALUATIONS;
+    size_t each = (enough < evaluations ? enough : evaluations) / (j->n_ways * j->cells);
     each = (each > CELL_SAMPLES ? CELL_SAMPLES : each) >> halvings;
     each = each < 16 ? 16 : each;
     j->texels = count < MOST_TEXELS ? count : MOST_TEXELS;

@@ -13,7 +13,7 @@
 /* Decodes the packed material by the reference at directions spread over each pair of bands and compares
  * with the data, interpolated in radiance between the same three views and three lights. At most 2048
  * samples a pair of bands, of at most 512 texels; in all at most 3,000,000 evaluations or half as many as
- * the data have samples, but 16 a way and pair of bands; in coarser levels half as many a level. What
+ * the data have samples (but 200,000 and 16 a way and pair of bands); in coarser levels half as many. What
  * decodes everything is measured at up to 300,000 more a level, and by what that changes its errors, all
  * are changed. Which samples depends on sizes alone. *out_values (the caller frees) holds *out_count
  * numbers as btf_material_desc.effect_errors takes them. Stage "effect errors". Errors: BTF_ERROR_MEMORY,

@@ -29,20 +29,20 @@ typedef struct outputs {
 
 /* Nanoseconds a pixel of the plan and of everything, the medians of rounds in which they take turns. */
 static void measure_times(decode_rig *rig, const btf_material *material, const btf_material *small,
-                          const btf_plan *plan, double out_ns[2]) {
+                          const btf_plan *plan, int rounds, double out_ns[2]) {
     const btf_shader_options everything = {.struct_size = sizeof everything};
     double ns[2][ROUNDS];
     out_ns[0] = out_ns[1] = 0;
     rig_variant way[2] = {
         rig_variant_create(rig, small, &plan->shader, body, GPU_FIRST_UNIT),
         rig_variant_create(rig, material, &everything, body, GPU_FIRST_UNIT + BTF_TEXTURE_COUNT)};
-    for (int round = 0; round < ROUNDS; round++)
+    for (int round = 0; round < rounds; round++)
         for (int w = 0; w < 2; w++)
             ns[w][round] =
                 way[w].program ? rig_measure(rig, way[w].program, rig->inputs, RIG_SIDE, NULL) : 0;
     for (int w = 0; w < 2; w++) {
         double spread;
-        out_ns[w] = bench_median(ns[w], ROUNDS, &spread);
+        out_ns[w] = bench_median(ns[w], rounds, &spread);
         rig_variant_destroy(rig, &way[w]);
     }
 }
@@ -67,7 +67,7 @@ static btf_result measure_scene(const bench_run *run, decode_rig *rig, const cha
         result = plan_measure(run->context, run->data, material, small, &plan, mse, full_mse);
     if (result == BTF_OK && rig) {
         plan_arguments(&plan, run->data, RIG_SIDE, rig->inputs);
-        measure_times(rig, material, small, &plan, ns);
+        measure_times(rig, material, small, &plan, run->quick ? 1 : ROUNDS, ns);
     }
     if (result != BTF_OK) {
         btf_material_close(&small);

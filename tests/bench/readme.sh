@@ -4,10 +4,41 @@
 #
 #   tests/bench/readme.sh [BUILD [btf-bench option...]]    default: build --quick
 #   tests/bench/readme.sh --from DIR                       of a finished run
+#   tests/bench/readme.sh --plan DIR                       the tables of scenes between the two `plan` marks, of a
+#                                                          finished run of btf-bench --only plan --out DIR
 #
 # SPDX-License-Identifier: MIT
 set -euo pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd)
+if [ "${1:-}" = --plan ]; then
+    python3 - "$root/README.md" "${2:?expected a folder after --plan}" <<'EOF'
+import glob, os, re, sys
+readme, out = sys.argv[1:]
+with open(f"{out}/summary.md") as file:
+    summary = file.read()
+def field(key):
+    return re.search(r"\| " + key + r" \| (.*) \|", summary).group(1)
+text = f"""<!-- plan: written by tests/bench/readme.sh --plan -->
+Machine: {field("processor")}; load {field("load before the run")} before the run.
+"""
+for path in sorted(glob.glob(f"{out}/readme-plan-*.md")):
+    with open(path) as file:
+        table = file.read().strip()
+    if re.search(r"\| *\||\b0 of 0\b", table):
+        sys.exit(f"{path}: a blank cell")
+    name = os.path.basename(path)[len("readme-plan-"):-len(".md")]
+    text += f"\n**{name}**. {table}\n"
+text += "<!-- /plan -->"
+with open(readme) as file:
+    old = file.read()
+new, count = re.subn(r"<!-- plan: .*?<!-- /plan -->", lambda _: text, old, flags=re.S)
+if count != 1:
+    sys.exit(f"{readme}: expected one pair of marks <!-- plan: ... --> and <!-- /plan -->, found {count}")
+with open(readme, "w") as file:
+    file.write(new)
+EOF
+    exit
+fi
 if [ "${1:-}" = --from ]; then
     out=${2:?expected a folder after --from}
 else

@@ -99,6 +99,24 @@ else
     printf '[ RUN      ] decode\nskipped: no OSMesa\n[  SKIPPED ] decode\n'
 fi
 
+# Section plan: every cell is filled; kept materials are taken.
+mkdir kept
+expect "plan" 0 btf-bench --quick --input tiny --only plan --preset fast --holdout none --keep kept --out p -q
+expect_that "keeps its materials" test -s kept/tiny-joint-fast.btf.exr -a -s kept/tiny-paper.btf.exr
+cp p/plan-tiny.csv first.csv
+touch -d 2001-01-01 kept/*
+expect "plan of kept materials" 0 btf-bench --quick --input tiny --only plan --preset fast --holdout none --keep kept --out p2 -q
+expect_that "does not encode again" test "$(find kept -newermt 2002-01-01 -name '*.exr' | wc -l)" = 0
+expect_that "and fills every cell alike" python3 - <<'P'
+import csv
+rows, again = (list(csv.DictReader(open(name))) for name in ("first.csv", "p2/plan-tiny.csv"))
+assert len(rows) == len(again) == 16
+for a, b in zip(rows, again):
+    assert all(a.values()), a
+    for key in a:
+        assert key in ("ns", "full_ns", "measured_time") or a[key] == b[key], (key, a, b)
+P
+expect "kept materials of other data" 1 btf-bench --quick --input tiny --size 4x4 --only plan --preset fast --holdout none --keep kept --out p3 -q
 expect "an unknown section" 1 btf-bench --only nothing
 expect "no data" 2 btf-bench --input missing --out x -q
 expect "no folder" 2 btf-bench --quick --input tiny --out columns.py/x -q
