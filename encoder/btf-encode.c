@@ -30,12 +30,12 @@ static struct {
 } o = {.job = {.levels = 1}, .effects = UINT32_MAX, .hidden_threshold = 0.7};
 
 static const char *parse_levels(const char *text, void *value) {
-    int *levels = value, used = 0;
+    int *levels = value;
     if (!strcmp(text, "all")) {
         *levels = 0;
         return NULL;
     }
-    if (sscanf(text, "%d%n", levels, &used) != 1 || text[used] || *levels < 1 || *levels > BTF_MAX_LEVELS) {
+    if (!cli_parse_int(text, "", levels, NULL) || *levels < 1 || *levels > BTF_MAX_LEVELS) {
         return "a number from 1 to 15, or all";
     }
     return NULL;
@@ -80,6 +80,8 @@ static const cli_option table[] = {
      .type = CLI_BYTES,
      .value = &o.budget,
      .given = &given[1],
+     .minimum = 1,
+     .maximum = 0x1p62,
      .only = "joint",
      .help = "joint: bytes on the GPU at most; default what the paper's\nlayout takes (2.36 MB for 64x64 "
              "and 81 directions)"},
@@ -230,6 +232,8 @@ static const cli_option table[] = {
     {.name = "memory",
      .type = CLI_BYTES,
      .value = &o.memory,
+     .minimum = 1,
+     .maximum = 0x1p62,
      .help = "bound of the working set of a process; default half of the\nmachine's, divided by its ranks. Data beyond half of it go through "
              "a scratch file in $TMPDIR;\nrefused where the data take more at the least"},
     {.short_name = 'q',

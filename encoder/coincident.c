@@ -37,8 +37,13 @@ static int find_view(const enc_data *data, double theta, double phi) {
 /* The four angles of a line, after a number or not. */
 static bool parse_line(const char *line, double angles[4]) {
     double v[5];
-    char rest;
-    const int n = sscanf(line, "%lf %lf %lf %lf %lf %c", &v[0], &v[1], &v[2], &v[3], &v[4], &rest);
+    int n = 0;
+    for (char *end; *(line += strspn(line, " \t")); line = end) {
+        double number = strtod(line, &end);
+        if (n == 5 || end == line || !(*end == 0 || *end == ' ' || *end == '\t'))
+            return false;
+        v[n++] = number;
+    }
     if (n != 4 && n != 5)
         return false;
     memcpy(angles, v + (n - 4), 4 * sizeof *angles);
@@ -71,7 +76,7 @@ static btf_result take_line(const enc_context *context, const char *path, int nu
 
 btf_result enc_coincident_read(const enc_context *context, const char *path,
                                const enc_read_options *options, enc_data *data) {
-    char line[256];
+    char line[4096];
     btf_result result = BTF_OK;
     FILE *file = fopen(path, "r");
     if (!file)
@@ -82,8 +87,11 @@ btf_result enc_coincident_read(const enc_context *context, const char *path,
     for (int v = 0; v < data->n_views && data->moved_light; v++)
         data->moved_light[v].index = -1;
     for (int number = 1; result == BTF_OK && fgets(line, sizeof line, file); number++) {
+        if (strlen(line) + 1 == sizeof line && line[sizeof line - 2] != '\n')
+            result = enc_fail(context, BTF_ERROR_BAD_FILE, "%s: line %d is longer than %zu bytes", path, number,
+                              sizeof line - 2);
         line[strcspn(line, "#\r\n")] = '\0';
-        if (line[strspn(line, " \t")] != '\0')
+        if (result == BTF_OK && line[strspn(line, " \t")] != '\0')
             result = take_line(context, path, number, line, options, data);
     }
     if (result == BTF_OK && ferror(file))

@@ -16,9 +16,9 @@ const char *enc_parse_transfer(const char *text, void *options) {
     } else if (strcmp(text, "linear") == 0) {
         r->transfer = ENC_TRANSFER_LINEAR;
     } else {
-        char *end = NULL;
-        const double gamma = strncmp(text, "gamma:", 6) == 0 ? strtod(text + 6, &end) : 0;
-        if (!end || *end || !(gamma >= 0.1 && gamma <= 10)) {
+        double gamma;
+        if (strncmp(text, "gamma:", 6) != 0 || !cli_parse_double(text + 6, "", &gamma, NULL) ||
+            !(gamma >= 0.1 && gamma <= 10)) {
             return "srgb, linear or gamma:G with G from 0.1 to 10";
         }
         r->transfer = ENC_TRANSFER_GAMMA;

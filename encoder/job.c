@@ -37,11 +37,30 @@ static btf_result try_output(const enc_context *context, const char *path) {
     return result;
 }
 
+/* No output may replace an input or another output. */
+static btf_result check_outputs(const enc_context *context, const enc_job *job) {
+    const char *inputs[] = {job->input, job->read.coincident}, *outputs[] = {job->output, job->report};
+    for (int o = 0; o < 2; o++) {
+        for (int i = 0; i < 2; i++) {
+            if (outputs[o] && inputs[i] && output_is_same(outputs[o], inputs[i])) {
+                return enc_fail(context, BTF_ERROR_USAGE, "%s: an input, which the output would replace", inputs[i]);
+            }
+        }
+    }
+    if (job->report && output_is_same(job->output, job->report)) {
+        return enc_fail(context, BTF_ERROR_USAGE, "%s: given for --output and --report", job->report);
+    }
+    return BTF_OK;
+}
+
 static btf_result prepare_outputs(const enc_context *context, const enc_job *job, bool *out_made_folder) {
     if (!enc_team_leads(context)) {
         return BTF_OK;
     }
-    btf_result result = try_output(context, job->output);
+    btf_result result = check_outputs(context, job);
+    if (result == BTF_OK) {
+        result = try_output(context, job->output);
+    }
     if (result == BTF_OK && job->report) {
         result = try_output(context, job->report);
     }

@@ -7,6 +7,7 @@
 #include <archive.h>
 #include <archive_entry.h>
 
+#include <locale.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,6 +20,7 @@ typedef struct archive_source {
     size_t n_ordinals_allocated;
     struct archive *handle; /* open from the first read on */
     size_t next;            /* ordinal of the entry whose header comes next */
+    locale_t utf8;          /* 0 where there is none */
 } archive_source;
 
 /* Formats and compressions that libarchive handles itself: no helper programs are ever started. */
@@ -36,6 +38,17 @@ static struct archive *open_handle(const char *path) {
     archive_read_support_filter_lz4(handle);
     archive_read_open_filename(handle, path, 1 << 16); /* a failure shows in the first header */
     return handle;
+}
+
+/* libarchive recodes names for the thread's locale and loses those that do not fit it, which in UTF-8 all do.
+ * Returns what leave_utf8() takes. */
+static locale_t enter_utf8(const archive_source *a) {
+    return a->utf8 ? uselocale(a->utf8) : (locale_t)0;
+}
+
+static void leave_utf8(locale_t before) {
+    if (before)
+        uselocale(before);
 }
 
 static const char *name_of(struct archive_entry *entry) {
@@ -56,6 +69,8 @@ static void close_archive(enc_source *source) {
     if (a->handle)
         archive_read_free(a->handle);
     enc_source_free_paths(source);
+    if (a->utf8)
+        freelocale(a->utf8);
     free(a->ordinals);
     free(a->path);
     free(a);
@@ -64,12 +79,12 @@ static void close_archive(enc_source *source) {
 /* Moves to the header of entry `ordinal`, which lies ahead. */
 static int seek_entry(archive_source *a, size_t ordinal, struct archive_entry **out_entry) {
     int status = ARCHIVE_OK;
-    while (a->next <= ordinal) {
+    const locale_t before = enter_utf8(a);
+    while (a->next <= ordinal && (status == ARCHIVE_OK || status == ARCHIVE_WARN)) {
         status = archive_read_next_header(a->handle, out_entry);
-        if (status != ARCHIVE_OK && status != ARCHIVE_WARN)
-            return status;
         a->next++;
     }
+    leave_utf8(before);
     return status;
 }
 
@@ -182,7 +197,10 @@ btf_result enc_source_open_archive(const enc_context *context, const char *path,
     a->base.close = close_archive;
     a->path = strdup(path);
     a->base.location = a->path;
+    a->utf8 = newlocale(LC_CTYPE_MASK, "C.UTF-8", (locale_t)0);
+    const locale_t before = enter_utf8(a);
     const btf_result result = a->path ? list_entries(context, a) : BTF_ERROR_MEMORY;
+    leave_utf8(before);
     if (result != BTF_OK) {
         close_archive(&a->base);
         return result;

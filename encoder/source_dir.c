@@ -41,7 +41,7 @@ static btf_result read_file(enc_source *source, size_t index, void **out_data, s
     char *path = join(((directory_source *)source)->root, source->paths[index]);
     if (!path)
         goto done;
-    fd = open(path, O_RDONLY | O_CLOEXEC);
+    fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe is refused, not waited for */
     struct stat status;
     if (fd < 0 || fstat(fd, &status) != 0) {
         snprintf(message, message_size, "%s", strerror(errno));

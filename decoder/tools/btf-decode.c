@@ -5,6 +5,7 @@
  */
 #include "cli.h"
 #include "exr_image.h"
+#include "output.h"
 #include "png_image.h"
 #include "progress.h"
 #include "reference_view.h"
@@ -298,6 +299,8 @@ static btf_result run(const char *path) {
     btf_result result = check_options();
     if (result)
         return result;
+    if (output_is_same(options.out, path))
+        return cli_error(&program, BTF_ERROR_USAGE, "option --output: %s is the input", options.out);
     if (!btf_ref_self_test())
         return cli_error(&program, BTF_ERROR_UNSUPPORTED,
                          "this build does not round floats as FORMAT.md demands");

@@ -2,6 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "output.h"
 #include "progress.h"
 #include "render/figure.h"
 #include "render/frame_plan.h"
@@ -329,9 +330,20 @@ static btf_result render_all(job *j) {
     return result;
 }
 
+/* The picture must not replace what it is made from. */
+static btf_result check_output(const char *path) {
+    const char *inputs[] = {path, render_options.mesh, render_options.environment, render_options.baseline};
+    for (size_t i = 0; i < sizeof inputs / sizeof *inputs; i++)
+        if (inputs[i] && output_is_same(render_options.out, inputs[i]))
+            return cli_error(&render_program, BTF_ERROR_USAGE, "option --output: %s is an input", inputs[i]);
+    return BTF_OK;
+}
+
 static btf_result run(const char *path) {
     job j = {.log = cli_log(&render_program, render_options.quiet), .info = {.struct_size = sizeof j.info}};
     btf_result result = settings_check();
+    if (!result)
+        result = check_output(path);
     if (!result)
         result = prepare(&j, path);
     if (!result)

@@ -4,12 +4,14 @@
  */
 #include "cli.h"
 #include <errno.h>
+#include <fcntl.h>
 #include <math.h>
 #include <openbtf/material.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #ifndef OPENBTF_VERSION
 #define OPENBTF_VERSION "0.1.0"
@@ -177,7 +179,7 @@ static bool starts_number(const char *text) {
     return strchr("+-.0123456789", *text) && *text;
 }
 
-static bool parse_double(const char *text, const char *ends, double *out, const char **end) {
+bool cli_parse_double(const char *text, const char *ends, double *out, const char **end) {
     char *stop;
     if (!starts_number(text))
         return false;
@@ -187,7 +189,7 @@ static bool parse_double(const char *text, const char *ends, double *out, const 
     return stop != text && isfinite(*out) && (strchr(ends, *stop) != NULL || *stop == 0);
 }
 
-static bool parse_int(const char *text, const char *ends, int *out, const char **end) {
+bool cli_parse_int(const char *text, const char *ends, int *out, const char **end) {
     char *stop;
     errno = 0;
     if (!starts_number(text))
@@ -204,7 +206,7 @@ static bool read_int(const cli_option *option, const char *text, wanted *w) {
     want(w, "a whole number");
     if (has_range(option))
         want(w, "a whole number within %.0f to %.0f", option->minimum, option->maximum);
-    if (!parse_int(text, "", &value, NULL) || !in_range(option, value))
+    if (!cli_parse_int(text, "", &value, NULL) || !in_range(option, value))
         return false;
     *(int *)option->value = value;
     return true;
@@ -215,7 +217,7 @@ static bool read_double(const cli_option *option, const char *text, wanted *w) {
     want(w, "a number");
     if (has_range(option))
         want(w, "a number within %g to %g", option->minimum, option->maximum);
-    if (!parse_double(text, "", &value, NULL) || !in_range(option, value))
+    if (!cli_parse_double(text, "", &value, NULL) || !in_range(option, value))
         return false;
     *(double *)option->value = value;
     return true;
@@ -243,7 +245,7 @@ static bool read_size(const cli_option *option, const char *text, wanted *w) {
     want(w, "WIDTHxHEIGHT, for instance 64x64");
     if (has_range(option))
         want(w, "WIDTHxHEIGHT, each within %.0f to %.0f", option->minimum, option->maximum);
-    if (!parse_int(text, "x", &width, &end) || *end != 'x' || !parse_int(end + 1, "", &height, NULL) ||
+    if (!cli_parse_int(text, "x", &width, &end) || *end != 'x' || !cli_parse_int(end + 1, "", &height, NULL) ||
         width < 1 || height < 1 || !in_range(option, width) || !in_range(option, height))
         return false;
     ((int *)option->value)[0] = width;
@@ -263,7 +265,7 @@ static bool read_bytes(const cli_option *option, const char *text, wanted *w) {
     if (has_range(option))
         want(w, "a number of bytes within %.0f to %.0f, for instance 512M or 2.5Gi", option->minimum,
              option->maximum);
-    if (!parse_double(text, "BkKMGT", &value, &end) || value < 0)
+    if (!cli_parse_double(text, "BkKMGT", &value, &end) || value < 0)
         return false;
     for (size_t i = 0; i < sizeof units / sizeof *units; i++) {
         if (strcmp(end, units[i].name))
@@ -281,7 +283,7 @@ static bool read_angles(const cli_option *option, const char *text, wanted *w) {
     double theta, phi;
     const char *end;
     want(w, "THETA,PHI in degrees, theta within 0 to 90, phi within -360 to 360");
-    if (!parse_double(text, ",", &theta, &end) || *end != ',' || !parse_double(end + 1, "", &phi, NULL) ||
+    if (!cli_parse_double(text, ",", &theta, &end) || *end != ',' || !cli_parse_double(end + 1, "", &phi, NULL) ||
         theta < 0 || theta > 90 || phi < -360 || phi > 360)
         return false;
     ((double *)option->value)[0] = theta;
@@ -406,8 +408,17 @@ static bool parse_option(const cli_program *program, int argc, char **argv, int 
     return true;
 }
 
+/* A file opened later must not become a closed standard stream, or messages are written into it. What takes its place
+ * fails as a closed one does. */
+static void reserve_standard_streams(void) {
+    for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++)
+        if (fcntl(fd, F_GETFD) < 0)
+            (void)!open("/dev/null", fd == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+}
+
 bool cli_parse(const cli_program *program, int argc, char **argv, cli_arguments *out_arguments,
                int *out_exit_code) {
+    reserve_standard_streams();
     int count = 0;
     bool options_end = false;
     for (int i = 1; i < argc; i++) {

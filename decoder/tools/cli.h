@@ -82,9 +82,15 @@ typedef struct cli_arguments {
 
 /* Reads the command line: "--name value", "--name=value", "-o value", "-oVALUE"; "--" ends the options; "-"
  * is an argument. --help (-h) and --version are always there. Returns true to go on; false when the tool
- * should end with *out_exit_code (--help, --version: 0; a mistake, told on stderr: 1). */
+ * should end with *out_exit_code (--help, --version: 0; a mistake, told on stderr: 1). Standard streams that are closed
+ * are taken first, so that no file becomes one. */
 bool cli_parse(const cli_program *program, int argc, char **argv, cli_arguments *out_arguments,
                int *out_exit_code);
+
+/* For CLI_CUSTOM: reads a number at the beginning of `text`, finite, of int's range, without space before it. False
+ * unless the end of the text or one of `ends` follows, to which *out_end is set (may be NULL). */
+bool cli_parse_double(const char *text, const char *ends, double *out, const char **out_end);
+bool cli_parse_int(const char *text, const char *ends, int *out, const char **out_end);
 
 /* Prints "NAME: error: ..." on stderr and returns `result`. */
 btf_result cli_error(const cli_program *program, btf_result result, const char *format, ...)

@@ -97,6 +97,26 @@ static void live_remove(int slot) {
         atomic_store(&live[slot], NULL);
 }
 
+/* The status of the folder that a path's last name lies in, and that name; false without such a folder. */
+static bool find_place(const char *path, struct stat *out_folder, const char **out_name) {
+    const char *slash = strrchr(path, '/');
+    *out_name = slash ? slash + 1 : path;
+    char *folder = !slash ? strdup(".") : strndup(path, slash == path ? 1 : (size_t)(slash - path));
+    const bool found = folder && stat(folder, out_folder) == 0;
+    free(folder);
+    return found;
+}
+
+bool output_is_same(const char *path, const char *other) {
+    struct stat a, b;
+    const char *name_a, *name_b;
+    const bool there = stat(path, &a) == 0, other_there = stat(other, &b) == 0;
+    if (there || other_there)
+        return there && other_there && S_ISREG(a.st_mode) && a.st_dev == b.st_dev && a.st_ino == b.st_ino;
+    return find_place(path, &a, &name_a) && find_place(other, &b, &name_b) && a.st_dev == b.st_dev &&
+           a.st_ino == b.st_ino && strcmp(name_a, name_b) == 0;
+}
+
 btf_result output_make_folder(const char *path, btf_log log, bool *out_made) {
     const bool made = mkdir(path, 0777) == 0;
     if (out_made)

@@ -30,6 +30,7 @@ struct progress {
 
     progress_stage *stages;
     size_t n_stages, n_allocated;
+    struct sigaction on_interrupt, on_terminate; /* as they were */
 };
 
 static const double tty_interval = 0.1;   /* seconds between two drawings of the bar */
@@ -62,8 +63,8 @@ progress *progress_create(bool quiet) {
     atomic_flag_clear(&p->drawing);
     struct sigaction action = {.sa_handler = on_signal, .sa_flags = SA_RESTART};
     sigemptyset(&action.sa_mask);
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
+    sigaction(SIGINT, &action, &p->on_interrupt);
+    sigaction(SIGTERM, &action, &p->on_terminate);
     return p;
 }
 
@@ -71,6 +72,8 @@ void progress_destroy(progress **p) {
     if (!p || !*p)
         return;
     progress_end(*p);
+    sigaction(SIGINT, &(*p)->on_interrupt, NULL);
+    sigaction(SIGTERM, &(*p)->on_terminate, NULL);
     for (size_t i = 0; i < (*p)->n_stages; i++)
         free((char *)(*p)->stages[i].name);
     free((*p)->stages);

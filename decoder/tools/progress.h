@@ -16,7 +16,7 @@ typedef struct progress_stage {
     double seconds;
 } progress_stage;
 
-/* Catches SIGINT and SIGTERM from here on (a second one ends the process at once).
+/* Catches SIGINT and SIGTERM until progress_destroy (a second one ends the process at once).
  * quiet: nothing is printed, times are still kept. Returns NULL when out of memory. */
 progress *progress_create(bool quiet);
 void progress_destroy(progress **p);

@@ -79,6 +79,47 @@ verdict "a write that fails after 4 KiB of the output" "exit code 2, the old fil
 
 # the least that is taken: samples then lie in a scratch file
 least=$(btf-encode data -o least.btf.exr --method paper -q --memory 1 2>&1 | grep -o 'at least [0-9]*K' | grep -o '[0-9]*K')
+rm -f y.btf.exr
+TMPDIR=$PWD btf-encode data -o y.btf.exr --method paper --memory "$least" >/dev/null 2>&-
+code=$?
+one_of 0
+must cmp y.btf.exr paper.btf.exr
+rm -f y.btf.exr
+TMPDIR=$PWD btf-encode data -o y.btf.exr --method paper --memory "$least" <&- >&- 2>&-
+code=$?
+one_of 2
+must cmp y.btf.exr paper.btf.exr
+verdict "standard streams closed, samples in a scratch file" \
+    "the same bytes, nothing is printed into a file; exit code 2 where tables cannot be printed" "as expected"
+
+tar cf same.tar -C data . && cp same.tar kept.tar
+for output in same.tar ./same.tar; do
+    try btf-encode same.tar -o $output --method paper -q
+    one_of 1
+    must grep -q same.tar err
+done
+try btf-encode same.tar -o w.btf.exr --method paper -q --report same.tar
+one_of 1
+must cmp same.tar kept.tar
+rm -f w.btf.exr
+try btf-encode data -o w.btf.exr --method paper -q --report w.btf.exr
+one_of 1
+must test ! -e w.btf.exr
+cp paper.btf.exr w.btf.exr
+try btf-decode w.btf.exr -o w.btf.exr
+one_of 1
+must cmp w.btf.exr paper.btf.exr
+verdict "an output that is the input, or another output" "exit code 1, the file is named, the input kept" "$(message)"
+
+cp -r data piped
+image=$(find piped -name '*.png' | head -1)
+rm "$image" && mkfifo "$image"
+try timeout -s KILL 60 btf-encode piped -o v.btf.exr --method paper -q
+one_of 5
+must grep -q "${image##*/}: not a regular file" err
+must test ! -e v.btf.exr
+verdict "a pipe with an image's name" "exit code 5, the image is named" "$(message | cut -c 1-90)"
+
 mkdir drawn
 paper data y.btf.exr --pictures drawn/good --report good.json
 for moment in $(moments 6 "$(seconds_of paper data y.btf.exr --pictures drawn/timed)"); do

@@ -115,6 +115,10 @@ done
 expect "joint: quality" 0 btf-encode data -o joint.btf.exr --preset fast --quality 15 --report joint.json -q
 expect_that "joint: the quality is reached" test "$(json joint.json "r['psnr']['full']['srgb'] >= 15")" = True
 
+for option in --levels=4294967297 "--levels= 1" "--transfer=gamma: 2" --memory=0 --budget=0.5; do
+    expect "$option" 1 btf-encode data -o x.btf.exr "$option"
+    expect_text "is refused with option and value" "option ${option%%=*}: '${option#*=}' is not" err
+done
 expect "levels" 0 btf-encode data -o levels.btf.exr --preset fast --levels all --report levels.json --threads 1
 expect_text "a table of levels" '^  4 +1 x 1 ' out
 expect_text "and their bytes" '^  full, all levels ' out

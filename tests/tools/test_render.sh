@@ -105,6 +105,14 @@ plane -o level.png --size 16 --samples 2 --level 0
 same "supersamples take the level of their own spacing" finer.png level.png
 expect "a level that is not there" 1 render -o x.png --level 1
 expect_text "is told" 'option --level: 1, but m.btf.exr has 1 level$' err
+for option in --level=4294967296 --size=4294967297 "--size=8x 8" "--view= 1,2"; do
+    expect "$option" 1 render -o x.png "$option"
+    expect_text "is refused with option and value" "option ${option%%=*}: '${option#*=}' is not" err
+done
+cp m.btf.exr same.btf.exr
+expect "a picture in the material's place" 1 btf-render same.btf.exr -o ./same.btf.exr --device reference --size 16
+expect_text "is told" 'option --output: same.btf.exr is an input' err
+expect_that "the material is kept" cmp m.btf.exr same.btf.exr
 expect "no level" 1 render -o x.png --level coarse
 expect "figure 13 of a coarser level" 1 lod levels.btf.exr -o x.png --figure13 --original data --level 1
 expect_text "is told why" 'option --level: 1, but --figure13' err

@@ -201,6 +201,22 @@ static void test_mistakes(void **state) {
     bad(WORDS("a", "--custom", "x"), "option --custom: 'x' is not a vowel");
 }
 
+static void test_numbers(void **state) {
+    (void)state;
+    const char *end;
+    double x = 0;
+    int n = 0;
+    assert_true(cli_parse_int("12x3", "x", &n, &end) && n == 12 && !strcmp(end, "x3"));
+    assert_true(cli_parse_double("1.5,", ",", &x, &end) && x == 1.5 && !strcmp(end, ","));
+    assert_true(cli_parse_int("-2147483648", "", &n, NULL) && n == -2147483647 - 1);
+    const char *const no_int[] = {"", " 1", "4294967297", "99999999999999999999", "1x", "0x1", "1.0", "x"};
+    const char *const no_double[] = {"", " 1", "nan", "inf", "1e999", "1,", ",1", "."};
+    for (size_t i = 0; i < sizeof no_int / sizeof *no_int; i++)
+        assert_false(cli_parse_int(no_int[i], "", &n, NULL));
+    for (size_t i = 0; i < sizeof no_double / sizeof *no_double; i++)
+        assert_false(cli_parse_double(no_double[i], "", &x, NULL));
+}
+
 static void test_help(void **state) {
     (void)state;
     cli_arguments arguments;
@@ -268,6 +284,7 @@ static void test_json(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_values), cmocka_unit_test(test_arguments),    cmocka_unit_test(test_mistakes),
+        cmocka_unit_test(test_numbers),
         cmocka_unit_test(test_help),   cmocka_unit_test(test_effects_text), cmocka_unit_test(test_json),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

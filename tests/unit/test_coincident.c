@@ -94,6 +94,9 @@ static void test_refusals(void **state) {
         {"0 0 5\n", "line 1: expected"},
         {"0 0 5 90 1 2\n", "line 1: expected"},
         {"0 0 5 x\n", "line 1: expected"},
+        {"0 0 5 90 x\n", "line 1: expected"},
+        {"0 0 5 90x\n", "line 1: expected"},
+        {"1 0 0 5 90 2\n", "line 1: expected"},
         {"0 0 nan 0\n", "line 1: expected"},
         {"\n0 0 90 0\n", "line 2: theta 90 of the light"},
         {"15 0 16 0\n", "line 1: (15,0) is no view and light"},
@@ -110,6 +113,19 @@ static void test_refusals(void **state) {
         enc_data_destroy(&data);
     }
     enc_data *data = make_data();
+    char text[6000];
+    snprintf(text, sizeof text, "#%0400d\n0 0 5 90\n", 0); /* a comment is one line, however long */
+    write_table(text);
+    assert_int_equal(enc_coincident_read(&context, path, &options, data), BTF_OK);
+    assert_float_equal(enc_data_light(data, 0, 0)->theta, 5, 0);
+    enc_data_destroy(&data);
+    data = make_data();
+    snprintf(text, sizeof text, "\n#%05000d\n", 0);
+    write_table(text);
+    assert_int_equal(enc_coincident_read(&context, path, &options, data), BTF_ERROR_BAD_FILE);
+    assert_non_null(strstr(messages, "line 2 is longer than 4094 bytes"));
+    enc_data_destroy(&data);
+    data = make_data();
     assert_int_equal(enc_coincident_read(&context, "/nonexistent/table", &options, data), BTF_ERROR_IO);
     enc_data_destroy(&data);
 }

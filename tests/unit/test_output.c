@@ -267,6 +267,45 @@ static void test_other_targets(void **state) {
     assert_true(S_ISLNK(status.st_mode));
 }
 
+static void test_same(void **state) {
+    (void)state;
+    char other[400], detour[400];
+    snprintf(other, sizeof other, "%s/other", folder);
+    snprintf(detour, sizeof detour, "%s/./%s", folder, strrchr(target, '/') + 1);
+    unlink(target);
+    assert_true(output_is_same(target, target)); /* none of them is there yet */
+    assert_true(output_is_same(target, detour));
+    assert_false(output_is_same(target, other));
+    FILE *f = fopen(target, "w");
+    assert_non_null(f);
+    fclose(f);
+    assert_true(output_is_same(target, detour));
+    assert_false(output_is_same(target, other));
+    assert_false(output_is_same(other, target));
+    assert_int_equal(link(target, other), 0);
+    assert_true(output_is_same(target, other));
+    unlink(other);
+    assert_int_equal(symlink(target, other), 0);
+    assert_true(output_is_same(other, target));
+    unlink(other);
+    assert_false(output_is_same("/dev/null", "/dev/null")); /* nothing is replaced there */
+    assert_false(output_is_same("/nonexistent/x", "/nonexistent/x"));
+}
+
+/* SIGINT is caught while a progress lives, and as before afterwards. */
+static void test_signals_given_back(void **state) {
+    (void)state;
+    struct sigaction before, during, after;
+    sigaction(SIGINT, NULL, &before);
+    progress *p = progress_create(true);
+    assert_non_null(p);
+    sigaction(SIGINT, NULL, &during);
+    progress_destroy(&p);
+    sigaction(SIGINT, NULL, &after);
+    assert_true(during.sa_handler != before.sa_handler);
+    assert_true(after.sa_handler == before.sa_handler);
+}
+
 static void test_stages(void **state) {
     (void)state;
     progress *p = progress_create(true);
@@ -337,6 +376,8 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_stale_files, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_ends_of_process, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_other_targets, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_same, make_folder, remove_folder),
+        cmocka_unit_test(test_signals_given_back),
         cmocka_unit_test(test_stages),
         cmocka_unit_test_setup_teardown(test_plain_lines, make_folder, remove_folder),
     };

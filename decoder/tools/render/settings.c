@@ -27,34 +27,32 @@ settings render_options = {.mesh = "sphere",
                            .repeats = 9};
 
 static const char *parse_size(const char *text, void *value) {
-    int *size = value, used = 0;
-    if (sscanf(text, "%dx%d%n", &size[0], &size[1], &used) != 2 || text[used]) {
-        if (sscanf(text, "%d%n", &size[0], &used) != 1 || text[used])
-            return "N or WxH, each 1..8192";
+    int *size = value;
+    const char *end;
+    if (!cli_parse_int(text, "x", &size[0], &end) || (*end && !cli_parse_int(end + 1, "", &size[1], NULL)))
+        return "N or WxH, each 1..8192";
+    if (!*end)
         size[1] = size[0];
-    }
     return size[0] >= 1 && size[0] <= 8192 && size[1] >= 1 && size[1] <= 8192 ? NULL
                                                                               : "N or WxH, each 1..8192";
 }
 
 static const char *parse_view(const char *text, void *value) {
     double *view = value;
-    int used = 0;
-    if (sscanf(text, "%lf,%lf%n", &view[0], &view[1], &used) != 2 || text[used] ||
+    const char *end;
+    if (!cli_parse_double(text, ",", &view[0], &end) || !*end || !cli_parse_double(end + 1, "", &view[1], NULL) ||
         !(view[0] >= 0 && view[0] <= 180 && fabs(view[1]) <= 360))
         return "theta,phi in degrees, theta 0..180, phi -360..360";
     return NULL;
 }
 
 static const char *parse_level(const char *text, void *value) {
-    int *level = value, used = 0;
+    int *level = value;
     if (!strcmp(text, "auto")) {
         *level = -1;
         return NULL;
     }
-    if (sscanf(text, "%d%n", level, &used) != 1 || text[used] || *level < 0)
-        return "auto, or a level from 0";
-    return NULL;
+    return cli_parse_int(text, "", level, NULL) && *level >= 0 ? NULL : "auto, or a level from 0";
 }
 
 static const cli_option option_table[] = {
