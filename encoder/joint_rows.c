@@ -1,8 +1,10 @@
 /* Rows of a joint fit: clipping, the square root, and passes over all data (see joint_rows.h).
  *
  * Highlights: least squares on radiance that reaches 10 or 100 would spend everything on a few samples
- * (prototype: an unclipped set costs PCA 1.6 dB). The scale is 1 where nothing exceeds it; else the
- * 99.9th percentile of the samples, at least 1 and at most 2^24. Larger samples are clipped to it.
+ * (prototype: an unclipped set costs PCA 1.6 dB). Where some exceed 1, the scale is the 99.9th percentile
+ * of the samples, at least 1 and at most 2^24; larger samples are clipped to it. Else it is the power of
+ * two above the largest sample, at least 2^-24, so that dim data are no worse than bright ones; 1 where all
+ * are black.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -13,7 +15,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { HISTOGRAM = 4096 }; /* bins of the percentile: 64 a factor of two, from 1 to 2^64 */
+enum {
+    HISTOGRAM = 4096, /* bins of the percentile: 64 a factor of two, from 1 to 2^64 */
+    DIMMEST = 24      /* 2^-24 is the least scale of a file */
+};
 
 /* One block of data: samples of texel i and view first_view + j are at samples + i * pitch + j * row. */
 typedef struct data_block {
@@ -158,29 +163,46 @@ static size_t bin_of(float sample) {
     return position < HISTOGRAM - 1 ? (size_t)position : HISTOGRAM - 1;
 }
 
-/* The 99.9th percentile of all samples, at least 1: the upper edge of its bin. */
+/* The exponent of the power of two above a sample of at most 1, negated: 0 .. DIMMEST. */
+static int dimness(float sample) {
+    int exponent;
+    frexpf(sample, &exponent);
+    return exponent >= 0 ? 0 : exponent < -DIMMEST ? DIMMEST : -exponent;
+}
+
+/* The 99.9th percentile of all samples where it is above 1, the upper edge of its bin; else the power of
+ * two above the largest. */
 static btf_result find_scale(joint_rows *rows) {
-    uint64_t histogram[HISTOGRAM] = {0};
+    uint64_t histogram[HISTOGRAM + DIMMEST + 1] = {0}, *const dim = histogram + HISTOGRAM;
     size_t begin, end;
-    float *buffer;
+    float *buffer, largest = 0;
     joint_rows_views(rows, &begin, &end);
     btf_result result = block_buffer(rows, end - begin, &buffer) ? BTF_OK : no_memory(rows);
     for (size_t first = 0; first < rows->texels && begin < end && result == BTF_OK; first += JOINT_BLOCK) {
         data_block data;
         result = load_block(rows, first, begin, end - begin, buffer, &data);
         for (size_t i = 0; result == BTF_OK && i < data.count; i++)
-            for (size_t p = 0; p < (end - begin) * rows->row; p++)
-                if (data.samples[i * data.pitch + p] > 1.0f)
-                    histogram[bin_of(data.samples[i * data.pitch + p])]++;
+            for (size_t p = 0; p < (end - begin) * rows->row; p++) {
+                const float sample = data.samples[i * data.pitch + p];
+                largest = fmaxf(largest, sample);
+                if (sample > 1.0f)
+                    histogram[bin_of(sample)]++;
+            }
     }
     free(buffer);
-    result = enc_team_sum(rows->context, result, histogram, HISTOGRAM);
+    if (largest > 0)
+        dim[dimness(largest)]++; /* one a process */
+    result = enc_team_sum(rows->context, result, histogram, HISTOGRAM + DIMMEST + 1);
     const uint64_t kept = rows->texels * rows->views * rows->row / 1000;
     uint64_t above = 0;
     size_t bin = HISTOGRAM;
     for (; bin > 0 && above + histogram[bin - 1] <= kept; bin--)
         above += histogram[bin - 1];
-    rows->scale = (float)exp2(fmin((double)bin / 64.0, 24.0)); /* what radianceScale may be */
+    int low = 0;
+    while (low <= DIMMEST && dim[low] == 0)
+        low++;
+    const double scale = exp2(fmin((double)bin / 64.0, 24.0)); /* what radianceScale may be */
+    rows->scale = (float)(low <= DIMMEST ? ldexp(scale, -low) : scale);
     return result;
 }
 

@@ -92,7 +92,7 @@ static void report(const char *what, encode_method method, double was, double is
 
 int main(void) {
     cases_title(
-        "Changes of the input whose effect is known, by PSNR (peak 1, of 4 times the radiance peak 4).");
+        "Changes of the input whose effect is known, by PSNR (peak 1, of n times the radiance peak n).");
     const hard_directions d = hard_rings(3, (const double[]){0, 30, 60}, (const int[]){1, 4, 8});
     enc_data *data = hard_relief(SIDE, &d, &d, 0.2f); /* below 1 even when 4 times as bright */
     const change changes[] = {
@@ -114,7 +114,7 @@ int main(void) {
     }
     enc_data *lights_moved = hard_moved(data, NULL, shuffled_lights, take_order, &(order){same, lights});
     enc_data *views_moved = hard_moved(data, shuffled_views, NULL, take_order, &(order){views, same});
-    enc_data *brighter = hard_relief(SIDE, &d, &d, 0.8f);
+    enc_data *brighter = hard_relief(SIDE, &d, &d, 0.8f), *dimmer = hard_relief(SIDE, &d, &d, 0.2f / 1024);
     for (int m = 0; m <= ENCODE_PAPER_SHADOW; m++) {
         const encode_method method = (encode_method)m;
         const double plain = encode_played_psnr(data, data, method, 1, 1);
@@ -130,10 +130,15 @@ int main(void) {
         }
         report("radiance times 4, thresholds too", method, plain,
                encode_played_psnr(brighter, brighter, method, 4, 4), least_bound);
+        if (method == ENCODE_JOINT || method == ENCODE_JOINT_SBRDF) {
+            report("radiance divided by 1024", method, plain,
+                   encode_played_psnr(dimmer, dimmer, method, 1, 0x1p-10f), least_bound);
+        }
     }
     enc_data_destroy(&data);
     enc_data_destroy(&lights_moved);
     enc_data_destroy(&views_moved);
     enc_data_destroy(&brighter);
+    enc_data_destroy(&dimmer);
     return cases_result();
 }

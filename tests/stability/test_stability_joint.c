@@ -185,6 +185,31 @@ static void run(const hard_case *h, encode_method method) {
     enc_data_destroy(&data);
 }
 
+/* PSNR of a surface times `scale` by the joint method, relative to its peak. */
+static double surface_psnr(float scale) {
+    const hard_directions many = hard_thirteen();
+    enc_data *data = hard_create(4, 4, &many, &many, scaled, &scale);
+    encoded e = encode(data, ENCODE_JOINT, 1, 1);
+    const double psnr = e.result == BTF_OK ? encode_psnr(data, e.decoded, scale) : 0;
+    encode_clear(&e);
+    enc_data_destroy(&data);
+    return psnr;
+}
+
+/* Brightness is no property of the method. */
+static void dim_is_as_good(void) {
+    static const float scales[] = {0.3f, 1e-3f, 1e-5f};
+    const double bright = surface_psnr(0.6f);
+    for (size_t i = 0; i < sizeof scales / sizeof *scales; i++) {
+        const double dim = surface_psnr(scales[i]);
+        char input[120];
+        snprintf(input, sizeof input, "%s: a surface times %g, relative to its peak",
+                 encode_names[ENCODE_JOINT], (double)scales[i]);
+        cases_add(input, "within 1 dB of the surface times 0.6, or better", dim >= bright - 1,
+                  "%.1f dB, times 0.6 %.1f dB", dim, bright);
+    }
+}
+
 int main(void) {
     cases_title("Whole encodes of hard data, saved, opened and decoded by the reference at the sampled "
                 "directions.");
@@ -193,5 +218,6 @@ int main(void) {
             run(list + i, (encode_method)method);
         }
     }
+    dim_is_as_good();
     return cases_result();
 }
