@@ -80,8 +80,11 @@ static void pictures_are_scenes(void **state) {
 static void ranges_are_widened(void **state) {
     (void)state;
     const btf_range inner = {.theta = {31, 44}, .phi = {170, 190}};
-    const btf_range outer = plan_range_widen(&inner, 10);
-    assert_true(outer.theta[0] == 20 && outer.theta[1] == 60 && outer.phi[0] == 160 && outer.phi[1] == 200);
+    const btf_range rings = plan_range_widen(&inner, 10);
+    assert_true(rings.theta[0] == 20 && rings.theta[1] == 60 && rings.phi[0] == rings.phi[1]);
+    assert_true(plan_range_covers(&rings, &inner, 10.9f));
+    assert_false(plan_range_covers(&rings, &inner, 11.1f));
+    const btf_range outer = {.theta = {20, 60}, .phi = {160, 200}};
     assert_true(plan_range_covers(&outer, &inner, 9.9f));
     assert_false(plan_range_covers(&outer, &inner, 10.1f)); /* azimuth */
     const btf_range low = {.theta = {25, 70}, .phi = {170, 190}};

@@ -152,19 +152,10 @@ static void turns(const btf_range *r, double *from, double *length) {
 }
 
 btf_range plan_range_widen(const btf_range *range, float degrees) {
-    double theta[2], from, length;
+    double theta[2];
     elevations(range, theta);
-    turns(range, &from, &length);
-    btf_range wide = {.theta = {(float)fmax(degrees * floor((theta[0] - degrees) / degrees), 0),
-                                (float)fmin(degrees * ceil((theta[1] + degrees) / degrees), 90)}};
-    /* Near the pole a small step is a large turn: all azimuths there. */
-    const double first = degrees * floor((from - degrees) / degrees),
-                 last = degrees * ceil((from + length + degrees) / degrees);
-    if (wide.theta[0] > 0 && last - first < 300) {
-        wide.phi[0] = (float)fmod(first, 360);
-        wide.phi[1] = (float)fmod(last, 360);
-    }
-    return wide;
+    return (btf_range){.theta = {(float)fmax(degrees * floor((theta[0] - degrees) / degrees), 0),
+                                 (float)fmin(degrees * ceil((theta[1] + degrees) / degrees), 90)}};
 }
 
 bool plan_range_covers(const btf_range *outer, const btf_range *inner, float slack) {

@@ -19,16 +19,10 @@ void planner_clear(planner *p) {
     *p = planner_begin();
 }
 
-static btf_range rings_around(const btf_range *range) {
-    btf_range wide = plan_range_widen(range, ring);
-    wide.phi[0] = wide.phi[1] = 0;
-    return wide;
-}
-
 btf_scene planner_rings(const btf_scene *needed) {
     return (btf_scene){.struct_size = sizeof(btf_scene),
-                       .view = rings_around(&needed->view),
-                       .light = rings_around(&needed->light),
+                       .view = plan_range_widen(&needed->view, ring),
+                       .light = plan_range_widen(&needed->light, ring),
                        .pixels = needed->pixels,
                        .interpolate = 1};
 }
@@ -50,7 +44,8 @@ static bool holds(const btf_scene *scene, const btf_scene *needed, float more) {
 
 /* Wider than what would be planned now by more than a ring, or finer. */
 static bool is_wasteful(const btf_scene *scene, const btf_scene *rings) {
-    const btf_range view = rings_around(&rings->view), light = rings_around(&rings->light);
+    const btf_range view = plan_range_widen(&rings->view, ring),
+                    light = plan_range_widen(&rings->light, ring);
     return scene->pixels > rings->pixels || !plan_range_covers(&view, &scene->view, 0) ||
            !(scene->light.fixed || plan_range_covers(&light, &scene->light, 0));
 }
