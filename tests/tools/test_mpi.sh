@@ -28,6 +28,10 @@ team() { # N ARGUMENT...: btf-encode on N ranks of one thread
 }
 nothing_left() { [ ! -e "$1" ] && [ -z "$(find . -name '.*.tmp' -o -name 'btf-scratch-*')" ]; }
 
+for n in 2 3 5; do
+    expect "transfers between $n ranks, whole and in pieces" 0 timeout 120 mpirun -n $n mpi_transfers
+done
+
 small_data
 python3 -c 'import shutil; shutil.make_archive("data", "zip", "data")'
 bonn_sample small.btf || exit 99
@@ -127,6 +131,11 @@ btf-encode "${slow[@]}" --resume && mv x.btf.exr alone.btf.exr
 expect_that "one process goes on from there, nothing half stays" nothing_left x.btf.exr
 btf-encode data --preset exhaustive --effects shift,gain,residual -o whole.btf.exr -q
 expect_that "with the bytes of an uninterrupted run" cmp whole.btf.exr alone.btf.exr
+kill_one TERM rank
+expect_that "SIGTERM to one rank ends the job with 130 ($code)" test "$code" = 130
+expect_text "it is said" "interrupted; no material was written" err
+expect_that "nothing half after that" nothing_left x.btf.exr
+rm -rf steps
 kill_one TERM all
 expect_that "SIGTERM to all ends the job with a code ($code)" test "$code" != 0
 expect_that "nothing half after it" nothing_left x.btf.exr
