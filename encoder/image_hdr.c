@@ -99,9 +99,9 @@ static btf_result read_header(cursor *c, size_t max_pixels, int *out_width, int 
             if (!*out_xyz && strcmp(line + 7, "32-bit_rle_rgbe") != 0)
                 goto bad;
         } else if (sscanf(line, "EXPOSURE=%lf", &exposure) == 1) {
-            if (!(exposure > 0.0) || !isfinite(exposure))
-                goto bad;
             *out_exposure *= exposure;
+            if (!(exposure > 0.0 && *out_exposure > 0.0) || !isfinite(*out_exposure))
+                goto bad;
         } else if (line[0] == '\0') {
             break;
         }
@@ -109,8 +109,8 @@ static btf_result read_header(cursor *c, size_t max_pixels, int *out_width, int 
     if (!read_line(c, line, sizeof line))
         goto bad;
     /* ATRIUM's files say +X W -Y H, which would be column after column, but hold rows from the bottom. */
-    const bool atrium = sscanf(line, "+X %d -Y %d", out_width, out_height) == 2;
-    if (!atrium && (sscanf(line, "%cY %d %cX %d", &y_sign, out_height, &x_sign, out_width) != 4 ||
+    const bool atrium = sscanf(line, "+X %9d -Y %9d", out_width, out_height) == 2;
+    if (!atrium && (sscanf(line, "%cY %9d %cX %9d", &y_sign, out_height, &x_sign, out_width) != 4 ||
                     x_sign != '+' || (y_sign != '-' && y_sign != '+'))) {
         snprintf(message, message_size, "HDR: resolution \"%.64s\" is not of the form -Y H +X W", line);
         return BTF_ERROR_UNSUPPORTED;

@@ -277,6 +277,16 @@ static void test_hdr(void **state) {
     enc_image_clear(&image);
     write_hdr(file, W, H, rgbe, HDR_NEW_RUNS, "FORMAT=unheard of\n", false);
     expect_error(BTF_ERROR_BAD_FILE, "HDR");
+    static const char *const exposures[] = {"EXPOSURE=0\n", "EXPOSURE=-1\n", "EXPOSURE=inf\n",
+                                            "EXPOSURE=1e300\nEXPOSURE=1e300\n",
+                                            "EXPOSURE=1e-300\nEXPOSURE=1e-300\n"};
+    for (size_t i = 0; i < sizeof exposures / sizeof exposures[0]; i++) {
+        write_hdr(file, W, H, rgbe, HDR_NEW_RUNS, exposures[i], false);
+        expect_error(BTF_ERROR_BAD_FILE, "HDR");
+    }
+    const char wrapped[] = "#?RADIANCE\n\n-Y 1 +X 4294967297\n0000"; /* 1 modulo 2^32 */
+    write_whole_file(file, wrapped, sizeof wrapped - 1);
+    expect_error(BTF_ERROR_UNSUPPORTED, "429496729");
     const char rotated[] = "#?RADIANCE\n\n+X 4 +Y 4\n";
     write_whole_file(file, rotated, sizeof rotated - 1);
     expect_error(BTF_ERROR_UNSUPPORTED, "+X 4 +Y 4");
