@@ -36,6 +36,10 @@ static const char shader_body[] =
 static const btf_shader_options options = {
     .struct_size = sizeof options, .bindings = BTF_BINDINGS_VULKAN, .first_binding = FIRST_BINDING};
 
+enum {
+    MOST = 2 * BTF_TEXTURE_COUNT + 2
+}; /* objects of a kind: an image and its staging buffer a texture, two buffers */
+
 typedef struct gpu {
     VkInstance instance;
     VkPhysicalDevice physical;
@@ -49,6 +53,12 @@ typedef struct gpu {
     VkDescriptorSet set;
     VkPipelineLayout layout;
     VkPipeline pipeline;
+    /* what has to go before the device: see close_device */
+    VkBuffer buffers[MOST];
+    VkImage images[MOST];
+    VkImageView views[MOST];
+    VkDeviceMemory memories[MOST];
+    uint32_t buffer_count, image_count, view_count, memory_count;
 } gpu;
 
 typedef struct buffer {
@@ -106,7 +116,26 @@ static int open_device(gpu *g) {
     return 1;
 }
 
-static VkDeviceMemory allocate(const gpu *g, VkMemoryRequirements need, VkMemoryPropertyFlags flags) {
+static void close_device(gpu *g) {
+    vkDestroyPipeline(g->device, g->pipeline, NULL);
+    vkDestroyPipelineLayout(g->device, g->layout, NULL);
+    vkDestroyDescriptorPool(g->device, g->descriptors, NULL);
+    vkDestroyDescriptorSetLayout(g->device, g->set_layout, NULL);
+    for (uint32_t i = 0; i < g->view_count; i++)
+        vkDestroyImageView(g->device, g->views[i], NULL);
+    for (uint32_t i = 0; i < g->image_count; i++)
+        vkDestroyImage(g->device, g->images[i], NULL);
+    for (uint32_t i = 0; i < g->buffer_count; i++)
+        vkDestroyBuffer(g->device, g->buffers[i], NULL);
+    for (uint32_t i = 0; i < g->memory_count; i++)
+        vkFreeMemory(g->device, g->memories[i], NULL);
+    vkDestroySampler(g->device, g->sampler, NULL);
+    vkDestroyCommandPool(g->device, g->pool, NULL);
+    vkDestroyDevice(g->device, NULL);
+    vkDestroyInstance(g->instance, NULL);
+}
+
+static VkDeviceMemory allocate(gpu *g, VkMemoryRequirements need, VkMemoryPropertyFlags flags) {
     VkPhysicalDeviceMemoryProperties have;
     VkDeviceMemory memory;
     vkGetPhysicalDeviceMemoryProperties(g->physical, &have);
@@ -116,19 +145,20 @@ static VkDeviceMemory allocate(const gpu *g, VkMemoryRequirements need, VkMemory
                                                .allocationSize = need.size,
                                                .memoryTypeIndex = i};
             check(vkAllocateMemory(g->device, &info, NULL, &memory), "memory");
-            return memory;
+            return g->memories[g->memory_count++] = memory;
         }
     check(VK_ERROR_OUT_OF_DEVICE_MEMORY, "no memory of that kind");
     return VK_NULL_HANDLE;
 }
 
 /* A buffer that the CPU sees, mapped for good. */
-static buffer make_buffer(const gpu *g, size_t size, VkBufferUsageFlags usage) {
+static buffer make_buffer(gpu *g, size_t size, VkBufferUsageFlags usage) {
     buffer b = {0};
     const VkBufferCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = size, .usage = usage};
     VkMemoryRequirements need;
     check(vkCreateBuffer(g->device, &info, NULL, &b.name), "buffer");
+    g->buffers[g->buffer_count++] = b.name;
     vkGetBufferMemoryRequirements(g->device, b.name, &need);
     VkDeviceMemory memory =
         allocate(g, need, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
@@ -187,7 +217,7 @@ static VkFormat format_of(btf_format format) {
 
 /* The library hands textures out as plain memory: they go up as they are, levels of detail as mip levels.
  */
-static VkImageView upload(const gpu *g, const btf_material *material, btf_texture_id id) {
+static VkImageView upload(gpu *g, const btf_material *material, btf_texture_id id) {
     VkImage image;
     VkImageView view;
     VkMemoryRequirements need;
@@ -215,6 +245,7 @@ static VkImageView upload(const gpu *g, const btf_material *material, btf_textur
                                     .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
     const VkImageSubresourceRange range = {VK_IMAGE_ASPECT_COLOR_BIT, 0, levels, 0, t->layers};
     check(vkCreateImage(g->device, &info, NULL, &image), "image");
+    g->images[g->image_count++] = image;
     vkGetImageMemoryRequirements(g->device, image, &need);
     check(vkBindImageMemory(g->device, image, allocate(g, need, 0), 0), "image memory");
     buffer staging = make_buffer(g, size, VK_BUFFER_USAGE_TRANSFER_SRC_BIT);
@@ -234,7 +265,7 @@ static VkImageView upload(const gpu *g, const btf_material *material, btf_textur
                                              .format = info.format,
                                              .subresourceRange = range};
     check(vkCreateImageView(g->device, &view_info, NULL, &view), "image view");
-    return view;
+    return g->views[g->view_count++] = view;
 }
 
 static void add_binding(VkDescriptorSetLayoutBinding *bindings, uint32_t *count, uint32_t binding,
@@ -284,7 +315,7 @@ static void bind_buffer(const gpu *g, uint32_t binding, const buffer *b) {
     vkUpdateDescriptorSets(g->device, 1, &write, 0, NULL);
 }
 
-static void bind_texture(const gpu *g, uint32_t binding, const btf_material *material, btf_texture_id id) {
+static void bind_texture(gpu *g, uint32_t binding, const btf_material *material, btf_texture_id id) {
     const VkDescriptorImageInfo info = {g->sampler, upload(g, material, id),
                                         VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
     const VkWriteDescriptorSet write = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
@@ -313,6 +344,7 @@ static void make_pipeline(gpu *g, const uint32_t *code, size_t size) {
                   .pName = "main"},
         .layout = g->layout};
     check(vkCreateComputePipelines(g->device, VK_NULL_HANDLE, 1, &info, NULL, &g->pipeline), "pipeline");
+    vkDestroyShaderModule(g->device, module, NULL);
 }
 
 /* u, v, view, light: the same numbers everywhere. */
@@ -387,8 +419,7 @@ static int run(const btf_material *material, const uint32_t *code, size_t size) 
                          &barrier, 0, NULL, 0, NULL);
     submit(&g, commands);
     const int exit_code = compare(material, inputs.data, outputs.data);
-    vkDestroyDevice(g.device, NULL); /* the process ends: what lives in the device goes with it */
-    vkDestroyInstance(g.instance, NULL);
+    close_device(&g);
     return exit_code;
 }
 

@@ -19,6 +19,15 @@ for path in sys.argv[1:]:
 P
 
 expect "sample" 0 btf-sample -o tiny --size 8x8 --directions small --quiet
+if [ -n "$light" ]; then # the sections that encode do nothing but what test_encode.sh does, a hundred times
+    expect "machine" 0 btf-bench --quick --input tiny --only machine --out b -q
+    expect_that "table has its columns" python3 columns.py b/machine-tiny.csv
+    expect "an unknown section" 1 btf-bench --only nothing
+    expect "no data" 2 btf-bench --input missing --out x -q
+    expect "no folder" 2 btf-bench --quick --input tiny --out columns.py/x -q
+    expect "interrupted" 130 timeout --preserve-status -s INT 1 btf-bench --materials bricks --size 24x24 --only encode --out i -q
+    finish
+fi
 expect "machine, encode, storage" 0 btf-bench --quick --input tiny --only machine,encode,storage --out b -q
 expect_that "tables have their columns" python3 columns.py b/encode-tiny.csv b/storage-tiny.csv b/machine-tiny.csv
 expect_that "every sweep is there" python3 - <<'P'

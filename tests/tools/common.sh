@@ -9,6 +9,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
 failures=0
+light=${BTF_TEST_LIGHT:-} # not empty: repeat less (tests/meson.build)
 
 report() { # NAME VERDICT [detail]
     echo "[ RUN      ] $1"
