@@ -276,7 +276,8 @@ static void test_failures(void **state) {
         assert_string_equal(logs[r], r == 0 ? "data: not there\n" : "");
 }
 
-/* A relief's BTF without a relief: lobes that turn with the texel, shifted from view to view. */
+/* A relief's BTF without a relief: lobes that turn with the texel, shifted from view to view, and noise, so
+ * that nothing is found exactly. */
 static void fill(const enc_context *context, enc_data *data) {
     size_t first, end;
     const size_t stride = enc_data_texel_stride(data);
@@ -290,7 +291,10 @@ static void fill(const enc_context *context, enc_data *data) {
                     const float *light = data->lights[l].xyz;
                     const float tilt = 0.5f * sinf((float)(at % SIDE)) * light[0] + 0.3f * light[1];
                     const float wave = 0.5f + 0.4f * cosf(0.9f * (float)at + (float)c);
-                    texel[(v * 3 + c) * LIGHTS + l] = light[2] * wave * fmaxf(0.1f + tilt, 0.02f);
+                    const uint32_t mixed = (uint32_t)(((t * VIEWS + v) * 3 + c) * LIGHTS + l) * 2654435761u;
+                    const float noise = (float)(mixed >> 16) / 65536.0f;
+                    texel[(v * 3 + c) * LIGHTS + l] =
+                        light[2] * wave * fmaxf(0.1f + tilt, 0.02f) + 0.05f * noise;
                 }
         }
         assert_int_equal(enc_data_store_texels(context, data, t, 1, texel), BTF_OK);
@@ -312,6 +316,7 @@ static enc_data *make_data(const enc_context *context) {
 /* What an analysis found. */
 typedef struct found {
     bool paper;
+    uint32_t effects; /* of the joint method: exactly these */
     enc_solution solution;
     size_t received;
 } found;
@@ -329,6 +334,8 @@ static void analyse(const enc_context *context, void *user) {
         enc_joint_options options = enc_joint_options_default();
         options.preset = ENC_JOINT_FAST;
         options.rounds = 2;
+        options.effects = f->effects;
+        options.choose = false;
         assert_int_equal(enc_joint(context, data, &options, &f->solution, NULL), BTF_OK);
     }
     enc_data_destroy(&data);
@@ -361,15 +368,16 @@ static void compare(const enc_solution *a, const enc_solution *b) {
     }
 }
 
-static void check_bits(bool paper, const int *sizes, int count) {
-    found alone = {.paper = paper};
+static void check_bits(bool paper, uint32_t effects, const int *sizes, int count) {
+    found alone = {.paper = paper, .effects = effects};
     const enc_context context = {.threads = 1};
     analyse(&context, &alone);
+    assert_true(paper || (alone.solution.shift && alone.solution.gain));
     for (int i = 0; i < count; i++) {
         found each[MOST_RANKS];
         void *users[MOST_RANKS];
         for (int r = 0; r < sizes[i]; r++) {
-            each[r] = (found){.paper = paper};
+            each[r] = (found){.paper = paper, .effects = effects};
             users[r] = &each[r];
         }
         run_team(sizes[i], analyse, users, NULL);
@@ -385,13 +393,16 @@ static void check_bits(bool paper, const int *sizes, int count) {
 static void test_joint_has_the_bits_of_one(void **state) {
     (void)state;
     const int sizes[] = {2, 3};
-    check_bits(false, sizes, 2);
+    const uint32_t moved = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN;
+    check_bits(false, moved | BTF_EFFECT_RESIDUAL, sizes, 2);
+    check_bits(false, moved | BTF_EFFECT_SHADOW, sizes, 1);
+    check_bits(false, moved | BTF_EFFECT_SHADOW | BTF_EFFECT_RESIDUAL, sizes + 1, 1);
 }
 
 static void test_paper_has_the_bits_of_one(void **state) {
     (void)state;
     const int sizes[] = {2, 5};
-    check_bits(true, sizes, 2);
+    check_bits(true, 0, sizes, 2);
 }
 
 int main(void) {
