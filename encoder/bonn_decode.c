@@ -190,6 +190,10 @@ btf_result enc_bonn_decoder_create(const enc_context *context, const enc_bonn_fi
     return result;
 }
 
+uint32_t enc_bonn_decoder_components(const enc_bonn_decoder *decoder) {
+    return decoder->most;
+}
+
 void enc_bonn_decoder_destroy(enc_bonn_decoder **decoder) {
     if (!decoder || !*decoder)
         return;

@@ -4,8 +4,10 @@
  */
 #include "bonn_reader.h"
 
+#include "announce.h"
 #include "area.h"
 #include "bonn_decode.h"
+#include "cost_model.h"
 #include "grid.h"
 
 #include <math.h>
@@ -216,7 +218,7 @@ btf_result enc_read_bonn(const enc_context *context, const char *input, const en
     *out_data = NULL;
     if (!o)
         return BTF_ERROR_MEMORY;
-    *o = (bonn_origin){.base = {make_texels, make_profiles, close_origin},
+    *o = (bonn_origin){.base = {make_texels, make_profiles, close_origin, 0},
                        .flip_v = options->flip_v,
                        .strict = options->strict};
     btf_result result = enc_bonn_open(context, input, &o->file);
@@ -232,6 +234,18 @@ btf_result enc_read_bonn(const enc_context *context, const char *input, const en
     o->n_lights = (int)o->file->n_lights;
     enc_log(context, BTF_LOG_INFO, "%s: %s, %ux%u texels, %u views, %u lights", input, o->file->signature,
             o->file->width, o->file->height, o->file->n_views, o->file->n_lights);
+    const enc_extent extent = {.width = o->width,
+                               .height = o->height,
+                               .n_views = o->n_views,
+                               .n_lights = o->n_lights,
+                               .origin = ENC_ORIGIN_BONN,
+                               .components = enc_bonn_decoder_components(o->decoder)};
+    o->base.seconds = enc_cost_bonn(extent.components);
+    result = enc_announce(context, &extent);
+    if (result != BTF_OK) {
+        close_origin(&o->base);
+        return result;
+    }
     result = enc_data_create_from(context, o->width, o->height, o->n_views, views, o->n_lights, lights,
                                   &o->base, out_data);
     if (result == BTF_OK && !((*out_data)->source = strdup(input))) {

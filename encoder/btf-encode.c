@@ -5,6 +5,7 @@
 #include "batch.h"
 #include "decoder/tools/progress.h"
 #include "input_options.h"
+#include "predict.h"
 #include "team_mpi.h"
 
 #include <assert.h>
@@ -27,6 +28,7 @@ static struct {
     int window[2];
     double effect_tolerance[2]; /* dB; dB for each MB */
     bool data_points, quiet;
+    const char *predict;
 } o = {.job = {.levels = 1}, .effects = UINT32_MAX, .hidden_threshold = 0.7};
 
 static const char *parse_levels(const char *text, void *value) {
@@ -223,6 +225,12 @@ static const cli_option table[] = {
      .minimum = 1,
      .maximum = 1e9,
      .help = "only this input of a list, counted from 1 (for job arrays)"},
+    {.name = "predict",
+     .arg = "FROM",
+     .type = CLI_STRING,
+     .value = &o.predict,
+     .help = "encode nothing: print what it would take in time by stage, memory\nand scratch files. FROM: self "
+             "(this machine is measured), or the\n--report of an encode with the same options, smaller say"},
     {.name = "threads",
      .type = CLI_INT,
      .value = &o.threads,
@@ -379,7 +387,7 @@ static btf_result refuse_other(const char *method, const char *other) {
 static btf_result prepare(void) {
     enc_job *job = &o.job;
     const uint32_t paper_effects = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN;
-    if (!job->output) {
+    if (!job->output && !o.predict) {
         return cli_error(&program, BTF_ERROR_USAGE, "option --output is missing: expected -o OUT.btf.exr");
     }
     if (job->resume && !job->checkpoint) {
@@ -427,6 +435,11 @@ static btf_result prepare(void) {
 
 static btf_result run(const enc_context *context) {
     enc_batch batch;
+    if (o.predict) {
+        return enc_batch_is(o.job.input)
+                   ? cli_error(&program, BTF_ERROR_USAGE, "option --predict: for one input, not for a list")
+                   : enc_predict(context, &o.job, o.predict, stdout);
+    }
     if (!enc_batch_is(o.job.input)) {
         return o.item > 0 ? cli_error(&program, BTF_ERROR_USAGE, "option --item: %s is not a list", o.job.input)
                           : enc_job_run(context, &o.job);

@@ -13,6 +13,7 @@
 struct progress;       /* decoder/tools/progress.h */
 struct enc_checkpoint; /* checkpoint.h */
 struct enc_team;       /* team.h */
+struct enc_announcement; /* announce.h */
 
 /* Whose least need of memory is asked for before data are read. */
 typedef enum enc_need { ENC_NEED_UNKNOWN = 0, ENC_NEED_JOINT = 1, ENC_NEED_PAPER = 2 } enc_need;
@@ -23,6 +24,7 @@ typedef struct enc_context {
     int threads;               /* OpenMP threads, >= 1 */
     size_t memory;             /* bytes the working set may take, 0 = unbounded */
     struct enc_checkpoint *checkpoint; /* where stages keep what they found; NULL: nowhere */
+    const struct enc_announcement *announcement; /* who is told what will be read; NULL: nobody */
     enc_need need;             /* data that take more by this method are refused; unknown: none are */
     struct enc_team *team;     /* the ranks that share the work; NULL: this process is alone */
 } enc_context;

@@ -4,6 +4,7 @@
  */
 #include "data.h"
 
+#include "cost_model.h"
 #include "data_fill.h"
 #include "memory_plan.h"
 #include "scratch.h"
@@ -77,15 +78,19 @@ static btf_result create_empty(const enc_context *context, int width, int height
     return BTF_OK;
 }
 
-/* Half of the memory is for samples, as far as the rest suffices for the encode. */
-static bool fits_memory(const enc_context *context, const enc_data *data, uint64_t bytes) {
+bool enc_data_fits(const enc_context *context, int width, int height, int n_views, int n_lights) {
     if (!context || context->memory == 0)
         return true;
+    const uint64_t bytes = 12 * (uint64_t)width * (uint64_t)height * (uint64_t)n_views * (uint64_t)n_lights;
     const uint64_t least = context->need == ENC_NEED_UNKNOWN
                                ? 0
-                               : enc_memory_least(context->need, data->width, data->height, data->n_views,
-                                                  data->n_lights, context->threads);
+                               : enc_memory_least(context->need, width, height, n_views, n_lights,
+                                                  context->threads);
     return bytes <= context->memory / 2 && bytes + least <= context->memory;
+}
+
+double enc_data_fetch_cost(const enc_data *data) {
+    return data->samples ? 0 : data->origin ? data->origin->seconds : ENC_COST_SCRATCH;
 }
 
 static btf_result allocate(const enc_context *context, enc_data *data, uint64_t bytes) {
@@ -107,7 +112,7 @@ btf_result enc_data_create(const enc_context *context, int width, int height, in
         result = enc_scratch_open_shared(context, "samples", bytes, &(*out_data)->scratch_fd,
                                          &(*out_data)->scratch_path);
     else
-        result = fits_memory(context, *out_data, bytes)
+        result = enc_data_fits(context, width, height, n_views, n_lights)
                      ? allocate(context, *out_data, bytes)
                      : enc_scratch_open(context, "samples", bytes, &(*out_data)->scratch_fd);
     if (result != BTF_OK)
@@ -164,7 +169,7 @@ static btf_result keep_samples(const enc_context *context, enc_data *data) {
 /* The samples of a scratch file as memory, where there is room for them. What cannot be mapped is read. */
 static void map_samples(const enc_context *context, enc_data *data) {
     const size_t bytes = enc_data_texel_count(data) * enc_data_texel_stride(data) * sizeof(float);
-    if (!fits_memory(context, data, bytes))
+    if (!enc_data_fits(context, data->width, data->height, data->n_views, data->n_lights))
         return;
     void *samples = mmap(NULL, bytes, PROT_READ, MAP_SHARED, data->scratch_fd, 0);
     if (samples == MAP_FAILED)
@@ -193,7 +198,7 @@ btf_result enc_data_create_from(const enc_context *context, int width, int heigh
         return result;
     }
     (*out_data)->origin = origin;
-    if (enc_team_all(context, fits_memory(context, *out_data, bytes))) {
+    if (enc_team_all(context, enc_data_fits(context, width, height, n_views, n_lights))) {
         result = enc_team_size(context) > 1
                      ? enc_scratch_open_shared(context, "samples", bytes, &(*out_data)->scratch_fd,
                                                &(*out_data)->scratch_path)

@@ -35,6 +35,7 @@ struct enc_data_origin {
     btf_result (*profiles)(const enc_context *context, const enc_data_origin *origin, int view,
                            size_t first, size_t count, float *out_profiles);
     void (*close)(enc_data_origin *origin);
+    double seconds; /* predicted core seconds a sample (cost_model.h) */
 };
 
 /* One BTF. Samples are float32, linear Rec. 709 radiance over (normal-incidence irradiance / pi),
@@ -97,6 +98,13 @@ btf_result enc_data_complete(const enc_context *context, enc_data *data, btf_res
 /* Gives `to`, of the same directions, the moved lights of `from`. Errors: BTF_ERROR_MEMORY. */
 btf_result enc_data_copy_lights(const enc_data *from, enc_data *to);
 void enc_data_destroy(enc_data **data);
+
+/* Whether the allowed memory holds samples of `bytes`: half of it is for samples, as far as the rest
+ * suffices for the encode. */
+bool enc_data_fits(const enc_context *context, int width, int height, int n_views, int n_lights);
+
+/* Predicted core seconds that it takes to have a sample at hand: 0 in memory. */
+double enc_data_fetch_cost(const enc_data *data);
 
 /* The samples of texels first .. first+count-1. Points into data->samples when they are in memory; else
  * reads or makes them into `buffer` (count * enc_data_texel_stride floats) and points there.

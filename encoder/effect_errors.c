@@ -350,6 +350,11 @@ static btf_result correct_by_full(const job *all, double *mean) {
     return result;
 }
 
+/* Steps of the stage: each level has half the samples of the one before. */
+static size_t steps_of(int level) {
+    return (size_t)1 << (BTF_MAX_LEVELS - level);
+}
+
 /* Measures all ways in a level (an enc_level_fn) and writes their rows. */
 static btf_result measure_level(void *user, int level, const enc_data *data) {
     job *j = user;
@@ -361,7 +366,7 @@ static btf_result measure_level(void *user, int level, const enc_data *data) {
     if (result == BTF_OK) {
         result = correct_by_full(j, mean);
     }
-    enc_stage_step(j->context, 1);
+    enc_stage_step(j->context, steps_of(level));
     for (size_t w = 0; result == BTF_OK && w < j->n_ways; w++) {
         const btf_ref_options *o = &j->ways[w].options;
         *j->rows++ = (float)o->effects;
@@ -418,7 +423,11 @@ btf_result enc_effect_errors(const enc_context *context, const enc_data *data, c
         result = BTF_ERROR_MEMORY;
     } else {
         j.rows = write_bands(&j, values);
-        enc_stage_begin(context, "effect errors", info.levels);
+        size_t steps = 0;
+        for (int level = 0; level < (int)info.levels; level++) {
+            steps += steps_of(level);
+        }
+        enc_stage_begin(context, "effect errors", steps);
         result = measure_level(&j, 0, data);
         if (result == BTF_OK && info.levels > 1) {
             result = enc_level_each(context, data, (int)info.levels, measure_level, &j);

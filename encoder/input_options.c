@@ -53,13 +53,17 @@ const char *enc_parse_cosine(const char *text, void *options) {
 
 const char *enc_parse_crop(const char *text, void *options) {
     enc_read_options *r = options;
-    int c[4];
+    const bool size_alone = strchr(text, 'x');
+    int c[4] = {0};
     const char *at = text;
-    for (int i = 0; i < 4; i++) {
+    for (int i = size_alone ? 2 : 0; i < 4; i++) {
         char *end;
         const long value = isdigit((unsigned char)*at) ? strtol(at, &end, 10) : -1;
-        if (value < (i < 2 ? 0 : 1) || value > INT_MAX || *end != (i < 3 ? ',' : '\0')) {
-            return "X,Y,W,H in pixels: X and Y at least 0, W and H at least 1";
+        if (value < (i < 2 ? 0 : 1) || value > INT_MAX ||
+            *end != (i == 3       ? '\0'
+                     : size_alone ? 'x'
+                                  : ',')) {
+            return "X,Y,W,H or WxH in pixels: X and Y at least 0, W and H at least 1";
         }
         c[i] = (int)value;
         at = end + 1;

@@ -9,32 +9,71 @@
 #include "reader.h"
 
 /* Entries of a cli_option table that fill `r`, an enc_read_options. */
-#define ENC_INPUT_OPTIONS(r)                                                                                 \
-    {.name = "transfer", .arg = "CURVE", .type = CLI_CUSTOM, .value = &(r), .parse = enc_parse_transfer,     \
-     .help = "how values are coded: srgb, linear or gamma:G; default srgb for\n"                             \
-             "8 and 16 bit images, linear for HDR and EXR"},                                                 \
-        {.name = "colour", .arg = "SPACE", .type = CLI_CUSTOM, .value = &(r), .parse = enc_parse_colour,     \
-         .help = "rgb (default) or xyz (CIE XYZ D65, as in UTIA's EXR)"},                                    \
-        {.name = "size", .type = CLI_SIZE, .value = (r).size, .minimum = 1, .maximum = 16384,                \
-         .help = "resize every image (area filter in linear light)"},                                        \
-        {.name = "crop", .arg = "X,Y,W,H", .type = CLI_CUSTOM, .value = &(r), .parse = enc_parse_crop,       \
-         .help = "use a part of every image, pixels from the top left; before --size"},                      \
-        {.name = "flip-v", .type = CLI_FLAG, .value = &(r).flip_v,                                           \
-         .help = "image row 0 is the bottom (-v)"},                                                          \
-        {.name = "azimuth-cw", .type = CLI_FLAG, .value = &(r).azimuth_cw,                                   \
-         .help = "azimuths in the names grow clockwise"},                                                    \
-        {.name = "azimuth-offset", .arg = "DEG", .type = CLI_DOUBLE, .value = &(r).azimuth_offset,           \
-         .minimum = -360, .maximum = 360, .help = "degrees added to every azimuth; default 0"},              \
-        {.name = "cosine", .arg = "WHAT", .type = CLI_CUSTOM, .value = &(r), .parse = enc_parse_cosine,      \
-         .help = "whether values hold the cosine of the light's angle: included\n"                            \
-                 "or missing; default what the file says, else included"},                                    \
-        {.name = "components", .type = CLI_INT, .value = &(r).components, .minimum = 1, .maximum = 65536,    \
-         .help = "of each factorisation of a Bonn .btf file at most; default all"},                            \
-        {.name = "coincident", .arg = "TABLE", .type = CLI_STRING, .value = &(r).coincident,                  \
-         .help = "where lights stood that could not stand at the camera: lines of\n"                         \
-                 "theta, phi, and theta, phi of the light, in degrees (as UTIA's)"},                          \
-        {.name = "strict", .type = CLI_FLAG, .value = &(r).strict,                                           \
-         .help = "refuse negative values instead of clamping them to 0"}
+#define ENC_INPUT_OPTIONS(r)                                                                               \
+    {.name = "transfer",                                                                                   \
+     .arg = "CURVE",                                                                                       \
+     .type = CLI_CUSTOM,                                                                                   \
+     .value = &(r),                                                                                        \
+     .parse = enc_parse_transfer,                                                                          \
+     .help = "how values are coded: srgb, linear or gamma:G; default srgb for\n"                           \
+             "8 and 16 bit images, linear for HDR and EXR"},                                               \
+        {.name = "colour",                                                                                 \
+         .arg = "SPACE",                                                                                   \
+         .type = CLI_CUSTOM,                                                                               \
+         .value = &(r),                                                                                    \
+         .parse = enc_parse_colour,                                                                        \
+         .help = "rgb (default) or xyz (CIE XYZ D65, as in UTIA's EXR)"},                                  \
+        {.name = "size",                                                                                   \
+         .type = CLI_SIZE,                                                                                 \
+         .value = (r).size,                                                                                \
+         .minimum = 1,                                                                                     \
+         .maximum = 16384,                                                                                 \
+         .help = "resize every image (area filter in linear light)"},                                      \
+        {.name = "crop",                                                                                   \
+         .arg = "X,Y,W,H",                                                                                 \
+         .type = CLI_CUSTOM,                                                                               \
+         .value = &(r),                                                                                    \
+         .parse = enc_parse_crop,                                                                          \
+         .help = "use a part of every image, pixels from the top left, or WxH\n"                           \
+                 "there; before --size"},                                                                  \
+        {.name = "flip-v",                                                                                 \
+         .type = CLI_FLAG,                                                                                 \
+         .value = &(r).flip_v,                                                                             \
+         .help = "image row 0 is the bottom (-v)"},                                                        \
+        {.name = "azimuth-cw",                                                                             \
+         .type = CLI_FLAG,                                                                                 \
+         .value = &(r).azimuth_cw,                                                                         \
+         .help = "azimuths in the names grow clockwise"},                                                  \
+        {.name = "azimuth-offset",                                                                         \
+         .arg = "DEG",                                                                                     \
+         .type = CLI_DOUBLE,                                                                               \
+         .value = &(r).azimuth_offset,                                                                     \
+         .minimum = -360,                                                                                  \
+         .maximum = 360,                                                                                   \
+         .help = "degrees added to every azimuth; default 0"},                                             \
+        {.name = "cosine",                                                                                 \
+         .arg = "WHAT",                                                                                    \
+         .type = CLI_CUSTOM,                                                                               \
+         .value = &(r),                                                                                    \
+         .parse = enc_parse_cosine,                                                                        \
+         .help = "whether values hold the cosine of the light's angle: included\n"                         \
+                 "or missing; default what the file says, else included"},                                 \
+        {.name = "components",                                                                             \
+         .type = CLI_INT,                                                                                  \
+         .value = &(r).components,                                                                         \
+         .minimum = 1,                                                                                     \
+         .maximum = 65536,                                                                                 \
+         .help = "of each factorisation of a Bonn .btf file at most; default all"},                        \
+        {.name = "coincident",                                                                             \
+         .arg = "TABLE",                                                                                   \
+         .type = CLI_STRING,                                                                               \
+         .value = &(r).coincident,                                                                         \
+         .help = "where lights stood that could not stand at the camera: lines of\n"                       \
+                 "theta, phi, and theta, phi of the light, in degrees (as UTIA's)"},                       \
+    {                                                                                                      \
+        .name = "strict", .type = CLI_FLAG, .value = &(r).strict,                                          \
+        .help = "refuse negative values instead of clamping them to 0"                                     \
+    }
 
 /* Parsers of the options above: see cli_option.parse. */
 const char *enc_parse_transfer(const char *text, void *options);

@@ -4,7 +4,9 @@
  */
 #include "job.h"
 
+#include "announce.h"
 #include "checkpoint.h"
+#include "cost_model.h"
 #include "decoder/tools/output.h"
 #include "effect_errors.h"
 #include "levels.h"
@@ -153,10 +155,14 @@ static btf_result pack_and_measure(const enc_context *context, const enc_job *jo
                                 .levels = s->found_levels.count,
                                 .level = s->found_levels.level};
     btf_level_error level_rows[BTF_MAX_LEVELS];
+    enc_stage_begin(context, ENC_STAGE_PACK, 2);
     btf_result result = enc_pack(context, s->data, &s->found, &options, &s->material);
+    enc_stage_step(context, 1);
     if (result == BTF_OK) {
         result = enc_unpack(context, s->material, &s->stored);
     }
+    enc_stage_step(context, 1);
+    enc_stage_end(context);
     if (result == BTF_OK) {
         result = enc_report_measure(context, s->data, &s->stored, s->material, report);
     }
@@ -228,11 +234,17 @@ static btf_result write_outputs(const enc_context *context, const enc_job *job, 
     if (result == BTF_OK && enc_cancelled(context)) {
         result = BTF_ERROR_INTERRUPTED;
     }
-    return result == BTF_OK ? btf_material_save(s->material, job->output, &context->log) : result;
+    if (result == BTF_OK) {
+        enc_stage_begin(context, ENC_STAGE_SAVE, 0);
+        result = btf_material_save(s->material, job->output, &context->log);
+        enc_stage_end(context);
+    }
+    return result;
 }
 
 /* The report, as a file and on standard output. */
-static btf_result write_report(const enc_context *context, const enc_job *job, double start, enc_report *report) {
+static btf_result write_report(const enc_context *context, const enc_job *job, double start, double core_start,
+                               enc_report *report) {
     struct stat file;
     struct rusage usage;
     btf_result result = BTF_OK;
@@ -240,6 +252,7 @@ static btf_result write_report(const enc_context *context, const enc_job *job, d
     report->file_bytes = stat(job->output, &file) == 0 ? (size_t)file.st_size : 0;
     report->peak_rss = (size_t)usage.ru_maxrss * 1024;
     report->seconds_total = progress_clock() - start;
+    report->core_total = progress_core_clock() - core_start;
     report->ranks = enc_team_size(context);
     report->volumes = enc_team_volumes(context, &report->n_volumes);
     if (job->report) {
@@ -262,8 +275,23 @@ static void clear_state(job_state *s) {
     free(s->options);
 }
 
+/* What the data's extent is told to. */
+typedef struct planning {
+    const enc_job *job;
+    enc_report *report;
+} planning;
+
+static btf_result plan_stages(void *user, const enc_context *context, const enc_extent *extent) {
+    const planning *p = user;
+    p->report->n_parts = enc_cost_parts(context, p->job, extent, p->report->parts);
+    if (context->progress) {
+        progress_plan(context->progress, p->report->parts, p->report->n_parts);
+    }
+    return BTF_OK;
+}
+
 btf_result enc_job_run(const enc_context *context, const enc_job *job) {
-    const double start = progress_clock();
+    const double start = progress_clock(), core_start = progress_core_clock();
     const bool leads = enc_team_leads(context);
     bool made_folder = false;
     int levels = 1;
@@ -277,7 +305,11 @@ btf_result enc_job_run(const enc_context *context, const enc_job *job) {
                                       : enc_fail(context, BTF_ERROR_MEMORY, "out of memory");
     result = enc_team_agree(context, result);
     if (result == BTF_OK) {
-        result = enc_read(context, job->input, &job->read, &state.data);
+        planning plan = {job, &report};
+        const enc_announcement announcement = {plan_stages, &plan};
+        enc_context told = *context;
+        told.announcement = &announcement;
+        result = enc_read(&told, job->input, &job->read, &state.data);
     }
     report.data = state.data;
     if (result == BTF_OK) {
@@ -305,7 +337,7 @@ btf_result enc_job_run(const enc_context *context, const enc_job *job) {
         enc_checkpoint_close(&keeping.checkpoint, true);
     }
     if (result == BTF_OK && leads) {
-        result = write_report(context, job, start, &report);
+        result = write_report(context, job, start, core_start, &report);
     }
     result = enc_team_agree(context, result);
     if (result != BTF_OK && made_folder) {

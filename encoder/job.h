@@ -11,7 +11,8 @@
 
 typedef enum enc_method { ENC_METHOD_JOINT = 0, ENC_METHOD_PAPER = 1 } enc_method;
 
-typedef struct enc_job {
+typedef struct enc_job enc_job;
+struct enc_job {
     const char *input;
     const char *output;
     enc_read_options read;
@@ -28,7 +29,7 @@ typedef struct enc_job {
     const char *const
         *option_values; /* alternating names and values, NULL at the end: for file and report */
     bool quiet;         /* no tables on stdout */
-} enc_job;
+};
 
 /* Runs the job: that the outputs can be made is checked first, the material is saved after the pictures,
  * the report comes last. Errors: those of the stages; a message was logged, but for BTF_ERROR_INTERRUPTED.

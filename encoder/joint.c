@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "joint_fit.h"
+#include "joint_cost.h"
 
 #include <assert.h>
 #include <math.h>
@@ -27,6 +28,23 @@ void joint_fit_clear(joint_fit *fit) {
     *fit = (joint_fit){0};
 }
 
+joint_shape joint_fit_shape(const joint_fit *fit) {
+    const joint_front *front = fit->model.front;
+    return (joint_shape){.effects = fit->effects,
+                         .components = fit->model.k,
+                         .centres = fit->n_centres,
+                         .lobes = front ? front->kind.lobes : 0,
+                         .rgb = front && front->kind.rgb,
+                         .half = front && front->kind.half};
+}
+
+/* Steps of the stage at work: what a part of a fit is predicted to cost. */
+static void step(const joint_fit *fit, double (*cost)(const joint_extent *, const joint_shape *)) {
+    const joint_extent extent = joint_extent_of(fit->rows->data);
+    const joint_shape shape = joint_fit_shape(fit);
+    enc_stage_step(fit->rows->context, joint_cost_steps(cost(&extent, &shape)));
+}
+
 void joint_fit_rest(joint_fit *fit) {
     joint_projection_clear(&fit->projection);
 }
@@ -41,6 +59,7 @@ static btf_result refresh(joint_fit *fit) {
         result = joint_project(rows, &fit->model, &fit->projection);
     if (result == BTF_OK)
         result = joint_choose(rows, &fit->projection, false, 0.0, &fit->model, &fit->error);
+    step(fit, joint_cost_refresh);
     fit->model.prior =
         prior_strength * fit->error / ((double)rows->texels * (double)rows->views * (double)rows->row);
     return result;
@@ -64,12 +83,13 @@ btf_result joint_fit_refine_plain(joint_fit *fit, int steps, double *energy) {
             result = joint_solve_u(fit->rows, &fit->projection, NULL, &fit->model);
         if (result == BTF_OK)
             result = joint_orthogonalise(fit->rows, &fit->model);
-        enc_stage_step(fit->rows->context, 1);
+        step(fit, joint_cost_solve);
     }
     if (result == BTF_OK)
         result = joint_solve_v(fit->rows, NULL, &fit->model);
     if (result == BTF_OK)
         result = joint_principal_basis(fit->rows, &fit->model, energy);
+    step(fit, joint_cost_solve);
     if (result == BTF_OK)
         result = refresh(fit);
     return result;
@@ -144,6 +164,7 @@ static btf_result solve_residual(joint_fit *fit) {
         result = joint_orthogonalise(fit->rows, &fit->model);
     if (result == BTF_OK)
         result = joint_solve_v(fit->rows, NULL, &fit->model);
+    step(fit, joint_cost_solve);
     if (result == BTF_OK)
         result = refresh(fit);
     return result;
@@ -154,6 +175,7 @@ btf_result joint_fit_add_front(joint_fit *fit, const joint_front_kind *kind, int
     joint_projection_clear(&fit->projection); /* has other dimensions from here on */
     if (result == BTF_OK)
         result = joint_front_fit(fit->rows, &fit->model, starts);
+    step(fit, joint_cost_front_fit);
     if (kind->shadow)
         fit->effects |= BTF_EFFECT_SHADOW;
     if (result == BTF_OK)
@@ -187,20 +209,23 @@ btf_result joint_fit_round(joint_fit *fit) {
     btf_result result = fit->projection.c ? BTF_OK : refresh(fit);
     if (result == BTF_OK)
         result = joint_choose(fit->rows, &fit->projection, true, shift_tolerance, model, &fit->error);
+    step(fit, joint_cost_search);
     if (result == BTF_OK && model->k > 0)
         result = joint_solve_u(fit->rows, &fit->projection, NULL, model);
     if (result == BTF_OK && model->k > 0)
         result = joint_choose(fit->rows, &fit->projection, false, 0.0, model, &fit->error);
-    if (result == BTF_OK && refit)
+    if (result == BTF_OK && refit) {
         result = joint_front_refit(fit->rows, model);
+        step(fit, joint_cost_front_refit);
+    }
     if (result == BTF_OK && model->k > 0)
         result = joint_orthogonalise(fit->rows, model);
     if (result == BTF_OK && model->k > 0)
         result = joint_solve_v(fit->rows, NULL, model);
+    step(fit, joint_cost_solve);
     if (result == BTF_OK)
         result = refresh(fit);
     fit->rounds++;
-    enc_stage_step(fit->rows->context, 1);
     return result;
 }
 
@@ -211,6 +236,7 @@ btf_result joint_fit_round_off(joint_fit *fit) {
     if (result == BTF_OK)
         result = joint_quantise(fit->rows, &fit->projection, shift_tolerance, &fit->model, &fit->codes,
                                 &fit->error);
+    step(fit, joint_cost_quantise);
     return result;
 }
 

@@ -49,7 +49,10 @@ typedef struct enc_joint_options {
 /* The defaults above. */
 enc_joint_options enc_joint_options_default(void);
 
-enum { ENC_JOINT_MAX_ROUNDS = 1000 };
+enum {
+    ENC_JOINT_MAX_ROUNDS = 1000,
+    ENC_JOINT_MOST_COMPONENTS = 128, /* more would make the solves of every source dominate */
+};
 
 /* What the fit went through. */
 typedef struct enc_joint_stats {

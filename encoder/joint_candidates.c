@@ -16,7 +16,6 @@
 #include <string.h>
 
 enum {
-    MOST_CANDIDATES = 20,
     STARTS = 2,          /* of the SBRDF of a front */
     FRONT_STEPS = 2,     /* least squares of the residual when it gets a front */
     SMALL = 1024,        /* texels up to which every candidate is tried by every preset */
@@ -74,16 +73,15 @@ static bool add_front(const joint_run *r, joint_shape *shape) {
 /* Adds a shape with these effects, and a front if asked for, where the budget holds one. */
 static void propose(const joint_run *r, uint32_t effects, bool front, joint_shape *list, int *count) {
     joint_shape shape = {.effects = effects};
-    assert(*count < MOST_CANDIDATES);
+    assert(*count < JOINT_MOST_CANDIDATES);
     if (!front)
         shape.components = joint_run_components(r, &shape);
     if (front ? add_front(r, &shape) : shape.components > 0)
         list[(*count)++] = shape;
 }
 
-/* The candidates in the order in which they are tried, most promising first. With options->choose every set
- * of the effects may be proposed, else only the given one. */
-static int list_candidates(const joint_run *r, joint_shape *list) {
+/* With options->choose every set of the effects may be proposed, else only the given one. */
+int joint_list_candidates(const joint_run *r, joint_shape list[JOINT_MOST_CANDIDATES]) {
     const uint32_t allowed = r->options->effects & ~(uint32_t)BTF_EFFECT_HIDDEN;
     const uint32_t maps = allowed & (BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN);
     const uint32_t shadow = allowed & BTF_EFFECT_SHADOW, residual = allowed & BTF_EFFECT_RESIDUAL;
@@ -107,7 +105,17 @@ static int list_candidates(const joint_run *r, joint_shape *list) {
         propose(r, maps | shadow, true, list, &count);
     if (choose && !residual && shadow && maps)
         propose(r, maps, true, list, &count);
-    return count;
+    return r->rows.texels > SMALL && count > r->preset.candidates ? r->preset.candidates : count;
+}
+
+int joint_run_round_count(const joint_run *r, const joint_shape *first) {
+    return r->options->rounds > 0  ? r->options->rounds
+           : first->components > 0 ? r->preset.rounds
+                                   : r->preset.front;
+}
+
+int joint_run_trial_count(const joint_run *r, int count, int rounds) {
+    return count > 1 && r->preset.trial < rounds ? r->preset.trial : rounds;
 }
 
 /* dB that candidate b is better than a. */
@@ -119,7 +127,7 @@ static double gain(double a, double b) {
  * the residual, too. Of others that differ by less than the effect tolerance, the one with fewer effects
  * is taken. */
 static bool takes_place(const joint_run *r, const joint_fit *a, const joint_fit *b) {
-    const joint_shape old = joint_run_shape(a), new = joint_run_shape(b);
+    const joint_shape old = joint_fit_shape(a), new = joint_fit_shape(b);
     const double bytes = (double)joint_bytes(r->rows.data, &new) - (double)joint_bytes(r->rows.data, &old);
     double needed = r->options->effect_tolerance_bytes * bytes * 1e-6;
     if (!old.lobes != !new.lobes)
@@ -156,18 +164,17 @@ static btf_result try_one(joint_run *r, const joint_shape *shape, int number, in
 }
 
 btf_result joint_try_candidates(joint_run *r) {
-    joint_shape list[MOST_CANDIDATES];
-    int count = list_candidates(r, list);
-    if (r->rows.texels > SMALL && count > r->preset.candidates)
-        count = r->preset.candidates;
-    const bool residual = count > 0 && list[0].components > 0;
-    const int rounds = r->options->rounds > 0 ? r->options->rounds
-                       : residual             ? r->preset.rounds
-                                              : r->preset.front;
-    const int trial = count > 1 && r->preset.trial < rounds ? r->preset.trial : rounds;
+    joint_shape list[JOINT_MOST_CANDIDATES];
+    const int count = joint_list_candidates(r, list);
+    const int rounds = count > 0 ? joint_run_round_count(r, &list[0]) : 0;
+    const int trial = joint_run_trial_count(r, count, rounds);
     double history[ENC_JOINT_MAX_ROUNDS];
     btf_result result = BTF_OK;
     joint_fit_rest(&r->plain);
+    if (count > 1)
+        joint_run_stage(r, JOINT_STAGE_CANDIDATES, r->costs.candidates);
+    else
+        joint_run_stage(r, JOINT_STAGE_ROUNDS, r->costs.rounds);
     for (int i = 0; i < count && result == BTF_OK; i++) {
         joint_fit fit = {0};
         int done = 0;
@@ -186,6 +193,8 @@ btf_result joint_try_candidates(joint_run *r) {
         joint_fit_clear(&fit);
     }
     bool over = false;
+    if (result == BTF_OK && count > 1)
+        joint_run_stage(r, JOINT_STAGE_ROUNDS, r->costs.rounds);
     if (result == BTF_OK && count > 0)
         joint_run_take(r, "joint-best", &r->best, r->stats->history, &r->stats->rounds, &over);
     if (result == BTF_OK && count > 0 && !over)

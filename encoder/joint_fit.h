@@ -14,6 +14,7 @@
 #ifndef OPENBTF_ENCODER_JOINT_FIT_H
 #define OPENBTF_ENCODER_JOINT_FIT_H
 
+#include "joint_budget.h"
 #include "joint_quantise.h"
 #include "solution.h"
 
@@ -35,6 +36,9 @@ void joint_fit_clear(joint_fit *fit);
 
 /* A fit of zeros with k components, whose points may choose what the effects allow. Errors: BTF_ERROR_MEMORY. */
 btf_result joint_fit_init(const joint_rows *rows, size_t k, uint32_t effects, joint_fit *out_fit);
+
+/* Effects, components, centres and front of a fit. */
+joint_shape joint_fit_shape(const joint_fit *fit);
 
 /* The plain factorisation of the data (every point its own source, gain 1): `steps` subspace iterations
  * from random u, then the principal basis. energy [k] (may be NULL) receives what each component explains;

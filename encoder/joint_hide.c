@@ -17,7 +17,7 @@ enum {
 
 /* Centres that the budget holds beside r->best with k components. */
 static size_t room(const joint_run *r, size_t k) {
-    joint_shape shape = joint_run_shape(&r->best);
+    joint_shape shape = joint_fit_shape(&r->best);
     shape.components = k;
     shape.effects |= BTF_EFFECT_HIDDEN;
     const uint64_t bytes = joint_bytes(r->rows.data, &shape);
@@ -58,7 +58,7 @@ static btf_result last_energy(joint_run *r, double *out_energy) {
 
 /* Notes what centres would do; whether they are worth it. */
 static bool worth_it(joint_run *r, const joint_centres *centres, size_t k, double error) {
-    joint_shape shape = joint_run_shape(&r->best);
+    joint_shape shape = joint_fit_shape(&r->best);
     shape.components = k;
     shape.effects |= BTF_EFFECT_HIDDEN;
     shape.centres = centres->count;

@@ -5,7 +5,7 @@
 #include "joint_run.h"
 
 static uint64_t bytes_with(const joint_run *r, const joint_fit *from, size_t components) {
-    joint_shape shape = joint_run_shape(from);
+    joint_shape shape = joint_fit_shape(from);
     shape.components = components;
     return joint_bytes(r->rows.data, &shape);
 }

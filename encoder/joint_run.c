@@ -11,17 +11,16 @@
 #include "joint_steps.h"
 
 #include "decoder/tools/cli.h"
+#include "decoder/tools/progress.h"
 
 #include <math.h>
 #include <openbtf/material.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
 
 enum {
-    MOST_COMPONENTS = 128, /* more would make the solves of every source dominate */
-    REDUCE_ROUNDS = 3,     /* rounds after components were dropped for --quality */
+    REDUCE_ROUNDS = 3, /* rounds after components were dropped for --quality */
 };
 
 /* dB in the fitted domain that 8-bit codes reach but hardly pass: better is not sought. */
@@ -45,34 +44,17 @@ enc_joint_options enc_joint_options_default(void) {
                                .front_tolerance = 0.1};
 }
 
-joint_shape joint_run_shape(const joint_fit *fit) {
-    const joint_front *front = fit->model.front;
-    return (joint_shape){.effects = fit->effects,
-                         .components = fit->model.k,
-                         .centres = fit->n_centres,
-                         .lobes = front ? front->kind.lobes : 0,
-                         .rgb = front && front->kind.rgb,
-                         .half = front && front->kind.half};
-}
-
 size_t joint_run_components(const joint_run *r, const joint_shape *shape) {
     joint_shape with = *shape;
     with.effects |= BTF_EFFECT_RESIDUAL;
-    const size_t limit = r->options->components > 0 ? (size_t)r->options->components : MOST_COMPONENTS;
+    const size_t limit =
+        r->options->components > 0 ? (size_t)r->options->components : ENC_JOINT_MOST_COMPONENTS;
     return joint_components_for(r->rows.data, &with, r->budget, limit);
-}
-
-/* CPU time of the process. */
-static double core_seconds(void) {
-    struct rusage usage;
-    getrusage(RUSAGE_SELF, &usage);
-    return (double)(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-           1e-6 * (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
 }
 
 void joint_run_note(joint_run *r, const joint_shape *shape, double error, const char *verdict) {
     enc_joint_stats *stats = r->stats;
-    const double now = core_seconds();
+    const double now = progress_core_clock();
     const enc_trial trial = {.effects = shape->effects,
                              .lobes = shape->lobes,
                              .rgb = shape->rgb,
@@ -159,6 +141,9 @@ btf_result joint_run_finish(joint_run *r, joint_fit *fit, enc_solution *out_solu
         result = joint_fit_solution(fit, out_solution);
     if (result == BTF_OK)
         result = joint_measure(&r->rows, out_solution, out_error);
+    const joint_extent extent = joint_extent_of(r->rows.data);
+    const joint_shape shape = joint_solution_shape(out_solution);
+    enc_stage_step(r->rows.context, joint_cost_steps(joint_cost_measure(&extent, &shape)));
     return result;
 }
 
@@ -221,7 +206,7 @@ static btf_result finish_better(joint_run *r, enc_solution *out_solution, joint_
         result == BTF_OK &&
         (!have || plain_error.fitted < exp10(0.1 * r->options->effect_tolerance) * out_error->fitted);
     if (result == BTF_OK) {
-        const joint_shape shape = joint_run_shape(&r->plain);
+        const joint_shape shape = joint_fit_shape(&r->plain);
         joint_run_note(r, &shape, plain_error.fitted, better ? "best" : "left out");
     }
     if (better) {
@@ -263,20 +248,27 @@ static btf_result solve(joint_run *r, enc_solution *out_solution, joint_error *o
         result = joint_try_plain_sbrdf(r, out_solution, out_error, &done);
     if (result != BTF_OK || done)
         return result;
-    if (residual)
+    if (residual) {
+        joint_run_stage(r, JOINT_STAGE_START, r->costs.start);
         result = start(r);
+    }
     if (result != BTF_OK)
         return result;
     const size_t plenty = residual && !quality && r->options->choose ? enough_components(r) : 0;
-    if (plenty > 0)
+    if (plenty > 0) {
+        joint_run_stage(r, JOINT_STAGE_CODES, r->costs.codes);
         return joint_run_finish_part(r, &r->plain, plenty, out_solution, out_error);
+    }
     result = joint_try_candidates(r);
-    if (result == BTF_OK && r->best.rows)
+    if (result == BTF_OK && r->best.rows) {
+        joint_run_stage(r, JOINT_STAGE_CENTRES, r->costs.centres);
         result = joint_try_centres(r);
+    }
     if (result == BTF_OK && !residual && !r->best.rows)
         result =
             enc_fail(r->rows.context, BTF_ERROR_USAGE, "joint: a budget of %llu bytes holds no such model",
                      (unsigned long long)r->budget);
+    joint_run_stage(r, JOINT_STAGE_CODES, r->costs.codes);
     if (result == BTF_OK)
         result =
             residual ? finish_better(r, out_solution, out_error) : finish_best(r, out_solution, out_error);
@@ -297,25 +289,38 @@ static void fill_stats(joint_run *r, const enc_solution *solution, const joint_e
         stats->moved += solution->shift[2 * i] != 0 || solution->shift[2 * i + 1] != 0;
 }
 
-btf_result enc_joint(const enc_context *context, const enc_data *data, const enc_joint_options *options,
-                     enc_solution *out_solution, enc_joint_stats *out_stats) {
+joint_run joint_run_prepare(const enc_context *context, const enc_data *data,
+                            const enc_joint_options *options) {
     joint_run r = {.options = options,
                    .preset = presets[options->preset],
                    .budget = options->budget ? options->budget : joint_default_budget(data),
-                   .stats = calloc(1, sizeof *r.stats)};
+                   .rows = {.context = context, .data = data, .texels = enc_data_texel_count(data)}};
+    if (options->tolerance > 0.0)
+        r.preset.tolerance = options->tolerance;
+    return r;
+}
+
+void joint_run_stage(const joint_run *r, const char *name, double cost) {
+    enc_stage_begin(r->rows.context, name, joint_cost_steps(cost));
+}
+
+btf_result enc_joint(const enc_context *context, const enc_data *data, const enc_joint_options *options,
+                     enc_solution *out_solution, enc_joint_stats *out_stats) {
+    joint_run r = joint_run_prepare(context, data, options);
     joint_error error = {0};
     btf_result result = BTF_OK;
     *out_solution = (enc_solution){0};
+    r.stats = calloc(1, sizeof *r.stats);
     if (!r.stats)
         return enc_fail(context, BTF_ERROR_MEMORY, "joint: out of memory");
-    if (options->tolerance > 0.0)
-        r.preset.tolerance = options->tolerance;
-    r.noted = core_seconds();
-    enc_stage_begin(context, "joint",
-                    (size_t)(r.preset.start + r.preset.candidates * r.preset.trial + r.preset.rounds));
+    r.noted = progress_core_clock();
+    const joint_extent extent = joint_extent_of(data);
+    r.costs = joint_cost_run(data, &extent, options);
+    joint_run_stage(&r, JOINT_STAGE_SURVEY, r.costs.survey);
     result = joint_rows_init(context, data, options->metric != ENC_JOINT_LINEAR, &r.rows);
     r.enough =
         exp10(-0.1 * enough_psnr) * (double)r.rows.texels * (double)r.rows.views * (double)r.rows.row;
+    enc_stage_step(context, joint_cost_steps(r.costs.survey));
     if (result == BTF_OK)
         result = solve(&r, out_solution, &error);
     enc_stage_end(context);

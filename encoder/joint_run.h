@@ -6,6 +6,7 @@
 #define OPENBTF_ENCODER_JOINT_RUN_H
 
 #include "joint_budget.h"
+#include "joint_cost.h"
 #include "joint_fit.h"
 #include "joint_measure.h"
 
@@ -29,11 +30,28 @@ typedef struct joint_run {
     joint_fit best;  /* the best candidate; empty before there is one */
     double *energy;  /* [plain.model.k] of the plain components */
     enc_joint_stats *stats;
-    double noted; /* CPU time at the last note */
+    double noted;      /* CPU time at the last note */
+    joint_costs costs; /* predicted */
 } joint_run;
 
-/* The shape of a fit. */
-joint_shape joint_run_shape(const joint_fit *fit);
+enum { JOINT_MOST_CANDIDATES = 20 };
+
+/* A run before it begins: options, preset and budget for the extent of `data`, whose samples are not looked
+ * at. */
+joint_run joint_run_prepare(const enc_context *context, const enc_data *data,
+                            const enc_joint_options *options);
+
+/* The candidates that are tried, most promising first; needs what joint_run_prepare sets. Returns their
+ * number. */
+int joint_list_candidates(const joint_run *r, joint_shape list[JOINT_MOST_CANDIDATES]);
+
+/* Rounds of the best at most, where the first candidate is this; and of a trial, where there are `count`
+ * candidates. */
+int joint_run_round_count(const joint_run *r, const joint_shape *first);
+int joint_run_trial_count(const joint_run *r, int count, int rounds);
+
+/* Begins a stage of the run that is predicted to cost so much. */
+void joint_run_stage(const joint_run *r, const char *name, double cost);
 
 /* Components that `shape` may have. */
 size_t joint_run_components(const joint_run *r, const joint_shape *shape);

@@ -92,8 +92,16 @@ static btf_result fit_level(void *user, int level, const enc_data *data) {
     enc_solution *out = &pass->levels->level[level - 1];
     const btf_result result = pass->paper ? fit_paper(pass, data, level, out)
                                           : enc_level_joint(&pass->quiet, data, pass->base, out);
-    enc_stage_step(pass->context, 1);
+    enc_stage_step(pass->context, enc_data_texel_count(data));
     return result;
+}
+
+/* Texels of the levels beyond the first: what their stages count. */
+static size_t further_texels(const enc_data *data, int count) {
+    size_t texels = 0;
+    for (int level = 1; level < count; level++)
+        texels += (size_t)enc_level_side(data->width, level) * (size_t)enc_level_side(data->height, level);
+    return texels;
 }
 
 btf_result enc_levels_fit(const enc_context *context, const enc_data *data, int count,
@@ -107,7 +115,7 @@ btf_result enc_levels_fit(const enc_context *context, const enc_data *data, int 
         *out_levels = (enc_levels){0};
         return enc_fail(context, BTF_ERROR_MEMORY, "levels: out of memory");
     }
-    enc_stage_begin(context, "levels", (size_t)count - 1);
+    enc_stage_begin(context, "levels", further_texels(data, count));
     const btf_result result = enc_level_each(context, data, count, fit_level, &pass);
     enc_stage_end(context);
     if (result != BTF_OK) {
@@ -157,7 +165,7 @@ static btf_result measure_level(void *user, int level, const enc_data *data) {
                                      false, &pass->metrics[level - 1]);
     }
     enc_playback_destroy(&playback);
-    enc_stage_step(pass->context, 1);
+    enc_stage_step(pass->context, enc_data_texel_count(data));
     return result;
 }
 
@@ -165,7 +173,7 @@ btf_result enc_levels_measure(const enc_context *context, const enc_data *data, 
                               enc_metrics *out_metrics) {
     measure_pass pass = {.quiet = *context, .context = context, .levels = levels, .metrics = out_metrics};
     pass.quiet.progress = NULL;
-    enc_stage_begin(context, "measure levels", (size_t)levels->count - 1);
+    enc_stage_begin(context, "measure levels", further_texels(data, levels->count));
     const btf_result result = enc_level_each(context, data, levels->count, measure_level, &pass);
     enc_stage_end(context);
     return result;

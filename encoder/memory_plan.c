@@ -4,13 +4,15 @@
  */
 #include "memory_plan.h"
 
+#include "data.h"
 #include "joint_rows.h"
 
 enum {
-    FLOW_LIGHTS = 27,  /* of the first estimate ... */
-    FLOW_LABELS = 256, /* ... and its shifts, at most */
-    SOURCE_TASK = 96,  /* sources solved together */
-    COMPONENTS = 128,  /* at most */
+    FLOW_LIGHTS = 27,   /* of the first estimate ... */
+    FLOW_LABELS = 256,  /* ... and its shifts, at most */
+    SOURCE_TASK = 96,   /* sources solved together */
+    COMPONENTS = 128,   /* at most */
+    PROGRAM = 24 << 20, /* the program itself, with its libraries */
 };
 
 /* The extent of a data set. */
@@ -44,9 +46,10 @@ static uint64_t paper(const extent *e) {
     return held + larger(larger(fit, flow), larger(refine, common(e)));
 }
 
-static uint64_t joint(const extent *e) {
+/* Beside samples and projection, with at most so many components. */
+static uint64_t joint(const extent *e, uint64_t most) {
     const uint64_t rank = e->texels < e->views * e->row ? e->texels : e->views * e->row;
-    const uint64_t k = COMPONENTS < rank ? COMPONENTS : rank, basis = 4 * e->views * k * e->row;
+    const uint64_t k = most < rank ? most : rank, basis = 4 * e->views * k * e->row;
     /* three fits: the plain one, the best and the one at work */
     const uint64_t fits = 3 * (5 * e->points + 4 * e->texels * k + basis);
     const uint64_t held = 4 * e->points + 3 * e->points + e->texels * k + basis / 4;
@@ -57,7 +60,7 @@ static uint64_t joint(const extent *e) {
     return held + larger(fits + basis + larger(choose, larger(solve, pass)), common(e) + 3 * e->points);
 }
 
-uint64_t enc_memory_least(enc_need need, int width, int height, int n_views, int n_lights, int threads) {
+static extent extent_of(int width, int height, int n_views, int n_lights, int threads) {
     extent e = {.texels = (uint64_t)width * (uint64_t)height,
                 .side = (uint64_t)(width > height ? width : height),
                 .views = (uint64_t)n_views,
@@ -66,9 +69,33 @@ uint64_t enc_memory_least(enc_need need, int width, int height, int n_views, int
     e.points = e.texels * e.views;
     e.row = 3 * e.lights;
     e.image_view = 4 * e.texels * e.row;
+    return e;
+}
+
+uint64_t enc_memory_least(enc_need need, int width, int height, int n_views, int n_lights, int threads) {
+    const extent e = extent_of(width, height, n_views, n_lights, threads);
     /* a third more for the allocator, and for a projection that is kept in memory */
-    const uint64_t sum = need == ENC_NEED_PAPER ? paper(&e) : joint(&e);
+    const uint64_t sum = need == ENC_NEED_PAPER ? paper(&e) : joint(&e, COMPONENTS);
     return sum + sum / 3;
+}
+
+enc_memory_use enc_memory_expected(const enc_context *context, int width, int height, int n_views,
+                                   int n_lights, size_t components, bool made) {
+    const extent e = extent_of(width, height, n_views, n_lights, context->threads);
+    const uint64_t samples = e.image_view * e.views, projection = 4 * e.points * (uint64_t)components;
+    const bool kept = enc_data_fits(context, width, height, n_views, n_lights);
+    const bool joined = context->need == ENC_NEED_JOINT;
+    const bool projected = joined && (context->memory == 0 || projection <= context->memory / 4);
+    enc_memory_use use = {PROGRAM + (joined ? joint(&e, (uint64_t)components) : paper(&e)), 0};
+    if (kept)
+        use.peak += samples;
+    else if (!made)
+        use.scratch += samples;
+    if (projected)
+        use.peak += projection;
+    else if (joined)
+        use.scratch += projection;
+    return use;
 }
 
 btf_result enc_memory_check(const enc_context *context, int width, int height, int n_views, int n_lights) {

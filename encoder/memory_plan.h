@@ -14,6 +14,16 @@
  * `need` is not ENC_NEED_UNKNOWN. */
 uint64_t enc_memory_least(enc_need need, int width, int height, int n_views, int n_lights, int threads);
 
+/* Bytes that an encode is expected to take at its peak with what is allowed, and those of its scratch
+ * files; `components`: of the joint method's residual; `made`: samples are made again rather than kept in a
+ * file. */
+typedef struct enc_memory_use {
+    uint64_t peak, scratch;
+} enc_memory_use;
+
+enc_memory_use enc_memory_expected(const enc_context *context, int width, int height, int n_views,
+                                   int n_lights, size_t components, bool made);
+
 /* Refuses data whose least exceeds context->memory, naming both; BTF_OK where context->need is unknown or
  * memory unbounded. Errors: BTF_ERROR_USAGE. */
 btf_result enc_memory_check(const enc_context *context, int width, int height, int n_views, int n_lights);

@@ -4,6 +4,7 @@
  */
 #include "reader.h"
 
+#include "announce.h"
 #include "bonn_file.h"
 #include "bonn_reader.h"
 #include "coincident.h"
@@ -393,6 +394,19 @@ static btf_result read_images(reader *r) {
     return result;
 }
 
+static btf_result announce(const reader *r) {
+    const unsigned char *file = r->first_file;
+    const bool jpeg = r->first_size > 2 && file[0] == 0xFF && file[1] == 0xD8;
+    const enc_extent extent = {.width = r->width,
+                               .height = r->height,
+                               .n_views = r->grid->n_views,
+                               .n_lights = r->grid->n_lights,
+                               .origin = jpeg ? ENC_ORIGIN_JPEG : ENC_ORIGIN_IMAGES,
+                               .pixels = (uint64_t)r->grid->count * (uint64_t)r->file_width *
+                                         (uint64_t)r->file_height};
+    return enc_announce(r->context, &extent);
+}
+
 /* A directory or an archive. */
 static btf_result read_set(const enc_context *context, const char *input, const enc_read_options *options,
                            enc_data **out_data) {
@@ -410,6 +424,8 @@ static btf_result read_set(const enc_context *context, const char *input, const 
         result = BTF_ERROR_MEMORY;
     if (result == BTF_OK)
         result = settle_size(&r);
+    if (result == BTF_OK)
+        result = announce(&r);
     if (result == BTF_OK)
         result = enc_data_create(context, r.width, r.height, r.grid->n_views, r.grid->views,
                                  r.grid->n_lights, r.grid->lights, &r.data);

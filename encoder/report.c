@@ -313,6 +313,17 @@ static void write_seconds(json *j, const enc_report *report) {
         json_number(j, stages[i].name, stages[i].seconds);
     }
     json_end(j);
+    json_object(j, "core_seconds");
+    json_number(j, "total", report->core_total);
+    for (size_t i = 0; i < count; i++) {
+        json_number(j, stages[i].name, stages[i].core);
+    }
+    json_end(j);
+    json_object(j, "predicted_core_seconds");
+    for (size_t i = 0; i < report->n_parts; i++) {
+        json_number(j, report->parts[i].stage, report->parts[i].cost);
+    }
+    json_end(j);
 }
 
 static void write_volumes(json *j, const enc_report *report) {

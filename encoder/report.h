@@ -45,8 +45,10 @@ typedef struct enc_report {
     bool has_hidden;                        /* table 1 applies */
     size_t hidden_before, hidden_after, hidden_total;
     size_t file_bytes;
-    double seconds_total;
+    double seconds_total, core_total; /* of the clock, and of all threads added */
     const struct progress *progress; /* times by stage */
+    estimate_part parts[ESTIMATE_PARTS]; /* what the stages were predicted to cost (cost_model.h) */
+    size_t n_parts;
     size_t peak_rss;                 /* bytes */
     int ranks;                       /* that encoded together */
     const enc_team_volume *volumes;  /* what went between them; NULL for one */

@@ -5,15 +5,17 @@
 #ifndef OPENBTF_TOOLS_PROGRESS_H
 #define OPENBTF_TOOLS_PROGRESS_H
 
+#include "estimate.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 
 typedef struct progress progress;
 
-/* Time and name of one finished stage. */
+/* Times and name of one finished stage. */
 typedef struct progress_stage {
     const char *name;
-    double seconds;
+    double seconds, core; /* of the clock, and of all threads added */
 } progress_stage;
 
 /* Catches SIGINT and SIGTERM until progress_destroy (a second one ends the process at once).
@@ -21,13 +23,21 @@ typedef struct progress_stage {
 progress *progress_create(bool quiet);
 void progress_destroy(progress **p);
 
-/* Stages follow one another; progress_step may be called from any thread. */
+/* Says what stages the job has, from here on: percent and time left are those of the whole job, weighed by
+ * the predicted costs. Without it each stage is a job of its own. */
+void progress_plan(progress *p, const estimate_part *parts, size_t count);
+
+/* Stages follow one another; progress_step may be called from any thread. A stage whose steps do not reach
+ * `total` was left early; one of total 0 has none. */
 void progress_begin(progress *p, const char *stage, size_t total);
 void progress_step(progress *p, size_t steps);
 void progress_end(progress *p);
 
 /* Seconds of a clock that only goes forwards. */
 double progress_clock(void);
+
+/* Core seconds of the process: all threads added. */
+double progress_core_clock(void);
 
 /* True once SIGINT or SIGTERM came. */
 bool progress_cancelled(void);

@@ -1,0 +1,41 @@
+/* What is known of a data set before its samples are read: the first thing that a reader tells.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_ANNOUNCE_H
+#define OPENBTF_ENCODER_ANNOUNCE_H
+
+#include "context.h"
+#include <stdint.h>
+
+/* Where samples come from. */
+typedef enum enc_origin_kind {
+    ENC_ORIGIN_IMAGES = 0, /* decoded once */
+    ENC_ORIGIN_JPEG,       /* the same, of JPEG */
+    ENC_ORIGIN_BONN,       /* made from factors */
+} enc_origin_kind;
+
+typedef struct enc_extent {
+    int width, height, n_views, n_lights;
+    enc_origin_kind origin;
+    uint64_t pixels;   /* of all images, before they are cropped and resized */
+    size_t components; /* of a Bonn file's factorisations, the most; 0: it has none */
+} enc_extent;
+
+/* Told once a data set's extent is settled. Anything but BTF_OK ends the reading with that result. */
+typedef struct enc_announcement {
+    btf_result (*extent)(void *user, const enc_context *context, const enc_extent *extent);
+    void *user;
+} enc_announcement;
+
+static inline btf_result enc_announce(const enc_context *context, const enc_extent *extent) {
+    const enc_announcement *to = context ? context->announcement : NULL;
+    return to ? to->extent(to->user, context, extent) : BTF_OK;
+}
+
+/* Bytes of the samples. */
+static inline uint64_t enc_extent_bytes(const enc_extent *e) {
+    return 12 * (uint64_t)e->width * (uint64_t)e->height * (uint64_t)e->n_views * (uint64_t)e->n_lights;
+}
+
+#endif

@@ -1,0 +1,194 @@
+/* What the stages of an encode cost. See cost_model.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "cost_model.h"
+
+#include "job.h"
+#include "joint_cost.h"
+#include "level_filter.h"
+#include "pack.h"
+
+#include <math.h>
+#include <openbtf/material.h>
+#include <string.h>
+
+enum { FLOW_LABELS = 256, PROBE_LIGHTS = 3, EFFECT_ERROR_SAMPLES = 3000000, REPORTED_EFFECTS = 5 };
+
+/* Core seconds of one inner step: of reading and making samples, */
+static const double per_file = 60e-6, per_pixel = 25e-9, per_jpeg_pixel = 12e-9, per_read_sample = 1.5e-9,
+                    per_bonn = 2.2e-9, per_bonn_component = 0.13e-9;
+/* of the paper's method, */
+static const double per_fit = 110e-9, per_shadow = 20e-9, per_flow = 1.2e-6, per_flow_label = 3e-9,
+                    per_refine = 0.05e-9, per_cluster = 0.1e-9, hidden_share = 0.25;
+/* of what comes after the analysis. */
+static const double per_measured = 6e-9, per_measured_component = 0.12e-9, per_measured_lobe = 4e-9,
+                    per_ssim = 6e-9, per_evaluation = 0.25e-6, per_packed = 30e-9, per_saved = 60e-9,
+                    per_filtered = 2e-9;
+
+double enc_cost_bonn(size_t components) {
+    return per_bonn + per_bonn_component * (double)components;
+}
+
+/* A list under construction. */
+typedef struct list {
+    estimate_part *parts;
+    size_t count;
+} list;
+
+static void add(list *l, const char *stage, double cost) {
+    l->parts[l->count++] = (estimate_part){stage, cost};
+}
+
+/* What is counted. */
+typedef struct counts {
+    double texels, points, samples; /* samples: three a texel, view and light */
+    double views, lights;
+} counts;
+
+static counts count(const enc_extent *e) {
+    counts c = {.texels = (double)e->width * e->height, .views = e->n_views, .lights = e->n_lights};
+    c.points = c.texels * c.views;
+    c.samples = 3 * c.points * c.lights;
+    return c;
+}
+
+/* Whether samples are made anew each time. */
+static bool made_again(const enc_context *context, const enc_extent *e) {
+    return !enc_data_fits(context, e->width, e->height, e->n_views, e->n_lights);
+}
+
+static double fetch_cost(const enc_context *context, const enc_extent *e) {
+    if (!made_again(context, e))
+        return 0;
+    return e->origin == ENC_ORIGIN_BONN ? enc_cost_bonn(e->components) : ENC_COST_SCRATCH;
+}
+
+static void add_reading(list *l, const enc_context *context, const enc_extent *e, const counts *c) {
+    if (e->origin != ENC_ORIGIN_BONN)
+        add(l, "read",
+            c->views * c->lights * per_file + c->samples * per_read_sample +
+                (double)e->pixels * (e->origin == ENC_ORIGIN_JPEG ? per_jpeg_pixel : per_pixel));
+    else if (!made_again(context, e))
+        add(l, "decode", c->samples * enc_cost_bonn(e->components));
+}
+
+/* What the analysis is likely to find, for what is measured afterwards. */
+typedef struct outcome {
+    double components, lobes, effects;
+} outcome;
+
+/* An empty data set of this extent: what budgets are counted from. */
+static enc_data empty_data(const enc_extent *e) {
+    return (enc_data){.width = e->width,
+                      .height = e->height,
+                      .n_views = e->n_views,
+                      .n_lights = e->n_lights,
+                      .scratch_fd = -1};
+}
+
+size_t enc_cost_components(const enc_job *job, const enc_extent *e, bool plain) {
+    const enc_data data = empty_data(e);
+    const uint32_t maps = job->joint.effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN | BTF_EFFECT_GAIN);
+    const joint_shape shape = {.effects = (plain ? 0 : maps) | BTF_EFFECT_RESIDUAL};
+    const uint64_t budget = job->joint.budget ? job->joint.budget : joint_default_budget(&data);
+    return job->method == ENC_METHOD_JOINT
+               ? joint_components_for(&data, &shape, budget, ENC_JOINT_MOST_COMPONENTS)
+               : 0;
+}
+
+static outcome add_joint(list *l, const enc_extent *e, double fetch, const enc_job *job) {
+    const enc_joint_options *options = &job->joint;
+    const enc_data data = empty_data(e);
+    joint_extent extent = joint_extent_of(&data);
+    extent.fetch = fetch;
+    const joint_costs costs = joint_cost_run(&data, &extent, options);
+    add(l, JOINT_STAGE_SURVEY, costs.survey);
+    if (options->effects & BTF_EFFECT_RESIDUAL)
+        add(l, JOINT_STAGE_START, costs.start);
+    if (costs.candidates > 0)
+        add(l, JOINT_STAGE_CANDIDATES, costs.candidates);
+    add(l, JOINT_STAGE_ROUNDS, costs.rounds);
+    add(l, JOINT_STAGE_CENTRES, costs.centres);
+    add(l, JOINT_STAGE_CODES, costs.codes);
+    return (outcome){.components = (double)enc_cost_components(job, e, false),
+                     .effects = __builtin_popcount(options->effects & ~(uint32_t)BTF_EFFECT_SHADOW)};
+}
+
+static double flow(const counts *c, double side, double lights) {
+    const double labels = fmin(side + 2, FLOW_LABELS);
+    return c->points * (lights * per_flow + labels * 27 * per_flow_label);
+}
+
+static outcome add_paper(list *l, const enc_extent *e, const counts *c, double fetch,
+                         const enc_paper_options *o) {
+    const double side = fmax(e->width, e->height), hidden = hidden_share * c->points;
+    const double lights = o->flow.lights > 0 ? o->flow.lights : c->lights;
+    const double across = o->refine.columns > 0 ? o->refine.columns : c->texels <= 4096 ? 256 : 64;
+    const double window =
+        fmin(across, e->width) * fmin(o->refine.rows > 0 ? o->refine.rows : across, e->height);
+    uint32_t room = 0;
+    const enc_context quiet = {.threads = 1};
+    add(l, "fit", c->samples / 3 * (per_fit * o->fit.lobes * (1 + o->fit.rounds) / 4 * 3 + 3 * fetch));
+    if (o->effects & BTF_EFFECT_SHADOW)
+        add(l, "shadow", c->texels * c->lights * (per_shadow + 3 * fetch));
+    if (o->choose && (o->effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN)))
+        add(l, "probe", flow(c, side, fmin(PROBE_LIGHTS, c->lights)) + c->samples * fetch);
+    if (o->effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN))
+        add(l, "flow", flow(c, side, lights) + c->samples * fetch);
+    if (o->effects & BTF_EFFECT_HIDDEN) {
+        const bool has_room =
+            enc_pack_centre_room(&quiet, e->width, e->height, e->n_views, e->n_lights, &room) == BTF_OK;
+        const double centres = o->centres > 0 ? o->centres : has_room ? room : 0;
+        add(l, "hidden", hidden * window * 3 * c->lights * per_refine + c->samples * fetch);
+        add(l, "cluster",
+            hidden * fmin(centres, hidden) * 3 * c->lights * per_cluster + c->samples * fetch);
+    }
+    return (outcome){.lobes = o->fit.lobes, .effects = __builtin_popcount(o->effects)};
+}
+
+/* Levels of detail beyond the first have a third of the texels. */
+static double further(int levels) {
+    return levels > 1 ? (1 - pow(0.25, levels - 1)) / 3 : 0;
+}
+
+static int levels_of(const enc_job *job, const enc_extent *e) {
+    const int most = enc_level_count(e->width, e->height);
+    return job->levels > 0 && job->levels < most ? job->levels : most;
+}
+
+size_t enc_cost_parts(const enc_context *context, const enc_job *job, const enc_extent *e,
+                      estimate_part out_parts[ESTIMATE_PARTS]) {
+    const counts c = count(e);
+    const bool paper = job->method == ENC_METHOD_PAPER;
+    const double fetch = fetch_cost(context, e);
+    const int levels = levels_of(job, e);
+    list l = {out_parts, 0};
+    add_reading(&l, context, e, &c);
+    const size_t first = l.count;
+    const outcome found = paper ? add_paper(&l, e, &c, fetch, &job->paper) : add_joint(&l, e, fetch, job);
+    const double analysis = enc_cost_total(out_parts + first, l.count - first);
+    if (levels > 1) /* of the joint method, two rounds of some twenty and no candidates */
+        add(&l, "levels",
+            further(levels) * (c.samples * (per_filtered + fetch) + (paper ? 1 : 0.2) * analysis));
+    const double sample =
+        per_measured + per_measured_component * found.components + per_measured_lobe * found.lobes + fetch;
+    const double steps = (paper ? 3 : 1) + found.effects;
+    add(&l, ENC_STAGE_PACK, c.points * per_packed);
+    add(&l, "measure", c.samples * (steps * sample + per_ssim));
+    add(&l, "effect errors",
+        fmin(c.samples / 6, EFFECT_ERROR_SAMPLES) * per_evaluation * (1 + 0.02 * found.components));
+    if (levels > 1)
+        add(&l, "measure levels", further(levels) * c.samples * (sample + per_filtered + fetch));
+    if (job->pictures)
+        add(&l, "pictures", c.points * (REPORTED_EFFECTS * sample + 1e-6));
+    add(&l, ENC_STAGE_SAVE, c.points * per_saved);
+    return l.count;
+}
+
+double enc_cost_total(const estimate_part *parts, size_t count) {
+    double sum = 0;
+    for (size_t i = 0; i < count; i++)
+        sum += parts[i].cost;
+    return sum;
+}

@@ -1,0 +1,20 @@
+/* What an encode will take, told without encoding.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_PREDICT_H
+#define OPENBTF_ENCODER_PREDICT_H
+
+#include "job.h"
+
+#include <stdio.h>
+
+/* Prints core time by stage, time on context->threads cores, least and expected memory and bytes of scratch
+ * files for job->input. The scale of the times is taken from `from`: "self" measures this machine for about
+ * a second; else it is the report (--report) of an encode with the same options, of a smaller part of the
+ * data say, and each stage is scaled by what it took there against what was predicted. Errors: those of
+ * opening the input; BTF_ERROR_IO, BTF_ERROR_BAD_FILE (no such report), BTF_ERROR_USAGE (of the other
+ * method). */
+btf_result enc_predict(const enc_context *context, const enc_job *job, const char *from, FILE *out);
+
+#endif
