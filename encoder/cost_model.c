@@ -16,8 +16,7 @@
 enum { FLOW_LABELS = 256, PROBE_LIGHTS = 3, EFFECT_ERROR_SAMPLES = 3000000, REPORTED_EFFECTS = 5 };
 
 /* Core seconds of one inner step: of reading and making samples, */
-static const double per_file = 60e-6, per_pixel = 25e-9, per_jpeg_pixel = 12e-9, per_read_sample = 1.5e-9,
-                    per_bonn = 2.2e-9, per_bonn_component = 0.13e-9;
+static const double per_file = 60e-6, per_pixel = 25e-9, per_jpeg_pixel = 12e-9, per_read_sample = 1.5e-9;
 /* of the paper's method, */
 static const double per_fit = 110e-9, per_shadow = 20e-9, per_flow = 1.2e-6, per_flow_label = 3e-9,
                     per_refine = 0.05e-9, per_cluster = 0.1e-9, hidden_share = 0.25;
@@ -25,10 +24,6 @@ static const double per_fit = 110e-9, per_shadow = 20e-9, per_flow = 1.2e-6, per
 static const double per_measured = 6e-9, per_measured_component = 0.12e-9, per_measured_lobe = 4e-9,
                     per_ssim = 6e-9, per_evaluation = 0.25e-6, per_packed = 30e-9, per_saved = 60e-9,
                     per_filtered = 2e-9;
-
-double enc_cost_bonn(size_t components) {
-    return per_bonn + per_bonn_component * (double)components;
-}
 
 /* A list under construction. */
 typedef struct list {

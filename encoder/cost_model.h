@@ -17,7 +17,9 @@ struct enc_job;
 
 /* Core seconds of a sample: read from a scratch file; made from a factorisation of so many components. */
 #define ENC_COST_SCRATCH 1.5e-9
-double enc_cost_bonn(size_t components);
+static inline double enc_cost_bonn(size_t components) {
+    return 2.2e-9 + 0.13e-9 * (double)components;
+}
 
 /* Names of stages that job.c runs itself. */
 #define ENC_STAGE_PACK "pack"

@@ -28,6 +28,10 @@ double joint_cost_search(const joint_extent *e,
                          const joint_shape *shape); /* sources and gains of all points */
 double joint_cost_solve(const joint_extent *e, const joint_shape *shape);   /* u, gains, v */
 double joint_cost_refresh(const joint_extent *e, const joint_shape *shape); /* projection on v, gains */
+double joint_cost_survey(const joint_extent *e); /* scale, energies, a probe of SBRDFs */
+double joint_cost_basis(const joint_extent *e,
+                        const joint_shape *shape);              /* a change to an orthogonal one */
+double joint_cost_cluster(const joint_extent *e, double count); /* of the points of so many centres */
 double joint_cost_front_fit(const joint_extent *e, const joint_shape *shape);
 double joint_cost_front_refit(const joint_extent *e, const joint_shape *shape);
 double joint_cost_quantise(const joint_extent *e, const joint_shape *shape);

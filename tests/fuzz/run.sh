@@ -19,8 +19,8 @@ version=$(pkg-config --modversion OpenEXR)
 core=$(ls decoder/*.c | grep -v -e /gl -e /plan -e /shader_source)
 context="encoder/context.c encoder/team.c encoder/team_alone.c"
 images="encoder/image.c encoder/image_hdr.c $context $(echo decoder/tools/{exr,jpeg,png}_image.c) decoder/tools/exif.c decoder/tools/output.c
-        decoder/tools/progress.c decoder/result.c decoder/temporary.c"
-data="$context encoder/data.c encoder/scratch_shared.c encoder/memory_plan.c encoder/scratch.c encoder/grid.c encoder/names.c decoder/tools/progress.c decoder/tools/output.c
+        decoder/tools/progress.c decoder/tools/estimate.c decoder/result.c decoder/temporary.c"
+data="$context encoder/data.c encoder/scratch_shared.c encoder/memory_plan.c encoder/scratch.c encoder/grid.c encoder/names.c decoder/tools/progress.c decoder/tools/estimate.c decoder/tools/output.c
       decoder/result.c decoder/temporary.c $(echo reference/*.c)"
 libraries="$(pkg-config --cflags --libs-only-L OpenEXR) -lm"
 most=4096
@@ -86,12 +86,12 @@ jpeg | png | hdr | exr)
     ;;
 archive)
     sources="tests/fuzz/fuzz_archive.c tests/fuzz/file.c encoder/source.c encoder/source_archive.c encoder/source_dir.c encoder/names.c $context
-             decoder/tools/progress.c decoder/tools/output.c decoder/result.c decoder/temporary.c"
+             decoder/tools/progress.c decoder/tools/estimate.c decoder/tools/output.c decoder/result.c decoder/temporary.c"
     libraries+=" -DENC_SOURCE_MAX_FILE=((size_t)1<<20) -larchive"
     ;;
 bonn)
     sources="tests/fuzz/fuzz_bonn.c tests/fuzz/file.c reference/btf_arithmetic.c encoder/bonn_file.c encoder/bonn_decode.c encoder/bonn_colour.c encoder/joint_gemm.c
-             $context decoder/tools/progress.c decoder/tools/output.c decoder/result.c decoder/temporary.c"
+             $context decoder/tools/progress.c decoder/tools/estimate.c decoder/tools/output.c decoder/result.c decoder/temporary.c"
     libraries+=" -fopenmp=libgomp -larchive"
     ;;
 *)
