@@ -185,7 +185,7 @@ static void print_prediction(const enc_context *context, const enc_job *job, con
             (double)enc_memory_least(context->need, e->width, e->height, e->n_views, e->n_lights,
                                      context->threads) *
                 1e-9,
-            (double)use.peak * 1e-9, (double)context->memory * 1e-9, (double)use.scratch * 1e-9);
+            (double)context->memory * 1e-9, (double)use.peak * 1e-9, (double)use.scratch * 1e-9);
 }
 
 btf_result enc_predict(const enc_context *context, const enc_job *job, const char *from, FILE *out) {
