@@ -215,6 +215,15 @@ static void print_text(const char *path, uint64_t file_bytes, const btf_material
     print_textures(material);
 }
 
+/* What was written goes to stdout. */
+static btf_result put_json(json *j) {
+    const char *text = json_text(j);
+    if (text)
+        fputs(text, stdout);
+    json_free(j);
+    return text ? BTF_OK : cli_error(&program, BTF_ERROR_MEMORY, "out of memory");
+}
+
 static void json_directions(json *j, const char *key, const btf_directions *d) {
     ring rings[BTF_MAX_DIRECTIONS];
     int count = find_rings(d, rings);
@@ -348,11 +357,7 @@ static btf_result print_json(const char *path, uint64_t file_bytes, const btf_ma
     json_string(&j, "options", info->options);
     json_string(&j, "source", info->source);
     json_end(&j);
-    const char *text = json_text(&j);
-    if (text)
-        fputs(text, stdout);
-    json_free(&j);
-    return text ? BTF_OK : cli_error(&program, BTF_ERROR_MEMORY, "out of memory");
+    return put_json(&j);
 }
 
 static void json_range(json *j, const char *key, const btf_range *r) {
@@ -400,11 +405,7 @@ static btf_result print_json_plan(const char *path, const btf_plan *plan) {
     json_float(&j, "full_linear", plan->full_psnr_linear);
     json_float(&j, "full_srgb", plan->full_psnr_srgb);
     json_end(&j);
-    const char *text = json_text(&j);
-    if (text)
-        fputs(text, stdout);
-    json_free(&j);
-    return text ? BTF_OK : cli_error(&program, BTF_ERROR_MEMORY, "out of memory");
+    return put_json(&j);
 }
 
 static btf_result print_plan(const char *path, const btf_material *material) {

@@ -15,13 +15,6 @@ enum { LEVELS = 4, ROUNDS = 7 };
 
 static const float tolerance = 0.5f;
 
-static const char body[] =
-    "uvec4 check(uvec4 a, uvec4 b) {\n"
-    "    vec2 uv = uintBitsToFloat(a.xy);\n"
-    "    vec3 l = vec3(uintBitsToFloat(a.zw), uintBitsToFloat(b.x));\n"
-    "    return uvec4(floatBitsToUint(btf_evaluate(uv, l, uintBitsToFloat(b.yzw))), 0u);\n"
-    "}\n";
-
 /* Where rows go: the whole figures, the README's table. */
 typedef struct outputs {
     FILE *csv, *readme;
@@ -34,8 +27,8 @@ static void measure_times(decode_rig *rig, const btf_material *material, const b
     double ns[2][ROUNDS];
     out_ns[0] = out_ns[1] = 0;
     rig_variant way[2] = {
-        rig_variant_create(rig, small, &plan->shader, body, GPU_FIRST_UNIT),
-        rig_variant_create(rig, material, &everything, body, GPU_FIRST_UNIT + BTF_TEXTURE_COUNT)};
+        rig_variant_create(rig, small, &plan->shader, gpu_evaluate_body, GPU_FIRST_UNIT),
+        rig_variant_create(rig, material, &everything, gpu_evaluate_body, GPU_FIRST_UNIT + BTF_TEXTURE_COUNT)};
     for (int round = 0; round < rounds; round++)
         for (int w = 0; w < 2; w++)
             ns[w][round] =

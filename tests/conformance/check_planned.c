@@ -12,13 +12,6 @@
 
 #include <math.h>
 
-static const char body[] =
-    "uvec4 check(uvec4 a, uvec4 b) {\n"
-    "    vec2 uv = uintBitsToFloat(a.xy);\n"
-    "    vec3 l = vec3(uintBitsToFloat(a.zw), uintBitsToFloat(b.x));\n"
-    "    return uvec4(floatBitsToUint(btf_evaluate(uv, l, uintBitsToFloat(b.yzw))), 0u);\n"
-    "}\n";
-
 /* Everything, one direction, or a piece of the hemisphere. */
 static btf_range random_range(random_state *r, const btf_directions *list) {
     btf_range range = {0};
@@ -85,7 +78,7 @@ btf_result check_planned(const check_subject *subject, uint64_t seed, uint64_t c
     altered.material = small;
     altered.shader = &plan.shader;
     if (result == BTF_OK)
-        result = check_begin(&altered, body, &session);
+        result = check_begin(&altered, gpu_evaluate_body, &session);
     if (result != BTF_OK) {
         btf_material_close(&small);
         return result;

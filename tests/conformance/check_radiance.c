@@ -10,13 +10,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const char body[] =
-    "uvec4 check(uvec4 a, uvec4 b) {\n"
-    "    vec2 uv = uintBitsToFloat(a.xy);\n"
-    "    vec3 l = vec3(uintBitsToFloat(a.zw), uintBitsToFloat(b.x));\n"
-    "    return uvec4(floatBitsToUint(btf_evaluate(uv, l, uintBitsToFloat(b.yzw))), 0u);\n"
-    "}\n";
-
 /* The entry of its own for nearest directions, used in place of the macro. */
 static const char body_nearest[] =
     "uvec4 check(uvec4 a, uvec4 b) {\n"
@@ -68,7 +61,7 @@ btf_result check_radiance(const check_subject *subject, uint64_t seed, uint64_t 
     btf_result result = check_begin(&altered,
                                     info.levels > 1 ? body_level
                                     : by_entry      ? body_nearest
-                                                    : body,
+                                                    : gpu_evaluate_body,
                                     &session);
     if (result != BTF_OK)
         return result;
@@ -110,7 +103,7 @@ static void add_error(check_fast *f, uint32_t exact_bits, uint32_t fast_bits) {
 
 btf_result check_fast_math(const check_subject *subject, uint64_t seed, uint64_t count, check_fast *out) {
     check_session session;
-    btf_result result = check_begin(subject, body, &session);
+    btf_result result = check_begin(subject, gpu_evaluate_body, &session);
     if (result != BTF_OK)
         return result;
     btf_ref_options options = variant_reference_options(subject->shader);

@@ -112,6 +112,24 @@ gpu *gpu_create(const context_device *device, char *why, size_t why_size) {
     return g;
 }
 
+gpu *gpu_create_or_skip(const context_device *device) {
+    char why[300];
+    context_prepare(device);
+    gpu *made = gpu_create(device, why, sizeof why);
+    if (!made) {
+        fprintf(stderr, "skipped: %s\n", why);
+        exit(77);
+    }
+    return made;
+}
+
+const char gpu_evaluate_body[] =
+    "uvec4 check(uvec4 a, uvec4 b) {\n"
+    "    vec2 uv = uintBitsToFloat(a.xy);\n"
+    "    vec3 l = vec3(uintBitsToFloat(a.zw), uintBitsToFloat(b.x));\n"
+    "    return uvec4(floatBitsToUint(btf_evaluate(uv, l, uintBitsToFloat(b.yzw))), 0u);\n"
+    "}\n";
+
 void gpu_destroy(gpu **g) {
     if (!g || !*g)
         return;

@@ -18,6 +18,10 @@ typedef struct gpu gpu;
 
 /* NULL on failure, with the reason in why[why_size]. The device must have been prepared. */
 gpu *gpu_create(const context_device *device, char *why, size_t why_size);
+
+/* For the set-up of a test: prepares the process for the device and makes it; says why and ends the process as a
+ * skipped test where the machine has none. */
+gpu *gpu_create_or_skip(const context_device *device);
 void gpu_destroy(gpu **g);
 
 /* What GL says it is: renderer and version. */
@@ -40,5 +44,8 @@ btf_result gpu_run(gpu *g, unsigned program, size_t count, const uint32_t *input
 /* Draws the program `repeats` times over side x side pixels of the inputs of the last gpu_run, and waits.
  * For timing. */
 btf_result gpu_draw(gpu *g, unsigned program, int side, int repeats);
+
+/* A `check` whose elements are u, v, light and view, and whose outputs are the bits of btf_evaluate. */
+extern const char gpu_evaluate_body[];
 
 #endif

@@ -469,13 +469,7 @@ static void options_are_checked(void **state) {
 
 static int setup(void **state) {
     (void)state;
-    char why[300];
-    context_prepare(&context_devices[0]);
-    device = gpu_create(&context_devices[0], why, sizeof why);
-    if (!device) {
-        fprintf(stderr, "skipped: %s\n", why);
-        exit(77);
-    }
+    device = gpu_create_or_skip(&context_devices[0]);
     synthetic_spec a = {.seed = 21,
                         .width = 24,
                         .height = 17,

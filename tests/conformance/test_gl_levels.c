@@ -200,13 +200,7 @@ static void evaluate_is_level_0(void **state) {
 
 static int setup(void **state) {
     (void)state;
-    char why[300];
-    context_prepare(&context_devices[1]);
-    device = gpu_create(&context_devices[1], why, sizeof why);
-    if (!device) {
-        fprintf(stderr, "skipped: %s\n", why);
-        exit(77);
-    }
+    device = gpu_create_or_skip(&context_devices[1]);
     synthetic_spec spec = {.seed = 31,
                            .width = WIDTH,
                            .height = HEIGHT,

@@ -134,13 +134,7 @@ static void decoder_differs_without_protection(void **state) {
 
 static int setup(void **state) {
     (void)state;
-    char why[300];
-    context_prepare(&context_devices[0]);
-    device = gpu_create(&context_devices[0], why, sizeof why);
-    if (!device) {
-        fprintf(stderr, "skipped: %s\n", why);
-        exit(77);
-    }
+    device = gpu_create_or_skip(&context_devices[0]);
     return 0;
 }
 

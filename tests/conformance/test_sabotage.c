@@ -278,13 +278,7 @@ static void each_is_caught(void **state) {
 
 static int setup(void **state) {
     (void)state;
-    char why[300];
-    context_prepare(&context_devices[0]);
-    device = gpu_create(&context_devices[0], why, sizeof why);
-    if (!device) {
-        fprintf(stderr, "skipped: %s\n", why);
-        exit(77);
-    }
+    device = gpu_create_or_skip(&context_devices[0]);
     for (int i = 0; i < SUBJECTS; ++i)
         if (synthetic_create(&subjects[i].spec, &log_errors, &materials[i]) != BTF_OK)
             return -1;

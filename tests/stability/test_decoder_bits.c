@@ -63,6 +63,21 @@ static bool decodes(const btf_material *material, uint64_t seed, int count) {
 
 /* ---- what a file may hold ---- */
 
+/* A material of this kind, saved, to be edited. */
+static edit_file *saved_file(const synthetic_spec *spec) {
+    btf_material *material = NULL;
+    void *data;
+    size_t size;
+    if (synthetic_create(spec, NULL, &material) != BTF_OK ||
+        btf_material_save_memory(material, NULL, &data, &size) != BTF_OK) {
+        exit(1);
+    }
+    btf_material_close(&material);
+    edit_file *file = edit_load(data, size);
+    btf_free(data);
+    return file;
+}
+
 /* Puts each class into each float channel of the part `sbrdf` of a file, at a texel of its own. */
 static void file_parameters(void) {
     for (size_t k = 0; k < bit_class_count; k++) {
@@ -71,16 +86,10 @@ static void file_parameters(void) {
         char example[200] = "opens, radiance finite";
         for (int spec = 0; spec < BITS_SPECS; spec += 4) { /* one colour, RGB lobes; floats */
             const synthetic_spec s = bits_spec(spec);
+            edit_file *file = saved_file(&s);
             btf_material *material = NULL;
             void *data;
             size_t size;
-            if (synthetic_create(&s, NULL, &material) != BTF_OK ||
-                btf_material_save_memory(material, NULL, &data, &size) != BTF_OK) {
-                exit(1);
-            }
-            btf_material_close(&material);
-            edit_file *file = edit_load(data, size);
-            btf_free(data);
             edit_part *part = edit_find_part(file, "sbrdf");
             for (int c = 0; c < part->channel_count; c++) {
                 const int x = (c + (int)k) % part->width, y = c % part->height;
@@ -120,16 +129,10 @@ static void file_scales(void) {
     static const char *const names[] = {"openbtf.radianceScale", "openbtf.shadowScale", "openbtf.gainScale",
                                         "openbtf.centreScale", "openbtf.residualScales"};
     const synthetic_spec s = bits_spec(1);
+    edit_file *file = saved_file(&s);
     btf_material *material = NULL;
     void *data;
     size_t size;
-    if (synthetic_create(&s, NULL, &material) != BTF_OK ||
-        btf_material_save_memory(material, NULL, &data, &size) != BTF_OK) {
-        exit(1);
-    }
-    btf_material_close(&material);
-    edit_file *file = edit_load(data, size);
-    btf_free(data);
     for (size_t n = 0; n < sizeof names / sizeof *names; n++) {
         bool ok = true;
         edit_attribute *a = edit_find_attribute(file, names[n]);
