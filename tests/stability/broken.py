@@ -1,5 +1,8 @@
 #!/usr/bin/env python3
-"""Deliberately broken builds: each must make a stability test fail. broken.py SOURCE_ROOT [NAME...]
+"""Deliberately broken builds: each must make a stability test fail.
+
+    broken.py SOURCE_ROOT [NAME...]    all of them, or those of these names
+    broken.py SOURCE_ROOT --applies    only whether each can be put in: what the sources say is still there
 
 Copies the sources, and for each change of the list below puts it in, builds the test that has to notice, runs it, and
 takes the change out again. A change that no longer applies, does not build, or goes unnoticed is a failure. The long
@@ -101,8 +104,8 @@ CHANGES = [
     ("temporary files of the living not locked", "output", [
         ("decoder/temporary.c", "while (flock(fd, LOCK_EX) != 0 && errno == EINTR)", "while (fd < 0)")]),
     ("the output not tried before the work", "stability_faults", [
-        ("encoder/job.c", "btf_result result = try_output(context, job->output);",
-         "btf_result result = job->report ? try_output(context, job->output) : BTF_OK;"),
+        ("encoder/job.c", "result = try_output(context, job->output);",
+         "result = job->report ? try_output(context, job->output) : BTF_OK;"),
         ("encoder/job.c", "result = try_output(context, job->report);", "result = BTF_OK;")]),
     ("damage that libjpeg paints over taken for a picture", "stability_images", [
         ("decoder/tools/jpeg_image.c", "    c->damaged = true;\n", "")]),
@@ -187,8 +190,24 @@ def check(tree, name, test, edits):
     return noticed, seen
 
 
+def applies(source):
+    """Prints the changes whose text the sources do not have exactly once, and returns their number."""
+    missing = 0
+    for name, _, edits in CHANGES:
+        for path, old, _ in edits:
+            with open(os.path.join(source, path), encoding='utf-8') as file:
+                count = file.read().count(old)
+            if count != 1:
+                print(f'{name}: {path} has the text to change {count} times: {old}')
+                missing += 1
+    print(f'{len(CHANGES)} changes, {missing} that do not apply')
+    return missing
+
+
 def main():
     source = os.path.abspath(sys.argv[1])
+    if sys.argv[2:] == ['--applies']:
+        sys.exit(1 if applies(source) else 0)
     wanted = [change for change in CHANGES if len(sys.argv) == 2 or change[0] in sys.argv[2:]]
     failures = 0
     print('TITLE | Deliberately broken builds: the test that notices, and its first case that fails.')
