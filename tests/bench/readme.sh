@@ -10,10 +10,11 @@
 # SPDX-License-Identifier: MIT
 set -euo pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd)
+marks=$root/tests/bench/marks.py
 if [ "${1:-}" = --plan ]; then
-    python3 - "$root/README.md" "${2:?expected a folder after --plan}" <<'EOF'
+    python3 - "${2:?expected a folder after --plan}" <<'EOF' | "$marks" "$root/README.md" plan
 import glob, os, re, sys
-readme, out = sys.argv[1:]
+out = sys.argv[1]
 with open(f"{out}/summary.md") as file:
     summary = file.read()
 def field(key):
@@ -28,14 +29,7 @@ for path in sorted(glob.glob(f"{out}/readme-plan-*.md")):
         sys.exit(f"{path}: a blank cell")
     name = os.path.basename(path)[len("readme-plan-"):-len(".md")]
     text += f"\n**{name}**. {table}\n"
-text += "<!-- /plan -->"
-with open(readme) as file:
-    old = file.read()
-new, count = re.subn(r"<!-- plan: .*?<!-- /plan -->", lambda _: text, old, flags=re.S)
-if count != 1:
-    sys.exit(f"{readme}: expected one pair of marks <!-- plan: ... --> and <!-- /plan -->, found {count}")
-with open(readme, "w") as file:
-    file.write(new)
+print(text + "<!-- /plan -->")
 EOF
     exit
 fi
@@ -53,9 +47,9 @@ name=${name#readme-encode-}
 for plot in encode decode; do
     cp "$out/readme-$plot-$name.png" "$root/tests/data/readme/$plot.png"
 done
-python3 - "$root/README.md" "$out" "$name" <<'EOF'
+python3 - "$out" "$name" <<'EOF' | "$marks" "$root/README.md" bench
 import re, sys
-readme, out, name = sys.argv[1:]
+out, name = sys.argv[1:]
 def read(path):
     with open(path) as file:
         return file.read()
@@ -84,10 +78,5 @@ the run. Repeats: {field("repeats")}. PSNR in dB, linear / sRGB-coded{"; held ou
 
 {part("guide-decode")}
 <!-- /bench -->"""
-old = read(readme)
-new, count = re.subn(r"<!-- bench: .*?<!-- /bench -->", lambda _: text, old, flags=re.S)
-if count != 1:
-    sys.exit(f"{readme}: expected one pair of marks <!-- bench: ... --> and <!-- /bench -->, found {count}")
-with open(readme, "w") as file:
-    file.write(new)
+print(text)
 EOF
