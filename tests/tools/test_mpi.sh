@@ -27,6 +27,8 @@ team() { # N ARGUMENT...: btf-encode on N ranks of one thread
     timeout 120 mpirun -n "$n" btf-encode "$@" --threads 1
 }
 nothing_left() { [ ! -e "$1" ] && [ -z "$(find . -name '.*.tmp' -o -name 'btf-scratch-*')" ]; }
+# Where the job was done before the signal came, a whole file is right.
+nothing_half() { if [ -e "$1" ]; then cmp whole.btf.exr "$1" && rm "$1"; fi && nothing_left "$1"; }
 
 for n in 2 3 5; do
     expect "transfers between $n ranks, whole and in pieces" 0 timeout 120 mpirun -n $n mpi_transfers
@@ -67,7 +69,8 @@ import json
 r = json.load(open("r.json"))
 b = r["between_ranks"]
 assert r["ranks"] == 2
-assert b["joint"]["received"] > 1000 and b["joint"]["meetings"] > 10, b
+joint = [v for stage, v in b.items() if stage.startswith("joint")]
+assert sum(v["received"] for v in joint) > 1000 and sum(v["meetings"] for v in joint) > 10, b
 assert b["read"]["meetings"] >= 1 and b["measure"]["received"] > 0, b'
 expect_that "one table" test "$(grep -c 'Table 2' out)" = 1
 
@@ -115,7 +118,7 @@ kill_one() { # SIGNAL WHO: of the encode of two ranks, once it has kept a step
     local run=$! victim=$!
     wait_for_steps 1 $run
     if [ "$2" = rank ]; then
-        victim=$(pgrep -P $run | tail -1)
+        victim=$(awk '{print $NF}' /proc/$run/task/$run/children)
     fi
     kill -"$1" "$victim"
     wait $run
@@ -138,7 +141,7 @@ expect_that "nothing half after that" nothing_left x.btf.exr
 rm -rf steps
 kill_one TERM all
 expect_that "SIGTERM to all ends the job with a code ($code)" test "$code" != 0
-expect_that "nothing half after it" nothing_left x.btf.exr
+expect_that "nothing half after it" nothing_half x.btf.exr
 expect "three ranks go on from two" 0 team 3 "${slow[@]}" --resume
 expect_that "with the same bytes" cmp whole.btf.exr x.btf.exr
 expect_that "the checkpoint is gone" test ! -e steps
