@@ -7,13 +7,15 @@
 #include "job.h"
 #include "joint_cost.h"
 #include "level_filter.h"
+#include "memory_plan.h"
 #include "pack.h"
+#include "paper_effects.h"
 
 #include <math.h>
 #include <openbtf/material.h>
 #include <string.h>
 
-enum { FLOW_LABELS = 256, PROBE_LIGHTS = 3, EFFECT_ERROR_SAMPLES = 3000000, REPORTED_EFFECTS = 5 };
+enum { EFFECT_ERROR_SAMPLES = 3000000, REPORTED_EFFECTS = 5 };
 
 /* Core seconds of one inner step: of reading and making samples, */
 static const double per_file = 60e-6, per_pixel = 25e-9, per_jpeg_pixel = 12e-9, per_read_sample = 1.5e-9;
@@ -111,8 +113,8 @@ static outcome add_joint(list *l, const enc_extent *e, double fetch, const enc_j
 }
 
 static double flow(const counts *c, double side, double lights) {
-    const double labels = fmin(side + 2, FLOW_LABELS);
-    return c->points * (lights * per_flow + labels * 27 * per_flow_label);
+    const double labels = fmin(side + 2, ENC_FLOW_LABELS);
+    return c->points * (lights * per_flow + labels * ENC_FLOW_PRIOR_LIGHTS * per_flow_label);
 }
 
 static outcome add_paper(list *l, const enc_extent *e, const counts *c, double fetch,
@@ -128,7 +130,7 @@ static outcome add_paper(list *l, const enc_extent *e, const counts *c, double f
     if (o->effects & BTF_EFFECT_SHADOW)
         add(l, "shadow", c->texels * c->lights * (per_shadow + 3 * fetch));
     if (o->choose && (o->effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN)))
-        add(l, "probe", flow(c, side, fmin(PROBE_LIGHTS, c->lights)) + c->samples * fetch);
+        add(l, "probe", flow(c, side, fmin(ENC_PAPER_PROBE_LIGHTS, c->lights)) + c->samples * fetch);
     if (o->effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN))
         add(l, "flow", flow(c, side, lights) + c->samples * fetch);
     if (o->effects & BTF_EFFECT_HIDDEN) {

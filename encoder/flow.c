@@ -16,9 +16,8 @@
 
 enum {
     MIN_PADDING = 16,
-    PRIOR_LIGHTS = 27, /* lights of the first estimate, at most: more change nothing */
-    PLAIN_SCALE = 2,   /* without an estimate, images are doubled: DIS takes 8x8 patches, relief is finer */
-    PRIOR_SCALE = 1,   /* with one, what is left to find is small, and doubling gains nothing */
+    PLAIN_SCALE = 2, /* without an estimate, images are doubled: DIS takes 8x8 patches, relief is finer */
+    PRIOR_SCALE = 1, /* with one, what is left to find is small, and doubling gains nothing */
 };
 
 static enc_flow_options with_defaults(const enc_flow_options *given) {
@@ -339,7 +338,7 @@ btf_result enc_flow_vote(const enc_context *context, const enc_data *data, const
         return result;
     const int n_lights = data->n_lights;
     s.n_voters = s.options.lights == 0 || s.options.lights > n_lights ? n_lights : s.options.lights;
-    s.n_prior = n_lights < PRIOR_LIGHTS ? n_lights : PRIOR_LIGHTS;
+    s.n_prior = n_lights < ENC_FLOW_PRIOR_LIGHTS ? n_lights : ENC_FLOW_PRIOR_LIGHTS;
     s.voters = malloc((size_t)s.n_voters * sizeof *s.voters);
     s.prior = malloc((size_t)s.n_prior * sizeof *s.prior);
     s.top = calloc((size_t)s.n_voters, sizeof *s.top);

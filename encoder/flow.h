@@ -9,6 +9,8 @@
 #include "occlusion.h"
 #include <stdbool.h>
 
+enum { ENC_FLOW_PRIOR_LIGHTS = 27 }; /* of the first estimate, at most: more change nothing */
+
 /* Zero means the default beside the field. */
 typedef struct enc_flow_options {
     int lights;             /* lights that vote, spread evenly over the list; default all */

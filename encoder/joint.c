@@ -18,8 +18,6 @@ static const double shift_tolerance = 1e-6;
  * in range. */
 static const double prior_strength = 3.0;
 
-enum { FRONT_PERIOD = 8 }; /* rounds from one refit of a front beside a residual to the next */
-
 void joint_fit_clear(joint_fit *fit) {
     joint_codes_clear(&fit->codes);
     free(fit->centre_codes);
@@ -205,7 +203,7 @@ btf_result joint_fit_point_errors(joint_fit *fit) {
 
 btf_result joint_fit_round(joint_fit *fit) {
     joint_model *model = &fit->model;
-    const bool refit = model->front && (model->k == 0 || fit->rounds % FRONT_PERIOD == 0);
+    const bool refit = model->front && (model->k == 0 || fit->rounds % JOINT_FRONT_PERIOD == 0);
     btf_result result = fit->projection.c ? BTF_OK : refresh(fit);
     if (result == BTF_OK)
         result = joint_choose(fit->rows, &fit->projection, true, shift_tolerance, model, &fit->error);

@@ -17,10 +17,8 @@
 
 enum {
     STARTS = 2,          /* of the SBRDF of a front */
-    FRONT_STEPS = 2,     /* least squares of the residual when it gets a front */
     SMALL = 1024,        /* texels up to which every candidate is tried by every preset */
     FEW_COMPONENTS = 16, /* below which sources without a residual are tried, too */
-    PROBED = 64,         /* texels that a plain SBRDF is tried on first */
 };
 
 /* A plain SBRDF whose first probe leaves so many times what is enough (25 dB above it) is not pursued. */
@@ -145,8 +143,9 @@ static btf_result start_one(joint_run *r, const joint_shape *shape, joint_fit *o
         return joint_fit_lone(&r->rows, shape->effects, &kind, STARTS, out_fit);
     const size_t k = shape->components < r->plain.model.k ? shape->components : r->plain.model.k;
     const btf_result result = joint_fit_start(&r->plain, k, shape->effects, out_fit);
-    return result == BTF_OK && shape->lobes > 0 ? joint_fit_add_front(out_fit, &kind, STARTS, FRONT_STEPS)
-                                                : result;
+    return result == BTF_OK && shape->lobes > 0
+               ? joint_fit_add_front(out_fit, &kind, STARTS, JOINT_FRONT_STEPS)
+               : result;
 }
 
 /* Starts a candidate, or takes it from a checkpoint, and lets it go through `rounds`. */
@@ -219,7 +218,7 @@ btf_result joint_try_plain_sbrdf(joint_run *r, enc_solution *out_solution, joint
         set_front(&shape, kinds[i]);
         if (joint_bytes(r->rows.data, &shape) > r->budget)
             continue;
-        result = joint_front_probe(&r->rows, kinds[i], STARTS, PROBED, &probe);
+        result = joint_front_probe(&r->rows, kinds[i], STARTS, JOINT_PROBED, &probe);
         if (result == BTF_OK && i == 0)
             joint_run_note(r, &shape, probe * samples, "probe");
         if (result != BTF_OK || probe * samples > hopeless * r->enough)

@@ -4,13 +4,13 @@
  */
 #include "joint_cost.h"
 #include "joint_reach.h"
+#include "joint_run.h"
 #include "joint_search.h"
 
 #include <math.h>
 #include <openbtf/material.h>
 
 enum {
-    PROBED = 64,     /* texels of the probe of SBRDFs */
     FRONT_DIMS = 12, /* basis vectors for fronts beside a residual ... */
     LONE_DIMS = 48,  /* ... and without one */
     FRONT_SAMPLES = 128,
@@ -118,19 +118,20 @@ double joint_cost_solve(const joint_extent *e, const joint_shape *s) {
                              : 0;
 }
 
-/* The residual for everything else as it is. */
-static double solve_all(const joint_extent *e, const joint_shape *s) {
+double joint_cost_residual(const joint_extent *e, const joint_shape *s) {
     return joint_cost_solve(e, s) + joint_cost_refresh(e, s);
 }
 
 double joint_cost_quantise(const joint_extent *e, const joint_shape *s) {
     const double k = (double)s->components;
-    return k > 0 ? 2 * solve_all(e, s) + joint_cost_search(e, s) + e->views * e->row * k * k * per_rounding
+    return k > 0 ? 2 * joint_cost_residual(e, s) + joint_cost_search(e, s) +
+                       e->views * e->row * k * k * per_rounding
                  : 0;
 }
 
 double joint_cost_survey(const joint_extent *e) {
-    return 2 * samples(e) * (per_survey + e->fetch) + PROBED * e->views * e->row * (8 * per_fit + e->fetch);
+    return 2 * samples(e) * (per_survey + e->fetch) +
+           JOINT_PROBED * e->views * e->row * (8 * per_fit + e->fetch);
 }
 
 double joint_cost_cluster(const joint_extent *e, double count) {

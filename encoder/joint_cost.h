@@ -26,8 +26,9 @@ static inline size_t joint_cost_steps(double cost) {
 /* Parts of a fit of this shape (its effects, components, lobes and rgb). */
 double joint_cost_search(const joint_extent *e,
                          const joint_shape *shape); /* sources and gains of all points */
-double joint_cost_solve(const joint_extent *e, const joint_shape *shape);   /* u, gains, v */
-double joint_cost_refresh(const joint_extent *e, const joint_shape *shape); /* projection on v, gains */
+double joint_cost_solve(const joint_extent *e, const joint_shape *shape);    /* u, gains, v */
+double joint_cost_refresh(const joint_extent *e, const joint_shape *shape);  /* projection on v, gains */
+double joint_cost_residual(const joint_extent *e, const joint_shape *shape); /* both: u, v, all gains */
 double joint_cost_survey(const joint_extent *e); /* scale, energies, a probe of SBRDFs */
 double joint_cost_basis(const joint_extent *e,
                         const joint_shape *shape);              /* a change to an orthogonal one */

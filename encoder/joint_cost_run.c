@@ -8,23 +8,12 @@
 #include <math.h>
 #include <openbtf/material.h>
 
-enum {
-    FRONT_STEPS = 2,  /* least squares of the residual when it gets a front */
-    FRONT_PERIOD = 8, /* rounds from one refit of a front to the next */
-    MOST_CENTRES = 512,
-    QUALITY_TRIALS = 5,
-    QUALITY_ROUNDS = 3,
-};
-
-/* The residual for everything else as it is. */
-static double solve_all(const joint_extent *e, const joint_shape *s) {
-    return joint_cost_solve(e, s) + joint_cost_refresh(e, s);
-}
+enum { QUALITY_TRIALS = 5 }; /* of the search of the fewest components */
 
 /* The `number`th round. */
 static double one_round(const joint_extent *e, const joint_shape *s, int number) {
-    double cost = joint_cost_search(e, s) + solve_all(e, s);
-    if (s->lobes > 0 && (s->components == 0 || number % FRONT_PERIOD == 0))
+    double cost = joint_cost_search(e, s) + joint_cost_residual(e, s);
+    if (s->lobes > 0 && (s->components == 0 || number % JOINT_FRONT_PERIOD == 0))
         cost += joint_cost_front_refit(e, s);
     return cost;
 }
@@ -40,14 +29,14 @@ static double trial_start(const joint_extent *e, const joint_shape *s) {
     double cost = s->components > 0 ? joint_cost_refresh(e, s) : 0;
     if (s->lobes > 0)
         cost += joint_cost_front_fit(e, s) + joint_cost_refresh(e, s) +
-                (s->components > 0 ? FRONT_STEPS * solve_all(e, s) : 0);
+                (s->components > 0 ? JOINT_FRONT_STEPS * joint_cost_residual(e, s) : 0);
     return cost;
 }
 
 static double centres(const joint_extent *e, const joint_shape *s) {
     const uint32_t needed = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN;
     const double lights = e->row / 3, most = (e->texels + e->row * e->views) / lights;
-    const double count = fmin(most, MOST_CENTRES);
+    const double count = fmin(most, JOINT_MOST_CENTRES);
     if ((s->effects & needed) != needed)
         return 0;
     return joint_cost_cluster(e, count) + joint_cost_basis(e, s) + 2 * joint_cost_refresh(e, s) +
@@ -61,7 +50,7 @@ joint_costs joint_cost_run(const enc_data *data, const joint_extent *e, const en
     const int count = joint_list_candidates(&r, list);
     if (options->effects & BTF_EFFECT_RESIDUAL) {
         plain.components = joint_run_components(&r, &plain);
-        c.start = (r.preset.start + 1) * solve_all(e, &plain);
+        c.start = (r.preset.start + 1) * joint_cost_residual(e, &plain);
     }
     const joint_shape *best = count > 0 ? &list[0] : &plain;
     const int rounds = joint_run_round_count(&r, best), trial = joint_run_trial_count(&r, count, rounds);
@@ -79,8 +68,7 @@ joint_costs joint_cost_run(const enc_data *data, const joint_extent *e, const en
     c.codes = joint_cost_basis(e, best) + joint_cost_refresh(e, best) + joint_cost_quantise(e, best) +
               joint_cost_measure(e, best);
     if (options->quality > 0)
-        c.codes *= 1 + QUALITY_TRIALS;
-    if (options->quality > 0)
-        c.codes += QUALITY_TRIALS * many_rounds(e, best, 0, QUALITY_ROUNDS);
+        c.codes =
+            c.codes * (1 + QUALITY_TRIALS) + QUALITY_TRIALS * many_rounds(e, best, 0, JOINT_REDUCE_ROUNDS);
     return c;
 }

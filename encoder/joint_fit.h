@@ -18,6 +18,8 @@
 #include "joint_quantise.h"
 #include "solution.h"
 
+enum { JOINT_FRONT_PERIOD = 8 }; /* rounds from one refit of a front beside a residual to the next */
+
 /* Free with joint_fit_clear in any case; all zeros is a valid empty fit. */
 typedef struct joint_fit {
     const joint_rows *rows;
@@ -34,7 +36,8 @@ typedef struct joint_fit {
 
 void joint_fit_clear(joint_fit *fit);
 
-/* A fit of zeros with k components, whose points may choose what the effects allow. Errors: BTF_ERROR_MEMORY. */
+/* A fit of zeros with k components, whose points may choose what the effects allow. Errors:
+ * BTF_ERROR_MEMORY. */
 btf_result joint_fit_init(const joint_rows *rows, size_t k, uint32_t effects, joint_fit *out_fit);
 
 /* Effects, components, centres and front of a fit. */

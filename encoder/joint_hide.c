@@ -11,8 +11,7 @@
 #include <string.h>
 
 enum {
-    LAYER = 4,  /* components of a texture layer: what can be given up */
-    MOST = 512, /* centres: the time of the clustering grows with their square */
+    LAYER = 4, /* components of a texture layer: what can be given up */
 };
 
 /* Centres that the budget holds beside r->best with k components. */
@@ -23,8 +22,8 @@ static size_t room(const joint_run *r, size_t k) {
     const uint64_t bytes = joint_bytes(r->rows.data, &shape);
     const uint64_t each = 4 * (uint64_t)r->rows.data->n_lights;
     const uint64_t most = bytes < r->budget ? (r->budget - bytes) / each : 0;
-    return (size_t)(most < MOST ? most
-                                : MOST); /* one block of FORMAT.md section 3: nothing is rounded up */
+    /* one block of FORMAT.md section 3: nothing is rounded up */
+    return (size_t)(most < JOINT_MOST_CENTRES ? most : JOINT_MOST_CENTRES);
 }
 
 /* r->best without its last four components, in the principal basis that it is in. */

@@ -19,10 +19,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    REDUCE_ROUNDS = 3, /* rounds after components were dropped for --quality */
-};
-
 /* dB in the fitted domain that 8-bit codes reach but hardly pass: better is not sought. */
 static const double enough_psnr = 55.0;
 
@@ -150,14 +146,14 @@ btf_result joint_run_finish(joint_run *r, joint_fit *fit, enc_solution *out_solu
 btf_result joint_run_finish_part(joint_run *r, const joint_fit *from, size_t k, enc_solution *out_solution,
                                  joint_error *out_error) {
     joint_fit fit = {0};
-    double history[REDUCE_ROUNDS];
+    double history[JOINT_REDUCE_ROUNDS];
     int done = 0;
     btf_result result = joint_fit_start(from, k, from->effects, &fit);
     if (result == BTF_OK && k < from->model.k) {
         if (from->effects == BTF_EFFECT_RESIDUAL && !from->model.front)
             result = joint_fit_refine_plain(&fit, 1, NULL);
         else
-            result = joint_run_rounds(r, &fit, REDUCE_ROUNDS, NULL, history, &done);
+            result = joint_run_rounds(r, &fit, JOINT_REDUCE_ROUNDS, NULL, history, &done);
     }
     if (result == BTF_OK)
         result = joint_run_finish(r, &fit, out_solution, out_error);

@@ -34,7 +34,13 @@ typedef struct joint_run {
     joint_costs costs; /* predicted */
 } joint_run;
 
-enum { JOINT_MOST_CANDIDATES = 20 };
+enum {
+    JOINT_MOST_CANDIDATES = 20,
+    JOINT_PROBED = 64,        /* texels that a plain SBRDF is tried on first */
+    JOINT_FRONT_STEPS = 2,    /* least squares of the residual when it gets a front */
+    JOINT_MOST_CENTRES = 512, /* the time of the clustering grows with their square */
+    JOINT_REDUCE_ROUNDS = 3   /* after components were dropped for --quality */
+};
 
 /* A run before it begins: options, preset and budget for the extent of `data`, whose samples are not looked
  * at. */

@@ -5,13 +5,12 @@
 #include "memory_plan.h"
 
 #include "data.h"
+#include "flow.h"
+#include "joint.h"
 #include "joint_rows.h"
 
 enum {
-    FLOW_LIGHTS = 27,   /* of the first estimate ... */
-    FLOW_LABELS = 256,  /* ... and its shifts, at most */
     SOURCE_TASK = 96,   /* sources solved together */
-    COMPONENTS = 128,   /* at most */
     PROGRAM = 24 << 20, /* the program itself, with its libraries */
 };
 
@@ -31,8 +30,8 @@ static uint64_t common(const extent *e) {
 }
 
 uint64_t enc_memory_flow(uint64_t texels, uint64_t side, uint64_t lights) {
-    const uint64_t labels = side + 2 < FLOW_LABELS ? side + 2 : FLOW_LABELS;
-    return texels * (12 * lights + FLOW_LIGHTS * 12 + 12 * labels + 3 * lights + 64);
+    const uint64_t labels = side + 2 < ENC_FLOW_LABELS ? side + 2 : ENC_FLOW_LABELS;
+    return texels * (12 * lights + ENC_FLOW_PRIOR_LIGHTS * 12 + 12 * labels + 3 * lights + 64);
 }
 
 static uint64_t paper(const extent *e) {
@@ -40,8 +39,8 @@ static uint64_t paper(const extent *e) {
     const uint64_t held =
         e->texels * (68 + 56 + e->lights) + e->points * (2 + 1 + 1 + 4 + 2) + 3 * e->points;
     const uint64_t fit = e->threads * e->views * e->lights * (13 * 4 + 1 + 16 * 12);
-    const uint64_t flow =
-        enc_memory_flow(e->texels, e->side, e->lights) + e->texels * (FLOW_LIGHTS * 12 + 11 * e->lights);
+    const uint64_t flow = enc_memory_flow(e->texels, e->side, e->lights) +
+                          e->texels * (ENC_FLOW_PRIOR_LIGHTS * 12 + 11 * e->lights);
     const uint64_t refine = e->image_view + e->texels * (2 * 12 * lanes + 2 * 4 * 48 + 4);
     return held + larger(larger(fit, flow), larger(refine, common(e)));
 }
@@ -75,7 +74,7 @@ static extent extent_of(int width, int height, int n_views, int n_lights, int th
 uint64_t enc_memory_least(enc_need need, int width, int height, int n_views, int n_lights, int threads) {
     const extent e = extent_of(width, height, n_views, n_lights, threads);
     /* a third more for the allocator, and for a projection that is kept in memory */
-    const uint64_t sum = need == ENC_NEED_PAPER ? paper(&e) : joint(&e, COMPONENTS);
+    const uint64_t sum = need == ENC_NEED_PAPER ? paper(&e) : joint(&e, ENC_JOINT_MOST_COMPONENTS);
     return sum + sum / 3;
 }
 

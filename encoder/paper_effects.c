@@ -5,23 +5,16 @@
 #include "paper_effects.h"
 
 #include "decoder/tools/cli.h"
+#include "decoder/tools/progress.h"
 #include "team.h"
 
 #include <math.h>
 #include <openbtf/material.h>
 #include <stdlib.h>
-#include <sys/resource.h>
 
-enum { SAMPLE = 256, PROBE_LIGHTS = 3 };
+enum { SAMPLE = 256 };
 
 static const double hidden_share = 0.01; /* of points, below which clusters are not worth a try */
-
-static double core_seconds(void) {
-    struct rusage usage;
-    getrusage(RUSAGE_SELF, &usage);
-    return (double)(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-           1e-6 * (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
-}
 
 static double clipped(double value) {
     return value < 1.0 ? value : 1.0;
@@ -132,7 +125,7 @@ static void note(const enc_context *context, const enc_data *data, const enc_sol
                              .centres = effects & BTF_EFFECT_HIDDEN ? (int)s->n_centres : 0,
                              .gpu_bytes = map_bytes(data, s, effects),
                              .psnr = error > 1e-10 ? -10.0 * log10(error) : 100.0,
-                             .core_seconds = core_seconds() - since,
+                             .core_seconds = progress_core_clock() - since,
                              .verdict = verdict};
     if (stats->trials_count < ENC_MAX_TRIALS)
         stats->trials[stats->trials_count++] = trial;
@@ -150,7 +143,7 @@ static double worth(const enc_paper_options *options, double with, double withou
 btf_result enc_paper_probe(const enc_context *context, const enc_data *data,
                            const enc_paper_options *options, const enc_solution *solution,
                            enc_paper_stats *stats, bool *out_promising) {
-    const double start = core_seconds();
+    const double start = progress_core_clock();
     enc_context quiet = *context; /* the stage "flow" is that of all lights */
     const uint32_t without = solution->effects & BTF_EFFECT_SHADOW, with = without | BTF_EFFECT_SHIFT;
     enc_flow_options flow = options->flow;
@@ -158,7 +151,7 @@ btf_result enc_paper_probe(const enc_context *context, const enc_data *data,
     double still, moved = 0.0;
     quiet.progress = NULL;
     enc_stage_begin(context, "probe", 1);
-    flow.lights = PROBE_LIGHTS < data->n_lights ? PROBE_LIGHTS : data->n_lights;
+    flow.lights = ENC_PAPER_PROBE_LIGHTS < data->n_lights ? ENC_PAPER_PROBE_LIGHTS : data->n_lights;
     btf_result result = enc_paper_error(context, data, solution, NULL, without, &still);
     if (result == BTF_OK)
         result = enc_flow_vote(&quiet, data, &flow, &occlusion);
@@ -183,7 +176,7 @@ btf_result enc_paper_choose(const enc_context *context, const enc_data *data,
                             const enc_paper_options *options, enc_solution *solution,
                             const enc_occlusion *occlusion, enc_paper_stats *stats) {
     static const uint32_t single[] = {BTF_EFFECT_SHADOW, BTF_EFFECT_SHIFT, BTF_EFFECT_HIDDEN};
-    double start = core_seconds(), present;
+    double start = progress_core_clock(), present;
     btf_result result = enc_paper_error(context, data, solution, occlusion, solution->effects, &present);
     if (result == BTF_OK)
         note(context, data, solution, solution->effects, present, start, "all that were found", stats);
@@ -196,7 +189,7 @@ btf_result enc_paper_choose(const enc_context *context, const enc_data *data,
             double error;
             if (without == solution->effects)
                 continue;
-            start = core_seconds();
+            start = progress_core_clock();
             result = enc_paper_error(context, data, solution, occlusion, without, &error);
             if (result != BTF_OK)
                 break;
@@ -213,7 +206,7 @@ btf_result enc_paper_choose(const enc_context *context, const enc_data *data,
         if (result == BTF_OK && least < options->effect_tolerance) {
             solution->effects = candidate;
             present = error_without;
-            note(context, data, solution, candidate, present, core_seconds(), "best so far", stats);
+            note(context, data, solution, candidate, present, progress_core_clock(), "best so far", stats);
             again = true;
         }
     }

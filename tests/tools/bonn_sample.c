@@ -27,21 +27,9 @@ static double of_texel(int x, int y, int channel, int view, unsigned k) {
 }
 
 int main(int argc, char **argv) {
-    const bonn_spec spec = {.form = BONN_DFMF,
-                            .signature = "!DFMF08FCR",
-                            .meta_version = 3,
-                            .cosine = true,
-                            .width = SIDE,
-                            .height = SIDE,
-                            .n_views = DIRECTIONS,
-                            .n_lights = DIRECTIONS,
-                            .views = directions,
-                            .lights = directions,
-                            .model = 11,
-                            .scalar = {2, 2, 2},
-                            .components = {K, K, K},
-                            .direction = of_direction,
-                            .texel = of_texel};
+    bonn_spec spec = bonn_half_dfmf(SIDE, DIRECTIONS, directions, K);
+    spec.direction = of_direction;
+    spec.texel = of_texel;
     if (argc != 2 || !bonn_write(argv[1], &spec)) {
         fprintf(stderr, "bonn_sample: cannot write %s\n", argc == 2 ? argv[1] : "without a name");
         return 2;

@@ -43,6 +43,10 @@ typedef struct bonn_spec {
     double (*sample)(int view, int light, int channel, int x, int y); /* BDI */
 } bonn_spec;
 
+/* A DFMF file of halves in Bonn's logarithmic YUV (model 11), cosine included: side x side texels, the same
+ * n directions for views and lights, k components a channel. Without its factors. */
+bonn_spec bonn_half_dfmf(int side, int n, const double (*directions)[2], unsigned k);
+
 /* Writes the file, or returns false. Sides that hold a channel's rows apart, and which do not, are as the
  * kind wants: a factor that the kind does not tell by channel (or view) is asked for with channel (or view)
  * 0. */

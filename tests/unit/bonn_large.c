@@ -12,7 +12,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 #include <unistd.h>
 
 enum { SIDE = 400, DIRECTIONS = 151, K = 32, TILE = 16 };
@@ -58,12 +57,6 @@ static double of_texel(int x, int y, int channel, int view, unsigned k) {
                         rough(x, y, channel, k);
 }
 
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 static void log_line(void *user, btf_log_level level, const char *text) {
     (void)user;
     (void)level;
@@ -103,28 +96,16 @@ int main(int argc, char **argv) {
     const int fd = argc > 1 ? -1 : mkstemp(name);
     if (argc < 2 && (fd < 0 || close(fd) != 0))
         return perror(name), 1;
-    const bonn_spec spec = {.form = BONN_DFMF,
-                            .signature = "!DFMF08FCR",
-                            .meta_version = 3,
-                            .cosine = true,
-                            .width = SIDE,
-                            .height = SIDE,
-                            .n_views = DIRECTIONS,
-                            .n_lights = DIRECTIONS,
-                            .views = (const double(*)[2])directions,
-                            .lights = (const double(*)[2])directions,
-                            .model = 11,
-                            .scalar = {2, 2, 2},
-                            .components = {K, K, K},
-                            .direction = of_direction,
-                            .texel = of_texel};
-    double begin = now();
+    bonn_spec spec = bonn_half_dfmf(SIDE, DIRECTIONS, (const double(*)[2])directions, K);
+    spec.direction = of_direction;
+    spec.texel = of_texel;
+    double begin = progress_clock();
     if (!bonn_write(path, &spec))
         return perror(path), 1;
-    printf("written in %.1f s\n", now() - begin);
-    begin = now();
+    printf("written in %.1f s\n", progress_clock() - begin);
+    begin = progress_clock();
     btf_result result = enc_read(&context, path, &options, &data);
-    printf("opened in %.2f s\n", now() - begin);
+    printf("opened in %.2f s\n", progress_clock() - begin);
     const size_t stride = (size_t)3 * DIRECTIONS * DIRECTIONS;
     float *buffer = malloc(TILE * stride * sizeof *buffer);
     if (result != BTF_OK || !buffer)
