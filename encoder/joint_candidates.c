@@ -7,6 +7,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "joint_reach.h"
 #include "joint_run.h"
 
 #include <assert.h>
@@ -23,6 +24,9 @@ enum {
 
 /* A plain SBRDF whose first probe leaves so many times what is enough (25 dB above it) is not pursued. */
 static const double hopeless = 316.0;
+
+/* dB that a candidate may be behind after a round and still be tried to the end. */
+static const double catch_up = 0.3;
 
 /* Fronts from the fewest bytes to the most; half floats. */
 static const joint_front_kind fronts[] = {
@@ -121,19 +125,36 @@ static double gain(double a, double b) {
     return a > 0.0 ? (b > 0.0 ? 10.0 * log10(a / b) : HUGE_VAL) : b > 0.0 ? -HUGE_VAL : 0.0;
 }
 
-/* Whether b takes the place of a. A front is worth front_tolerance: with it a file shows something without
- * the residual, too. Of others that differ by less than the effect tolerance, the one with fewer effects
- * is taken. */
-static bool takes_place(const joint_run *r, const joint_fit *a, const joint_fit *b) {
+/* What a byte brings as components, in dB, by the last of the plain factorisation's. 0 where the budget
+ * bounds the components: there all candidates take about the same bytes. */
+static double worth_of_byte(const joint_run *r) {
+    const size_t k = r->plain.model.k;
+    const joint_shape all = {.effects = BTF_EFFECT_RESIDUAL, .components = k};
+    const joint_shape fewer = {.effects = BTF_EFFECT_RESIDUAL, .components = k - JOINT_LAYER};
+    double last = 0.0;
+    if (r->rows.texels <= JOINT_EXACT || r->options->components > 0 || k <= JOINT_LAYER)
+        return 0.0;
+    for (size_t j = k - JOINT_LAYER; j < k; j++)
+        last += r->energy[j];
+    const uint64_t bytes = joint_bytes(r->rows.data, &all) - joint_bytes(r->rows.data, &fewer);
+    return gain(r->plain.error + last, r->plain.error) / (double)bytes;
+}
+
+/* dB that b has to gain over a to take its place. A front is worth front_tolerance: with it a file shows
+ * something without the residual, too. Where it takes bytes of its own, it has to bring what components
+ * would in them. Of others that differ by less than the effect tolerance, the one with fewer effects is
+ * taken. */
+static double needed_gain(const joint_run *r, const joint_fit *a, const joint_fit *b) {
     const joint_shape old = joint_fit_shape(a), new = joint_fit_shape(b);
     const double bytes = (double)joint_bytes(r->rows.data, &new) - (double)joint_bytes(r->rows.data, &old);
     double needed = r->options->effect_tolerance_bytes * bytes * 1e-6;
     if (!old.lobes != !new.lobes)
-        needed += old.lobes ? r->options->front_tolerance : -r->options->front_tolerance;
+        needed += (old.lobes ? r->options->front_tolerance : -r->options->front_tolerance) +
+                  worth_of_byte(r) * bytes;
     const int difference = __builtin_popcount(new.effects) - __builtin_popcount(old.effects);
     if (new.effects != old.effects && difference != 0)
         needed += difference > 0 ? r->options->effect_tolerance : -r->options->effect_tolerance;
-    return gain(a->error, b->error) > needed;
+    return needed;
 }
 
 /* Starts a candidate. */
@@ -148,7 +169,14 @@ static btf_result start_one(joint_run *r, const joint_shape *shape, joint_fit *o
                : result;
 }
 
-/* Starts a candidate, or takes it from a checkpoint, and lets it go through `rounds`. */
+/* Whether a candidate is too far behind where the best was after as many rounds. */
+static bool is_behind(const joint_run *r, const joint_fit *fit, int done) {
+    return r->best.rows && done > 0 && done <= r->stats->rounds &&
+           gain(r->stats->history[done - 1], fit->error) < needed_gain(r, &r->best, fit) - catch_up;
+}
+
+/* Starts a candidate, or takes it from a checkpoint, and lets it go through `rounds`, or fewer where it is
+ * behind. */
 static btf_result try_one(joint_run *r, const joint_shape *shape, int number, int rounds, double *history,
                           int *out_done, joint_fit *out_fit) {
     char step[32];
@@ -158,8 +186,12 @@ static btf_result try_one(joint_run *r, const joint_shape *shape, int number, in
     snprintf(step, sizeof step, "joint-trial-%d", number);
     if (!joint_run_take(r, step, out_fit, history, out_done, &over))
         result = start_one(r, shape, out_fit);
-    return result == BTF_OK && !over ? joint_run_rounds(r, out_fit, rounds, step, history, out_done)
-                                     : result;
+    while (result == BTF_OK && !over && *out_done < rounds && !is_behind(r, out_fit, *out_done)) {
+        const int before = *out_done;
+        result = joint_run_rounds(r, out_fit, before + 1, step, history, out_done, &over);
+        over = over || *out_done == before; /* it is enough */
+    }
+    return result;
 }
 
 btf_result joint_try_candidates(joint_run *r) {
@@ -179,7 +211,8 @@ btf_result joint_try_candidates(joint_run *r) {
         int done = 0;
         joint_fit_rest(&r->best);
         result = try_one(r, &list[i], i, trial, history, &done, &fit);
-        const bool better = result == BTF_OK && (!r->best.rows || takes_place(r, &r->best, &fit));
+        const bool better = result == BTF_OK && (!r->best.rows || gain(r->best.error, fit.error) >
+                                                                      needed_gain(r, &r->best, &fit));
         if (result == BTF_OK)
             joint_run_note(r, &list[i], fit.error, better ? "best so far" : "left out");
         if (better) {
@@ -196,8 +229,9 @@ btf_result joint_try_candidates(joint_run *r) {
         joint_run_stage(r, JOINT_STAGE_ROUNDS, r->costs.rounds);
     if (result == BTF_OK && count > 0)
         joint_run_take(r, "joint-best", &r->best, r->stats->history, &r->stats->rounds, &over);
-    if (result == BTF_OK && count > 0 && !over)
-        result = joint_run_rounds(r, &r->best, rounds, "joint-best", r->stats->history, &r->stats->rounds);
+    if (result == BTF_OK && count > 0)
+        result = joint_run_rounds(r, &r->best, rounds, "joint-best", r->stats->history, &r->stats->rounds,
+                                  &over);
     joint_fit_rest(&r->best);
     return result;
 }

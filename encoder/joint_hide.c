@@ -10,10 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    LAYER = 4, /* components of a texture layer: what can be given up */
-};
-
 /* Centres that the budget holds beside r->best with k components. */
 static size_t room(const joint_run *r, size_t k) {
     joint_shape shape = joint_fit_shape(&r->best);
@@ -30,7 +26,8 @@ static size_t room(const joint_run *r, size_t k) {
 static btf_result shorten(joint_run *r) {
     joint_fit shorter = {0};
     joint_fit_rest(&r->best);
-    const btf_result result = joint_fit_start(&r->best, r->best.model.k - LAYER, r->best.effects, &shorter);
+    const btf_result result =
+        joint_fit_start(&r->best, r->best.model.k - JOINT_LAYER, r->best.effects, &shorter);
     if (result == BTF_OK) {
         joint_fit_clear(&r->best);
         r->best = shorter;
@@ -48,7 +45,7 @@ static btf_result last_energy(joint_run *r, double *out_energy) {
         return enc_fail(r->rows.context, BTF_ERROR_MEMORY, "joint: out of memory for %zu components", k);
     const btf_result result = joint_principal_basis(&r->rows, &r->best.model, energy);
     *out_energy = 0.0;
-    for (size_t j = k - LAYER; j < k && result == BTF_OK; j++)
+    for (size_t j = k - JOINT_LAYER; j < k && result == BTF_OK; j++)
         *out_energy += energy[j];
     joint_fit_rest(&r->best);
     free(energy);
@@ -69,7 +66,8 @@ static bool worth_it(joint_run *r, const joint_centres *centres, size_t k, doubl
 
 btf_result joint_try_centres(joint_run *r) {
     const uint32_t needed = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN;
-    const size_t k = r->best.model.k, beside = room(r, k), more = k > LAYER ? room(r, k - LAYER) : 0;
+    const size_t k = r->best.model.k, beside = room(r, k),
+                 more = k > JOINT_LAYER ? room(r, k - JOINT_LAYER) : 0;
     joint_centres few = {0}, many = {0};
     double lost = 0.0;
     btf_result result = BTF_OK;
@@ -84,7 +82,7 @@ btf_result joint_try_centres(joint_run *r) {
         result = last_energy(r, &lost);
     const bool forced = !r->options->choose && few.count == 0 && many.count > 0;
     if (result == BTF_OK && (many.saved - lost > few.saved || forced)) {
-        if (worth_it(r, &many, k - LAYER, r->best.error + lost - many.saved)) {
+        if (worth_it(r, &many, k - JOINT_LAYER, r->best.error + lost - many.saved)) {
             result = joint_centres_apply(&r->best, &many);
             if (result == BTF_OK)
                 result = shorten(r);

@@ -114,17 +114,16 @@ bool joint_run_take(const joint_run *r, const char *step, joint_fit *fit, double
 }
 
 btf_result joint_run_rounds(joint_run *r, joint_fit *fit, int count, const char *step, double *history,
-                            int *io_rounds) {
+                            int *io_rounds, bool *io_over) {
     btf_result result = BTF_OK;
-    bool over = false;
-    while (result == BTF_OK && !over && *io_rounds < count && fit->error > r->enough) {
+    while (result == BTF_OK && !*io_over && *io_rounds < count && fit->error > r->enough) {
         const double before = fit->error;
         result = joint_fit_round(fit);
         if (result != BTF_OK)
             break;
         history[(*io_rounds)++] = fit->error;
-        over = before - fit->error < r->preset.tolerance * before;
-        result = keep_rounds(step, fit, *io_rounds, over, history);
+        *io_over = before - fit->error < r->preset.tolerance * before;
+        result = keep_rounds(step, fit, *io_rounds, *io_over, history);
     }
     return result;
 }
@@ -148,12 +147,13 @@ btf_result joint_run_finish_part(joint_run *r, const joint_fit *from, size_t k, 
     joint_fit fit = {0};
     double history[JOINT_REDUCE_ROUNDS];
     int done = 0;
+    bool over = false;
     btf_result result = joint_fit_start(from, k, from->effects, &fit);
     if (result == BTF_OK && k < from->model.k) {
         if (from->effects == BTF_EFFECT_RESIDUAL && !from->model.front)
             result = joint_fit_refine_plain(&fit, 1, NULL);
         else
-            result = joint_run_rounds(r, &fit, JOINT_REDUCE_ROUNDS, NULL, history, &done);
+            result = joint_run_rounds(r, &fit, JOINT_REDUCE_ROUNDS, NULL, history, &done, &over);
     }
     if (result == BTF_OK)
         result = joint_run_finish(r, &fit, out_solution, out_error);

@@ -36,6 +36,7 @@ typedef struct joint_run {
 
 enum {
     JOINT_MOST_CANDIDATES = 20,
+    JOINT_LAYER = 4,          /* components of a texture layer */
     JOINT_PROBED = 64,        /* texels that a plain SBRDF is tried on first */
     JOINT_FRONT_STEPS = 2,    /* least squares of the residual when it gets a front */
     JOINT_MOST_CENTRES = 512, /* the time of the clustering grows with their square */
@@ -67,10 +68,10 @@ size_t joint_run_components(const joint_run *r, const joint_shape *shape);
 bool joint_run_take(const joint_run *r, const char *step, joint_fit *fit, double *history, int *out_rounds,
                     bool *out_over);
 
-/* Rounds until `count` are done, nothing is gained, or it is enough; history receives the errors. `step`
- * names what a checkpoint keeps of it after every round; NULL: nothing. */
+/* Rounds until `count` are done, it is enough, or *io_over: a round gains nothing; history receives the
+ * errors. `step` names what a checkpoint keeps of it after every round; NULL: nothing. */
 btf_result joint_run_rounds(joint_run *r, joint_fit *fit, int count, const char *step, double *history,
-                            int *io_rounds);
+                            int *io_rounds, bool *io_over);
 
 /* Rounds a fit off and measures its codes. */
 btf_result joint_run_finish(joint_run *r, joint_fit *fit, enc_solution *out_solution,
