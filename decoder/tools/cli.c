@@ -19,32 +19,41 @@
 
 static const char *const effect_words[5] = {"shadow", "shift", "hidden", "gain", "residual"};
 
-static void print_message(const char *program, const char *kind, const char *format, va_list arguments)
-    __attribute__((format(printf, 3, 0)));
+void cli_print(const char *program, const char *kind, const char *message) {
+    char *safe = malloc(4 * strlen(message) + 1), *to = safe;
+    for (const char *c = message; safe && *c; c++)
+        if (((unsigned char)*c < ' ' && *c != '\n' && *c != '\t') || *c == 0x7f)
+            to += sprintf(to, "\\x%02x", (unsigned)*c);
+        else
+            *to++ = *c;
+    if (safe)
+        *to = 0;
+    fprintf(stderr, "%s: %s%s\n", program, kind, safe ? safe : "out of memory for a message");
+    free(safe);
+}
 
-static void print_message(const char *program, const char *kind, const char *format, va_list arguments) {
-    flockfile(stderr);
-    fprintf(stderr, "%s: %s", program, kind);
-    vfprintf(stderr, format, arguments);
-    fputc('\n', stderr);
-    funlockfile(stderr);
+static void print_error(const char *program, const char *format, va_list arguments)
+    __attribute__((format(printf, 2, 0)));
+
+static void print_error(const char *program, const char *format, va_list arguments) {
+    char *message = NULL;
+    if (vasprintf(&message, format, arguments) < 0)
+        message = NULL;
+    cli_print(program, "error: ", message ? message : format);
+    free(message);
 }
 
 btf_result cli_error(const cli_program *program, btf_result result, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
-    print_message(program->name, "error: ", format, arguments);
+    print_error(program->name, format, arguments);
     va_end(arguments);
     return result;
 }
 
-static void print_log(const char *program, btf_log_level level, const char *message) {
-    static const char *const kinds[] = {"error: ", "warning: ", ""};
-    fprintf(stderr, "%s: %s%s\n", program, kinds[level], message);
-}
-
 static void log_all(void *user, btf_log_level level, const char *message) {
-    print_log(((const cli_program *)user)->name, level, message);
+    static const char *const kinds[] = {"error: ", "warning: ", ""};
+    cli_print(((const cli_program *)user)->name, kinds[level], message);
 }
 
 static void log_quiet(void *user, btf_log_level level, const char *message) {
@@ -245,8 +254,9 @@ static bool read_size(const cli_option *option, const char *text, wanted *w) {
     want(w, "WIDTHxHEIGHT, for instance 64x64");
     if (has_range(option))
         want(w, "WIDTHxHEIGHT, each within %.0f to %.0f", option->minimum, option->maximum);
-    if (!cli_parse_int(text, "x", &width, &end) || *end != 'x' || !cli_parse_int(end + 1, "", &height, NULL) ||
-        width < 1 || height < 1 || !in_range(option, width) || !in_range(option, height))
+    if (!cli_parse_int(text, "x", &width, &end) || *end != 'x' ||
+        !cli_parse_int(end + 1, "", &height, NULL) || width < 1 || height < 1 || !in_range(option, width) ||
+        !in_range(option, height))
         return false;
     ((int *)option->value)[0] = width;
     ((int *)option->value)[1] = height;
@@ -283,8 +293,8 @@ static bool read_angles(const cli_option *option, const char *text, wanted *w) {
     double theta, phi;
     const char *end;
     want(w, "THETA,PHI in degrees, theta within 0 to 90, phi within -360 to 360");
-    if (!cli_parse_double(text, ",", &theta, &end) || *end != ',' || !cli_parse_double(end + 1, "", &phi, NULL) ||
-        theta < 0 || theta > 90 || phi < -360 || phi > 360)
+    if (!cli_parse_double(text, ",", &theta, &end) || *end != ',' ||
+        !cli_parse_double(end + 1, "", &phi, NULL) || theta < 0 || theta > 90 || phi < -360 || phi > 360)
         return false;
     ((double *)option->value)[0] = theta;
     ((double *)option->value)[1] = phi;
@@ -367,7 +377,7 @@ static bool __attribute__((format(printf, 3, 4)))
 misuse(const cli_program *program, int *out_exit_code, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
-    print_message(program->name, "error: ", format, arguments);
+    print_error(program->name, format, arguments);
     va_end(arguments);
     fprintf(stderr, "Try '%s --help'.\n", program->name);
     *out_exit_code = btf_result_exit_code(BTF_ERROR_USAGE);
@@ -408,8 +418,8 @@ static bool parse_option(const cli_program *program, int argc, char **argv, int 
     return true;
 }
 
-/* A file opened later must not become a closed standard stream, or messages are written into it. What takes its place
- * fails as a closed one does. */
+/* A file opened later must not become a closed standard stream, or messages are written into it. What takes
+ * its place fails as a closed one does. */
 static void reserve_standard_streams(void) {
     for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++)
         if (fcntl(fd, F_GETFD) < 0)

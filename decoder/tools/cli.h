@@ -57,8 +57,9 @@ typedef struct cli_option {
     const char *help; /* one line or more ('\n'), without the final full stop; say the default */
     cli_type type;
     void *value;
-    const char *only; /* the --method that the option belongs to; NULL: every one. For the program's own checks */
-    bool *given;      /* set to true when the option is met; may be NULL */
+    const char
+        *only; /* the --method that the option belongs to; NULL: every one. For the program's own checks */
+    bool *given; /* set to true when the option is met; may be NULL */
     double minimum, maximum;
     const char *choices;
     /* CLI_CUSTOM: reads `text` into `value`; returns NULL, or what was expected ("a list of numbers") */
@@ -82,15 +83,19 @@ typedef struct cli_arguments {
 
 /* Reads the command line: "--name value", "--name=value", "-o value", "-oVALUE"; "--" ends the options; "-"
  * is an argument. --help (-h) and --version are always there. Returns true to go on; false when the tool
- * should end with *out_exit_code (--help, --version: 0; a mistake, told on stderr: 1). Standard streams that are closed
- * are taken first, so that no file becomes one. */
+ * should end with *out_exit_code (--help, --version: 0; a mistake, told on stderr: 1). Standard streams
+ * that are closed are taken first, so that no file becomes one. */
 bool cli_parse(const cli_program *program, int argc, char **argv, cli_arguments *out_arguments,
                int *out_exit_code);
 
-/* For CLI_CUSTOM: reads a number at the beginning of `text`, finite, of int's range, without space before it. False
- * unless the end of the text or one of `ends` follows, to which *out_end is set (may be NULL). */
+/* For CLI_CUSTOM: reads a number at the beginning of `text`, finite, of int's range, without space before
+ * it. False unless the end of the text or one of `ends` follows, to which *out_end is set (may be NULL). */
 bool cli_parse_double(const char *text, const char *ends, double *out, const char **out_end);
 bool cli_parse_int(const char *text, const char *ends, int *out, const char **out_end);
+
+/* Prints one message on stderr, after the program's name and `kind` ("error: "). Control characters, which
+ * the name of a file may hold, are printed as \xNN: a terminal must not obey them. */
+void cli_print(const char *program, const char *kind, const char *message);
 
 /* Prints "NAME: error: ..." on stderr and returns `result`. */
 btf_result cli_error(const cli_program *program, btf_result result, const char *format, ...)

@@ -177,6 +177,7 @@ static void test_mistakes(void **state) {
     (void)state;
     bad(WORDS("a", "--what"), "unknown option --what");
     bad(WORDS("a", "-z"), "unknown option -z");
+    bad(WORDS("a", "--wh\x1b[2Jat\x7f"), "unknown option --wh\\x1b[2Jat\\x7f");
     bad(WORDS("a", "--number"), "option --number: expected N after it");
     bad(WORDS("a", "--number", "10"), "option --number: '10' is not a whole number within -3 to 9");
     bad(WORDS("a", "--number", "1.5"), "'1.5' is not");
@@ -283,9 +284,10 @@ static void test_json(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_values), cmocka_unit_test(test_arguments),    cmocka_unit_test(test_mistakes),
-        cmocka_unit_test(test_numbers),
-        cmocka_unit_test(test_help),   cmocka_unit_test(test_effects_text), cmocka_unit_test(test_json),
+        cmocka_unit_test(test_values),   cmocka_unit_test(test_arguments),
+        cmocka_unit_test(test_mistakes), cmocka_unit_test(test_numbers),
+        cmocka_unit_test(test_help),     cmocka_unit_test(test_effects_text),
+        cmocka_unit_test(test_json),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
