@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_SIZES = 4, METHODS = 2 };
+enum { MOST_SIZES = 4, METHODS = 3 };
 
 /* A data set: texels along a side, directions of both kinds by name. */
 typedef struct size {
@@ -22,9 +22,21 @@ typedef struct size {
     const char *directions;
 } size;
 
-static const char *const method_names[METHODS] = {"joint fast", "paper"};
+typedef struct method {
+    const char *name;
+    bool paper, full; /* full: left out of a quick run */
+    enc_joint_preset preset;
+} method;
 
-/* Rows of one sweep: METHODS for every size. */
+static const method methods[METHODS] = {{"joint fast", .preset = ENC_JOINT_FAST},
+                                        {"joint medium", .preset = ENC_JOINT_MEDIUM, .full = true},
+                                        {"paper", .paper = true}};
+
+static bool is_left_out(const bench_run *run, const method *m) {
+    return run->quick && m->full;
+}
+
+/* Rows of one sweep: those of the methods for every size. */
 typedef struct growth {
     const char *sweep, *unit;
     size sizes[MOST_SIZES];
@@ -49,14 +61,14 @@ static btf_result make_data(const bench_run *run, const size *s, enc_data **out_
     return result;
 }
 
-static btf_result measure(const bench_run *run, const enc_data *data, bool paper, bench_row *row) {
+static btf_result measure(const bench_run *run, const enc_data *data, const method *m, bench_row *row) {
     double core[BENCH_MOST_REPEATS], wall[BENCH_MOST_REPEATS];
     btf_result result = BTF_OK;
     for (int i = 0; i < run->repeats && result == BTF_OK; i++) {
         bench_encoded encoded;
         const double before = bench_peak_reset();
-        result = paper ? bench_encode_paper(run->context, data, &encoded)
-                       : bench_encode_joint(run->context, data, ENC_JOINT_FAST, 0, &encoded);
+        result = m->paper ? bench_encode_paper(run->context, data, &encoded)
+                          : bench_encode_joint(run->context, data, m->preset, 0, &encoded);
         if (result == BTF_OK) {
             row->memory = bench_peak_memory() - before + bench_samples_bytes(data);
             row->bytes = (double)encoded.bytes;
@@ -75,10 +87,13 @@ static btf_result measure(const bench_run *run, const enc_data *data, bool paper
 static btf_result measure_size(const bench_run *run, const growth *g, const size *s, bench_table *table) {
     enc_data *data = NULL;
     btf_result result = BTF_OK;
-    for (int method = 0; method < METHODS && result == BTF_OK; method++) {
+    for (int i = 0; i < METHODS && result == BTF_OK; i++) {
+        const method *m = &methods[i];
         char name[72];
-        snprintf(name, sizeof name, "%s; %dx%d texels; directions %s", method_names[method], s->side,
-                 s->side, s->directions);
+        if (is_left_out(run, m))
+            continue;
+        snprintf(name, sizeof name, "%s; %dx%d texels; directions %s", m->name, s->side, s->side,
+                 s->directions);
         bench_row row = bench_row_named(g->sweep, name, NAN);
         if (!bench_journal_find(run->journal, "growth", &row)) {
             if (!data) {
@@ -86,7 +101,7 @@ static btf_result measure_size(const bench_run *run, const growth *g, const size
             }
             if (result == BTF_OK) {
                 row.x = strcmp(g->sweep, "texels") == 0 ? (double)s->side * s->side : data->n_views;
-                result = measure(run, data, method == 1, &row);
+                result = measure(run, data, m, &row);
             }
             if (result == BTF_OK) {
                 result = bench_journal_add(run->context, run->journal, "growth", &row);
@@ -103,12 +118,12 @@ static btf_result measure_size(const bench_run *run, const growth *g, const size
 }
 
 /* Exponents over the rows of one method in one sweep: of time and of memory. */
-static void exponents(const bench_table *table, const char *sweep, const char *method, double out[2]) {
+static void exponents(const bench_table *table, const char *sweep, const char *name, double out[2]) {
     double x[MOST_SIZES], y[2][MOST_SIZES];
     int count = 0;
     for (int i = 0; i < table->count; i++) {
         const bench_row *r = &table->rows[i];
-        if (strcmp(r->sweep, sweep) == 0 && strncmp(r->name, method, strlen(method)) == 0 &&
+        if (strcmp(r->sweep, sweep) == 0 && strncmp(r->name, name, strlen(name)) == 0 &&
             count < MOST_SIZES) {
             x[count] = r->x;
             y[0][count] = r->core;
@@ -121,25 +136,27 @@ static void exponents(const bench_table *table, const char *sweep, const char *m
 }
 
 static btf_result draw(const bench_run *run, const bench_table *table, const growth *g) {
-    char title[120], name[40];
+    char title[120], file[40];
     snprintf(title, sizeof title, "Growth of encoding with %s, btf-sample bricks", g->sweep);
     plot *p = plot_create(title, g->unit, 2);
     plot_axes(p, true, true);
     plot_panel(p, 0, "time", "core time, s (all threads added)");
     plot_panel(p, 1, "memory", "peak memory, MB (10^6), samples included");
-    for (int method = 0; method < METHODS; method++) {
-        plot_series(p, method_names[method], true);
+    for (int k = 0; k < METHODS; k++) {
+        const char *name = methods[k].name;
+        if (is_left_out(run, &methods[k]))
+            continue;
+        plot_series(p, name, true);
         for (int i = 0; i < table->count; i++) {
             const bench_row *r = &table->rows[i];
             const double y[PLOT_PANELS] = {r->core, 1e-6 * r->memory};
-            if (strcmp(r->sweep, g->sweep) == 0 &&
-                strncmp(r->name, method_names[method], strlen(method_names[method])) == 0) {
+            if (strcmp(r->sweep, g->sweep) == 0 && strncmp(r->name, name, strlen(name)) == 0) {
                 plot_point(p, r->x, y, NULL);
             }
         }
     }
-    snprintf(name, sizeof name, "growth-%s", g->sweep);
-    return bench_finish_plot(run, name, &p);
+    snprintf(file, sizeof file, "growth-%s", g->sweep);
+    return bench_finish_plot(run, file, &p);
 }
 
 btf_result bench_section_growth(const bench_run *run) {
@@ -167,11 +184,13 @@ btf_result bench_section_growth(const bench_run *run) {
                 "Fitted exponents, time ~ n^a, peak memory ~ n^b:\n\n| method | over | a, time | "
                 "b, memory |\n| --- | --- | --- | --- |\n");
         for (int g = 0; g < 2; g++) {
-            for (int method = 0; method < METHODS; method++) {
+            for (int k = 0; k < METHODS; k++) {
                 double e[2];
-                exponents(table, sweeps[g].sweep, method_names[method], e);
-                fprintf(run->summary, "| %s | %s | %.2f | %.2f |\n", method_names[method], sweeps[g].unit,
-                        e[0], e[1]);
+                if (is_left_out(run, &methods[k]))
+                    continue;
+                exponents(table, sweeps[g].sweep, methods[k].name, e);
+                fprintf(run->summary, "| %s | %s | %.2f | %.2f |\n", methods[k].name, sweeps[g].unit, e[0],
+                        e[1]);
             }
         }
         fprintf(run->summary,
