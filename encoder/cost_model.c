@@ -23,8 +23,8 @@ static const double per_file = 60e-6, per_pixel = 25e-9, per_jpeg_pixel = 12e-9,
 static const double per_fit = 110e-9, per_shadow = 20e-9, per_flow = 1.2e-6, per_flow_label = 3e-9,
                     per_refine = 0.05e-9, per_cluster = 0.1e-9, hidden_share = 0.25;
 /* of what comes after the analysis. */
-static const double per_measured = 6e-9, per_measured_component = 0.12e-9, per_measured_lobe = 4e-9,
-                    per_ssim = 6e-9, per_evaluation = 0.25e-6, per_packed = 30e-9, per_saved = 60e-9,
+static const double per_measured = 8e-9, per_measured_component = 0.17e-9, per_measured_lobe = 6e-9,
+                    per_ssim = 8e-9, per_evaluation = 0.25e-6, per_packed = 30e-9, per_saved = 800e-9,
                     per_filtered = 2e-9;
 
 /* A list under construction. */
