@@ -3,15 +3,16 @@
 #
 #   tests/fuzz/run.sh TARGET SECONDS [FOLDER]
 #
-# TARGET: material plan names options list mesh environment checkpoint jpeg png hdr exr archive bonn. FOLDER (default build-fuzz) takes the program and what it
-# finds: FOLDER/TARGET/found/ holds an input for each finding, FOLDER/TARGET/corpus/ what it learnt. The last lines say
-# how many executions there were, what they covered and what core time they took. Exits 1 on a finding.
+# TARGET: material plan names options list mesh environment checkpoint jpeg png hdr exr archive bonn. FOLDER (default
+# build-fuzz) takes the program and what it finds: FOLDER/TARGET/found/ holds an input for each finding,
+# FOLDER/TARGET/corpus/ what it learnt. The last lines say how many executions there were, what they covered and what
+# core time they took. Exits 1 on a finding.
 #
 # SPDX-License-Identifier: MIT
 set -eu
 cd "$(dirname "$0")/../.."
 if [ $# -lt 2 ]; then
-    sed -n '2,9s/^# \{0,1\}//p' tests/fuzz/run.sh >&2
+    sed -n '2,10s/^# \{0,1\}//p' tests/fuzz/run.sh >&2
     exit 1
 fi
 target=$1 seconds=$2 folder=${3:-build-fuzz}/$1
