@@ -81,7 +81,7 @@ expect_that "nothing of the other run is left" test -z "$(grep 'come from before
 mkdir -p none
 printf '#!/bin/sh\nexit 1\n' >none/gnuplot
 chmod +x none/gnuplot
-expect "growth, without gnuplot" 0 env PATH="$PWD/none:$PATH" btf-bench --quick --input tiny --only growth --out g -q
+expect "growth, without gnuplot" 0 env PATH="$PWD/none:$PATH" btf-bench --quick --input tiny --only growth --repeats 1 --out g -q
 expect_that "growth has its table and no plot" test -s g/growth-tiny.csv -a ! -e g/growth-texels-tiny.png
 expect_that "growth has finite exponents" python3 - <<'P'
 import re

@@ -97,13 +97,14 @@ def run(name, command):
         file.write(''.join(line for line in lines if line.startswith(('TITLE | ', 'CASE | '))))
     failed = [case for case in cases if case[3] == 'FAIL']
     want, have = listed(sections().get(name, '')), {case[:2] for case in cases}
+    missing = set() if os.environ.get('BTF_TEST_LIGHT') else want - have  # light: some of the cases
     for case in failed:
         print(f'table.py: failed: {case[0]}')
     for row in sorted(have - want):
         print(f'table.py: not in README.md, section {name}: {row[0]} (expected: {row[1]})')
-    for row in sorted(want - have):
+    for row in sorted(missing):
         print(f'table.py: in README.md, section {name}, but not tested: {row[0]} (expected: {row[1]})')
-    return 1 if failed or want != have else 0
+    return 1 if failed or missing or have - want else 0
 
 
 def write(folder):
