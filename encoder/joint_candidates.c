@@ -129,11 +129,11 @@ static double gain(double a, double b) {
  * bounds the components: there all candidates take about the same bytes. */
 static double worth_of_byte(const joint_run *r) {
     const size_t k = r->plain.model.k;
-    const joint_shape all = {.effects = BTF_EFFECT_RESIDUAL, .components = k};
-    const joint_shape fewer = {.effects = BTF_EFFECT_RESIDUAL, .components = k - JOINT_LAYER};
     double last = 0.0;
     if (r->rows.texels <= JOINT_EXACT || r->options->components > 0 || k <= JOINT_LAYER)
         return 0.0;
+    const joint_shape all = {.effects = BTF_EFFECT_RESIDUAL, .components = k};
+    const joint_shape fewer = {.effects = BTF_EFFECT_RESIDUAL, .components = k - JOINT_LAYER};
     for (size_t j = k - JOINT_LAYER; j < k; j++)
         last += r->energy[j];
     const uint64_t bytes = joint_bytes(r->rows.data, &all) - joint_bytes(r->rows.data, &fewer);

@@ -16,12 +16,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    FRONT_DIMS = 12, /* basis vectors for fronts beside a residual */
-    LONE_DIMS = 48,  /* the same without one */
-    SAMPLES = 128,   /* fronts that the basis of a view is made from */
-};
-
 static btf_result out_of_memory(const joint_rows *rows, size_t k) {
     return enc_fail(rows->context, BTF_ERROR_MEMORY,
                     "joint: out of memory for %zu dimensions of %zu points", k, rows->texels * rows->views);
@@ -29,7 +23,7 @@ static btf_result out_of_memory(const joint_rows *rows, size_t k) {
 
 /* Basis vectors for fronts. */
 static size_t front_dims(const joint_rows *rows, const joint_model *model) {
-    const size_t wanted = !model->front ? 0 : model->k > 0 ? FRONT_DIMS : LONE_DIMS;
+    const size_t wanted = !model->front ? 0 : model->k > 0 ? JOINT_FRONT_DIMS : JOINT_LONE_DIMS;
     return model->k + wanted <= rows->row ? wanted : model->k < rows->row ? rows->row - model->k : 0;
 }
 
@@ -57,7 +51,7 @@ void joint_projection_clear(joint_projection *projection) {
 static bool front_basis(const joint_rows *rows, const joint_model *model, size_t view, float *basis,
                         float *lower) {
     const size_t k = model->k, row = rows->row, extra = front_dims(rows, model), spanned = k + extra;
-    const size_t count = rows->texels < SAMPLES ? rows->texels : SAMPLES;
+    const size_t count = rows->texels < JOINT_FRONT_SAMPLES ? rows->texels : JOINT_FRONT_SAMPLES;
     float *fronts = malloc((count + spanned) * row * sizeof *fronts), *vectors = fronts + count * row;
     float *factors = malloc((spanned * spanned + 1) * sizeof *factors);
     bool ok = fronts && factors;

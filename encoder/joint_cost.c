@@ -10,12 +10,8 @@
 #include <math.h>
 #include <openbtf/material.h>
 
-enum {
-    FRONT_DIMS = 12, /* basis vectors for fronts beside a residual ... */
-    LONE_DIMS = 48,  /* ... and without one */
-    FRONT_SAMPLES = 128,
-    NEAR = 2304, /* sources around a point beyond 64x64 texels, beside the grid */
-};
+/* Sources of the tiles around a point beyond 64x64 texels, beside the grid. */
+enum { NEAR = (2 * JOINT_WINDOW + 1) * (2 * JOINT_WINDOW + 1) * JOINT_CHUNK };
 
 /* Core seconds of one inner step of each loop, measured by the CPU time of each call. */
 static const double per_pair = 0.25e-9, per_pair_dim = 0.0225e-9, per_search = 150e-9, /* search */
@@ -44,7 +40,7 @@ static double samples(const joint_extent *e) {
 
 /* Coordinates of a projection. */
 static double dims_of(const joint_extent *e, const joint_shape *s) {
-    const double k = (double)s->components, more = s->lobes == 0 ? 0 : k > 0 ? FRONT_DIMS : LONE_DIMS;
+    const double k = (double)s->components, more = s->lobes == 0 ? 0 : k > 0 ? JOINT_FRONT_DIMS : JOINT_LONE_DIMS;
     return k + fmin(more, fmax(e->row - k, 0)) + (s->lobes > 0);
 }
 
@@ -60,7 +56,7 @@ static double pass(const joint_extent *e) {
 static double project(const joint_extent *e, const joint_shape *s) {
     const double k = (double)s->components, dims = dims_of(e, s), more = dims - k;
     return pass(e) + samples(e) * per_project_dim * dims + e->views * e->row * k * k * per_orthogonal +
-           e->views * e->row * FRONT_SAMPLES * more * per_front_basis;
+           e->views * e->row * JOINT_FRONT_SAMPLES * more * per_front_basis;
 }
 
 static double choose(const joint_extent *e, const joint_shape *s, bool search) {

@@ -15,7 +15,12 @@
 #include "joint_rows.h"
 #include "joint_search.h"
 
-enum { JOINT_MAX_COMPONENTS = 256 };
+enum {
+    JOINT_MAX_COMPONENTS = 256,
+    JOINT_FRONT_DIMS = 12,     /* basis vectors for fronts beside a residual ... */
+    JOINT_LONE_DIMS = 48,      /* ... and without one */
+    JOINT_FRONT_SAMPLES = 128, /* fronts that the basis of a view is made from */
+};
 
 /* The model in floats, with the choices of all points. */
 typedef struct joint_model {

@@ -28,9 +28,8 @@ enc_memory_use enc_memory_expected(const enc_context *context, int width, int he
  * memory unbounded. Errors: BTF_ERROR_USAGE. */
 btf_result enc_memory_check(const enc_context *context, int width, int height, int n_views, int n_lights);
 
-enum {
-    ENC_FLOW_LABELS = 256
-}; /* shifts along one axis that the first estimate of a flow tells apart, at most */
+/* Shifts along one axis that the first estimate of a flow tells apart, at most. */
+enum { ENC_FLOW_LABELS = 256 };
 
 /* Bytes of one view's flow: images, planes of the first estimate, volumes of its search, votes. `side` is
  * the longer one. */

@@ -20,7 +20,7 @@ void viewer_tell(viewer *v, const char *text) {
 static void log_message(void *user, btf_log_level level, const char *message) {
     viewer *v = user;
     if (level <= BTF_LOG_WARNING) {
-        cli_print("btf-view", level == BTF_LOG_ERROR ? "error: " : "warning: ", message);
+        cli_print("btf-view", level, message);
         snprintf(v->message, sizeof v->message, "%.150s", message);
         v->dirty = true;
     }

@@ -19,7 +19,8 @@
 
 static const char *const effect_words[5] = {"shadow", "shift", "hidden", "gain", "residual"};
 
-void cli_print(const char *program, const char *kind, const char *message) {
+void cli_print(const char *program, btf_log_level level, const char *message) {
+    static const char *const kinds[] = {"error: ", "warning: ", ""};
     char *safe = malloc(4 * strlen(message) + 1), *to = safe;
     for (const char *c = message; safe && *c; c++)
         if (((unsigned char)*c < ' ' && *c != '\n' && *c != '\t') || *c == 0x7f)
@@ -28,7 +29,7 @@ void cli_print(const char *program, const char *kind, const char *message) {
             *to++ = *c;
     if (safe)
         *to = 0;
-    fprintf(stderr, "%s: %s%s\n", program, kind, safe ? safe : "out of memory for a message");
+    fprintf(stderr, "%s: %s%s\n", program, kinds[level], safe ? safe : "out of memory for a message");
     free(safe);
 }
 
@@ -39,7 +40,7 @@ static void print_error(const char *program, const char *format, va_list argumen
     char *message = NULL;
     if (vasprintf(&message, format, arguments) < 0)
         message = NULL;
-    cli_print(program, "error: ", message ? message : format);
+    cli_print(program, BTF_LOG_ERROR, message ? message : format);
     free(message);
 }
 
@@ -52,8 +53,7 @@ btf_result cli_error(const cli_program *program, btf_result result, const char *
 }
 
 static void log_all(void *user, btf_log_level level, const char *message) {
-    static const char *const kinds[] = {"error: ", "warning: ", ""};
-    cli_print(((const cli_program *)user)->name, kinds[level], message);
+    cli_print(((const cli_program *)user)->name, level, message);
 }
 
 static void log_quiet(void *user, btf_log_level level, const char *message) {

@@ -57,9 +57,8 @@ typedef struct cli_option {
     const char *help; /* one line or more ('\n'), without the final full stop; say the default */
     cli_type type;
     void *value;
-    const char
-        *only; /* the --method that the option belongs to; NULL: every one. For the program's own checks */
-    bool *given; /* set to true when the option is met; may be NULL */
+    const char *only; /* the --method it belongs to, for the program's own checks; NULL: every one */
+    bool *given;      /* set to true when the option is met; may be NULL */
     double minimum, maximum;
     const char *choices;
     /* CLI_CUSTOM: reads `text` into `value`; returns NULL, or what was expected ("a list of numbers") */
@@ -93,9 +92,10 @@ bool cli_parse(const cli_program *program, int argc, char **argv, cli_arguments 
 bool cli_parse_double(const char *text, const char *ends, double *out, const char **out_end);
 bool cli_parse_int(const char *text, const char *ends, int *out, const char **out_end);
 
-/* Prints one message on stderr, after the program's name and `kind` ("error: "). Control characters, which
- * the name of a file may hold, are printed as \xNN: a terminal must not obey them. */
-void cli_print(const char *program, const char *kind, const char *message);
+/* Prints one message on stderr: "NAME: error: ...", "NAME: warning: ...", or of level INFO "NAME: ...".
+ * Control characters, which the name of a file may hold, are printed as \xNN: a terminal must not obey
+ * them. */
+void cli_print(const char *program, btf_log_level level, const char *message);
 
 /* Prints "NAME: error: ..." on stderr and returns `result`. */
 btf_result cli_error(const cli_program *program, btf_result result, const char *format, ...)
