@@ -8,6 +8,7 @@
 
 #include <openbtf/material.h>
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -128,8 +129,15 @@ static double quadratic(size_t k, const float *gram, const float *right, const f
     return sum;
 }
 
+static void set_to_nothing(const u_step *step, size_t source, size_t k, float *u) {
+    memset(u, 0, k * sizeof *u);
+    if (step->rounding)
+        memset(step->rounding->codes + source * k, 0, k * sizeof *step->rounding->codes);
+}
+
 /* One source from its Gram matrix and right-hand side. The prior draws u to 0, unless that would raise the
- * error; a source without points stays. system: k * k + k doubles of scratch. */
+ * error; a source without points stays. Where no pull makes the matrix definite (factors out of a damaged
+ * checkpoint, whose products leave the range of floats), u is 0. system: k * k + k doubles of scratch. */
 static void solve_source(const u_step *step, joint_model *model, size_t source, const float *gram,
                          const float *right, double *system) {
     const size_t k = model->k;
@@ -148,7 +156,10 @@ static void solve_source(const u_step *step, joint_model *model, size_t source, 
         }
         if (!joint_cholesky(k, a)) { /* rounding of the Gram matrix left a negative pivot */
             pull *= 16.0;
-            continue;
+            if (isfinite(pull))
+                continue;
+            set_to_nothing(step, source, k, u);
+            return;
         }
         joint_lower_solve(k, a, x, 1);
         joint_upper_solve(k, a, x, 1);
@@ -486,6 +497,13 @@ static bool solve_view(const v_pass *pass, joint_model *model, size_t view) {
         }
         if (joint_cholesky(k, a))
             break;
+        if (!isfinite(pull)) { /* as in solve_source */
+            memset(v, 0, k * row * sizeof *v);
+            if (pass->rounding)
+                memset(pass->rounding->codes + view * k * row, 0, k * row * sizeof *pass->rounding->codes);
+            free(a);
+            return true;
+        }
     }
     joint_lower_solve(k, a, x, row);
     joint_upper_solve(k, a, x, row);
