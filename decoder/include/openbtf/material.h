@@ -252,7 +252,8 @@ void btf_material_atlas_centre(const btf_material_info *info, uint32_t i, uint32
 btf_result btf_material_create(const btf_material_desc *desc, const btf_log *log, btf_material **out_material);
 
 /** The same material in layout `tight`: where a GPU's textures may not be as large as the atlas of layout `paper`, its
- *  tiles become layers of array textures (FORMAT.md section 5). It decodes to the same bits. Errors: BTF_ERROR_MEMORY. */
+ *  tiles become layers of array textures (FORMAT.md section 5). It decodes to the same bits; the shadow of a material
+ *  without SBRDF, which changes nothing, is left out. Errors: BTF_ERROR_MEMORY. */
 btf_result btf_material_to_tight(const btf_material *material, const btf_log *log, btf_material **out_material);
 
 /** Writes to a temporary name beside @p path, then renames. Errors: BTF_ERROR_IO, BTF_ERROR_MEMORY. */
