@@ -129,10 +129,11 @@ static double quadratic(size_t k, const float *gram, const float *right, const f
     return sum;
 }
 
-static void set_to_nothing(const u_step *step, size_t source, size_t k, float *u) {
-    memset(u, 0, k * sizeof *u);
-    if (step->rounding)
-        memset(step->rounding->codes + source * k, 0, k * sizeof *step->rounding->codes);
+/* Makes `count` factors from the one of this number on 0, and their codes. */
+static void set_to_nothing(const joint_rounding *rounding, size_t first, size_t count, float *factors) {
+    memset(factors + first, 0, count * sizeof *factors);
+    if (rounding)
+        memset(rounding->codes + first, 0, count * sizeof *rounding->codes);
 }
 
 /* One source from its Gram matrix and right-hand side. The prior draws u to 0, unless that would raise the
@@ -158,7 +159,7 @@ static void solve_source(const u_step *step, joint_model *model, size_t source, 
             pull *= 16.0;
             if (isfinite(pull))
                 continue;
-            set_to_nothing(step, source, k, u);
+            set_to_nothing(step->rounding, source * k, k, model->u);
             return;
         }
         joint_lower_solve(k, a, x, 1);
@@ -498,9 +499,7 @@ static bool solve_view(const v_pass *pass, joint_model *model, size_t view) {
         if (joint_cholesky(k, a))
             break;
         if (!isfinite(pull)) { /* as in solve_source */
-            memset(v, 0, k * row * sizeof *v);
-            if (pass->rounding)
-                memset(pass->rounding->codes + view * k * row, 0, k * row * sizeof *pass->rounding->codes);
+            set_to_nothing(pass->rounding, view * k * row, k * row, model->v);
             free(a);
             return true;
         }
