@@ -49,9 +49,11 @@ fi
 # Null pointers and objects' sizes are AddressSanitizer's own business: without UBSan's checks of each access the build
 # takes a fifth less time, and the tests a seventh.
 unchecked=-fno-sanitize=null,object-size
+# Line numbers are all that a report shows: without the rest of the debug information the build takes a third less time.
+lines=-g1
 # The alignment of what templates of Eigen load is not looked at: the Ceres bridge compiles in 26 s instead of 43.
 build "$root/build-sanitize" -Dwerror=true -Dbuildtype=debugoptimized -Db_sanitize=address,undefined -Db_lundef=false \
-    -Dc_args=$unchecked "-Dcpp_args=$unchecked,alignment"
+    "-Dc_args=$unchecked $lines" "-Dcpp_args=$unchecked,alignment $lines"
 export ASAN_OPTIONS=detect_leaks=1:abort_on_error=0:verify_asan_link_order=0 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
 export LSAN_OPTIONS=suppressions=$root/tests/lsan.supp:print_suppressions=0 BTF_TEST_LIGHT=1
 export LD_PRELOAD=$root/build-sanitize/tests/libkeep_modules.so

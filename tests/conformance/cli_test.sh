@@ -26,6 +26,11 @@ expect 0 '^softpipe .*330 core' --list
 expect 1 'vulkan' --device vulkan
 expect 1 'count' --count minus
 expect 1 'CASE:RENDERER:REASON' --waive all
+for part in 0/6 7/6 1 1/6x 1/ /6; do
+    expect 1 'K/N, with K from 1 to N' --part "$part"
+done
+expect 1 'not with --variant' --part 1/6 --variant 20
+expect 1 'not with a FILE' --part 1/6 "$folder/absent.btf.exr"
 expect 2 'absent' "$folder/absent.btf.exr"
 echo "no EXR" >"$folder/bad.btf.exr"
 expect 3 'bad' "$folder/bad.btf.exr"
@@ -33,6 +38,11 @@ expect 2 'nowhere' --vectors "$folder/nowhere"
 expect 5 'not supported' --device glfw
 if "$conform" --device osmesa --variant 20 --count 100 --steps 100 >"$folder/out" 2>&1; then
     expect 0 '^pass: [0-9]+ evaluations, 0 differ' --device osmesa --variant 20 --count 100 --steps 100
+    expect 0 '"name": "steps 20: ' --device osmesa --part 21/30 --count 0 --steps 100 --json
+    if ! grep -q '"name": "steps 50: ' "$folder/out" || [ "$(grep -c '"name": "steps ' "$folder/out")" != 2 ]; then
+        echo "--part 21/30 is not variants 20 and 50: $(grep '"name": "steps ' "$folder/out")"
+        failures=$((failures + 1))
+    fi
     expect 0 'fast math 20: .*relative error' --device osmesa --variant 20 --count 100 --steps 100 --fast-math
     expect 0 '"verdict": "pass"' --device osmesa --variant 20 --count 100 --steps 100 --json
     expect 0 '"self_test": "none"' --device osmesa --variant 20 --count 100 --steps 100 --json --seed 9

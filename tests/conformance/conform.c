@@ -198,7 +198,8 @@ static void run_synthetic(runner *r, uint64_t divide) {
     const conform_options *o = r->options;
     size_t count = variant_pairwise(o->seed, list);
     for (size_t i = 0; i < count; ++i) {
-        if ((int)i < o->first || (int)i > o->last)
+        const int beyond = (int)i - o->first;
+        if (beyond < 0 || (o->stride ? beyond % o->stride : beyond) != 0)
             continue;
         variant *v = &list[i];
         btf_material *material = NULL;

@@ -18,7 +18,7 @@ typedef enum conform_verdict {
 /* What is asked for. */
 typedef struct conform_options {
     uint64_t seed, count, steps; /* evaluations of radiance and elements of a step, each variant */
-    int first, last;             /* variants, inclusive; all for 0 and INT_MAX */
+    int first, stride;           /* variants first, first + stride, ...; first alone when stride is 0 */
     bool fast;                   /* measure fast math too */
     bool sabotage;               /* swap the shift bytes in the decoder, to see a failure */
     const char *dump_dir;        /* NULL: no pictures */

@@ -7,7 +7,6 @@
 #include "decoder/tools/json.h"
 #include "vectors.h"
 
-#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,8 +14,22 @@
 static struct {
     const char *device, *dump, *waive, *vectors;
     int seed, count, steps, variant;
-    bool json, fast, list, quiet, sabotage, variant_given;
-} arguments = {.device = "all", .seed = 1, .count = 20000, .steps = 20000};
+    struct {
+        int number, count;
+    } part;
+    bool json, fast, list, quiet, sabotage, variant_given, part_given;
+} arguments = {.device = "all", .seed = 1, .count = 20000, .steps = 20000, .part = {1, 1}};
+
+/* For --part: "2/6". */
+static const char *parse_part(const char *text, void *value) {
+    (void)value;
+    const char *end = NULL;
+    if (!cli_parse_int(text, "/", &arguments.part.number, &end) || *end != '/' ||
+        !cli_parse_int(end + 1, "", &arguments.part.count, NULL) || arguments.part.number < 1 ||
+        arguments.part.number > arguments.part.count)
+        return "K/N, with K from 1 to N";
+    return NULL;
+}
 
 static const cli_option options[] = {
     {.short_name = 'd',
@@ -52,6 +65,12 @@ static const cli_option options[] = {
      .minimum = 0,
      .maximum = 1e6,
      .help = "run this variant alone"},
+    {.name = "part",
+     .arg = "K/N",
+     .type = CLI_CUSTOM,
+     .parse = parse_part,
+     .given = &arguments.part_given,
+     .help = "run every N-th variant, from the K-th on, so that N devices share them"},
     {.name = "fast-math",
      .type = CLI_FLAG,
      .value = &arguments.fast,
@@ -247,8 +266,8 @@ static btf_result run(const cli_arguments *files) {
     conform_options o = {.seed = (uint64_t)arguments.seed,
                          .count = (uint64_t)arguments.count,
                          .steps = (uint64_t)arguments.steps,
-                         .first = arguments.variant_given ? arguments.variant : 0,
-                         .last = arguments.variant_given ? arguments.variant : INT_MAX,
+                         .first = arguments.variant_given ? arguments.variant : arguments.part.number - 1,
+                         .stride = arguments.variant_given ? 0 : arguments.part.count,
                          .fast = arguments.fast,
                          .sabotage = arguments.sabotage,
                          .dump_dir = arguments.dump,
@@ -319,6 +338,9 @@ int main(int argc, char **argv) {
     }
     if (!check_list(arguments.device))
         return cli_finish(&program, BTF_ERROR_USAGE);
+    if (arguments.part_given && (arguments.variant_given || files.count > 0))
+        return cli_finish(&program, cli_error(&program, BTF_ERROR_USAGE, "--part: not with %s",
+                                              arguments.variant_given ? "--variant" : "a FILE"));
     const char *colon = arguments.waive ? strchr(arguments.waive, ':') : NULL;
     if (arguments.waive && (!colon || !strchr(colon + 1, ':')))
         return cli_finish(&program,
