@@ -158,8 +158,8 @@ btf_result btfi_triangulate(uint32_t count, const uint16_t (*vertices)[2], uint8
         return BTF_ERROR_MEMORY;
     m->count = count;
     m->q = vertices;
-    for (int a = 0; a < N; a++)
-        for (int b = 0; b < N; b++)
+    for (uint32_t a = 0; a < count; a++)
+        for (uint32_t b = 0; b < count; b++)
             m->apex[a][b] = NONE;
     sort_vertices(m);
 

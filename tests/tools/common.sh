@@ -10,6 +10,7 @@ trap 'rm -rf "$work"' EXIT
 cd "$work"
 failures=0
 light=${BTF_TEST_LIGHT:-} # not empty: repeat less (tests/meson.build)
+starts=${light:+--starts 1} # for --method paper where fitting from several starts is not the subject
 
 report() { # NAME VERDICT [detail]
     echo "[ RUN      ] $1"

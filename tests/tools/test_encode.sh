@@ -15,7 +15,7 @@ for tool in btf-encode btf-compare btf-info btf-decode btf-sample; do
     expect_text "$tool names the option" "no-such-option" err
 done
 
-expect "paper" 0 btf-encode data -o paper.btf.exr --method paper --report paper.json --pictures pictures --threads 2
+expect "paper" 0 btf-encode data -o paper.btf.exr --method paper $starts --report paper.json --pictures pictures --threads 2
 for picture in montage abrdf steps shadow flow hidden atlas; do
     expect_that "picture $picture" test -s pictures/$picture.png
 done
@@ -40,11 +40,11 @@ options = json.load(open("paper.json"))["options"]
 for name in ("transfer", "colour", "effects", "layout", "lobes", "starts", "hidden-threshold", "window"):
     assert name in options, name
 P
-expect "one thread" 0 btf-encode data -o one.btf.exr --method paper --threads 1 -q
-expect "two threads" 0 btf-encode data -o two.btf.exr --method paper --threads 2 -q
+expect "one thread" 0 btf-encode data -o one.btf.exr --method paper $starts --threads 1 -q
+expect "two threads" 0 btf-encode data -o two.btf.exr --method paper $starts --threads 2 -q
 expect_that "the same bytes for any number of threads" cmp one.btf.exr two.btf.exr
 btf-sample -o wide --relief bricks --size 12x10 --directions 0:1,20:6,40:9,60:12 --quiet || exit 99
-for how in "paper" "joint --preset fast"; do
+for how in "paper $starts" "joint --preset fast"; do
     expect "$how in memory" 0 btf-encode wide -o wide.btf.exr --method $how -q
     expect "$how, too little memory" 1 btf-encode wide -o scratch.btf.exr --method $how --memory 1 -q
     expect_text "the least is named" "12x10 texels, 28 views and 28 lights take at least" err
@@ -55,7 +55,7 @@ for how in "paper" "joint --preset fast"; do
 done
 
 printf '1 0 0 4 90\n2 40 0 44 0\n' >moved.txt
-expect "lights that stood aside" 0 btf-encode data -o moved.btf.exr --method paper --coincident moved.txt
+expect "lights that stood aside" 0 btf-encode data -o moved.btf.exr --method paper $starts --coincident moved.txt
 expect_text "their error is told apart" "light at the view: sbrdf" out
 expect_that "they change the fit" bash -c '! cmp -s moved.btf.exr one.btf.exr'
 printf '15 0 16 0\n' >strange.txt
@@ -65,35 +65,35 @@ expect_text "file and line are named" "strange.txt: line 1" err
 expect "joint in one atlas" 0 btf-encode data -o atlas.btf.exr --preset fast --layout paper -q
 expect_that "it has maps" bash -c 'btf-info atlas.btf.exr --json | grep -q "\"layout\": *\"paper\""'
 
-expect "no effects" 0 btf-encode data -o none.btf.exr --method paper --effects none --report none.json -q
+expect "no effects" 0 btf-encode data -o none.btf.exr --method paper $starts --effects none --report none.json -q
 expect_that "no effects, no maps" test "$(json none.json "'maps' in r['bytes']['parts']")" = False
-expect "shadow alone" 0 btf-encode data -o shadow.btf.exr --method paper --effects shadow -q
-expect "layout tight" 0 btf-encode data -o tight.btf.exr --method paper --layout tight -q
+expect "shadow alone" 0 btf-encode data -o shadow.btf.exr --method paper $starts --effects shadow -q
+expect "layout tight" 0 btf-encode data -o tight.btf.exr --method paper $starts --layout tight -q
 expect "tight against paper" 0 btf-compare tight.btf.exr paper.btf.exr --json -q
 expect_text "layouts decode alike" '"linear": 100' out
-expect "half floats" 0 btf-encode data -o half.btf.exr --method paper --half --report half.json -q
+expect "half floats" 0 btf-encode data -o half.btf.exr --method paper $starts --half --report half.json -q
 expect_that "half floats halve the parameters" test "$(json half.json "r['bytes']['parts']['sbrdf']")" = $((16 * 16 * 32))
-expect "one lobe" 0 btf-encode data -o lobe.btf.exr --method paper --lobes 1 -q
-expect "size" 0 btf-encode data -o size.btf.exr --method paper --size 8x12 --report size.json -q
+expect "one lobe" 0 btf-encode data -o lobe.btf.exr --method paper $starts --lobes 1 -q
+expect "size" 0 btf-encode data -o size.btf.exr --method paper $starts --size 8x12 --report size.json -q
 expect_that "size is taken" test "$(json size.json "(r['width'], r['height'])")" = "(8, 12)"
-expect "crop" 0 btf-encode data -o crop.btf.exr --method paper --crop 2,3,9,5 --report crop.json -q
+expect "crop" 0 btf-encode data -o crop.btf.exr --method paper $starts --crop 2,3,9,5 --report crop.json -q
 expect_that "crop is taken" test "$(json crop.json "(r['width'], r['height'])")" = "(9, 5)"
-expect "transfer" 0 btf-encode data -o transfer.btf.exr --method paper --transfer gamma:2.2 -q
-expect "orientation" 0 btf-encode data -o turned.btf.exr --method paper --flip-v --azimuth-cw --azimuth-offset 30 -q
+expect "transfer" 0 btf-encode data -o transfer.btf.exr --method paper $starts --transfer gamma:2.2 -q
+expect "orientation" 0 btf-encode data -o turned.btf.exr --method paper $starts --flip-v --azimuth-cw --azimuth-offset 30 -q
 expect_text "the file tells how it was made" "rounds=3" <(btf-info paper.btf.exr)
-expect "rounds, thresholds, window, centres" 0 btf-encode data -o many.btf.exr --method paper --rounds 1 --starts 1 \
+expect "rounds, thresholds, window, centres" 0 btf-encode data -o many.btf.exr --method paper $starts --rounds 1 --starts 1 \
     --error-threshold 1 --btf-threshold 0.5 --flow-lights 3 --hidden-threshold 0.2 --window 5x5 --centres 9 \
     --data-points -q
-expect "more centres than the smallest atlas holds" 0 btf-encode data -o centres.btf.exr --method paper \
+expect "more centres than the smallest atlas holds" 0 btf-encode data -o centres.btf.exr --method paper $starts \
     --hidden-threshold 0.2 --centres 300 -q
 
-expect "strict" 0 btf-encode data -o strict.btf.exr --method paper --strict -q
+expect "strict" 0 btf-encode data -o strict.btf.exr --method paper $starts --strict -q
 expect_that "strict changes nothing where nothing is negative" python3 - <<'P'
 import subprocess
 out = subprocess.run(["btf-compare", "strict.btf.exr", "one.btf.exr", "--json", "-q"], capture_output=True, text=True).stdout
 assert '"linear": 100' in out, out
 P
-expect "XYZ" 0 btf-encode data -o xyz.btf.exr --method paper --colour xyz --report xyz.json -q
+expect "XYZ" 0 btf-encode data -o xyz.btf.exr --method paper $starts --colour xyz --report xyz.json -q
 expect_that "XYZ is recorded" test "$(json xyz.json "r['options']['colour']")" = xyz
 expect "compare reads XYZ too" 0 btf-compare data xyz.btf.exr --colour xyz --json -q
 expect "strict refuses what XYZ makes of such colours" 3 btf-compare data xyz.btf.exr --colour xyz --strict -q
@@ -107,7 +107,7 @@ done
 expect_that "joint: the report lists what was tried" test "$(json joint.json "len(r['trials']) > 1")" = True
 expect "joint: an option of the paper's method" 1 btf-encode data -o x.btf.exr --lobes 2 -q
 expect_text "is refused by name" "option --lobes: for --method paper only" err
-expect "paper: an option of the joint method" 1 btf-encode data -o x.btf.exr --method paper --budget 1M -q
+expect "paper: an option of the joint method" 1 btf-encode data -o x.btf.exr --method paper $starts --budget 1M -q
 expect_text "is refused by name" "option --budget: for --method joint only" err
 for tolerance in a 0.05, ,1 0.05,0.2,1 0.05x -1 nan 101 ""; do
     expect "no tolerance: '$tolerance'" 1 btf-encode data -o x.btf.exr --effect-tolerance "$tolerance"
@@ -147,14 +147,14 @@ for level in 1 2 3; do
     cp out compared.json
     expect_that "is as good as the file says" test "$(json compared.json "abs(r['psnr']['linear'] - json.load(open('info.json'))['levels'][$level]['linear']) < 0.02")" = True
 done
-expect "levels of the paper's method" 0 btf-encode data -o plevels.btf.exr --method paper --levels 3 --report plevels.json -q
+expect "levels of the paper's method" 0 btf-encode data -o plevels.btf.exr --method paper $starts --levels 3 --report plevels.json -q
 expect_that "in layout tight" test "$(json plevels.json "(r['options']['layout'], len(r['levels']))")" = "('tight', 3)"
-expect "a checkpoint of level 0 is not for the others" 0 btf-encode data -o clevels.btf.exr --method paper --levels 3 \
+expect "a checkpoint of level 0 is not for the others" 0 btf-encode data -o clevels.btf.exr --method paper $starts --levels 3 \
     --checkpoint steps -q
 expect_that "the same bytes" cmp plevels.btf.exr clevels.btf.exr
-expect "one level is no table of levels" 0 btf-encode data -o onelevel.btf.exr --method paper --levels 1 --threads 1 -q
+expect "one level is no table of levels" 0 btf-encode data -o onelevel.btf.exr --method paper $starts --levels 1 --threads 1 -q
 expect_that "and the same maps as without the option" btf-compare onelevel.btf.exr paper.btf.exr -q
-expect "levels in layout paper" 1 btf-encode data -o x.btf.exr --method paper --layout paper --levels 2
+expect "levels in layout paper" 1 btf-encode data -o x.btf.exr --method paper $starts --layout paper --levels 2
 expect_text "are refused" "option --levels: --layout paper has one level" err
 expect "more levels than there are" 1 btf-encode data -o x.btf.exr --levels 6
 expect_text "are refused with their number" "option --levels: 6, but 16 x 16 texels have 5" err

@@ -9,7 +9,7 @@ odd() {
     local name=$1
     shift
     expect "$name: sample" 0 btf-sample -o "$name" --relief bumps --format exr --quiet "$@"
-    expect "$name: paper" 0 btf-encode "$name" -o "$name.btf.exr" --method paper --effects shadow,shift,hidden \
+    expect "$name: paper" 0 btf-encode "$name" -o "$name.btf.exr" --method paper $starts --effects shadow,shift,hidden \
         --report "$name.json" --pictures "$name-p"
     expect_that "$name: no 'nan' in the tables" test -z "$(grep -iwE 'nan|-nan|inf' out)"
     expect_that "$name: the report's numbers are numbers" python3 - "$name.json" <<'P'

@@ -19,6 +19,7 @@
 #include <string.h>
 
 static const enc_context context = {.threads = 2};
+static bool is_long; /* more texels */
 
 static double psnr_of(const enc_data *data, const enc_solution *solution, uint32_t effects, bool srgb) {
     enc_playback *playback = NULL;
@@ -74,7 +75,7 @@ static double printed_sign_f1(const enc_data *data, const enc_solution *s, const
 static void test_bricks(void **state) {
     (void)state;
     const bool light = getenv("BTF_TEST_LIGHT") != NULL; /* too few texels for the figures */
-    const int side = light ? 12 : 64;
+    const int side = light ? 12 : is_long ? 64 : 48;
     const sample_options options = {.context = &context, .width = side, .height = side};
     enc_data *data = NULL;
     sample_truth *truth = NULL;
@@ -137,7 +138,8 @@ static void test_flat(void **state) {
     enc_data_destroy(&data);
 }
 
-int main(void) {
+int main(int argc, char **argv) {
+    is_long = argc > 1 && strcmp(argv[1], "--long") == 0;
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_bricks), cmocka_unit_test(test_flat)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
