@@ -72,8 +72,9 @@ static btf_result check_limits(const btfi_gl_functions *gl, const char *name, co
     int32_t side = 0, layers = 0;
     gl->GetIntegerv(GL_MAX_TEXTURE_SIZE, &side);
     gl->GetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &layers);
-    const char *advice =
-        strcmp(name, btf_texture_name(BTF_TEXTURE_MAPS)) == 0 ? " (btf_material_to_tight takes it apart)" : "";
+    const char *advice = strcmp(name, btf_texture_name(BTF_TEXTURE_MAPS)) == 0
+                             ? " (btf_material_to_tight takes it apart)"
+                             : "";
     if ((int64_t)texture->width > side)
         return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "%s: width %u exceeds GL_MAX_TEXTURE_SIZE %d%s", name,
                          texture->width, side, advice);
@@ -165,8 +166,8 @@ void btfi_gl_restore_unpack(const btfi_gl_functions *gl, const btfi_gl_unpack *s
 }
 
 /* The levels of a texture as they are uploaded; returns their number. */
-static uint32_t list_levels(const btf_material *material, btf_texture_id id, uint32_t count, uint32_t components,
-                            btf_texture *out_levels) {
+static uint32_t list_levels(const btf_material *material, btf_texture_id id, uint32_t count,
+                            uint32_t components, btf_texture *out_levels) {
     /* Components are stored four a layer, so that the first ones are a prefix. */
     const uint32_t groups = (components + 3) / 4;
     for (uint32_t i = 0; i < count; ++i) {
@@ -233,7 +234,8 @@ btf_result btf_gl_upload(const btf_material *material, const btf_gl_options *opt
     for (int id = 0; id < BTF_TEXTURE_COUNT && result == BTF_OK; ++id) {
         btf_texture texture[BTF_MAX_LEVELS];
         const uint32_t levels =
-            wanted >> id & 1 ? list_levels(material, (btf_texture_id)id, info.levels, components, texture) : 0;
+            wanted >> id & 1 ? list_levels(material, (btf_texture_id)id, info.levels, components, texture)
+                             : 0;
         if (levels > 0)
             result = upload(gl, (btf_texture_id)id, texture, levels, log);
     }

@@ -140,8 +140,8 @@ btf_result btfi_check_level_errors(const btfi_check *check, uint32_t levels, con
  */
 
 /* Checks the numbers of the attribute openbtf.effectErrors against a (checked) info. */
-btf_result btfi_check_effect_errors(const btfi_check *check, const btf_material_info *info, const float *values,
-                                    size_t count);
+btf_result btfi_check_effect_errors(const btfi_check *check, const btf_material_info *info,
+                                    const float *values, size_t count);
 
 /* material.c ---------------------------------------------------------------------------------------------
  */

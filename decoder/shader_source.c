@@ -166,12 +166,14 @@ static void append_prefixed(text *t, const char *source, const char *prefix) {
 }
 
 /* A direction's neighbours as constants, those of weight 0 last. */
-static void define_fixed(text *t, const char *name, const btfi_directions *directions, const float direction[3],
-                         int nearest) {
+static void define_fixed(text *t, const char *name, const btfi_directions *directions,
+                         const float direction[3], int nearest) {
     btfi_neighbours n = btfi_neighbours_of(directions, direction, nearest);
     text_print(t, "#define BTF_FIXED_%s %u\n", name, n.count);
-    text_print(t, "#define BTF_FIXED_%s_INDEX uvec3(%uu, %uu, %uu)\n", name, n.index[0], n.index[1], n.index[2]);
-    text_print(t, "#define BTF_FIXED_%s_WEIGHT uvec3(%uu, %uu, %uu)\n", name, n.weight[0], n.weight[1], n.weight[2]);
+    text_print(t, "#define BTF_FIXED_%s_INDEX uvec3(%uu, %uu, %uu)\n", name, n.index[0], n.index[1],
+               n.index[2]);
+    text_print(t, "#define BTF_FIXED_%s_WEIGHT uvec3(%uu, %uu, %uu)\n", name, n.weight[0], n.weight[1],
+               n.weight[2]);
 }
 
 /* The macros of shaders/options.glsl. */

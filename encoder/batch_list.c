@@ -71,7 +71,8 @@ static btf_result add(const enc_context *context, enc_batch *batch, const char *
     inputs[batch->count] = input;
     names[batch->count++] = name;
     if (name[0] == '\0' || strcmp(name, ".") == 0 || strcmp(name, "..") == 0)
-        return enc_fail(context, BTF_ERROR_BAD_FILE, "%s: line %zu: %s names no material", list, line, text);
+        return enc_fail(context, BTF_ERROR_BAD_FILE, "%s: line %zu: %s names no material", list, line,
+                        text);
     for (size_t i = 0; i + 1 < batch->count; i++)
         if (strcmp(names[i], name) == 0)
             return enc_fail(context, BTF_ERROR_BAD_FILE,

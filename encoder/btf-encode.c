@@ -65,19 +65,22 @@ static const cli_option table[] = {
      .given = &given[0],
      .choices = "fast|medium|thorough|exhaustive",
      .only = "joint",
-     .help = "joint: fast tries one set of effects, then 5 rounds; medium\n(default) 3 and 18; thorough 6 and 60; exhaustive all, until\nnothing is gained"},
+     .help = "joint: fast tries one set of effects, then 5 rounds; medium\n(default) 3 and 18; thorough 6 "
+             "and 60; exhaustive all, until\nnothing is gained"},
     {.name = "effects",
      .type = CLI_EFFECTS,
      .value = &o.effects,
      .given = &o.effects_given,
      .choices = "auto",
-     .help = "auto (default): those that pay (--effect-tolerance); none; or\nexactly these of shadow,shift,hidden,gain,residual"},
+     .help = "auto (default): those that pay (--effect-tolerance); none; or\nexactly these of "
+             "shadow,shift,hidden,gain,residual"},
     {.name = "effect-tolerance",
      .arg = "DB[,DB]",
      .type = CLI_CUSTOM,
      .value = o.effect_tolerance,
      .parse = enc_parse_tolerance,
-     .help = "--effects auto leaves out an effect that gains less than so\nmany dB (joint: in the fitted domain; paper: linear), and so\nmany for each MB that it adds; default 0.05,0"},
+     .help = "--effects auto leaves out an effect that gains less than so\nmany dB (joint: in the fitted "
+             "domain; paper: linear), and so\nmany for each MB that it adds; default 0.05,0"},
     {.name = "budget",
      .type = CLI_BYTES,
      .value = &o.budget,
@@ -102,14 +105,16 @@ static const cli_option table[] = {
      .given = &given[3],
      .choices = "balanced|srgb|linear",
      .only = "joint",
-     .help = "joint: linear fits radiance; balanced (default) and srgb fit its\nsquare root, which serves both figures"},
+     .help = "joint: linear fits radiance; balanced (default) and srgb fit its\nsquare root, which serves "
+             "both figures"},
     {.name = "layout",
      .type = CLI_CHOICE,
      .value = &o.layout,
      .given = &o.layout_given,
      .choices = "paper|tight",
-     .help = "one atlas, as in 3.1 (paper), or a texture an effect (tight); default\npaper for --method paper "
-             "without --levels, else tight"},
+     .help =
+         "one atlas, as in 3.1 (paper), or a texture an effect (tight); default\npaper for --method paper "
+         "without --levels, else tight"},
     {.name = "levels",
      .arg = "N|all",
      .type = CLI_CUSTOM,
@@ -185,7 +190,8 @@ static const cli_option table[] = {
      .minimum = 1,
      .maximum = 16384,
      .only = "paper",
-     .help = "paper: search window of the refinement; default 256x256, and\n64x64 around the voted shift beyond 64x64 texels"},
+     .help = "paper: search window of the refinement; default 256x256, and\n64x64 around the voted shift "
+             "beyond 64x64 texels"},
     {.name = "centres",
      .type = CLI_INT,
      .value = &o.centres,
@@ -214,7 +220,8 @@ static const cli_option table[] = {
      .arg = "DIR",
      .type = CLI_STRING,
      .value = &o.job.checkpoint,
-     .help = "keep what stages find in DIR until the material is written, so\nthat --resume can go on after a stop"},
+     .help = "keep what stages find in DIR until the material is written, so\nthat --resume can go on "
+             "after a stop"},
     {.name = "resume",
      .type = CLI_FLAG,
      .value = &o.job.resume,
@@ -229,20 +236,23 @@ static const cli_option table[] = {
      .arg = "FROM",
      .type = CLI_STRING,
      .value = &o.predict,
-     .help = "encode nothing: print what it would take in time by stage, memory\nand scratch files. FROM: self "
-             "(this machine is measured), or the\n--report of an encode with the same options, smaller say"},
+     .help =
+         "encode nothing: print what it would take in time by stage, memory\nand scratch files. FROM: self "
+         "(this machine is measured), or the\n--report of an encode with the same options, smaller say"},
     {.name = "threads",
      .type = CLI_INT,
      .value = &o.threads,
      .minimum = 1,
      .maximum = 1024,
-     .help = "default: all cores; of a rank those it may use, divided by the\nranks that share them. The output does not depend on it"},
+     .help = "default: all cores; of a rank those it may use, divided by the\nranks that share them. The "
+             "output does not depend on it"},
     {.name = "memory",
      .type = CLI_BYTES,
      .value = &o.memory,
      .minimum = 1,
      .maximum = 0x1p62,
-     .help = "bound of the working set of a process; default half of the\nmachine's, divided by its ranks. Data beyond half of it go through "
+     .help = "bound of the working set of a process; default half of the\nmachine's, divided by its ranks. "
+             "Data beyond half of it go through "
              "a scratch file in $TMPDIR;\nrefused where the data take more at the least"},
     {.short_name = 'q',
      .name = "quiet",
@@ -255,17 +265,21 @@ static const cli_option table[] = {
 static const cli_program program = {
     .name = "btf-encode",
     .usage = "INPUT -o OUT.btf.exr [OPTION...]",
-    .summary = "Compresses a bidirectional texture function into a material of a few GPU textures.\n"
-               "INPUT is a folder or an archive (zip) of images whose names hold tl, pl, tv and pv, each\n"
-               "followed by an angle in degrees (UBO2003, ATRIUM, UTIA, Bonn spectral), or a .btf file of\n"
-               "Bonn (UBO2014: DFMF, FMF, PVF, BDI), or a list of inputs: a text file NAME.txt with one a line\n"
-               "(# begins a comment). For a list, OUT, the report and the pictures are folders.",
+    .summary =
+        "Compresses a bidirectional texture function into a material of a few GPU textures.\n"
+        "INPUT is a folder or an archive (zip) of images whose names hold tl, pl, tv and pv, each\n"
+        "followed by an angle in degrees (UBO2003, ATRIUM, UTIA, Bonn spectral), or a .btf file of\n"
+        "Bonn (UBO2014: DFMF, FMF, PVF, BDI), or a list of inputs: a text file NAME.txt with one a line\n"
+        "(# begins a comment). For a list, OUT, the report and the pictures are folders.",
     .details =
         "The tables printed at the end, and the report, measure what the written material decodes to.\n"
-        "A list goes on after an input that fails, ends with a line an input, and with the exit code of the\n"
+        "A list goes on after an input that fails, ends with a line an input, and with the exit code of "
+        "the\n"
         "first failure.\n"
-        "mpirun -n N btf-encode ... splits one encode over N processes, of one machine or of several, which write\n"
-        "the same bytes as one. Each reads its share of the images and leaves it in a scratch file: TMPDIR names\n"
+        "mpirun -n N btf-encode ... splits one encode over N processes, of one machine or of several, "
+        "which write\n"
+        "the same bytes as one. Each reads its share of the images and leaves it in a scratch file: TMPDIR "
+        "names\n"
         "a folder that all machines share. MPI is not touched where no launcher started the program.",
     .example = "btf-encode UBO_IMPALLA256.zip --size 64x64 -o impalla.btf.exr --pictures pictures",
     .options = table,
@@ -441,8 +455,9 @@ static btf_result run(const enc_context *context) {
                    : enc_predict(context, &o.job, o.predict, stdout);
     }
     if (!enc_batch_is(o.job.input)) {
-        return o.item > 0 ? cli_error(&program, BTF_ERROR_USAGE, "option --item: %s is not a list", o.job.input)
-                          : enc_job_run(context, &o.job);
+        return o.item > 0
+                   ? cli_error(&program, BTF_ERROR_USAGE, "option --item: %s is not a list", o.job.input)
+                   : enc_job_run(context, &o.job);
     }
     btf_result result = enc_batch_read(context, o.job.input, &batch);
     if (result == BTF_OK) {
@@ -519,8 +534,7 @@ int main(int argc, char **argv) {
     const btf_result started = enc_mpi_start(cli_log(&program, false), &team, &share);
     o.threads = share.threads;
     o.memory = share.memory;
-    const int exit_code =
-        started == BTF_OK ? encode(team, argc, argv) : btf_result_exit_code(started);
+    const int exit_code = started == BTF_OK ? encode(team, argc, argv) : btf_result_exit_code(started);
     enc_mpi_stop(&team);
     return exit_code;
 }

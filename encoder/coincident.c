@@ -88,8 +88,8 @@ btf_result enc_coincident_read(const enc_context *context, const char *path,
         data->moved_light[v].index = -1;
     for (int number = 1; result == BTF_OK && fgets(line, sizeof line, file); number++) {
         if (strlen(line) + 1 == sizeof line && line[sizeof line - 2] != '\n')
-            result = enc_fail(context, BTF_ERROR_BAD_FILE, "%s: line %d is longer than %zu bytes", path, number,
-                              sizeof line - 2);
+            result = enc_fail(context, BTF_ERROR_BAD_FILE, "%s: line %d is longer than %zu bytes", path,
+                              number, sizeof line - 2);
         line[strcspn(line, "#\r\n")] = '\0';
         if (result == BTF_OK && line[strspn(line, " \t")] != '\0')
             result = take_line(context, path, number, line, options, data);

@@ -10,9 +10,9 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-struct progress;       /* decoder/tools/progress.h */
-struct enc_checkpoint; /* checkpoint.h */
-struct enc_team;       /* team.h */
+struct progress;         /* decoder/tools/progress.h */
+struct enc_checkpoint;   /* checkpoint.h */
+struct enc_team;         /* team.h */
 struct enc_announcement; /* announce.h */
 
 /* Whose least need of memory is asked for before data are read. */
@@ -20,13 +20,13 @@ typedef enum enc_need { ENC_NEED_UNKNOWN = 0, ENC_NEED_JOINT = 1, ENC_NEED_PAPER
 
 typedef struct enc_context {
     btf_log log;
-    struct progress *progress; /* may be NULL: no progress shown */
-    int threads;               /* OpenMP threads, >= 1 */
-    size_t memory;             /* bytes the working set may take, 0 = unbounded */
-    struct enc_checkpoint *checkpoint; /* where stages keep what they found; NULL: nowhere */
+    struct progress *progress;                   /* may be NULL: no progress shown */
+    int threads;                                 /* OpenMP threads, >= 1 */
+    size_t memory;                               /* bytes the working set may take, 0 = unbounded */
+    struct enc_checkpoint *checkpoint;           /* where stages keep what they found; NULL: nowhere */
     const struct enc_announcement *announcement; /* who is told what will be read; NULL: nobody */
-    enc_need need;             /* data that take more by this method are refused; unknown: none are */
-    struct enc_team *team;     /* the ranks that share the work; NULL: this process is alone */
+    enc_need need;         /* data that take more by this method are refused; unknown: none are */
+    struct enc_team *team; /* the ranks that share the work; NULL: this process is alone */
 } enc_context;
 
 /* printf-style message to context->log; does nothing without a callback. context may be NULL. */

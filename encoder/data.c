@@ -82,10 +82,10 @@ bool enc_data_fits(const enc_context *context, int width, int height, int n_view
     if (!context || context->memory == 0)
         return true;
     const uint64_t bytes = 12 * (uint64_t)width * (uint64_t)height * (uint64_t)n_views * (uint64_t)n_lights;
-    const uint64_t least = context->need == ENC_NEED_UNKNOWN
-                               ? 0
-                               : enc_memory_least(context->need, width, height, n_views, n_lights,
-                                                  context->threads);
+    const uint64_t least =
+        context->need == ENC_NEED_UNKNOWN
+            ? 0
+            : enc_memory_least(context->need, width, height, n_views, n_lights, context->threads);
     return bytes <= context->memory / 2 && bytes + least <= context->memory;
 }
 

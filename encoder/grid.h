@@ -30,8 +30,8 @@ btf_result enc_grid_create(const enc_context *context, const enc_source *source,
                            const enc_read_options *options, enc_grid **out_grid);
 void enc_grid_destroy(enc_grid **grid);
 
-/* The azimuth that options make of a given one, degrees in [0, 360), on a grid of 1e-9 degrees so that 360 - tiny
- * does not differ from 0. */
+/* The azimuth that options make of a given one, degrees in [0, 360), on a grid of 1e-9 degrees so that 360
+ * - tiny does not differ from 0. */
 double enc_grid_azimuth(const enc_read_options *options, double theta, double phi);
 
 /* Degrees that the top view may be off the normal. */

@@ -80,7 +80,8 @@ const char *enc_parse_transfer(const char *text, void *options);
 const char *enc_parse_colour(const char *text, void *options);
 const char *enc_parse_cosine(const char *text, void *options);
 const char *enc_parse_crop(const char *text, void *options);
-/* DB[,DB] into tolerance[2], of which the second is 0 where it is not given: see btf-encode --effect-tolerance. */
+/* DB[,DB] into tolerance[2], of which the second is 0 where it is not given: see btf-encode
+ * --effect-tolerance. */
 const char *enc_parse_tolerance(const char *text, void *tolerance);
 
 #endif

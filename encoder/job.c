@@ -45,7 +45,8 @@ static btf_result check_outputs(const enc_context *context, const enc_job *job) 
     for (int o = 0; o < 2; o++) {
         for (int i = 0; i < 2; i++) {
             if (outputs[o] && inputs[i] && output_is_same(outputs[o], inputs[i])) {
-                return enc_fail(context, BTF_ERROR_USAGE, "%s: an input, which the output would replace", inputs[i]);
+                return enc_fail(context, BTF_ERROR_USAGE, "%s: an input, which the output would replace",
+                                inputs[i]);
             }
         }
     }
@@ -167,7 +168,8 @@ static btf_result pack_and_measure(const enc_context *context, const enc_job *jo
         result = enc_report_measure(context, s->data, &s->stored, s->material, report);
     }
     if (result == BTF_OK) {
-        result = enc_effect_errors(context, s->data, s->material, &effect_errors, &options.effect_error_count);
+        result =
+            enc_effect_errors(context, s->data, s->material, &effect_errors, &options.effect_error_count);
     }
     if (result == BTF_OK) {
         result = enc_levels_unpack(context, s->material, &s->stored, &s->stored_levels);
@@ -229,7 +231,8 @@ static btf_result draw(const enc_context *context, const enc_job *job, job_state
 }
 
 /* The outputs, which rank 0 of a team alone writes. */
-static btf_result write_outputs(const enc_context *context, const enc_job *job, job_state *s, enc_report *report) {
+static btf_result write_outputs(const enc_context *context, const enc_job *job, job_state *s,
+                                enc_report *report) {
     btf_result result = job->pictures ? draw(context, job, s, report) : BTF_OK;
     if (result == BTF_OK && enc_cancelled(context)) {
         result = BTF_ERROR_INTERRUPTED;
@@ -243,8 +246,8 @@ static btf_result write_outputs(const enc_context *context, const enc_job *job, 
 }
 
 /* The report, as a file and on standard output. */
-static btf_result write_report(const enc_context *context, const enc_job *job, double start, double core_start,
-                               enc_report *report) {
+static btf_result write_report(const enc_context *context, const enc_job *job, double start,
+                               double core_start, enc_report *report) {
     struct stat file;
     struct rusage usage;
     btf_result result = BTF_OK;

@@ -22,8 +22,9 @@ struct enc_job {
     btf_layout layout;
     int levels; /* of detail, 1 at least; 0: down to one texel */
     bool half_float;
-    const char *checkpoint; /* folder where stages keep what they found until the material is written; NULL: none */
-    bool resume;            /* go on from it */
+    const char *
+        checkpoint; /* folder where stages keep what they found until the material is written; NULL: none */
+    bool resume;    /* go on from it */
     const char *report;   /* JSON file; NULL: none */
     const char *pictures; /* folder, made when missing; NULL: none */
     const char *const

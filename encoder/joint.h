@@ -24,7 +24,7 @@ typedef enum enc_joint_metric {
     /* the same: an sRGB-coded domain gained nothing in its own figure (prototype, low-rank sources: 29.4
      * against 29.4 dB on BRICKS64, 36.9 against 37.0 on IMPALLA64) */
     ENC_JOINT_SRGB = 1,
-    ENC_JOINT_LINEAR = 2,   /* linear domain */
+    ENC_JOINT_LINEAR = 2, /* linear domain */
 } enc_joint_metric;
 
 typedef struct enc_joint_options {

@@ -20,8 +20,8 @@ joint_shape joint_solution_shape(const enc_solution *solution);
 
 uint64_t joint_bytes(const enc_data *data, const joint_shape *shape);
 
-/* Beyond 64x64 texels no more components than this, or than 64x64 texels get by the default budget: the time
- * of solves grows with their cube. */
+/* Beyond 64x64 texels no more components than this, or than 64x64 texels get by the default budget: the
+ * time of solves grows with their cube. */
 enum { JOINT_MOST_BEYOND = 80 };
 
 /* Components that fit `budget` beside the rest of `shape`: a multiple of 4 (the texels of a texture), at

@@ -31,7 +31,7 @@ typedef struct joint_model {
     uint8_t *gain;   /* [view][texel] code */
     joint_gains gains;
     bool shift;
-    unsigned searches; /* so far: moves the grid of sources that points look at */
+    unsigned searches;   /* so far: moves the grid of sources that points look at */
     uint16_t *centre;    /* [view][texel] of the points of gain 0, which are hidden; NULL: none is */
     float *centre_error; /* [view][texel] squared distance of those points to their centre */
     float *point_error;  /* [view][texel] squared error of a point; joint_choose fills it unless NULL */

@@ -17,7 +17,8 @@ enc_paper_options enc_paper_options_default(void) {
 }
 
 /* Shifts and hidden flags as the maps of a solution. */
-static btf_result take_occlusion(const enc_context *context, const enc_occlusion *occlusion, enc_solution *s) {
+static btf_result take_occlusion(const enc_context *context, const enc_occlusion *occlusion,
+                                 enc_solution *s) {
     const size_t points = (size_t)s->n_views * enc_solution_texels(s);
     s->shift = calloc(points, 2);
     s->gain = malloc(points);
@@ -36,8 +37,9 @@ static btf_result take_occlusion(const enc_context *context, const enc_occlusion
     return BTF_OK;
 }
 
-static btf_result run_occlusion(const enc_context *context, const enc_data *data, const enc_paper_options *options,
-                                enc_solution *s, enc_occlusion **out_occlusion, enc_paper_stats *stats) {
+static btf_result run_occlusion(const enc_context *context, const enc_data *data,
+                                const enc_paper_options *options, enc_solution *s,
+                                enc_occlusion **out_occlusion, enc_paper_stats *stats) {
     btf_result result = enc_step_flow(context, data, &options->flow, out_occlusion);
     if (result != BTF_OK) {
         return result;
@@ -53,8 +55,8 @@ static btf_result run_occlusion(const enc_context *context, const enc_data *data
         }
         memset(white, 255, (size_t)data->n_lights * enc_data_texel_count(data));
     }
-    result = enc_step_refine(context, data, s->sbrdf, white ? white : s->shadow, 1.0f / 255.0f, &options->refine,
-                        occlusion);
+    result = enc_step_refine(context, data, s->sbrdf, white ? white : s->shadow, 1.0f / 255.0f,
+                             &options->refine, occlusion);
     free(white);
     stats->hidden_after = enc_occlusion_hidden_count(occlusion, -1);
     if (result == BTF_OK && stats->hidden_after == 0) {
@@ -64,7 +66,8 @@ static btf_result run_occlusion(const enc_context *context, const enc_data *data
         uint32_t room = options->centres;
         enc_centres *centres = NULL;
         if (room == 0) {
-            result = enc_pack_centre_room(context, data->width, data->height, data->n_views, data->n_lights, &room);
+            result = enc_pack_centre_room(context, data->width, data->height, data->n_views, data->n_lights,
+                                          &room);
         }
         if (result == BTF_OK) {
             const uint32_t k = room < BTF_MAX_CENTRES ? room : BTF_MAX_CENTRES;

@@ -119,8 +119,8 @@ btf_result enc_metrics_compare(const enc_context *context, const enc_data *shape
     double *ssim = calloc((size_t)views, sizeof *ssim);
     int view_ring_of[256], light_ring_of[256];
     btf_result result = error && ssim ? BTF_OK : BTF_ERROR_MEMORY;
-    const int threads =
-        enc_memory_threads(context, 2 * enc_data_texel_count(shape) * (uint64_t)shape->n_lights * 3 * sizeof(float));
+    const int threads = enc_memory_threads(context, 2 * enc_data_texel_count(shape) *
+                                                        (uint64_t)shape->n_lights * 3 * sizeof(float));
     size_t first, end;
     enc_team_range(context, (size_t)views, &first, &end);
 #pragma omp parallel for schedule(dynamic) num_threads(threads)

@@ -8,8 +8,8 @@
 #include "decoder/tools/json.h"
 #include "metrics.h"
 
-/* Writes {"linear": dB, "srgb": dB, "ssim": S, "rings": {"view": [{"theta", "linear", "srgb"}...], "light": [...]}}
- * under `key`; ssim is null unless with_ssim. */
+/* Writes {"linear": dB, "srgb": dB, "ssim": S, "rings": {"view": [{"theta", "linear", "srgb"}...], "light":
+ * [...]}} under `key`; ssim is null unless with_ssim. */
 void enc_metrics_json(json *j, const char *key, const enc_metrics *metrics, bool with_ssim);
 
 #endif

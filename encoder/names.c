@@ -24,8 +24,8 @@ static const char *end_without_extension(const char *begin, const char *end) {
     return end;
 }
 
-/* Reads digits[.digits] at *p: at most MAX_DIGITS before the point, leading zeros aside, and as many that count
- * behind it. No locale has a say. */
+/* Reads digits[.digits] at *p: at most MAX_DIGITS before the point, leading zeros aside, and as many that
+ * count behind it. No locale has a say. */
 static bool read_number(const char **p, const char *end, double *out) {
     const char *s = *p;
     if (s == end || !isdigit((unsigned char)*s))

@@ -18,8 +18,8 @@ struct enc_playback {
     float *residual;                    /* [view][component][channel][light], scaled */
 };
 
-btf_result enc_playback_create(const enc_context *context, const enc_data *data, const enc_solution *solution,
-                              enc_playback **out_playback) {
+btf_result enc_playback_create(const enc_context *context, const enc_data *data,
+                               const enc_solution *solution, enc_playback **out_playback) {
     const size_t lights = (size_t)data->n_lights, texels = enc_solution_texels(solution);
     const size_t k = solution->effects & BTF_EFFECT_RESIDUAL ? solution->n_components : 0;
     *out_playback = NULL;
@@ -55,7 +55,8 @@ btf_result enc_playback_create(const enc_context *context, const enc_data *data,
             const size_t l = i / 3, channel = i % 3;
             const int8_t *in = solution->residual_directions + ((v * lights + l) * 3 + channel) * k;
             for (size_t j = 0; j < k; j++) {
-                d->residual[((v * k + j) * 3 + channel) * lights + l] = solution->residual_scales[j] * in[j];
+                d->residual[((v * k + j) * 3 + channel) * lights + l] =
+                    solution->residual_scales[j] * in[j];
             }
         }
     }
@@ -90,12 +91,13 @@ static void decode_centre(const enc_solution *s, size_t centre, size_t lights, f
 }
 
 /* gain * m * (SBRDF * shadow + residual) of source texel `t` seen from `view`. */
-static void decode_source(const enc_playback *d, uint32_t effects, size_t t, size_t view, float gain, float *out) {
+static void decode_source(const enc_playback *d, uint32_t effects, size_t t, size_t view, float gain,
+                          float *out) {
     const enc_solution *s = d->solution;
     const size_t lights = (size_t)s->n_lights, n = 3 * lights;
     if (s->sbrdf) {
-        enc_sbrdf_evaluate(s->sbrdf, t, d->data->views[view].xyz, (int)lights, d->light_x, d->light_y, d->light_z,
-                           out);
+        enc_sbrdf_evaluate(s->sbrdf, t, d->data->views[view].xyz, (int)lights, d->light_x, d->light_y,
+                           d->light_z, out);
         if (effects & BTF_EFFECT_SHADOW) {
             const uint8_t *codes = d->shadow + t * lights;
             for (size_t channel = 0; channel < 3; channel++) {
@@ -148,7 +150,8 @@ static btf_result decode_view(const void *user, int view, float *out) {
         } else {
             size_t source = t;
             if (!hidden && (effects & BTF_EFFECT_SHIFT)) {
-                source = enc_occlusion_source(s->width, s->height, t, s->shift[2 * at], s->shift[2 * at + 1]);
+                source =
+                    enc_occlusion_source(s->width, s->height, t, s->shift[2 * at], s->shift[2 * at + 1]);
             }
             const float gain = !hidden && (effects & BTF_EFFECT_GAIN) ? (float)code * s->gain_scale : 1.0f;
             decode_source(d, effects, source, (size_t)view, gain, profile);

@@ -1,6 +1,6 @@
-/* Decoding a solution at its own sampled directions: FORMAT.md section 9 where every weight is 4096, a light
- * profile at a time. It measures and pictures what an encode gives; results agree with the reference decoder
- * up to float rounding (tested), and are not normative.
+/* Decoding a solution at its own sampled directions: FORMAT.md section 9 where every weight is 4096, a
+ * light profile at a time. It measures and pictures what an encode gives; results agree with the reference
+ * decoder up to float rounding (tested), and are not normative.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -13,8 +13,8 @@
 typedef struct enc_playback enc_playback;
 
 /* Keeps pointers to `data` (directions only) and `solution`. */
-btf_result enc_playback_create(const enc_context *context, const enc_data *data, const enc_solution *solution,
-                              enc_playback **out_playback);
+btf_result enc_playback_create(const enc_context *context, const enc_data *data,
+                               const enc_solution *solution, enc_playback **out_playback);
 void enc_playback_destroy(enc_playback **playback);
 
 /* Decodes with the effects that both `effects` and the solution have. */

@@ -414,8 +414,8 @@ static btf_result read_set(const enc_context *context, const char *input, const 
     r.threads = r.context->threads > 0 ? r.context->threads : 1;
     btf_result result = BTF_OK;
     if (options->components > 0)
-        result = enc_fail(context, BTF_ERROR_USAGE, "%s: components are those of a Bonn .btf file, and this is none",
-                          input);
+        result = enc_fail(context, BTF_ERROR_USAGE,
+                          "%s: components are those of a Bonn .btf file, and this is none", input);
     if (result == BTF_OK)
         result = enc_source_open(context, input, &r.source);
     if (result == BTF_OK)

@@ -32,14 +32,15 @@ typedef struct enc_read_options {
     bool azimuth_cw;       /* azimuths of the names grow clockwise: phi becomes -phi */
     double azimuth_offset; /* degrees, then added to every azimuth but those of theta 0 */
     enc_cosine cosine;
-    int components;        /* of each factorisation of a Bonn file at most; 0: all */
+    int components;         /* of each factorisation of a Bonn file at most; 0: all */
     const char *coincident; /* table of lights that stood elsewhere (coincident.h); NULL: none */
-    bool strict;           /* refuse negative values instead of clamping them to 0 and counting them */
+    bool strict;            /* refuse negative values instead of clamping them to 0 and counting them */
 } enc_read_options;
 
-/* Reads a Bonn .btf file (bonn_reader.h), or a directory or an archive of images whose names say tl, pl, tv and pv (names.h, source.h) into a
- * BTF. Directions are brought to paper order: theta ascending, then phi ascending from 0. The images have
- * to be one full grid of views and lights, of one size, with a view within 5 degrees of the pole.
+/* Reads a Bonn .btf file (bonn_reader.h), or a directory or an archive of images whose names say tl, pl, tv
+ * and pv (names.h, source.h) into a BTF. Directions are brought to paper order: theta ascending, then phi
+ * ascending from 0. The images have to be one full grid of views and lights, of one size, with a view
+ * within 5 degrees of the pole.
  *
  * Every image is read and decoded once (the first twice). Memory, besides enc_data's own samples (in memory
  * up to half of context->memory, else in its scratch file): the linear images of one block, 12 bytes a

@@ -28,10 +28,12 @@ size_t enc_report_gpu_bytes(const btf_material_info *info, uint32_t effects) {
     const size_t texels = (size_t)info->width * info->height;
     size_t bytes = 0;
     for (int id = 0; id < BTF_TEXTURE_RESIDUAL_SCALES; id++) {
-        if (id == BTF_TEXTURE_MAPS && info->layout == BTF_LAYOUT_PAPER && reduced.effects != info->effects) {
+        if (id == BTF_TEXTURE_MAPS && info->layout == BTF_LAYOUT_PAPER &&
+            reduced.effects != info->effects) {
             bytes += reduced.effects & BTF_EFFECT_SHADOW ? texels * info->n_lights : 0;
             bytes += reduced.effects & (BTF_EFFECT_GAIN | BTF_EFFECT_HIDDEN) ? texels * info->n_views : 0;
-            bytes += reduced.effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN) ? 2 * texels * info->n_views : 0;
+            bytes +=
+                reduced.effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN) ? 2 * texels * info->n_views : 0;
             bytes += reduced.effects & BTF_EFFECT_HIDDEN ? (size_t)3 * info->centres * info->n_lights : 0;
         } else {
             bytes += btf_material_texture_shape(&reduced, (btf_texture_id)id).size;
@@ -51,8 +53,9 @@ static btf_result measure(const enc_context *context, const enc_data *data, cons
                                &step->metrics);
 }
 
-btf_result enc_report_measure(const enc_context *context, const enc_data *data, const enc_solution *solution,
-                              const btf_material *material, enc_report *report) {
+btf_result enc_report_measure(const enc_context *context, const enc_data *data,
+                              const enc_solution *solution, const btf_material *material,
+                              enc_report *report) {
     btf_material_info info = {.struct_size = sizeof info};
     btf_result result = btf_material_get_info(material, &info);
     enc_playback *playback = NULL;
@@ -114,8 +117,9 @@ size_t enc_report_errors(const enc_report *report, btf_material_error *rows) {
     return count;
 }
 
-btf_result enc_report_measure_levels(const enc_context *context, const enc_data *data, const enc_levels *levels,
-                                     const btf_material *material, enc_report *report) {
+btf_result enc_report_measure_levels(const enc_context *context, const enc_data *data,
+                                     const enc_levels *levels, const btf_material *material,
+                                     enc_report *report) {
     const enc_metrics *full = &report->ladder[report->n_ladder - 1].metrics;
     btf_material_info info = {.struct_size = sizeof info};
     btf_result result = btf_material_get_info(material, &info);
@@ -162,8 +166,8 @@ static double data_bytes(const enc_data *data) {
     return (double)enc_data_texel_count(data) * 3 * data->n_views * data->n_lights;
 }
 
-static void print_rings(FILE *out, const char *what, int rings, const double *theta, const enc_report *report,
-                        bool lights) {
+static void print_rings(FILE *out, const char *what, int rings, const double *theta,
+                        const enc_report *report, bool lights) {
     fprintf(out, "  %-20s", what);
     for (int r = 0; r < rings; r++) {
         fprintf(out, " %11.4g", theta[r]);
@@ -185,8 +189,9 @@ static void print_coincident(const enc_report *report, FILE *out) {
     for (int i = 0; i < report->n_ladder; i++) {
         const enc_error_sum *sum = &report->ladder[i].metrics.coincident;
         if (sum->count > 0) {
-            fprintf(out, "%s%s %.2f/%.2f%s", i == 0 ? "  light at the view: " : ", ", report->ladder[i].name,
-                    enc_psnr_linear(sum), enc_psnr_srgb(sum), i + 1 == report->n_ladder ? "\n" : "");
+            fprintf(out, "%s%s %.2f/%.2f%s", i == 0 ? "  light at the view: " : ", ",
+                    report->ladder[i].name, enc_psnr_linear(sum), enc_psnr_srgb(sum),
+                    i + 1 == report->n_ladder ? "\n" : "");
         }
     }
 }
@@ -201,8 +206,8 @@ static void print_levels(const enc_report *report, FILE *out) {
         const enc_report_level *level = &report->level[i];
         char size[32];
         snprintf(size, sizeof size, "%d x %d", level->width, level->height);
-        fprintf(out, "  %-8d %12s %10.3f %8.2f %8.2f\n", i, size, (double)level->gpu_bytes / 1e6, level->psnr_linear,
-                level->psnr_srgb);
+        fprintf(out, "  %-8d %12s %10.3f %8.2f %8.2f\n", i, size, (double)level->gpu_bytes / 1e6,
+                level->psnr_linear, level->psnr_srgb);
     }
 }
 
@@ -216,9 +221,9 @@ static void print_volumes(const enc_report *report, FILE *out) {
     fprintf(out, "  %-20s %10s %10s %9s %9s %9s\n", "", "received", "sent", "meetings", "waited", "moved");
     for (size_t i = 0; i <= report->n_volumes; i++) {
         const enc_team_volume *v = i < report->n_volumes ? &report->volumes[i] : &all;
-        fprintf(out, "  %-20s %10.2f %10.2f %9llu %9.2f %9.2f\n", i < report->n_volumes ? v->stage : "total",
-                (double)v->received / 1e6, (double)v->sent / 1e6, (unsigned long long)v->meetings, v->waited,
-                v->moved);
+        fprintf(out, "  %-20s %10.2f %10.2f %9llu %9.2f %9.2f\n",
+                i < report->n_volumes ? v->stage : "total", (double)v->received / 1e6,
+                (double)v->sent / 1e6, (unsigned long long)v->meetings, v->waited, v->moved);
         all.received += v->received;
         all.sent += v->sent;
         all.meetings += v->meetings;
@@ -232,22 +237,23 @@ void enc_report_print(const enc_report *report, FILE *out) {
     const enc_metrics *first = &report->ladder[0].metrics;
     const enc_report_step *full = &report->ladder[report->n_ladder - 1];
     const double all = data_bytes(data);
-    fprintf(out, "\n%s: %d x %d texels, %d views, %d lights; method %s\n", report->input, data->width, data->height,
-            data->n_views, data->n_lights, report->method);
+    fprintf(out, "\n%s: %d x %d texels, %d views, %d lights; method %s\n", report->input, data->width,
+            data->height, data->n_views, data->n_lights, report->method);
     if (report->has_hidden) {
         fprintf(out, "\nTable 1. Hidden surface points (paper, table 1)\n");
         fprintf(out, "  %-24s %12s %12s\n", "", "not hidden", "hidden");
-        fprintf(out, "  %-24s %12zu %12zu\n", "before refinement", report->hidden_total - report->hidden_before,
-                report->hidden_before);
-        fprintf(out, "  %-24s %12zu %12zu\n", "after refinement", report->hidden_total - report->hidden_after,
-                report->hidden_after);
+        fprintf(out, "  %-24s %12zu %12zu\n", "before refinement",
+                report->hidden_total - report->hidden_before, report->hidden_before);
+        fprintf(out, "  %-24s %12zu %12zu\n", "after refinement",
+                report->hidden_total - report->hidden_after, report->hidden_after);
     }
     fprintf(out, "\nTable 2. Storage on the GPU (paper, table 2; MB = 10^6 bytes)\n");
     fprintf(out, "  %-24s %10s %12s\n", "", "MB", "ratio");
     fprintf(out, "  %-24s %10.3f %11.2f%%\n", "BTF", all / 1e6, 0.0);
     for (int i = 0; i < report->n_ladder; i++) {
         const double bytes = (double)report->ladder[i].gpu_bytes;
-        fprintf(out, "  %-24s %10.3f %11.2f%%\n", report->ladder[i].name, bytes / 1e6, 100 * (1 - bytes / all));
+        fprintf(out, "  %-24s %10.3f %11.2f%%\n", report->ladder[i].name, bytes / 1e6,
+                100 * (1 - bytes / all));
     }
     if (report->n_levels > 1) {
         const double further = (double)further_bytes(report), bytes = (double)full->gpu_bytes + further;
@@ -283,7 +289,8 @@ void enc_report_print(const enc_report *report, FILE *out) {
     for (size_t i = 0; i < count; i++) {
         fprintf(out, " %s %.1f,", stages[i].name, stages[i].seconds);
     }
-    fprintf(out, " total %.1f. Peak memory %.0f MB.\n\n", report->seconds_total, (double)report->peak_rss / 1e6);
+    fprintf(out, " total %.1f. Peak memory %.0f MB.\n\n", report->seconds_total,
+            (double)report->peak_rss / 1e6);
 }
 
 static void write_bytes(json *j, const enc_report *report, const btf_material_info *info) {
@@ -397,8 +404,8 @@ static void write_trials(json *j, const enc_report *report) {
     json_end(j);
 }
 
-btf_result enc_report_write(const enc_context *context, const enc_report *report, const char *const *options,
-                            const char *path) {
+btf_result enc_report_write(const enc_context *context, const enc_report *report,
+                            const char *const *options, const char *path) {
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(report->material, &info);
     json j = {0};

@@ -1,5 +1,5 @@
-/* The report of an encode: the paper's tables 1 and 2 for this data, the accuracy ladder, times, memory; as text and
- * as JSON.
+/* The report of an encode: the paper's tables 1 and 2 for this data, the accuracy ladder, times, memory; as
+ * text and as JSON.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -36,35 +36,39 @@ typedef struct enc_report {
     const enc_data *data;
     const btf_material *material;
     const char *input, *output, *method;
-    enc_report_step ladder[ENC_REPORT_STEPS]; /* rising: sbrdf, stvs, full; those that make sense for the material */
+    enc_report_step
+        ladder[ENC_REPORT_STEPS]; /* rising: sbrdf, stvs, full; those that make sense for the material */
     int n_ladder;
     enc_report_step without[ENC_REPORT_STEPS]; /* full without one effect each */
     int n_without;
-    enc_report_level level[BTF_MAX_LEVELS]; /* of a material with several; level 0 is the last of the ladder */
-    int n_levels;                           /* 0 or 1: no table of them */
-    bool has_hidden;                        /* table 1 applies */
+    enc_report_level
+        level[BTF_MAX_LEVELS]; /* of a material with several; level 0 is the last of the ladder */
+    int n_levels;              /* 0 or 1: no table of them */
+    bool has_hidden;           /* table 1 applies */
     size_t hidden_before, hidden_after, hidden_total;
     size_t file_bytes;
-    double seconds_total, core_total; /* of the clock, and of all threads added */
-    const struct progress *progress; /* times by stage */
+    double seconds_total, core_total;    /* of the clock, and of all threads added */
+    const struct progress *progress;     /* times by stage */
     estimate_part parts[ESTIMATE_PARTS]; /* what the stages were predicted to cost (cost_model.h) */
     size_t n_parts;
-    size_t peak_rss;                 /* bytes */
-    int ranks;                       /* that encoded together */
-    const enc_team_volume *volumes;  /* what went between them; NULL for one */
+    size_t peak_rss;                /* bytes */
+    int ranks;                      /* that encoded together */
+    const enc_team_volume *volumes; /* what went between them; NULL for one */
     size_t n_volumes;
-    const enc_trial *trials;         /* choices of effects that were tried */
+    const enc_trial *trials; /* choices of effects that were tried */
     int n_trials;
 } enc_report;
 
-/* Bytes of the textures that decoding with `effects` needs (FORMAT.md section 3, tables apart). In layout `paper` the
- * maps' channels count by use: one byte a texel of a tile for shadow, one for the code, two for shift and index, and
- * the whole atlas once all are used. */
+/* Bytes of the textures that decoding with `effects` needs (FORMAT.md section 3, tables apart). In layout
+ * `paper` the maps' channels count by use: one byte a texel of a tile for shadow, one for the code, two for
+ * shift and index, and the whole atlas once all are used. */
 size_t enc_report_gpu_bytes(const btf_material_info *info, uint32_t effects);
 
-/* Measures ladder and without: decodes the material with each subset and compares with the data. Stage "measure". */
-btf_result enc_report_measure(const enc_context *context, const enc_data *data, const enc_solution *solution,
-                              const btf_material *material, enc_report *report);
+/* Measures ladder and without: decodes the material with each subset and compares with the data. Stage
+ * "measure". */
+btf_result enc_report_measure(const enc_context *context, const enc_data *data,
+                              const enc_solution *solution, const btf_material *material,
+                              enc_report *report);
 
 /* The rows for btf_material_desc.errors; `rows` has room for 2 * ENC_REPORT_STEPS. Returns their number. */
 size_t enc_report_errors(const enc_report *report, btf_material_error *rows);
@@ -83,7 +87,7 @@ void enc_report_print(const enc_report *report, FILE *out);
 
 /* Whole or absent. `options` is the JSON member "options": alternating names and values, NULL at the end.
  * Errors: BTF_ERROR_IO, BTF_ERROR_MEMORY. */
-btf_result enc_report_write(const enc_context *context, const enc_report *report, const char *const *options,
-                            const char *path);
+btf_result enc_report_write(const enc_context *context, const enc_report *report,
+                            const char *const *options, const char *path);
 
 #endif

@@ -9,7 +9,8 @@
 #include "sbrdf.h"
 #include <openbtf/material.h>
 
-/* Codes and scales mean what FORMAT.md sections 3 and 4 say. Arrays that `effects` does not call for are NULL. */
+/* Codes and scales mean what FORMAT.md sections 3 and 4 say. Arrays that `effects` does not call for are
+ * NULL. */
 typedef struct enc_solution {
     int width, height, n_views, n_lights;
     btf_domain domain;

@@ -40,8 +40,8 @@ static struct archive *open_handle(const char *path) {
     return handle;
 }
 
-/* libarchive recodes names for the thread's locale and loses those that do not fit it, which in UTF-8 all do.
- * Returns what leave_utf8() takes. */
+/* libarchive recodes names for the thread's locale and loses those that do not fit it, which in UTF-8 all
+ * do. Returns what leave_utf8() takes. */
 static locale_t enter_utf8(const archive_source *a) {
     return a->utf8 ? uselocale(a->utf8) : (locale_t)0;
 }

@@ -112,7 +112,8 @@ double enc_ssim_images(enc_ssim *s, const float *a, const float *b) {
     double sum = 0;
     for (size_t t = 0; t < texels; t++) {
         const float ma = s->field[0][t], mb = s->field[1][t];
-        const float va = s->field[2][t] - ma * ma, vb = s->field[3][t] - mb * mb, cov = s->field[4][t] - ma * mb;
+        const float va = s->field[2][t] - ma * ma, vb = s->field[3][t] - mb * mb,
+                    cov = s->field[4][t] - ma * mb;
         sum += (2 * ma * mb + c1) * (2 * cov + c2) / ((ma * ma + mb * mb + c1) * (va + vb + c2));
     }
     return sum / (double)texels;

@@ -8,7 +8,8 @@
 #include <string.h>
 
 static float half_to_float(uint16_t bits) {
-    const uint32_t sign = (uint32_t)(bits & 0x8000) << 16, exponent = (bits >> 10) & 31, fraction = bits & 1023;
+    const uint32_t sign = (uint32_t)(bits & 0x8000) << 16, exponent = (bits >> 10) & 31,
+                   fraction = bits & 1023;
     if (exponent == 0) {
         const float magnitude = (float)fraction * 0x1p-24f;
         return sign ? -magnitude : magnitude;
@@ -27,8 +28,9 @@ static void unpack_sbrdf(const btf_material_info *info, const void *texture, enc
         for (size_t i = 0; i < stride; i++) {
             const size_t slot = i < head ? i : head_layers * 4 + (i - head);
             const size_t at = ((slot / 4) * sbrdf->n_texels + t) * 4 + slot % 4;
-            sbrdf->values[t * stride + i] =
-                info->half_float ? half_to_float(((const uint16_t *)texture)[at]) : ((const float *)texture)[at];
+            sbrdf->values[t * stride + i] = info->half_float
+                                                ? half_to_float(((const uint16_t *)texture)[at])
+                                                : ((const float *)texture)[at];
         }
     }
 }
@@ -50,7 +52,8 @@ static void unpack_maps(const btf_material_info *info, const uint8_t *maps, enc_
     const bool has_code = s->effects & (BTF_EFFECT_GAIN | BTF_EFFECT_HIDDEN);
     for (size_t i = 0; i < tiles; i++) {
         for (size_t t = 0; t < texels; t++) {
-            const size_t x = (i % columns) * width + t % width, y = (i / columns) * info->height + t / width;
+            const size_t x = (i % columns) * width + t % width,
+                         y = (i / columns) * info->height + t / width;
             const uint8_t *in = maps + 4 * (y * info->atlas_width + x);
             if (i < info->n_lights && s->shadow) {
                 s->shadow[i * texels + t] = in[0];
@@ -125,8 +128,9 @@ static void unpack_residual_directions(const btf_material *material, enc_solutio
 /* Room for the maps of texels. */
 static bool allocate_texels(const btf_material_info *info, enc_solution *s) {
     const size_t texels = enc_solution_texels(s), points = texels * info->n_views;
-    bool ok = info->colour == BTF_COLOUR_NONE ||
-              enc_sbrdf_create(texels, (int)info->lobes, info->colour == BTF_COLOUR_RGB, &s->sbrdf) == BTF_OK;
+    bool ok =
+        info->colour == BTF_COLOUR_NONE ||
+        enc_sbrdf_create(texels, (int)info->lobes, info->colour == BTF_COLOUR_RGB, &s->sbrdf) == BTF_OK;
     s->shift = calloc(points, 2);
     s->gain = calloc(points, 1);
     s->centre = calloc(points, sizeof *s->centre);
@@ -163,7 +167,8 @@ btf_result enc_unpack(const enc_context *context, const btf_material *material, 
         ok = (s->centre_codes = calloc((size_t)info.centres * info.n_lights, 3)) && ok;
     }
     if (info.components > 0) {
-        ok = (s->residual_directions = calloc((size_t)info.n_views * info.n_lights * 3, info.components)) && ok;
+        ok = (s->residual_directions = calloc((size_t)info.n_views * info.n_lights * 3, info.components)) &&
+             ok;
         ok = (s->residual_scales = calloc(info.components, sizeof *s->residual_scales)) && ok;
     }
     if (!ok) {
@@ -195,7 +200,8 @@ btf_result enc_unpack_level(const enc_context *context, const btf_material *mate
     if (result != BTF_OK) {
         return result;
     }
-    *s = enc_level_of(base, (int)btf_level_size(info.width, level), (int)btf_level_size(info.height, level));
+    *s =
+        enc_level_of(base, (int)btf_level_size(info.width, level), (int)btf_level_size(info.height, level));
     if (!allocate_texels(&info, s)) {
         enc_level_clear(s);
         return enc_fail(context, BTF_ERROR_MEMORY, "unpacking: out of memory");

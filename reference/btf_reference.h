@@ -30,8 +30,8 @@ enum { BTF_REF_MONO = 0, BTF_REF_RGB = 1, BTF_REF_NONE = 2 };
 
 /** A material as plain textures, exactly as FORMAT.md section 3 has them: [layer][row][column][channel],
  * row 0 the top. Pointers of absent textures are null. The data must have passed the checks of section 2.
- * A level of detail is a material of its own: width, height and the textures with texels are the level's, the rest
- * (centre, residual_directions, residual_scales, tables, numbers) is that of level 0.
+ * A level of detail is a material of its own: width, height and the textures with texels are the level's,
+ * the rest (centre, residual_directions, residual_scales, tables, numbers) is that of level 0.
  */
 typedef struct btf_ref_material {
     uint32_t width, height, n_views, n_lights;

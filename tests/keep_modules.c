@@ -1,6 +1,6 @@
-/* Loaded before everything else under LeakSanitizer (tests/run.sh): modules stay. What a GL or Vulkan driver still holds
- * when its loader unloads it would count as leaked, in a module that has no name any more to suppress it by; nothing of
- * ours is ever unloaded.
+/* Loaded before everything else under LeakSanitizer (tests/run.sh): modules stay. What a GL or Vulkan
+ * driver still holds when its loader unloads it would count as leaked, in a module that has no name any
+ * more to suppress it by; nothing of ours is ever unloaded.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -24,7 +24,8 @@ static const cli_option option_table[] = {
      .value = &options.scene,
      .given = &options.plan,
      .parse = scene_option_parse,
-     .help = "print how a scene is decoded, as the shader options of btf_plan_effects:\n" SCENE_OPTION_HELP},
+     .help =
+         "print how a scene is decoded, as the shader options of btf_plan_effects:\n" SCENE_OPTION_HELP},
     {.type = CLI_END},
 };
 

@@ -335,7 +335,8 @@ static btf_result check_output(const char *path) {
     const char *inputs[] = {path, render_options.mesh, render_options.environment, render_options.baseline};
     for (size_t i = 0; i < sizeof inputs / sizeof *inputs; i++)
         if (inputs[i] && output_is_same(render_options.out, inputs[i]))
-            return cli_error(&render_program, BTF_ERROR_USAGE, "option --output: %s is an input", inputs[i]);
+            return cli_error(&render_program, BTF_ERROR_USAGE, "option --output: %s is an input",
+                             inputs[i]);
     return BTF_OK;
 }
 

@@ -9,10 +9,10 @@
 #include <stddef.h>
 
 /* Decodes a JPEG held in memory: pixels[row][column][channels], row 0 at the top, channels 1 (grey) or 3
- * (RGB) as coded; baseline, progressive or arithmetic-coded. Damage that libjpeg would paint over with grey (a truncated
- * file, a bad code) is an error. At most max_pixels pixels. *out_pixels is malloc'ed, the caller frees. On
- * failure message[message_size] says what was wrong. Errors: BTF_ERROR_BAD_FILE, BTF_ERROR_UNSUPPORTED
- * (CMYK, an EXIF orientation other than 1, size), BTF_ERROR_MEMORY. */
+ * (RGB) as coded; baseline, progressive or arithmetic-coded. Damage that libjpeg would paint over with grey
+ * (a truncated file, a bad code) is an error. At most max_pixels pixels. *out_pixels is malloc'ed, the
+ * caller frees. On failure message[message_size] says what was wrong. Errors: BTF_ERROR_BAD_FILE,
+ * BTF_ERROR_UNSUPPORTED (CMYK, an EXIF orientation other than 1, size), BTF_ERROR_MEMORY. */
 btf_result jpeg_image_read(const void *data, size_t size, size_t max_pixels, int *out_width,
                            int *out_height, int *out_channels, unsigned char **out_pixels, char *message,
                            size_t message_size);

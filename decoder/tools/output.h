@@ -30,12 +30,12 @@ btf_result output_commit(output **file);
 /* Closes and removes the temporary file; nulls *file. Accepts NULL inside. */
 void output_abort(output **file);
 
-/* Whether writing to `path` would replace `other`, or the other way round: both name one regular file, or one that is
- * not there yet. */
+/* Whether writing to `path` would replace `other`, or the other way round: both name one regular file, or
+ * one that is not there yet. */
 bool output_is_same(const char *path, const char *other);
 
-/* Makes a folder, unless it is there; *out_made (may be NULL) says whether it was made. Errors: BTF_ERROR_IO (named on
- * log). */
+/* Makes a folder, unless it is there; *out_made (may be NULL) says whether it was made. Errors:
+ * BTF_ERROR_IO (named on log). */
 btf_result output_make_folder(const char *path, btf_log log, bool *out_made);
 
 /* Removes the temporary files of every open output. Async-signal-safe: meant for signal handlers that end

@@ -34,7 +34,8 @@ static const struct {
      bench_section_codecs, false},
     {"holdout", "accuracy of the presets at directions that the encoder did not see", bench_section_holdout,
      false},
-    {"plan", "what decoding only what a scene calls for saves, predicted and measured", bench_section_plan, false},
+    {"plan", "what decoding only what a scene calls for saves, predicted and measured", bench_section_plan,
+     false},
     {"shaders", "nanoseconds a pixel of every shader variant on random materials", bench_section_shaders,
      false},
 };
@@ -120,7 +121,8 @@ static const char *parse_only(const char *text, void *value) {
             i++;
         }
         if (i == SECTIONS) {
-            return "names of machine, encode, decode, storage, growth, fit, codecs, holdout, plan, shaders, with "
+            return "names of machine, encode, decode, storage, growth, fit, codecs, holdout, plan, "
+                   "shaders, with "
                    "commas "
                    "between";
         }
@@ -174,7 +176,8 @@ static const cli_option table[] = {
      .type = CLI_CUSTOM,
      .given = &o.only,
      .parse = parse_only,
-     .help = "run some sections: machine, encode, decode, storage, growth,\nfit, codecs, holdout, plan, shaders; "
+     .help = "run some sections: machine, encode, decode, storage, growth,\nfit, codecs, holdout, plan, "
+             "shaders; "
              "default all"},
     {.name = "preset",
      .arg = "PRESETS",

@@ -26,9 +26,9 @@ static void measure_times(decode_rig *rig, const btf_material *material, const b
     const btf_shader_options everything = {.struct_size = sizeof everything};
     double ns[2][ROUNDS];
     out_ns[0] = out_ns[1] = 0;
-    rig_variant way[2] = {
-        rig_variant_create(rig, small, &plan->shader, gpu_evaluate_body, GPU_FIRST_UNIT),
-        rig_variant_create(rig, material, &everything, gpu_evaluate_body, GPU_FIRST_UNIT + BTF_TEXTURE_COUNT)};
+    rig_variant way[2] = {rig_variant_create(rig, small, &plan->shader, gpu_evaluate_body, GPU_FIRST_UNIT),
+                          rig_variant_create(rig, material, &everything, gpu_evaluate_body,
+                                             GPU_FIRST_UNIT + BTF_TEXTURE_COUNT)};
     for (int round = 0; round < rounds; round++)
         for (int w = 0; w < 2; w++)
             ns[w][round] =

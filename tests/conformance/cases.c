@@ -131,7 +131,8 @@ void case_in_range(random_state *r, const btf_range *range, const btf_directions
     if (kind == 0) {
         const float *d = list->xyz + 3 * (size_t)random_below(r, list->count);
         const double theta = acos(fmin((double)d[2], 1)) / degree;
-        const double phi = fmod(atan2((double)d[1], (double)d[0]) / degree - (double)range->phi[0] + 1080, 360);
+        const double phi =
+            fmod(atan2((double)d[1], (double)d[0]) / degree - (double)range->phi[0] + 1080, 360);
         if (theta >= low && theta <= high && phi <= turn) {
             memcpy(out, d, 3 * sizeof *out);
             return;

@@ -44,10 +44,11 @@ extern const char *const check_step_names[];
 btf_result check_radiance(const check_subject *subject, uint64_t seed, uint64_t count,
                           check_outcome *outcome);
 
-/* `count` evaluations by a restriction of the material to a random scene (openbtf/plan.h), its fixed directions
- * constants, against the reference of the whole. The ways are those of the table of effect errors where there is
- * one, else subject->shader's. Adds to *outcome. */
-btf_result check_planned(const check_subject *subject, uint64_t seed, uint64_t count, check_outcome *outcome);
+/* `count` evaluations by a restriction of the material to a random scene (openbtf/plan.h), its fixed
+ * directions constants, against the reference of the whole. The ways are those of the table of effect
+ * errors where there is one, else subject->shader's. Adds to *outcome. */
+btf_result check_planned(const check_subject *subject, uint64_t seed, uint64_t count,
+                         check_outcome *outcome);
 
 /* The error of fast math. A look-up that rounds to the next step of a weight (1/4096) can show a neighbour
  * that is many times brighter, so a bound on every channel would say little. */

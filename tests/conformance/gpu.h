@@ -19,8 +19,8 @@ typedef struct gpu gpu;
 /* NULL on failure, with the reason in why[why_size]. The device must have been prepared. */
 gpu *gpu_create(const context_device *device, char *why, size_t why_size);
 
-/* For the set-up of a test: prepares the process for the device and makes it; says why and ends the process as a
- * skipped test where the machine has none. */
+/* For the set-up of a test: prepares the process for the device and makes it; says why and ends the process
+ * as a skipped test where the machine has none. */
 gpu *gpu_create_or_skip(const context_device *device);
 void gpu_destroy(gpu **g);
 

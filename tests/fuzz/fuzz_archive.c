@@ -7,7 +7,6 @@
 
 #include "encoder/source.h"
 
-
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     const char *path = fuzz_file(data, size);
     const enc_context context = {.threads = 1};

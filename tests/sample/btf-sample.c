@@ -126,7 +126,11 @@ static const cli_option table[] = {
      .minimum = 1,
      .maximum = 256,
      .help = "threads (default: all cores); the result does not depend on them"},
-    {.short_name = 'q', .name = "quiet", .type = CLI_FLAG, .value = &options.quiet, .help = "no progress, no summary"},
+    {.short_name = 'q',
+     .name = "quiet",
+     .type = CLI_FLAG,
+     .value = &options.quiet,
+     .help = "no progress, no summary"},
     {.type = CLI_END},
 };
 

@@ -45,7 +45,8 @@ static int64_t read_bytes(exr_const_context_t context, void *user, void *buffer,
     (void)fail;
     const memory *m = user;
     must(offset <= m->size, "read beyond the end");
-    const uint64_t count = size < m->size - offset ? size : m->size - offset; /* the header is read in blocks */
+    const uint64_t count =
+        size < m->size - offset ? size : m->size - offset; /* the header is read in blocks */
     memcpy(buffer, m->data + offset, count);
     return (int64_t)count;
 }

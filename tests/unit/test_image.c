@@ -393,7 +393,8 @@ static void test_exr_tiled(void **state) {
     assert_memory_equal(image.pixels, pixels, sizeof(float) * W * H);
     enc_image_clear(&image);
 
-    /* one wanted channel of three, at which OpenEXRCore 3.1.5 writes the others as well; of four, and of five */
+    /* one wanted channel of three, at which OpenEXRCore 3.1.5 writes the others as well; of four, and of
+     * five */
     static const char *const sets[] = {"BGY", "BGYZ", "ABGRY"};
     for (int set = 0; set < 3; set++) {
         const int n = (int)strlen(sets[set]);
@@ -427,9 +428,9 @@ int main(void) {
         cmocka_unit_test(test_png_rgb),   cmocka_unit_test(test_png_16),
         cmocka_unit_test(test_png_kinds), cmocka_unit_test(test_png_damaged),
         cmocka_unit_test(test_jpeg),      cmocka_unit_test(test_jpeg_orientation),
-        cmocka_unit_test(test_hdr),       cmocka_unit_test(test_hdr_of_atrium), cmocka_unit_test(test_exr),
-        cmocka_unit_test(test_exr_noise), cmocka_unit_test(test_exr_tiled),
-        cmocka_unit_test(test_no_image),
+        cmocka_unit_test(test_hdr),       cmocka_unit_test(test_hdr_of_atrium),
+        cmocka_unit_test(test_exr),       cmocka_unit_test(test_exr_noise),
+        cmocka_unit_test(test_exr_tiled), cmocka_unit_test(test_no_image),
     };
     return cmocka_run_group_tests(tests, make_file, remove_file);
 }

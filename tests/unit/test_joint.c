@@ -240,8 +240,9 @@ static void test_memory(void **unused) {
     enc_data *data = shifted_data(0.2f, 0.5f, 1.0f), *scratch = NULL;
     const enc_joint_options options = options_for(0);
     enc_solution a, b;
-    assert_int_equal(enc_data_create(&little, WIDTH, HEIGHT, VIEWS, data->views, LIGHTS, data->lights, &scratch),
-                     BTF_OK);
+    assert_int_equal(
+        enc_data_create(&little, WIDTH, HEIGHT, VIEWS, data->views, LIGHTS, data->lights, &scratch),
+        BTF_OK);
     assert_null(scratch->samples);
     assert_int_equal(enc_data_store_texels(&little, scratch, 0, TEXELS, data->samples), BTF_OK);
     assert_int_equal(enc_joint(&one_thread, data, &options, &a, NULL), BTF_OK);
@@ -392,16 +393,11 @@ static void test_refusals(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_recovers_shifts),
-        cmocka_unit_test(test_monotone),
-        cmocka_unit_test(test_codes),
-        cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_memory),
-        cmocka_unit_test(test_flat),
-        cmocka_unit_test(test_quality),
-        cmocka_unit_test(test_highlights),
-        cmocka_unit_test(test_bytes),
-        cmocka_unit_test(test_without_residual),
+        cmocka_unit_test(test_recovers_shifts), cmocka_unit_test(test_monotone),
+        cmocka_unit_test(test_codes),           cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_memory),          cmocka_unit_test(test_flat),
+        cmocka_unit_test(test_quality),         cmocka_unit_test(test_highlights),
+        cmocka_unit_test(test_bytes),           cmocka_unit_test(test_without_residual),
         cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -324,8 +324,9 @@ static void test_file_attributes(void **state) {
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         e = take();
         edit_find_attribute(e, "openbtf.levelErrors")->values[4] = bad[i];
-        refused_as(e, BTF_ERROR_BAD_FILE, i < 3 ? "attribute openbtf.levelErrors: row 1 has level"
-                              : "level errors: row 2 has level 2 of 3");
+        refused_as(e, BTF_ERROR_BAD_FILE,
+                   i < 3 ? "attribute openbtf.levelErrors: row 1 has level"
+                         : "level errors: row 2 has level 2 of 3");
     }
 }
 

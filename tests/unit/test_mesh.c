@@ -360,11 +360,12 @@ static void test_picture(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_built_in),    cmocka_unit_test(test_computed_frames),
-        cmocka_unit_test(test_handedness),  cmocka_unit_test(test_rays),
-        cmocka_unit_test(test_plane_table), cmocka_unit_test(test_levels), cmocka_unit_test(test_cast_shadows),
-        cmocka_unit_test(test_environment), cmocka_unit_test(test_light_words),
-        cmocka_unit_test(test_camera),      cmocka_unit_test(test_picture),
+        cmocka_unit_test(test_built_in),     cmocka_unit_test(test_computed_frames),
+        cmocka_unit_test(test_handedness),   cmocka_unit_test(test_rays),
+        cmocka_unit_test(test_plane_table),  cmocka_unit_test(test_levels),
+        cmocka_unit_test(test_cast_shadows), cmocka_unit_test(test_environment),
+        cmocka_unit_test(test_light_words),  cmocka_unit_test(test_camera),
+        cmocka_unit_test(test_picture),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

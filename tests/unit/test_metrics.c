@@ -32,7 +32,8 @@ static enc_data *constant(float value) {
 
 static enc_metrics compare(const enc_data *a, const enc_data *b) {
     enc_metrics metrics;
-    assert_int_equal(enc_metrics_compare(&context, a, enc_data_images(a), enc_data_images(b), true, &metrics), BTF_OK);
+    assert_int_equal(
+        enc_metrics_compare(&context, a, enc_data_images(a), enc_data_images(b), true, &metrics), BTF_OK);
     return metrics;
 }
 
@@ -43,7 +44,8 @@ static void test_srgb(void **state) {
         const double coded = x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
         assert_true(fabs(enc_srgb_encode((float)x) - coded) < 1e-6);
     }
-    assert_true(enc_srgb_encode(-1) == 0 && fabsf(enc_srgb_encode(7) - 1) < 1e-6f && enc_srgb_encode(NAN) == 0);
+    assert_true(enc_srgb_encode(-1) == 0 && fabsf(enc_srgb_encode(7) - 1) < 1e-6f &&
+                enc_srgb_encode(NAN) == 0);
 }
 
 static void test_constant_difference(void **state) {
@@ -115,8 +117,11 @@ static void test_ssim(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_srgb),  cmocka_unit_test(test_constant_difference), cmocka_unit_test(test_equal_and_clipped),
-        cmocka_unit_test(test_rings), cmocka_unit_test(test_ssim),
+        cmocka_unit_test(test_srgb),
+        cmocka_unit_test(test_constant_difference),
+        cmocka_unit_test(test_equal_and_clipped),
+        cmocka_unit_test(test_rings),
+        cmocka_unit_test(test_ssim),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,4 +1,5 @@
-/* Packing and unpacking are inverse; the atlas is the paper's; the encoder's own decoding agrees with the reference.
+/* Packing and unpacking are inverse; the atlas is the paper's; the encoder's own decoding agrees with the
+ * reference.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -50,7 +51,8 @@ static enc_data *make_data(int width, int height, int views, int lights) {
     return data;
 }
 
-static enc_solution random_solution(const enc_data *data, uint32_t effects, btf_domain domain, int lobes, bool rgb) {
+static enc_solution random_solution(const enc_data *data, uint32_t effects, btf_domain domain, int lobes,
+                                    bool rgb) {
     const size_t texels = enc_data_texel_count(data), points = texels * (size_t)data->n_views;
     enc_solution s = {.width = data->width,
                       .height = data->height,
@@ -66,15 +68,17 @@ static enc_solution random_solution(const enc_data *data, uint32_t effects, btf_
         const size_t stride = enc_sbrdf_stride(lobes, rgb);
         for (size_t i = 0; i < texels * stride; i++) {
             const size_t at = i % stride;
-            s.sbrdf->values[i] = at >= stride - 4 * (size_t)lobes && (stride - at) % 4 == 1 ? random_float(0.5f, 30)
-                                                                                            : random_float(0.1f, 0.9f);
+            s.sbrdf->values[i] = at >= stride - 4 * (size_t)lobes && (stride - at) % 4 == 1
+                                     ? random_float(0.5f, 30)
+                                     : random_float(0.1f, 0.9f);
         }
     }
     if (effects & BTF_EFFECT_SHADOW) {
         s.shadow = random_bytes(texels * (size_t)data->n_lights, 0, 255);
     }
     s.shift = random_bytes(points * 2, 0, 255);
-    s.gain = effects & BTF_EFFECT_GAIN ? random_bytes(points, 1, 255) : random_bytes(points, BTF_GAIN_ONE, BTF_GAIN_ONE);
+    s.gain = effects & BTF_EFFECT_GAIN ? random_bytes(points, 1, 255)
+                                       : random_bytes(points, BTF_GAIN_ONE, BTF_GAIN_ONE);
     s.centre = calloc(points, sizeof *s.centre);
     if (!(effects & BTF_EFFECT_SHIFT)) {
         memset(s.shift, 0, points * 2);
@@ -115,8 +119,8 @@ static void assert_equal_bytes(const void *a, const void *b, size_t size) {
     }
 }
 
-static void check(int width, int height, int views, int lights, btf_layout layout, uint32_t effects, btf_domain domain,
-                  int lobes, bool rgb) {
+static void check(int width, int height, int views, int lights, btf_layout layout, uint32_t effects,
+                  btf_domain domain, int lobes, bool rgb) {
     enc_data *data = make_data(width, height, views, lights);
     const size_t texels = enc_data_texel_count(data), points = texels * (size_t)views, image = texels * 3;
     enc_solution s = random_solution(data, effects, domain, lobes, rgb), back;
@@ -125,7 +129,8 @@ static void check(int width, int height, int views, int lights, btf_layout layou
     assert_int_equal(enc_pack(&context, data, &s, &options, &material), BTF_OK);
     assert_int_equal(enc_unpack(&context, material, &back), BTF_OK);
     if (s.sbrdf) {
-        assert_equal_bytes(s.sbrdf->values, back.sbrdf->values, texels * enc_sbrdf_stride(lobes, rgb) * sizeof(float));
+        assert_equal_bytes(s.sbrdf->values, back.sbrdf->values,
+                           texels * enc_sbrdf_stride(lobes, rgb) * sizeof(float));
     }
     assert_equal_bytes(s.shadow, back.shadow, texels * (size_t)lights);
     assert_equal_bytes(s.shift, back.shift, points * 2);
@@ -140,11 +145,13 @@ static void check(int width, int height, int views, int lights, btf_layout layou
     enc_reference_images reference = {.shape = data, .options = {.components = UINT32_MAX}};
     reference_view(material, 0, &reference.material);
     assert_int_equal(enc_playback_create(&context, data, &back, &playback), BTF_OK);
-    float *fast = malloc(image * (size_t)lights * sizeof *fast), *exact = malloc(image * (size_t)lights * sizeof *exact);
+    float *fast = malloc(image * (size_t)lights * sizeof *fast),
+          *exact = malloc(image * (size_t)lights * sizeof *exact);
     assert_true(fast && exact);
     for (uint32_t mask = 0; mask < 32; mask++) {
         const enc_played decoded = {.playback = playback, .effects = mask};
-        const enc_image_source source = enc_played_images(&decoded), truth = enc_reference_image_source(&reference);
+        const enc_image_source source = enc_played_images(&decoded),
+                               truth = enc_reference_image_source(&reference);
         reference.options.effects = mask;
         for (int v = 0; v < views; v++) {
             assert_int_equal(source.view(source.user, v, fast), BTF_OK);
@@ -168,8 +175,8 @@ static void test_round_trip(void **state) {
     random_state = 1;
     for (int layout = 0; layout < 2; layout++) {
         for (uint32_t effects = 0; effects < 32; effects += 3) {
-            check(5, 3, 4, 7, (btf_layout)layout, effects, effects & 1 ? BTF_DOMAIN_SQRT : BTF_DOMAIN_LINEAR,
-                  1 + (int)(effects % 4), effects & 2);
+            check(5, 3, 4, 7, (btf_layout)layout, effects,
+                  effects & 1 ? BTF_DOMAIN_SQRT : BTF_DOMAIN_LINEAR, 1 + (int)(effects % 4), effects & 2);
         }
         check(4, 8, 9, 3, (btf_layout)layout, 31, BTF_DOMAIN_SQRT, 3, true);
     }
@@ -192,7 +199,7 @@ static void test_half(void **state) {
     assert_int_equal(enc_half_from_float(0x1p-14f), 0x0400);
     assert_int_equal(enc_half_from_float(0x1p-15f), 0);
     assert_int_equal(enc_half_from_float(NAN), 0);
-    assert_int_equal(enc_half_from_float(1 + 0x1p-11f), 0x3c00);           /* tie to even */
+    assert_int_equal(enc_half_from_float(1 + 0x1p-11f), 0x3c00);            /* tie to even */
     assert_int_equal(enc_half_from_float(1 + 0x1p-10f + 0x1p-11f), 0x3c02); /* tie to even */
 }
 

@@ -1,5 +1,5 @@
-/* `--method paper` on samples whose truth is known: shadow masks, shifts, the flat control, the rising ladder.
- * The figures are printed, so that a report can quote them.
+/* `--method paper` on samples whose truth is known: shadow masks, shifts, the flat control, the rising
+ * ladder. The figures are printed, so that a report can quote them.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -26,8 +26,8 @@ static double psnr_of(const enc_data *data, const enc_solution *solution, uint32
     enc_metrics metrics;
     assert_int_equal(enc_playback_create(&context, data, solution, &playback), BTF_OK);
     const enc_played played = {.playback = playback, .effects = effects};
-    assert_int_equal(enc_metrics_compare(&context, data, enc_data_images(data), enc_played_images(&played), false,
-                                         &metrics),
+    assert_int_equal(enc_metrics_compare(&context, data, enc_data_images(data), enc_played_images(&played),
+                                         false, &metrics),
                      BTF_OK);
     enc_playback_destroy(&playback);
     return srgb ? enc_psnr_srgb(&metrics.total) : enc_psnr_linear(&metrics.total);
@@ -98,10 +98,11 @@ static void test_bricks(void **state) {
     assert_int_equal(enc_flow_vote(&context, data, &paper.flow, &voted), BTF_OK);
     const int n = enc_flow_error(data, voted, truth->shift, truth->hidden, 2, rings, 16);
     for (int r = 1; r < n; r++) {
-        print_message("view theta %2.0f: end-point error over %zu points moved more than 2 texels %.2f (zero motion "
-                      "%.2f), over all %.2f (%.2f)\n",
-                      rings[r].theta, rings[r].moved, rings[r].moved_error, rings[r].moved_zero, rings[r].error,
-                      rings[r].zero);
+        print_message(
+            "view theta %2.0f: end-point error over %zu points moved more than 2 texels %.2f (zero motion "
+            "%.2f), over all %.2f (%.2f)\n",
+            rings[r].theta, rings[r].moved, rings[r].moved_error, rings[r].moved_zero, rings[r].error,
+            rings[r].zero);
         if (rings[r].theta == 30 && !light) {
             assert_true(rings[r].moved > 1000 && rings[r].moved_error <= 2.0);
         }
@@ -123,7 +124,8 @@ static void test_bricks(void **state) {
 static void test_flat(void **state) {
     (void)state;
     const int side = getenv("BTF_TEST_LIGHT") ? 8 : 32;
-    const sample_options options = {.context = &context, .relief = RELIEF_FLAT, .width = side, .height = side};
+    const sample_options options = {
+        .context = &context, .relief = RELIEF_FLAT, .width = side, .height = side};
     enc_data *data = NULL;
     enc_solution solution;
     enc_paper_stats stats;

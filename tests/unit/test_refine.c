@@ -349,14 +349,10 @@ static void test_norms(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_against_brute_force),
-        cmocka_unit_test(test_known_points_are_elevated),
-        cmocka_unit_test(test_window_follows_the_vote),
-        cmocka_unit_test(test_view_without_known_points),
-        cmocka_unit_test(test_ties_prefer_short_shifts),
-        cmocka_unit_test(test_wide_tiles),
-        cmocka_unit_test(test_same_result_everywhere),
-        cmocka_unit_test(test_norms),
+        cmocka_unit_test(test_against_brute_force),      cmocka_unit_test(test_known_points_are_elevated),
+        cmocka_unit_test(test_window_follows_the_vote),  cmocka_unit_test(test_view_without_known_points),
+        cmocka_unit_test(test_ties_prefer_short_shifts), cmocka_unit_test(test_wide_tiles),
+        cmocka_unit_test(test_same_result_everywhere),   cmocka_unit_test(test_norms),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

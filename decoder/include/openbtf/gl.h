@@ -6,8 +6,8 @@
  *
  * What this does not do: it makes no context, window, thread, program, framebuffer, sampler object or draw
  * call (the self-test makes some and deletes them), and keeps no copy of the material. Levels of detail are
- * uploaded as mip levels of the same textures; none are made here, and nothing filters: the decoder fetches single
- * texels.
+ * uploaded as mip levels of the same textures; none are made here, and nothing filters: the decoder fetches
+ * single texels.
  *
  * Thread rule: a btf_gl belongs to the context it was made in, and is used by one thread at a time.
  *
@@ -37,8 +37,9 @@ typedef struct btf_gl_options {
 typedef struct btf_gl btf_gl;
 
 /** Sets *out_fits to 1 when every texture that btf_gl_upload would make is within GL_MAX_TEXTURE_SIZE and
- *  GL_MAX_ARRAY_TEXTURE_LAYERS, else to 0: a material of layout `paper` may fit after btf_material_to_tight.
- *  Errors: BTF_ERROR_USAGE, BTF_ERROR_UNSUPPORTED (a function is missing; the context is too old). */
+ *  GL_MAX_ARRAY_TEXTURE_LAYERS, else to 0: a material of layout `paper` may fit after
+ * btf_material_to_tight. Errors: BTF_ERROR_USAGE, BTF_ERROR_UNSUPPORTED (a function is missing; the context
+ * is too old). */
 btf_result btf_gl_fits(const btf_material *material, const btf_gl_options *options, const btf_log *log,
                        int *out_fits);
 
@@ -67,8 +68,8 @@ void btf_gl_destroy(btf_gl **gl);
 
 /** Runs the self-test on the current context, in the newest GLSL that it claims, with `precise` (where
  * there is one) and without: *out_failures gets the BTF_SELF_TEST bits that fail in either. 0: exact
- * decoding works here; BTF_SELF_TEST_LEVELS alone: of materials of one level of detail. Errors: BTF_ERROR_USAGE, BTF_ERROR_UNSUPPORTED (missing functions, a shader or
- * framebuffer that GL refuses). */
+ * decoding works here; BTF_SELF_TEST_LEVELS alone: of materials of one level of detail. Errors:
+ * BTF_ERROR_USAGE, BTF_ERROR_UNSUPPORTED (missing functions, a shader or framebuffer that GL refuses). */
 btf_result btf_gl_self_test(const btf_gl_options *options, const btf_log *log, uint32_t *out_failures);
 
 #ifdef __cplusplus

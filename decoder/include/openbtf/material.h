@@ -3,8 +3,8 @@
  * The library reads and writes the format of FORMAT.md and nothing else: it makes no GL context, window or
  * thread, and does not decode. Everything here is plain data; textures come in the layout a GPU takes.
  *
- * Thread rule: a btf_material is immutable once made; any number of threads may read it. Opening, saving and
- * closing different materials on different threads is safe.
+ * Thread rule: a btf_material is immutable once made; any number of threads may read it. Opening, saving
+ * and closing different materials on different threads is safe.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -92,9 +92,9 @@ typedef enum btf_texture_id {
 /** @return the texture's name in FORMAT.md, e.g. "residual_texels". */
 const char *btf_texture_name(btf_texture_id id);
 
-/** One texture, ready to upload. data is [layer][row][column][channel], tightly packed, row 0 the top of the
- *  image; NULL and format NONE when the material does not have it. is_array: a 2D array texture (also when it
- *  has one layer), else a 2D texture with layers = 1. */
+/** One texture, ready to upload. data is [layer][row][column][channel], tightly packed, row 0 the top of
+ * the image; NULL and format NONE when the material does not have it. is_array: a 2D array texture (also
+ * when it has one layer), else a 2D texture with layers = 1. */
 typedef struct btf_texture {
     btf_format format;
     int is_array;
@@ -111,16 +111,16 @@ typedef struct btf_material_info {
     btf_layout layout;
     btf_domain domain;
     btf_colour colour;
-    int half_float;       /**< SBRDF parameters are halves */
-    uint32_t lobes;       /**< J */
-    uint32_t effects;     /**< btf_effect bits present */
-    uint32_t centres;     /**< K */
-    uint32_t components;  /**< k of the residual */
+    int half_float;                     /**< SBRDF parameters are halves */
+    uint32_t lobes;                     /**< J */
+    uint32_t effects;                   /**< btf_effect bits present */
+    uint32_t centres;                   /**< K */
+    uint32_t components;                /**< k of the residual */
     uint32_t atlas_width, atlas_height; /**< layout paper, else 0 */
     float radiance_scale, shadow_scale, gain_scale, centre_scale;
-    size_t gpu_bytes;       /**< FORMAT.md section 3: without tables */
-    size_t table_bytes;     /**< direction tables and residual scales */
-    const char *method;     /**< provenance; "" when not given */
+    size_t gpu_bytes;   /**< FORMAT.md section 3: without tables */
+    size_t table_bytes; /**< direction tables and residual scales */
+    const char *method; /**< provenance; "" when not given */
     const char *options;
     const char *source;
     uint32_t levels; /**< levels of detail, 1..BTF_MAX_LEVELS; as an input 0 means 1 */
@@ -141,12 +141,12 @@ typedef struct btf_level_error {
     float psnr_srgb;   /**< dB, likewise after sRGB coding */
     float gpu_bytes;   /**< btf_level_bytes() */
 } btf_level_error;
-/** What the encoder measured of the ways to decode, by bands of view and light elevation (FORMAT.md section 7,
- *  openbtf.effectErrors). Row r has 5 + 2 * view_bands * light_bands numbers: btf_effect bits decoded, residual
- *  components, 0 for interpolated directions, 1 for nearest ones, 2 for either at the samples, 3 and 4 for interpolated
- *  ones where the view or the light is a sample, level of detail,
- *  gpu bytes of level 0; then, [view band][light band], the mean squared error of values clipped to [0, 1], linear
- *  and sRGB-coded. All 0 and NULL when there is none. */
+/** What the encoder measured of the ways to decode, by bands of view and light elevation (FORMAT.md section
+ * 7, openbtf.effectErrors). Row r has 5 + 2 * view_bands * light_bands numbers: btf_effect bits decoded,
+ * residual components, 0 for interpolated directions, 1 for nearest ones, 2 for either at the samples, 3
+ * and 4 for interpolated ones where the view or the light is a sample, level of detail, gpu bytes of level
+ * 0; then, [view band][light band], the mean squared error of values clipped to [0, 1], linear and
+ * sRGB-coded. All 0 and NULL when there is none. */
 typedef struct btf_effect_errors {
     uint32_t view_bands, light_bands;        /**< 1 .. BTF_MAX_BANDS */
     const float *view_limits, *light_limits; /**< [bands + 1] theta in degrees, ascending */
@@ -160,15 +160,15 @@ typedef struct btf_material btf_material;
 /** A list of directions, triangulated and gridded as FORMAT.md section 6 says. */
 typedef struct btf_directions {
     uint32_t count;
-    const float *xyz;        /**< [count][3] */
+    const float *xyz;         /**< [count][3] */
     const uint16_t *vertices; /**< [count][2] */
     uint32_t triangle_count;
     const uint8_t *triangles; /**< [triangle_count][3] */
     uint32_t hull_count;
-    const uint8_t *hull;      /**< [hull_count] */
-    uint32_t grid;            /**< G */
-    const uint16_t *cells;    /**< for each of G * G cells: count, then record numbers */
-    size_t cells_length;      /**< entries of cells */
+    const uint8_t *hull;   /**< [hull_count] */
+    uint32_t grid;         /**< G */
+    const uint16_t *cells; /**< for each of G * G cells: count, then record numbers */
+    size_t cells_length;   /**< entries of cells */
 } btf_directions;
 
 /** Opens a *.btf.exr file. Every rule of FORMAT.md section 2 is checked.
@@ -190,71 +190,79 @@ btf_result btf_material_get_info(const btf_material *material, btf_material_info
 btf_texture btf_material_texture(const btf_material *material, btf_texture_id id);
 
 /** @return the same of a level of detail: level 0 is btf_material_texture; a higher one has sbrdf, shadow,
- *  shift, gain and residual_texels of its own and shares the rest with level 0 (format NONE here, as for a level
- *  that the material does not have). */
+ *  shift, gain and residual_texels of its own and shares the rest with level 0 (format NONE here, as for a
+ * level that the material does not have). */
 btf_texture btf_material_level_texture(const btf_material *material, uint32_t level, btf_texture_id id);
 
 btf_directions btf_material_views(const btf_material *material);
 btf_directions btf_material_lights(const btf_material *material);
 
-/** @return the encoder's measured errors, *out_count rows, owned by the material; NULL when there are none. */
+/** @return the encoder's measured errors, *out_count rows, owned by the material; NULL when there are none.
+ */
 const btf_material_error *btf_material_errors(const btf_material *material, size_t *out_count);
 
-/** @return the measured errors of the levels, *out_count rows by rising level, owned by the material; NULL when
- *  there are none. */
+/** @return the measured errors of the levels, *out_count rows by rising level, owned by the material; NULL
+ * when there are none. */
 const btf_level_error *btf_material_level_errors(const btf_material *material, size_t *out_count);
 /** @return what the encoder measured of the ways to decode; owned by the material. */
 btf_effect_errors btf_material_effect_errors(const btf_material *material);
 
 /** What an encoder hands over to make a material. Textures as in btf_texture, of which only `data` is read
- *  (sizes and formats follow from the rest; see btf_material_texture_shape); entries that the effects do not
- *  call for must be NULL. residual_scales is BTF_TEXTURE_RESIDUAL_SCALES; the two tables are made here. */
+ *  (sizes and formats follow from the rest; see btf_material_texture_shape); entries that the effects do
+ * not call for must be NULL. residual_scales is BTF_TEXTURE_RESIDUAL_SCALES; the two tables are made here.
+ */
 typedef struct btf_material_desc {
-    size_t struct_size; /**< sizeof(btf_material_desc) */
+    size_t struct_size;     /**< sizeof(btf_material_desc) */
     btf_material_info info; /**< inputs: everything but gpu_bytes and table_bytes; strings may be NULL */
-    const float *views;  /**< [n_views][3], unit, z > 0, paper order, no duplicates */
-    const float *lights; /**< [n_lights][3] */
+    const float *views;     /**< [n_views][3], unit, z > 0, paper order, no duplicates */
+    const float *lights;    /**< [n_lights][3] */
     const void *texture[BTF_TEXTURE_COUNT];
     const btf_material_error *errors;
     size_t error_count;
-    const void *level_texture[BTF_MAX_LEVELS][BTF_TEXTURE_COUNT]; /**< levels 1 .. info.levels - 1, shapes as in
-                                                            btf_material_level_shape; row 0 is not read */
-    const btf_level_error *level_errors; /**< by rising level */
+    const void
+        *level_texture[BTF_MAX_LEVELS][BTF_TEXTURE_COUNT]; /**< levels 1 .. info.levels - 1, shapes as in
+                                                     btf_material_level_shape; row 0 is not read */
+    const btf_level_error *level_errors;                   /**< by rising level */
     size_t level_error_count;
     const float *effect_errors; /**< as the attribute openbtf.effectErrors holds them; NULL: none */
     size_t effect_error_count;  /**< floats */
 } btf_material_desc;
 
-/** The shape (format, is_array, width, height, layers, size; data NULL) that a texture of a material with this
- *  info has; format NONE when it has none. The tables have no shape before they are made. */
+/** The shape (format, is_array, width, height, layers, size; data NULL) that a texture of a material with
+ * this info has; format NONE when it has none. The tables have no shape before they are made. */
 btf_texture btf_material_texture_shape(const btf_material_info *info, btf_texture_id id);
 
-/** The same of a level of detail; level 0 is btf_material_texture_shape. Format NONE for what a level shares with
- *  level 0, and for a level that info does not have. */
+/** The same of a level of detail; level 0 is btf_material_texture_shape. Format NONE for what a level
+ * shares with level 0, and for a level that info does not have. */
 btf_texture btf_material_level_shape(const btf_material_info *info, uint32_t level, btf_texture_id id);
 
-/** @return bytes that a level adds to gpu_bytes: those of its own textures; of level 0 all, shared ones included. */
+/** @return bytes that a level adds to gpu_bytes: those of its own textures; of level 0 all, shared ones
+ * included. */
 size_t btf_level_bytes(const btf_material_info *info, uint32_t level);
 
 /** @return texels of a side of `size` texels in a level: max(1, size >> level). */
 uint32_t btf_level_size(uint32_t size, uint32_t level);
 
-/** The smallest legal atlas of layout `paper` (FORMAT.md section 5) for info's width, height, n_views, n_lights,
- *  effects and, with hidden, at least so many centres: sets *out_width, *out_height and *out_room (centres). BTF_ERROR_UNSUPPORTED when there is none. */
+/** The smallest legal atlas of layout `paper` (FORMAT.md section 5) for info's width, height, n_views,
+ * n_lights, effects and, with hidden, at least so many centres: sets *out_width, *out_height and *out_room
+ * (centres). BTF_ERROR_UNSUPPORTED when there is none. */
 btf_result btf_material_atlas(const btf_material_info *info, uint32_t *out_width, uint32_t *out_height,
                               uint32_t *out_room);
 
 /** The atlas column (*out_x) and first row (*out_y) of centre i in an atlas of info's size. */
 void btf_material_atlas_centre(const btf_material_info *info, uint32_t i, uint32_t *out_x, uint32_t *out_y);
 
-/** Makes a material from textures, copying them; triangulates the directions; checks everything that opening
- *  a file checks. Errors: BTF_ERROR_USAGE (names the value), BTF_ERROR_UNSUPPORTED, BTF_ERROR_MEMORY. */
-btf_result btf_material_create(const btf_material_desc *desc, const btf_log *log, btf_material **out_material);
+/** Makes a material from textures, copying them; triangulates the directions; checks everything that
+ * opening a file checks. Errors: BTF_ERROR_USAGE (names the value), BTF_ERROR_UNSUPPORTED,
+ * BTF_ERROR_MEMORY. */
+btf_result btf_material_create(const btf_material_desc *desc, const btf_log *log,
+                               btf_material **out_material);
 
-/** The same material in layout `tight`: where a GPU's textures may not be as large as the atlas of layout `paper`, its
- *  tiles become layers of array textures (FORMAT.md section 5). It decodes to the same bits; the shadow of a material
- *  without SBRDF, which changes nothing, is left out. Errors: BTF_ERROR_MEMORY. */
-btf_result btf_material_to_tight(const btf_material *material, const btf_log *log, btf_material **out_material);
+/** The same material in layout `tight`: where a GPU's textures may not be as large as the atlas of layout
+ * `paper`, its tiles become layers of array textures (FORMAT.md section 5). It decodes to the same bits;
+ * the shadow of a material without SBRDF, which changes nothing, is left out. Errors: BTF_ERROR_MEMORY. */
+btf_result btf_material_to_tight(const btf_material *material, const btf_log *log,
+                                 btf_material **out_material);
 
 /** Writes to a temporary name beside @p path, then renames. Errors: BTF_ERROR_IO, BTF_ERROR_MEMORY. */
 btf_result btf_material_save(const btf_material *material, const char *path, const btf_log *log);

@@ -10,15 +10,15 @@ extern "C" {
 #endif
 
 /** The one list of result codes: name, value, exit code of the tools, text. */
-#define BTF_RESULT_LIST(X)                                                                         \
-    X(BTF_OK, 0, 0, "ok")                                                                          \
-    X(BTF_ERROR_USAGE, 1, 1, "invalid argument")                                                   \
-    X(BTF_ERROR_IO, 2, 2, "input or output failed")                                                \
-    X(BTF_ERROR_BAD_FILE, 3, 3, "bad file")                                                        \
-    X(BTF_ERROR_INTERNAL, 4, 4, "internal error")                                                  \
-    X(BTF_ERROR_MEMORY, 5, 4, "out of memory")                                                     \
-    X(BTF_ERROR_UNSUPPORTED, 6, 5, "not supported")                                                \
-    X(BTF_ERROR_DIFFERENT, 7, 7, "difference found")                                               \
+#define BTF_RESULT_LIST(X)                                                                                 \
+    X(BTF_OK, 0, 0, "ok")                                                                                  \
+    X(BTF_ERROR_USAGE, 1, 1, "invalid argument")                                                           \
+    X(BTF_ERROR_IO, 2, 2, "input or output failed")                                                        \
+    X(BTF_ERROR_BAD_FILE, 3, 3, "bad file")                                                                \
+    X(BTF_ERROR_INTERNAL, 4, 4, "internal error")                                                          \
+    X(BTF_ERROR_MEMORY, 5, 4, "out of memory")                                                             \
+    X(BTF_ERROR_UNSUPPORTED, 6, 5, "not supported")                                                        \
+    X(BTF_ERROR_DIFFERENT, 7, 7, "difference found")                                                       \
     X(BTF_ERROR_INTERRUPTED, 8, 130, "interrupted")
 
 typedef enum btf_result {

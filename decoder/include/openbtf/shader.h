@@ -50,8 +50,8 @@ typedef enum btf_bindings {
     BTF_BINDINGS_VULKAN = 2, /**< `layout(set = s, binding = n) uniform` */
 } btf_bindings;
 
-/** Directions that never change. The shader fetches no table for them: their neighbours are constants. What is
- *  handed to btf_evaluate must be this direction, bit for bit. */
+/** Directions that never change. The shader fetches no table for them: their neighbours are constants. What
+ * is handed to btf_evaluate must be this direction, bit for bit. */
 typedef enum btf_fixed {
     BTF_FIXED_VIEW = 1,
     BTF_FIXED_LIGHT = 2,
@@ -74,8 +74,8 @@ typedef struct btf_shader_options {
     const char *prefix;      /**< the names' prefix, so that two materials fit one program; default "btf".
                                   Lower-case letters, digits and single underscores, at most 32, first a letter,
                                   last no underscore; macros get the same in upper case. */
-    uint32_t fixed;       /**< btf_fixed bits; default 0 */
-    float fixed_view[3];  /**< unit, of the tangent frame; read where `fixed` says so */
+    uint32_t fixed;          /**< btf_fixed bits; default 0 */
+    float fixed_view[3];     /**< unit, of the tangent frame; read where `fixed` says so */
     float fixed_light[3];
 } btf_shader_options;
 
@@ -99,8 +99,9 @@ const char *btf_shader_library(void);
     X(BTF_SELF_TEST_CONVERSION, 16, "conversion", "integers, floats and bits do not convert exactly")      \
     X(BTF_SELF_TEST_INTEGER, 32, "integer", "32-bit integers wrap, shift or divide otherwise")             \
     X(BTF_SELF_TEST_ELEMENTARY, 64, "elementary", "log2, exp2, pow or reciprocal give other bits")         \
-    X(BTF_SELF_TEST_LEVELS, 128, "levels", "fetches from another mip level than asked for (matters to "    \
-                                           "materials of several levels of detail alone)")
+    X(BTF_SELF_TEST_LEVELS, 128, "levels",                                                                 \
+      "fetches from another mip level than asked for (matters to "                                         \
+      "materials of several levels of detail alone)")
 
 typedef enum btf_self_test {
 #define BTF_SELF_TEST_ENUM(id, bit, name, text) id = bit,

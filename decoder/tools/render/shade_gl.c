@@ -26,7 +26,7 @@ typedef struct gl_device {
     int variants;
     int level;       /* of all samples */
     bool has_levels; /* a level a sample */
-    uint32_t *bits; /* [rows][width][4] */
+    uint32_t *bits;  /* [rows][width][4] */
     char name[240];
 } gl_device;
 
@@ -153,8 +153,11 @@ static btf_result make_variant(gl_device *d, const context_device *device, const
     btf_result result = btf_shader_source(request->material, &options, log, &library);
     if (result)
         return result;
-    d->programs[variant] = 
-        make_program(d, device, library, d->has_levels ? level_text : d->level > 0 ? one_level_text : decode_text, log);
+    d->programs[variant] = make_program(d, device, library,
+                                        d->has_levels  ? level_text
+                                        : d->level > 0 ? one_level_text
+                                                       : decode_text,
+                                        log);
     btf_free(library);
     if (!d->programs[variant])
         return BTF_ERROR_INTERNAL;
@@ -175,10 +178,11 @@ static btf_result check_device(gl_device *d, const context_device *device, const
         return BTF_OK;
     btf_result result = btf_gl_self_test(&options, log, &failures);
     if (!result && failures & BTF_SELF_TEST_LEVELS && info.levels > 1) {
-        file_say(log,
-                 "device %s (%s) fetches from other mip levels than asked for: it cannot show a material of "
-                 "several levels of detail",
-                 device->name, d->name);
+        file_say(
+            log,
+            "device %s (%s) fetches from other mip levels than asked for: it cannot show a material of "
+            "several levels of detail",
+            device->name, d->name);
         return BTF_ERROR_UNSUPPORTED;
     }
     failures &= ~(uint32_t)BTF_SELF_TEST_LEVELS;

@@ -29,8 +29,8 @@ typedef struct shader_request {
     btf_math math;  /* BTF_MATH_FAST: not of the reference */
     uint32_t fixed; /* as in btf_shader_options: what is the same in every list; GL alone profits */
     float fixed_view[3], fixed_light[3];
-    int level;      /* the level of detail that every sample asks for; below 0: they differ */
-    int threads;   /* of the reference */
+    int level;   /* the level of detail that every sample asks for; below 0: they differ */
+    int threads; /* of the reference */
 } shader_request;
 
 /* What a device does; each is one file. */
@@ -48,7 +48,8 @@ extern const shader_class shader_class_reference, shader_class_gl;
 
 /* The material must outlive it. Errors, on log: BTF_ERROR_USAGE (unknown device: the message lists them;
  * fast math on the reference), BTF_ERROR_UNSUPPORTED (no such context here, or one that does not keep to
- * FORMAT.md's arithmetic, or does not fetch the level that a pixel asks for: the message says why), BTF_ERROR_MEMORY, BTF_ERROR_INTERNAL (GLSL refused). */
+ * FORMAT.md's arithmetic, or does not fetch the level that a pixel asks for: the message says why),
+ * BTF_ERROR_MEMORY, BTF_ERROR_INTERNAL (GLSL refused). */
 btf_result shader_create(const shader_request *request, const btf_log *log, shader **out_shader);
 void shader_destroy(shader **s);
 
@@ -58,7 +59,8 @@ const char *shader_name(const shader *s);
 /* The widest list rows that it takes. */
 int shader_max_width(const shader *s);
 
-/* inputs[rows][width][TABLE_INPUTS] as table_light makes them, out[rows][width][3]. At most 2^20 samples. */
+/* inputs[rows][width][TABLE_INPUTS] as table_light makes them, out[rows][width][3]. At most 2^20 samples.
+ */
 btf_result shader_run(shader *s, int variant, int width, int rows, const float *inputs, float *out,
                       const btf_log *log);
 
