@@ -117,14 +117,18 @@ static btf_result measure_size(const bench_run *run, const growth *g, const size
     return result;
 }
 
+/* Is it a row of that method in that sweep? */
+static bool is_row_of(const bench_row *r, const char *sweep, const char *method_name) {
+    return strcmp(r->sweep, sweep) == 0 && strncmp(r->name, method_name, strlen(method_name)) == 0;
+}
+
 /* Exponents over the rows of one method in one sweep: of time and of memory. */
 static void exponents(const bench_table *table, const char *sweep, const char *name, double out[2]) {
     double x[MOST_SIZES], y[2][MOST_SIZES];
     int count = 0;
     for (int i = 0; i < table->count; i++) {
         const bench_row *r = &table->rows[i];
-        if (strcmp(r->sweep, sweep) == 0 && strncmp(r->name, name, strlen(name)) == 0 &&
-            count < MOST_SIZES) {
+        if (is_row_of(r, sweep, name) && count < MOST_SIZES) {
             x[count] = r->x;
             y[0][count] = r->core;
             y[1][count++] = r->memory;
@@ -150,7 +154,7 @@ static btf_result draw(const bench_run *run, const bench_table *table, const gro
         for (int i = 0; i < table->count; i++) {
             const bench_row *r = &table->rows[i];
             const double y[PLOT_PANELS] = {r->core, 1e-6 * r->memory};
-            if (strcmp(r->sweep, g->sweep) == 0 && strncmp(r->name, name, strlen(name)) == 0) {
+            if (is_row_of(r, g->sweep, name)) {
                 plot_point(p, r->x, y, NULL);
             }
         }
