@@ -21,7 +21,7 @@ archer=$(readlink -f "$(clang -print-resource-dir)/../../libarcher.so")
 mkdir -p "$folder"
 if [ ! -f "$folder/build.ninja" ]; then
     CC=clang CXX=clang++ meson setup "$folder" -Dbuildtype=debugoptimized -Db_sanitize=thread -Db_lundef=false \
-        >"$folder/setup.log" 2>&1 || {
+        -Dc_args=-g1 -Dcpp_args=-g1 >"$folder/setup.log" 2>&1 || {
         cat "$folder/setup.log"
         exit 1
     }

@@ -3,7 +3,7 @@
 #
 # SPDX-License-Identifier: MIT
 . "$BTF_SOURCE_ROOT/tests/tools/common.sh" || exit 99
-small_data
+small_data ${light:+--size 8}
 RANDOM=20 # the same moments every time, as far as the machine is
 moments=${light:+2} moments=${moments:-6} last_step=${light:+2} last_step=${last_step:-4}
 
