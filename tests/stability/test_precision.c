@@ -4,11 +4,11 @@
  */
 #include "cases.h"
 #include "encode.h"
+#include "precision.h"
 
 #include "encoder/fit_gram.h"
 #include "encoder/joint_fit.h"
 #include "encoder/joint_measure.h"
-#include "encoder/occlusion.h"
 #include "encoder/playback.h"
 #include "encoder/shadow.h"
 
@@ -18,25 +18,6 @@
 #include <string.h>
 
 static const enc_context context = {.threads = 1};
-static const double most_loss = 0.05; /* dB */
-
-/* A surface that no Lafortune model fits exactly: a Fresnel-like sheen, a tinted highlight, a dark side,
- * noise. */
-static void measured(const void *user, int texel, const enc_direction *v, const enc_direction *l,
-                     int sample, float rgb[3]) {
-    (void)user;
-    const double h[3] = {(double)(v->xyz[0] + l->xyz[0]), (double)(v->xyz[1] + l->xyz[1]),
-                         (double)(v->xyz[2] + l->xyz[2])};
-    const double length = sqrt(h[0] * h[0] + h[1] * h[1] + h[2] * h[2]);
-    const double gloss = pow(h[2] / length, 20 + 40 * (texel % 4)), rim = pow(1 - (double)v->xyz[2], 3);
-    for (int c = 0; c < 3; c++) {
-        const double albedo = 0.1 + 0.5 * (double)hard_random((uint32_t)texel, (uint32_t)c, 5);
-        const double noise =
-            1 + 0.1 * ((double)hard_random((uint32_t)texel, (uint32_t)sample, (uint32_t)c) - 0.5);
-        const double shade = texel % 3 == 0 && l->phi > 100 && l->phi < 190 ? 0.2 : 1;
-        rgb[c] = (float)((double)l->xyz[2] * shade * noise * (albedo + 0.5 * gloss + 0.3 * rim));
-    }
-}
 
 /* ---- the fit ---- */
 
@@ -169,7 +150,7 @@ static void fits(void) {
                 {"2 RGB lobes", 2, true, false},
                 {"2 RGB lobes, square root", 2, true, true}};
     const hard_directions d = hard_twentyfive();
-    enc_data *data = hard_create(3, 2, &d, &d, measured, NULL);
+    enc_data *data = hard_create(3, 2, &d, &d, precision_measured, NULL);
     for (size_t i = 0; i < sizeof list / sizeof *list; i++) {
         enc_fit_options options = enc_fit_options_default();
         options.lobes = list[i].lobes;
@@ -194,7 +175,7 @@ static void fits(void) {
         const double n = 6 * 25 * 25 * 3, loss = hard_psnr(twice, n, 1) - hard_psnr(single, n, 1);
         char input[100];
         snprintf(input, sizeof input, "fit of %s, refitted in double", list[i].name);
-        cases_add(input, "less than 0.05 dB", ok && loss < most_loss && loss > -1e-6,
+        cases_add(input, "less than 0.05 dB", ok && loss < precision_most_loss && loss > -1e-6,
                   "%.2f dB, double %.4f dB more", hard_psnr(single, n, 1), loss);
         enc_sbrdf_destroy(&sbrdf);
     }
@@ -268,15 +249,15 @@ static void gram(void) {
     }
     const double loss = fabs(10 * log10(cost / exact));
     cases_add("Gram sums of 1024 samples, lobes of n = 8, 2 and 150",
-              "within 3e-5 of the columns' lengths, cost within 0.05 dB", worst < 3e-5 && loss < most_loss,
-              "off by %.1e, cost by %.1e dB", worst, loss);
+              "within 3e-5 of the columns' lengths, cost within 0.05 dB",
+              worst < 3e-5 && loss < precision_most_loss, "off by %.1e, cost by %.1e dB", worst, loss);
 }
 
 /* ---- shadow ---- */
 
 static void shadows(void) {
     const hard_directions d = hard_thirteen();
-    enc_data *data = hard_create(6, 6, &d, &d, measured, NULL);
+    enc_data *data = hard_create(6, 6, &d, &d, precision_measured, NULL);
     enc_fit_options options = enc_fit_options_default();
     enc_sbrdf *sbrdf = NULL;
     static uint8_t codes[13 * 36];
@@ -310,7 +291,7 @@ static void shadows(void) {
     }
     const double n = 13 * 36 * 3, loss = hard_psnr(squares[1], n, 1) - hard_psnr(squares[0], n, 1);
     cases_add("shadow map, its model and ratios in double", "less than 0.05 dB",
-              ok && fabs(loss) < most_loss && shadowed > 0,
+              ok && fabs(loss) < precision_most_loss && shadowed > 0,
               "%.2f dB, double %.5f dB more, %d of 468 codes differ, %d shadowed",
               hard_psnr(squares[0], n, 1), loss, other, shadowed);
     enc_sbrdf_destroy(&sbrdf);
@@ -319,48 +300,9 @@ static void shadows(void) {
 
 /* ---- playback ---- */
 
-/* FORMAT.md section 9 at a sampled direction, in double from the codes. */
-static double decode(const enc_data *data, const enc_solution *s, size_t t, int v, int c, int l) {
-    const size_t texels = enc_solution_texels(s), at = (size_t)v * texels + t, lights = (size_t)s->n_lights;
-    if (s->gain && (s->effects & BTF_EFFECT_HIDDEN) && s->gain[at] == 0) {
-        const double y =
-            s->centre_codes[(s->centre[at] * lights + (size_t)l) * 3 + (size_t)c] * (double)s->centre_scale;
-        return y * y * (double)s->radiance_scale;
-    }
-    size_t source = t;
-    if (s->shift && (s->effects & BTF_EFFECT_SHIFT)) {
-        source = enc_occlusion_source(s->width, s->height, t, s->shift[2 * at], s->shift[2 * at + 1]);
-    }
-    double y = 0;
-    if (s->sbrdf) {
-        /* hard_model multiplies by the cosine, which comes last here */
-        y = hard_model(s->sbrdf->values + source * enc_sbrdf_stride(s->sbrdf->lobes, s->sbrdf->rgb),
-                       s->sbrdf->lobes, s->sbrdf->rgb, false, data->views + v, data->lights + l, c) /
-            (double)data->lights[l].xyz[2];
-        if (s->shadow && (s->effects & BTF_EFFECT_SHADOW)) {
-            y *= s->shadow[(size_t)l * texels + source] * (double)s->shadow_scale;
-        }
-    }
-    if (s->effects & BTF_EFFECT_RESIDUAL) {
-        for (size_t j = 0; j < s->n_components; j++) {
-            y += s->residual_texels[source * s->n_components + j] * (double)s->residual_scales[j] *
-                 s->residual_directions[(((size_t)v * lights + (size_t)l) * 3 + (size_t)c) *
-                                            s->n_components +
-                                        j];
-        }
-    }
-    const bool square = s->domain == BTF_DOMAIN_SQRT;
-    y *= square ? sqrt((double)data->lights[l].xyz[2]) : (double)data->lights[l].xyz[2];
-    if (s->gain && (s->effects & BTF_EFFECT_GAIN)) {
-        y *= s->gain[at] * (double)s->gain_scale;
-    }
-    y = y >= 0x1p-30 ? fmin(y, 0x1p32) : 0;
-    return (square ? y * y : y) * (double)s->radiance_scale;
-}
-
 static void playbacks(void) {
     const hard_directions d = hard_thirteen();
-    enc_data *data = hard_create(6, 5, &d, &d, measured, NULL);
+    enc_data *data = hard_create(6, 5, &d, &d, precision_measured, NULL);
     for (int method = 0; method < ENCODE_METHODS; method++) {
         enc_solution s = {0};
         btf_result result;
@@ -386,7 +328,7 @@ static void playbacks(void) {
                 for (int i = 0; i < 90; i++) {
                     const double truth = (double)*hard_sample(data, (size_t)i / 3, v, i % 3, l);
                     const double single = (double)images[l * 90 + i] - truth;
-                    const double twice = decode(data, &s, (size_t)i / 3, v, i % 3, l) - truth;
+                    const double twice = precision_decode(data, &s, (size_t)i / 3, v, i % 3, l) - truth;
                     squares[0] += single * single;
                     squares[1] += twice * twice;
                 }
@@ -395,8 +337,9 @@ static void playbacks(void) {
         const double n = 13 * 13 * 90, loss = hard_psnr(squares[1], n, 1) - hard_psnr(squares[0], n, 1);
         char input[100];
         snprintf(input, sizeof input, "playback of method %s, decoded in double", encode_names[method]);
-        cases_add(input, "less than 0.05 dB either way", result == BTF_OK && fabs(loss) < most_loss,
-                  "%.2f dB, double %.6f dB more", hard_psnr(squares[0], n, 1), loss);
+        cases_add(input, "less than 0.05 dB either way",
+                  result == BTF_OK && fabs(loss) < precision_most_loss, "%.2f dB, double %.6f dB more",
+                  hard_psnr(squares[0], n, 1), loss);
         enc_playback_destroy(&playback);
         enc_solution_clear(&s);
     }
@@ -473,7 +416,7 @@ static double model_error(const joint_fit *fit, const enc_data *data) {
 static void joint_solves(void) {
     enum { W = 6, H = 4, N = W * H };
     const hard_directions d = hard_thirteen();
-    enc_data *data = hard_create(W, H, &d, &d, measured, NULL);
+    enc_data *data = hard_create(W, H, &d, &d, precision_measured, NULL);
     for (int root = 0; root < 2; root++) {
         joint_rows rows;
         if (joint_rows_init(&context, data, root, &rows) != BTF_OK) {
@@ -502,7 +445,7 @@ static void joint_solves(void) {
             snprintf(input, sizeof input,
                      "joint factorisation of rank %zu, %s, against the spectrum in double", k,
                      root ? "square roots" : "linear");
-            cases_add(input, "less than 0.05 dB", ok && loss < most_loss && loss > -1e-3,
+            cases_add(input, "less than 0.05 dB", ok && loss < precision_most_loss && loss > -1e-3,
                       "%.2f dB, double %.5f dB more", hard_psnr(fit.error, samples, 1), loss);
             joint_fit_clear(&fit);
         }
@@ -518,7 +461,7 @@ static void joint_solves(void) {
                      loss = ok ? fabs(10 * log10(fit.error / exact)) : 99;
         cases_add(root ? "joint rounds with shifts and gains, square roots: the error they report"
                        : "joint rounds with shifts and gains, linear: the error they report",
-                  "within 0.05 dB of the model's in double", ok && loss < most_loss,
+                  "within 0.05 dB of the model's in double", ok && loss < precision_most_loss,
                   "%.2f dB, off by %.1e dB", hard_psnr(exact, samples, 1), loss);
         ok = ok && joint_fit_round_off(&fit) == BTF_OK;
         enc_solution s = {0};
@@ -530,7 +473,7 @@ static void joint_solves(void) {
             for (int v = 0; v < 13; v++) {
                 for (int c = 0; c < 3; c++) {
                     for (int l = 0; l < 13; l++) {
-                        const double x = fmin(decode(data, &s, t, v, c, l), 1);
+                        const double x = fmin(precision_decode(data, &s, t, v, c, l), 1);
                         const double r = x - fmin((double)*hard_sample(data, t, v, c, l), 1);
                         sum += r * r;
                     }
@@ -539,7 +482,7 @@ static void joint_solves(void) {
         }
         const double measure_loss = ok ? fabs(10 * log10(measured_error.linear / sum)) : 99;
         cases_add(root ? "joint_measure, square roots" : "joint_measure, linear",
-                  "within 0.05 dB of decoding in double", ok && measure_loss < most_loss,
+                  "within 0.05 dB of decoding in double", ok && measure_loss < precision_most_loss,
                   "%.2f dB, off by %.1e dB", hard_psnr(sum, samples, 1), measure_loss);
         enc_solution_clear(&s);
         joint_fit_clear(&fit);
@@ -557,5 +500,7 @@ int main(void) {
     shadows();
     playbacks();
     joint_solves();
+    precision_hidden();
+    precision_clusters();
     return cases_result();
 }
