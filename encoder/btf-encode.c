@@ -31,18 +31,6 @@ static struct {
     const char *predict;
 } o = {.job = {.levels = 1}, .effects = UINT32_MAX, .hidden_threshold = 0.7};
 
-static const char *parse_levels(const char *text, void *value) {
-    int *levels = value;
-    if (!strcmp(text, "all")) {
-        *levels = 0;
-        return NULL;
-    }
-    if (!cli_parse_int(text, "", levels, NULL) || *levels < 1 || *levels > BTF_MAX_LEVELS) {
-        return "a number from 1 to 15, or all";
-    }
-    return NULL;
-}
-
 /* Whether options of one method were given, in the order of the table. */
 static bool given[14];
 
@@ -119,7 +107,7 @@ static const cli_option table[] = {
      .arg = "N|all",
      .type = CLI_CUSTOM,
      .value = &o.job.levels,
-     .parse = parse_levels,
+     .parse = enc_parse_levels,
      .help = "levels of detail, each of half the size; all: down to one texel;\ndefault 1. "
              "Those beyond the first take about a third more bytes\nof texels, and time; layout tight"},
     {.name = "half",

@@ -6,6 +6,7 @@
 
 #include <ctype.h>
 #include <limits.h>
+#include <openbtf/material.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -79,9 +80,9 @@ const char *enc_parse_tolerance(const char *text, void *tolerance) {
     int count = 0;
     bool more = true;
     while (more && count < 2) {
-        char *end;
-        value[count] = strtod(at, &end);
-        if (end == at || !(value[count] >= 0 && value[count] <= most[count]))
+        const char *end;
+        if (!cli_parse_double(at, ",", &value[count], &end) || value[count] < 0 ||
+            value[count] > most[count])
             break;
         more = *end == ',';
         at = end + more;
@@ -90,5 +91,16 @@ const char *enc_parse_tolerance(const char *text, void *tolerance) {
     if (count == 0 || more || *at != '\0')
         return "one or two numbers of dB, 0 to 100 and 0 to 1e6 a MB, such as 0.1 or 0.05,0.2";
     memcpy(tolerance, value, sizeof value);
+    return NULL;
+}
+
+const char *enc_parse_levels(const char *text, void *levels) {
+    int *n = levels;
+    if (strcmp(text, "all") == 0) {
+        *n = 0;
+        return NULL;
+    }
+    if (!cli_parse_int(text, "", n, NULL) || *n < 1 || *n > BTF_MAX_LEVELS)
+        return "a number from 1 to 15, or all";
     return NULL;
 }

@@ -6,6 +6,7 @@
 #include "progress.h"
 #include "render/figure.h"
 #include "render/frame_plan.h"
+#include "render/light_option.h"
 #include "render/original.h"
 #include "render/render.h"
 #include "render/settings.h"

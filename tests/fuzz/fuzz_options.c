@@ -6,6 +6,8 @@
 #include "fuzz.h"
 
 #include "decoder/tools/cli.h"
+#include "decoder/tools/render/light_option.h"
+#include "decoder/tools/render/lights.h"
 #include "decoder/tools/scene_option.h"
 #include "encoder/input_options.h"
 #include "tests/sample/directions.h"
@@ -26,6 +28,8 @@ static struct {
     enc_read_options read;
     scene_option scene;
     double tolerance[2];
+    int levels;
+    light_list lights;
 } o;
 
 static const cli_option table[] = {
@@ -74,6 +78,18 @@ static const cli_option table[] = {
      .value = o.tolerance,
      .parse = enc_parse_tolerance,
      .help = "one or two numbers"},
+    {.name = "levels", .type = CLI_CUSTOM, .value = &o.levels, .parse = enc_parse_levels, .help = "levels"},
+    {.name = "cosine", .type = CLI_CUSTOM, .value = &o.read, .parse = enc_parse_cosine, .help = "a word"},
+    {.name = "light",
+     .type = CLI_CUSTOM,
+     .value = &o.lights,
+     .parse = light_parse_directional,
+     .help = "a directional light"},
+    {.name = "point",
+     .type = CLI_CUSTOM,
+     .value = &o.lights,
+     .parse = light_parse_point,
+     .help = "a light"},
     {.type = CLI_END},
 };
 
@@ -99,6 +115,15 @@ static void check_values(void) {
     FUZZ_CHECK(o.scene.scene.pixels >= 0 && o.scene.scene.pixels <= 1e6f);
     check_range(&o.scene.scene.view);
     check_range(&o.scene.scene.light);
+    FUZZ_CHECK(o.levels >= 0 && o.levels <= BTF_MAX_LEVELS);
+    FUZZ_CHECK(o.lights.count < MOST);
+    for (size_t i = 0; i < o.lights.count; i++) {
+        const light *l = &o.lights.lights[i];
+        FUZZ_CHECK(isfinite(l->at.x) && isfinite(l->at.y) && isfinite(l->at.z));
+        FUZZ_CHECK(l->is_point || fabs(vec_length(l->at) - 1) < 1e-6);
+        for (int c = 0; c < 3; c++)
+            FUZZ_CHECK(l->colour[c] >= 0 && l->colour[c] <= 1e12);
+    }
     FUZZ_CHECK(o.number >= -5 && o.number <= 1024);
     FUZZ_CHECK(o.choice >= 0 && o.choice < 3);
     FUZZ_CHECK(o.size[0] >= 1 && o.size[0] <= 16384 && o.size[1] >= 1 && o.size[1] <= 16384);
@@ -150,6 +175,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     else
         FUZZ_CHECK(exit_code == 0 || exit_code == 1);
     check_values();
+    light_list_clear(&o.lights);
     free(text);
     return 0;
 }

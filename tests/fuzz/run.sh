@@ -77,6 +77,7 @@ names)
 options)
     embed_shaders
     sources="tests/fuzz/fuzz_options.c decoder/tools/cli.c decoder/tools/scene_option.c encoder/input_options.c
+             decoder/tools/render/lights.c decoder/tools/render/light_option.c
              tests/sample/directions.c $(ls $planner | grep -v -e /result -e /temporary) $data"
     libraries+=" -lOpenEXRCore"
     most=1024

@@ -183,6 +183,8 @@ expect "an unknown device" 1 render -o x.png --device teapot
 expect_text "names the devices" "'teapot' is not one of reference, osmesa" err
 expect "fast math on the reference" 1 render -o x.png --device reference --math fast
 expect "a wrong light" 1 render -o x.png --light 10
+expect "a light behind a space" 1 render -o x.png --light " 10,20"
+expect_text "is refused with its value" "option --light: . 10,20. is not" err
 expect "a wrong point" 1 render -o x.png --point 1,2
 expect "a wrong view" 1 render -o x.png --view 200,0
 expect "a wrong size" 1 render -o x.png --size 0

@@ -2,6 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "decoder/tools/render/light_option.h"
 #include "decoder/tools/render/picture.h"
 #include "decoder/tools/render/table.h"
 #include <setjmp.h>

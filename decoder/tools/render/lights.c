@@ -1,4 +1,4 @@
-/* Lists of lights, and the command line's words for them.
+/* Lists of lights.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -20,57 +20,4 @@ bool light_list_add(light_list *list, light l) {
 void light_list_clear(light_list *list) {
     free(list->lights);
     *list = (light_list){0};
-}
-
-/* Comma-separated finite numbers; returns how many, 0 when the text is anything else. */
-static int read_numbers(const char *text, double *numbers, int most) {
-    for (int count = 0; count < most;) {
-        char *end;
-        numbers[count] = strtod(text, &end);
-        if (end == text || !(fabs(numbers[count]) <= 1e6))
-            return 0;
-        count++;
-        if (*end == '\0')
-            return count;
-        if (*end != ',')
-            return 0;
-        text = end + 1;
-    }
-    return 0;
-}
-
-/* Intensity and colour behind the first `n` numbers; false when they are of a wrong count or negative. */
-static bool read_colour(const double *numbers, int count, int n, double colour[3]) {
-    double intensity = count > n ? numbers[n] : 1;
-    if (count != n && count != n + 1 && count != n + 4)
-        return false;
-    for (int c = 0; c < 3; c++) {
-        colour[c] = intensity * (count == n + 4 ? numbers[n + 1 + c] : 1);
-        if (!(colour[c] >= 0))
-            return false;
-    }
-    return true;
-}
-
-const char *light_parse_directional(const char *text, void *value) {
-    static const char expected[] =
-        "theta,phi[,intensity[,r,g,b]]: degrees (theta 0..180), numbers that are not negative";
-    double n[6];
-    int count = read_numbers(text, n, 6);
-    light l = {0};
-    if (count < 2 || !(n[0] >= 0 && n[0] <= 180) || !read_colour(n, count, 2, l.colour))
-        return expected;
-    l.at = vec_from_angles(n[0], n[1]);
-    return light_list_add(value, l) ? NULL : "at most 4096 lights";
-}
-
-const char *light_parse_point(const char *text, void *value) {
-    static const char expected[] = "x,y,z[,intensity[,r,g,b]]: numbers, those of the colour not negative";
-    double n[7];
-    int count = read_numbers(text, n, 7);
-    light l = {.is_point = true};
-    if (count < 3 || !read_colour(n, count, 3, l.colour))
-        return expected;
-    l.at = vec(n[0], n[1], n[2]);
-    return light_list_add(value, l) ? NULL : "at most 4096 lights";
 }

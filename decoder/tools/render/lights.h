@@ -27,10 +27,6 @@ typedef struct light_list {
 bool light_list_add(light_list *list, light l);
 void light_list_clear(light_list *list);
 
-/* Parsers of command-line options; `value` is a light_list. NULL, or what was expected. */
-const char *light_parse_directional(const char *text, void *value); /* T,P[,I[,R,G,B]] */
-const char *light_parse_point(const char *text, void *value);       /* X,Y,Z[,I[,R,G,B]] */
-
 /* Cuts a latitude-longitude map into `count` regions (a power of two) of like energy by median cut and adds
  * one directional light for each, at the centre of its energy (P. Debevec, "A median cut algorithm for
  * light probe sampling", 2005). pixels[row][column][3] is linear radiance; row 0 is up (+y), the middle

@@ -4,6 +4,7 @@
  */
 #include "settings.h"
 
+#include "light_option.h"
 #include "picture.h"
 #include <math.h>
 #include <omp.h>
