@@ -4,7 +4,8 @@
 #
 #   tests/tsan.sh [FOLDER]     FOLDER (default build-tsan) takes the build
 #
-# Both methods encode tiny data with 4 threads, options and layouts varied, and a BTF is sampled; then a loop with a race
+# Both methods encode tiny data with 4 threads, options and layouts varied, levels of detail among them, and a BTF is
+# sampled, decoded, compared and rendered by the reference; then a loop with a race
 # in it has to be reported, or nothing would be shown. Exits 0, 1 on a race, 77 (with the reason) without clang or libomp.
 #
 # SPDX-License-Identifier: MIT
@@ -26,7 +27,8 @@ if [ ! -f "$folder/build.ninja" ]; then
         exit 1
     }
 fi
-ninja -C "$folder" encoder/btf-encode encoder/btf-compare tests/sample/btf-sample >"$folder/ninja.log" 2>&1 || {
+ninja -C "$folder" encoder/btf-encode encoder/btf-compare decoder/tools/btf-decode decoder/tools/render/btf-render \
+    tests/sample/btf-sample >"$folder/ninja.log" 2>&1 || {
     tail -30 "$folder/ninja.log"
     exit 1
 }
@@ -60,6 +62,9 @@ watched "paper, scratch file, pictures, report" encode --method paper --memory "
 watched "joint" encode --preset fast
 watched "joint, model without residual" encode --preset fast --effects shadow,shift,gain
 watched "joint, layout paper" encode --preset fast --layout paper
+watched "joint, levels" encode --preset fast --levels all
+watched "decode" "$tools/decoder/tools/btf-decode" "$work/x.btf.exr" -o "$work/decoded" --all
+watched "render" "$tools/decoder/tools/render/btf-render" "$work/x.btf.exr" -o "$work/r.png" --device reference --size 40 --threads 4
 watched "compare" "$tools/encoder/btf-compare" "$work/data" "$work/x.btf.exr"
 
 # the sum of a parallel loop without a reduction
