@@ -7,6 +7,7 @@
 #include "decoder/tools/reference_view.h"
 
 #include <math.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -90,6 +91,13 @@ static void dump(const check_session *session, const char *step, size_t count, i
     free(pictures);
 }
 
+/* Radiance is never NaN or infinite: equal bits that are count as different. */
+static bool is_finite_radiance(const uint32_t *words) {
+    float rgb[3];
+    memcpy(rgb, words, sizeof rgb);
+    return isfinite(rgb[0]) && isfinite(rgb[1]) && isfinite(rgb[2]);
+}
+
 btf_result check_batch(check_session *session, const char *step, uint64_t first, size_t count, int words,
                        check_outcome *outcome) {
     btf_result result = gpu_run(session->subject->gpu, session->program, count, session->inputs,
@@ -99,7 +107,7 @@ btf_result check_batch(check_session *session, const char *step, uint64_t first,
     uint64_t before = outcome->different;
     for (size_t i = 0; i < count; ++i) {
         const uint32_t *e = session->expected + GPU_OUTPUTS * i, *a = session->actual + GPU_OUTPUTS * i;
-        if (memcmp(e, a, (size_t)words * sizeof *e) == 0)
+        if (memcmp(e, a, (size_t)words * sizeof *e) == 0 && (words != 3 || is_finite_radiance(e)))
             continue;
         if (outcome->different++ == 0) {
             snprintf(outcome->step, sizeof outcome->step, "%s", step);
