@@ -7,7 +7,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 
-static int n_cases, n_failed;
+static int n_cases, n_failed, n_skipped;
 
 void cases_title(const char *title) {
     printf("TITLE | %s\n", title);
@@ -28,9 +28,12 @@ void cases_add(const char *input, const char *expected, bool passed, const char 
 void cases_skip(const char *input, const char *expected, const char *reason) {
     printf("CASE | %s | %s | skipped: %s | skip\n", input, expected, reason);
     n_cases++;
+    n_skipped++;
 }
 
 int cases_result(void) {
     printf("%d cases, %d failed\n", n_cases, n_failed);
+    if (n_cases > 0 && n_skipped == n_cases)
+        return 77;
     return n_cases == 0 || n_failed > 0;
 }

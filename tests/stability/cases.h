@@ -18,7 +18,7 @@ void cases_add(const char *input, const char *expected, bool passed, const char 
 /* A case that this machine cannot run, with the reason. */
 void cases_skip(const char *input, const char *expected, const char *reason);
 
-/* For main: 0 when every case passed and there was one, else 1. */
+/* For main: 0 when no case failed and one passed, 77 when all were skipped, else 1. */
 int cases_result(void);
 
 #endif

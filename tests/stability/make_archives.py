@@ -101,7 +101,7 @@ def main():
         return os.path.join(out, name)
 
     write_zip(path('plain.zip'), images)
-    write_zip(path('absolute.zip'), [('/' + name, data) for name, data in images])
+    write_zip(path('absolute.zip'), [(os.path.abspath('landed') + '/' + name, data) for name, data in images])
     write_zip(path('dots.zip'), [('../../../' + name, data) for name, data in images])
     write_zip(path('utf8.zip'), [('caf\u00e9 \u7d39/' + name, data) for name, data in images])
     write_zip(path('latin.zip'), [('cafe/' + name, data) for name, data in images])

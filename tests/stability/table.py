@@ -29,7 +29,8 @@ HEAD = """# What the stability tests saw
 
 Every case that the tests of this folder check, as they printed it: the input, what is expected, what was seen on the
 machine that wrote this page. Made by `tests/stability/table.py write`; each test fails when its section here does
-not list exactly its cases.
+not list exactly its cases (under the sanitizers, which run fewer, when it prints one that is not listed).
+`stability_files_long` tries every value of the bytes that `stability_files` tries some of, and has no section of its own.
 """
 COLUMNS = '| input | expected | seen |\n| --- | --- | --- |\n'
 
