@@ -49,6 +49,7 @@ signals() {
     left=$(temporaries .)
     must "$method" data x.btf.exr
     must test "$(temporaries .)" = 0
+    must test $died -gt 0
     verdict "$signal at any moment, $method" \
         "exit code 0 or ${4/ / or }; the output old or whole; no temporary file after the next run" \
         "$died ended early, $ended finished, $left temporary files before the next run"
@@ -58,6 +59,39 @@ signals paper TERM 6 "130 143"
 signals paper KILL 10 137
 signals joint INT 6 130
 signals joint KILL 6 137
+
+# at_stages METHOD SIGNAL CODE: the signal when a stage is done, so that the next one has begun.
+at_stages() {
+    local how died=0 n=0 stage line
+    [ "$1" = paper ] && how="--method paper" || how="--preset fast"
+    btf-encode data -o timed.btf.exr $how 2>&1 >/dev/null | sed -n 's/: done after.*//p' >stages
+    while IFS= read -r stage; do
+        cp old x.btf.exr
+        {
+            btf-encode data -o x.btf.exr $how >/dev/null &
+            echo $! >encoder
+            wait $!
+            echo $? >code
+        } 2>&1 | while IFS= read -r line; do
+            case $line in "$stage: done "*) kill -"$2" "$(cat encoder)" 2>/dev/null ;; esac
+        done
+        code=$(cat code) n=$((n + 1))
+        one_of 0 "$3"
+        [ "$code" = 0 ] && must cmp x.btf.exr "$1.btf.exr" || died=$((died + 1))
+        whole x.btf.exr "$1.btf.exr"
+        [ "$2" = INT ] && [ "$(temporaries .)" != 0 ] && complain "a temporary file is left"
+    done <stages
+    must test $died -ge $((n / 2))
+    must "$1" data x.btf.exr
+    must test "$(temporaries .)" = 0
+    verdict "$2 in each stage, $1" \
+        "exit code $3, or 0 where the rest was quicker; the output old or whole; no temporary file after the next run" \
+        "$died of $n ended early"
+}
+at_stages paper INT 130
+at_stages joint KILL 137
+sanitized || at_stages paper KILL 137
+sanitized || at_stages joint INT 130
 
 cp old x.btf.exr
 code=0
@@ -122,7 +156,8 @@ verdict "a pipe with an image's name" "exit code 5, the image is named" "$(messa
 
 mkdir drawn
 paper data y.btf.exr --pictures drawn/good --report good.json
-for moment in $(moments 6 "$(seconds_of paper data y.btf.exr --pictures drawn/timed)"); do
+long_way() { TMPDIR=$PWD paper data y.btf.exr --memory "$least" --pictures drawn/timed --report good.json; }
+for moment in $(moments 6 "$(seconds_of long_way)"); do
     mkdir -p scratch
     TMPDIR=$PWD/scratch timeout -s KILL "$moment" btf-encode data -o y.btf.exr --method paper -q --memory "$least" \
         --pictures drawn/x --report y.json 2>err
@@ -130,6 +165,7 @@ for moment in $(moments 6 "$(seconds_of paper data y.btf.exr --pictures drawn/ti
     [ -e y.json ] && must python3 -m json.tool y.json
     [ -z "$(ls -A scratch)" ] || complain "left in TMPDIR: $(ls -A scratch)"
 done
+sanitized || must test -n "$(ls drawn/x)" # else no kill came late enough to show anything
 must paper data y.btf.exr --pictures drawn/x --report y.json
 must test "$(temporaries .)" = 0
 verdict "KILL at any moment while pictures and report are written, samples in a scratch file" \
@@ -137,7 +173,8 @@ verdict "KILL at any moment while pictures and report are written, samples in a 
 
 mkdir images
 btf-decode paper.btf.exr -o good-images --all >/dev/null 2>&1 || exit 99
-for moment in $(moments 8 0.1); do
+decode() { btf-decode paper.btf.exr -o timed-images --all >/dev/null; }
+for moment in $(moments 8 "$(seconds_of decode)"); do
     timeout -s KILL "$moment" btf-decode paper.btf.exr -o images --all >/dev/null 2>&1
     same_files images good-images
 done
@@ -166,6 +203,7 @@ for moment in $(moments 12 0.05); do
         must test -s err
     fi
 done
+must test $lost -gt 0
 verdict "the input removed at any moment" "exit code 2 or 3 with a message and no output, or, all being read, 0" \
     "$lost refused, $read read in time"
 
