@@ -45,6 +45,8 @@ void precision_scene_clear(precision_scene *scene);
 enc_occlusion *precision_occlusion(const enc_data *data);
 
 /* The rows of a stage. */
+void precision_fit(void);
+void precision_flow(void);
 void precision_hidden(void);
 void precision_clusters(void);
 

@@ -500,6 +500,8 @@ int main(void) {
     shadows();
     playbacks();
     joint_solves();
+    precision_fit();
+    precision_flow();
     precision_hidden();
     precision_clusters();
     return cases_result();
