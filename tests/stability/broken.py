@@ -58,6 +58,17 @@ CHANGES = [
         ("encoder/playback.c", "solution->domain == BTF_DOMAIN_SQRT ? sqrtf(xyz[2]) : xyz[2]", "xyz[2]")]),
     ("the derivative by n wrong", "precision", [
         ("encoder/fit_normal.c", "return at->held[j] ? 0 : at->shape[j][3];", "return at->held[j] ? 0 : at->shape[j][0];")]),
+    ("samples rejected by a model in steps of 1/16", "precision", [
+        ("encoder/fit.c", "model[c] = w->model[c * n + i] * g->multiplier[i];",
+         "model[c] = w->model[c * n + i] * g->multiplier[i] + 1e6f - 1e6f;")]),
+    ("the flow's first estimate from images in steps of 1/4", "precision", [
+        ("encoder/flow_prior.c", "v > 0 ? sqrtf(v) : 0;", "v > 0 ? sqrtf(v) + 4e6f - 4e6f : 0;")]),
+    ("hidden points searched by distances in steps of 1", "precision", [
+        ("encoder/refine.c", "s->norms.distance(query, s->modelled + source * s->stride, s->lanes);",
+         "s->norms.distance(query, s->modelled + source * s->stride, s->lanes) + 1e7f - 1e7f;")]),
+    ("means of clusters in steps of 1/16", "precision", [
+        ("encoder/kmeans.c", "(float)(sums[j * stride + d] / (double)counts[j]);",
+         "(float)(sums[j * stride + d] / (double)counts[j]) + 1e6f - 1e6f;")]),
     ("the diffuse term stored four times too large", "perturbation", [
         ("encoder/fit_texel.c", "out[3] = storable(at->diffuse * factor, cut);", "out[3] = storable(4 * at->diffuse * factor, cut);"),
         ("encoder/fit_texel.c", "if (store(&p, &best, out_parameters)) {\n            best.cost = stored_cost", "if (!store(&p, &best, out_parameters)) {\n            best.cost = stored_cost")]),
