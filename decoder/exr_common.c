@@ -19,17 +19,24 @@ void btfi_effects_text(uint32_t effects, char *buffer, size_t size) {
 }
 
 static _Thread_local char last_message[256];
+static _Thread_local bool out_of_memory;
 
 void btfi_exr_clear_message(void) {
     last_message[0] = 0;
+    out_of_memory = false;
 }
 
 const char *btfi_exr_message(exr_result_t code) {
     return last_message[0] ? last_message : exr_get_default_error_message(code);
 }
 
+bool btfi_exr_was_out_of_memory(void) {
+    return out_of_memory;
+}
+
 void btfi_exr_keep_message(exr_const_context_t context, exr_result_t code, const char *message) {
     (void)context;
+    out_of_memory = out_of_memory || code == EXR_ERR_OUT_OF_MEMORY;
     snprintf(last_message, sizeof last_message, "%s",
              message ? message : exr_get_default_error_message(code));
 }

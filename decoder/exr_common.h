@@ -22,6 +22,7 @@ void btfi_effects_text(uint32_t effects, char *buffer, size_t size);
  * handler cannot ask the context for user data. Cleared before a file is begun. */
 void btfi_exr_clear_message(void);
 const char *btfi_exr_message(exr_result_t code); /* that of the code when there is none */
+bool btfi_exr_was_out_of_memory(void);           /* OpenEXR goes on without some attributes */
 void btfi_exr_keep_message(exr_const_context_t context, exr_result_t code, const char *message);
 
 /* The half of an integer -128..255. */

@@ -346,6 +346,8 @@ btf_result btf_material_open_memory(const void *data, size_t size, const btf_log
     start.max_image_width = start.max_image_height = MAX_SIDE;
     start.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
     exr_result_t exr = exr_start_read(&context, "material.btf.exr", &start);
+    if (exr == EXR_ERR_SUCCESS && btfi_exr_was_out_of_memory())
+        exr = EXR_ERR_OUT_OF_MEMORY;
     btf_result result =
         exr ? fail_exr(log, exr, "no OpenEXR file") : read_material(context, log, &s, out_material);
     if (context)

@@ -95,12 +95,9 @@ const char *enc_parse_tolerance(const char *text, void *tolerance) {
 }
 
 const char *enc_parse_levels(const char *text, void *levels) {
-    int *n = levels;
-    if (strcmp(text, "all") == 0) {
-        *n = 0;
-        return NULL;
-    }
-    if (!cli_parse_int(text, "", n, NULL) || *n < 1 || *n > BTF_MAX_LEVELS)
+    int n = 0;
+    if (strcmp(text, "all") != 0 && (!cli_parse_int(text, "", &n, NULL) || n < 1 || n > BTF_MAX_LEVELS))
         return "a number from 1 to 15, or all";
+    *(int *)levels = n;
     return NULL;
 }

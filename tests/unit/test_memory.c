@@ -1,12 +1,14 @@
-/* A failing allocator: the n-th allocation of each call fails, for every n. The call must say so, and leave
- * nothing behind. The allocator of the whole process is replaced, so that OpenEXR's allocations fail as
- * well; under a sanitizer, which replaces it too, the cases are skipped.
+/* A failing allocator: the n-th allocation of each call fails, for every n. The call must say so, or do
+ * without and give what it gives otherwise, and leave nothing behind. The allocator of the whole process is
+ * replaced, so that OpenEXR's allocations fail as well; under a sanitizer, which replaces it too, the cases
+ * are skipped.
  *
  * SPDX-License-Identifier: MIT
  */
 #include "decoder/gl_functions.h"
 #include "random_material.h"
 #include <openbtf/gl.h>
+#include <openbtf/plan.h>
 #include <openbtf/shader.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -80,7 +82,15 @@ typedef struct fixture {
     btf_material *material;
     void *data;
     size_t size;
+    char path[300]; /* of a file of `data` */
+    btf_plan plan;
 } fixture;
+
+static void make_path(const char *name, char path[300]) {
+    const char *base = getenv("TMPDIR");
+    snprintf(path, 300, "%.200s/btf-memory-%ld-%.40s.btf.exr", base && *base ? base : "/tmp",
+             (long)getpid(), name);
+}
 
 static fixture make(btf_layout layout) {
     random_state r = {41};
@@ -96,10 +106,15 @@ static fixture make(btf_layout layout) {
     random_material_fill(&r, &f.desc);
     assert_int_equal(btf_material_create(&f.desc, NULL, &f.material), BTF_OK);
     assert_int_equal(btf_material_save_memory(f.material, NULL, &f.data, &f.size), BTF_OK);
+    make_path("in", f.path);
+    assert_int_equal(btf_material_save(f.material, f.path, NULL), BTF_OK);
+    const btf_scene scene = {.light = {.fixed = 1, .direction = {0, 0, 1}}};
+    assert_int_equal(btf_plan_effects(f.material, &scene, 1, &f.plan), BTF_OK);
     return f;
 }
 
 static void clear(fixture *f) {
+    unlink(f->path);
     btf_material_close(&f->material);
     btf_free(f->data);
     random_material_free(&f->desc);
@@ -115,17 +130,63 @@ static void count_message(void *user, btf_log_level level, const char *message) 
 
 static const btf_log log_count = {count_message, NULL};
 
+/* What a call gave, in 64 bits (FNV-1a). */
+static uint64_t given;
+
+static void note(const void *data, size_t size) {
+    given = 14695981039346656037u;
+    for (size_t i = 0; i < size; i++)
+        given = (given ^ ((const unsigned char *)data)[i]) * 1099511628211u;
+}
+
+/* The end of a call that makes a material: closes it. */
+static btf_result made(btf_result result, btf_material **m) {
+    assert_true((result == BTF_OK) == (*m != NULL));
+    if (result == BTF_OK) {
+        void *data;
+        size_t size;
+        const bool was = watching;
+        watching = false;
+        assert_int_equal(btf_material_save_memory(*m, NULL, &data, &size), BTF_OK);
+        note(data, size);
+        btf_free(data);
+        watching = was;
+    }
+    btf_material_close(m);
+    return result;
+}
+
 static btf_result do_create(const fixture *f) {
     btf_material *m;
-    btf_result result = btf_material_create(&f->desc, &log_count, &m);
-    btf_material_close(&m);
-    return result;
+    return made(btf_material_create(&f->desc, &log_count, &m), &m);
 }
 
 static btf_result do_open(const fixture *f) {
     btf_material *m;
-    btf_result result = btf_material_open_memory(f->data, f->size, &log_count, &m);
-    btf_material_close(&m);
+    return made(btf_material_open_memory(f->data, f->size, &log_count, &m), &m);
+}
+
+static btf_result do_open_file(const fixture *f) {
+    btf_material *m;
+    return made(btf_material_open(f->path, &log_count, &m), &m);
+}
+
+static btf_result do_tight(const fixture *f) {
+    btf_material *m;
+    return made(btf_material_to_tight(f->material, &log_count, &m), &m);
+}
+
+static btf_result do_restrict(const fixture *f) {
+    btf_material *m;
+    return made(btf_material_restrict(f->material, &f->plan, &log_count, &m), &m);
+}
+
+/* It has no log. */
+static btf_result do_plan(const fixture *f) {
+    btf_plan plan;
+    btf_result result = btf_plan_effects(f->material, &f->plan.scene, 1, &plan);
+    messages += result != BTF_OK;
+    note(&plan.psnr_linear, sizeof plan.psnr_linear);
     return result;
 }
 
@@ -133,18 +194,27 @@ static btf_result do_save(const fixture *f) {
     void *data;
     size_t size;
     btf_result result = btf_material_save_memory(f->material, &log_count, &data, &size);
+    if (result == BTF_OK)
+        note(data, size);
     btf_free(data);
     return result;
 }
 
 /* To a path: the temporary file must be gone as well. */
 static btf_result do_save_file(const fixture *f) {
-    static char path[300];
-    const char *base = getenv("TMPDIR");
-    if (!path[0])
-        snprintf(path, sizeof path, "%.200s/btf-memory-%ld.btf.exr", base && *base ? base : "/tmp",
-                 (long)getpid());
+    char path[300];
+    make_path("out", path);
     btf_result result = btf_material_save(f->material, path, &log_count);
+    if (result == BTF_OK) {
+        static char data[1 << 20];
+        const bool was = watching;
+        watching = false;
+        FILE *file = fopen(path, "rb");
+        assert_non_null(file);
+        note(data, fread(data, 1, sizeof data, file));
+        fclose(file);
+        watching = was;
+    }
     unlink(path);
     return result;
 }
@@ -152,6 +222,8 @@ static btf_result do_save_file(const fixture *f) {
 static btf_result do_shader(const fixture *f) {
     char *text;
     btf_result result = btf_shader_source(f->material, NULL, &log_count, &text);
+    if (result == BTF_OK)
+        note(text, strlen(text));
     btf_free(text);
     return result;
 }
@@ -226,6 +298,8 @@ static void every_failure(const char *name, btf_result (*call)(const fixture *f)
     for (int layout = 0; layout < 2; layout++) {
         fixture f = make((btf_layout)layout);
         long long n = 0;
+        assert_int_equal(call(&f), BTF_OK);
+        const uint64_t wanted = given;
         for (;; n++) {
             messages = 0;
             watch(n);
@@ -234,12 +308,14 @@ static void every_failure(const char *name, btf_result (*call)(const fixture *f)
             if (outstanding < 0 || outstanding > spared)
                 print_error("%s: %lld blocks are left when allocation %lld fails\n", name, outstanding, n);
             assert_in_range(outstanding, 0, spared);
+            if (result == BTF_OK) /* OpenEXR does without some */
+                assert_true(given == wanted);
+            else
+                assert_int_equal(messages, 1);
             if (until_failure >= 0) { /* none failed */
                 assert_int_equal(result, BTF_OK);
                 break;
             }
-            if (result != BTF_OK) /* OpenEXR does without some */
-                assert_int_equal(messages, 1);
             assert_true(n < 100000);
         }
         print_message("%s, layout %d: %lld allocations\n", name, layout, n);
@@ -293,6 +369,26 @@ static void test_open(void **state) {
 #endif
 }
 
+static void test_open_file(void **state) {
+    (void)state;
+#ifdef SANITIZED
+    skip_here();
+#else
+    every_failure("open a path", do_open_file, 0);
+#endif
+}
+
+static void test_restrict(void **state) {
+    (void)state;
+#ifdef SANITIZED
+    skip_here();
+#else
+    every_failure("plan", do_plan, 0);
+    every_failure("restrict", do_restrict, 0);
+    every_failure("to layout tight", do_tight, 0);
+#endif
+}
+
 static void test_save(void **state) {
     (void)state;
 #ifdef SANITIZED
@@ -333,8 +429,9 @@ static void test_upload(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_create),    cmocka_unit_test(test_open),   cmocka_unit_test(test_save),
-        cmocka_unit_test(test_save_file), cmocka_unit_test(test_shader), cmocka_unit_test(test_upload),
+        cmocka_unit_test(test_create),    cmocka_unit_test(test_open),     cmocka_unit_test(test_save),
+        cmocka_unit_test(test_open_file), cmocka_unit_test(test_restrict), cmocka_unit_test(test_save_file),
+        cmocka_unit_test(test_shader),    cmocka_unit_test(test_upload),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
