@@ -37,6 +37,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 tools=$(cd "$folder" && pwd)
 failures=0
+echo "TITLE | ThreadSanitizer over the parallel stages, 4 threads."
 
 # watched NAME COMMAND...: it must succeed, and the sanitizer must be silent.
 watched() {
@@ -46,7 +47,9 @@ watched() {
     if [ $code = 0 ] && ! grep -q "WARNING: ThreadSanitizer" "$work/err"; then
         echo "[ RUN      ] $name"
         echo "[       OK ] $name"
+        echo "CASE | $name | no race | silent | pass"
     else
+        echo "CASE | $name | no race | exit code $code | FAIL"
         echo "[ RUN      ] $name"
         head -60 "$work/err"
         echo "[  FAILED  ] $name"
@@ -85,7 +88,9 @@ code=0
 echo "[ RUN      ] a race is seen"
 if grep -q "WARNING: ThreadSanitizer: data race" "$work/err"; then
     echo "[       OK ] a race is seen"
+    echo "CASE | a loop with a race in it | it is reported | as expected | pass"
 else
+    echo "CASE | a loop with a race in it | it is reported | exit code $code | FAIL"
     echo "exit code $code"
     echo "[  FAILED  ] a race is seen"
     failures=$((failures + 1))

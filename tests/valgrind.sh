@@ -7,21 +7,25 @@
 # Exits 1 on an error or a leak, 77 (with the reason) without valgrind.
 #
 # SPDX-License-Identifier: MIT
-set -u
+set -u -o pipefail
 command -v valgrind >/dev/null || {
     echo "skipped: valgrind is not there"
     exit 77
 }
 build=$1 failures=0
 shift
+echo "TITLE | Valgrind over the loader and the readers, with the inputs kept for the fuzz targets."
 for target in "$@"; do
     echo "[ RUN      ] $target"
     if valgrind -q --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite,indirect \
-        "$build/tests/fuzz/fuzz-$target" "$(dirname "$0")/fuzz/corpus/$target"; then
+        "$build/tests/fuzz/fuzz-$target" "$(dirname "$0")/fuzz/corpus/$target" | grep -v -e '^CASE' -e '^TITLE'; then
         echo "[       OK ] $target"
+        verdict=pass
     else
         echo "[  FAILED  ] $target"
+        verdict=FAIL
         failures=$((failures + 1))
     fi
+    echo "CASE | $target | no error, no leak | $(find "$(dirname "$0")/fuzz/corpus/$target" -type f | wc -l) files | $verdict"
 done
 exit $((failures > 0))

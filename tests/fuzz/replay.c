@@ -2,13 +2,15 @@
  *
  *     fuzz-NAME FOLDER...
  *
- * Exits 1 when there is no file; a target that finds something ends the process.
+ * Prints a line for the table of stability cases (tests/stability/table.py). Exits 1 when there is no file;
+ * a target that finds something ends the process.
  *
  * SPDX-License-Identifier: MIT
  */
 #include "fuzz.h"
 
 #include <dirent.h>
+#include <string.h>
 
 /* The whole file in a buffer of just its size, so that a sanitizer sees a read beyond it. */
 static void run_file(const char *path) {
@@ -42,6 +44,9 @@ int main(int argc, char **argv) {
         }
         free(entries);
     }
-    printf("%d files\n", files);
+    const char *name = argc > 1 ? strrchr(argv[1], '/') : NULL;
+    printf("TITLE | The inputs that are kept for each fuzz target, read again.\n");
+    printf("CASE | %s: inputs kept | each ends, and none breaks what holds for all | %d files | %s\n",
+           name ? name + 1 : "none", files, files ? "pass" : "FAIL");
     return files == 0;
 }

@@ -117,5 +117,9 @@ ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1 UBSAN_OPTIONS=print_stac
     -malloc_limit_mb=5000 -close_fd_mask=3 -print_final_stats=1 -artifact_prefix="$folder/found/" \
     "$folder/corpus" "tests/fuzz/corpus/$target" >"$folder/log" 2>&1
 code=$?
+units=$(sed -n 's/^stat::number_of_executed_units: *//p' "$folder/log")
+core=$(awk '/^(user|sys)/ { split($2, t, /[ms]/); s += 60 * t[1] + t[2] } END { printf "%.0f", s }' "$folder/log")
+echo "TITLE | libFuzzer on each target, under AddressSanitizer and UBSan."
+echo "CASE | $target: libFuzzer for $seconds s | nothing found | ${units:-no} runs, $core core s | $([ $code = 0 ] && echo pass || echo FAIL)"
 grep -E '#[0-9]+.*(DONE|INITED)|^stat::|ERROR|SUMMARY|not so|^(real|user|sys)' "$folder/log" | tail -20
 [ $code = 0 ]

@@ -13,6 +13,8 @@ may differ from run to run. No field holds a `|`. C programs call cases.h.
     table.py run NAME COMMAND...   runs COMMAND, shows its output, keeps the lines in $BTF_BUILD_ROOT/stability/NAME,
                                    and fails when a case fails or when the section NAME of README.md does not list
                                    exactly the cases that the program printed. This is how meson runs every program.
+                                   NAME may be GROUP/PART: several programs share the section GROUP, each with the
+                                   cases whose input begins with "PART: ".
     table.py write FOLDER          rewrites README.md from the files kept in FOLDER ($BTF_BUILD_ROOT/stability);
                                    sections of programs that have no file there stay as they are.
 
@@ -27,7 +29,7 @@ import sys
 README = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'README.md')
 HEAD = """# What the stability tests saw
 
-Every case that the tests of this folder check, as they printed it: the input, what is expected, what was seen on the
+Every hard case and bad input that the tests try, as they printed it: the input, what is expected, what was seen on the
 machine that wrote this page. Made by `tests/stability/table.py write`; each test fails when its section here does
 not list exactly its cases (under the sanitizers, which run fewer, when it prints one that is not listed).
 `stability_files_long` tries every value of the bytes that `stability_files` tries some of, and has no section of its own.
@@ -74,7 +76,13 @@ def listed(section):
     return rows
 
 
+def of_part(rows, part):
+    """The rows that are of a part of a section: all when there are no parts."""
+    return [row for row in rows if not part or row[0].startswith(part + ': ')]
+
+
 def run(name, command):
+    section, _, part = name.partition('/')
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, errors='replace')
     lines = []
     for line in process.stdout:
@@ -94,29 +102,34 @@ def run(name, command):
         return 1
     folder = os.path.join(os.environ['BTF_BUILD_ROOT'], 'stability')
     os.makedirs(folder, exist_ok=True)
-    with open(os.path.join(folder, name), 'w', encoding='utf-8') as file:
+    with open(os.path.join(folder, name.replace('/', ' ')), 'w', encoding='utf-8') as file:
         file.write(''.join(line for line in lines if line.startswith(('TITLE | ', 'CASE | '))))
     failed = [case for case in cases if case[3] == 'FAIL']
-    want, have = listed(sections().get(name, '')), {case[:2] for case in cases}
+    want, have = set(of_part(listed(sections().get(section, '')), part)), {case[:2] for case in cases}
     missing = set() if os.environ.get('BTF_TEST_LIGHT') else want - have  # light: some of the cases
     for case in failed:
         print(f'table.py: failed: {case[0]}')
     for row in sorted(have - want):
-        print(f'table.py: not in README.md, section {name}: {row[0]} (expected: {row[1]})')
+        print(f'table.py: not in README.md, section {section}: {row[0]} (expected: {row[1]})')
     for row in sorted(missing):
-        print(f'table.py: in README.md, section {name}, but not tested: {row[0]} (expected: {row[1]})')
+        print(f'table.py: in README.md, section {section}, but not tested: {row[0]} (expected: {row[1]})')
     return 1 if failed or missing or have - want else 0
 
 
 def write(folder):
     found = sections()
-    for name in os.listdir(folder):
+    for name in sorted(os.listdir(folder)):
         with open(os.path.join(folder, name), encoding='utf-8') as file:
             title, cases = parse(file.read())
         if any(case[3] == 'FAIL' for case in cases):
             sys.exit(f'table.py: {name} has failing cases')
-        rows = ''.join(f'| {case[0]} | {case[1]} | {case[2]} |\n' for case in cases)
-        found[name] = f'\n{title}\n\n{COLUMNS}{rows}'.rstrip('\n')
+        section, _, part = name.partition(' ')
+        rows = [f'| {case[0]} | {case[1]} | {case[2]} |' for case in cases]
+        if part:  # those of other parts stay
+            rows += [line for line in found.get(section, '').splitlines() if line.startswith('| ')
+                     and not line.startswith((f'| {part}: ', '| input |', '| --- |'))]
+            rows.sort()
+        found[section] = f'\n{title}\n\n{COLUMNS}' + '\n'.join(rows)
     with open(README + '.part', 'w', encoding='utf-8') as file:
         file.write(HEAD)
         for name in sorted(found):

@@ -141,15 +141,34 @@ static outcome open_edited(edit_file *file) {
 static int asked, refused;
 static char complaint[300];
 
-/* The edited file has to be refused, and the message has to hold `word`. */
-static void expect_refused(edit_file *file, const char *word) {
-    const outcome seen = open_edited(file);
+/* What was opened has to be refused, and the message has to hold `word`. */
+static void count_refusal(outcome seen, const char *word) {
     asked++;
     if (seen == REFUSED && strstr(last_message, word))
         refused++;
     else if (!complaint[0])
-        snprintf(complaint, sizeof complaint, "; %s: %.200s", word,
+        snprintf(complaint, sizeof complaint, "; %.60s: %.200s", word,
                  seen == REFUSED ? last_message : "opened");
+}
+
+/* The edited file, which is freed, has to be refused. */
+static void expect_refused(edit_file *file, const char *word) {
+    count_refusal(open_edited(file), word);
+}
+
+/* One part under the name of another. EXR writers refuse that, so the bytes are changed. */
+static void expect_renamed_refused(const saved *s, const char *part, const char *name) {
+    uint8_t text[44] = {(uint8_t)strlen(part)}; /* its length, then the text */
+    memcpy(text + 4, part, strlen(part));
+    uint8_t *copy = malloc(s->size), *at;
+    if (!copy)
+        exit(99);
+    memcpy(copy, s->data, s->size);
+    at = memmem(copy, s->size, text, 4 + strlen(part));
+    if (at)
+        memcpy(at + 4, name, strlen(name));
+    count_refusal(open_bytes(copy, s->size), at ? "repeated" : "the part's name is not in the file");
+    free(copy);
 }
 
 static void add_refused(const char *what, const saved *s, const char *expected) {
@@ -182,6 +201,12 @@ static void try_parts(const saved *s) {
         expect_refused(file, "level7.copy");
     }
     add_refused("each part twice, under an unknown name", s, named);
+    for (int p = 0; p < count; p++)
+        for (int q = 0; q < count; q++)
+            if (p != q && strlen(names[p]) == strlen(names[q]))
+                expect_renamed_refused(s, names[p], names[q]);
+    if (asked > 0)
+        add_refused("a part under the name of another, of the same length", s, "refused as repeated");
     for (int p = 0; p < count; p++)
         for (int change = 0; change < 6; change++) {
             file = edit_load(s->data, s->size);
