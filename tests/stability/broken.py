@@ -201,7 +201,8 @@ def check(tree, name, test, edits):
             if code == 77:
                 noticed, seen = None, output.strip()
             elif code != 0:
-                how = 'it does not end' if code is None else f'it ends with code {code}'
+                how = ('it does not end' if code is None else f'it ends by signal {-code}' if code < 0 else
+                       f'it ends with code {code}')
                 noticed, seen = True, f'{test}: {first_failure(output) or how}'
             else:
                 seen = f'{test} noticed nothing'
