@@ -89,7 +89,7 @@ at_stages() {
         "$died of $n ended early"
 }
 at_stages paper INT 130
-at_stages joint KILL 137
+sanitized || at_stages joint KILL 137
 sanitized || at_stages paper KILL 137
 sanitized || at_stages joint INT 130
 
