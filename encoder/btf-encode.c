@@ -60,8 +60,8 @@ static const cli_option table[] = {
      .value = &o.effects,
      .given = &o.effects_given,
      .choices = "auto",
-     .help = "auto (default): those that pay (--effect-tolerance); none; or\nexactly these of "
-             "shadow,shift,hidden,gain,residual"},
+     .help = "auto (default): those that pay (--effect-tolerance), and with\n--method paper the diffuse fit "
+             "alone where that is better;\nnone; or exactly these of shadow,shift,hidden,gain,residual"},
     {.name = "effect-tolerance",
      .arg = "DB[,DB]",
      .type = CLI_CUSTOM,
@@ -414,7 +414,7 @@ static btf_result prepare(void) {
                          "option --levels: --layout paper has one level; take --layout tight");
     }
     job->paper.effects = o.effects == UINT32_MAX ? paper_effects : o.effects;
-    job->paper.choose = o.effects == UINT32_MAX;
+    job->paper.choose = job->paper.fallback = o.effects == UINT32_MAX;
     job->paper.effect_tolerance = o.effect_tolerance[0];
     job->paper.effect_tolerance_bytes = o.effect_tolerance[1];
     job->paper.fit.t_error = (float)o.error_threshold;

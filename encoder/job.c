@@ -139,7 +139,9 @@ static btf_result check_levels(const enc_context *context, const enc_job *job, c
 }
 
 static btf_result analyse_levels(const enc_context *context, const enc_job *job, int count, job_state *s) {
-    return enc_levels_fit(context, s->data, count, job->method == ENC_METHOD_PAPER ? &job->paper : NULL,
+    enc_paper_options paper = job->paper;
+    paper.fallback = s->paper.diffuse; /* as level 0 */
+    return enc_levels_fit(context, s->data, count, job->method == ENC_METHOD_PAPER ? &paper : NULL,
                           &s->found, &s->found_levels);
 }
 

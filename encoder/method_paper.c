@@ -6,6 +6,7 @@
 
 #include "pack.h"
 #include "paper_effects.h"
+#include "paper_fallback.h"
 #include "paper_steps.h"
 
 #include <stdlib.h>
@@ -128,6 +129,11 @@ btf_result enc_paper(const enc_context *context, const enc_data *data, const enc
     }
     if (result == BTF_OK && options->choose) {
         result = enc_paper_choose(context, data, options, out, occlusion, out_stats);
+    }
+    if (result == BTF_OK && options->fallback) {
+        result = enc_paper_fallback(context, data, options, out, occlusion, out_stats);
+    }
+    if (result == BTF_OK && options->choose) {
         drop_unused(out);
     }
     if (result == BTF_OK && (out->effects & occluding)) {

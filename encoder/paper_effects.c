@@ -12,25 +12,23 @@
 #include <openbtf/material.h>
 #include <stdlib.h>
 
-enum { SAMPLE = 256 };
-
 static const double hidden_share = 0.01; /* of points, below which clusters are not worth a try */
 
-static double clipped(double value) {
-    return value < 1.0 ? value : 1.0;
+static double clipped(double value, double peak) {
+    return value < peak ? value : peak;
 }
 
-/* Lights as planes. */
-typedef struct light_planes {
-    float x[BTF_MAX_DIRECTIONS], y[BTF_MAX_DIRECTIONS], z[BTF_MAX_DIRECTIONS];
-} light_planes;
-
-/* Sum of squares of one texel. model: 3 * n_lights floats of scratch. */
-static double texel_error(const enc_data *data, const enc_solution *s, const enc_occlusion *occlusion,
-                          uint32_t effects, const light_planes *lights, size_t texel, const float *samples,
-                          float *model) {
+double enc_paper_texel_error(const enc_data *data, const enc_solution *s, const enc_occlusion *occlusion,
+                             uint32_t effects, double peak, size_t texel, const float *samples,
+                             float *model) {
     const size_t texels = enc_data_texel_count(data), n = (size_t)data->n_lights;
+    float x[BTF_MAX_DIRECTIONS], y[BTF_MAX_DIRECTIONS], z[BTF_MAX_DIRECTIONS];
     double sum = 0.0;
+    for (size_t l = 0; l < n; l++) {
+        x[l] = data->lights[l].xyz[0];
+        y[l] = data->lights[l].xyz[1];
+        z[l] = data->lights[l].xyz[2];
+    }
     for (size_t view = 0; view < (size_t)data->n_views; view++) {
         const size_t point = view * texels + texel;
         const float *truth = samples + view * 3 * n;
@@ -41,8 +39,7 @@ static double texel_error(const enc_data *data, const enc_solution *s, const enc
                                          occlusion->shift[2 * point + 1])
                   : texel;
         if (!hidden)
-            enc_sbrdf_evaluate(s->sbrdf, source, data->views[view].xyz, (int)n, lights->x, lights->y,
-                               lights->z, model);
+            enc_sbrdf_evaluate(s->sbrdf, source, data->views[view].xyz, (int)n, x, y, z, model);
         for (size_t p = 0; p < 3 * n; p++) {
             const size_t l = p % n;
             double value;
@@ -51,31 +48,25 @@ static double texel_error(const enc_data *data, const enc_solution *s, const enc
                 const double root = centre[p / n] * (double)s->centre_scale;
                 value = root * root;
             } else {
-                value = (double)model[p] * lights->z[l];
+                value = (double)model[p] * z[l];
                 if (effects & BTF_EFFECT_SHADOW)
                     value *= s->shadow[l * texels + source] * (double)s->shadow_scale;
             }
-            const double difference = clipped(value) - clipped(truth[p]);
+            const double difference = clipped(value, peak) - clipped((double)truth[p], peak);
             sum += difference * difference;
         }
     }
     return sum;
 }
 
-btf_result enc_paper_error(const enc_context *context, const enc_data *data, const enc_solution *solution,
-                           const enc_occlusion *occlusion, uint32_t effects, double *out_error) {
+btf_result enc_paper_sample(const enc_context *context, const enc_data *data, enc_paper_texel_fn fn,
+                            const void *user, size_t numbers, double *out) {
     const size_t texels = enc_data_texel_count(data), stride = enc_data_texel_stride(data);
-    const size_t count = texels < SAMPLE ? texels : SAMPLE;
+    const size_t count = texels < ENC_PAPER_SAMPLE ? texels : ENC_PAPER_SAMPLE;
     size_t begin, end;
     enc_team_range(context, count, &begin, &end);
-    double *errors = calloc(count, sizeof *errors);
-    light_planes lights;
-    btf_result result = errors ? BTF_OK : enc_fail(context, BTF_ERROR_MEMORY, "effects: out of memory");
-    for (int l = 0; l < data->n_lights; l++) {
-        lights.x[l] = data->lights[l].xyz[0];
-        lights.y[l] = data->lights[l].xyz[1];
-        lights.z[l] = data->lights[l].xyz[2];
-    }
+    double *found = calloc(count * numbers, sizeof *found);
+    btf_result result = found ? BTF_OK : enc_fail(context, BTF_ERROR_MEMORY, "effects: out of memory");
 #pragma omp parallel num_threads(context->threads)
     {
         float *buffer = malloc((stride + 3 * (size_t)data->n_lights) * sizeof *buffer);
@@ -89,8 +80,7 @@ btf_result enc_paper_error(const enc_context *context, const enc_data *data, con
             if (mine == BTF_OK)
                 mine = enc_data_texels(context, data, texel, 1, buffer, &samples);
             if (mine == BTF_OK)
-                errors[i] = texel_error(data, solution, occlusion, effects, &lights, texel, samples,
-                                        buffer + stride);
+                fn(user, texel, samples, buffer + stride, found + i * numbers);
         }
         free(buffer);
         if (mine != BTF_OK) {
@@ -98,12 +88,34 @@ btf_result enc_paper_error(const enc_context *context, const enc_data *data, con
             result = mine;
         }
     }
-    result = enc_team_gather(context, result, errors, sizeof *errors, count);
-    *out_error = 0.0;
-    for (size_t i = 0; i < count && result == BTF_OK; i++)
-        *out_error += errors[i] / ((double)count * (double)stride);
-    free(errors);
+    result = enc_team_gather(context, result, found, numbers * sizeof *found, count);
+    for (size_t k = 0; k < numbers; k++) {
+        out[k] = 0.0;
+        for (size_t i = 0; i < count && result == BTF_OK; i++)
+            out[k] += found[i * numbers + k] / ((double)count * (double)stride);
+    }
+    free(found);
     return result;
+}
+
+typedef struct measured {
+    const enc_data *data;
+    const enc_solution *solution;
+    const enc_occlusion *occlusion;
+    uint32_t effects;
+} measured;
+
+static void measure_texel(const void *user, size_t texel, const float *samples, float *scratch,
+                          double *out) {
+    const measured *m = user;
+    *out =
+        enc_paper_texel_error(m->data, m->solution, m->occlusion, m->effects, 1.0, texel, samples, scratch);
+}
+
+btf_result enc_paper_error(const enc_context *context, const enc_data *data, const enc_solution *solution,
+                           const enc_occlusion *occlusion, uint32_t effects, double *out_error) {
+    const measured m = {data, solution, occlusion, effects};
+    return enc_paper_sample(context, data, measure_texel, &m, 1, out_error);
 }
 
 /* Bytes of the maps of these effects in layout `tight`: what a texel of a map costs counts, not how the
@@ -116,8 +128,9 @@ static uint64_t map_bytes(const enc_data *data, const enc_solution *s, uint32_t 
            (effects & BTF_EFFECT_HIDDEN ? texels * views + 4 * (uint64_t)s->n_centres * lights : 0);
 }
 
-static void note(const enc_context *context, const enc_data *data, const enc_solution *s, uint32_t effects,
-                 double error, double since, const char *verdict, enc_paper_stats *stats) {
+void enc_paper_note(const enc_context *context, const enc_data *data, const enc_solution *s,
+                    uint32_t effects, double error, double since, const char *verdict,
+                    enc_paper_stats *stats) {
     char text[64];
     const enc_trial trial = {.effects = effects,
                              .lobes = s->sbrdf->lobes,
@@ -130,7 +143,7 @@ static void note(const enc_context *context, const enc_data *data, const enc_sol
     if (stats->trials_count < ENC_MAX_TRIALS)
         stats->trials[stats->trials_count++] = trial;
     enc_log(context, BTF_LOG_INFO, "paper: effects %s on %d texels: %.2f dB, %s",
-            cli_effects_text(effects, text), SAMPLE, trial.psnr, verdict);
+            cli_effects_text(effects, text), ENC_PAPER_SAMPLE, trial.psnr, verdict);
 }
 
 /* dB that the error `without` an effect lies above that `with` it, less what its bytes have to bring. */
@@ -163,9 +176,10 @@ btf_result enc_paper_probe(const enc_context *context, const enc_data *data,
         *out_promising = worth(options, moved, still, map_bytes(data, solution, with & ~without)) >=
                              options->effect_tolerance ||
                          share >= hidden_share;
-        note(context, data, solution, without, still, start, *out_promising ? "probe" : "enough", stats);
-        note(context, data, solution, with, moved, start,
-             *out_promising ? "probe: worth a try" : "probe: left out", stats);
+        enc_paper_note(context, data, solution, without, still, start, *out_promising ? "probe" : "enough",
+                       stats);
+        enc_paper_note(context, data, solution, with, moved, start,
+                       *out_promising ? "probe: worth a try" : "probe: left out", stats);
     }
     enc_occlusion_destroy(&occlusion);
     enc_stage_end(context);
@@ -179,7 +193,8 @@ btf_result enc_paper_choose(const enc_context *context, const enc_data *data,
     double start = progress_core_clock(), present;
     btf_result result = enc_paper_error(context, data, solution, occlusion, solution->effects, &present);
     if (result == BTF_OK)
-        note(context, data, solution, solution->effects, present, start, "all that were found", stats);
+        enc_paper_note(context, data, solution, solution->effects, present, start, "all that were found",
+                       stats);
     for (bool again = true; again && result == BTF_OK;) {
         double least = HUGE_VAL, error_without = 0.0;
         uint32_t candidate = 0;
@@ -196,7 +211,7 @@ btf_result enc_paper_choose(const enc_context *context, const enc_data *data,
             const uint64_t bytes =
                 map_bytes(data, solution, solution->effects) - map_bytes(data, solution, without);
             const double loss = worth(options, present, error, bytes);
-            note(context, data, solution, without, error, start, "tried", stats);
+            enc_paper_note(context, data, solution, without, error, start, "tried", stats);
             if (loss < least) {
                 least = loss;
                 candidate = without;
@@ -206,7 +221,8 @@ btf_result enc_paper_choose(const enc_context *context, const enc_data *data,
         if (result == BTF_OK && least < options->effect_tolerance) {
             solution->effects = candidate;
             present = error_without;
-            note(context, data, solution, candidate, present, progress_core_clock(), "best so far", stats);
+            enc_paper_note(context, data, solution, candidate, present, progress_core_clock(),
+                           "best so far", stats);
             again = true;
         }
     }

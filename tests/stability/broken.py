@@ -52,6 +52,8 @@ CHANGES = [
         ("encoder/occlusion.c", "2 * r > size || r > 127 ? r - size : r", "2 * r > size ? r - size : r")]),
     ("a radiance scale that no file holds", "stability_joint", [
         ("encoder/joint_rows.c", "exp2(fmin((double)bin / 64.0, 24.0))", "exp2((double)bin / 64.0)")]),
+    ("the diffuse fit never taken in place of what is worse", "stability_joint", [
+        ("encoder/method_paper.c", "if (result == BTF_OK && options->fallback) {", "if (result != BTF_OK && options->fallback) {")]),
     ("samples that are no numbers read", "stability_input", [
         ("encoder/reader.c", "if (finite && ", "if (finite || ")]),
     ("the square root of the cosine forgotten in playback", "precision", [

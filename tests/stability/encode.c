@@ -37,9 +37,10 @@ enc_joint_options encode_joint_options(encode_method method) {
 }
 
 static btf_result analyse(const enc_context *context, const enc_data *data, encode_method method,
-                          float brighter, enc_solution *solution) {
+                          float brighter, bool fallback, enc_solution *solution) {
     if (method != ENCODE_JOINT && method != ENCODE_JOINT_SBRDF) {
-        const enc_paper_options options = encode_paper_options(method, brighter);
+        enc_paper_options options = encode_paper_options(method, brighter);
+        options.fallback = fallback;
         enc_paper_stats stats;
         return enc_paper(context, data, &options, solution, NULL, &stats);
     }
@@ -107,7 +108,8 @@ encoded encode(const enc_data *data, encode_method method, int threads, float br
     btf_material *material = NULL;
     const enc_pack_options pack = {.layout = BTF_LAYOUT_TIGHT, .method = "test"};
     e.decoded = malloc(enc_data_texel_count(data) * enc_data_texel_stride(data) * sizeof *e.decoded);
-    e.result = e.decoded == NULL ? BTF_ERROR_MEMORY : analyse(&context, data, method, brighter, &solution);
+    e.result =
+        e.decoded == NULL ? BTF_ERROR_MEMORY : analyse(&context, data, method, brighter, true, &solution);
     if (e.result == BTF_OK) {
         e.result = enc_pack(&context, data, &solution, &pack, &material);
     }
@@ -140,7 +142,7 @@ double encode_played_psnr(const enc_data *data, const enc_data *truth, encode_me
     enc_solution solution = {0};
     btf_result result;
     if (method != ENCODE_JOINT && method != ENCODE_JOINT_SBRDF) {
-        result = analyse(&context, data, method, brighter, &solution);
+        result = analyse(&context, data, method, brighter, false, &solution);
     } else {
         enc_joint_options options = encode_joint_options(method);
         options.preset = ENC_JOINT_MEDIUM;
@@ -186,6 +188,44 @@ double encode_psnr(const enc_data *data, const float *decoded, float peak) {
     }
     return hard_psnr(squares, (double)n, (double)peak);
 }
+
+double encode_psnr_of_diffuse(const enc_data *data, encode_method method, float peak) {
+    const bool root = method == ENCODE_JOINT || method == ENCODE_JOINT_SBRDF;
+    const size_t texels = enc_data_texel_count(data), lights = (size_t)data->n_lights;
+    double squares = 0;
+    for (size_t t = 0; t < texels; t++) {
+        for (int c = 0; c < 3; c++) {
+            double aa = 0, ab = 0;
+            for (size_t i = 0; i < (size_t)data->n_views * lights; i++) {
+                const double sample =
+                    (double)*hard_sample(data, t, (int)(i / lights), c, (int)(i % lights));
+                const double b = root ? fmin(sample, 0x1p24) : sample;
+                const double cosine = fmax((double)data->lights[i % lights].xyz[2], 0);
+                aa += cosine * (root ? 1 : cosine);
+                ab += root ? sqrt(b * cosine) : b * cosine;
+            }
+            const double factor = root ? 0x1p-12 : 1; /* the least scale of radiance is 2^-24 */
+            const double fitted = ab / aa < 0x1p-24 * factor ? 0 : fmin(ab / aa, 0x1p24);
+            const double albedo = root ? fitted * fitted : fitted;
+            for (size_t i = 0; i < (size_t)data->n_views * lights; i++) {
+                const float b = *hard_sample(data, t, (int)(i / lights), c, (int)(i % lights));
+                const float cosine = fmaxf(data->lights[i % lights].xyz[2], 0);
+                const double r = clipped((float)albedo * cosine, peak) - clipped(b, peak);
+                squares += r * r;
+            }
+        }
+    }
+    return hard_psnr(squares, (double)(texels * enc_data_texel_stride(data)), (double)peak);
+}
+
+bool encode_keeps_promise(encode_method method, double psnr, double psnr_of_diffuse) {
+    return method == ENCODE_JOINT || method == ENCODE_JOINT_SBRDF
+               ? psnr >= fmin(psnr_of_diffuse, 47) - 0.1
+               : psnr >= fmin(psnr_of_diffuse, 80) - 0.01;
+}
+
+const char encode_promise[] =
+    "no worse than the diffuse fit (paper: or 80 dB, less 0.01; joint: or 47 dB, less 0.1)";
 
 double encode_psnr_of_mean(const enc_data *data, float peak) {
     const size_t texels = enc_data_texel_count(data), stride = enc_data_texel_stride(data);

@@ -38,7 +38,8 @@ typedef struct encoded {
 enc_paper_options encode_paper_options(encode_method method, float brighter);
 enc_joint_options encode_joint_options(encode_method method);
 
-/* Encodes, saves, opens again and decodes. */
+/* Encodes, saves, opens again and decodes. The paper's methods with their fallback, as btf-encode runs
+ * them. */
 encoded encode(const enc_data *data, encode_method method, int threads, float brighter);
 void encode_clear(encoded *e);
 
@@ -50,6 +51,18 @@ double encode_played_psnr(const enc_data *data, const enc_data *truth, encode_me
 
 /* PSNR of decoded values against the data, both clipped to [0, peak]. */
 double encode_psnr(const enc_data *data, const float *decoded, float peak);
+
+/* The same of the fallback of a method: of each texel the diffuse term alone that fits all of its samples
+ * best in the domain of the method, least squares in linear radiance or in its square root; no lobe, no
+ * shadow, no shift, no cluster. As a file holds them, albedos are 0 or 2^-24 to 2^24, and of the joint
+ * methods, which clip to the largest scale of radiance, 2^24, so are the samples. */
+double encode_psnr_of_diffuse(const enc_data *data, encode_method method, float peak);
+
+/* Whether that is at least what is promised: no worse than the fallback, less 0.01 dB, or than 80 dB, which
+ * the paper's methods take for exact; of the joint methods, whose codes end at 55 dB of the root, which
+ * counts twice at 1, less 0.1 dB, or than 47 dB. */
+bool encode_keeps_promise(encode_method method, double psnr, double psnr_of_diffuse);
+extern const char encode_promise[];
 
 /* The same of a texture whose every texel is the mean of all, taken in square roots. */
 double encode_psnr_of_mean(const enc_data *data, float peak);

@@ -141,7 +141,8 @@ static void check_images(const char *input, kind k, pixel_fn pixel, const char *
     messages[0] = 0;
     enc_data *data = NULL;
     bool ok = enc_read(&context, folder, &(enc_read_options){0}, &data) == BTF_OK;
-    double worst = 0, psnr[ENCODE_METHODS] = {0};
+    double worst = 0, psnr[ENCODE_METHODS] = {0}, diffuse[ENCODE_METHODS] = {0};
+    float peak = 0;
     uint64_t negative = 0, wanted_negative = 0;
     for (int v = 0; ok && v < DIRECTIONS; v++) {
         for (int l = 0; l < DIRECTIONS; l++) {
@@ -152,6 +153,7 @@ static void check_images(const char *input, kind k, pixel_fn pixel, const char *
                 wanted_negative += value < 0;
                 worst = fmax(worst, fabs(seen - want) / fmax(want, 1e-30));
                 ok = ok && !(signbit(seen));
+                peak = fminf(fmaxf(peak, (float)seen), 0x1p24f);
             }
         }
     }
@@ -164,12 +166,17 @@ static void check_images(const char *input, kind k, pixel_fn pixel, const char *
                         encode(data, (encode_method)method, 2, 1)};
         ok = e[0].result == BTF_OK && e[1].result == BTF_OK && e[0].finite && e[0].size == e[1].size &&
              memcmp(e[0].file, e[1].file, e[0].size) == 0;
-        psnr[method] = ok ? encode_psnr(data, e[0].decoded, 1) : 0;
+        psnr[method] = ok ? encode_psnr(data, e[0].decoded, peak) : 0;
+        diffuse[method] = encode_psnr_of_diffuse(data, (encode_method)method, peak);
+        ok = ok && encode_keeps_promise((encode_method)method, psnr[method], diffuse[method]);
         encode_clear(&e[0]);
         encode_clear(&e[1]);
     }
-    cases_add(input, expected, ok, "read off by %.1e; PSNR %.1f, %.1f, %.1f, %.1f dB%s%s", worst, psnr[0],
-              psnr[1], psnr[2], psnr[3], ok ? "" : "; ", ok ? "" : messages);
+    cases_add(input, expected, ok,
+              "read off by %.1e; peak %g, PSNR %.1f, %.1f, %.1f, %.1f dB, diffuse fit %.1f, %.1f, %.1f, "
+              "%.1f dB%s%s",
+              worst, (double)peak, psnr[0], psnr[1], psnr[2], psnr[3], diffuse[0], diffuse[1], diffuse[2],
+              diffuse[3], ok ? "" : "; ", ok ? "" : messages);
     enc_data_destroy(&data);
     remove_folder();
 }
@@ -198,19 +205,24 @@ static void check_refused(const char *input, pixel_fn pixel) {
 }
 
 int main(void) {
-    cases_title("Images at the ends of their formats, read, and encoded by all methods (PSNR: paper, the "
-                "same with RGB "
-                "lobes, joint, joint without residual).");
-    const char *const same =
-        "every value as coded, files that decode to finite values, same bytes with 1 and 2 threads";
+    cases_title(
+        "Images at the ends of their formats, read, and encoded by all methods (PSNR to the "
+        "largest sample, at most 2^24: paper, the same with RGB lobes, joint, joint without residual).");
+    char same[300], negative[300];
+    snprintf(
+        same, sizeof same,
+        "every value as coded, files that decode to finite values, same bytes with 1 and 2 threads, %s",
+        encode_promise);
+    snprintf(negative, sizeof negative,
+             "negative values counted and 0, files that decode to finite values, same bytes with 1 and 2 "
+             "threads, %s",
+             encode_promise);
     check_images("8-bit PNG, highlights of 1000 clipped to 1", PNG8, glossy, same);
     check_images("16-bit PNG, highlights of 1000 clipped to 1", PNG16, glossy, same);
     check_images("half floats 2^-24 (denormal) to 65504, and 1e6, which becomes 65504", HALF, half_extremes,
                  same);
     check_images("floats 1e-45 (denormal) to 1e30", FLOAT, float_extremes, same);
-    check_images("floats of -0.25 and -0", FLOAT, some_negative,
-                 "negative values counted and 0, files that decode to finite values, same bytes with 1 and "
-                 "2 threads");
+    check_images("floats of -0.25 and -0", FLOAT, some_negative, negative);
     check_refused("an EXR that holds NaN", not_a_number);
     check_refused("an EXR that holds infinity", infinite);
     return cases_result();
