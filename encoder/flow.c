@@ -69,9 +69,9 @@ btf_result enc_flow_pair(const enc_context *context, int width, int height, cons
     enc_flow_image images[2] = {{0}};
     result = enc_flow_worker_create(width, height, o.padding, PLAIN_SCALE, &worker);
     if (result == BTF_OK)
-        result = enc_flow_image_create(&worker, target, &images[0]);
+        result = enc_flow_image_create(width, height, target, &images[0]);
     if (result == BTF_OK)
-        result = enc_flow_image_create(&worker, top, &images[1]);
+        result = enc_flow_image_create(width, height, top, &images[1]);
     if (result == BTF_OK)
         result = enc_flow_pair_compute(&worker, &images[0], &images[1], NULL, NULL, o.miss, o.difference,
                                        out_flow, out_hidden);
@@ -150,24 +150,20 @@ static btf_result make_worker(const flow_stage *s, enc_flow_worker *out) {
 /* Prepares the top view's images. */
 static btf_result top_images(flow_stage *s) {
     const size_t texels = enc_data_texel_count(s->data);
-    enc_flow_worker worker;
     float *images = malloc((size_t)s->data->n_lights * texels * 3 * sizeof *images);
     float *luminance = malloc(texels * sizeof *luminance);
-    btf_result result = make_worker(s, &worker);
-    if (result == BTF_OK && (!images || !luminance))
-        result = BTF_ERROR_MEMORY;
+    btf_result result = images && luminance ? BTF_OK : BTF_ERROR_MEMORY;
     if (result == BTF_OK)
         result = enc_data_view(s->context, s->data, s->data->top_view, images);
     for (int i = 0; result == BTF_OK && i < s->n_voters; i++) {
         luminance_of(images + (size_t)s->voters[i] * texels * 3, texels, luminance);
-        result = enc_flow_image_create(&worker, luminance, &s->top[i]);
+        result = enc_flow_image_create(s->data->width, s->data->height, luminance, &s->top[i]);
     }
     if (result == BTF_OK && !s->options.plain)
         result = enc_flow_planes_create(s->data->width, s->data->height, images, s->n_prior, s->prior,
                                         &s->top_planes);
     free(images);
     free(luminance);
-    enc_flow_worker_clear(&worker);
     return result;
 }
 
@@ -238,7 +234,7 @@ static btf_result collect_votes(const flow_stage *s, enc_flow_worker *w, view_vo
         if (enc_cancelled(s->context))
             return BTF_ERROR_INTERRUPTED;
         luminance_of(v->images + (size_t)s->voters[i] * texels * 3, texels, v->luminance);
-        result = enc_flow_image_create(w, v->luminance, &image);
+        result = enc_flow_image_create(w->width, w->height, v->luminance, &image);
         if (result == BTF_OK && !image.black && !s->top[i].black) {
             result = enc_flow_pair_compute(w, &image, &s->top[i], forward, backward, s->options.miss,
                                            s->options.difference, v->flow, v->hidden_now);

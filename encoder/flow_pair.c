@@ -20,22 +20,25 @@ static const float mean_grey = 100.0f; /* of 255: leaves room for highlights */
 static const float black_mean = 1e-6f; /* mean luminance below which an image holds nothing */
 static const float dark_floor = 1e-3f; /* of the mean: differences below it are noise */
 
+static int padded(const enc_flow_worker *w, int texels) {
+    return w->scale * (texels + 2 * w->padding);
+}
+
 btf_result enc_flow_worker_create(int width, int height, int padding, int scale,
                                   enc_flow_worker *out_worker) {
     enc_flow_worker w = {.width = width, .height = height, .padding = padding, .scale = scale};
-    w.padded_width = scale * (width + 2 * padding);
-    w.padded_height = scale * (height + 2 * padding);
     const size_t texels = (size_t)width * (size_t)height;
-    const size_t pixels = (size_t)w.padded_width * (size_t)w.padded_height;
+    const size_t pixels = (size_t)padded(&w, width) * (size_t)padded(&w, height);
     w.dis = enc_cv_flow_create();
-    w.warped = malloc(pixels);
+    w.grey[0] = malloc(pixels);
+    w.grey[1] = malloc(pixels);
     w.field = malloc(pixels * 2 * sizeof *w.field);
     w.back = malloc(texels * 2 * sizeof *w.back);
     w.plane = malloc(texels * sizeof *w.plane);
     w.tall = malloc((size_t)scale * texels * sizeof *w.tall);
     w.wide = malloc((size_t)(scale * scale) * texels * sizeof *w.wide);
     *out_worker = w;
-    if (!w.dis || !w.warped || !w.field || !w.back || !w.plane || !w.tall || !w.wide)
+    if (!w.dis || !w.grey[0] || !w.grey[1] || !w.field || !w.back || !w.plane || !w.tall || !w.wide)
         return BTF_ERROR_MEMORY;
     enc_cv_flow_tune(w.dis, FINEST_LEVEL, PATCH_STRIDE, DESCENT_STEPS, SMOOTHING_ROUNDS);
     return BTF_OK;
@@ -43,7 +46,8 @@ btf_result enc_flow_worker_create(int width, int height, int padding, int scale,
 
 void enc_flow_worker_clear(enc_flow_worker *w) {
     enc_cv_flow_destroy(&w->dis);
-    free(w->warped);
+    free(w->grey[0]);
+    free(w->grey[1]);
     free(w->field);
     free(w->back);
     free(w->plane);
@@ -55,7 +59,6 @@ void enc_flow_worker_clear(enc_flow_worker *w) {
 void enc_flow_image_clear(enc_flow_image *image) {
     free(image->relative);
     free(image->root);
-    free(image->grey);
     *image = (enc_flow_image){0};
 }
 
@@ -76,9 +79,9 @@ static void double_line(const float *in, int n, size_t stride, float *out) {
     }
 }
 
-/* plane[texel] enlarged and continued: out[padded row][padded column]. */
-static void make_grey(enc_flow_worker *w, const float *plane, unsigned char *out) {
-    const int width = w->width, height = w->height, scale = w->scale;
+/* plane[texel], width x height, enlarged and continued: out[padded row][padded column]. */
+static void make_grey(enc_flow_worker *w, int width, int height, const float *plane, unsigned char *out) {
+    const int scale = w->scale, columns = padded(w, width), rows = padded(w, height);
     const float *image = plane;
     if (scale == 2) {
         for (int c = 0; c < width; c++)
@@ -87,12 +90,12 @@ static void make_grey(enc_flow_worker *w, const float *plane, unsigned char *out
             double_line(w->tall + (size_t)r * (size_t)width, width, 1, w->wide + (size_t)(2 * r * width));
         image = w->wide;
     }
-    for (int r = 0; r < w->padded_height; r++) {
+    for (int r = 0; r < rows; r++) {
         const int from = enc_occlusion_modulo(r - scale * w->padding, scale * height);
         const float *row = image + (size_t)from * (size_t)(scale * width);
-        unsigned char *to = out + (size_t)r * (size_t)w->padded_width;
+        unsigned char *to = out + (size_t)r * (size_t)columns;
         int c0 = enc_occlusion_modulo(-scale * w->padding, scale * width);
-        for (int c = 0; c < w->padded_width; c++) {
+        for (int c = 0; c < columns; c++) {
             const float v = row[c0] + 0.5f;
             to[c] = (unsigned char)(v < 0 ? 0 : v > 255 ? 255 : v);
             c0 = c0 + 1 < scale * width ? c0 + 1 : 0;
@@ -100,13 +103,28 @@ static void make_grey(enc_flow_worker *w, const float *plane, unsigned char *out
     }
 }
 
-btf_result enc_flow_image_create(enc_flow_worker *w, const float *luminance, enc_flow_image *out_image) {
-    const size_t texels = (size_t)w->width * (size_t)w->height;
+/* How the image lies canonically, by its first moments about the middle. Whole numbers, whose sums do not
+ * depend on the order: an image that is symmetric stays as it is. */
+static void lay(int width, int height, enc_flow_image *image) {
+    int64_t x = 0, y = 0;
+    for (int r = 0; r < height; r++) {
+        for (int c = 0; c < width; c++) {
+            const int64_t v = llrintf(16 * image->root[(size_t)r * (size_t)width + (size_t)c]);
+            x += v * (2 * c - (width - 1));
+            y += v * (2 * r - (height - 1));
+        }
+    }
+    image->flip_columns = x > 0;
+    image->flip_rows = y > 0;
+    image->transpose = llabs(y) > llabs(x);
+}
+
+btf_result enc_flow_image_create(int width, int height, const float *luminance, enc_flow_image *out_image) {
+    const size_t texels = (size_t)width * (size_t)height;
     enc_flow_image image = {.relative = malloc(texels * sizeof(float)),
-                            .root = malloc(texels * sizeof(float)),
-                            .grey = malloc((size_t)w->padded_width * (size_t)w->padded_height)};
+                            .root = malloc(texels * sizeof(float))};
     double sum = 0, root_sum = 0;
-    if (image.relative && image.root && image.grey) {
+    if (image.relative && image.root) {
         for (size_t t = 0; t < texels; t++) {
             image.root[t] = sqrtf(luminance[t]);
             sum += luminance[t];
@@ -119,10 +137,10 @@ btf_result enc_flow_image_create(enc_flow_worker *w, const float *luminance, enc
             image.relative[t] = luminance[t] * scale;
             image.root[t] *= grey;
         }
-        make_grey(w, image.root, image.grey);
+        lay(width, height, &image);
     }
     *out_image = image;
-    return image.relative && image.root && image.grey ? BTF_OK : BTF_ERROR_MEMORY;
+    return image.relative && image.root ? BTF_OK : BTF_ERROR_MEMORY;
 }
 
 /* Bilinear value of a periodic image at (x, y) texels. */
@@ -136,49 +154,72 @@ static float sample_periodic(const float *image, int width, int height, float x,
            (lower[c] + (lower[c1] - lower[c]) * fx) * fy;
 }
 
-/* The texel nearest to (x, y), wrapped. */
-static size_t nearest_texel(const enc_flow_worker *w, float x, float y) {
-    const int c = enc_occlusion_modulo((int)lrintf(x), w->width);
-    const int r = enc_occlusion_modulo((int)lrintf(y), w->height);
+/* The texel nearest to (c + x, r + y), wrapped. The shift is rounded, not the place: that is symmetric. */
+static size_t nearest_texel(const enc_flow_worker *w, int c, int r, float x, float y) {
+    c = enc_occlusion_modulo(c + (int)lrintf(x), w->width);
+    r = enc_occlusion_modulo(r + (int)lrintf(y), w->height);
     return (size_t)r * (size_t)w->width + (size_t)c;
 }
 
-/* Flow from one image to another, starting from `prior` (or NULL): out[texel][2]. */
-static btf_result flow_between(enc_flow_worker *w, const enc_flow_image *from, const enc_flow_image *to,
-                               const float *prior, float *out) {
-    const int width = w->width, height = w->height, scale = w->scale;
-    const unsigned char *grey = to->grey;
-    if (prior != NULL) {
-        for (int r = 0; r < height; r++) {
-            for (int c = 0; c < width; c++) {
-                const size_t t = (size_t)r * (size_t)width + (size_t)c;
-                w->plane[t] = sample_periodic(to->root, width, height, (float)c + prior[2 * t],
-                                              (float)r + prior[2 * t + 1]);
-            }
+/* Where column c and row r lie in an image laid as `like` lies canonically. */
+static void laid(const enc_flow_worker *w, const enc_flow_image *like, int c, int r, int *out_c,
+                 int *out_r) {
+    c = like->flip_columns ? w->width - 1 - c : c;
+    r = like->flip_rows ? w->height - 1 - r : r;
+    *out_c = like->transpose ? r : c;
+    *out_r = like->transpose ? c : r;
+}
+
+/* An image warped by `prior` (or NULL), laid as `like` and made ready for OpenCV. */
+static void ready(enc_flow_worker *w, const enc_flow_image *image, const float *prior,
+                  const enc_flow_image *like, unsigned char *out) {
+    const int width = like->transpose ? w->height : w->width;
+    for (int r = 0; r < w->height; r++) {
+        for (int c = 0; c < w->width; c++) {
+            const size_t t = (size_t)r * (size_t)w->width + (size_t)c;
+            int column, row;
+            laid(w, like, c, r, &column, &row);
+            w->plane[(size_t)row * (size_t)width + (size_t)column] =
+                prior == NULL ? image->root[t]
+                              : sample_periodic(image->root, w->width, w->height, (float)c + prior[2 * t],
+                                                (float)r + prior[2 * t + 1]);
         }
-        make_grey(w, w->plane, w->warped);
-        grey = w->warped;
     }
-    if (enc_cv_flow_compute(w->dis, w->padded_width, w->padded_height, from->grey, grey, w->field) != 0)
+    make_grey(w, width, like->transpose ? w->width : w->height, w->plane, out);
+}
+
+/* Flow from one image to another, starting from `prior` (or NULL), found with both laid as `like`:
+ * out[texel][2]. */
+static btf_result flow_between(enc_flow_worker *w, const enc_flow_image *from, const enc_flow_image *to,
+                               const float *prior, const enc_flow_image *like, float *out) {
+    const int width = w->width, height = w->height, scale = w->scale;
+    const int columns = padded(w, like->transpose ? height : width);
+    const int rows = padded(w, like->transpose ? width : height);
+    ready(w, from, NULL, like, w->grey[0]);
+    ready(w, to, prior, like, w->grey[1]);
+    if (enc_cv_flow_compute(w->dis, columns, rows, w->grey[0], w->grey[1], w->field) != 0)
         return BTF_ERROR_INTERNAL;
     const float share = 1.0f / (float)(scale * scale * scale); /* mean over pixels, in texels */
     for (int r = 0; r < height; r++) {
         for (int c = 0; c < width; c++) {
-            float x = 0, y = 0;
+            int column, row;
+            float sum[2] = {0, 0};
+            laid(w, like, c, r, &column, &row);
             for (int j = 0; j < scale; j++) {
                 const float *at =
-                    w->field + 2 * ((size_t)(scale * (r + w->padding) + j) * (size_t)w->padded_width +
-                                    (size_t)(scale * (c + w->padding)));
+                    w->field + 2 * ((size_t)(scale * (row + w->padding) + j) * (size_t)columns +
+                                    (size_t)(scale * (column + w->padding)));
                 for (int i = 0; i < scale; i++) {
-                    x += at[2 * i];
-                    y += at[2 * i + 1];
+                    sum[0] += at[2 * i];
+                    sum[1] += at[2 * i + 1];
                 }
             }
-            x *= share;
-            y *= share;
+            float x = share * sum[like->transpose], y = share * sum[!like->transpose];
+            x = like->flip_columns ? -x : x;
+            y = like->flip_rows ? -y : y;
             const size_t t = (size_t)r * (size_t)width + (size_t)c;
             if (prior != NULL) {
-                const size_t p = nearest_texel(w, (float)c + x, (float)r + y);
+                const size_t p = nearest_texel(w, c, r, x, y);
                 x += prior[2 * p];
                 y += prior[2 * p + 1];
             }
@@ -203,16 +244,16 @@ btf_result enc_flow_pair_compute(enc_flow_worker *w, const enc_flow_image *targe
     memset(out_hidden, 0, texels);
     if (target->black || top->black)
         return BTF_OK;
-    btf_result result = flow_between(w, target, top, forward, out_flow);
+    btf_result result = flow_between(w, target, top, forward, target, out_flow);
     if (result == BTF_OK)
-        result = flow_between(w, top, target, backward, w->back);
+        result = flow_between(w, top, target, backward, target, w->back);
     if (result != BTF_OK)
         return result;
     for (int r = 0; r < height; r++) {
         for (int c = 0; c < width; c++) {
             const size_t t = (size_t)r * (size_t)width + (size_t)c;
             const float x = out_flow[2 * t], y = out_flow[2 * t + 1];
-            const size_t arrival = nearest_texel(w, (float)c + x, (float)r + y);
+            const size_t arrival = nearest_texel(w, c, r, x, y);
             const float dx = wrapped(x + w->back[2 * arrival], width);
             const float dy = wrapped(y + w->back[2 * arrival + 1], height);
             const float a = target->relative[t];

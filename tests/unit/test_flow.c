@@ -118,6 +118,50 @@ static void test_pair_hides_brightness_jump(void **state) {
     assert_int_equal(count_bytes(hidden, TEXELS), 0);
 }
 
+/* Where texel t of a tile lies when mirrored in columns (1), in rows (2), then transposed (4). */
+static size_t lying(int how, int width, int height, int t) {
+    int c = t % width, r = t / width;
+    c = how & 1 ? width - 1 - c : c;
+    r = how & 2 ? height - 1 - r : r;
+    return how & 4 ? (size_t)(c * height + r) : (size_t)(r * width + c);
+}
+
+/* Layers that move differently, under a brightness of their own: nothing that the flow finds everywhere,
+ * and what it takes for it is to be the same however the pair lies. */
+static void test_pair_lies_anyhow(void **state) {
+    (void)state;
+    enum { WIDE = 32, HIGH = 24, N = WIDE * HIGH };
+    static float image[2][N], laid[2][N], found[2 * N], laid_flow[2 * N];
+    static uint8_t seen[N], laid_hidden[N];
+    texture(WIDE, HIGH, 21, image[1]);
+    texture(WIDE, HIGH, 22, flow);
+    for (int t = 0; t < N; t++)
+        image[0][t] =
+            (1 + 0.3f * flow[t]) *
+            image[1][enc_occlusion_source(WIDE, HIGH, (size_t)t, t % WIDE < 14 ? 3 : -1, t / WIDE / 9)];
+    assert_int_equal(enc_flow_pair(&context, WIDE, HIGH, image[0], image[1], NULL, found, seen), BTF_OK);
+    assert_true(count_bytes(seen, N) > N / 10);
+    for (int how = 1; how < 8; how++) {
+        for (int t = 0; t < N; t++)
+            for (int k = 0; k < 2; k++)
+                laid[k][lying(how, WIDE, HIGH, t)] = image[k][t];
+        assert_int_equal(enc_flow_pair(&context, how & 4 ? HIGH : WIDE, how & 4 ? WIDE : HIGH, laid[0],
+                                       laid[1], NULL, laid_flow, laid_hidden),
+                         BTF_OK);
+        int same = 0;
+        for (int t = 0; t < N; t++) {
+            const size_t at = lying(how, WIDE, HIGH, t);
+            const float x = laid_flow[2 * at + (how & 4 ? 1 : 0)],
+                        y = laid_flow[2 * at + (how & 4 ? 0 : 1)];
+            same += fabsf((how & 1 ? -x : x) - found[2 * t]) < 0.01f &&
+                    fabsf((how & 2 ? -y : y) - found[2 * t + 1]) < 0.01f && laid_hidden[at] == seen[t];
+        }
+        if (same < N * 99 / 100)
+            print_error("lying %d: %d of %d texels the same\n", how, same, N);
+        assert_true(same >= N * 99 / 100);
+    }
+}
+
 static void test_pair_without_texture(void **state) {
     (void)state;
     for (int black = 0; black < 2; black++) {
@@ -451,6 +495,7 @@ int main(void) {
         cmocka_unit_test(test_pair_recovers_translation),
         cmocka_unit_test(test_pair_ignores_brightness),
         cmocka_unit_test(test_pair_hides_brightness_jump),
+        cmocka_unit_test(test_pair_lies_anyhow),
         cmocka_unit_test(test_pair_without_texture),
         cmocka_unit_test(test_pair_of_any_size),
         cmocka_unit_test(test_vote_recovers_shifts),
