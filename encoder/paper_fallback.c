@@ -155,7 +155,7 @@ btf_result enc_paper_fallback(const enc_context *context, const enc_data *data,
         return result;
     enc_log(
         context, BTF_LOG_WARNING,
-        "paper: what was found has %.2f times the squared error of the diffuse fit alone, which is taken",
+        "paper: what was found has %.4g times the squared error of the diffuse fit alone, which is taken",
         sums[FOUND] / fmax(sums[DIFFUSE], 1e-30));
     blank(solution, occlusion);
     if (options->choose)

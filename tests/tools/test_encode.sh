@@ -69,6 +69,21 @@ expect_that "it has maps" bash -c 'btf-info atlas.btf.exr --json | grep -q "\"la
 
 expect "no effects" 0 btf-encode data -o none.btf.exr --method paper $starts --effects none --report none.json -q
 expect_that "no effects, no maps" test "$(json none.json "'maps' in r['bytes']['parts']")" = False
+btf-sample -o lit --size 4 --directions small --quiet || exit 99
+python3 - <<'P' || exit 99
+import pathlib, struct, zlib
+for i, path in enumerate(sorted(pathlib.Path("lit").rglob("*.png"))):  # black, but for a texel of one image
+    pixels = [255 if i == 200 and byte < 3 else 0 for byte in range(48)]
+    rows = b"".join(b"\0" + bytes(pixels[row : row + 12]) for row in range(0, 48, 12))
+    chunks = ((b"IHDR", struct.pack(">IIBBBBB", 4, 4, 8, 2, 0, 0, 0)), (b"IDAT", zlib.compress(rows)), (b"IEND", b""))
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(
+        struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data)) for kind, data in chunks))
+P
+expect "worse than the diffuse fit" 0 btf-encode lit -o lit.btf.exr --method paper $starts --report lit.json -q
+expect_text "the diffuse fit is taken" "diffuse fit alone, which is taken" err
+expect_that "the report has it" test "$(json lit.json "r['trials'][-1]['verdict']")" = "diffuse fit: taken"
+expect "exactly these effects" 0 btf-encode lit -o lit.btf.exr --method paper $starts --effects shadow --report lit.json -q
+expect_that "the diffuse fit is not tried" test "$(json lit.json "len(r['trials'])")" = 0
 expect "shadow alone" 0 btf-encode data -o shadow.btf.exr --method paper $starts --effects shadow -q
 expect "layout tight" 0 btf-encode data -o tight.btf.exr --method paper $starts --layout tight -q
 expect "tight against paper" 0 btf-compare tight.btf.exr paper.btf.exr --json -q
