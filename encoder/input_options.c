@@ -76,19 +76,8 @@ const char *enc_parse_crop(const char *text, void *options) {
 const char *enc_parse_tolerance(const char *text, void *tolerance) {
     static const double most[2] = {100, 1e6};
     double value[2] = {0, 0};
-    const char *at = text;
-    int count = 0;
-    bool more = true;
-    while (more && count < 2) {
-        const char *end;
-        if (!cli_parse_double(at, ",", &value[count], &end) || value[count] < 0 ||
-            value[count] > most[count])
-            break;
-        more = *end == ',';
-        at = end + more;
-        count++;
-    }
-    if (count == 0 || more || *at != '\0')
+    const int count = cli_parse_doubles(text, value, 2);
+    if (count == 0 || !(value[0] >= 0 && value[0] <= most[0] && value[1] >= 0 && value[1] <= most[1]))
         return "one or two numbers of dB, 0 to 100 and 0 to 1e6 a MB, such as 0.1 or 0.05,0.2";
     memcpy(tolerance, value, sizeof value);
     return NULL;

@@ -198,6 +198,18 @@ bool cli_parse_double(const char *text, const char *ends, double *out, const cha
     return stop != text && isfinite(*out) && (strchr(ends, *stop) != NULL || *stop == 0);
 }
 
+int cli_parse_doubles(const char *text, double *out, int most) {
+    for (int count = 0; count < most;) {
+        const char *end;
+        if (!cli_parse_double(text, ",", &out[count++], &end))
+            return 0;
+        if (*end == '\0')
+            return count;
+        text = end + 1;
+    }
+    return 0;
+}
+
 bool cli_parse_int(const char *text, const char *ends, int *out, const char **end) {
     char *stop;
     errno = 0;
@@ -290,14 +302,12 @@ static bool read_bytes(const cli_option *option, const char *text, wanted *w) {
 }
 
 static bool read_angles(const cli_option *option, const char *text, wanted *w) {
-    double theta, phi;
-    const char *end;
+    double angles[2];
     want(w, "THETA,PHI in degrees, theta within 0 to 90, phi within -360 to 360");
-    if (!cli_parse_double(text, ",", &theta, &end) || *end != ',' ||
-        !cli_parse_double(end + 1, "", &phi, NULL) || theta < 0 || theta > 90 || phi < -360 || phi > 360)
+    if (cli_parse_doubles(text, angles, 2) != 2 || angles[0] < 0 || angles[0] > 90 || angles[1] < -360 ||
+        angles[1] > 360)
         return false;
-    ((double *)option->value)[0] = theta;
-    ((double *)option->value)[1] = phi;
+    memcpy(option->value, angles, sizeof angles);
     return true;
 }
 

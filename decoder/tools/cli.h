@@ -92,6 +92,10 @@ bool cli_parse(const cli_program *program, int argc, char **argv, cli_arguments 
 bool cli_parse_double(const char *text, const char *ends, double *out, const char **out_end);
 bool cli_parse_int(const char *text, const char *ends, int *out, const char **out_end);
 
+/* For CLI_CUSTOM: reads 1 to `most` numbers with commas between them, each as cli_parse_double does.
+ * Returns how many, or 0 when the text is anything else; out is then undefined. */
+int cli_parse_doubles(const char *text, double *out, int most);
+
 /* Prints one message on stderr: "NAME: error: ...", "NAME: warning: ...", or of level INFO "NAME: ...".
  * Control characters, which the name of a file may hold, are printed as \xNN: a terminal must not obey
  * them. */

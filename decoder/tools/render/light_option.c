@@ -11,16 +11,11 @@
 
 /* Comma-separated numbers of at most 1e6; returns how many, 0 when the text is anything else. */
 static int read_numbers(const char *text, double *numbers, int most) {
-    for (int count = 0; count < most;) {
-        const char *end;
-        if (!cli_parse_double(text, ",", &numbers[count], &end) || fabs(numbers[count]) > 1e6)
+    const int count = cli_parse_doubles(text, numbers, most);
+    for (int i = 0; i < count; i++)
+        if (fabs(numbers[i]) > 1e6)
             return 0;
-        count++;
-        if (*end == '\0')
-            return count;
-        text = end + 1;
-    }
-    return 0;
+    return count;
 }
 
 /* Intensity and colour behind the first `n` numbers; false when they are of a wrong count or negative. */

@@ -39,12 +39,10 @@ static const char *parse_size(const char *text, void *value) {
 }
 
 static const char *parse_view(const char *text, void *value) {
-    double *view = value;
-    const char *end;
-    if (!cli_parse_double(text, ",", &view[0], &end) || !*end ||
-        !cli_parse_double(end + 1, "", &view[1], NULL) ||
-        !(view[0] >= 0 && view[0] <= 180 && fabs(view[1]) <= 360))
+    double view[2];
+    if (cli_parse_doubles(text, view, 2) != 2 || !(view[0] >= 0 && view[0] <= 180 && fabs(view[1]) <= 360))
         return "theta,phi in degrees, theta 0..180, phi -360..360";
+    memcpy(value, view, sizeof view);
     return NULL;
 }
 
