@@ -2,11 +2,11 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "decoder/tools/progress.h"
-#include "decoder/tools/reference_view.h"
-#include "input_options.h"
-#include "metrics_json.h"
-#include "reference_images.h"
+#include "decoder/toolkit/progress.h"
+#include "decoder/toolkit/reference_view.h"
+#include "encoder/input/options.h"
+#include "encoder/report/metrics_json.h"
+#include "encoder/data/reference_images.h"
 
 #include <math.h>
 #include <omp.h>

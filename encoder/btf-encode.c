@@ -2,11 +2,11 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "batch.h"
-#include "decoder/tools/progress.h"
-#include "input_options.h"
-#include "predict.h"
-#include "team_mpi.h"
+#include "encoder/job/batch.h"
+#include "decoder/toolkit/progress.h"
+#include "encoder/input/options.h"
+#include "encoder/job/predict.h"
+#include "encoder/base/team_mpi.h"
 
 #include <assert.h>
 #include <fcntl.h>

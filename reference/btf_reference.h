@@ -104,7 +104,7 @@ void btf_ref_centre(const btf_ref_material *material, uint32_t centre, uint32_t 
 uint32_t btf_ref_wrap(uint32_t position, int32_t shift, uint32_t size);
 
 /* Exact arithmetic: the same bits everywhere. How far they are from the truth, at most (libm in double;
- * every float of the domain, of pow 2.5e8 random pairs; tests/unit/test_reference.c):
+ * every float of the domain, of pow 2.5e8 random pairs; tests/unit/reference/test_reference.c):
  *
  *  function    domain                          absolute    relative
  *  log2        2^-24 <= x < 2^30               1.05e-6     4.94e-7

@@ -8,7 +8,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "../tools/reference_view.h"
+#include "decoder/toolkit/reference_view.h"
 #include <math.h>
 #include <openbtf/shader.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "image_hdr.h"
+#include "hdr_image.h"
 
 #include <math.h>
 #include <stdio.h>

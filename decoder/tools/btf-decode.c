@@ -3,12 +3,12 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "cli.h"
-#include "exr_image.h"
-#include "output.h"
-#include "png_image.h"
-#include "progress.h"
-#include "reference_view.h"
+#include "decoder/toolkit/cli.h"
+#include "decoder/toolkit/exr_image.h"
+#include "decoder/toolkit/output.h"
+#include "decoder/toolkit/png_image.h"
+#include "decoder/toolkit/progress.h"
+#include "decoder/toolkit/reference_view.h"
 #include <errno.h>
 #include <math.h>
 #include <omp.h>

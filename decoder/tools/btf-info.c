@@ -2,9 +2,9 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "cli.h"
-#include "json.h"
-#include "scene_option.h"
+#include "decoder/toolkit/cli.h"
+#include "decoder/toolkit/json.h"
+#include "decoder/toolkit/scene_option.h"
 #include <math.h>
 #include <openbtf/material.h>
 #include <stdio.h>

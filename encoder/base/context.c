@@ -4,7 +4,7 @@
  */
 #include "context.h"
 
-#include "../decoder/tools/progress.h"
+#include "decoder/toolkit/progress.h"
 #include "team.h"
 
 #include <stdarg.h>

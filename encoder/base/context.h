@@ -10,7 +10,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-struct progress;         /* decoder/tools/progress.h */
+struct progress;         /* decoder/toolkit/progress.h */
 struct enc_checkpoint;   /* checkpoint.h */
 struct enc_team;         /* team.h */
 struct enc_announcement; /* announce.h */

@@ -4,7 +4,7 @@
  */
 #include "team.h"
 
-#include "decoder/tools/progress.h"
+#include "decoder/toolkit/progress.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -4,8 +4,8 @@
  */
 #include "team_mpi.h"
 
-#include "decoder/tools/output.h"
-#include "decoder/tools/progress.h"
+#include "decoder/toolkit/output.h"
+#include "decoder/toolkit/progress.h"
 
 #include <mpi.h>
 #include <sched.h>

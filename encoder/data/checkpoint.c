@@ -7,8 +7,8 @@
  */
 #include "checkpoint.h"
 
-#include "decoder/tools/output.h"
-#include "team.h"
+#include "decoder/toolkit/output.h"
+#include "encoder/base/team.h"
 
 #include <dirent.h>
 #include <errno.h>

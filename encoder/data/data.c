@@ -4,11 +4,11 @@
  */
 #include "data.h"
 
-#include "cost_model.h"
+#include "encoder/job/cost.h"
 #include "data_fill.h"
-#include "memory_plan.h"
-#include "scratch.h"
-#include "team.h"
+#include "encoder/job/memory.h"
+#include "encoder/base/scratch.h"
+#include "encoder/base/team.h"
 
 #include <assert.h>
 #include <math.h>

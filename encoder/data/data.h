@@ -5,7 +5,7 @@
 #ifndef OPENBTF_ENCODER_DATA_H
 #define OPENBTF_ENCODER_DATA_H
 
-#include "context.h"
+#include "encoder/base/context.h"
 #include <stdint.h>
 
 /* A sampled direction in the tangent frame of FORMAT.md: x along +u, y along +v, z the normal.

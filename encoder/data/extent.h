@@ -5,7 +5,7 @@
 #ifndef OPENBTF_ENCODER_ANNOUNCE_H
 #define OPENBTF_ENCODER_ANNOUNCE_H
 
-#include "context.h"
+#include "encoder/base/context.h"
 #include <stdint.h>
 
 /* Where samples come from. */

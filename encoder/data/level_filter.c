@@ -4,8 +4,8 @@
  */
 #include "level_filter.h"
 
-#include "area.h"
-#include "team.h"
+#include "encoder/math/area.h"
+#include "encoder/base/team.h"
 
 #include <assert.h>
 #include <stdlib.h>

@@ -7,7 +7,7 @@
  */
 #include "bonn_decode.h"
 
-#include "joint_gemm.h"
+#include "encoder/math/gemm.h"
 
 #include <archive.h>
 #include <archive_entry.h>

@@ -13,7 +13,7 @@
 #ifndef OPENBTF_ENCODER_BONN_FILE_H
 #define OPENBTF_ENCODER_BONN_FILE_H
 
-#include "context.h"
+#include "encoder/base/context.h"
 #include <stdint.h>
 
 typedef enum enc_bonn_kind { ENC_BONN_DFMF, ENC_BONN_FMF, ENC_BONN_PVF, ENC_BONN_BDI } enc_bonn_kind;

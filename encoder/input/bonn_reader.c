@@ -4,10 +4,10 @@
  */
 #include "bonn_reader.h"
 
-#include "announce.h"
-#include "area.h"
+#include "encoder/data/extent.h"
+#include "encoder/math/area.h"
 #include "bonn_decode.h"
-#include "cost_model.h"
+#include "encoder/job/cost.h"
 #include "grid.h"
 
 #include <math.h>

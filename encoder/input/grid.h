@@ -5,7 +5,7 @@
 #ifndef OPENBTF_ENCODER_GRID_H
 #define OPENBTF_ENCODER_GRID_H
 
-#include "data.h"
+#include "encoder/data/data.h"
 #include "reader.h"
 #include "source.h"
 

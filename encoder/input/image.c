@@ -4,10 +4,10 @@
  */
 #include "image.h"
 
-#include "../decoder/tools/exr_image.h"
-#include "../decoder/tools/jpeg_image.h"
-#include "../decoder/tools/png_image.h"
-#include "image_hdr.h"
+#include "decoder/toolkit/exr_image.h"
+#include "decoder/toolkit/jpeg_image.h"
+#include "decoder/toolkit/png_image.h"
+#include "decoder/toolkit/hdr_image.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "coincident.h"
+#include "light_positions.h"
 
 #include "grid.h"
 

@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "input_options.h"
+#include "options.h"
 
 #include <ctype.h>
 #include <limits.h>

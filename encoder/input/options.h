@@ -5,7 +5,7 @@
 #ifndef OPENBTF_ENCODER_INPUT_OPTIONS_H
 #define OPENBTF_ENCODER_INPUT_OPTIONS_H
 
-#include "decoder/tools/cli.h"
+#include "decoder/toolkit/cli.h"
 #include "reader.h"
 
 /* Entries of a cli_option table that fill `r`, an enc_read_options. */

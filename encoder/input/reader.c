@@ -4,13 +4,13 @@
  */
 #include "reader.h"
 
-#include "announce.h"
+#include "encoder/data/extent.h"
 #include "bonn_file.h"
 #include "bonn_reader.h"
-#include "coincident.h"
-#include "data_fill.h"
+#include "light_positions.h"
+#include "encoder/data/data_fill.h"
 #include "grid.h"
-#include "team.h"
+#include "encoder/base/team.h"
 
 #include <math.h>
 #include <stdio.h>

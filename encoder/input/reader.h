@@ -6,7 +6,7 @@
 #define OPENBTF_ENCODER_READER_H
 
 #include "colour.h"
-#include "data.h"
+#include "encoder/data/data.h"
 
 typedef enum enc_colour {
     ENC_COLOUR_RGB = 0, /* linear Rec. 709 */

@@ -5,7 +5,7 @@
 #ifndef OPENBTF_ENCODER_SOURCE_H
 #define OPENBTF_ENCODER_SOURCE_H
 
-#include "context.h"
+#include "encoder/base/context.h"
 
 /* No image file may be larger, nor may there be more files in all, image or not. */
 #ifndef ENC_SOURCE_MAX_FILE /* fuzzers take less */

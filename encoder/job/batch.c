@@ -4,9 +4,9 @@
  */
 #include "batch.h"
 
-#include "decoder/tools/output.h"
-#include "decoder/tools/progress.h"
-#include "team.h"
+#include "decoder/toolkit/output.h"
+#include "decoder/toolkit/progress.h"
+#include "encoder/base/team.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -2,14 +2,14 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "cost_model.h"
+#include "cost.h"
 
 #include "job.h"
-#include "joint_cost.h"
-#include "level_filter.h"
-#include "memory_plan.h"
-#include "pack.h"
-#include "paper_effects.h"
+#include "encoder/joint/cost.h"
+#include "encoder/data/level_filter.h"
+#include "memory.h"
+#include "encoder/model/pack.h"
+#include "encoder/paper/choose_effects.h"
 
 #include <math.h>
 #include <openbtf/material.h>

@@ -10,8 +10,8 @@
 #ifndef OPENBTF_ENCODER_COST_MODEL_H
 #define OPENBTF_ENCODER_COST_MODEL_H
 
-#include "announce.h"
-#include "decoder/tools/estimate.h"
+#include "encoder/data/extent.h"
+#include "decoder/toolkit/estimate.h"
 
 struct enc_job;
 

@@ -4,19 +4,19 @@
  */
 #include "job.h"
 
-#include "announce.h"
-#include "checkpoint.h"
-#include "cost_model.h"
-#include "decoder/tools/output.h"
-#include "effect_errors.h"
+#include "encoder/data/extent.h"
+#include "encoder/data/checkpoint.h"
+#include "cost.h"
+#include "decoder/toolkit/output.h"
+#include "encoder/report/effect_errors.h"
 #include "levels.h"
-#include "montage.h"
-#include "pack.h"
-#include "pictures.h"
-#include "playback.h"
-#include "report.h"
-#include "team.h"
-#include "unpack.h"
+#include "encoder/report/montage.h"
+#include "encoder/model/pack.h"
+#include "encoder/report/pictures.h"
+#include "encoder/model/decode_samples.h"
+#include "encoder/report/report.h"
+#include "encoder/base/team.h"
+#include "encoder/model/unpack.h"
 
 #include <errno.h>
 #include <stdio.h>

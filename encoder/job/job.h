@@ -5,9 +5,9 @@
 #ifndef OPENBTF_ENCODER_JOB_H
 #define OPENBTF_ENCODER_JOB_H
 
-#include "joint.h"
-#include "method_paper.h"
-#include "reader.h"
+#include "encoder/joint/joint.h"
+#include "encoder/paper/paper.h"
+#include "encoder/input/reader.h"
 
 typedef enum enc_method { ENC_METHOD_JOINT = 0, ENC_METHOD_PAPER = 1 } enc_method;
 

@@ -4,10 +4,10 @@
  */
 #include "levels.h"
 
-#include "level_joint.h"
-#include "pack.h"
-#include "playback.h"
-#include "unpack.h"
+#include "encoder/joint/level.h"
+#include "encoder/model/pack.h"
+#include "encoder/model/decode_samples.h"
+#include "encoder/model/unpack.h"
 
 #include <math.h>
 #include <stdlib.h>

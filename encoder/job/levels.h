@@ -8,10 +8,10 @@
 #ifndef OPENBTF_ENCODER_LEVELS_H
 #define OPENBTF_ENCODER_LEVELS_H
 
-#include "level_filter.h"
-#include "method_paper.h"
-#include "metrics.h"
-#include "solution.h"
+#include "encoder/data/level_filter.h"
+#include "encoder/paper/paper.h"
+#include "encoder/report/metrics.h"
+#include "encoder/model/solution.h"
 
 /* The levels 1 .. count - 1 that belong to a level 0. Zeros are no levels. */
 typedef struct enc_levels {

@@ -2,12 +2,12 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "memory_plan.h"
+#include "memory.h"
 
-#include "data.h"
-#include "flow.h"
-#include "joint.h"
-#include "joint_rows.h"
+#include "encoder/data/data.h"
+#include "encoder/paper/flow.h"
+#include "encoder/joint/joint.h"
+#include "encoder/joint/rows.h"
 
 enum {
     SOURCE_TASK = 96,   /* sources solved together */

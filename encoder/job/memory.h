@@ -5,7 +5,7 @@
 #ifndef OPENBTF_ENCODER_MEMORY_PLAN_H
 #define OPENBTF_ENCODER_MEMORY_PLAN_H
 
-#include "context.h"
+#include "encoder/base/context.h"
 #include <stdint.h>
 
 /* Bytes that an encode of such data takes beside the samples and, by --method joint, the projection, which

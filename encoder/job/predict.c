@@ -4,11 +4,11 @@
  */
 #include "predict.h"
 
-#include "announce.h"
-#include "cost_model.h"
-#include "decoder/tools/progress.h"
-#include "joint_gemm.h"
-#include "memory_plan.h"
+#include "encoder/data/extent.h"
+#include "cost.h"
+#include "decoder/toolkit/progress.h"
+#include "encoder/math/gemm.h"
+#include "memory.h"
 
 #include <errno.h>
 #include <math.h>

@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "joint_budget.h"
-#include "joint_reach.h"
+#include "budget.h"
+#include "search_set.h"
 
 #include <openbtf/material.h>
 

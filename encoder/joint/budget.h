@@ -5,7 +5,7 @@
 #ifndef OPENBTF_ENCODER_JOINT_BUDGET_H
 #define OPENBTF_ENCODER_JOINT_BUDGET_H
 
-#include "data.h"
+#include "encoder/data/data.h"
 #include "joint.h"
 
 /* What a file holds, as far as bytes go. */

@@ -8,8 +8,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "joint_linear.h"
-#include "joint_sources.h"
+#include "encoder/math/linear.h"
+#include "sources.h"
 
 #include <math.h>
 #include <openbtf/material.h>

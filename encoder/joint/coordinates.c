@@ -2,11 +2,11 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "joint_points.h"
+#include "coordinates.h"
 
-#include "joint_gemm.h"
-#include "scratch.h"
-#include "team.h"
+#include "encoder/math/gemm.h"
+#include "encoder/base/scratch.h"
+#include "encoder/base/team.h"
 
 #include <stdint.h>
 #include <stdlib.h>

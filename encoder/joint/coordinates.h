@@ -6,7 +6,7 @@
 #ifndef OPENBTF_ENCODER_JOINT_POINTS_H
 #define OPENBTF_ENCODER_JOINT_POINTS_H
 
-#include "context.h"
+#include "encoder/base/context.h"
 
 typedef struct joint_points joint_points;
 

@@ -2,10 +2,10 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "joint_cost.h"
-#include "joint_reach.h"
-#include "joint_run.h"
-#include "joint_search.h"
+#include "cost.h"
+#include "search_set.h"
+#include "run.h"
+#include "search.h"
 
 #include <math.h>
 #include <openbtf/material.h>

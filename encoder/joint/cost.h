@@ -7,7 +7,7 @@
 #ifndef OPENBTF_ENCODER_JOINT_COST_H
 #define OPENBTF_ENCODER_JOINT_COST_H
 
-#include "joint_budget.h"
+#include "budget.h"
 
 /* A data set, as far as costs go. */
 typedef struct joint_extent {

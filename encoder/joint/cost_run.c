@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "joint_cost.h"
-#include "joint_run.h"
+#include "cost.h"
+#include "run.h"
 
 #include <math.h>
 #include <openbtf/material.h>

@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "joint_fit.h"
-#include "joint_cost.h"
+#include "fit.h"
+#include "cost.h"
 
 #include <assert.h>
 #include <math.h>

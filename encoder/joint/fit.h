@@ -14,9 +14,9 @@
 #ifndef OPENBTF_ENCODER_JOINT_FIT_H
 #define OPENBTF_ENCODER_JOINT_FIT_H
 
-#include "joint_budget.h"
-#include "joint_quantise.h"
-#include "solution.h"
+#include "budget.h"
+#include "quantise.h"
+#include "encoder/model/solution.h"
 
 enum { JOINT_FRONT_PERIOD = 8 }; /* rounds from one refit of a front beside a residual to the next */
 

@@ -2,11 +2,11 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "joint_front.h"
-#include "fit.h"
-#include "joint_sources.h"
-#include "pack.h"
-#include "team.h"
+#include "front.h"
+#include "encoder/paper/fit.h"
+#include "sources.h"
+#include "encoder/model/pack.h"
+#include "encoder/base/team.h"
 
 #include <math.h>
 #include <openbtf/material.h>

@@ -6,8 +6,8 @@
 #ifndef OPENBTF_ENCODER_JOINT_FRONT_H
 #define OPENBTF_ENCODER_JOINT_FRONT_H
 
-#include "joint_rows.h"
-#include "sbrdf.h"
+#include "rows.h"
+#include "encoder/model/sbrdf.h"
 
 #include <stdint.h>
 

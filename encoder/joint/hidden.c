@@ -2,9 +2,9 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "joint_centres.h"
-#include "joint_fit.h"
-#include "kmeans.h"
+#include "hidden.h"
+#include "fit.h"
+#include "encoder/math/kmeans.h"
 
 #include <math.h>
 #include <openbtf/material.h>

@@ -5,7 +5,7 @@
 #ifndef OPENBTF_ENCODER_JOINT_CENTRES_H
 #define OPENBTF_ENCODER_JOINT_CENTRES_H
 
-#include "joint_rows.h"
+#include "rows.h"
 
 #include <stdint.h>
 

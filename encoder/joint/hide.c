@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "joint_centres.h"
-#include "joint_run.h"
+#include "hidden.h"
+#include "run.h"
 
 #include <math.h>
 #include <openbtf/material.h>

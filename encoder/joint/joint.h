@@ -6,9 +6,9 @@
 #ifndef OPENBTF_ENCODER_JOINT_H
 #define OPENBTF_ENCODER_JOINT_H
 
-#include "data.h"
-#include "solution.h"
-#include "trial.h"
+#include "encoder/data/data.h"
+#include "encoder/model/solution.h"
+#include "encoder/model/trial.h"
 
 #include <stdbool.h>
 

@@ -2,9 +2,9 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "level_joint.h"
-#include "joint_fit.h"
-#include "levels.h"
+#include "level.h"
+#include "fit.h"
+#include "encoder/job/levels.h"
 
 #include <assert.h>
 #include <math.h>

@@ -5,7 +5,7 @@
 #ifndef OPENBTF_ENCODER_LEVEL_JOINT_H
 #define OPENBTF_ENCODER_LEVEL_JOINT_H
 
-#include "solution.h"
+#include "encoder/model/solution.h"
 
 /* Fits the maps that a level has for itself to its data, with what it shares with `base`, the solution of
  * level 0: V, scales and effects. U, SBRDF, shadow, shifts and gains are found in turn by least squares and

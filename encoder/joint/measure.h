@@ -5,8 +5,8 @@
 #ifndef OPENBTF_ENCODER_JOINT_MEASURE_H
 #define OPENBTF_ENCODER_JOINT_MEASURE_H
 
-#include "joint_rows.h"
-#include "solution.h"
+#include "rows.h"
+#include "encoder/model/solution.h"
 
 /* Sums of squared errors over all samples. */
 typedef struct joint_error {

@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "joint_run.h"
+#include "run.h"
 
 static uint64_t bytes_with(const joint_run *r, const joint_fit *from, size_t components) {
     joint_shape shape = joint_fit_shape(from);

@@ -3,11 +3,11 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "joint_quantise.h"
-#include "joint_linear.h"
-#include "joint_measure.h"
-#include "metrics.h"
-#include "team.h"
+#include "quantise.h"
+#include "encoder/math/linear.h"
+#include "measure.h"
+#include "encoder/report/metrics.h"
+#include "encoder/base/team.h"
 
 #include <assert.h>
 #include <math.h>

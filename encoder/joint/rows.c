@@ -8,8 +8,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "joint_rows.h"
-#include "team.h"
+#include "rows.h"
+#include "encoder/base/team.h"
 
 #include <math.h>
 #include <stdlib.h>

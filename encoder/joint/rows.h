@@ -8,8 +8,8 @@
 #ifndef OPENBTF_ENCODER_JOINT_ROWS_H
 #define OPENBTF_ENCODER_JOINT_ROWS_H
 
-#include "data.h"
-#include "joint_gemm.h"
+#include "encoder/data/data.h"
+#include "encoder/math/gemm.h"
 
 /* Texels that a pass over the data handles at a time: a multiple of ENC_GEMM_M. */
 enum { JOINT_BLOCK = 240 };

@@ -7,11 +7,11 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "joint_run.h"
-#include "joint_steps.h"
+#include "run.h"
+#include "steps.h"
 
-#include "decoder/tools/cli.h"
-#include "decoder/tools/progress.h"
+#include "decoder/toolkit/cli.h"
+#include "decoder/toolkit/progress.h"
 
 #include <math.h>
 #include <openbtf/material.h>

@@ -5,10 +5,10 @@
 #ifndef OPENBTF_ENCODER_JOINT_RUN_H
 #define OPENBTF_ENCODER_JOINT_RUN_H
 
-#include "joint_budget.h"
-#include "joint_cost.h"
-#include "joint_fit.h"
-#include "joint_measure.h"
+#include "budget.h"
+#include "cost.h"
+#include "fit.h"
+#include "measure.h"
 
 /* What a preset stands for. */
 typedef struct joint_preset_values {

@@ -9,9 +9,9 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "joint_linear.h"
-#include "joint_reach.h"
-#include "joint_search.h"
+#include "encoder/math/linear.h"
+#include "search_set.h"
+#include "search.h"
 
 #include <assert.h>
 #include <float.h>

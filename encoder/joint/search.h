@@ -9,7 +9,7 @@
 #ifndef OPENBTF_ENCODER_JOINT_SEARCH_H
 #define OPENBTF_ENCODER_JOINT_SEARCH_H
 
-#include "joint_gemm.h"
+#include "encoder/math/gemm.h"
 
 #include <openbtf/result.h>
 #include <stdbool.h>

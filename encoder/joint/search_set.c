@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "joint_reach.h"
+#include "search_set.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,9 +2,9 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "joint_sources.h"
-#include "joint_linear.h"
-#include "team.h"
+#include "sources.h"
+#include "encoder/math/linear.h"
+#include "encoder/base/team.h"
 
 #include <openbtf/material.h>
 

@@ -10,10 +10,10 @@
 #ifndef OPENBTF_ENCODER_JOINT_SOURCES_H
 #define OPENBTF_ENCODER_JOINT_SOURCES_H
 
-#include "joint_front.h"
-#include "joint_points.h"
-#include "joint_rows.h"
-#include "joint_search.h"
+#include "front.h"
+#include "coordinates.h"
+#include "rows.h"
+#include "search.h"
 
 enum {
     JOINT_MAX_COMPONENTS = 256,

@@ -2,11 +2,11 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "joint_steps.h"
+#include "steps.h"
 
-#include "checkpoint.h"
+#include "encoder/data/checkpoint.h"
 #include "joint.h"
-#include "team.h"
+#include "encoder/base/team.h"
 
 #include <assert.h>
 #include <float.h>

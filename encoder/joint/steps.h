@@ -5,7 +5,7 @@
 #ifndef OPENBTF_ENCODER_JOINT_STEPS_H
 #define OPENBTF_ENCODER_JOINT_STEPS_H
 
-#include "joint_fit.h"
+#include "fit.h"
 
 /* The fit that step `name` holds, resting, and `size` bytes beside it, which the caller checks; false when
  * it holds none of these sizes, or none that rounds could have led to. *out_fit is cleared by the caller in

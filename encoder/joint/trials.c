@@ -7,8 +7,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "joint_reach.h"
-#include "joint_run.h"
+#include "search_set.h"
+#include "run.h"
 
 #include <assert.h>
 #include <math.h>

@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "fit_gram.h"
-#include "vector_math.h"
+#include "gram.h"
+#include "encoder/math/simd.h"
 #include <assert.h>
 #include <string.h>
 

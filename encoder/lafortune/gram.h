@@ -6,7 +6,7 @@
 #ifndef OPENBTF_ENCODER_FIT_GRAM_H
 #define OPENBTF_ENCODER_FIT_GRAM_H
 
-#include "sbrdf.h"
+#include "encoder/model/sbrdf.h"
 
 /* Samples come in blocks; the last is filled up with zeros. */
 enum { ENC_GRAM_BLOCK = 256, ENC_GRAM_MAX_COLUMNS = 4 * (1 + ENC_MAX_LOBES) };

@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "fit_normal.h"
+#include "normal_equations.h"
 #include <math.h>
 #include <string.h>
 

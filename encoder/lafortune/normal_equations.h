@@ -6,7 +6,7 @@
 #ifndef OPENBTF_ENCODER_FIT_NORMAL_H
 #define OPENBTF_ENCODER_FIT_NORMAL_H
 
-#include "fit_gram.h"
+#include "gram.h"
 
 enum { ENC_FIT_MAX_PARAMETERS = 1 + 4 * ENC_MAX_LOBES };
 

@@ -3,9 +3,9 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "fit.h"
+#include "encoder/paper/fit.h"
 #include "ceres_bridge.h"
-#include "fit_normal.h"
+#include "normal_equations.h"
 #include <assert.h>
 #include <float.h>
 #include <math.h>

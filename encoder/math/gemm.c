@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "joint_gemm.h"
+#include "gemm.h"
 
 #include <stdint.h>
 #include <stdlib.h>

@@ -4,7 +4,7 @@
  */
 #include "kmeans.h"
 
-#include "vector_math.h"
+#include "simd.h"
 
 #include <assert.h>
 #include <float.h>

@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "joint_linear.h"
+#include "linear.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "vector_math.h"
+#include "simd.h"
 
 static enc_isa isa_limit = ENC_ISA_AVX512;
 

@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "playback.h"
+#include "decode_samples.h"
 
 #include "occlusion.h"
 

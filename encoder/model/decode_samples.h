@@ -7,7 +7,7 @@
 #ifndef OPENBTF_ENCODER_PLAYBACK_H
 #define OPENBTF_ENCODER_PLAYBACK_H
 
-#include "images.h"
+#include "encoder/data/images.h"
 #include "solution.h"
 
 typedef struct enc_playback enc_playback;

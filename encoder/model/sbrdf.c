@@ -3,7 +3,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "sbrdf.h"
-#include "vector_math.h"
+#include "encoder/math/simd.h"
 #include <assert.h>
 #include <stdlib.h>
 

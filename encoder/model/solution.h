@@ -5,7 +5,7 @@
 #ifndef OPENBTF_ENCODER_SOLUTION_H
 #define OPENBTF_ENCODER_SOLUTION_H
 
-#include "data.h"
+#include "encoder/data/data.h"
 #include "sbrdf.h"
 #include <openbtf/material.h>
 

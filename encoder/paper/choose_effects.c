@@ -2,11 +2,11 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "paper_effects.h"
+#include "choose_effects.h"
 
-#include "decoder/tools/cli.h"
-#include "decoder/tools/progress.h"
-#include "team.h"
+#include "decoder/toolkit/cli.h"
+#include "decoder/toolkit/progress.h"
+#include "encoder/base/team.h"
 
 #include <math.h>
 #include <openbtf/material.h>

@@ -5,7 +5,7 @@
 #ifndef OPENBTF_ENCODER_PAPER_EFFECTS_H
 #define OPENBTF_ENCODER_PAPER_EFFECTS_H
 
-#include "method_paper.h"
+#include "paper.h"
 
 enum { ENC_PAPER_PROBE_LIGHTS = 3 }; /* whose flows are the probe's */
 enum { ENC_PAPER_SAMPLE = 256 };     /* texels that are measured */

@@ -4,11 +4,11 @@
  */
 #include "cluster.h"
 
-#include "kmeans.h"
-#include "kmeans_split.h"
-#include "memory_plan.h"
-#include "profiles.h"
-#include "team.h"
+#include "encoder/math/kmeans.h"
+#include "cluster_split.h"
+#include "encoder/job/memory.h"
+#include "encoder/data/profiles.h"
+#include "encoder/base/team.h"
 
 #include <assert.h>
 #include <math.h>

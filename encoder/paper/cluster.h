@@ -5,8 +5,8 @@
 #ifndef OPENBTF_ENCODER_CLUSTER_H
 #define OPENBTF_ENCODER_CLUSTER_H
 
-#include "data.h"
-#include "occlusion.h"
+#include "encoder/data/data.h"
+#include "encoder/model/occlusion.h"
 #include <stdbool.h>
 
 /* Cluster centres as FORMAT.md stores them: code c means the radiance (c * scale)^2. */

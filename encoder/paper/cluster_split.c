@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "kmeans_split.h"
+#include "cluster_split.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -2,11 +2,11 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "paper_fallback.h"
+#include "diffuse_fallback.h"
 
-#include "decoder/tools/progress.h"
-#include "paper_effects.h"
-#include "team.h"
+#include "decoder/toolkit/progress.h"
+#include "choose_effects.h"
+#include "encoder/base/team.h"
 
 #include <math.h>
 #include <openbtf/material.h>

@@ -8,7 +8,7 @@
 #ifndef OPENBTF_ENCODER_PAPER_FALLBACK_H
 #define OPENBTF_ENCODER_PAPER_FALLBACK_H
 
-#include "method_paper.h"
+#include "paper.h"
 
 /* Compares what was found (SBRDF, shadow map, centre codes of `solution`, shifts and hidden points of
  * `occlusion`, NULL: none) with the diffuse fit: of each texel the term without lobes that is nearest to

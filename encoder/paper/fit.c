@@ -4,7 +4,7 @@
  */
 #include "fit.h"
 #include "shadow.h"
-#include "team.h"
+#include "encoder/base/team.h"
 #include <math.h>
 #include <omp.h>
 #include <stdlib.h>

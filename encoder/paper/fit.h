@@ -6,8 +6,8 @@
 #ifndef OPENBTF_ENCODER_FIT_H
 #define OPENBTF_ENCODER_FIT_H
 
-#include "data.h"
-#include "sbrdf.h"
+#include "encoder/data/data.h"
+#include "encoder/model/sbrdf.h"
 
 enum { ENC_FIT_MAX_STARTS = 4 };
 

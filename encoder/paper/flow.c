@@ -6,8 +6,8 @@
 
 #include "flow_pair.h"
 #include "flow_prior.h"
-#include "memory_plan.h"
-#include "team.h"
+#include "encoder/job/memory.h"
+#include "encoder/base/team.h"
 
 #include <assert.h>
 #include <math.h>

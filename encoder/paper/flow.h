@@ -5,8 +5,8 @@
 #ifndef OPENBTF_ENCODER_FLOW_H
 #define OPENBTF_ENCODER_FLOW_H
 
-#include "data.h"
-#include "occlusion.h"
+#include "encoder/data/data.h"
+#include "encoder/model/occlusion.h"
 #include <stdbool.h>
 
 enum { ENC_FLOW_PRIOR_LIGHTS = 27 }; /* of the first estimate, at most: more change nothing */

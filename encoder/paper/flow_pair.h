@@ -5,7 +5,7 @@
 #ifndef OPENBTF_ENCODER_FLOW_PAIR_H
 #define OPENBTF_ENCODER_FLOW_PAIR_H
 
-#include "opencv_bridge.h"
+#include "encoder/base/opencv_bridge.h"
 #include <openbtf/result.h>
 #include <stdbool.h>
 #include <stddef.h>

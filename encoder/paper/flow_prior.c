@@ -4,7 +4,7 @@
  */
 #include "flow_prior.h"
 
-#include "occlusion.h"
+#include "encoder/model/occlusion.h"
 
 #include <math.h>
 #include <stdlib.h>

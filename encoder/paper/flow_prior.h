@@ -12,7 +12,7 @@
 #ifndef OPENBTF_ENCODER_FLOW_PRIOR_H
 #define OPENBTF_ENCODER_FLOW_PRIOR_H
 
-#include "data.h"
+#include "encoder/data/data.h"
 
 /* Images made comparable between views: [light][channel][texel], square roots over their mean. */
 typedef struct enc_flow_planes {

@@ -2,10 +2,10 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "paper_kept.h"
+#include "kept.h"
 
-#include "checkpoint.h"
-#include "team.h"
+#include "encoder/data/checkpoint.h"
+#include "encoder/base/team.h"
 
 #include <float.h>
 #include <stdlib.h>

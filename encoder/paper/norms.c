@@ -4,7 +4,7 @@
  */
 #include "norms.h"
 
-#include "vector_math.h"
+#include "encoder/math/simd.h"
 
 #ifdef ENC_HAVE_X86_DISPATCH
 #include <immintrin.h>

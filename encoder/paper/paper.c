@@ -2,12 +2,12 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "method_paper.h"
+#include "paper.h"
 
-#include "pack.h"
-#include "paper_effects.h"
-#include "paper_fallback.h"
-#include "paper_steps.h"
+#include "encoder/model/pack.h"
+#include "choose_effects.h"
+#include "diffuse_fallback.h"
+#include "steps.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -10,8 +10,8 @@
 #include "flow.h"
 #include "refine.h"
 #include "shadow.h"
-#include "solution.h"
-#include "trial.h"
+#include "encoder/model/solution.h"
+#include "encoder/model/trial.h"
 
 typedef struct enc_paper_options {
     enc_fit_options fit;

@@ -9,8 +9,8 @@
 #include "refine.h"
 
 #include "norms.h"
-#include "profiles.h"
-#include "team.h"
+#include "encoder/data/profiles.h"
+#include "encoder/base/team.h"
 
 #include <assert.h>
 #include <math.h>

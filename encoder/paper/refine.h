@@ -5,9 +5,9 @@
 #ifndef OPENBTF_ENCODER_REFINE_H
 #define OPENBTF_ENCODER_REFINE_H
 
-#include "data.h"
-#include "occlusion.h"
-#include "sbrdf.h"
+#include "encoder/data/data.h"
+#include "encoder/model/occlusion.h"
+#include "encoder/model/sbrdf.h"
 
 /* Zero means the default beside the field. */
 typedef struct enc_refine_options {

@@ -3,7 +3,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "shadow.h"
-#include "team.h"
+#include "encoder/base/team.h"
 #include <math.h>
 #include <omp.h>
 #include <stdlib.h>

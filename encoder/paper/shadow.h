@@ -5,8 +5,8 @@
 #ifndef OPENBTF_ENCODER_SHADOW_H
 #define OPENBTF_ENCODER_SHADOW_H
 
-#include "data.h"
-#include "sbrdf.h"
+#include "encoder/data/data.h"
+#include "encoder/model/sbrdf.h"
 
 /* Below this modelled luminance there is nothing to divide by: the ratio is 1. */
 #define ENC_SHADOW_MIN_MODEL 1e-5f

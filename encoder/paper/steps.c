@@ -2,9 +2,9 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "paper_steps.h"
+#include "steps.h"
 
-#include "paper_kept.h"
+#include "kept.h"
 
 static const char flow_step[] = "flow", refine_step[] = "refine";
 

@@ -4,9 +4,9 @@
  */
 #include "canvas.h"
 
-#include "decoder/tools/png_image.h"
+#include "decoder/toolkit/png_image.h"
 #include "metrics.h"
-#include "opencv_bridge.h"
+#include "encoder/base/opencv_bridge.h"
 
 #include <stdarg.h>
 #include <stdio.h>

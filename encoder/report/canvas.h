@@ -5,7 +5,7 @@
 #ifndef OPENBTF_ENCODER_CANVAS_H
 #define OPENBTF_ENCODER_CANVAS_H
 
-#include "context.h"
+#include "encoder/base/context.h"
 
 typedef struct enc_canvas {
     int width, height;

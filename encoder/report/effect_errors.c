@@ -4,11 +4,11 @@
  */
 #include "effect_errors.h"
 
-#include "decoder/tools/reference_view.h"
-#include "level_filter.h"
+#include "decoder/toolkit/reference_view.h"
+#include "encoder/data/level_filter.h"
 #include "metrics.h"
 #include "report.h"
-#include "team.h"
+#include "encoder/base/team.h"
 
 #include <math.h>
 #include <stdlib.h>

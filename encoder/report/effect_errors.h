@@ -7,7 +7,7 @@
 #ifndef OPENBTF_ENCODER_EFFECT_ERRORS_H
 #define OPENBTF_ENCODER_EFFECT_ERRORS_H
 
-#include "data.h"
+#include "encoder/data/data.h"
 #include <openbtf/material.h>
 
 /* Decodes the packed material by the reference at directions spread over each pair of bands and compares

@@ -4,10 +4,10 @@
  */
 #include "metrics.h"
 
-#include "memory_plan.h"
-#include "coincident.h"
+#include "encoder/job/memory.h"
+#include "encoder/input/light_positions.h"
 #include "ssim.h"
-#include "team.h"
+#include "encoder/base/team.h"
 
 #include <math.h>
 #include <stdlib.h>

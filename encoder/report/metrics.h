@@ -6,7 +6,7 @@
 #ifndef OPENBTF_ENCODER_METRICS_H
 #define OPENBTF_ENCODER_METRICS_H
 
-#include "images.h"
+#include "encoder/data/images.h"
 
 /* Squared errors of values clipped to [0, 1]: linear, and after sRGB coding. */
 typedef struct enc_error_sum {

@@ -5,7 +5,7 @@
 #ifndef OPENBTF_ENCODER_METRICS_JSON_H
 #define OPENBTF_ENCODER_METRICS_JSON_H
 
-#include "decoder/tools/json.h"
+#include "decoder/toolkit/json.h"
 #include "metrics.h"
 
 /* Writes {"linear": dB, "srgb": dB, "ssim": S, "rings": {"view": [{"theta", "linear", "srgb"}...], "light":

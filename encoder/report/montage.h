@@ -6,7 +6,7 @@
 #ifndef OPENBTF_ENCODER_MONTAGE_H
 #define OPENBTF_ENCODER_MONTAGE_H
 
-#include "images.h"
+#include "encoder/data/images.h"
 
 /* One column. */
 typedef struct enc_montage_column {

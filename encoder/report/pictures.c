@@ -6,7 +6,7 @@
 
 #include "canvas.h"
 #include "montage.h"
-#include "shadow.h"
+#include "encoder/paper/shadow.h"
 
 #include <math.h>
 #include <stdio.h>

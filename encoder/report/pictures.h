@@ -5,8 +5,8 @@
 #ifndef OPENBTF_ENCODER_PICTURES_H
 #define OPENBTF_ENCODER_PICTURES_H
 
-#include "playback.h"
-#include "occlusion.h"
+#include "encoder/model/decode_samples.h"
+#include "encoder/model/occlusion.h"
 
 /* What `--method paper` leaves behind for the pictures. */
 typedef struct enc_pictures {

@@ -4,9 +4,9 @@
  */
 #include "report.h"
 
-#include "playback.h"
-#include "decoder/tools/cli.h"
-#include "decoder/tools/output.h"
+#include "encoder/model/decode_samples.h"
+#include "decoder/toolkit/cli.h"
+#include "decoder/toolkit/output.h"
 #include "metrics_json.h"
 
 #include <stdlib.h>

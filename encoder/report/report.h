@@ -6,12 +6,12 @@
 #ifndef OPENBTF_ENCODER_REPORT_H
 #define OPENBTF_ENCODER_REPORT_H
 
-#include "decoder/tools/progress.h"
-#include "levels.h"
+#include "decoder/toolkit/progress.h"
+#include "encoder/job/levels.h"
 #include "metrics.h"
-#include "solution.h"
-#include "team.h"
-#include "trial.h"
+#include "encoder/model/solution.h"
+#include "encoder/base/team.h"
+#include "encoder/model/trial.h"
 
 #include <stdio.h>
 

@@ -4,7 +4,7 @@
  */
 #include "ssim.h"
 
-#include "data.h"
+#include "encoder/data/data.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -4,10 +4,10 @@
  */
 #include "bench.h"
 
-#include "decoder/tools/cli.h"
-#include "decoder/tools/progress.h"
-#include "encoder/input_options.h"
-#include "encoder/reader.h"
+#include "decoder/toolkit/cli.h"
+#include "decoder/toolkit/progress.h"
+#include "encoder/input/options.h"
+#include "encoder/input/reader.h"
 #include "tests/sample/sample.h"
 
 #include <errno.h>

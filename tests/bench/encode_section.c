@@ -6,7 +6,7 @@
 #include "plots.h"
 #include "readme.h"
 
-#include "encoder/pack.h"
+#include "encoder/model/pack.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -4,8 +4,8 @@
  */
 #include "encodes.h"
 
-#include "encoder/pack.h"
-#include "encoder/unpack.h"
+#include "encoder/model/pack.h"
+#include "encoder/model/unpack.h"
 
 #include <sys/resource.h>
 #include <time.h>

@@ -5,9 +5,9 @@
 #ifndef OPENBTF_TESTS_BENCH_ENCODES_H
 #define OPENBTF_TESTS_BENCH_ENCODES_H
 
-#include "encoder/joint.h"
-#include "encoder/method_paper.h"
-#include "encoder/solution.h"
+#include "encoder/joint/joint.h"
+#include "encoder/paper/paper.h"
+#include "encoder/model/solution.h"
 
 typedef struct bench_encoded {
     enc_solution solution; /* what the material holds */

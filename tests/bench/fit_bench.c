@@ -3,8 +3,8 @@
  * SPDX-License-Identifier: MIT
  */
 #include "fit_bench.h"
-#include "encoder/ceres_bridge.h"
-#include "encoder/fit.h"
+#include "encoder/lafortune/ceres_bridge.h"
+#include "encoder/paper/fit.h"
 #include <math.h>
 #include <stdlib.h>
 #include <time.h>

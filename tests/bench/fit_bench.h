@@ -5,7 +5,7 @@
 #ifndef OPENBTF_TESTS_BENCH_FIT_BENCH_H
 #define OPENBTF_TESTS_BENCH_FIT_BENCH_H
 
-#include "encoder/data.h"
+#include "encoder/data/data.h"
 #include <stdio.h>
 
 typedef struct bench_fit_summary {

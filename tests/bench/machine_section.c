@@ -5,9 +5,9 @@
  */
 #include "bench.h"
 
-#include "encoder/fit_gram.h"
-#include "encoder/joint_rows.h"
-#include "encoder/joint_search.h"
+#include "encoder/lafortune/gram.h"
+#include "encoder/joint/rows.h"
+#include "encoder/joint/search.h"
 
 #include "tests/conformance/random.h"
 

@@ -4,11 +4,11 @@
  */
 #include "plan_scenes.h"
 
-#include "decoder/tools/reference_view.h"
-#include "encoder/effect_errors.h"
-#include "encoder/levels.h"
-#include "encoder/metrics.h"
-#include "encoder/pack.h"
+#include "decoder/toolkit/reference_view.h"
+#include "encoder/report/effect_errors.h"
+#include "encoder/job/levels.h"
+#include "encoder/report/metrics.h"
+#include "encoder/model/pack.h"
 #include "tests/conformance/random.h"
 
 #include <math.h>

@@ -5,7 +5,7 @@
 #ifndef OPENBTF_TESTS_PLAN_SCENES_H
 #define OPENBTF_TESTS_PLAN_SCENES_H
 
-#include "encoder/data.h"
+#include "encoder/data/data.h"
 
 #include <openbtf/plan.h>
 

@@ -3,11 +3,11 @@
  * SPDX-License-Identifier: MIT
  */
 #include "bench.h"
-#include "decode_rig.h"
+#include "tests/bench/decode/decode_rig.h"
 #include "encodes.h"
 #include "plan_scenes.h"
 
-#include "decoder/tools/cli.h"
+#include "decoder/toolkit/cli.h"
 #include <math.h>
 #include <unistd.h>
 

@@ -7,7 +7,7 @@
 #ifndef OPENBTF_TESTS_BENCH_PLOT_H
 #define OPENBTF_TESTS_BENCH_PLOT_H
 
-#include "encoder/context.h"
+#include "encoder/base/context.h"
 
 enum { PLOT_PANELS = 4, PLOT_MOST_SERIES = 24 };
 

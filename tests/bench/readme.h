@@ -6,7 +6,7 @@
 #ifndef OPENBTF_TESTS_BENCH_README_H
 #define OPENBTF_TESTS_BENCH_README_H
 
-#include "decode_table.h"
+#include "tests/bench/decode/decode_table.h"
 
 /* readme-encode-MATERIAL.md and guide-encode-MATERIAL.md; nothing without the presets fast and medium and
  * the paper. Errors: BTF_ERROR_IO. */

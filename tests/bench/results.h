@@ -7,7 +7,7 @@
 #define OPENBTF_TESTS_BENCH_RESULTS_H
 
 #include "encodes.h"
-#include "held.h"
+#include "tests/bench/codecs/held.h"
 
 #include <stdio.h>
 

@@ -3,7 +3,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "bench.h"
-#include "decode_bench.h"
+#include "tests/bench/decode/decode_bench.h"
 
 #include <stdlib.h>
 

@@ -4,13 +4,13 @@
  * SPDX-License-Identifier: MIT
  */
 #include "bench.h"
-#include "pca.h"
+#include "tests/bench/codecs/pca.h"
 #include "plots.h"
 
-#include "decoder/tools/reference_view.h"
-#include "encoder/joint_budget.h"
-#include "encoder/pack.h"
-#include "encoder/report.h"
+#include "decoder/toolkit/reference_view.h"
+#include "encoder/joint/budget.h"
+#include "encoder/model/pack.h"
+#include "encoder/report/report.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -5,7 +5,7 @@
 #ifndef OPENBTF_TESTS_BENCH_SYSTEM_H
 #define OPENBTF_TESTS_BENCH_SYSTEM_H
 
-#include "encoder/context.h"
+#include "encoder/base/context.h"
 
 #include <stdint.h>
 

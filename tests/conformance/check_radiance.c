@@ -4,7 +4,7 @@
  */
 #include "cases.h"
 #include "check_internal.h"
-#include "decoder/tools/reference_view.h"
+#include "decoder/toolkit/reference_view.h"
 #include "variant.h"
 
 #include <math.h>

@@ -3,8 +3,8 @@
  * SPDX-License-Identifier: MIT
  */
 #include "check_internal.h"
-#include "decoder/tools/png_image.h"
-#include "decoder/tools/reference_view.h"
+#include "decoder/toolkit/png_image.h"
+#include "decoder/toolkit/reference_view.h"
 
 #include <math.h>
 #include <math.h>

@@ -3,8 +3,8 @@
  * SPDX-License-Identifier: MIT
  */
 #include "conform.h"
-#include "decoder/tools/cli.h"
-#include "decoder/tools/json.h"
+#include "decoder/toolkit/cli.h"
+#include "decoder/toolkit/json.h"
 #include "vectors.h"
 
 #include <stdio.h>

@@ -4,7 +4,7 @@
  */
 #include "cases.h"
 #include "check.h"
-#include "decoder/tools/reference_view.h"
+#include "decoder/toolkit/reference_view.h"
 #include "variant.h"
 
 #include <GL/glcorearb.h>

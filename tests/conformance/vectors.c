@@ -4,11 +4,11 @@
  */
 #include "vectors.h"
 #include "cases.h"
-#include "decoder/tools/cli.h"
-#include "decoder/tools/exr_image.h"
-#include "decoder/tools/json.h"
-#include "decoder/tools/output.h"
-#include "decoder/tools/reference_view.h"
+#include "decoder/toolkit/cli.h"
+#include "decoder/toolkit/exr_image.h"
+#include "decoder/toolkit/json.h"
+#include "decoder/toolkit/output.h"
+#include "decoder/toolkit/reference_view.h"
 #include "variant.h"
 
 #include <stdio.h>

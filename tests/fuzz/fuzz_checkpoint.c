@@ -6,9 +6,9 @@
  */
 #include "fuzz.h"
 
-#include "encoder/checkpoint.h"
-#include "encoder/joint_steps.h"
-#include "encoder/paper_kept.h"
+#include "encoder/data/checkpoint.h"
+#include "encoder/joint/steps.h"
+#include "encoder/paper/kept.h"
 #include "step_data.h"
 
 #include <math.h>

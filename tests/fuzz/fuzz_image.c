@@ -5,7 +5,7 @@
  */
 #include "fuzz.h"
 
-#include "encoder/image.h"
+#include "encoder/input/image.h"
 
 #include <string.h>
 

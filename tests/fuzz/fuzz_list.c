@@ -1,13 +1,13 @@
-/* Fuzz target: bytes as a list of inputs (encoder/batch.h) and as a table of lights that were moved
- * (encoder/coincident.h). What is taken names inputs and outputs of their own, and directions above the
+/* Fuzz target: bytes as a list of inputs (encoder/job/batch.h) and as a table of lights that were moved
+ * (encoder/input/light_positions.h). What is taken names inputs and outputs of their own, and directions above the
  * horizon.
  *
  * SPDX-License-Identifier: MIT
  */
 #include "fuzz.h"
 
-#include "encoder/batch.h"
-#include "encoder/coincident.h"
+#include "encoder/job/batch.h"
+#include "encoder/input/light_positions.h"
 
 #include <math.h>
 #include <string.h>

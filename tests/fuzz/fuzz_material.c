@@ -6,7 +6,7 @@
 #include "fuzz.h"
 
 #include "btf_reference.h"
-#include "decoder/tools/reference_view.h"
+#include "decoder/toolkit/reference_view.h"
 
 #include <math.h>
 #include <string.h>

@@ -4,7 +4,7 @@
  */
 #include "fuzz.h"
 
-#include "encoder/names.h"
+#include "encoder/input/names.h"
 
 #include <math.h>
 #include <string.h>

@@ -5,11 +5,11 @@
  */
 #include "fuzz.h"
 
-#include "decoder/tools/cli.h"
+#include "decoder/toolkit/cli.h"
 #include "decoder/tools/render/light_option.h"
 #include "decoder/tools/render/lights.h"
-#include "decoder/tools/scene_option.h"
-#include "encoder/input_options.h"
+#include "decoder/toolkit/scene_option.h"
+#include "encoder/input/options.h"
 #include "tests/sample/directions.h"
 
 #include <math.h>

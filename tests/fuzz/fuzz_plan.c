@@ -8,7 +8,7 @@
  */
 #include "fuzz.h"
 
-#include "tests/unit/plan_decode.h"
+#include "tests/support/plan_decode.h"
 
 #include <math.h>
 #include <string.h>

@@ -3,16 +3,16 @@
  * SPDX-License-Identifier: MIT
  */
 #include "step_data.h"
-#include "tests/unit/bonn_files.h"
-#include "tests/unit/exr_edit.h"
-#include "tests/unit/random_material.h"
+#include "tests/support/bonn_files.h"
+#include "tests/support/exr_edit.h"
+#include "tests/support/random_material.h"
 
-#include "decoder/tools/exr_image.h"
-#include "decoder/tools/jpeg_image.h"
-#include "decoder/tools/png_image.h"
-#include "encoder/checkpoint.h"
-#include "encoder/joint_steps.h"
-#include "encoder/paper_kept.h"
+#include "decoder/toolkit/exr_image.h"
+#include "decoder/toolkit/jpeg_image.h"
+#include "decoder/toolkit/png_image.h"
+#include "encoder/data/checkpoint.h"
+#include "encoder/joint/steps.h"
+#include "encoder/paper/kept.h"
 
 #include <archive.h>
 #include <archive_entry.h>

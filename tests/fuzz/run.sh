@@ -18,10 +18,10 @@ fi
 target=$1 seconds=$2 folder=${3:-build-fuzz}/$1
 version=$(pkg-config --modversion OpenEXR)
 core=$(ls decoder/*.c | grep -v -e /gl -e /plan -e /shader_source)
-context="encoder/context.c encoder/team.c encoder/team_alone.c"
-images="encoder/image.c encoder/image_hdr.c $context $(echo decoder/tools/{exr,jpeg,png}_image.c) decoder/tools/exif.c decoder/tools/output.c
-        decoder/tools/progress.c decoder/tools/estimate.c decoder/result.c decoder/temporary.c"
-data="$context encoder/data.c encoder/scratch_shared.c encoder/memory_plan.c encoder/scratch.c encoder/grid.c encoder/names.c decoder/tools/progress.c decoder/tools/estimate.c decoder/tools/output.c
+context="encoder/base/context.c encoder/base/team.c encoder/base/team_alone.c"
+images="encoder/input/image.c decoder/toolkit/hdr_image.c $context $(echo decoder/tools/{exr,jpeg,png}_image.c) decoder/toolkit/exif.c decoder/toolkit/output.c
+        decoder/toolkit/progress.c decoder/toolkit/estimate.c decoder/result.c decoder/temporary.c"
+data="$context encoder/data/data.c encoder/base/scratch_shared.c encoder/job/memory.c encoder/base/scratch.c encoder/input/grid.c encoder/input/names.c decoder/toolkit/progress.c decoder/toolkit/estimate.c decoder/toolkit/output.c
       decoder/result.c decoder/temporary.c $(echo reference/*.c)"
 libraries="$(pkg-config --cflags --libs-only-L OpenEXR) -lm"
 most=4096
@@ -34,14 +34,14 @@ embed_shaders() {
 }
 case $target in
 material)
-    sources="tests/fuzz/fuzz_material.c tests/fuzz/mutate_exr.c $core $(ls reference/*.c) decoder/tools/reference_view.c"
+    sources="tests/fuzz/fuzz_material.c tests/fuzz/mutate_exr.c $core $(ls reference/*.c) decoder/toolkit/reference_view.c"
     libraries+=" -lOpenEXRCore"
     most=16384
     ;;
 plan)
     embed_shaders
-    sources="tests/fuzz/fuzz_plan.c tests/unit/plan_decode.c tests/unit/random_material.c $planner
-             $(ls reference/*.c) decoder/tools/reference_view.c"
+    sources="tests/fuzz/fuzz_plan.c tests/support/plan_decode.c tests/support/random_material.c $planner
+             $(ls reference/*.c) decoder/toolkit/reference_view.c"
     libraries+=" -lOpenEXRCore"
     most=512
     ;;
@@ -56,27 +56,27 @@ environment)
     libraries+=" -lOpenEXRCore -lpng -ljpeg -lz"
     ;;
 list)
-    sources="tests/fuzz/fuzz_list.c tests/fuzz/file.c encoder/coincident.c encoder/batch_list.c $data"
+    sources="tests/fuzz/fuzz_list.c tests/fuzz/file.c encoder/input/light_positions.c encoder/job/batch_list.c $data"
     most=2048
     ;;
 checkpoint)
-    sources="tests/fuzz/fuzz_checkpoint.c tests/fuzz/step_data.c encoder/checkpoint.c encoder/paper_kept.c encoder/sbrdf.c
-             encoder/occlusion.c encoder/cluster.c $(echo encoder/kmeans*.c) $(echo encoder/fit*.c) $(ls encoder/joint*.c |
-             grep -v -e _run -e _candidates -e _hide -e _quality -e _budget) encoder/pack.c encoder/metrics.c
-             encoder/profiles.c encoder/norms.c encoder/coincident.c encoder/ssim.c encoder/vector_math.c
+    sources="tests/fuzz/fuzz_checkpoint.c tests/fuzz/step_data.c encoder/data/checkpoint.c encoder/paper/kept.c encoder/model/sbrdf.c
+             encoder/model/occlusion.c encoder/paper/cluster.c $(echo encoder/kmeans*.c) $(echo encoder/fit*.c) $(ls encoder/joint*.c |
+             grep -v -e _run -e _candidates -e _hide -e _quality -e _budget) encoder/model/pack.c encoder/report/metrics.c
+             encoder/data/profiles.c encoder/paper/norms.c encoder/input/light_positions.c encoder/report/ssim.c encoder/math/simd.c
              $(ls $core | grep -v -e /result -e /temporary) $folder/ceres_bridge.o $data"
     mkdir -p "$folder"
-    clang++ -std=c++17 -O1 -isystem/usr/include/eigen3 -I. -Idecoder/include -c encoder/ceres_bridge.cc -o "$folder/ceres_bridge.o"
+    clang++ -std=c++17 -O1 -isystem/usr/include/eigen3 -I. -Idecoder/include -c encoder/lafortune/ceres_bridge.cc -o "$folder/ceres_bridge.o"
     libraries+=" -fopenmp=libgomp -lceres -lglog -lstdc++ -lOpenEXRCore"
     most=4096
     ;;
 names)
-    sources="tests/fuzz/fuzz_names.c encoder/names.c"
+    sources="tests/fuzz/fuzz_names.c encoder/input/names.c"
     most=2048
     ;;
 options)
     embed_shaders
-    sources="tests/fuzz/fuzz_options.c decoder/tools/cli.c decoder/tools/scene_option.c encoder/input_options.c
+    sources="tests/fuzz/fuzz_options.c decoder/toolkit/cli.c decoder/toolkit/scene_option.c encoder/input/options.c
              decoder/tools/render/lights.c decoder/tools/render/light_option.c
              tests/sample/directions.c $(ls $planner | grep -v -e /result -e /temporary) $data"
     libraries+=" -lOpenEXRCore"
@@ -87,13 +87,13 @@ jpeg | png | hdr | exr)
     libraries+=" -DFUZZ_IMAGE=FUZZ_${target^^} -DENC_IMAGE_MAX_PIXELS=((size_t)1<<20) -lOpenEXRCore -lpng -ljpeg -lz"
     ;;
 archive)
-    sources="tests/fuzz/fuzz_archive.c tests/fuzz/file.c encoder/source.c encoder/source_archive.c encoder/source_dir.c encoder/names.c $context
-             decoder/tools/progress.c decoder/tools/estimate.c decoder/tools/output.c decoder/result.c decoder/temporary.c"
+    sources="tests/fuzz/fuzz_archive.c tests/fuzz/file.c encoder/input/source.c encoder/input/source_archive.c encoder/input/source_folder.c encoder/input/names.c $context
+             decoder/toolkit/progress.c decoder/toolkit/estimate.c decoder/toolkit/output.c decoder/result.c decoder/temporary.c"
     libraries+=" -DENC_SOURCE_MAX_FILE=((size_t)1<<20) -larchive"
     ;;
 bonn)
-    sources="tests/fuzz/fuzz_bonn.c tests/fuzz/file.c reference/btf_arithmetic.c encoder/bonn_file.c encoder/bonn_decode.c encoder/bonn_colour.c encoder/joint_gemm.c
-             $context decoder/tools/progress.c decoder/tools/estimate.c decoder/tools/output.c decoder/result.c decoder/temporary.c"
+    sources="tests/fuzz/fuzz_bonn.c tests/fuzz/file.c reference/btf_arithmetic.c encoder/input/bonn_file.c encoder/input/bonn_decode.c encoder/input/bonn_colour.c encoder/math/gemm.c
+             $context decoder/toolkit/progress.c decoder/toolkit/estimate.c decoder/toolkit/output.c decoder/result.c decoder/temporary.c"
     libraries+=" -fopenmp=libgomp -larchive"
     ;;
 *)

@@ -5,7 +5,7 @@
 #ifndef OPENBTF_TESTS_STEP_DATA_H
 #define OPENBTF_TESTS_STEP_DATA_H
 
-#include "encoder/data.h"
+#include "encoder/data/data.h"
 
 enum {
     STEP_SIDE = 3,

@@ -2,11 +2,11 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "decoder/tools/cli.h"
-#include "decoder/tools/exr_image.h"
-#include "decoder/tools/jpeg_image.h"
-#include "decoder/tools/png_image.h"
-#include "decoder/tools/progress.h"
+#include "decoder/toolkit/cli.h"
+#include "decoder/toolkit/exr_image.h"
+#include "decoder/toolkit/jpeg_image.h"
+#include "decoder/toolkit/png_image.h"
+#include "decoder/toolkit/progress.h"
 #include "directions.h"
 #include "sample.h"
 #include "truth_files.h"

@@ -5,7 +5,7 @@
 #ifndef OPENBTF_SAMPLE_DIRECTIONS_H
 #define OPENBTF_SAMPLE_DIRECTIONS_H
 
-#include "encoder/data.h"
+#include "encoder/data/data.h"
 
 enum { DIRECTIONS_MAX = 256 };
 

@@ -12,7 +12,7 @@
 #ifndef OPENBTF_SAMPLE_SAMPLE_H
 #define OPENBTF_SAMPLE_SAMPLE_H
 
-#include "encoder/data.h"
+#include "encoder/data/data.h"
 #include "raycast.h"
 
 /* What to render. Zero means the default that stands beside a field. */

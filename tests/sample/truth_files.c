@@ -4,7 +4,7 @@
  */
 #include "truth_files.h"
 
-#include "decoder/tools/output.h"
+#include "decoder/toolkit/output.h"
 
 #include <stdlib.h>
 #include <string.h>

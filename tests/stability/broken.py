@@ -19,65 +19,65 @@ import tempfile
 # What is broken: [(file, text, its replacement)], and the test that has to notice.
 CHANGES = [
     ("the bound on n removed", "stability_fit", [
-        ("encoder/fit_texel.c", "log(fmax(ENC_FIT_MAX_N, value))", "log(fmax(1e9, value))")]),
+        ("encoder/lafortune/texel_fit.c", "log(fmax(ENC_FIT_MAX_N, value))", "log(fmax(1e9, value))")]),
     ("lobes may tower between samples", "stability_fit", [
-        ("encoder/fit_texel.c", "most_overshoot = 4;", "most_overshoot = 1e30;")]),
+        ("encoder/lafortune/texel_fit.c", "most_overshoot = 4;", "most_overshoot = 1e30;")]),
     ("lobes of one colour may leave the range of floats", "stability_fit", [
-        ("encoder/fit_normal.c", "if (!p->rgb && most * log(peak) > most_peak)", "if (most < 0)")]),
+        ("encoder/lafortune/normal_equations.c", "if (!p->rgb && most * log(peak) > most_peak)", "if (most < 0)")]),
     ("parameters beyond 2^24 stored", "stability_fit", [
-        ("encoder/fit_texel.c", "copysign(fmin(magnitude, 0x1p24), value)", "copysign(magnitude, value)")]),
+        ("encoder/lafortune/texel_fit.c", "copysign(fmin(magnitude, 0x1p24), value)", "copysign(magnitude, value)")]),
     ("what the file's limits do to a lobe not looked at", "stability_fit", [
-        ("encoder/fit_texel.c", "diffuse = !(best.cost < stored_cost(&p, plain));", "diffuse = false;")]),
+        ("encoder/lafortune/texel_fit.c", "diffuse = !(best.cost < stored_cost(&p, plain));", "diffuse = false;")]),
     ("all samples may be rejected", "stability_fit", [
-        ("encoder/fit.c", "least_kept = 0.1;", "least_kept = 0.0;")]),
+        ("encoder/paper/fit.c", "least_kept = 0.1;", "least_kept = 0.0;")]),
     ("the division by a model of nothing put back", "stability_fit", [
-        ("encoder/shadow.h", " || !(model >= ENC_SHADOW_MIN_MODEL)", "")]),
+        ("encoder/paper/shadow.h", " || !(model >= ENC_SHADOW_MIN_MODEL)", "")]),
     ("the division by the largest of black samples put back", "stability_fit", [
-        ("encoder/fit.c", "return any;", "return true;"),
-        ("encoder/fit_texel.c", "if (largest == 0) {", "if (largest < 0) {")]),
+        ("encoder/paper/fit.c", "return any;", "return true;"),
+        ("encoder/lafortune/texel_fit.c", "if (largest == 0) {", "if (largest < 0) {")]),
     ("empty clusters left empty", "stability_occlusion", [
-        ("encoder/kmeans.c", "if (counts[j] > 0)\n            continue;", "continue;")]),
+        ("encoder/math/kmeans.c", "if (counts[j] > 0)\n            continue;", "continue;")]),
     ("the division by the members of an empty cluster put back", "stability_occlusion", [
-        ("encoder/kmeans.c", "d < stride && counts[j] > 0; d++", "d < stride; d++")]),
+        ("encoder/math/kmeans.c", "d < stride && counts[j] > 0; d++", "d < stride; d++")]),
     ("a scale of centres that no file holds", "stability_occlusion", [
-        ("encoder/cluster.c", "fminf(fmaxf(most / 255.0f, 0x1p-24f), 0x1p24f)", "most / 255.0f")]),
+        ("encoder/paper/cluster.c", "fminf(fmaxf(most / 255.0f, 0x1p-24f), 0x1p24f)", "most / 255.0f")]),
     ("clusters that depend on the thread", "stability_occlusion", [
-        ("encoder/cluster.c", "s->options.seed + (uint64_t)view", "s->options.seed + (uint64_t)omp_get_thread_num()"),
-        ("encoder/cluster.c", "#include <math.h>\n", "#include <math.h>\n#include <omp.h>\n")]),
+        ("encoder/paper/cluster.c", "s->options.seed + (uint64_t)view", "s->options.seed + (uint64_t)omp_get_thread_num()"),
+        ("encoder/paper/cluster.c", "#include <math.h>\n", "#include <math.h>\n#include <omp.h>\n")]),
     ("rounding taken for texture", "stability_occlusion", [
-        ("encoder/flow_prior.c", "equal_sums = 1e-5f;", "equal_sums = 0.0f;")]),
+        ("encoder/paper/flow_prior.c", "equal_sums = 1e-5f;", "equal_sums = 0.0f;")]),
     ("the division by no visible points put back", "stability_occlusion", [
-        ("encoder/refine.c", "return n == 0 ? 0 : (float)(sum / (double)n);", "return (float)(sum / (double)n);")]),
+        ("encoder/paper/refine.c", "return n == 0 ? 0 : (float)(sum / (double)n);", "return (float)(sum / (double)n);")]),
     ("a shift of 128 taken for one of -128", "stability_occlusion", [
-        ("encoder/occlusion.c", "2 * r > size || r > 127 ? r - size : r", "2 * r > size ? r - size : r")]),
+        ("encoder/model/occlusion.c", "2 * r > size || r > 127 ? r - size : r", "2 * r > size ? r - size : r")]),
     ("a radiance scale that no file holds", "stability_joint", [
-        ("encoder/joint_rows.c", "exp2(fmin((double)bin / 64.0, 24.0))", "exp2((double)bin / 64.0)")]),
+        ("encoder/joint/rows.c", "exp2(fmin((double)bin / 64.0, 24.0))", "exp2((double)bin / 64.0)")]),
     ("the diffuse fit never taken in place of what is worse", "stability_joint", [
-        ("encoder/method_paper.c", "if (result == BTF_OK && options->fallback) {", "if (result != BTF_OK && options->fallback) {")]),
+        ("encoder/paper/paper.c", "if (result == BTF_OK && options->fallback) {", "if (result != BTF_OK && options->fallback) {")]),
     ("samples that are no numbers read", "stability_input", [
-        ("encoder/reader.c", "if (finite && ", "if (finite || ")]),
+        ("encoder/input/reader.c", "if (finite && ", "if (finite || ")]),
     ("the square root of the cosine forgotten in playback", "precision", [
-        ("encoder/playback.c", "solution->domain == BTF_DOMAIN_SQRT ? sqrtf(xyz[2]) : xyz[2]", "xyz[2]")]),
+        ("encoder/model/decode_samples.c", "solution->domain == BTF_DOMAIN_SQRT ? sqrtf(xyz[2]) : xyz[2]", "xyz[2]")]),
     ("the derivative by n wrong", "precision", [
-        ("encoder/fit_normal.c", "return at->held[j] ? 0 : at->shape[j][3];", "return at->held[j] ? 0 : at->shape[j][0];")]),
+        ("encoder/lafortune/normal_equations.c", "return at->held[j] ? 0 : at->shape[j][3];", "return at->held[j] ? 0 : at->shape[j][0];")]),
     ("samples rejected by a model in steps of 1/16", "precision", [
-        ("encoder/fit.c", "model[c] = w->model[c * n + i] * g->multiplier[i];",
+        ("encoder/paper/fit.c", "model[c] = w->model[c * n + i] * g->multiplier[i];",
          "model[c] = w->model[c * n + i] * g->multiplier[i] + 1e6f - 1e6f;")]),
     ("the flow's first estimate from images in steps of 1/4", "precision", [
-        ("encoder/flow_prior.c", "v > 0 ? sqrtf(v) : 0;", "v > 0 ? sqrtf(v) + 4e6f - 4e6f : 0;")]),
+        ("encoder/paper/flow_prior.c", "v > 0 ? sqrtf(v) : 0;", "v > 0 ? sqrtf(v) + 4e6f - 4e6f : 0;")]),
     ("hidden points searched by distances in steps of 1", "precision", [
-        ("encoder/refine.c", "s->norms.distance(query, s->modelled + source * s->stride, s->lanes);",
+        ("encoder/paper/refine.c", "s->norms.distance(query, s->modelled + source * s->stride, s->lanes);",
          "s->norms.distance(query, s->modelled + source * s->stride, s->lanes) + 1e7f - 1e7f;")]),
     ("means of clusters in steps of 1/16", "precision", [
-        ("encoder/kmeans.c", "(float)(sums[j * stride + d] / (double)counts[j]);",
+        ("encoder/math/kmeans.c", "(float)(sums[j * stride + d] / (double)counts[j]);",
          "(float)(sums[j * stride + d] / (double)counts[j]) + 1e6f - 1e6f;")]),
     ("the diffuse term stored four times too large", "perturbation", [
-        ("encoder/fit_texel.c", "out[3] = storable(at->diffuse * factor, cut);", "out[3] = storable(4 * at->diffuse * factor, cut);"),
-        ("encoder/fit_texel.c", "if (store(&p, &best, out_parameters)) {\n            best.cost = stored_cost", "if (!store(&p, &best, out_parameters)) {\n            best.cost = stored_cost")]),
+        ("encoder/lafortune/texel_fit.c", "out[3] = storable(at->diffuse * factor, cut);", "out[3] = storable(4 * at->diffuse * factor, cut);"),
+        ("encoder/lafortune/texel_fit.c", "if (store(&p, &best, out_parameters)) {\n            best.cost = stored_cost", "if (!store(&p, &best, out_parameters)) {\n            best.cost = stored_cost")]),
     ("a threshold that does not scale with radiance", "equivariance", [
-        ("encoder/shadow.h", "ENC_SHADOW_MIN_MODEL 1e-5f", "ENC_SHADOW_MIN_MODEL 0.05f")]),
+        ("encoder/paper/shadow.h", "ENC_SHADOW_MIN_MODEL 1e-5f", "ENC_SHADOW_MIN_MODEL 0.05f")]),
     ("shifts along the wrong line, in the flow's first estimate", "equivariance", [
-        ("encoder/flow_prior.c", ".rows = across > 0 ? view->xyz[1] / across : 0}", ".rows = across > 0 ? -view->xyz[0] / across : 0}")]),
+        ("encoder/paper/flow_prior.c", ".rows = across > 0 ? view->xyz[1] / across : 0}", ".rows = across > 0 ? -view->xyz[0] / across : 0}")]),
     ("parameters beyond 2^24 read", "decoder_bits", [
         ("decoder/internal.h", "magnitude <= BTFI_PARAMETER_MAX", "magnitude <= 2 * BTFI_PARAMETER_MAX")]),
     ("NaN taken for a coordinate", "decoder_bits", [
@@ -106,7 +106,7 @@ CHANGES = [
     ("texels read that were never written", "valgrind", [
         ("decoder/material.c", "m->texture[level][id] = calloc(1, size);", "m->texture[level][id] = malloc(size);")]),
     ("a critical section of the shadow test left out", "tsan", [
-        ("encoder/shadow.c", "#pragma omp critical(enc_shadow_result)\n", "")]),
+        ("encoder/paper/shadow.c", "#pragma omp critical(enc_shadow_result)\n", "")]),
     ("the material written under its final name", "stability_faults", [
         ("decoder/save.c", "const int fd = btfi_temporary_create(path, &temporary);",
          "temporary = strdup(path);\n    const int fd = open(path, O_RDWR | O_CREAT | O_TRUNC, 0666);")]),
@@ -117,22 +117,22 @@ CHANGES = [
     ("temporary files of the living not locked", "output", [
         ("decoder/temporary.c", "while (flock(fd, LOCK_EX) != 0 && errno == EINTR)", "while (fd < 0)")]),
     ("the output not tried before the work", "stability_faults", [
-        ("encoder/job.c", "result = try_output(context, job->output);",
+        ("encoder/job/job.c", "result = try_output(context, job->output);",
          "result = job->report ? try_output(context, job->output) : BTF_OK;"),
-        ("encoder/job.c", "result = try_output(context, job->report);", "result = BTF_OK;")]),
+        ("encoder/job/job.c", "result = try_output(context, job->report);", "result = BTF_OK;")]),
     ("damage that libjpeg paints over taken for a picture", "stability_images", [
-        ("decoder/tools/jpeg_image.c", "    c->damaged = true;\n", "")]),
+        ("decoder/toolkit/jpeg_image.c", "    c->damaged = true;\n", "")]),
     ("pictures stored turned taken as they lie", "stability_images", [
-        ("decoder/tools/exif.c", "return (int)value;", "return 1;")]),
+        ("decoder/toolkit/exif.c", "return (int)value;", "return 1;")]),
     ("channels that nobody wants without a place", "fuzz-exr", [
-        ("decoder/tools/exr_image.c", "channel->decode_to_ptr = (uint8_t *)r->unwanted;", "channel->decode_to_ptr = NULL;")]),
+        ("decoder/toolkit/exr_image.c", "channel->decode_to_ptr = (uint8_t *)r->unwanted;", "channel->decode_to_ptr = NULL;")]),
     ("files of any size taken out of an archive", "stability_archives", [
-        ("encoder/source_archive.c", "if (declared > (int64_t)ENC_SOURCE_MAX_FILE) {", "if (declared < 0) {"),
-        ("encoder/source_archive.c", "if (size > ENC_SOURCE_MAX_FILE) {", "if (size == 1) {")]),
+        ("encoder/input/source_archive.c", "if (declared > (int64_t)ENC_SOURCE_MAX_FILE) {", "if (declared < 0) {"),
+        ("encoder/input/source_archive.c", "if (size > ENC_SOURCE_MAX_FILE) {", "if (size == 1) {")]),
     ("links in an archive taken for images", "stability_archives", [
-        ("encoder/source_archive.c", "!archive_entry_hardlink(entry)) {", "entry) {")]),
+        ("encoder/input/source_archive.c", "!archive_entry_hardlink(entry)) {", "entry) {")]),
     ("angles of any length read", "names", [
-        ("encoder/names.c", "if (value > 0.0 && digits++ == MAX_DIGITS)", "if (value < 0.0 && digits++ == MAX_DIGITS)")]),
+        ("encoder/input/names.c", "if (value > 0.0 && digits++ == MAX_DIGITS)", "if (value < 0.0 && digits++ == MAX_DIGITS)")]),
 ]
 
 TOOLS = ['encoder/btf-encode', 'encoder/btf-compare', 'decoder/tools/btf-info', 'decoder/tools/btf-decode',

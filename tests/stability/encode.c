@@ -4,9 +4,9 @@
  */
 #include "encode.h"
 
-#include "decoder/tools/reference_view.h"
-#include "encoder/pack.h"
-#include "encoder/playback.h"
+#include "decoder/toolkit/reference_view.h"
+#include "encoder/model/pack.h"
+#include "encoder/model/decode_samples.h"
 
 #include <math.h>
 #include <stdio.h>

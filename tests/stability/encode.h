@@ -7,8 +7,8 @@
 
 #include "hard_data.h"
 
-#include "encoder/joint.h"
-#include "encoder/method_paper.h"
+#include "encoder/joint/joint.h"
+#include "encoder/paper/paper.h"
 
 /* The last is the paper's method without what flow finds. */
 typedef enum encode_method {

@@ -5,8 +5,8 @@
 #ifndef OPENBTF_TESTS_STABILITY_HARD_DATA_H
 #define OPENBTF_TESTS_STABILITY_HARD_DATA_H
 
-#include "encoder/data.h"
-#include "encoder/sbrdf.h"
+#include "encoder/data/data.h"
+#include "encoder/model/sbrdf.h"
 
 enum { HARD_MAX_DIRECTIONS = 64 };
 

@@ -3,9 +3,9 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "encoder/fit.h"
-#include "encoder/fit_gram.h"
-#include "encoder/flow.h"
+#include "encoder/paper/fit.h"
+#include "encoder/lafortune/gram.h"
+#include "encoder/paper/flow.h"
 #include "precision_double.h"
 
 static const enc_context one_thread = {.threads = 1};

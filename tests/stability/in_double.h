@@ -20,12 +20,12 @@
 #include <time.h>
 
 /* Of floats, whoever includes them. */
-#include "encoder/ceres_bridge.h"
-#include "encoder/data.h"
-#include "encoder/memory_plan.h"
-#include "encoder/occlusion.h"
-#include "encoder/opencv_bridge.h"
-#include "encoder/team.h"
+#include "encoder/lafortune/ceres_bridge.h"
+#include "encoder/data/data.h"
+#include "encoder/job/memory.h"
+#include "encoder/model/occlusion.h"
+#include "encoder/base/opencv_bridge.h"
+#include "encoder/base/team.h"
 
 typedef struct double_direction {
     double xyz[3];

@@ -7,11 +7,11 @@
 
 #include "hard_data.h"
 
-#include "encoder/cluster.h"
-#include "encoder/fit.h"
-#include "encoder/occlusion.h"
-#include "encoder/shadow.h"
-#include "encoder/solution.h"
+#include "encoder/paper/cluster.h"
+#include "encoder/paper/fit.h"
+#include "encoder/model/occlusion.h"
+#include "encoder/paper/shadow.h"
+#include "encoder/model/solution.h"
 
 extern const double precision_most_loss; /* dB, of any stage */
 

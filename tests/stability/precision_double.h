@@ -5,8 +5,8 @@
 #ifndef OPENBTF_TESTS_STABILITY_PRECISION_DOUBLE_H
 #define OPENBTF_TESTS_STABILITY_PRECISION_DOUBLE_H
 
-#include "encoder/data.h"
-#include "encoder/occlusion.h"
+#include "encoder/data/data.h"
+#include "encoder/model/occlusion.h"
 
 /* enc_fit with its default starts, rounds, tolerance and evaluations, on one thread:
  * out[texel][enc_sbrdf_stride]. The sums over samples are plain loops with libm's pow. Returns false on

@@ -7,9 +7,9 @@
 #include "cases.h"
 
 #include "../conformance/cases.h"
-#include "../unit/exr_edit.h"
+#include "tests/support/exr_edit.h"
 #include "btf_reference.h"
-#include "decoder/tools/reference_view.h"
+#include "decoder/toolkit/reference_view.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -6,11 +6,11 @@
 #include "encode.h"
 #include "precision.h"
 
-#include "encoder/fit_gram.h"
-#include "encoder/joint_fit.h"
-#include "encoder/joint_measure.h"
-#include "encoder/playback.h"
-#include "encoder/shadow.h"
+#include "encoder/lafortune/gram.h"
+#include "encoder/joint/fit.h"
+#include "encoder/joint/measure.h"
+#include "encoder/model/decode_samples.h"
+#include "encoder/paper/shadow.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -7,7 +7,7 @@
 #include "precision.h"
 #include "precision_double.h"
 
-#include "encoder/flow.h"
+#include "encoder/paper/flow.h"
 
 #include <math.h>
 #include <stdlib.h>

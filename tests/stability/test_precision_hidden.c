@@ -5,7 +5,7 @@
 #include "cases.h"
 #include "precision.h"
 
-#include "encoder/refine.h"
+#include "encoder/paper/refine.h"
 
 #include <math.h>
 #include <stdlib.h>

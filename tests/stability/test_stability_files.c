@@ -6,9 +6,9 @@
  */
 #include "cases.h"
 
-#include "decoder/tools/reference_view.h"
-#include "tests/unit/exr_edit.h"
-#include "tests/unit/random_material.h"
+#include "decoder/toolkit/reference_view.h"
+#include "tests/support/exr_edit.h"
+#include "tests/support/random_material.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -6,8 +6,8 @@
 #include "cases.h"
 #include "hard_data.h"
 
-#include "encoder/fit.h"
-#include "encoder/shadow.h"
+#include "encoder/paper/fit.h"
+#include "encoder/paper/shadow.h"
 
 #include <float.h>
 #include <math.h>

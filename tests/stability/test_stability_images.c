@@ -5,7 +5,7 @@
  */
 #include "cases.h"
 
-#include "encoder/image.h"
+#include "encoder/input/image.h"
 
 #include <stdint.h>
 #include <stdio.h>

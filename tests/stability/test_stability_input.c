@@ -6,9 +6,9 @@
 #include "cases.h"
 #include "encode.h"
 
-#include "decoder/tools/exr_image.h"
-#include "decoder/tools/png_image.h"
-#include "encoder/reader.h"
+#include "decoder/toolkit/exr_image.h"
+#include "decoder/toolkit/png_image.h"
+#include "encoder/input/reader.h"
 
 #include <float.h>
 #include <ftw.h>

@@ -6,10 +6,10 @@
 #include "cases.h"
 #include "hard_data.h"
 
-#include "encoder/cluster.h"
-#include "encoder/flow.h"
-#include "encoder/kmeans.h"
-#include "encoder/refine.h"
+#include "encoder/paper/cluster.h"
+#include "encoder/paper/flow.h"
+#include "encoder/math/kmeans.h"
+#include "encoder/paper/refine.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -385,7 +385,7 @@ static void three_profiles(const void *user, int texel, const enc_direction *v, 
     }
 }
 
-/* A value as a stored centre gives it back: its square root is a code (encoder/cluster.h). */
+/* A value as a stored centre gives it back: its square root is a code (encoder/paper/cluster.h). */
 static double coded(double value, double scale, bool linear) {
     const double root = fmin(floor((linear ? sqrt(value) : value) / scale + 0.5), 255) * scale;
     return linear ? root * root : root;

@@ -5,7 +5,7 @@
 #ifndef OPENBTF_TESTS_FIT_DATA_H
 #define OPENBTF_TESTS_FIT_DATA_H
 
-#include "encoder/data.h"
+#include "encoder/data/data.h"
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "decoder/tools/png_image.h"
+#include "decoder/toolkit/png_image.h"
 
 #include <ftw.h>
 #include <math.h>

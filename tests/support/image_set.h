@@ -5,7 +5,7 @@
 #ifndef OPENBTF_TESTS_IMAGE_SET_H
 #define OPENBTF_TESTS_IMAGE_SET_H
 
-#include "encoder/reader.h"
+#include "encoder/input/reader.h"
 
 enum { W = 5, H = 4, VIEWS = 4, LIGHTS = 5, PATH = 512 };
 

@@ -5,7 +5,7 @@
 #include "plan_decode.h"
 
 #include "btf_reference.h"
-#include "decoder/tools/reference_view.h"
+#include "decoder/toolkit/reference_view.h"
 
 #include <math.h>
 #include <stdbool.h>

@@ -4,7 +4,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "tests/unit/bonn_files.h"
+#include "tests/support/bonn_files.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -3,7 +3,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "encoder/team_mpi.h"
+#include "encoder/base/team_mpi.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,15 +2,15 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "output.h"
-#include "progress.h"
-#include "render/figure.h"
-#include "render/frame_plan.h"
-#include "render/light_option.h"
-#include "render/original.h"
-#include "render/render.h"
-#include "render/settings.h"
-#include "scene_option.h"
+#include "decoder/toolkit/output.h"
+#include "decoder/toolkit/progress.h"
+#include "figure.h"
+#include "frame_plan.h"
+#include "light_option.h"
+#include "original.h"
+#include "render.h"
+#include "settings.h"
+#include "decoder/toolkit/scene_option.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "../exr_image.h"
-#include "encoder/image_hdr.h"
+#include "decoder/toolkit/exr_image.h"
+#include "decoder/toolkit/hdr_image.h"
 #include "file.h"
 #include "lights.h"
 

@@ -4,7 +4,7 @@
  */
 #include "light_option.h"
 
-#include "decoder/tools/cli.h"
+#include "decoder/toolkit/cli.h"
 #include "lights.h"
 
 #include <math.h>

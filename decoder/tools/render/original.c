@@ -4,8 +4,8 @@
  */
 #include "original.h"
 
-#include "../reference_view.h"
-#include "encoder/reader.h"
+#include "decoder/toolkit/reference_view.h"
+#include "encoder/input/reader.h"
 #include "file.h"
 #include "table.h"
 #include <stdlib.h>

@@ -10,7 +10,7 @@
 
 typedef struct original original;
 
-/* Reads a data set (encoder/reader.h, default options). Errors, on log: those of reading; BTF_ERROR_USAGE
+/* Reads a data set (encoder/input/reader.h, default options). Errors, on log: those of reading; BTF_ERROR_USAGE
  * when its size or its directions are not those of the material (both are named). `p` is a progress object
  * or NULL. */
 btf_result original_open(const char *input, const btf_material *material, int threads, void *p,
@@ -20,7 +20,7 @@ void original_close(original **o);
 /* Three neighbouring views and lights blended, one texel. */
 evaluator original_evaluator(original *o);
 
-/* All samples, [texel][view][channel][light] (encoder/data.h). */
+/* All samples, [texel][view][channel][light] (encoder/data/data.h). */
 const float *original_samples(const original *o);
 
 #endif

@@ -4,8 +4,8 @@
  */
 #include "picture.h"
 
-#include "../exr_image.h"
-#include "../png_image.h"
+#include "decoder/toolkit/exr_image.h"
+#include "decoder/toolkit/png_image.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

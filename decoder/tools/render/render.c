@@ -4,7 +4,7 @@
  */
 #include "render.h"
 
-#include "../progress.h"
+#include "decoder/toolkit/progress.h"
 #include "file.h"
 #include <omp.h>
 #include <stdlib.h>

@@ -6,7 +6,7 @@
 #define OPENBTF_RENDER_SETTINGS_H
 
 #include "lights.h"
-#include "../cli.h"
+#include "decoder/toolkit/cli.h"
 #include <stdbool.h>
 #include <stdint.h>
 

@@ -5,7 +5,7 @@
  */
 #include "shader.h"
 
-#include "../reference_view.h"
+#include "decoder/toolkit/reference_view.h"
 #include "file.h"
 #include "gl_api.h"
 #include "table.h"

@@ -4,7 +4,7 @@
  */
 #include "shader.h"
 
-#include "../reference_view.h"
+#include "decoder/toolkit/reference_view.h"
 #include "file.h"
 #include "table.h"
 #include <stdlib.h>

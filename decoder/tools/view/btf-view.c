@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "view/viewer.h"
+#include "viewer.h"
 
 #include <stdio.h>
 #include <string.h>

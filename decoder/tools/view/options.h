@@ -5,7 +5,7 @@
 #ifndef OPENBTF_VIEW_OPTIONS_H
 #define OPENBTF_VIEW_OPTIONS_H
 
-#include "../cli.h"
+#include "decoder/toolkit/cli.h"
 #include <stdbool.h>
 #include <stdint.h>
 

@@ -4,7 +4,7 @@
  */
 #include "state.h"
 
-#include "../cli.h"
+#include "decoder/toolkit/cli.h"
 #include <math.h>
 #include <stdio.h>
 

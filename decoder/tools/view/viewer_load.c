@@ -4,7 +4,7 @@
  */
 #include "viewer.h"
 
-#include "../progress.h"
+#include "decoder/toolkit/progress.h"
 #include <omp.h>
 #include <stdio.h>
 #include <string.h>

@@ -4,7 +4,7 @@
  */
 #include "viewer.h"
 
-#include "../png_image.h"
+#include "decoder/toolkit/png_image.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -4,7 +4,7 @@
  */
 #include "viewer.h"
 
-#include "../scene_option.h"
+#include "decoder/toolkit/scene_option.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

@@ -2,12 +2,12 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "results.h"
+#include "tests/bench/results.h"
 
-#include "decoder/tools/reference_view.h"
-#include "encoder/metrics.h"
-#include "encoder/playback.h"
-#include "encoder/reference_images.h"
+#include "decoder/toolkit/reference_view.h"
+#include "encoder/report/metrics.h"
+#include "encoder/model/decode_samples.h"
+#include "encoder/data/reference_images.h"
 
 #include <stdlib.h>
 

@@ -5,7 +5,7 @@
 #ifndef OPENBTF_TESTS_BENCH_CODEC_TABLE_H
 #define OPENBTF_TESTS_BENCH_CODEC_TABLE_H
 
-#include "bench.h"
+#include "tests/bench/bench.h"
 
 typedef enum codec_kind {
     CODEC_OURS = 0,

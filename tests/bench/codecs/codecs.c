@@ -3,15 +3,15 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "bench.h"
+#include "tests/bench/bench.h"
 #include "codec_table.h"
-#include "encodes.h"
+#include "tests/bench/encodes.h"
 #include "pca.h"
 
-#include "encoder/joint.h"
-#include "encoder/joint_budget.h"
-#include "encoder/playback.h"
-#include "encoder/report.h"
+#include "encoder/joint/joint.h"
+#include "encoder/joint/budget.h"
+#include "encoder/model/decode_samples.h"
+#include "encoder/report/report.h"
 
 #include <math.h>
 #include <string.h>

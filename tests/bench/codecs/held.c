@@ -4,7 +4,7 @@
  */
 #include "held.h"
 
-#include "encoder/metrics.h"
+#include "encoder/report/metrics.h"
 
 #include <math.h>
 #include <stdlib.h>

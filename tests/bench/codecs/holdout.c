@@ -4,14 +4,14 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "bench.h"
-#include "encodes.h"
+#include "tests/bench/bench.h"
+#include "tests/bench/encodes.h"
 #include "held.h"
 
-#include "decoder/tools/reference_view.h"
-#include "encoder/metrics.h"
-#include "encoder/playback.h"
-#include "encoder/reference_images.h"
+#include "decoder/toolkit/reference_view.h"
+#include "encoder/report/metrics.h"
+#include "encoder/model/decode_samples.h"
+#include "encoder/data/reference_images.h"
 
 #include <math.h>
 

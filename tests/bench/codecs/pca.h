@@ -7,7 +7,7 @@
 #ifndef OPENBTF_TESTS_BENCH_PCA_H
 #define OPENBTF_TESTS_BENCH_PCA_H
 
-#include "encoder/images.h"
+#include "encoder/data/images.h"
 
 typedef enum pca_coding { PCA_LINEAR = 0, PCA_SRGB = 1, PCA_SQRT = 2 } pca_coding;
 typedef enum pca_number { PCA_HALF = 0, PCA_BYTE = 1 } pca_number;

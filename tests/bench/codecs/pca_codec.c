@@ -4,9 +4,9 @@
  */
 #include "pca.h"
 
-#include "encoder/joint_gemm.h"
-#include "encoder/joint_linear.h"
-#include "encoder/pack.h"
+#include "encoder/math/gemm.h"
+#include "encoder/math/linear.h"
+#include "encoder/model/pack.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -4,8 +4,8 @@
  */
 #include "decode_peers.h"
 
-#include "encoder/metrics.h"
-#include "encoder/pack.h"
+#include "encoder/report/metrics.h"
+#include "encoder/model/pack.h"
 
 #include <math.h>
 #include <stdlib.h>

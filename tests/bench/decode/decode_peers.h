@@ -6,7 +6,7 @@
 #ifndef OPENBTF_TESTS_BENCH_DECODE_PEERS_H
 #define OPENBTF_TESTS_BENCH_DECODE_PEERS_H
 
-#include "pca.h"
+#include "tests/bench/codecs/pca.h"
 
 #include <openbtf/material.h>
 

@@ -4,7 +4,7 @@
  */
 #include "decode_rig.h"
 
-#include "decoder/tools/reference_view.h"
+#include "decoder/toolkit/reference_view.h"
 #include "tests/conformance/random.h"
 
 #include <GL/glcorearb.h>

@@ -11,9 +11,9 @@
 #include "decode_peers.h"
 #include "decode_shaders.h"
 
-#include "decoder/tools/reference_view.h"
-#include "encoder/joint_budget.h"
-#include "encoder/metrics.h"
+#include "decoder/toolkit/reference_view.h"
+#include "encoder/joint/budget.h"
+#include "encoder/report/metrics.h"
 #include "tests/conformance/random.h"
 
 #include <GL/glcorearb.h>

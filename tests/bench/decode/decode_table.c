@@ -4,8 +4,8 @@
  */
 #include "decode_table.h"
 
-#include "plots.h"
-#include "readme.h"
+#include "tests/bench/plots.h"
+#include "tests/bench/readme.h"
 
 #include <math.h>
 #include <string.h>

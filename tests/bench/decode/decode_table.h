@@ -5,7 +5,7 @@
 #ifndef OPENBTF_TESTS_BENCH_DECODE_TABLE_H
 #define OPENBTF_TESTS_BENCH_DECODE_TABLE_H
 
-#include "bench.h"
+#include "tests/bench/bench.h"
 #include "decode_rig.h"
 
 enum { DECODE_MOST_ROWS = 1200, DECODE_MOST_SIZES = 16, DECODE_MOST_DEVICES = 12 };

@@ -1,12 +1,12 @@
-/* Ranks that encode together (encoder/team.h): slices, transfers, failures; and that a joint and a paper
+/* Ranks that encode together (encoder/base/team.h): slices, transfers, failures; and that a joint and a paper
  * analysis by several ranks has the bits of one. The ranks are threads of this process, and their transport
  * is memory.
  *
  * SPDX-License-Identifier: MIT
  */
-#include "encoder/joint.h"
-#include "encoder/method_paper.h"
-#include "encoder/team.h"
+#include "encoder/joint/joint.h"
+#include "encoder/paper/paper.h"
+#include "encoder/base/team.h"
 
 #include <math.h>
 #include <openbtf/material.h>

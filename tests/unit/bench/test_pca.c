@@ -10,8 +10,8 @@
 
 #include <cmocka.h>
 
-#include "encoder/metrics.h"
-#include "tests/bench/pca.h"
+#include "encoder/report/metrics.h"
+#include "tests/bench/codecs/pca.h"
 
 #include <math.h>
 #include <stdlib.h>

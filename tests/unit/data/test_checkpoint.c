@@ -1,6 +1,6 @@
-/* Checkpoints (encoder/checkpoint.h): what is kept comes back, damage counts as nothing, other data or
+/* Checkpoints (encoder/data/checkpoint.h): what is kept comes back, damage counts as nothing, other data or
  * options are refused, and every stage of `--method paper` gives the same result from one
- * (encoder/paper_steps.h).
+ * (encoder/paper/steps.h).
  *
  * SPDX-License-Identifier: MIT
  */
@@ -11,9 +11,9 @@
 
 #include <cmocka.h>
 
-#include "encoder/checkpoint.h"
-#include "encoder/method_paper.h"
-#include "image_files.h"
+#include "encoder/data/checkpoint.h"
+#include "encoder/paper/paper.h"
+#include "tests/support/image_files.h"
 #include "tests/sample/sample.h"
 
 #include <dirent.h>

@@ -3,7 +3,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "btf_reference.h"
-#include "random_material.h"
+#include "tests/support/random_material.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -9,10 +9,10 @@
 
 #include <cmocka.h>
 
-#include "decoder/tools/reference_view.h"
-#include "encoder/effect_errors.h"
-#include "encoder/metrics.h"
-#include "random_material.h"
+#include "decoder/toolkit/reference_view.h"
+#include "encoder/report/effect_errors.h"
+#include "encoder/report/metrics.h"
+#include "tests/support/random_material.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,9 +3,9 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "exr_edit.h"
-#include "random_material.h"
-#include "refusals.h"
+#include "tests/support/exr_edit.h"
+#include "tests/support/random_material.h"
+#include "tests/support/refusals.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -4,8 +4,8 @@
  * SPDX-License-Identifier: MIT
  */
 #include "btf_reference.h"
-#include "random_material.h"
-#include "decoder/tools/reference_view.h"
+#include "tests/support/random_material.h"
+#include "decoder/toolkit/reference_view.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -4,10 +4,10 @@
  * SPDX-License-Identifier: MIT
  */
 #include "btf_reference.h"
-#include "decoder/tools/reference_view.h"
-#include "exr_edit.h"
-#include "random_material.h"
-#include "refusals.h"
+#include "decoder/toolkit/reference_view.h"
+#include "tests/support/exr_edit.h"
+#include "tests/support/random_material.h"
+#include "tests/support/refusals.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdbool.h>

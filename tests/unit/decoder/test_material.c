@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "random_material.h"
-#include "refusals.h"
+#include "tests/support/random_material.h"
+#include "tests/support/refusals.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -6,7 +6,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "decoder/gl_functions.h"
-#include "random_material.h"
+#include "tests/support/random_material.h"
 #include <openbtf/gl.h>
 #include <openbtf/plan.h>
 #include <openbtf/shader.h>

@@ -11,9 +11,9 @@
 #include <cmocka.h>
 
 #include "btf_reference.h"
-#include "decoder/tools/reference_view.h"
-#include "plan_decode.h"
-#include "random_material.h"
+#include "decoder/toolkit/reference_view.h"
+#include "tests/support/plan_decode.h"
+#include "tests/support/random_material.h"
 #include <math.h>
 #include <openbtf/plan.h>
 #include <stdbool.h>

@@ -11,10 +11,10 @@
 
 #include <cmocka.h>
 
-#include "decoder/tools/cli.h"
-#include "encoder/joint.h"
-#include "encoder/method_paper.h"
-#include "encoder/reader.h"
+#include "decoder/toolkit/cli.h"
+#include "encoder/joint/joint.h"
+#include "encoder/paper/paper.h"
+#include "encoder/input/reader.h"
 #include "tests/bench/plan_scenes.h"
 #include "tests/sample/sample.h"
 

@@ -5,9 +5,9 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "bonn_files.h"
-#include "decoder/tools/progress.h"
-#include "encoder/reader.h"
+#include "tests/support/bonn_files.h"
+#include "decoder/toolkit/progress.h"
+#include "encoder/input/reader.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,4 +1,4 @@
-/* Lights that stood aside of the camera (encoder/coincident.h): the table and its refusals, what the fit
+/* Lights that stood aside of the camera (encoder/input/light_positions.h): the table and its refusals, what the fit
  * makes of it, and their error told apart.
  *
  * SPDX-License-Identifier: MIT
@@ -10,9 +10,9 @@
 
 #include <cmocka.h>
 
-#include "encoder/coincident.h"
-#include "encoder/fit.h"
-#include "encoder/metrics.h"
+#include "encoder/input/light_positions.h"
+#include "encoder/paper/fit.h"
+#include "encoder/report/metrics.h"
 
 #include <math.h>
 #include <stdio.h>

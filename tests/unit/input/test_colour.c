@@ -1,4 +1,4 @@
-/* Transfer functions, XYZ, the area filter (encoder/colour.h).
+/* Transfer functions, XYZ, the area filter (encoder/input/colour.h).
  *
  * SPDX-License-Identifier: MIT
  */
@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "encoder/colour.h"
+#include "encoder/input/colour.h"
 
 #include <math.h>
 #include <stdlib.h>

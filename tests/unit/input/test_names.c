@@ -1,4 +1,4 @@
-/* What encoder/names.h reads from the paths of images.
+/* What encoder/input/names.h reads from the paths of images.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "encoder/names.h"
+#include "encoder/input/names.h"
 
 #include <stdio.h>
 

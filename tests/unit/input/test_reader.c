@@ -1,4 +1,4 @@
-/* Reading data sets (encoder/reader.h): every naming and format, every refusal.
+/* Reading data sets (encoder/input/reader.h): every naming and format, every refusal.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -9,11 +9,11 @@
 
 #include <cmocka.h>
 
-#include "decoder/tools/exr_image.h"
-#include "decoder/tools/jpeg_image.h"
-#include "decoder/tools/png_image.h"
-#include "image_files.h"
-#include "image_set.h"
+#include "decoder/toolkit/exr_image.h"
+#include "decoder/toolkit/jpeg_image.h"
+#include "decoder/toolkit/png_image.h"
+#include "tests/support/image_files.h"
+#include "tests/support/image_set.h"
 
 #include <math.h>
 #include <png.h>

@@ -1,4 +1,4 @@
-/* Where samples lie (encoder/data.h, encoder/source.h): in memory or a scratch file, read from archives,
+/* Where samples lie (encoder/data/data.h, encoder/input/source.h): in memory or a scratch file, read from archives,
  * and sets of
  * ../shared against another reader's values.
  *
@@ -11,8 +11,8 @@
 
 #include <cmocka.h>
 
-#include "image_files.h"
-#include "image_set.h"
+#include "tests/support/image_files.h"
+#include "tests/support/image_set.h"
 
 #include <archive.h>
 #include <archive_entry.h>

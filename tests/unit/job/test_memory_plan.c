@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "encoder/data.h"
-#include "encoder/memory_plan.h"
+#include "encoder/data/data.h"
+#include "encoder/job/memory.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

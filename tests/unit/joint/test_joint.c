@@ -3,10 +3,10 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "encoder/joint.h"
-#include "encoder/joint_budget.h"
-#include "encoder/joint_fit.h"
-#include "encoder/joint_measure.h"
+#include "encoder/joint/joint.h"
+#include "encoder/joint/budget.h"
+#include "encoder/joint/fit.h"
+#include "encoder/joint/measure.h"
 
 #include <math.h>
 #include <openbtf/material.h>

@@ -3,15 +3,15 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "encoder/joint.h"
-#include "encoder/joint_budget.h"
-#include "encoder/joint_fit.h"
-#include "encoder/joint_measure.h"
-#include "encoder/method_paper.h"
-#include "encoder/metrics.h"
-#include "encoder/pack.h"
-#include "encoder/playback.h"
-#include "encoder/unpack.h"
+#include "encoder/joint/joint.h"
+#include "encoder/joint/budget.h"
+#include "encoder/joint/fit.h"
+#include "encoder/joint/measure.h"
+#include "encoder/paper/paper.h"
+#include "encoder/report/metrics.h"
+#include "encoder/model/pack.h"
+#include "encoder/model/decode_samples.h"
+#include "encoder/model/unpack.h"
 #include "tests/sample/sample.h"
 
 #include <math.h>

@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "encoder/joint_gemm.h"
-#include "encoder/joint_linear.h"
+#include "encoder/math/gemm.h"
+#include "encoder/math/linear.h"
 
 #include <math.h>
 #include <setjmp.h>

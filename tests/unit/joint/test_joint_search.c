@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "encoder/joint_reach.h"
-#include "encoder/joint_search.h"
+#include "encoder/joint/search_set.h"
+#include "encoder/joint/search.h"
 
 #include <math.h>
 #include <setjmp.h>

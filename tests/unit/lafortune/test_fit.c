@@ -10,12 +10,12 @@
 
 #include <cmocka.h>
 
-#include "encoder/ceres_bridge.h"
-#include "encoder/fit.h"
-#include "encoder/fit_gram.h"
-#include "encoder/fit_normal.h"
-#include "encoder/vector_math.h"
-#include "fit_data.h"
+#include "encoder/lafortune/ceres_bridge.h"
+#include "encoder/paper/fit.h"
+#include "encoder/lafortune/gram.h"
+#include "encoder/lafortune/normal_equations.h"
+#include "encoder/math/simd.h"
+#include "tests/support/fit_data.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,4 +1,4 @@
-/* The iterative fit (encoder/fit.h): rejection finds shadows, keeps what is nothing but shadow, gives the
+/* The iterative fit (encoder/paper/fit.h): rejection finds shadows, keeps what is nothing but shadow, gives the
  * same bits on any number of threads; options are checked.
  *
  * SPDX-License-Identifier: MIT
@@ -10,9 +10,9 @@
 
 #include <cmocka.h>
 
-#include "encoder/fit.h"
-#include "encoder/vector_math.h"
-#include "fit_data.h"
+#include "encoder/paper/fit.h"
+#include "encoder/math/simd.h"
+#include "tests/support/fit_data.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -4,13 +4,13 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "encoder/joint.h"
-#include "encoder/levels.h"
-#include "encoder/metrics.h"
-#include "encoder/pack.h"
-#include "encoder/playback.h"
-#include "encoder/report.h"
-#include "encoder/unpack.h"
+#include "encoder/joint/joint.h"
+#include "encoder/job/levels.h"
+#include "encoder/report/metrics.h"
+#include "encoder/model/pack.h"
+#include "encoder/model/decode_samples.h"
+#include "encoder/report/report.h"
+#include "encoder/model/unpack.h"
 #include "tests/sample/sample.h"
 
 #include <math.h>

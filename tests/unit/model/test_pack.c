@@ -10,11 +10,11 @@
 
 #include <cmocka.h>
 
-#include "decoder/tools/reference_view.h"
-#include "encoder/playback.h"
-#include "encoder/pack.h"
-#include "encoder/reference_images.h"
-#include "encoder/unpack.h"
+#include "decoder/toolkit/reference_view.h"
+#include "encoder/model/decode_samples.h"
+#include "encoder/model/pack.h"
+#include "encoder/data/reference_images.h"
+#include "encoder/model/unpack.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -9,10 +9,10 @@
 
 #include <cmocka.h>
 
-#include "encoder/cluster.h"
-#include "encoder/kmeans.h"
-#include "encoder/kmeans_split.h"
-#include "encoder/vector_math.h"
+#include "encoder/paper/cluster.h"
+#include "encoder/math/kmeans.h"
+#include "encoder/paper/cluster_split.h"
+#include "encoder/math/simd.h"
 
 #include <math.h>
 #include <stdlib.h>

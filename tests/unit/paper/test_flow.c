@@ -9,8 +9,8 @@
 
 #include <cmocka.h>
 
-#include "encoder/flow.h"
-#include "encoder/flow_prior.h"
+#include "encoder/paper/flow.h"
+#include "encoder/paper/flow_prior.h"
 #include "tests/sample/sample.h"
 
 #include <math.h>

@@ -10,9 +10,9 @@
 
 #include <cmocka.h>
 
-#include "encoder/method_paper.h"
-#include "encoder/metrics.h"
-#include "encoder/playback.h"
+#include "encoder/paper/paper.h"
+#include "encoder/report/metrics.h"
+#include "encoder/model/decode_samples.h"
 #include "tests/sample/sample.h"
 
 #include <stdlib.h>

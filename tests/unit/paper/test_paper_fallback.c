@@ -1,4 +1,4 @@
-/* The last line of defence of `--method paper` (encoder/paper_fallback.h): when the diffuse fit is taken,
+/* The last line of defence of `--method paper` (encoder/paper/diffuse_fallback.h): when the diffuse fit is taken,
  * what is then left, and when it is not.
  *
  * SPDX-License-Identifier: MIT
@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "encoder/paper_fallback.h"
+#include "encoder/paper/diffuse_fallback.h"
 
 #include <math.h>
 #include <openbtf/material.h>

@@ -9,10 +9,10 @@
 
 #include <cmocka.h>
 
-#include "encoder/norms.h"
-#include "encoder/profiles.h"
-#include "encoder/refine.h"
-#include "encoder/vector_math.h"
+#include "encoder/paper/norms.h"
+#include "encoder/data/profiles.h"
+#include "encoder/paper/refine.h"
+#include "encoder/math/simd.h"
 
 #include <math.h>
 #include <stdlib.h>

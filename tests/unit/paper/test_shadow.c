@@ -10,8 +10,8 @@
 
 #include <cmocka.h>
 
-#include "encoder/fit.h"
-#include "encoder/shadow.h"
+#include "encoder/paper/fit.h"
+#include "encoder/paper/shadow.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -10,7 +10,7 @@
 #include <cmocka.h>
 
 #include "decoder/tools/render/frame_plan.h"
-#include "random_material.h"
+#include "tests/support/random_material.h"
 #include <math.h>
 #include <string.h>
 

@@ -10,7 +10,7 @@
 #include <cmocka.h>
 
 #include "decoder/tools/view/planner.h"
-#include "random_material.h"
+#include "tests/support/random_material.h"
 #include <math.h>
 
 static btf_material *make_material(void) {

@@ -9,8 +9,8 @@
 
 #include <cmocka.h>
 
-#include "encoder/metrics.h"
-#include "encoder/ssim.h"
+#include "encoder/report/metrics.h"
+#include "encoder/report/ssim.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -10,10 +10,10 @@
 
 #include <cmocka.h>
 
-#include "encoder/canvas.h"
-#include "encoder/metrics.h"
-#include "encoder/montage.h"
-#include "encoder/report.h"
+#include "encoder/report/canvas.h"
+#include "encoder/report/metrics.h"
+#include "encoder/report/montage.h"
+#include "encoder/report/report.h"
 
 #include <stdio.h>
 #include <stdlib.h>

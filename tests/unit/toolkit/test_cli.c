@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "decoder/tools/cli.h"
-#include "decoder/tools/json.h"
+#include "decoder/toolkit/cli.h"
+#include "decoder/toolkit/json.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

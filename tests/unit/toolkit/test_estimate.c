@@ -3,8 +3,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "encoder/cost_model.h"
-#include "encoder/job.h"
+#include "encoder/job/cost.h"
+#include "encoder/job/job.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,4 +1,4 @@
-/* Decoding of single images (encoder/image.h): every format as it should be, cut off everywhere, and odd.
+/* Decoding of single images (encoder/input/image.h): every format as it should be, cut off everywhere, and odd.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -9,11 +9,11 @@
 
 #include <cmocka.h>
 
-#include "decoder/tools/exr_image.h"
-#include "decoder/tools/jpeg_image.h"
-#include "decoder/tools/png_image.h"
-#include "encoder/image.h"
-#include "image_files.h"
+#include "decoder/toolkit/exr_image.h"
+#include "decoder/toolkit/jpeg_image.h"
+#include "decoder/toolkit/png_image.h"
+#include "encoder/input/image.h"
+#include "tests/support/image_files.h"
 
 #include <math.h>
 #include <png.h>

@@ -1,4 +1,4 @@
-/* Files are whole or absent (decoder/tools/output.h), and the stages of progress.h.
+/* Files are whole or absent (decoder/toolkit/output.h), and the stages of progress.h.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -9,8 +9,8 @@
 
 #include <cmocka.h>
 
-#include "decoder/tools/output.h"
-#include "decoder/tools/progress.h"
+#include "decoder/toolkit/output.h"
+#include "decoder/toolkit/progress.h"
 
 #include <dirent.h>
 #include <fcntl.h>
