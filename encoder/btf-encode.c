@@ -6,7 +6,7 @@
 #include "decoder/toolkit/progress.h"
 #include "encoder/input/options.h"
 #include "encoder/job/predict.h"
-#include "encoder/base/team_mpi.h"
+#include "encoder/base/ranks_mpi.h"
 
 #include <assert.h>
 #include <fcntl.h>
@@ -485,22 +485,22 @@ static bool parse(int argc, char **argv, bool leads, cli_arguments *out_argument
     return good;
 }
 
-static int encode(enc_team *team, int argc, char **argv) {
+static int encode(enc_ranks *ranks, int argc, char **argv) {
     cli_arguments arguments;
     int exit_code;
-    const enc_context alone = {.team = team};
-    const bool leads = enc_team_leads(&alone);
+    const enc_context alone = {.ranks = ranks};
+    const bool leads = enc_ranks_leads(&alone);
     if (!parse(argc, argv, leads, &arguments, &exit_code)) {
         return exit_code;
     }
     progress *shown = progress_create(o.quiet || !leads);
     const btf_log log = cli_log(&program, o.quiet);
-    const enc_context context = {.log = team ? enc_team_log(team, log) : log,
+    const enc_context context = {.log = ranks ? enc_ranks_log(ranks, log) : log,
                                  .progress = shown,
                                  .threads = o.threads,
                                  .memory = (size_t)o.memory,
                                  .need = o.job.method == ENC_METHOD_PAPER ? ENC_NEED_PAPER : ENC_NEED_JOINT,
-                                 .team = team};
+                                 .ranks = ranks};
     o.job.input = arguments.values[0];
     const btf_result result = run(&context);
     if (result == BTF_ERROR_INTERRUPTED && leads) {
@@ -512,17 +512,17 @@ static int encode(enc_team *team, int argc, char **argv) {
 
 int main(int argc, char **argv) {
     enc_mpi_share share = {.threads = omp_get_num_procs(), .memory = machine_memory() / 2};
-    enc_team *team;
+    enc_ranks *ranks;
     o.job.paper = enc_paper_options_default();
     o.error_threshold = o.job.paper.fit.t_error;
     o.btf_threshold = o.job.paper.fit.t_btf;
     o.job.joint = enc_joint_options_default();
     o.effect_tolerance[0] = o.job.joint.effect_tolerance;
     o.effect_tolerance[1] = o.job.joint.effect_tolerance_bytes;
-    const btf_result started = enc_mpi_start(cli_log(&program, false), &team, &share);
+    const btf_result started = enc_mpi_start(cli_log(&program, false), &ranks, &share);
     o.threads = share.threads;
     o.memory = share.memory;
-    const int exit_code = started == BTF_OK ? encode(team, argc, argv) : btf_result_exit_code(started);
-    enc_mpi_stop(&team);
+    const int exit_code = started == BTF_OK ? encode(ranks, argc, argv) : btf_result_exit_code(started);
+    enc_mpi_stop(&ranks);
     return exit_code;
 }

@@ -5,7 +5,7 @@
 #include "context.h"
 
 #include "decoder/toolkit/progress.h"
-#include "team.h"
+#include "ranks.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -46,8 +46,8 @@ btf_result enc_fail(const enc_context *context, btf_result result, const char *f
 void enc_stage_begin(const enc_context *context, const char *name, size_t total) {
     if (context && context->progress)
         progress_begin(context->progress, name, total);
-    if (context && context->progress && context->team)
-        enc_team_stage(context->team, name);
+    if (context && context->progress && context->ranks)
+        enc_ranks_stage(context->ranks, name);
 }
 
 void enc_stage_step(const enc_context *context, size_t steps) {
@@ -58,8 +58,8 @@ void enc_stage_step(const enc_context *context, size_t steps) {
 void enc_stage_end(const enc_context *context) {
     if (context && context->progress)
         progress_end(context->progress);
-    if (context && context->progress && context->team)
-        enc_team_stage(context->team, "between");
+    if (context && context->progress && context->ranks)
+        enc_ranks_stage(context->ranks, "between");
 }
 
 bool enc_cancelled(const enc_context *context) {

@@ -12,7 +12,7 @@
 
 struct progress;         /* decoder/toolkit/progress.h */
 struct enc_checkpoint;   /* checkpoint.h */
-struct enc_team;         /* team.h */
+struct enc_ranks;         /* ranks.h */
 struct enc_announcement; /* announce.h */
 
 /* Whose least need of memory is asked for before data are read. */
@@ -26,7 +26,7 @@ typedef struct enc_context {
     struct enc_checkpoint *checkpoint;           /* where stages keep what they found; NULL: nowhere */
     const struct enc_announcement *announcement; /* who is told what will be read; NULL: nobody */
     enc_need need;         /* data that take more by this method are refused; unknown: none are */
-    struct enc_team *team; /* the ranks that share the work; NULL: this process is alone */
+    struct enc_ranks *ranks; /* the ranks that share the work; NULL: this process is alone */
 } enc_context;
 
 /* printf-style message to context->log; does nothing without a callback. context may be NULL. */

@@ -17,7 +17,7 @@ btf_result enc_scratch_open(const enc_context *context, const char *what, uint64
  * BTF_ERROR_IO. */
 btf_result enc_scratch_folder(const enc_context *context, uint64_t size, const char **out_folder);
 
-/* The same file for all ranks of a team, made by rank 0 where all of them find it. Where the ranks are on
+/* The same file for all ranks, made by rank 0 where all of them find it. Where the ranks are on
  * one machine it has no name afterwards, and *out_path is NULL. Else it keeps one until it is removed: the
  * next rank 0 on that machine removes what a dead one left. On error nothing stays. Errors: BTF_ERROR_IO,
  * naming rank, machine and folder; BTF_ERROR_MEMORY. */

@@ -1,4 +1,4 @@
-/* Scratch files that the ranks of a team share (see scratch.h).
+/* Scratch files that the ranks share (see scratch.h).
  *
  * Ranks of one machine see each other's writes at once. Those of several see them through a network file
  * system: every rank then writes through a descriptor that cannot read, so that its machine keeps no pages
@@ -8,7 +8,7 @@
  */
 #include "scratch.h"
 
-#include "team.h"
+#include "ranks.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -24,7 +24,7 @@
 static const char prefix[] = "btf-scratch-";
 
 static bool on_one_machine(const enc_context *context) {
-    return enc_team_node_ranks(context) == enc_team_size(context);
+    return enc_ranks_node_ranks(context) == enc_ranks_count(context);
 }
 
 static void host_name(char name[64]) {
@@ -72,7 +72,7 @@ static btf_result make_file(const enc_context *context, const char *what, uint64
         path[0] = '\0';
     } else {
         enc_log(context, BTF_LOG_INFO, "%s: %.2f GB in a scratch file in %s that %d ranks share", what,
-                (double)size * 1e-9, folder, enc_team_size(context));
+                (double)size * 1e-9, folder, enc_ranks_count(context));
     }
     if (fd >= 0)
         close(fd);
@@ -106,15 +106,15 @@ btf_result enc_scratch_open_shared(const enc_context *context, const char *what,
     btf_result result = BTF_OK;
     *out_fd = -1;
     *out_path = NULL;
-    if (enc_team_leads(context))
+    if (enc_ranks_leads(context))
         result = make_file(context, what, size, path);
-    result = enc_team_broadcast(context, result, path, sizeof path);
+    result = enc_ranks_broadcast(context, result, path, sizeof path);
     if (result == BTF_OK)
         result = open_file(context, path, one ? O_RDWR : O_WRONLY, size, out_fd);
     if (result == BTF_OK && !one && !(*out_path = strdup(path)))
         result = BTF_ERROR_MEMORY;
-    result = enc_team_agree(context, result);
-    if (enc_team_leads(context) && path[0] && (one || result != BTF_OK))
+    result = enc_ranks_agree(context, result);
+    if (enc_ranks_leads(context) && path[0] && (one || result != BTF_OK))
         unlink(path);
     if (result != BTF_OK) {
         if (*out_fd >= 0)
@@ -129,12 +129,12 @@ btf_result enc_scratch_open_shared(const enc_context *context, const char *what,
 btf_result enc_scratch_written(const enc_context *context, btf_result result, int *io_fd, char **io_path) {
     if (*io_path && result == BTF_OK && fsync(*io_fd) != 0)
         result = enc_fail(context, BTF_ERROR_IO, "scratch file: %s: %s", *io_path, strerror(errno));
-    result = enc_team_agree(context, result);
+    result = enc_ranks_agree(context, result);
     if (result != BTF_OK || !*io_path)
         return result;
     close(*io_fd);
-    result = enc_team_agree(context, open_file(context, *io_path, O_RDONLY, 0, io_fd));
-    if (!enc_team_leads(context)) {
+    result = enc_ranks_agree(context, open_file(context, *io_path, O_RDONLY, 0, io_fd));
+    if (!enc_ranks_leads(context)) {
         free(*io_path);
         *io_path = NULL;
     }

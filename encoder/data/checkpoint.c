@@ -8,7 +8,7 @@
 #include "checkpoint.h"
 
 #include "decoder/toolkit/output.h"
-#include "encoder/base/team.h"
+#include "encoder/base/ranks.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -24,7 +24,7 @@ enum { HEADER = 24, HASHED_TEXELS = 256 };
 struct enc_checkpoint {
     char *folder;
     uint64_t key;
-    bool leads; /* reads and writes the files; the other ranks of a team hear of it */
+    bool leads; /* reads and writes the files; the other ranks hear of it */
 };
 
 /* FNV-1a over 8 bytes at a time, the rest byte by byte. */
@@ -132,14 +132,14 @@ btf_result enc_checkpoint_open(const enc_context *context, const char *folder, c
         return enc_fail(context, BTF_ERROR_MEMORY, "%s: out of memory", folder);
     }
     btf_result result = BTF_OK;
-    c->leads = enc_team_leads(context);
+    c->leads = enc_ranks_leads(context);
     if (c->leads)
         result = find_key(context, options, data, &c->key);
     if (c->leads && result == BTF_OK)
         result = output_make_folder(folder, context->log, NULL);
     if (c->leads && result == BTF_OK)
         result = check_folder(context, c, resume);
-    result = enc_team_agree(context, result);
+    result = enc_ranks_agree(context, result);
     if (result != BTF_OK)
         enc_checkpoint_close(&c, false);
     *out_checkpoint = c;
@@ -251,15 +251,15 @@ static bool read_step(const enc_checkpoint *c, const char *path, enc_blob *out, 
 /* What rank 0 found, to all ranks. Whether there is anything. */
 static bool share_blob(const enc_context *context, bool found, enc_blob *blob) {
     uint64_t size = found ? blob->size : UINT64_MAX;
-    btf_result result = enc_team_broadcast(context, BTF_OK, &size, sizeof size);
+    btf_result result = enc_ranks_broadcast(context, BTF_OK, &size, sizeof size);
     if (result != BTF_OK || size == UINT64_MAX)
         return false;
-    if (!enc_team_leads(context)) {
+    if (!enc_ranks_leads(context)) {
         *blob = (enc_blob){.bytes = malloc(size ? size : 1), .size = size, .room = size};
         if (!blob->bytes)
             result = enc_fail(context, BTF_ERROR_MEMORY, "checkpoint: out of memory");
     }
-    result = enc_team_broadcast(context, result, blob->bytes, size);
+    result = enc_ranks_broadcast(context, result, blob->bytes, size);
     if (result != BTF_OK)
         enc_blob_clear(blob);
     return result == BTF_OK;
@@ -280,8 +280,8 @@ bool enc_checkpoint_get(const enc_context *context, const char *name, enc_blob *
     *out_blob = (enc_blob){0};
     if (!context->checkpoint)
         return false;
-    const bool found = enc_team_leads(context) && find_step(context, name, out_blob);
-    return enc_team_size(context) > 1 ? share_blob(context, found, out_blob) : found;
+    const bool found = enc_ranks_leads(context) && find_step(context, name, out_blob);
+    return enc_ranks_count(context) > 1 ? share_blob(context, found, out_blob) : found;
 }
 
 static btf_result write_step(const enc_context *context, const char *path, const enc_blob *blob) {
@@ -305,7 +305,7 @@ static btf_result write_step(const enc_context *context, const char *path, const
 
 btf_result enc_checkpoint_put(const enc_context *context, const char *name, enc_blob *blob) {
     btf_result result = BTF_OK;
-    if (context->checkpoint && enc_team_leads(context)) {
+    if (context->checkpoint && enc_ranks_leads(context)) {
         char *path = path_of(context->checkpoint->folder, name);
         result = !path || blob->failed ? enc_fail(context, BTF_ERROR_MEMORY, "checkpoint: out of memory")
                                        : write_step(context, path, blob);

@@ -2,7 +2,7 @@
  *
  * Every stage is deterministic. On resumption the encode runs from its beginning, and each step whose
  * result is in the folder takes it from there instead of working it out: the bytes that come out are the
- * same. Of the ranks of a team (team.h), rank 0 alone reads and writes the folder and tells the others, so
+ * same. Of the ranks (ranks.h), rank 0 alone reads and writes the folder and tells the others, so
  * that a job may go on with another number of ranks.
  *
  * SPDX-License-Identifier: MIT
@@ -41,7 +41,7 @@ void enc_blob_take_bytes(enc_blob *blob, uint8_t *piece, size_t count, int low, 
 /* Ends the taking: whether everything was there, and nothing more. Clears the blob. */
 bool enc_blob_taken(enc_blob *blob);
 
-/* The ranks of a team meet in enc_checkpoint_open and enc_checkpoint_get.
+/* The ranks meet in enc_checkpoint_open and enc_checkpoint_get.
  *
  * Whether context->checkpoint holds the result of step `name`: *out_blob is it then, to be cleared by the
  * caller. A damaged file is named in a warning and counts as none. */

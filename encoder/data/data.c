@@ -8,7 +8,7 @@
 #include "data_fill.h"
 #include "encoder/job/memory.h"
 #include "encoder/base/scratch.h"
-#include "encoder/base/team.h"
+#include "encoder/base/ranks.h"
 
 #include <assert.h>
 #include <math.h>
@@ -108,7 +108,7 @@ btf_result enc_data_create(const enc_context *context, int width, int height, in
         create_empty(context, width, height, n_views, views, n_lights, lights, &bytes, out_data);
     if (result != BTF_OK)
         return result;
-    if (enc_team_size(context) > 1)
+    if (enc_ranks_count(context) > 1)
         result = enc_scratch_open_shared(context, "samples", bytes, &(*out_data)->scratch_fd,
                                          &(*out_data)->scratch_path);
     else
@@ -138,7 +138,7 @@ static btf_result keep_samples(const enc_context *context, enc_data *data) {
     const int threads = context && context->threads > 0 ? context->threads : 1;
     size_t begin, end;
     btf_result result = BTF_OK;
-    enc_team_range(context, enc_data_texel_count(data), &begin, &end);
+    enc_ranks_range(context, enc_data_texel_count(data), &begin, &end);
     enc_stage_begin(context, "decode", end - begin);
 #pragma omp parallel num_threads(threads)
     {
@@ -179,7 +179,7 @@ static void map_samples(const enc_context *context, enc_data *data) {
 }
 
 btf_result enc_data_complete(const enc_context *context, enc_data *data, btf_result result) {
-    if (enc_team_size(context) == 1)
+    if (enc_ranks_count(context) == 1)
         return result;
     result = enc_scratch_written(context, result, &data->scratch_fd, &data->scratch_path);
     if (result == BTF_OK)
@@ -198,8 +198,8 @@ btf_result enc_data_create_from(const enc_context *context, int width, int heigh
         return result;
     }
     (*out_data)->origin = origin;
-    if (enc_team_all(context, enc_data_fits(context, width, height, n_views, n_lights))) {
-        result = enc_team_size(context) > 1
+    if (enc_ranks_all(context, enc_data_fits(context, width, height, n_views, n_lights))) {
+        result = enc_ranks_count(context) > 1
                      ? enc_scratch_open_shared(context, "samples", bytes, &(*out_data)->scratch_fd,
                                                &(*out_data)->scratch_path)
                      : allocate(context, *out_data, bytes);

@@ -78,7 +78,7 @@ static inline size_t enc_data_texel_stride(const enc_data *data) {
 
 /* Makes a BTF of zeros with copies of the direction lists. Samples are held in memory when they fit
  * half of context->memory (0: always), else in an unlinked scratch file in $TMPDIR (default /var/tmp),
- * whose size is announced and checked against free space first. The ranks of a team share one scratch
+ * whose size is announced and checked against free space first. The ranks share one scratch
  * file instead; each stores a part of the samples, and then all meet in enc_data_complete.
  * Errors: BTF_ERROR_USAGE (sizes), BTF_ERROR_MEMORY, BTF_ERROR_IO (scratch file, free space). */
 btf_result enc_data_create(const enc_context *context, int width, int height, int n_views,
@@ -86,12 +86,12 @@ btf_result enc_data_create(const enc_context *context, int width, int height, in
                            enc_data **out_data);
 /* The same with an origin that makes the samples, which then belongs to the BTF (also on error: it is
  * closed). Where all samples fit half of context->memory (0: always) they are made here, once, with all
- * threads, and kept, by the ranks of a team in a scratch file that they share; else they are made whenever
+ * threads, and kept, by the ranks in a scratch file that they share; else they are made whenever
  * they are asked for, and no scratch file is written. */
 btf_result enc_data_create_from(const enc_context *context, int width, int height, int n_views,
                                 const enc_direction *views, int n_lights, const enc_direction *lights,
                                 enc_data_origin *origin, enc_data **out_data);
-/* To be called once all samples are stored: `result`, or what sharing them with the team gives. Samples
+/* To be called once all samples are stored: `result`, or what sharing them with the other ranks gives. Samples
  * that fit half of context->memory are then in memory for all ranks of a machine together. Errors:
  * `result`, BTF_ERROR_IO. */
 btf_result enc_data_complete(const enc_context *context, enc_data *data, btf_result result);

@@ -5,7 +5,7 @@
 #include "level_filter.h"
 
 #include "encoder/math/area.h"
-#include "encoder/base/team.h"
+#include "encoder/base/ranks.h"
 
 #include <assert.h>
 #include <stdlib.h>
@@ -60,7 +60,7 @@ btf_result enc_level_filter(const enc_context *context, const enc_data *from, in
     }
     const size_t stride = enc_data_texel_stride(from);
     size_t first, end;
-    enc_team_range(context, enc_data_texel_count(to), &first, &end);
+    enc_ranks_range(context, enc_data_texel_count(to), &first, &end);
 #pragma omp parallel num_threads(context->threads)
     {
         float *buffer = malloc(2 * stride * sizeof *buffer);

@@ -10,7 +10,7 @@
 #include "light_positions.h"
 #include "encoder/data/data_fill.h"
 #include "grid.h"
-#include "encoder/base/team.h"
+#include "encoder/base/ranks.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -331,7 +331,7 @@ static size_t block_size(const reader *r) {
 /* The images of this process: all of them, or those of its share of the views. */
 static btf_result settle_share(reader *r) {
     size_t first, end;
-    enc_team_range(r->context, (size_t)r->grid->n_views, &first, &end);
+    enc_ranks_range(r->context, (size_t)r->grid->n_views, &first, &end);
     r->mine = malloc(r->grid->count * sizeof *r->mine);
     for (size_t i = 0; i < r->grid->count && r->mine; i++)
         if ((size_t)r->grid->items[i].view >= first && (size_t)r->grid->items[i].view < end)
@@ -363,15 +363,15 @@ static btf_result read_mine(reader *r) {
     return result;
 }
 
-/* What the ranks of a team found below 0, together. */
+/* What the ranks found below 0, together. */
 static btf_result add_negative(reader *r, btf_result result) {
     uint64_t sums[2] = {r->negative, r->n_negative_files};
-    const size_t size = (size_t)enc_team_size(r->context);
+    const size_t size = (size_t)enc_ranks_count(r->context);
     size_t *first = malloc(size * sizeof *first);
-    result = enc_team_sum(r->context, result == BTF_OK && !first ? BTF_ERROR_MEMORY : result, sums, 2);
+    result = enc_ranks_sum(r->context, result == BTF_OK && !first ? BTF_ERROR_MEMORY : result, sums, 2);
     if (first)
-        first[enc_team_rank(r->context)] = r->n_negative_files > 0 ? r->first_negative : SIZE_MAX;
-    result = enc_team_gather(r->context, result, first, sizeof *first, size);
+        first[enc_ranks_own(r->context)] = r->n_negative_files > 0 ? r->first_negative : SIZE_MAX;
+    result = enc_ranks_gather(r->context, result, first, sizeof *first, size);
     if (result == BTF_OK) {
         r->negative = sums[0];
         r->n_negative_files = (size_t)sums[1];

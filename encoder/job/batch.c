@@ -6,7 +6,7 @@
 
 #include "decoder/toolkit/output.h"
 #include "decoder/toolkit/progress.h"
-#include "encoder/base/team.h"
+#include "encoder/base/ranks.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -19,7 +19,7 @@ static char *join(const char *folder, const char *name, const char *extension) {
 }
 
 static btf_result make_folder(const enc_context *context, const char *path) {
-    return path && enc_team_leads(context) ? output_make_folder(path, context->log, NULL) : BTF_OK;
+    return path && enc_ranks_leads(context) ? output_make_folder(path, context->log, NULL) : BTF_OK;
 }
 
 static btf_result run_one(const enc_context *context, const enc_job *job, const char *input,
@@ -81,7 +81,7 @@ btf_result enc_batch_run(const enc_context *context, const enc_job *job, const e
         result = make_folder(context, job->report);
     if (result == BTF_OK)
         result = make_folder(context, job->pictures);
-    result = enc_team_agree(context, result);
+    result = enc_ranks_agree(context, result);
     btf_result first = result;
     for (size_t i = 0; i < batch->count && result == BTF_OK; i++) {
         if (item > 0 && i + 1 != item)
@@ -95,7 +95,7 @@ btf_result enc_batch_run(const enc_context *context, const enc_job *job, const e
         if (outcomes[i].result == BTF_ERROR_INTERRUPTED)
             result = first = BTF_ERROR_INTERRUPTED;
     }
-    if (outcomes && summary && enc_team_leads(context))
+    if (outcomes && summary && enc_ranks_leads(context))
         print_summary(batch, outcomes, summary);
     free(outcomes);
     return first;

@@ -15,7 +15,7 @@
 #include "encoder/report/pictures.h"
 #include "encoder/model/decode_samples.h"
 #include "encoder/report/report.h"
-#include "encoder/base/team.h"
+#include "encoder/base/ranks.h"
 #include "encoder/model/unpack.h"
 
 #include <errno.h>
@@ -57,7 +57,7 @@ static btf_result check_outputs(const enc_context *context, const enc_job *job) 
 }
 
 static btf_result prepare_outputs(const enc_context *context, const enc_job *job, bool *out_made_folder) {
-    if (!enc_team_leads(context)) {
+    if (!enc_ranks_leads(context)) {
         return BTF_OK;
     }
     btf_result result = check_outputs(context, job);
@@ -232,7 +232,7 @@ static btf_result draw(const enc_context *context, const enc_job *job, job_state
     return result;
 }
 
-/* The outputs, which rank 0 of a team alone writes. */
+/* The outputs, which rank 0 alone writes. */
 static btf_result write_outputs(const enc_context *context, const enc_job *job, job_state *s,
                                 enc_report *report) {
     btf_result result = job->pictures ? draw(context, job, s, report) : BTF_OK;
@@ -258,8 +258,8 @@ static btf_result write_report(const enc_context *context, const enc_job *job, d
     report->peak_rss = (size_t)usage.ru_maxrss * 1024;
     report->seconds_total = progress_clock() - start;
     report->core_total = progress_core_clock() - core_start;
-    report->ranks = enc_team_size(context);
-    report->volumes = enc_team_volumes(context, &report->n_volumes);
+    report->ranks = enc_ranks_count(context);
+    report->volumes = enc_ranks_volumes(context, &report->n_volumes);
     if (job->report) {
         result = enc_report_write(context, report, job->option_values, job->report);
     }
@@ -297,10 +297,10 @@ static btf_result plan_stages(void *user, const enc_context *context, const enc_
 
 btf_result enc_job_run(const enc_context *context, const enc_job *job) {
     const double start = progress_clock(), core_start = progress_core_clock();
-    const bool leads = enc_team_leads(context);
+    const bool leads = enc_ranks_leads(context);
     bool made_folder = false;
     int levels = 1;
-    enc_team_begin(context);
+    enc_ranks_begin(context);
     job_state state = {.options = join_options(job->option_values)};
     enc_report report = {.input = job->input,
                          .output = job->output,
@@ -308,7 +308,7 @@ btf_result enc_job_run(const enc_context *context, const enc_job *job) {
                          .progress = context->progress};
     btf_result result = state.options ? prepare_outputs(context, job, &made_folder)
                                       : enc_fail(context, BTF_ERROR_MEMORY, "out of memory");
-    result = enc_team_agree(context, result);
+    result = enc_ranks_agree(context, result);
     if (result == BTF_OK) {
         planning plan = {job, &report};
         const enc_announcement announcement = {plan_stages, &plan};
@@ -334,7 +334,7 @@ btf_result enc_job_run(const enc_context *context, const enc_job *job) {
     if (result == BTF_OK) {
         result = pack_and_measure(context, job, &state, &report);
     }
-    result = enc_team_agree(context, result); /* no output before all ranks are done */
+    result = enc_ranks_agree(context, result); /* no output before all ranks are done */
     if (result == BTF_OK && leads) {
         result = write_outputs(context, job, &state, &report);
     }
@@ -344,7 +344,7 @@ btf_result enc_job_run(const enc_context *context, const enc_job *job) {
     if (result == BTF_OK && leads) {
         result = write_report(context, job, start, core_start, &report);
     }
-    result = enc_team_agree(context, result);
+    result = enc_ranks_agree(context, result);
     if (result != BTF_OK && made_folder) {
         rmdir(job->pictures); /* when nothing was drawn */
     }

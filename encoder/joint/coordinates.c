@@ -6,7 +6,7 @@
 
 #include "encoder/math/gemm.h"
 #include "encoder/base/scratch.h"
-#include "encoder/base/team.h"
+#include "encoder/base/ranks.h"
 
 #include <stdint.h>
 #include <stdlib.h>
@@ -22,7 +22,7 @@ struct joint_points {
 btf_result joint_points_create(const enc_context *context, size_t views, size_t floats,
                                joint_points **out_points) {
     size_t first, end;
-    enc_team_range(context, views, &first, &end);
+    enc_ranks_range(context, views, &first, &end);
     views = end - first;
     const uint64_t bytes = (uint64_t)views * floats * sizeof(float);
     const bool in_memory = context->memory == 0 || bytes <= context->memory / 4;

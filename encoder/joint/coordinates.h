@@ -1,5 +1,5 @@
-/* Coordinates of all points (texel, view), view by view: in memory, or in a scratch file. A rank of a team
- * (team.h) holds those of its own views.
+/* Coordinates of all points (texel, view), view by view: in memory, or in a scratch file. A rank
+ * (ranks.h) holds those of its own views.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -6,7 +6,7 @@
 #include "encoder/paper/fit.h"
 #include "sources.h"
 #include "encoder/model/pack.h"
-#include "encoder/base/team.h"
+#include "encoder/base/ranks.h"
 
 #include <math.h>
 #include <openbtf/material.h>
@@ -341,13 +341,13 @@ static btf_result solve_batch(const batch *b, joint_front *front, int starts) {
     return result;
 }
 
-/* The sources that the ranks of a team have solved, to all. */
+/* The sources that the ranks have solved, to all. */
 static btf_result share(const joint_rows *rows, joint_front *front, btf_result result) {
     const size_t stride = enc_sbrdf_stride(front->kind.lobes, front->kind.rgb);
     result =
-        enc_team_gather(rows->context, result, front->sbrdf->values, stride * sizeof(float), rows->texels);
+        enc_ranks_gather(rows->context, result, front->sbrdf->values, stride * sizeof(float), rows->texels);
     if (front->shadow)
-        result = enc_team_gather(rows->context, result, front->shadow, rows->row / 3, rows->texels);
+        result = enc_ranks_gather(rows->context, result, front->shadow, rows->row / 3, rows->texels);
     return result;
 }
 
@@ -355,7 +355,7 @@ static btf_result solve_all(const joint_rows *rows, joint_model *model, int star
     const size_t bytes = rows->views * (rows->row + 1) * sizeof(float);
     const size_t most = BATCH_BYTES / bytes > 0 ? BATCH_BYTES / bytes : 1;
     size_t first, end;
-    enc_team_range(rows->context, rows->texels, &first, &end);
+    enc_ranks_range(rows->context, rows->texels, &first, &end);
     const size_t size = most < end - first ? most : end - first;
     batch b = {.rows = rows,
                .model = model,
@@ -403,7 +403,7 @@ btf_result joint_front_probe(const joint_rows *rows, const joint_front_kind *kin
     joint_front *front = NULL;
     count = count < rows->texels ? count : rows->texels;
     size_t begin, end;
-    enc_team_range(rows->context, count, &begin, &end);
+    enc_ranks_range(rows->context, count, &begin, &end);
     double *errors = calloc(count, sizeof *errors);
     btf_result result = errors ? joint_front_create(rows, kind, &front) : no_memory(rows);
 #pragma omp parallel num_threads(rows->context->threads)
@@ -435,7 +435,7 @@ btf_result joint_front_probe(const joint_rows *rows, const joint_front_kind *kin
             result = mine;
         }
     }
-    result = enc_team_gather(rows->context, result, errors, sizeof *errors, count);
+    result = enc_ranks_gather(rows->context, result, errors, sizeof *errors, count);
     *out_error = 0.0;
     for (size_t i = 0; i < count && result == BTF_OK; i++)
         *out_error += errors[i] / ((double)count * (double)texel);

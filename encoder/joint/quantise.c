@@ -7,7 +7,7 @@
 #include "encoder/math/linear.h"
 #include "measure.h"
 #include "encoder/report/metrics.h"
-#include "encoder/base/team.h"
+#include "encoder/base/ranks.h"
 
 #include <assert.h>
 #include <math.h>
@@ -41,7 +41,7 @@ static btf_result change_basis(const joint_rows *rows, joint_model *model, const
                                const double *inverse) {
     const size_t k = model->k, row = model->row;
     size_t first, end;
-    enc_team_range(rows->context, model->texels, &first, &end);
+    enc_ranks_range(rows->context, model->texels, &first, &end);
 #pragma omp parallel for num_threads(rows->context->threads)
     for (size_t s = first; s < end; s++) {
         double x[JOINT_MAX_COMPONENTS] = {0};
@@ -67,7 +67,7 @@ static btf_result change_basis(const joint_rows *rows, joint_model *model, const
                 v[i * row] = (float)x[i];
         }
     const btf_result result =
-        enc_team_gather(rows->context, BTF_OK, model->u, k * sizeof *model->u, model->texels);
+        enc_ranks_gather(rows->context, BTF_OK, model->u, k * sizeof *model->u, model->texels);
     return joint_rows_gather(rows, result, model->v, k * row * sizeof *model->v);
 }
 

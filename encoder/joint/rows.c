@@ -9,7 +9,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "rows.h"
-#include "encoder/base/team.h"
+#include "encoder/base/ranks.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -41,7 +41,7 @@ static bool block_buffer(const joint_rows *rows, size_t n_views, float **out) {
 }
 
 void joint_rows_views(const joint_rows *rows, size_t *out_first, size_t *out_end) {
-    enc_team_range(rows->context, rows->views, out_first, out_end);
+    enc_ranks_range(rows->context, rows->views, out_first, out_end);
 }
 
 static void transform(const joint_rows *rows, const float *restrict from, float *restrict to) {
@@ -127,8 +127,8 @@ static btf_result pick_block(const picker *p, size_t view, size_t first, size_t 
 btf_result joint_rows_pick(const joint_rows *rows, joint_want_fn want, joint_row_fn fn, void *user) {
     const picker p = {rows, want, fn, user};
     const int threads = rows->context->threads;
-    /* a rank of a team wants few rows of a block: it does not read the rest of it */
-    const bool whole = rows->data->samples || enc_team_size(rows->context) == 1;
+    /* a rank wants few rows of a block: it does not read the rest of it */
+    const bool whole = rows->data->samples || enc_ranks_count(rows->context) == 1;
     float *buffer = NULL, *scratch = enc_gemm_alloc((size_t)threads * 2 * rows->row);
     btf_result result =
         scratch && (!whole || block_buffer(rows, rows->views, &buffer)) ? BTF_OK : no_memory(rows);
@@ -192,7 +192,7 @@ static btf_result find_scale(joint_rows *rows) {
     free(buffer);
     if (largest > 0)
         dim[dimness(largest)]++; /* one a process */
-    result = enc_team_sum(rows->context, result, histogram, HISTOGRAM + DIMMEST + 1);
+    result = enc_ranks_sum(rows->context, result, histogram, HISTOGRAM + DIMMEST + 1);
     const uint64_t kept = rows->texels * rows->views * rows->row / 1000;
     uint64_t above = 0;
     size_t bin = HISTOGRAM;
@@ -262,7 +262,7 @@ btf_result joint_rows_init_scaled(const enc_context *context, const enc_data *da
 }
 
 btf_result joint_rows_gather(const joint_rows *rows, btf_result result, void *array, size_t view_bytes) {
-    return enc_team_gather(rows->context, result, array, view_bytes, rows->views);
+    return enc_ranks_gather(rows->context, result, array, view_bytes, rows->views);
 }
 
 void joint_rows_clear(joint_rows *rows) {

@@ -46,14 +46,14 @@ typedef void (*joint_pass_fn)(void *user, size_t view, size_t first, size_t coun
 
 /* Calls `fn` for every view and every block of texels, from context->threads threads: blocks of one view
  * come in ascending order, one after another, so that what `fn` sums up view by view does not depend on
- * the number of threads. A rank of a team passes over its own views alone (joint_rows_views).
+ * the number of threads. A rank passes over its own views alone (joint_rows_views).
  * Errors: BTF_ERROR_IO, BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
 btf_result joint_rows_pass(const joint_rows *rows, joint_pass_fn fn, void *user);
 
 /* The views of this rank: out_first .. out_end - 1. */
 void joint_rows_views(const joint_rows *rows, size_t *out_first, size_t *out_end);
 /* Completes an array [view] of view_bytes each, of which every rank has filled its own views; the ranks
- * meet (team.h). */
+ * meet (ranks.h). */
 btf_result joint_rows_gather(const joint_rows *rows, btf_result result, void *array, size_t view_bytes);
 
 typedef bool (*joint_want_fn)(void *user, size_t view, size_t texel);

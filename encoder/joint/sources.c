@@ -4,7 +4,7 @@
  */
 #include "sources.h"
 #include "encoder/math/linear.h"
-#include "encoder/base/team.h"
+#include "encoder/base/ranks.h"
 
 #include <openbtf/material.h>
 
@@ -50,7 +50,7 @@ void joint_model_clear(joint_model *model) {
 
 enum {
     SOURCES = 96,           /* sources that one task of joint_solve_u handles: a multiple of ENC_GEMM_M */
-    WINDOW_BYTES = 64 << 20 /* of what the ranks of a team exchange at once */
+    WINDOW_BYTES = 64 << 20 /* of what the ranks exchange at once */
 };
 
 /* Weight of the present value in each solve, against the trace: keeps what the data do not determine, and
@@ -237,7 +237,7 @@ static btf_result gather_views(u_step *step, const joint_model *model, float *sc
     return result;
 }
 
-/* What the ranks of a team hand each other in one turn: the sums of `window` sources of every rank, by
+/* What the ranks hand each other in one turn: the sums of `window` sources of every rank, by
  * those who have the views. */
 typedef struct u_exchange {
     size_t at, window;       /* of each rank's sources: the turn's are from `at` on */
@@ -255,7 +255,7 @@ static size_t least_of(size_t a, size_t b) {
 static void sources_of_turn(const u_step *step, const u_exchange *e, int rank, size_t *out_first,
                             size_t *out_count) {
     size_t first, end;
-    enc_team_range_of(step->rows->context, rank, step->rows->texels, &first, &end);
+    enc_ranks_range_of(step->rows->context, rank, step->rows->texels, &first, &end);
     *out_first = least_of(first + e->at, end);
     *out_count = least_of(e->window, end - *out_first);
 }
@@ -268,7 +268,7 @@ static btf_result fill_turn(u_step *step, const joint_model *model, u_exchange *
     for (size_t view = e->begin; view < e->end && result == BTF_OK; view++) {
         const float *c;
         result = prepare_view(step, model, view, &c);
-        for (int rank = 0; rank < enc_team_size(context) && result == BTF_OK; rank++) {
+        for (int rank = 0; rank < enc_ranks_count(context) && result == BTF_OK; rank++) {
             size_t first, count;
             sources_of_turn(step, e, rank, &first, &count);
             float *to = e->send + e->sent[rank] + (view - e->begin) * count * pitch;
@@ -288,7 +288,7 @@ static btf_result fill_turn(u_step *step, const joint_model *model, u_exchange *
 static void take_turn(const u_step *step, const joint_model *model, const u_exchange *e) {
     const size_t k = model->k, views = model->views;
     size_t first, count;
-    sources_of_turn(step, e, enc_team_rank(step->rows->context), &first, &count);
+    sources_of_turn(step, e, enc_ranks_own(step->rows->context), &first, &count);
 #pragma omp parallel for num_threads(step->rows->context->threads)
     for (size_t s = 0; s < count; s++) {
         float *restrict right = step->right + (first + s - step->first) * k;
@@ -304,20 +304,20 @@ static void take_turn(const u_step *step, const joint_model *model, const u_exch
 static void set_bounds(const u_step *step, const joint_model *model, u_exchange *e) {
     const enc_context *context = step->rows->context;
     size_t first, mine, count, begin, end;
-    sources_of_turn(step, e, enc_team_rank(context), &first, &mine);
+    sources_of_turn(step, e, enc_ranks_own(context), &first, &mine);
     e->sent[0] = e->received[0] = 0;
-    for (int rank = 0; rank < enc_team_size(context); rank++) {
+    for (int rank = 0; rank < enc_ranks_count(context); rank++) {
         sources_of_turn(step, e, rank, &first, &count);
-        enc_team_range_of(context, rank, model->views, &begin, &end);
+        enc_ranks_range_of(context, rank, model->views, &begin, &end);
         e->sent[rank + 1] = e->sent[rank] + (e->end - e->begin) * count * (model->k + 1);
         e->received[rank + 1] = e->received[rank] + (end - begin) * mine * (model->k + 1);
     }
 }
 
-/* gather_views for the ranks of a team: each has the coordinates of its views, and solves its sources. */
+/* gather_views for the ranks: each has the coordinates of its views, and solves its sources. */
 static btf_result exchange_views(u_step *step, const joint_model *model, float *scratch) {
     const enc_context *context = step->rows->context;
-    const size_t size = (size_t)enc_team_size(context), pitch = model->k + 1;
+    const size_t size = (size_t)enc_ranks_count(context), pitch = model->k + 1;
     const size_t longest = (model->texels + size - 1) / size;
     const size_t most = WINDOW_BYTES / (model->views * pitch * sizeof(float));
     u_exchange e = {.window = least_of(longest, most > SOURCES ? most : SOURCES)};
@@ -330,7 +330,7 @@ static btf_result exchange_views(u_step *step, const joint_model *model, float *
     for (e.at = 0; e.at < longest && result == BTF_OK; e.at += e.window) {
         set_bounds(step, model, &e);
         result = fill_turn(step, model, &e, scratch);
-        result = enc_team_exchange(context, result, e.send, e.sent, e.receive, e.received);
+        result = enc_ranks_exchange(context, result, e.send, e.sent, e.receive, e.received);
         if (result == BTF_OK)
             take_turn(step, model, &e);
     }
@@ -377,9 +377,9 @@ static btf_result pack_gram(const joint_rows *rows, const joint_projection *proj
 /* The sources that the ranks have solved, to all. */
 static btf_result share_sources(const u_step *step, joint_model *model, btf_result result) {
     const enc_context *context = step->rows->context;
-    result = enc_team_gather(context, result, model->u, model->k * sizeof *model->u, model->texels);
+    result = enc_ranks_gather(context, result, model->u, model->k * sizeof *model->u, model->texels);
     if (step->rounding)
-        result = enc_team_gather(context, result, step->rounding->codes, model->k, model->texels);
+        result = enc_ranks_gather(context, result, step->rounding->codes, model->k, model->texels);
     return result;
 }
 
@@ -395,7 +395,7 @@ btf_result joint_solve_u(const joint_rows *rows, const joint_projection *project
                    .order = malloc(texels * sizeof(uint32_t)),
                    .packed_lower = enc_gemm_alloc(panels * ENC_GEMM_N * k),
                    .packed_basis = enc_gemm_alloc(model->front ? panels * ENC_GEMM_N * model->row : 0)};
-    enc_team_range(rows->context, texels, &step.first, &step.end);
+    enc_ranks_range(rows->context, texels, &step.first, &step.end);
     step.weights = malloc((step.end - step.first + 1) * views * sizeof(float));
     step.right = calloc((step.end - step.first + 1) * k, sizeof(float));
     float *gram = enc_gemm_alloc(views * k * k);
@@ -409,7 +409,7 @@ btf_result joint_solve_u(const joint_rows *rows, const joint_projection *project
     }
     result = pack_gram(rows, projection, k, gram, step.packed_gram);
     if (result == BTF_OK)
-        result = enc_team_size(rows->context) > 1 ? exchange_views(&step, model, scratch)
+        result = enc_ranks_count(rows->context) > 1 ? exchange_views(&step, model, scratch)
                                                   : gather_views(&step, model, scratch);
     if (result != BTF_OK)
         goto fail;

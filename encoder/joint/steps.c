@@ -6,7 +6,7 @@
 
 #include "encoder/data/checkpoint.h"
 #include "joint.h"
-#include "encoder/base/team.h"
+#include "encoder/base/ranks.h"
 
 #include <assert.h>
 #include <float.h>
@@ -133,7 +133,7 @@ bool joint_step_take(const joint_rows *rows, const char *name, joint_fit *out_fi
         enc_blob_take(&blob, beside, size);
     }
     good = enc_blob_taken(&blob) && good && are_sources(rows, &out_fit->model);
-    good = enc_team_all(rows->context, good);
+    good = enc_ranks_all(rows->context, good);
     if (!good)
         joint_fit_clear(out_fit);
     return good;
@@ -143,7 +143,7 @@ btf_result joint_step_keep(const char *name, const joint_fit *fit, const void *b
     const scalars s = scalars_of(fit);
     enc_blob blob = {0};
     assert(fit->n_centres == 0);
-    if (!fit->rows->context->checkpoint || !enc_team_leads(fit->rows->context))
+    if (!fit->rows->context->checkpoint || !enc_ranks_leads(fit->rows->context))
         return BTF_OK;
     enc_blob_put(&blob, &s, sizeof s);
     put_arrays(&blob, &fit->model);

@@ -6,7 +6,7 @@
 
 #include "decoder/toolkit/cli.h"
 #include "decoder/toolkit/progress.h"
-#include "encoder/base/team.h"
+#include "encoder/base/ranks.h"
 
 #include <math.h>
 #include <openbtf/material.h>
@@ -64,7 +64,7 @@ btf_result enc_paper_sample(const enc_context *context, const enc_data *data, en
     const size_t texels = enc_data_texel_count(data), stride = enc_data_texel_stride(data);
     const size_t count = texels < ENC_PAPER_SAMPLE ? texels : ENC_PAPER_SAMPLE;
     size_t begin, end;
-    enc_team_range(context, count, &begin, &end);
+    enc_ranks_range(context, count, &begin, &end);
     double *found = calloc(count * numbers, sizeof *found);
     btf_result result = found ? BTF_OK : enc_fail(context, BTF_ERROR_MEMORY, "effects: out of memory");
 #pragma omp parallel num_threads(context->threads)
@@ -88,7 +88,7 @@ btf_result enc_paper_sample(const enc_context *context, const enc_data *data, en
             result = mine;
         }
     }
-    result = enc_team_gather(context, result, found, numbers * sizeof *found, count);
+    result = enc_ranks_gather(context, result, found, numbers * sizeof *found, count);
     for (size_t k = 0; k < numbers; k++) {
         out[k] = 0.0;
         for (size_t i = 0; i < count && result == BTF_OK; i++)

@@ -8,7 +8,7 @@
 #include "cluster_split.h"
 #include "encoder/job/memory.h"
 #include "encoder/data/profiles.h"
-#include "encoder/base/team.h"
+#include "encoder/base/ranks.h"
 
 #include <assert.h>
 #include <math.h>
@@ -249,12 +249,12 @@ static btf_result choose_centres(const cluster_stage *s, int view) {
     return result;
 }
 
-/* A rank of a team does its own views. */
+/* A rank does its own views. */
 static btf_result for_each_view(const cluster_stage *s, btf_result (*pass)(const cluster_stage *, int)) {
     btf_result result = BTF_OK;
     const int threads = enc_memory_threads(s->context, s->bytes);
     size_t begin, end;
-    enc_team_range(s->context, (size_t)s->data->n_views, &begin, &end);
+    enc_ranks_range(s->context, (size_t)s->data->n_views, &begin, &end);
 #pragma omp parallel for num_threads(threads) schedule(dynamic, 1)
     for (int view = (int)begin; view < (int)end; view++) {
         btf_result mine = enc_cancelled(s->context) ? BTF_ERROR_INTERRUPTED : pass(s, view);
@@ -266,18 +266,18 @@ static btf_result for_each_view(const cluster_stage *s, btf_result (*pass)(const
     return result;
 }
 
-/* The centres that the ranks of a team have found for their views, to all. */
+/* The centres that the ranks have found for their views, to all. */
 static btf_result share_centres(const cluster_stage *s, btf_result result) {
-    const size_t size = (size_t)enc_team_size(s->context), views = (size_t)s->data->n_views;
+    const size_t size = (size_t)enc_ranks_count(s->context), views = (size_t)s->data->n_views;
     size_t *bounds = malloc((size + 1) * sizeof *bounds), first, end;
     if (bounds == NULL)
         return BTF_ERROR_MEMORY;
     bounds[size] = s->k;
     for (size_t r = 0; r < size; r++) {
-        enc_team_range_of(s->context, (int)r, views, &first, &end);
+        enc_ranks_range_of(s->context, (int)r, views, &first, &end);
         bounds[r] = first < views ? s->first[first] : s->k;
     }
-    result = enc_team_gather_bounds(s->context, result, s->centres, s->stride * sizeof *s->centres, bounds);
+    result = enc_ranks_gather_bounds(s->context, result, s->centres, s->stride * sizeof *s->centres, bounds);
     free(bounds);
     return result;
 }
@@ -314,8 +314,8 @@ static btf_result make_codes(const cluster_stage *s, enc_centres *out) {
 static btf_result cluster_views(cluster_stage *s, int k_total, enc_centres *centres) {
     const size_t views = (size_t)s->data->n_views;
     btf_result result = for_each_view(s, count_view);
-    result = enc_team_gather(s->context, result, s->hidden, sizeof *s->hidden, views);
-    result = enc_team_gather(s->context, result, s->distinct, sizeof *s->distinct, views);
+    result = enc_ranks_gather(s->context, result, s->hidden, sizeof *s->hidden, views);
+    result = enc_ranks_gather(s->context, result, s->distinct, sizeof *s->distinct, views);
     if (result != BTF_OK)
         return result;
     enc_cluster_shares(s->data->n_views, s->hidden, s->distinct, (size_t)k_total, s->shares);
@@ -331,7 +331,7 @@ static btf_result cluster_views(cluster_stage *s, int k_total, enc_centres *cent
         result = make_codes(s, centres);
     if (result == BTF_OK)
         result = for_each_view(s, choose_centres);
-    return enc_team_gather(s->context, result, s->occlusion->centre,
+    return enc_ranks_gather(s->context, result, s->occlusion->centre,
                            s->n_texels * sizeof *s->occlusion->centre, views);
 }
 
@@ -374,7 +374,7 @@ btf_result enc_cluster(const enc_context *context, const enc_data *data, const e
         s.first = s.shares + n_views;
         memset(occlusion->centre, 0, n_views * s.n_texels * sizeof *occlusion->centre);
         size_t begin, end;
-        enc_team_range(context, n_views, &begin, &end);
+        enc_ranks_range(context, n_views, &begin, &end);
         enc_stage_begin(context, "cluster", 3 * (end - begin));
         result = cluster_views(&s, k_total, centres);
         enc_stage_end(context);

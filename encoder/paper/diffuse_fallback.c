@@ -6,7 +6,7 @@
 
 #include "decoder/toolkit/progress.h"
 #include "choose_effects.h"
-#include "encoder/base/team.h"
+#include "encoder/base/ranks.h"
 
 #include <math.h>
 #include <openbtf/material.h>
@@ -98,7 +98,7 @@ static btf_result fit_all(const enc_context *context, const enc_data *data, enc_
     const size_t stride = enc_sbrdf_stride(sbrdf->lobes, sbrdf->rgb);
     size_t begin, end;
     btf_result result = BTF_OK;
-    enc_team_range(context, sbrdf->n_texels, &begin, &end);
+    enc_ranks_range(context, sbrdf->n_texels, &begin, &end);
 #pragma omp parallel num_threads(context->threads)
     {
         float *buffer = data->samples ? NULL : malloc(enc_data_texel_stride(data) * sizeof *buffer);
@@ -124,7 +124,7 @@ static btf_result fit_all(const enc_context *context, const enc_data *data, enc_
             result = mine;
         }
     }
-    return enc_team_gather(context, result, sbrdf->values, stride * sizeof *sbrdf->values, sbrdf->n_texels);
+    return enc_ranks_gather(context, result, sbrdf->values, stride * sizeof *sbrdf->values, sbrdf->n_texels);
 }
 
 /* Maps that change nothing. */

@@ -4,7 +4,7 @@
  */
 #include "fit.h"
 #include "shadow.h"
-#include "encoder/base/team.h"
+#include "encoder/base/ranks.h"
 #include <math.h>
 #include <omp.h>
 #include <stdlib.h>
@@ -290,7 +290,7 @@ btf_result enc_fit(const enc_context *context, const enc_data *data, const enc_f
     }
     if (result == BTF_OK) {
         size_t begin, end;
-        enc_team_range(context, texels, &begin, &end);
+        enc_ranks_range(context, texels, &begin, &end);
         enc_stage_begin(context, "fit", end - begin);
 #pragma omp parallel num_threads(context->threads)
         {
@@ -309,8 +309,8 @@ btf_result enc_fit(const enc_context *context, const enc_data *data, const enc_f
             result = result == BTF_OK ? mine : result;
         }
         const size_t stride = enc_sbrdf_stride(sbrdf->lobes, sbrdf->rgb);
-        result = enc_team_gather(context, result, sbrdf->values, stride * sizeof *sbrdf->values, texels);
-        result = enc_team_gather(context, result, stats, sizeof *stats, texels);
+        result = enc_ranks_gather(context, result, sbrdf->values, stride * sizeof *sbrdf->values, texels);
+        result = enc_ranks_gather(context, result, stats, sizeof *stats, texels);
         enc_stage_end(context);
     }
     if (result == BTF_OK && out_stats != NULL) {

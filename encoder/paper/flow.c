@@ -7,7 +7,7 @@
 #include "flow_pair.h"
 #include "flow_prior.h"
 #include "encoder/job/memory.h"
-#include "encoder/base/team.h"
+#include "encoder/base/ranks.h"
 
 #include <assert.h>
 #include <math.h>
@@ -284,14 +284,14 @@ static btf_result vote_view(const flow_stage *s, int view, enc_flow_worker *w) {
     return result;
 }
 
-/* What the ranks of a team have found for their views, to all. */
+/* What the ranks have found for their views, to all. */
 static btf_result share(const flow_stage *s, btf_result result) {
     const size_t texels = enc_data_texel_count(s->data), views = (size_t)s->data->n_views;
     enc_occlusion *o = s->occlusion;
-    result = enc_team_gather(s->context, result, o->shift, 2 * texels, views);
-    result = enc_team_gather(s->context, result, o->hidden, texels, views);
-    result = enc_team_gather(s->context, result, o->hidden_voted, texels, views);
-    return enc_team_gather(s->context, result, o->ratio, texels * sizeof *o->ratio, views);
+    result = enc_ranks_gather(s->context, result, o->shift, 2 * texels, views);
+    result = enc_ranks_gather(s->context, result, o->hidden, texels, views);
+    result = enc_ranks_gather(s->context, result, o->hidden_voted, texels, views);
+    return enc_ranks_gather(s->context, result, o->ratio, texels * sizeof *o->ratio, views);
 }
 
 static btf_result vote_views(const flow_stage *s) {
@@ -302,7 +302,7 @@ static btf_result vote_views(const flow_stage *s) {
         enc_memory_threads(s->context, enc_memory_flow(enc_data_texel_count(s->data),
                                                        (uint64_t)(width > height ? width : height),
                                                        (uint64_t)s->data->n_lights));
-    enc_team_range(s->context, (size_t)s->data->n_views, &begin, &end);
+    enc_ranks_range(s->context, (size_t)s->data->n_views, &begin, &end);
     enc_stage_begin(s->context, "flow", end - begin);
 #pragma omp parallel num_threads(threads)
     {

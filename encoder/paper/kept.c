@@ -5,7 +5,7 @@
 #include "kept.h"
 
 #include "encoder/data/checkpoint.h"
-#include "encoder/base/team.h"
+#include "encoder/base/ranks.h"
 
 #include <float.h>
 #include <stdlib.h>
@@ -27,7 +27,7 @@ bool enc_kept_fit(const enc_context *context, const enc_data *data, const enc_fi
         return false;
     const bool room =
         enc_sbrdf_create(enc_data_texel_count(data), options->lobes, options->rgb, out_sbrdf) == BTF_OK;
-    if (!enc_team_all(context, room)) {
+    if (!enc_ranks_all(context, room)) {
         enc_blob_clear(&blob);
         enc_sbrdf_destroy(out_sbrdf);
         return false;
@@ -45,7 +45,7 @@ bool enc_kept_fit(const enc_context *context, const enc_data *data, const enc_fi
 
 btf_result enc_keep_fit(const enc_context *context, const enc_sbrdf *sbrdf, const enc_fit_stats *stats) {
     enc_blob blob = {0};
-    if (!context->checkpoint || !enc_team_leads(context))
+    if (!context->checkpoint || !enc_ranks_leads(context))
         return BTF_OK;
     enc_blob_put(&blob, stats, sizeof *stats);
     enc_blob_put(&blob, sbrdf->values,
@@ -63,7 +63,7 @@ bool enc_kept_shadow(const enc_context *context, const enc_data *data, uint8_t *
 
 btf_result enc_keep_shadow(const enc_context *context, const enc_data *data, const uint8_t *shadow) {
     enc_blob blob = {0};
-    if (!context->checkpoint || !enc_team_leads(context))
+    if (!context->checkpoint || !enc_ranks_leads(context))
         return BTF_OK;
     enc_blob_put(&blob, shadow, (size_t)data->n_lights * enc_data_texel_count(data));
     return enc_checkpoint_put(context, shadow_step, &blob);
@@ -78,7 +78,7 @@ bool enc_kept_occlusion(const enc_context *context, const char *step, const enc_
         return false;
     const bool room =
         enc_occlusion_create(data->n_views, enc_data_texel_count(data), out_occlusion) == BTF_OK;
-    if (!enc_team_all(context, room)) {
+    if (!enc_ranks_all(context, room)) {
         enc_blob_clear(&blob);
         enc_occlusion_destroy(out_occlusion);
         return false;
@@ -97,7 +97,7 @@ bool enc_kept_occlusion(const enc_context *context, const char *step, const enc_
 btf_result enc_keep_occlusion(const enc_context *context, const char *step, const enc_occlusion *o) {
     const size_t points = (size_t)o->n_views * o->n_texels;
     enc_blob blob = {0};
-    if (!context->checkpoint || !enc_team_leads(context))
+    if (!context->checkpoint || !enc_ranks_leads(context))
         return BTF_OK;
     enc_blob_put(&blob, o->shift, 2 * points);
     enc_blob_put(&blob, o->hidden, points);
@@ -120,7 +120,7 @@ bool enc_kept_cluster(const enc_context *context, const enc_data *data, int k_to
     enc_centres *c = calloc(1, sizeof *c);
     enc_blob blob;
     *out_centres = NULL;
-    if (!context->checkpoint || !enc_team_all(context, c != NULL) ||
+    if (!context->checkpoint || !enc_ranks_all(context, c != NULL) ||
         !enc_checkpoint_get(context, cluster_step, &blob)) {
         free(c);
         return false;
@@ -135,7 +135,7 @@ bool enc_kept_cluster(const enc_context *context, const enc_data *data, int k_to
     enc_blob_take(&blob, c->codes, c->codes ? codes : 0);
     enc_blob_take(&blob, occlusion->centre, points * sizeof *occlusion->centre);
     const bool good = enc_blob_taken(&blob) && are_within(occlusion, c->k);
-    if (!enc_team_all(context, good)) {
+    if (!enc_ranks_all(context, good)) {
         enc_centres_destroy(&c);
         return false;
     }
@@ -147,7 +147,7 @@ btf_result enc_keep_cluster(const enc_context *context, const enc_occlusion *occ
                             const enc_centres *c) {
     const size_t points = (size_t)occlusion->n_views * occlusion->n_texels;
     enc_blob blob = {0};
-    if (!context->checkpoint || !enc_team_leads(context))
+    if (!context->checkpoint || !enc_ranks_leads(context))
         return BTF_OK;
     enc_blob_put(&blob, &c->k, sizeof c->k);
     enc_blob_put(&blob, &c->scale, sizeof c->scale);

@@ -10,7 +10,7 @@
 
 #include "norms.h"
 #include "encoder/data/profiles.h"
-#include "encoder/base/team.h"
+#include "encoder/base/ranks.h"
 
 #include <assert.h>
 #include <math.h>
@@ -190,7 +190,7 @@ static btf_result refine_views(refine_stage *s, float *out_thresholds) {
     btf_result result = distances && bounds ? BTF_OK : BTF_ERROR_MEMORY;
     const size_t views = (size_t)s->data->n_views;
     size_t begin, end;
-    enc_team_range(s->context, views, &begin, &end);
+    enc_ranks_range(s->context, views, &begin, &end);
     for (int view = (int)begin; result == BTF_OK && view < (int)end; view++) {
         if (enc_cancelled(s->context)) {
             result = BTF_ERROR_INTERRUPTED;
@@ -210,10 +210,10 @@ static btf_result refine_views(refine_stage *s, float *out_thresholds) {
     }
     free(distances);
     free(bounds);
-    result = enc_team_gather(s->context, result, s->occlusion->shift, 2 * s->n_texels, views);
-    result = enc_team_gather(s->context, result, s->occlusion->hidden, s->n_texels, views);
+    result = enc_ranks_gather(s->context, result, s->occlusion->shift, 2 * s->n_texels, views);
+    result = enc_ranks_gather(s->context, result, s->occlusion->hidden, s->n_texels, views);
     if (out_thresholds != NULL)
-        result = enc_team_gather(s->context, result, out_thresholds, sizeof *out_thresholds, views);
+        result = enc_ranks_gather(s->context, result, out_thresholds, sizeof *out_thresholds, views);
     return result;
 }
 
@@ -255,7 +255,7 @@ btf_result enc_refine(const enc_context *context, const enc_data *data, const en
             s.light[3 * s.lanes + l] = data->lights[l].xyz[2] > 0 ? data->lights[l].xyz[2] : 0;
         }
         size_t begin, end;
-        enc_team_range(context, (size_t)data->n_views, &begin, &end);
+        enc_ranks_range(context, (size_t)data->n_views, &begin, &end);
         enc_stage_begin(context, "hidden", end - begin);
         result = refine_views(&s, out_thresholds);
         enc_stage_end(context);

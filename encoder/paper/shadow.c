@@ -3,7 +3,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "shadow.h"
-#include "encoder/base/team.h"
+#include "encoder/base/ranks.h"
 #include <math.h>
 #include <omp.h>
 #include <stdlib.h>
@@ -62,10 +62,10 @@ static btf_result shadow_chunk(const enc_context *context, const enc_data *data,
     return BTF_OK;
 }
 
-/* The codes that the ranks of a team have found for their texels, first .. end - 1, to all. */
+/* The codes that the ranks have found for their texels, first .. end - 1, to all. */
 static btf_result share(const enc_context *context, btf_result result, size_t texels, size_t lights,
                         size_t first, size_t end, uint8_t *codes) {
-    if (enc_team_size(context) == 1) {
+    if (enc_ranks_count(context) == 1) {
         return result;
     }
     uint8_t *turned = malloc(texels * lights); /* [texel][light] */
@@ -77,7 +77,7 @@ static btf_result share(const enc_context *context, btf_result result, size_t te
             turned[t * lights + l] = codes[l * texels + t];
         }
     }
-    result = enc_team_gather(context, result, turned, lights, texels);
+    result = enc_ranks_gather(context, result, turned, lights, texels);
     for (size_t i = 0; i < texels * lights && result == BTF_OK; i++) {
         codes[i] = turned[i % texels * lights + i / texels];
     }
@@ -98,7 +98,7 @@ btf_result enc_top_view_shadow(const enc_context *context, const enc_data *data,
     }
     btf_result result = BTF_OK;
     size_t begin, end;
-    enc_team_range(context, texels, &begin, &end);
+    enc_ranks_range(context, texels, &begin, &end);
     enc_stage_begin(context, "shadow", end - begin);
 #pragma omp parallel num_threads(context->threads)
     {

@@ -8,7 +8,7 @@
 #include "encoder/data/level_filter.h"
 #include "metrics.h"
 #include "report.h"
-#include "encoder/base/team.h"
+#include "encoder/base/ranks.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -265,7 +265,7 @@ static void choose_samples(job *j, size_t evaluations, int halvings) {
 static btf_result measure(const job *j, double *total) {
     const size_t length = 2 * j->n_ways * j->cells;
     enum { BATCH = 16 }; /* of each rank */
-    const size_t batch = BATCH * (size_t)enc_team_size(j->context);
+    const size_t batch = BATCH * (size_t)enc_ranks_count(j->context);
     double *sums = malloc(batch * length * sizeof *sums);
     if (!sums) {
         return BTF_ERROR_MEMORY;
@@ -274,7 +274,7 @@ static btf_result measure(const job *j, double *total) {
     for (size_t first = 0; first < j->texels && result == BTF_OK; first += batch) {
         const size_t n = j->texels - first < batch ? j->texels - first : batch;
         size_t begin, end;
-        enc_team_range(j->context, n, &begin, &end);
+        enc_ranks_range(j->context, n, &begin, &end);
         memset(sums, 0, n * length * sizeof *sums);
 #pragma omp parallel for schedule(dynamic) num_threads(j->context->threads)
         for (size_t i = begin; i < end; i++) {
@@ -289,7 +289,7 @@ static btf_result measure(const job *j, double *total) {
                 result = mine;
             }
         }
-        result = enc_team_gather(j->context, result, sums, length * sizeof *sums, n);
+        result = enc_ranks_gather(j->context, result, sums, length * sizeof *sums, n);
         for (size_t i = 0; i < n * length && result == BTF_OK; i++) {
             total[i % length] += sums[i];
         }

@@ -7,7 +7,7 @@
 #include "encoder/job/memory.h"
 #include "encoder/input/light_positions.h"
 #include "ssim.h"
-#include "encoder/base/team.h"
+#include "encoder/base/ranks.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -122,7 +122,7 @@ btf_result enc_metrics_compare(const enc_context *context, const enc_data *shape
     const int threads = enc_memory_threads(context, 2 * enc_data_texel_count(shape) *
                                                         (uint64_t)shape->n_lights * 3 * sizeof(float));
     size_t first, end;
-    enc_team_range(context, (size_t)views, &first, &end);
+    enc_ranks_range(context, (size_t)views, &first, &end);
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
     for (int v = (int)first; v < (int)end; v++) {
         btf_result mine;
@@ -141,8 +141,8 @@ btf_result enc_metrics_compare(const enc_context *context, const enc_data *shape
         enc_stage_step(context, 1);
     }
     const size_t count = (size_t)views;
-    result = enc_team_gather(context, result, error, (size_t)lights * sizeof *error, count);
-    result = enc_team_gather(context, result, ssim, sizeof *ssim, count);
+    result = enc_ranks_gather(context, result, error, (size_t)lights * sizeof *error, count);
+    result = enc_ranks_gather(context, result, ssim, sizeof *ssim, count);
     if (result != BTF_OK) {
         free(ssim);
         free(error);

@@ -213,14 +213,14 @@ static void print_levels(const enc_report *report, FILE *out) {
 
 /* What went between ranks, as rank 0 counted it. */
 static void print_volumes(const enc_report *report, FILE *out) {
-    enc_team_volume all = {0};
+    enc_ranks_volume all = {0};
     if (report->n_volumes == 0) {
         return;
     }
     fprintf(out, "\n%d ranks; rank 0 (MB = 10^6 bytes; seconds)\n", report->ranks);
     fprintf(out, "  %-20s %10s %10s %9s %9s %9s\n", "", "received", "sent", "meetings", "waited", "moved");
     for (size_t i = 0; i <= report->n_volumes; i++) {
-        const enc_team_volume *v = i < report->n_volumes ? &report->volumes[i] : &all;
+        const enc_ranks_volume *v = i < report->n_volumes ? &report->volumes[i] : &all;
         fprintf(out, "  %-20s %10.2f %10.2f %9llu %9.2f %9.2f\n",
                 i < report->n_volumes ? v->stage : "total", (double)v->received / 1e6,
                 (double)v->sent / 1e6, (unsigned long long)v->meetings, v->waited, v->moved);
@@ -340,7 +340,7 @@ static void write_volumes(json *j, const enc_report *report) {
     }
     json_object(j, "between_ranks");
     for (size_t i = 0; i < report->n_volumes; i++) {
-        const enc_team_volume *v = &report->volumes[i];
+        const enc_ranks_volume *v = &report->volumes[i];
         json_object(j, v->stage);
         json_integer(j, "received", (int64_t)v->received);
         json_integer(j, "sent", (int64_t)v->sent);

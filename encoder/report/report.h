@@ -10,7 +10,7 @@
 #include "encoder/job/levels.h"
 #include "metrics.h"
 #include "encoder/model/solution.h"
-#include "encoder/base/team.h"
+#include "encoder/base/ranks.h"
 #include "encoder/model/trial.h"
 
 #include <stdio.h>
@@ -53,7 +53,7 @@ typedef struct enc_report {
     size_t n_parts;
     size_t peak_rss;                /* bytes */
     int ranks;                      /* that encoded together */
-    const enc_team_volume *volumes; /* what went between them; NULL for one */
+    const enc_ranks_volume *volumes; /* what went between them; NULL for one */
     size_t n_volumes;
     const enc_trial *trials; /* choices of effects that were tried */
     int n_trials;

@@ -25,7 +25,7 @@
 #include "encoder/job/memory.h"
 #include "encoder/model/occlusion.h"
 #include "encoder/base/opencv_bridge.h"
-#include "encoder/base/team.h"
+#include "encoder/base/ranks.h"
 
 typedef struct double_direction {
     double xyz[3];

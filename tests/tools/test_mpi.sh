@@ -23,7 +23,7 @@ export ASAN_OPTIONS=${ASAN_OPTIONS:-}:fast_unwind_on_malloc=0
 mkdir tmp
 export TMPDIR=$work/tmp
 
-team() { # N ARGUMENT...: btf-encode on N ranks of one thread
+ranks() { # N ARGUMENT...: btf-encode on N ranks of one thread
     local n=$1
     shift
     timeout 120 mpirun -n "$n" btf-encode "$@" --threads 1
@@ -50,7 +50,7 @@ same() { # NAME RANKS ARGUMENT...
     expect "$name: alone" 0 btf-encode "$@" -o one.btf.exr -q --threads 2
     for n in $(ranks "$ranks"); do
         rm -f many.btf.exr
-        expect "$name: $n ranks" 0 team "$n" "$@" -o many.btf.exr -q
+        expect "$name: $n ranks" 0 ranks "$n" "$@" -o many.btf.exr -q
         expect_that "$name: $n ranks write the same bytes" cmp one.btf.exr many.btf.exr
     done
 }
@@ -68,7 +68,7 @@ same "paper, Bonn" 2 small.btf --method paper
 expect_that "no scratch file stays" nothing_left none
 
 # The report knows of the ranks; the tables come once.
-expect "a report" 0 team 2 data -o r.btf.exr --preset fast --report r.json
+expect "a report" 0 ranks 2 data -o r.btf.exr --preset fast --report r.json
 expect_that "its numbers" python3 -c '
 import json
 r = json.load(open("r.json"))
@@ -81,7 +81,7 @@ expect_that "one table" test "$(grep -c 'Table 2' out)" = 1
 
 # A list, each input by all ranks; a bad one does not stop the rest.
 printf 'data\nnowhere\nsmall.btf\n' >list.txt
-expect "a list with a bad input" 2 team 2 list.txt -o many -q --preset fast
+expect "a list with a bad input" 2 ranks 2 list.txt -o many -q --preset fast
 btf-encode data -o one.btf.exr -q --preset fast
 expect_that "the first of it" cmp one.btf.exr many/data.btf.exr
 btf-encode small.btf -o one.btf.exr -q --preset fast
@@ -89,18 +89,18 @@ expect_that "the last of it" cmp one.btf.exr many/small.btf.exr
 expect_that "the bad input is named once" test "$(grep -c 'error: nowhere' err)" = 1
 
 # Errors: one message, the documented code, nothing left.
-expect "a bad option" 1 team 3 data -o x.btf.exr --nonsense
+expect "a bad option" 1 ranks 3 data -o x.btf.exr --nonsense
 expect_that "it is named once" test "$(grep -c 'unknown option --nonsense' err)" = 1
-expect "help" 0 team 2 --help
+expect "help" 0 ranks 2 --help
 expect_that "help comes once" test "$(grep -c 'mpirun -n N' out)" = 1
 cp -r data bad
 last=$(find bad -name '*.png' | sort | tail -1)
 head -c 40 "$last" >cut && mv cut "$last"
-expect "an image that rank 1 finds bad" 3 team 2 bad -o x.btf.exr -q
+expect "an image that rank 1 finds bad" 3 ranks 2 bad -o x.btf.exr -q
 expect_that "it is named once" test "$(grep -c "rank [0-9]*: .*$(basename "$last")" err)" = 1
 expect_that "nothing is written" nothing_left x.btf.exr
 mkdir full
-expect "an output that cannot be made" 2 team 2 data -o nowhere/x.btf.exr -q
+expect "an output that cannot be made" 2 ranks 2 data -o nowhere/x.btf.exr -q
 expect_that "it is said once" test "$(grep -c 'nowhere' err)" = 1
 expect "no folder for scratch files" 2 mpirun -n 2 env TMPDIR=/nonexistent btf-encode data -o x.btf.exr -q
 expect_text "it is named" "/nonexistent" err
@@ -147,7 +147,7 @@ rm -rf steps
 kill_one TERM all
 expect_that "SIGTERM to all ends the job with a code ($code)" test "$code" != 0
 expect_that "nothing half after it" nothing_half x.btf.exr
-expect "three ranks go on from two" 0 team 3 "${slow[@]}" --resume
+expect "three ranks go on from two" 0 ranks 3 "${slow[@]}" --resume
 expect_that "with the same bytes" cmp whole.btf.exr x.btf.exr
 expect_that "the checkpoint is gone" test ! -e steps
 finish

@@ -1,8 +1,8 @@
-/* The team of a process that mpirun started: MPI (see team_mpi.h).
+/* The ranks of a process that mpirun started: MPI (see ranks_mpi.h).
  *
  * SPDX-License-Identifier: MIT
  */
-#include "team_mpi.h"
+#include "ranks_mpi.h"
 
 #include "decoder/toolkit/output.h"
 #include "decoder/toolkit/progress.h"
@@ -149,12 +149,12 @@ static void take_share(MPI_Comm node, int node_ranks, enc_mpi_share *io_share) {
     io_share->memory /= (uint64_t)node_ranks;
 }
 
-btf_result enc_mpi_start(btf_log log, enc_team **out_team, enc_mpi_share *io_share) {
+btf_result enc_mpi_start(btf_log log, enc_ranks **out_ranks, enc_mpi_share *io_share) {
     enc_transport transport = {
         .least = least, .gather = gather, .exchange = exchange, .sum = sum, .broadcast = broadcast};
     int provided;
     MPI_Comm node;
-    *out_team = NULL;
+    *out_ranks = NULL;
     if (!is_launched())
         return BTF_OK;
     MPI_Init_thread(NULL, NULL, MPI_THREAD_FUNNELED, &provided);
@@ -170,14 +170,14 @@ btf_result enc_mpi_start(btf_log log, enc_team **out_team, enc_mpi_share *io_sha
     MPI_Comm_size(node, &transport.node_ranks);
     take_share(node, transport.node_ranks, io_share);
     MPI_Comm_free(&node);
-    *out_team = enc_team_create(&transport);
-    if (!*out_team)
+    *out_ranks = enc_ranks_create(&transport);
+    if (!*out_ranks)
         no_memory();
     return BTF_OK;
 }
 
-void enc_mpi_stop(enc_team **team) {
-    enc_team_destroy(team);
+void enc_mpi_stop(enc_ranks **ranks) {
+    enc_ranks_destroy(ranks);
     if (initialised)
         MPI_Finalize();
     initialised = false;

@@ -1,16 +1,16 @@
-/* The team of a program that was built without MPI: none (see team_mpi.h).
+/* The ranks of a program that was built without MPI: none (see ranks_mpi.h).
  *
  * SPDX-License-Identifier: MIT
  */
-#include "team_mpi.h"
+#include "ranks_mpi.h"
 
 #include <stdlib.h>
 
-btf_result enc_mpi_start(btf_log log, enc_team **out_team, enc_mpi_share *io_share) {
+btf_result enc_mpi_start(btf_log log, enc_ranks **out_ranks, enc_mpi_share *io_share) {
     const char *ranks = getenv("OMPI_COMM_WORLD_SIZE"); /* else each would do the same, to one file */
     const enc_context context = {.log = log};
     (void)io_share;
-    *out_team = NULL;
+    *out_ranks = NULL;
     if (!ranks)
         ranks = getenv("PMI_SIZE");
     if (ranks && atoi(ranks) > 1)
@@ -19,8 +19,8 @@ btf_result enc_mpi_start(btf_log log, enc_team **out_team, enc_mpi_share *io_sha
     return BTF_OK;
 }
 
-void enc_mpi_stop(enc_team **team) {
-    *team = NULL;
+void enc_mpi_stop(enc_ranks **ranks) {
+    *ranks = NULL;
 }
 
 void enc_mpi_set_limit(size_t bytes) {

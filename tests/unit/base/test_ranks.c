@@ -1,4 +1,4 @@
-/* Ranks that encode together (encoder/base/team.h): slices, transfers, failures; and that a joint and a paper
+/* Ranks that encode together (encoder/base/ranks.h): slices, transfers, failures; and that a joint and a paper
  * analysis by several ranks has the bits of one. The ranks are threads of this process, and their transport
  * is memory.
  *
@@ -6,7 +6,7 @@
  */
 #include "encoder/joint/joint.h"
 #include "encoder/paper/paper.h"
-#include "encoder/base/team.h"
+#include "encoder/base/ranks.h"
 
 #include <math.h>
 #include <openbtf/material.h>
@@ -20,7 +20,7 @@
 
 enum { MOST_RANKS = 5, SIDE = 12, VIEWS = 7, LIGHTS = 7 };
 
-/* What the ranks of one team share. */
+/* What the ranks share. */
 typedef struct room {
     int size;
     pthread_barrier_t barrier;
@@ -113,16 +113,16 @@ static void *run_member(void *argument) {
     member *m = argument;
     const enc_transport transport = {
         m->at.rank, m->at.in->size, m->at.in->size, &m->at, least, gather, exchange, sum, broadcast};
-    enc_team *team = enc_team_create(&transport);
+    enc_ranks *ranks = enc_ranks_create(&transport);
     const enc_context context = {
-        .log = enc_team_log(team, (btf_log){keep_message, m->log}), .threads = 1, .team = team};
+        .log = enc_ranks_log(ranks, (btf_log){keep_message, m->log}), .threads = 1, .ranks = ranks};
     m->run(&context, m->user);
-    enc_team_destroy(&team);
+    enc_ranks_destroy(&ranks);
     return NULL;
 }
 
 /* Runs `run` on `size` ranks, rank r with users[r]; logs may be NULL. */
-static void run_team(int size, void (*run)(const enc_context *, void *), void *const *users,
+static void run_ranks(int size, void (*run)(const enc_context *, void *), void *const *users,
                      char (*logs)[512]) {
     room in = {.size = size};
     member members[MOST_RANKS];
@@ -148,20 +148,20 @@ static void test_alone(void **state) {
     const enc_context *const contexts[] = {NULL, &context};
     for (int i = 0; i < 2; i++) {
         const enc_context *c = contexts[i];
-        enc_team_range(c, 17, &first, &end);
+        enc_ranks_range(c, 17, &first, &end);
         assert_int_equal(first, 0);
         assert_int_equal(end, 17);
-        assert_int_equal(enc_team_size(c), 1);
-        assert_int_equal(enc_team_node_ranks(c), 1);
-        assert_true(enc_team_leads(c));
-        assert_int_equal(enc_team_agree(c, BTF_ERROR_IO), BTF_ERROR_IO);
-        assert_int_equal(enc_team_gather(c, BTF_ERROR_MEMORY, values, sizeof *values, 3), BTF_ERROR_MEMORY);
-        assert_int_equal(enc_team_gather(c, BTF_OK, values, sizeof *values, 3), BTF_OK);
+        assert_int_equal(enc_ranks_count(c), 1);
+        assert_int_equal(enc_ranks_node_ranks(c), 1);
+        assert_true(enc_ranks_leads(c));
+        assert_int_equal(enc_ranks_agree(c, BTF_ERROR_IO), BTF_ERROR_IO);
+        assert_int_equal(enc_ranks_gather(c, BTF_ERROR_MEMORY, values, sizeof *values, 3), BTF_ERROR_MEMORY);
+        assert_int_equal(enc_ranks_gather(c, BTF_OK, values, sizeof *values, 3), BTF_OK);
         assert_int_equal(values[2], 3);
-        assert_int_equal(enc_team_broadcast(c, BTF_OK, values, sizeof values), BTF_OK);
-        assert_true(enc_team_all(c, true));
-        assert_false(enc_team_all(c, false));
-        assert_null(enc_team_volumes(c, &count));
+        assert_int_equal(enc_ranks_broadcast(c, BTF_OK, values, sizeof values), BTF_OK);
+        assert_true(enc_ranks_all(c, true));
+        assert_false(enc_ranks_all(c, false));
+        assert_null(enc_ranks_volumes(c, &count));
         assert_int_equal(count, 0);
     }
 }
@@ -169,32 +169,32 @@ static void test_alone(void **state) {
 /* Slices cover everything once, in order, and differ by one at most. */
 static void check_ranges(const enc_context *context, void *user) {
     (void)user;
-    const size_t size = (size_t)enc_team_size(context);
+    const size_t size = (size_t)enc_ranks_count(context);
     for (size_t count = 0; count < 40; count++) {
         size_t before = 0, first, end;
         for (size_t r = 0; r < size; r++) {
-            enc_team_range_of(context, (int)r, count, &first, &end);
+            enc_ranks_range_of(context, (int)r, count, &first, &end);
             assert_int_equal(first, before);
             assert_true(end - first == count / size || end - first == count / size + 1);
             before = end;
         }
         assert_int_equal(before, count);
-        enc_team_range(context, count, &first, &end);
-        enc_team_range_of(context, enc_team_rank(context), count, &before, &before);
+        enc_ranks_range(context, count, &first, &end);
+        enc_ranks_range_of(context, enc_ranks_own(context), count, &before, &before);
         assert_int_equal(end, before);
     }
 }
 
 static void check_transfers(const enc_context *context, void *user) {
     (void)user;
-    const size_t size = (size_t)enc_team_size(context), rank = (size_t)enc_team_rank(context);
+    const size_t size = (size_t)enc_ranks_count(context), rank = (size_t)enc_ranks_own(context);
     uint16_t items[11][2], text = rank == 0 ? 4711 : 0;
     size_t first, end;
     memset(items, 0, sizeof items);
-    enc_team_range(context, 11, &first, &end);
+    enc_ranks_range(context, 11, &first, &end);
     for (size_t i = first; i < end; i++)
         items[i][0] = (uint16_t)(100 + i);
-    assert_int_equal(enc_team_gather(context, BTF_OK, items, sizeof items[0], 11), BTF_OK);
+    assert_int_equal(enc_ranks_gather(context, BTF_OK, items, sizeof items[0], 11), BTF_OK);
     for (size_t i = 0; i < 11; i++)
         assert_int_equal(items[i][0], 100 + i);
 
@@ -207,22 +207,22 @@ static void check_transfers(const enc_context *context, void *user) {
         for (size_t i = out[s]; i < out[s + 1]; i++)
             send[i] = (float)(100 * rank + 10 * s + i - out[s]);
     }
-    assert_int_equal(enc_team_exchange(context, BTF_OK, send, out, receive, in), BTF_OK);
+    assert_int_equal(enc_ranks_exchange(context, BTF_OK, send, out, receive, in), BTF_OK);
     for (size_t s = 0; s < size; s++)
         for (size_t i = 0; i <= rank; i++)
             assert_true(receive[in[s] + i] == (float)(100 * s + 10 * rank + i));
 
     uint64_t sums[2] = {rank, 1};
-    assert_int_equal(enc_team_sum(context, BTF_OK, sums, 2), BTF_OK);
+    assert_int_equal(enc_ranks_sum(context, BTF_OK, sums, 2), BTF_OK);
     assert_int_equal(sums[0], size * (size - 1) / 2);
     assert_int_equal(sums[1], size);
-    assert_int_equal(enc_team_broadcast(context, BTF_OK, &text, sizeof text), BTF_OK);
+    assert_int_equal(enc_ranks_broadcast(context, BTF_OK, &text, sizeof text), BTF_OK);
     assert_int_equal(text, 4711);
-    assert_true(enc_team_all(context, true));
-    assert_true(enc_team_all(context, rank + 1 < size) == (size == 0));
+    assert_true(enc_ranks_all(context, true));
+    assert_true(enc_ranks_all(context, rank + 1 < size) == (size == 0));
 
     size_t count;
-    const enc_team_volume *volume = enc_team_volumes(context, &count);
+    const enc_ranks_volume *volume = enc_ranks_volumes(context, &count);
     assert_int_equal(count, 1);
     const size_t others = size - 1, items_of_others = sizeof items - (end - first) * sizeof items[0];
     assert_int_equal(volume->received, items_of_others + others * (rank + 1) * sizeof(float) + sizeof sums +
@@ -233,8 +233,8 @@ static void test_ranges_and_transfers(void **state) {
     (void)state;
     void *const users[MOST_RANKS] = {NULL};
     for (int size = 1; size <= MOST_RANKS; size++) {
-        run_team(size, check_ranges, users, NULL);
-        run_team(size, check_transfers, users, NULL);
+        run_ranks(size, check_ranges, users, NULL);
+        run_ranks(size, check_transfers, users, NULL);
     }
 }
 
@@ -243,35 +243,35 @@ static void fail_one(const enc_context *context, void *user) {
     (void)user;
     int values[4] = {0};
     btf_result result = BTF_OK;
-    enc_team_begin(context);
-    if (enc_team_rank(context) == 2)
+    enc_ranks_begin(context);
+    if (enc_ranks_own(context) == 2)
         result = enc_fail(context, BTF_ERROR_BAD_FILE, "image 7: bad");
     else
-        result = enc_team_gather(context, BTF_OK, values, sizeof *values, 4);
-    if (enc_team_rank(context) != 2)
+        result = enc_ranks_gather(context, BTF_OK, values, sizeof *values, 4);
+    if (enc_ranks_own(context) != 2)
         assert_int_equal(result, BTF_ERROR_BAD_FILE);
-    assert_int_equal(enc_team_agree(context, result), BTF_ERROR_BAD_FILE);
-    assert_int_equal(enc_team_agree(context, BTF_OK), BTF_ERROR_BAD_FILE); /* nobody waits for anybody */
-    assert_false(enc_team_all(context, true));
-    enc_team_begin(context); /* the next job goes on */
-    assert_int_equal(enc_team_agree(context, BTF_OK), BTF_OK);
+    assert_int_equal(enc_ranks_agree(context, result), BTF_ERROR_BAD_FILE);
+    assert_int_equal(enc_ranks_agree(context, BTF_OK), BTF_ERROR_BAD_FILE); /* nobody waits for anybody */
+    assert_false(enc_ranks_all(context, true));
+    enc_ranks_begin(context); /* the next job goes on */
+    assert_int_equal(enc_ranks_agree(context, BTF_OK), BTF_OK);
 }
 
 /* All fail alike: rank 0 says so, once. */
 static void fail_all(const enc_context *context, void *user) {
     (void)user;
     const btf_result result = enc_fail(context, BTF_ERROR_IO, "data: not there");
-    assert_int_equal(enc_team_agree(context, result), BTF_ERROR_IO);
+    assert_int_equal(enc_ranks_agree(context, result), BTF_ERROR_IO);
 }
 
 static void test_failures(void **state) {
     (void)state;
     void *const users[MOST_RANKS] = {NULL};
     char logs[MOST_RANKS][512];
-    run_team(4, fail_one, users, logs);
+    run_ranks(4, fail_one, users, logs);
     for (int r = 0; r < 4; r++)
         assert_string_equal(logs[r], r == 2 ? "rank 2: image 7: bad\n" : "");
-    run_team(3, fail_all, users, logs);
+    run_ranks(3, fail_all, users, logs);
     for (int r = 0; r < 3; r++)
         assert_string_equal(logs[r], r == 0 ? "data: not there\n" : "");
 }
@@ -283,7 +283,7 @@ static void fill(const enc_context *context, bool still, bool stray, enc_data *d
     size_t first, end;
     const size_t stride = enc_data_texel_stride(data);
     float *texel = malloc(stride * sizeof *texel);
-    enc_team_range(context, enc_data_texel_count(data), &first, &end);
+    enc_ranks_range(context, enc_data_texel_count(data), &first, &end);
     for (size_t t = first; t < end; t++) {
         for (size_t v = 0; v < VIEWS; v++) {
             const size_t at = (t + (still ? 0 : 3 * v)) % (SIDE * SIDE);
@@ -345,7 +345,7 @@ static void analyse(const enc_context *context, void *user) {
     }
     enc_data_destroy(&data);
     size_t count;
-    const enc_team_volume *volumes = enc_team_volumes(context, &count);
+    const enc_ranks_volume *volumes = enc_ranks_volumes(context, &count);
     for (size_t i = 0; i < count; i++)
         f->received += volumes[i].received;
 }
@@ -386,7 +386,7 @@ static void check_bits(bool paper, bool stray, uint32_t effects, const int *size
             each[r].solution = (enc_solution){0};
             users[r] = &each[r];
         }
-        run_team(sizes[i], analyse, users, NULL);
+        run_ranks(sizes[i], analyse, users, NULL);
         for (int r = 0; r < sizes[i]; r++) {
             compare(&alone.solution, &each[r].solution);
             assert_true(each[r].received > 0);

@@ -6,14 +6,14 @@
  * then every rank has the bits that one process would have.
  *
  * The functions below that take a `result` are met by all ranks in the same order, from the thread that
- * runs the encode and outside of parallel regions. They begin with enc_team_agree: a rank that fails leaves
+ * runs the encode and outside of parallel regions. They begin with enc_ranks_agree: a rank that fails leaves
  * by the next of them, wherever it stands, and takes the others along. All of them accept a context without
- * a team, or NULL: a process that is alone.
+ * ranks, or NULL: a process that is alone.
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_TEAM_H
-#define OPENBTF_ENCODER_TEAM_H
+#ifndef OPENBTF_ENCODER_RANKS_H
+#define OPENBTF_ENCODER_RANKS_H
 
 #include "context.h"
 #include <stdint.h>
@@ -34,65 +34,65 @@ typedef struct enc_transport {
     void (*broadcast)(void *user, void *bytes, size_t size); /* from rank 0 */
 } enc_transport;
 
-typedef struct enc_team enc_team;
+typedef struct enc_ranks enc_ranks;
 
 /* The transport is copied. NULL when out of memory. */
-enc_team *enc_team_create(const enc_transport *transport);
-void enc_team_destroy(enc_team **team);
+enc_ranks *enc_ranks_create(const enc_transport *transport);
+void enc_ranks_destroy(enc_ranks **ranks);
 
 /* Where the messages of a rank go whose log is `log`: rank 0's straight there; of the others, errors are
- * held, and shown there by enc_team_agree when they are why the ranks leave. */
-btf_log enc_team_log(enc_team *team, btf_log log);
+ * held, and shown there by enc_ranks_agree when they are why the ranks leave. */
+btf_log enc_ranks_log(enc_ranks *ranks, btf_log log);
 
 /* The ranks stand at the beginning of a job: an error that they left the last one by is forgotten, and the
  * counts begin anew. */
-void enc_team_begin(const enc_context *context);
+void enc_ranks_begin(const enc_context *context);
 
-int enc_team_rank(const enc_context *context);
-int enc_team_size(const enc_context *context);
+int enc_ranks_own(const enc_context *context);
+int enc_ranks_count(const enc_context *context);
 /* Ranks on this machine. */
-int enc_team_node_ranks(const enc_context *context);
+int enc_ranks_node_ranks(const enc_context *context);
 /* Whether this rank writes the outputs: rank 0. */
-bool enc_team_leads(const enc_context *context);
+bool enc_ranks_leads(const enc_context *context);
 
 /* This rank's slice of `count` items: first .. end - 1. */
-void enc_team_range(const enc_context *context, size_t count, size_t *out_first, size_t *out_end);
+void enc_ranks_range(const enc_context *context, size_t count, size_t *out_first, size_t *out_end);
 /* The slice of any rank; slices follow one another, and none is longer by two than another. */
-void enc_team_range_of(const enc_context *context, int rank, size_t count, size_t *out_first,
+void enc_ranks_range_of(const enc_context *context, int rank, size_t count, size_t *out_first,
                        size_t *out_end);
 
 /* The result of all: BTF_OK, or that of the lowest rank that failed. BTF_ERROR_INTERRUPTED where a rank was
- * asked to stop. Once it failed, it returns the same without waiting for anybody, until enc_team_begin. */
-btf_result enc_team_agree(const enc_context *context, btf_result result);
+ * asked to stop. Once it failed, it returns the same without waiting for anybody, until enc_ranks_begin. */
+btf_result enc_ranks_agree(const enc_context *context, btf_result result);
 /* Whether it holds on every rank. False, too, where ranks failed. */
-bool enc_team_all(const enc_context *context, bool holds);
+bool enc_ranks_all(const enc_context *context, bool holds);
 
 /* Completes array [count] of items of `item_bytes`, of which each rank has filled its slice. */
-btf_result enc_team_gather(const enc_context *context, btf_result result, void *array, size_t item_bytes,
+btf_result enc_ranks_gather(const enc_context *context, btf_result result, void *array, size_t item_bytes,
                            size_t count);
 /* The same where rank r has filled items bounds[r] .. bounds[r + 1] - 1. */
-btf_result enc_team_gather_bounds(const enc_context *context, btf_result result, void *array,
+btf_result enc_ranks_gather_bounds(const enc_context *context, btf_result result, void *array,
                                   size_t item_bytes, const size_t *bounds);
 /* Hands floats send_bounds[r] .. send_bounds[r + 1] - 1 of `send` to rank r, which finds them at its
  * receive_bounds of this rank. */
-btf_result enc_team_exchange(const enc_context *context, btf_result result, const float *send,
+btf_result enc_ranks_exchange(const enc_context *context, btf_result result, const float *send,
                              const size_t *send_bounds, float *receive, const size_t *receive_bounds);
 /* Sums over all ranks. */
-btf_result enc_team_sum(const enc_context *context, btf_result result, uint64_t *values, size_t count);
+btf_result enc_ranks_sum(const enc_context *context, btf_result result, uint64_t *values, size_t count);
 /* Rank 0's bytes to all. */
-btf_result enc_team_broadcast(const enc_context *context, btf_result result, void *bytes, size_t size);
+btf_result enc_ranks_broadcast(const enc_context *context, btf_result result, void *bytes, size_t size);
 
 /* What went between the ranks. */
-typedef struct enc_team_volume {
+typedef struct enc_ranks_volume {
     const char *stage;
     uint64_t received, sent; /* bytes of this rank; sent: handed over once, whoever it is for */
     uint64_t meetings;       /* of all ranks */
     double waited, moved;    /* seconds: for other ranks, and for messages */
-} enc_team_volume;
+} enc_ranks_volume;
 
 /* What follows counts for this stage. */
-void enc_team_stage(enc_team *team, const char *stage);
-/* Stages in order; owned by the team. *out_count is 0 for a process that is alone. */
-const enc_team_volume *enc_team_volumes(const enc_context *context, size_t *out_count);
+void enc_ranks_stage(enc_ranks *ranks, const char *stage);
+/* Stages in order; owned by the ranks object. *out_count is 0 for a process that is alone. */
+const enc_ranks_volume *enc_ranks_volumes(const enc_context *context, size_t *out_count);
 
 #endif
