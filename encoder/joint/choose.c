@@ -72,7 +72,7 @@ static bool front_basis(const joint_rows *rows, const joint_model *model, size_t
                 sum[p] += dot * front[p];
         }
     }
-    ok = ok && joint_orthonormal_rows(spanned, row, vectors, basis, factors);
+    ok = ok && enc_orthonormal_rows(spanned, row, vectors, basis, factors);
     for (size_t i = 0; i < k && ok; i++)
         memcpy(lower + i * k, factors + i * spanned, k * sizeof(float));
     memset(basis + spanned * row, 0, row * sizeof *basis);
@@ -126,7 +126,7 @@ btf_result joint_project(const joint_rows *rows, const joint_model *model, joint
             float *basis = projection->basis + view * dims * row, *lower = projection->lower + view * k * k;
             const bool made = model->front
                                   ? front_basis(rows, model, view, basis, lower)
-                                  : joint_orthonormal_rows(k, row, model->v + view * k * row, basis, lower);
+                                  : enc_orthonormal_rows(k, row, model->v + view * k * row, basis, lower);
             if (!made) {
 #pragma omp atomic write
                 ok = false;

@@ -3,8 +3,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_JOINT_POINTS_H
-#define OPENBTF_ENCODER_JOINT_POINTS_H
+#ifndef OPENBTF_ENCODER_JOINT_COORDINATES_H
+#define OPENBTF_ENCODER_JOINT_COORDINATES_H
 
 #include "encoder/base/context.h"
 

@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_JOINT_CENTRES_H
-#define OPENBTF_ENCODER_JOINT_CENTRES_H
+#ifndef OPENBTF_ENCODER_JOINT_HIDDEN_H
+#define OPENBTF_ENCODER_JOINT_HIDDEN_H
 
 #include "rows.h"
 

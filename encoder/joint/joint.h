@@ -3,8 +3,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_JOINT_H
-#define OPENBTF_ENCODER_JOINT_H
+#ifndef OPENBTF_ENCODER_JOINT_JOINT_H
+#define OPENBTF_ENCODER_JOINT_JOINT_H
 
 #include "encoder/data/data.h"
 #include "encoder/model/solution.h"

@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_LEVEL_JOINT_H
-#define OPENBTF_ENCODER_LEVEL_JOINT_H
+#ifndef OPENBTF_ENCODER_JOINT_LEVEL_H
+#define OPENBTF_ENCODER_JOINT_LEVEL_H
 
 #include "encoder/model/solution.h"
 

@@ -6,7 +6,7 @@
 #include "quantise.h"
 #include "encoder/math/linear.h"
 #include "measure.h"
-#include "encoder/report/metrics.h"
+#include "encoder/math/srgb.h"
 #include "encoder/base/ranks.h"
 
 #include <assert.h>
@@ -120,13 +120,13 @@ static btf_result whiten(const joint_rows *rows, joint_model *model, double *a, 
         trace += a[i * k + i];
     for (size_t i = 0; i < k; i++)
         a[i * k + i] += 1e-10 * trace / (double)k + 1e-30;
-    const bool solved = joint_cholesky(k, a);
+    const bool solved = enc_cholesky(k, a);
     assert(solved); /* a Gram matrix with a positive diagonal added */
     (void)solved;
     memset(t, 0, k * k * sizeof *t);
     for (size_t i = 0; i < k; i++)
         t[i * k + i] = 1.0;
-    joint_upper_solve(k, a, t, k);
+    enc_upper_solve(k, a, t, k);
     for (size_t i = 0; i < k; i++)
         for (size_t j = 0; j < k; j++)
             inverse[i * k + j] = j >= i ? a[i * k + j] : 0.0;
@@ -159,7 +159,7 @@ btf_result joint_principal_basis(const joint_rows *rows, joint_model *model, dou
     gram_of_u(model, a);
     btf_result result = whiten(rows, model, a, t, inverse);
     gram_of_v(model, a);
-    joint_eigen(k, a, values, vectors);
+    enc_eigen(k, a, values, vectors);
     for (size_t j = 0; j < k && energy; j++)
         energy[j] = values[j] * (double)model->texels;
     for (size_t i = 0; i < k; i++)

@@ -81,7 +81,7 @@ static btf_result candidates_init(const joint_search *search, const float *z, co
         memcpy(set->before, match, texels * sizeof *set->before);
 #pragma omp parallel for num_threads(search->threads)
     for (size_t i = 0; i < texels; i++)
-        set->norm[i] = joint_dot(k, z + i * k, z + i * k);
+        set->norm[i] = enc_dot(k, z + i * k, z + i * k);
 #pragma omp parallel for num_threads(search->threads)
     for (size_t panel = 0; panel < set->reach.chunks * PANELS; panel++)
         pack_panel(search, set, z, panel);
@@ -174,7 +174,7 @@ typedef struct choice {
 static void consider(const joint_search *search, const candidates *set, const float *c, const float *z,
                      uint32_t texel, uint32_t source, choice *best) {
     double value;
-    const int code = joint_best_gain(&search->gains, joint_dot(search->k, c, z + source * search->k),
+    const int code = joint_best_gain(&search->gains, enc_dot(search->k, c, z + source * search->k),
                                      set->norm[source], &value);
     if (value < best->value - best->tie)
         return;
@@ -225,7 +225,7 @@ static void scan(const joint_search *search, const candidates *set, size_t block
                  uint8_t *gain, double *out_value) {
     const size_t groups = set->reach.chunk_count[block] * LANES;
     const uint32_t *chunks = set->reach.chunk + set->reach.first_chunk[block];
-    const double length = joint_dot(search->k, c, c);
+    const double length = enc_dot(search->k, c, c);
     const double margin = 2.5e-7 * (double)(search->k + 8) * length + 1e-30;
     choice best = {-DBL_MAX, 1e-9 * energy, 0, texel, search->gains.low};
     consider(search, set, c, z, texel, texel, &best);
@@ -320,7 +320,7 @@ void joint_search_gains(const joint_search *search, const float *c, const float 
 #pragma omp parallel for num_threads(search->threads)
     for (size_t x = 0; x < count; x++) {
         const float *source = z + match[x] * k;
-        gain[x] = (uint8_t)joint_best_gain(&search->gains, joint_dot(k, c + x * k, source),
-                                           joint_dot(k, source, source), out_value + x);
+        gain[x] = (uint8_t)joint_best_gain(&search->gains, enc_dot(k, c + x * k, source),
+                                           enc_dot(k, source, source), out_value + x);
     }
 }

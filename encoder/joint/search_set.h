@@ -9,8 +9,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_JOINT_REACH_H
-#define OPENBTF_ENCODER_JOINT_REACH_H
+#ifndef OPENBTF_ENCODER_JOINT_SEARCH_SET_H
+#define OPENBTF_ENCODER_JOINT_SEARCH_SET_H
 
 #include <openbtf/result.h>
 #include <stdbool.h>

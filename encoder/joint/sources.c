@@ -125,7 +125,7 @@ static void subtract_fronts(const u_step *step, const joint_model *model, size_t
 static double quadratic(size_t k, const float *gram, const float *right, const float *u) {
     double sum = 0.0;
     for (size_t i = 0; i < k; i++)
-        sum += (joint_dot(k, gram + i * k, u) - 2.0 * right[i]) * u[i];
+        sum += (enc_dot(k, gram + i * k, u) - 2.0 * right[i]) * u[i];
     return sum;
 }
 
@@ -155,15 +155,15 @@ static void solve_source(const u_step *step, joint_model *model, size_t source, 
             a[i * k + i] += pull + prior;
             x[i] = right[i] + pull * u[i];
         }
-        if (!joint_cholesky(k, a)) { /* rounding of the Gram matrix left a negative pivot */
+        if (!enc_cholesky(k, a)) { /* rounding of the Gram matrix left a negative pivot */
             pull *= 16.0;
             if (isfinite(pull))
                 continue;
             set_to_nothing(step->rounding, source * k, k, model->u);
             return;
         }
-        joint_lower_solve(k, a, x, 1);
-        joint_upper_solve(k, a, x, 1);
+        enc_lower_solve(k, a, x, 1);
+        enc_upper_solve(k, a, x, 1);
         for (size_t i = 0; i < k; i++)
             solution[i] = (float)x[i];
         if (prior == 0.0 || quadratic(k, gram, right, solution) <= before)
@@ -171,7 +171,7 @@ static void solve_source(const u_step *step, joint_model *model, size_t source, 
         prior = 0.0;
     }
     if (step->rounding)
-        joint_round_to_lattice(k, a, step->rounding->step, x, step->rounding->codes + source * k);
+        enc_round_to_lattice(k, a, step->rounding->step, x, step->rounding->codes + source * k);
     for (size_t i = 0; i < k; i++)
         u[i] = (float)x[i];
 }
@@ -496,7 +496,7 @@ static bool solve_view(const v_pass *pass, joint_model *model, size_t view) {
                 x[i * row + p] =
                     pass->right[(view * k + k - 1 - i) * row + p] + pull * v[(k - 1 - i) * row + p];
         }
-        if (joint_cholesky(k, a))
+        if (enc_cholesky(k, a))
             break;
         if (!isfinite(pull)) { /* as in solve_source */
             set_to_nothing(pass->rounding, view * k * row, k * row, model->v);
@@ -504,14 +504,14 @@ static bool solve_view(const v_pass *pass, joint_model *model, size_t view) {
             return true;
         }
     }
-    joint_lower_solve(k, a, x, row);
-    joint_upper_solve(k, a, x, row);
+    enc_lower_solve(k, a, x, row);
+    enc_upper_solve(k, a, x, row);
     for (size_t p = 0; p < row && pass->rounding; p++) {
         for (size_t i = 0; i < k; i++) {
             column[i] = x[i * row + p];
             step[i] = pass->rounding->step[k - 1 - i] * pass->rows->multiplier[p];
         }
-        joint_round_to_lattice(k, a, step, column, codes);
+        enc_round_to_lattice(k, a, step, column, codes);
         for (size_t i = 0; i < k; i++) {
             x[i * row + p] = column[i];
             pass->rounding->codes[(view * k + k - 1 - i) * row + p] = codes[i];

@@ -3,8 +3,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_CERES_BRIDGE_H
-#define OPENBTF_ENCODER_CERES_BRIDGE_H
+#ifndef OPENBTF_ENCODER_LAFORTUNE_CERES_BRIDGE_H
+#define OPENBTF_ENCODER_LAFORTUNE_CERES_BRIDGE_H
 
 #include <stdbool.h>
 #include <stddef.h>

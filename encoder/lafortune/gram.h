@@ -3,8 +3,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_FIT_GRAM_H
-#define OPENBTF_ENCODER_FIT_GRAM_H
+#ifndef OPENBTF_ENCODER_LAFORTUNE_GRAM_H
+#define OPENBTF_ENCODER_LAFORTUNE_GRAM_H
 
 #include "encoder/model/sbrdf.h"
 

@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_AREA_H
-#define OPENBTF_ENCODER_AREA_H
+#ifndef OPENBTF_ENCODER_MATH_AREA_H
+#define OPENBTF_ENCODER_MATH_AREA_H
 
 #include <stdint.h>
 

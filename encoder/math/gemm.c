@@ -1,4 +1,4 @@
-/* Matrix product tiles of the joint method (see joint_gemm.h).
+/* Matrix product tiles (see gemm.h).
  *
  * SPDX-License-Identifier: MIT
  */

@@ -6,8 +6,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_JOINT_GEMM_H
-#define OPENBTF_ENCODER_JOINT_GEMM_H
+#ifndef OPENBTF_ENCODER_MATH_GEMM_H
+#define OPENBTF_ENCODER_MATH_GEMM_H
 
 #include <stddef.h>
 #ifdef _OPENMP

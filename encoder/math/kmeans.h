@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_KMEANS_H
-#define OPENBTF_ENCODER_KMEANS_H
+#ifndef OPENBTF_ENCODER_MATH_KMEANS_H
+#define OPENBTF_ENCODER_MATH_KMEANS_H
 
 #include <openbtf/result.h>
 #include <stdbool.h>

@@ -1,4 +1,4 @@
-/* Cholesky, Gram-Schmidt and Jacobi in double (see joint_linear.h).
+/* Cholesky, Gram-Schmidt and Jacobi in double (see linear.h).
  *
  * SPDX-License-Identifier: MIT
  */
@@ -23,7 +23,7 @@ JOINT_CLONES static void subtract_scaled(size_t n, double factor, const double *
         to[i] -= factor * from[i];
 }
 
-JOINT_CLONES double joint_dot(size_t n, const float *restrict a, const float *restrict b) {
+JOINT_CLONES double enc_dot(size_t n, const float *restrict a, const float *restrict b) {
     double sum[8] = {0.0};
     size_t i = 0;
     for (; i + 8 <= n; i += 8)
@@ -54,7 +54,7 @@ JOINT_CLONES static bool eliminate(size_t n, double *a, size_t j, size_t end) {
 
 /* Four rows at a time, so that those below are read and written a quarter as often; each element loses its
  * products in the order of rows all the same. */
-JOINT_CLONES bool joint_cholesky(size_t n, double *a) {
+JOINT_CLONES bool enc_cholesky(size_t n, double *a) {
     size_t j = 0;
     for (; j + 4 <= n; j += 4) {
         for (size_t p = j; p < j + 4; p++)
@@ -75,7 +75,7 @@ JOINT_CLONES bool joint_cholesky(size_t n, double *a) {
     return true;
 }
 
-void joint_lower_solve(size_t n, const double *r, double *x, size_t columns) {
+void enc_lower_solve(size_t n, const double *r, double *x, size_t columns) {
     for (size_t i = 0; i < n; i++) {
         double *row = x + i * columns;
         const double inverse = 1.0 / r[i * n + i];
@@ -89,7 +89,7 @@ void joint_lower_solve(size_t n, const double *r, double *x, size_t columns) {
     }
 }
 
-void joint_upper_solve(size_t n, const double *r, double *x, size_t columns) {
+void enc_upper_solve(size_t n, const double *r, double *x, size_t columns) {
     for (size_t i = n; i-- > 0;) {
         double *row = x + i * columns;
         for (size_t m = i + 1; m < n && columns == 1; m++)
@@ -102,7 +102,7 @@ void joint_upper_solve(size_t n, const double *r, double *x, size_t columns) {
     }
 }
 
-void joint_round_to_lattice(size_t n, const double *r, const double *step, double *x, int8_t *out_codes) {
+void enc_round_to_lattice(size_t n, const double *r, const double *step, double *x, int8_t *out_codes) {
     for (size_t i = n; i-- > 0;) {
         /* x_j holds d_j for j > i: the centre of coordinate i moves by their share of its plane. */
         double shift = 0.0;
@@ -118,7 +118,7 @@ void joint_round_to_lattice(size_t n, const double *r, const double *step, doubl
         x[i] = out_codes[i] * step[i];
 }
 
-bool joint_orthonormal_rows(size_t k, size_t row, const float *v, float *basis, float *lower) {
+bool enc_orthonormal_rows(size_t k, size_t row, const float *v, float *basis, float *lower) {
     double *q = malloc((k * row + k) * sizeof *q);
     if (!q)
         return false;
@@ -158,7 +158,7 @@ bool joint_orthonormal_rows(size_t k, size_t row, const float *v, float *basis, 
     return true;
 }
 
-void joint_eigen(size_t n, double *a, double *values, double *vectors) {
+void enc_eigen(size_t n, double *a, double *values, double *vectors) {
     memset(vectors, 0, n * n * sizeof *vectors);
     for (size_t i = 0; i < n; i++)
         vectors[i * n + i] = 1.0;

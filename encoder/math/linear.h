@@ -1,37 +1,37 @@
-/* Small dense linear algebra in double for the joint method.
+/* Small dense linear algebra in double.
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_JOINT_LINEAR_H
-#define OPENBTF_ENCODER_JOINT_LINEAR_H
+#ifndef OPENBTF_ENCODER_MATH_LINEAR_H
+#define OPENBTF_ENCODER_MATH_LINEAR_H
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 /* Inner product of floats, exact products summed in double over eight lanes in one order. */
-double joint_dot(size_t n, const float *restrict a, const float *restrict b);
+double enc_dot(size_t n, const float *restrict a, const float *restrict b);
 
 /* In place, a = R^T R of a symmetric matrix [n][n]: the part at and above the diagonal is read, and the
  * upper triangular R written there. Returns false when a pivot is not positive. */
-bool joint_cholesky(size_t n, double *a);
+bool enc_cholesky(size_t n, double *a);
 /* x := R^-T x, then x := R^-1 x, for x [n][columns]: together x := a^-1 x. */
-void joint_lower_solve(size_t n, const double *r, double *x, size_t columns);
-void joint_upper_solve(size_t n, const double *r, double *x, size_t columns);
+void enc_lower_solve(size_t n, const double *r, double *x, size_t columns);
+void enc_upper_solve(size_t n, const double *r, double *x, size_t columns);
 
 /* Integers q in -127 .. 127 that make sum over i, j of d_i a_ij d_j small, d_i = q_i * step_i - x_i, from
  * the factor L of a: Babai's nearest plane, from the last coordinate to the first, so that each absorbs the
  * rounding of those after it (Babai 1986, On Lovasz' lattice reduction). x is overwritten by q_i * step_i.
  */
-void joint_round_to_lattice(size_t n, const double *r, const double *step, double *x, int8_t *out_codes);
+void enc_round_to_lattice(size_t n, const double *r, const double *step, double *x, int8_t *out_codes);
 
 /* Orthonormal rows of the span of v [k][row] by modified Gram-Schmidt, twice: v = lower * basis. A
  * dependent row has a zero row in the basis. All of basis and lower are written. Errors: false when out of
  * memory. */
-bool joint_orthonormal_rows(size_t k, size_t row, const float *v, float *basis, float *lower);
+bool enc_orthonormal_rows(size_t k, size_t row, const float *v, float *basis, float *lower);
 
 /* Eigenvalues (descending) and eigenvectors (rows of `vectors`) of a symmetric matrix a [n][n], by
  * cyclic Jacobi; a is destroyed. */
-void joint_eigen(size_t n, double *a, double *values, double *vectors);
+void enc_eigen(size_t n, double *a, double *values, double *vectors);
 
 #endif

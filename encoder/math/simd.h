@@ -8,8 +8,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_VECTOR_MATH_H
-#define OPENBTF_ENCODER_VECTOR_MATH_H
+#ifndef OPENBTF_ENCODER_MATH_SIMD_H
+#define OPENBTF_ENCODER_MATH_SIMD_H
 
 #include <stdint.h>
 

@@ -4,8 +4,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_PLAYBACK_H
-#define OPENBTF_ENCODER_PLAYBACK_H
+#ifndef OPENBTF_ENCODER_MODEL_DECODE_SAMPLES_H
+#define OPENBTF_ENCODER_MODEL_DECODE_SAMPLES_H
 
 #include "encoder/data/images.h"
 #include "solution.h"

@@ -3,8 +3,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_OCCLUSION_H
-#define OPENBTF_ENCODER_OCCLUSION_H
+#ifndef OPENBTF_ENCODER_MODEL_OCCLUSION_H
+#define OPENBTF_ENCODER_MODEL_OCCLUSION_H
 
 #include <openbtf/result.h>
 #include <stddef.h>

@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_PACK_H
-#define OPENBTF_ENCODER_PACK_H
+#ifndef OPENBTF_ENCODER_MODEL_PACK_H
+#define OPENBTF_ENCODER_MODEL_PACK_H
 
 #include "solution.h"
 

@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_SBRDF_H
-#define OPENBTF_ENCODER_SBRDF_H
+#ifndef OPENBTF_ENCODER_MODEL_SBRDF_H
+#define OPENBTF_ENCODER_MODEL_SBRDF_H
 
 #include <openbtf/result.h>
 #include <stdbool.h>

@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_SOLUTION_H
-#define OPENBTF_ENCODER_SOLUTION_H
+#ifndef OPENBTF_ENCODER_MODEL_SOLUTION_H
+#define OPENBTF_ENCODER_MODEL_SOLUTION_H
 
 #include "encoder/data/data.h"
 #include "sbrdf.h"

@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_TRIAL_H
-#define OPENBTF_ENCODER_TRIAL_H
+#ifndef OPENBTF_ENCODER_MODEL_TRIAL_H
+#define OPENBTF_ENCODER_MODEL_TRIAL_H
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -3,8 +3,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_UNPACK_H
-#define OPENBTF_ENCODER_UNPACK_H
+#ifndef OPENBTF_ENCODER_MODEL_UNPACK_H
+#define OPENBTF_ENCODER_MODEL_UNPACK_H
 
 #include "solution.h"
 

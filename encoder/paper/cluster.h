@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_CLUSTER_H
-#define OPENBTF_ENCODER_CLUSTER_H
+#ifndef OPENBTF_ENCODER_PAPER_CLUSTER_H
+#define OPENBTF_ENCODER_PAPER_CLUSTER_H
 
 #include "encoder/data/data.h"
 #include "encoder/model/occlusion.h"

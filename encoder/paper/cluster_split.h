@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_KMEANS_SPLIT_H
-#define OPENBTF_ENCODER_KMEANS_SPLIT_H
+#ifndef OPENBTF_ENCODER_PAPER_CLUSTER_SPLIT_H
+#define OPENBTF_ENCODER_PAPER_CLUSTER_SPLIT_H
 
 #include <openbtf/result.h>
 #include <stddef.h>

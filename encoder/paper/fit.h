@@ -3,8 +3,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_FIT_H
-#define OPENBTF_ENCODER_FIT_H
+#ifndef OPENBTF_ENCODER_PAPER_FIT_H
+#define OPENBTF_ENCODER_PAPER_FIT_H
 
 #include "encoder/data/data.h"
 #include "encoder/model/sbrdf.h"

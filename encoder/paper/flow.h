@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_FLOW_H
-#define OPENBTF_ENCODER_FLOW_H
+#ifndef OPENBTF_ENCODER_PAPER_FLOW_H
+#define OPENBTF_ENCODER_PAPER_FLOW_H
 
 #include "encoder/data/data.h"
 #include "encoder/model/occlusion.h"

@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_FLOW_PAIR_H
-#define OPENBTF_ENCODER_FLOW_PAIR_H
+#ifndef OPENBTF_ENCODER_PAPER_FLOW_PAIR_H
+#define OPENBTF_ENCODER_PAPER_FLOW_PAIR_H
 
 #include "encoder/base/opencv_bridge.h"
 #include <openbtf/result.h>

@@ -9,8 +9,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_FLOW_PRIOR_H
-#define OPENBTF_ENCODER_FLOW_PRIOR_H
+#ifndef OPENBTF_ENCODER_PAPER_FLOW_PRIOR_H
+#define OPENBTF_ENCODER_PAPER_FLOW_PRIOR_H
 
 #include "encoder/data/data.h"
 

@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_NORMS_H
-#define OPENBTF_ENCODER_NORMS_H
+#ifndef OPENBTF_ENCODER_PAPER_NORMS_H
+#define OPENBTF_ENCODER_PAPER_NORMS_H
 
 #include <stddef.h>
 

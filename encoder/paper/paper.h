@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_METHOD_PAPER_H
-#define OPENBTF_ENCODER_METHOD_PAPER_H
+#ifndef OPENBTF_ENCODER_PAPER_PAPER_H
+#define OPENBTF_ENCODER_PAPER_PAPER_H
 
 #include "cluster.h"
 #include "fit.h"

@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_REFINE_H
-#define OPENBTF_ENCODER_REFINE_H
+#ifndef OPENBTF_ENCODER_PAPER_REFINE_H
+#define OPENBTF_ENCODER_PAPER_REFINE_H
 
 #include "encoder/data/data.h"
 #include "encoder/model/occlusion.h"

@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_SHADOW_H
-#define OPENBTF_ENCODER_SHADOW_H
+#ifndef OPENBTF_ENCODER_PAPER_SHADOW_H
+#define OPENBTF_ENCODER_PAPER_SHADOW_H
 
 #include "encoder/data/data.h"
 #include "encoder/model/sbrdf.h"

@@ -5,7 +5,7 @@
 #include "canvas.h"
 
 #include "decoder/toolkit/png_image.h"
-#include "metrics.h"
+#include "encoder/math/srgb.h"
 #include "encoder/base/opencv_bridge.h"
 
 #include <stdarg.h>

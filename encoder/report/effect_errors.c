@@ -7,6 +7,7 @@
 #include "decoder/toolkit/reference_view.h"
 #include "encoder/data/level_filter.h"
 #include "metrics.h"
+#include "encoder/math/srgb.h"
 #include "report.h"
 #include "encoder/base/ranks.h"
 

@@ -34,9 +34,6 @@ double enc_psnr_srgb(const enc_error_sum *sum);
 btf_result enc_metrics_compare(const enc_context *context, const enc_data *shape, enc_image_source original,
                                enc_image_source other, bool with_ssim, enc_metrics *out_metrics);
 
-/* sRGB coding of [0, 1], clipped: what pictures and sRGB errors use. */
-float enc_srgb_encode(float linear);
-
 /* Distinct thetas, ascending; ring_of[i] is the ring of direction i. Returns the number of rings. */
 int enc_rings(const enc_direction *directions, int count, double *out_theta, int *out_ring_of);
 

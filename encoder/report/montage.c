@@ -6,6 +6,7 @@
 
 #include "canvas.h"
 #include "metrics.h"
+#include "encoder/math/srgb.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -7,7 +7,7 @@
 #include "decoder/toolkit/reference_view.h"
 #include "encoder/report/effect_errors.h"
 #include "encoder/job/levels.h"
-#include "encoder/report/metrics.h"
+#include "encoder/math/srgb.h"
 #include "encoder/model/pack.h"
 #include "tests/conformance/random.h"
 

@@ -6,7 +6,7 @@
 
 #include "encoder/math/gemm.h"
 #include "encoder/math/linear.h"
-#include "encoder/report/metrics.h"
+#include "encoder/math/srgb.h"
 
 #include <assert.h>
 #include <math.h>
@@ -159,7 +159,7 @@ static void orthonormalise(int threads, size_t rows, size_t n, float *y, double 
         for (size_t p = 0; p < n; p++) {
             a[p * n + p] += 1e-11 * trace + 1e-30;
         }
-        const bool solved = joint_cholesky(n, a);
+        const bool solved = enc_cholesky(n, a);
         assert(solved); /* a Gram matrix with a positive diagonal added */
         (void)solved;
 #pragma omp parallel for num_threads(threads)
@@ -171,7 +171,7 @@ static void orthonormalise(int threads, size_t rows, size_t n, float *y, double 
                     column[p * count + i] = y[(first + i) * n + p];
                 }
             }
-            joint_lower_solve(n, a, column, count);
+            enc_lower_solve(n, a, column, count);
             for (size_t i = 0; i < count; i++) {
                 for (size_t p = 0; p < n; p++) {
                     y[(first + i) * n + p] = (float)column[p * count + i];
@@ -193,7 +193,7 @@ static bool finish(const matrix *m, const float *y, const float *z, double *a, d
     const bool room = turn && left && right;
     if (room) {
         gram(m->context->threads, m->columns, n, z, a);
-        joint_eigen(n, a, values, vectors);
+        enc_eigen(n, a, values, vectors);
         for (size_t j = 0; j < rank; j++) {
             values[j] = values[j] > 0 ? sqrt(values[j]) : 0;
             for (size_t p = 0; p < n; p++) {

@@ -164,7 +164,7 @@ static void find_basis(const grouping *g, size_t c) {
             }
         }
     }
-    joint_eigen(n, a, values, vectors);
+    enc_eigen(n, a, values, vectors);
     for (size_t i = 0; i < g->rank * n; i++) {
         g->basis[c * g->rank * n + i] = (float)vectors[i];
     }

@@ -4,7 +4,7 @@
  */
 #include "decode_peers.h"
 
-#include "encoder/report/metrics.h"
+#include "encoder/math/srgb.h"
 #include "encoder/model/pack.h"
 
 #include <math.h>

@@ -14,6 +14,7 @@
 #include "decoder/toolkit/reference_view.h"
 #include "encoder/joint/budget.h"
 #include "encoder/report/metrics.h"
+#include "encoder/math/srgb.h"
 #include "tests/conformance/random.h"
 
 #include <GL/glcorearb.h>

@@ -53,20 +53,20 @@ static void test_solve(void **unused) {
         for (int j = 0; j < N; j++)
             for (int c = 0; c < 3; c++)
                 y[i * 3 + c] += a[i * N + j] * x[j * 3 + c];
-    assert_true(joint_cholesky(N, r));
+    assert_true(enc_cholesky(N, r));
     for (int i = 0; i < N; i++)
         single[i] = y[i * 3 + 1];
-    joint_lower_solve(N, r, y, 3);
-    joint_upper_solve(N, r, y, 3);
-    joint_lower_solve(N, r, single, 1);
-    joint_upper_solve(N, r, single, 1);
+    enc_lower_solve(N, r, y, 3);
+    enc_upper_solve(N, r, y, 3);
+    enc_lower_solve(N, r, single, 1);
+    enc_upper_solve(N, r, single, 1);
     for (int i = 0; i < N; i++) {
         assert_true(fabs(single[i] - x[i * 3 + 1]) < 1e-9);
         for (int c = 0; c < 3; c++)
             assert_true(fabs(y[i * 3 + c] - x[i * 3 + c]) < 1e-9);
     }
     memset(r, 0, sizeof r);
-    assert_false(joint_cholesky(N, r));
+    assert_false(enc_cholesky(N, r));
 }
 
 /* d^T a d. */
@@ -86,13 +86,13 @@ static void test_lattice(void **unused) {
     double together = 0.0, apart = 0.0;
     positive_definite(a);
     memcpy(r, a, sizeof r);
-    assert_true(joint_cholesky(N, r));
+    assert_true(enc_cholesky(N, r));
     for (int i = 0; i < N; i++)
         step[i] = i == 3 ? 0.0 : 0.01 * (1.5 + uniform());
     for (int trial = 0; trial < 200; trial++) {
         for (int i = 0; i < N; i++)
             x[i] = target[i] = i == 3 ? 0.0 : uniform() * 0.3;
-        joint_round_to_lattice(N, r, step, x, codes);
+        enc_round_to_lattice(N, r, step, x, codes);
         for (int i = 0; i < N; i++) {
             assert_true(codes[i] >= -127);
             assert_true(x[i] == codes[i] * step[i]);
@@ -105,7 +105,7 @@ static void test_lattice(void **unused) {
     assert_true(together < 0.6 * apart);
     for (int i = 0; i < N; i++)
         x[i] = i % 2 ? 1e6 : -1e6;
-    joint_round_to_lattice(N, r, step, x, codes);
+    enc_round_to_lattice(N, r, step, x, codes);
     for (int i = 0; i < N; i++)
         assert_true(codes[i] >= -127);
 }
@@ -118,7 +118,7 @@ static void test_orthonormal_rows(void **unused) {
         v[i] = (float)uniform();
     for (int p = 0; p < ROW; p++) /* row 4 depends on row 0 */
         v[4 * ROW + p] = -2.0f * v[p];
-    assert_true(joint_orthonormal_rows(K, ROW, v, basis, lower));
+    assert_true(enc_orthonormal_rows(K, ROW, v, basis, lower));
     for (int i = 0; i < K; i++) {
         for (int j = 0; j < K; j++) {
             double dot = 0.0;
@@ -142,7 +142,7 @@ static void test_eigen(void **unused) {
     static double a[N * N], work[N * N], values[N], vectors[N * N];
     positive_definite(a);
     memcpy(work, a, sizeof work);
-    joint_eigen(N, work, values, vectors);
+    enc_eigen(N, work, values, vectors);
     for (int i = 0; i < N; i++) {
         assert_true(i == 0 || values[i] <= values[i - 1]);
         for (int j = 0; j < N; j++) {

@@ -10,6 +10,7 @@
 #include <cmocka.h>
 
 #include "encoder/report/metrics.h"
+#include "encoder/math/srgb.h"
 #include "encoder/report/ssim.h"
 
 #include <math.h>
