@@ -196,8 +196,8 @@ static btf_result pack_and_measure(const enc_context *context, const enc_job *jo
 static btf_result draw(const enc_context *context, const enc_job *job, job_state *s,
                        const enc_report *report) {
     char path[4096];
-    enc_playback *playback = NULL;
-    enc_played decoded[ENC_REPORT_STEPS];
+    enc_sample_decoder *decoder = NULL;
+    enc_decoded_samples decoded[ENC_REPORT_STEPS];
     enc_montage_column columns[1 + ENC_REPORT_STEPS] = {
         {.title = "original", .images = enc_data_images(s->data)}};
     btf_result result = BTF_OK;
@@ -205,12 +205,12 @@ static btf_result draw(const enc_context *context, const enc_job *job, job_state
         result = enc_fail(context, BTF_ERROR_USAGE, "%s: name too long", job->pictures);
     }
     if (result == BTF_OK) {
-        result = enc_playback_create(context, s->data, &s->stored, &playback);
+        result = enc_sample_decoder_create(context, s->data, &s->stored, &decoder);
     }
     enc_stage_begin(context, "pictures", 2);
     for (int i = 0; result == BTF_OK && i < report->n_ladder; i++) {
-        decoded[i] = (enc_played){.playback = playback, .effects = report->ladder[i].effects};
-        columns[1 + i] = (enc_montage_column){report->ladder[i].name, enc_played_images(&decoded[i])};
+        decoded[i] = (enc_decoded_samples){.decoder = decoder, .effects = report->ladder[i].effects};
+        columns[1 + i] = (enc_montage_column){report->ladder[i].name, enc_decoded_images(&decoded[i])};
     }
     if (result == BTF_OK) {
         result = enc_montage_write(context, s->data, 1 + report->n_ladder, columns, path);
@@ -219,7 +219,7 @@ static btf_result draw(const enc_context *context, const enc_job *job, job_state
     if (result == BTF_OK) {
         const enc_pictures pictures = {.data = s->data,
                                        .solution = &s->stored,
-                                       .playback = playback,
+                                       .decoder = decoder,
                                        .material = s->material,
                                        .occlusion = s->occlusion,
                                        .t_error =
@@ -228,7 +228,7 @@ static btf_result draw(const enc_context *context, const enc_job *job, job_state
         result = enc_pictures_write(context, &pictures, job->pictures);
     }
     enc_stage_end(context);
-    enc_playback_destroy(&playback);
+    enc_sample_decoder_destroy(&decoder);
     return result;
 }
 

@@ -13,13 +13,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-void enc_levels_clear(enc_levels *levels) {
-    for (int i = 0; i + 1 < levels->count && levels->level; i++)
-        enc_level_clear(&levels->level[i]);
-    free(levels->level);
-    *levels = (enc_levels){0};
-}
-
 /* What the analysis of one level needs. */
 typedef struct fit_pass {
     enc_context quiet; /* without the stages of each analysis */
@@ -129,25 +122,6 @@ btf_result enc_levels_fit(const enc_context *context, const enc_data *data, int 
     return BTF_OK;
 }
 
-btf_result enc_levels_unpack(const enc_context *context, const btf_material *material,
-                             const enc_solution *base, enc_levels *out_levels) {
-    btf_material_info info = {.struct_size = sizeof info};
-    btf_result result = btf_material_get_info(material, &info);
-    if (result != BTF_OK)
-        return result;
-    *out_levels =
-        (enc_levels){.count = (int)info.levels, .level = calloc(info.levels, sizeof(enc_solution))};
-    if (!out_levels->level) {
-        *out_levels = (enc_levels){0};
-        return enc_fail(context, BTF_ERROR_MEMORY, "levels: out of memory");
-    }
-    for (uint32_t i = 1; i < info.levels && result == BTF_OK; i++)
-        result = enc_unpack_level(context, material, i, base, &out_levels->level[i - 1]);
-    if (result != BTF_OK)
-        enc_levels_clear(out_levels);
-    return result;
-}
-
 typedef struct measure_pass {
     enc_context quiet;
     const enc_context *context;
@@ -157,14 +131,15 @@ typedef struct measure_pass {
 
 static btf_result measure_level(void *user, int level, const enc_data *data) {
     measure_pass *pass = user;
-    enc_playback *playback = NULL;
-    btf_result result = enc_playback_create(&pass->quiet, data, &pass->levels->level[level - 1], &playback);
+    enc_sample_decoder *decoder = NULL;
+    btf_result result =
+        enc_sample_decoder_create(&pass->quiet, data, &pass->levels->level[level - 1], &decoder);
     if (result == BTF_OK) {
-        const enc_played decoded = {.playback = playback, .effects = BTF_EFFECT_ALL};
-        result = enc_metrics_compare(&pass->quiet, data, enc_data_images(data), enc_played_images(&decoded),
-                                     false, &pass->metrics[level - 1]);
+        const enc_decoded_samples decoded = {.decoder = decoder, .effects = BTF_EFFECT_ALL};
+        result = enc_metrics_compare(&pass->quiet, data, enc_data_images(data),
+                                     enc_decoded_images(&decoded), false, &pass->metrics[level - 1]);
     }
-    enc_playback_destroy(&playback);
+    enc_sample_decoder_destroy(&decoder);
     enc_stage_step(pass->context, enc_data_texel_count(data));
     return result;
 }

@@ -13,24 +13,12 @@
 #include "encoder/report/metrics.h"
 #include "encoder/model/solution.h"
 
-/* The levels 1 .. count - 1 that belong to a level 0. Zeros are no levels. */
-typedef struct enc_levels {
-    int count;           /* level 0 included */
-    enc_solution *level; /* [count - 1]: level i at i - 1; shared maps point into level 0's */
-} enc_levels;
-
-void enc_levels_clear(enc_levels *levels);
-
 /* Analyses levels 1 .. count - 1 of `data` for `base`, the solution of level 0. `paper` is NULL for a base
  * of the joint method; else the whole analysis runs on each level, its centres (as many as fit the atlas of
  * the level's size) go behind those of base, and hidden points are left out where base has none or the file
  * has no room. Stage "levels". Errors: those of the stages; *out_levels is zeroed then. */
 btf_result enc_levels_fit(const enc_context *context, const enc_data *data, int count,
                           const enc_paper_options *paper, enc_solution *base, enc_levels *out_levels);
-
-/* The levels of a material whose level 0 was unpacked to `base`. Errors: BTF_ERROR_MEMORY. */
-btf_result enc_levels_unpack(const enc_context *context, const btf_material *material,
-                             const enc_solution *base, enc_levels *out_levels);
 
 /* Decodes each level and compares it with the filtered data: out_metrics [count - 1], without SSIM. Stage
  * "measure levels". */

@@ -1,4 +1,4 @@
-/* Decoding a solution at its own sampled directions. See playback.h.
+/* Decoding a solution at its own sampled directions. See decode_samples.h.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -9,7 +9,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-struct enc_playback {
+struct enc_sample_decoder {
     const enc_data *data;
     const enc_solution *solution;
     float *light_x, *light_y, *light_z; /* [light] */
@@ -18,12 +18,12 @@ struct enc_playback {
     float *residual;                    /* [view][component][channel][light], scaled */
 };
 
-btf_result enc_playback_create(const enc_context *context, const enc_data *data,
-                               const enc_solution *solution, enc_playback **out_playback) {
+btf_result enc_sample_decoder_create(const enc_context *context, const enc_data *data,
+                                     const enc_solution *solution, enc_sample_decoder **out_decoder) {
     const size_t lights = (size_t)data->n_lights, texels = enc_solution_texels(solution);
     const size_t k = solution->effects & BTF_EFFECT_RESIDUAL ? solution->n_components : 0;
-    *out_playback = NULL;
-    enc_playback *d = calloc(1, sizeof *d);
+    *out_decoder = NULL;
+    enc_sample_decoder *d = calloc(1, sizeof *d);
     if (!d) {
         return enc_fail(context, BTF_ERROR_MEMORY, "decoding: out of memory");
     }
@@ -37,7 +37,7 @@ btf_result enc_playback_create(const enc_context *context, const enc_data *data,
     d->residual = k > 0 ? malloc((size_t)data->n_views * k * 3 * lights * sizeof(float)) : NULL;
     if (!d->light_x || !d->light_y || !d->light_z || !d->cosine || (solution->shadow && !d->shadow) ||
         (k > 0 && !d->residual)) {
-        enc_playback_destroy(&d);
+        enc_sample_decoder_destroy(&d);
         return enc_fail(context, BTF_ERROR_MEMORY, "decoding: out of memory");
     }
     for (size_t l = 0; l < lights; l++) {
@@ -60,12 +60,12 @@ btf_result enc_playback_create(const enc_context *context, const enc_data *data,
             }
         }
     }
-    *out_playback = d;
+    *out_decoder = d;
     return BTF_OK;
 }
 
-void enc_playback_destroy(enc_playback **playback) {
-    enc_playback *d = playback ? *playback : NULL;
+void enc_sample_decoder_destroy(enc_sample_decoder **decoder) {
+    enc_sample_decoder *d = decoder ? *decoder : NULL;
     if (!d) {
         return;
     }
@@ -76,7 +76,7 @@ void enc_playback_destroy(enc_playback **playback) {
     free(d->shadow);
     free(d->residual);
     free(d);
-    *playback = NULL;
+    *decoder = NULL;
 }
 
 /* The cluster centre's radiance: out[channel * lights + light]. */
@@ -91,7 +91,7 @@ static void decode_centre(const enc_solution *s, size_t centre, size_t lights, f
 }
 
 /* gain * m * (SBRDF * shadow + residual) of source texel `t` seen from `view`. */
-static void decode_source(const enc_playback *d, uint32_t effects, size_t t, size_t view, float gain,
+static void decode_source(const enc_sample_decoder *d, uint32_t effects, size_t t, size_t view, float gain,
                           float *out) {
     const enc_solution *s = d->solution;
     const size_t lights = (size_t)s->n_lights, n = 3 * lights;
@@ -132,8 +132,8 @@ static void decode_source(const enc_playback *d, uint32_t effects, size_t t, siz
 }
 
 static btf_result decode_view(const void *user, int view, float *out) {
-    const enc_played *decoded = user;
-    const enc_playback *d = decoded->playback;
+    const enc_decoded_samples *decoded = user;
+    const enc_sample_decoder *d = decoded->decoder;
     const enc_solution *s = d->solution;
     const uint32_t effects = decoded->effects & s->effects;
     const size_t lights = (size_t)s->n_lights, texels = enc_solution_texels(s);
@@ -166,6 +166,6 @@ static btf_result decode_view(const void *user, int view, float *out) {
     return BTF_OK;
 }
 
-enc_image_source enc_played_images(const enc_played *decoded) {
+enc_image_source enc_decoded_images(const enc_decoded_samples *decoded) {
     return (enc_image_source){.view = decode_view, .user = decoded};
 }

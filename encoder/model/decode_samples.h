@@ -10,20 +10,20 @@
 #include "encoder/data/images.h"
 #include "solution.h"
 
-typedef struct enc_playback enc_playback;
+typedef struct enc_sample_decoder enc_sample_decoder;
 
 /* Keeps pointers to `data` (directions only) and `solution`. */
-btf_result enc_playback_create(const enc_context *context, const enc_data *data,
-                               const enc_solution *solution, enc_playback **out_playback);
-void enc_playback_destroy(enc_playback **playback);
+btf_result enc_sample_decoder_create(const enc_context *context, const enc_data *data,
+                                     const enc_solution *solution, enc_sample_decoder **out_decoder);
+void enc_sample_decoder_destroy(enc_sample_decoder **decoder);
 
 /* Decodes with the effects that both `effects` and the solution have. */
-typedef struct enc_played {
-    const enc_playback *playback;
+typedef struct enc_decoded_samples {
+    const enc_sample_decoder *decoder;
     uint32_t effects;
-} enc_played;
+} enc_decoded_samples;
 
 /* An image source of the decoded BTF; `decoded` must outlive it. */
-enc_image_source enc_played_images(const enc_played *decoded);
+enc_image_source enc_decoded_images(const enc_decoded_samples *decoded);
 
 #endif

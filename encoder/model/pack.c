@@ -5,57 +5,8 @@
 #include "pack.h"
 
 #include <assert.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-void enc_solution_clear(enc_solution *s) {
-    enc_sbrdf_destroy(&s->sbrdf);
-    free(s->shadow);
-    free(s->shift);
-    free(s->gain);
-    free(s->centre);
-    free(s->centre_codes);
-    free(s->residual_texels);
-    free(s->residual_directions);
-    free(s->residual_scales);
-    memset(s, 0, sizeof *s);
-}
-
-enc_solution enc_level_of(const enc_solution *base, int width, int height) {
-    enc_solution level = *base;
-    level.width = width;
-    level.height = height;
-    level.sbrdf = NULL;
-    level.shadow = NULL;
-    level.shift = NULL;
-    level.gain = NULL;
-    level.centre = NULL;
-    level.residual_texels = NULL;
-    return level;
-}
-
-void enc_level_clear(enc_solution *level) {
-    level->centre_codes = NULL;
-    level->residual_directions = NULL;
-    level->residual_scales = NULL;
-    enc_solution_clear(level);
-}
-
-uint16_t enc_half_from_float(float value) {
-    const float magnitude = fabsf(value);
-    const uint16_t sign = value < 0 ? 0x8000 : 0;
-    if (!(magnitude >= 0x1p-14f)) {
-        return 0;
-    }
-    if (magnitude >= 65504.0f) {
-        return sign | 0x7bff;
-    }
-    uint32_t bits;
-    memcpy(&bits, &magnitude, sizeof bits);
-    bits += 0xfff + ((bits >> 13) & 1); /* round to nearest, ties to even */
-    return (uint16_t)(sign | ((bits >> 13) - ((127 - 15) << 10)));
-}
 
 static btf_material_info describe(const enc_data *data, const enc_solution *s, const enc_pack_options *o) {
     btf_material_info info = {.struct_size = sizeof info};

@@ -34,8 +34,4 @@ btf_result enc_pack(const enc_context *context, const enc_data *data, const enc_
 btf_result enc_pack_centre_room(const enc_context *context, int width, int height, int n_views,
                                 int n_lights, uint32_t *out_room);
 
-/* IEEE half of a float: round to nearest even; magnitudes below 2^-14 become 0, above 65504 become 65504.
- */
-uint16_t enc_half_from_float(float value);
-
 #endif

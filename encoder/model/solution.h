@@ -45,10 +45,22 @@ static inline size_t enc_solution_texels(const enc_solution *s) {
 /* Frees every array and the SBRDF, and zeroes the struct. */
 void enc_solution_clear(enc_solution *solution);
 
-/* Levels of detail (levels.h) have maps of texels of their own and share centre_codes, residual_directions,
+/* Levels of detail have maps of texels of their own and share centre_codes, residual_directions,
  * residual_scales and every scale with level 0. An empty one of `base`, with pointers to what is shared: */
 enc_solution enc_level_of(const enc_solution *base, int width, int height);
 /* Frees what belongs to the level alone. */
 void enc_level_clear(enc_solution *level);
+
+/* The levels 1 .. count - 1 that belong to a level 0. Zeros are no levels. */
+typedef struct enc_levels {
+    int count;           /* level 0 included */
+    enc_solution *level; /* [count - 1]: level i at i - 1; shared maps point into level 0's */
+} enc_levels;
+
+void enc_levels_clear(enc_levels *levels);
+
+/* IEEE half of a float: round to nearest even; magnitudes below 2^-14 become 0, above 65504 become 65504.
+ */
+uint16_t enc_half_from_float(float value);
 
 #endif

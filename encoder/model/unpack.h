@@ -16,4 +16,8 @@ btf_result enc_unpack(const enc_context *context, const btf_material *material, 
 btf_result enc_unpack_level(const enc_context *context, const btf_material *material, uint32_t level,
                             const enc_solution *base, enc_solution *out_solution);
 
+/* The levels of a material whose level 0 was unpacked to `base`. Errors: BTF_ERROR_MEMORY. */
+btf_result enc_levels_unpack(const enc_context *context, const btf_material *material,
+                             const enc_solution *base, enc_levels *out_levels);
+
 #endif

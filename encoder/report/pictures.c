@@ -114,9 +114,9 @@ static btf_result draw_abrdf(const enc_context *context, const enc_pictures *p, 
         result = gather_abrdf(data, enc_data_images(data), where, images, original);
     }
     for (int s = -1; result == BTF_OK && s < steps; s++) {
-        const enc_played decoded = {.playback = p->playback, .effects = s >= 0 ? effects[s] : 0};
+        const enc_decoded_samples decoded = {.decoder = p->decoder, .effects = s >= 0 ? effects[s] : 0};
         if (s >= 0) {
-            result = gather_abrdf(data, enc_played_images(&decoded), where, images, model);
+            result = gather_abrdf(data, enc_decoded_images(&decoded), where, images, model);
         }
         for (int i = 0; result == BTF_OK && i < 4; i++) {
             const int y = grid_y(i, cell_h), x = grid_x(s < 0 ? 0 : 1 + 2 * s, cell_w);
@@ -189,8 +189,8 @@ static btf_result draw_steps(const enc_context *context, const enc_pictures *p, 
         enc_canvas_text(&canvas, grid_x(column++, cell_w), grid_y(r, cell_h) - 6, "original, view %.4g",
                         data->views[view].theta);
         for (int s = 0; result == BTF_OK && s < steps; s++) {
-            const enc_played decoded = {.playback = p->playback, .effects = effects[s]};
-            result = one_image(data, enc_played_images(&decoded), view, light, shown);
+            const enc_decoded_samples decoded = {.decoder = p->decoder, .effects = effects[s]};
+            result = one_image(data, enc_decoded_images(&decoded), view, light, shown);
             enc_canvas_image(&canvas, grid_x(column, cell_w), grid_y(r, cell_h), zoom, data->width,
                              data->height, shown);
             enc_canvas_text(&canvas, grid_x(column++, cell_w), grid_y(r, cell_h) - 6, "%s", names[s]);
@@ -236,10 +236,10 @@ static btf_result draw_shadow(const enc_context *context, const enc_pictures *p,
             continue;
         }
         const int view = enc_nearest_direction(data->views, data->n_views, 15 * c, 120);
-        const enc_played decoded = {.playback = p->playback, .effects = 0};
+        const enc_decoded_samples decoded = {.decoder = p->decoder, .effects = 0};
         result = one_image(data, enc_data_images(data), view, fixed, original);
         if (result == BTF_OK) {
-            result = one_image(data, enc_played_images(&decoded), view, fixed, model);
+            result = one_image(data, enc_decoded_images(&decoded), view, fixed, model);
         }
         for (size_t t = 0; t < texels; t++) {
             codes[t] = (unsigned char)(shadow_ratio(p, original + 3 * t, model + 3 * t) * 255.0f + 0.5f);

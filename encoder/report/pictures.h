@@ -12,7 +12,7 @@
 typedef struct enc_pictures {
     const enc_data *data;
     const enc_solution *solution;
-    const enc_playback *playback; /* of the solution */
+    const enc_sample_decoder *decoder; /* of the solution */
     const btf_material *material;
     const enc_occlusion *occlusion; /* after refinement; NULL: no pictures of flow and hidden points */
     float t_error, t_btf;           /* thresholds of the shadow test; 0: no pictures of it */

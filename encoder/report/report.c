@@ -42,15 +42,15 @@ size_t enc_report_gpu_bytes(const btf_material_info *info, uint32_t effects) {
     return bytes;
 }
 
-static btf_result measure(const enc_context *context, const enc_data *data, const enc_playback *playback,
-                          const btf_material_info *info, const char *name, uint32_t effects, bool with_ssim,
-                          enc_report_step *step) {
-    const enc_played decoded = {.playback = playback, .effects = effects};
+static btf_result measure(const enc_context *context, const enc_data *data,
+                          const enc_sample_decoder *decoder, const btf_material_info *info,
+                          const char *name, uint32_t effects, bool with_ssim, enc_report_step *step) {
+    const enc_decoded_samples decoded = {.decoder = decoder, .effects = effects};
     step->name = name;
     step->effects = effects;
     step->gpu_bytes = enc_report_gpu_bytes(info, effects);
-    return enc_metrics_compare(context, data, enc_data_images(data), enc_played_images(&decoded), with_ssim,
-                               &step->metrics);
+    return enc_metrics_compare(context, data, enc_data_images(data), enc_decoded_images(&decoded),
+                               with_ssim, &step->metrics);
 }
 
 btf_result enc_report_measure(const enc_context *context, const enc_data *data,
@@ -58,9 +58,9 @@ btf_result enc_report_measure(const enc_context *context, const enc_data *data,
                               enc_report *report) {
     btf_material_info info = {.struct_size = sizeof info};
     btf_result result = btf_material_get_info(material, &info);
-    enc_playback *playback = NULL;
+    enc_sample_decoder *decoder = NULL;
     if (result == BTF_OK) {
-        result = enc_playback_create(context, data, solution, &playback);
+        result = enc_sample_decoder_create(context, data, solution, &decoder);
     }
     uint32_t ladder[3], subset = 0;
     const char *names[3] = {"sbrdf", "stvs", "full"};
@@ -77,19 +77,19 @@ btf_result enc_report_measure(const enc_context *context, const enc_data *data,
     }
     enc_stage_begin(context, "measure", (size_t)data->n_views * (size_t)(steps + left_out));
     for (int i = 0; result == BTF_OK && i < steps; i++) {
-        result = measure(context, data, playback, &info, names[i], ladder[i], true, &report->ladder[i]);
+        result = measure(context, data, decoder, &info, names[i], ladder[i], true, &report->ladder[i]);
         report->n_ladder = i + 1;
     }
     for (int i = 0; result == BTF_OK && i < EFFECT_COUNT; i++) {
         if (info.effects & effect_names[i].effect) {
             subset = info.effects & ~(uint32_t)effect_names[i].effect;
-            result = measure(context, data, playback, &info, effect_names[i].name, subset, false,
+            result = measure(context, data, decoder, &info, effect_names[i].name, subset, false,
                              &report->without[report->n_without]);
             report->n_without++;
         }
     }
     enc_stage_end(context);
-    enc_playback_destroy(&playback);
+    enc_sample_decoder_destroy(&decoder);
     return result;
 }
 

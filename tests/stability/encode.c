@@ -71,16 +71,16 @@ static void decode(const enc_data *data, const btf_material *material, encoded *
     }
 }
 
-/* The same by enc_playback. */
+/* The same by enc_sample_decoder. */
 static btf_result play(const enc_context *context, const enc_data *data, const enc_solution *solution,
                        encoded *e) {
-    enc_playback *playback = NULL;
+    enc_sample_decoder *decoder = NULL;
     const size_t texels = enc_data_texel_count(data), lights = (size_t)data->n_lights;
     float *images = malloc(lights * texels * 3 * sizeof *images);
     btf_result result =
-        images == NULL ? BTF_ERROR_MEMORY : enc_playback_create(context, data, solution, &playback);
-    const enc_played played = {.playback = playback, .effects = BTF_EFFECT_ALL};
-    const enc_image_source source = enc_played_images(&played);
+        images == NULL ? BTF_ERROR_MEMORY : enc_sample_decoder_create(context, data, solution, &decoder);
+    const enc_decoded_samples played = {.decoder = decoder, .effects = BTF_EFFECT_ALL};
+    const enc_image_source source = enc_decoded_images(&played);
     float most = 0;
     for (size_t i = 0; i < texels * enc_data_texel_stride(data); i++) {
         most = fmaxf(most, e->decoded[i]);
@@ -96,7 +96,7 @@ static btf_result play(const enc_context *context, const enc_data *data, const e
             e->played = difference > e->played || isnan(difference) ? difference : e->played;
         }
     }
-    enc_playback_destroy(&playback);
+    enc_sample_decoder_destroy(&decoder);
     free(images);
     return result;
 }
@@ -148,16 +148,16 @@ double encode_played_psnr(const enc_data *data, const enc_data *truth, encode_me
         options.preset = ENC_JOINT_MEDIUM;
         result = enc_joint(&context, data, &options, &solution, NULL);
     }
-    enc_playback *playback = NULL;
+    enc_sample_decoder *decoder = NULL;
     float *decoded = malloc(texels * stride * sizeof *decoded);
     float *images = malloc((size_t)data->n_lights * texels * 3 * sizeof *images);
     if (result != BTF_OK || decoded == NULL || images == NULL ||
-        enc_playback_create(&context, data, &solution, &playback) != BTF_OK) {
+        enc_sample_decoder_create(&context, data, &solution, &decoder) != BTF_OK) {
         fprintf(stderr, "encode: %s failed\n", encode_names[method]);
         exit(1);
     }
-    const enc_played played = {.playback = playback, .effects = BTF_EFFECT_ALL};
-    const enc_image_source source = enc_played_images(&played);
+    const enc_decoded_samples played = {.decoder = decoder, .effects = BTF_EFFECT_ALL};
+    const enc_image_source source = enc_decoded_images(&played);
     for (size_t v = 0; v < (size_t)data->n_views; v++) {
         if (source.view(source.user, (int)v, images) != BTF_OK) {
             exit(1);
@@ -168,7 +168,7 @@ double encode_played_psnr(const enc_data *data, const enc_data *truth, encode_me
         }
     }
     const double psnr = encode_psnr(truth, decoded, peak);
-    enc_playback_destroy(&playback);
+    enc_sample_decoder_destroy(&decoder);
     enc_solution_clear(&solution);
     free(images);
     free(decoded);

@@ -29,8 +29,8 @@ typedef struct encoded {
     float *decoded; /* in the order of the data's samples, by the reference decoder at the sampled
                        directions */
     bool finite;    /* every decoded value is, and >= 0 */
-    double played;  /* largest difference between enc_playback and `decoded`, relative, but to no less than
-                       1e-3  and 1e-5 of the largest */
+    double played;  /* largest difference between enc_sample_decoder and `decoded`, relative, but to no less
+                       than  1e-3  and 1e-5 of the largest */
 } encoded;
 
 /* Options of the four methods: small and quick. `brighter` scales what thresholds are absolute (1:

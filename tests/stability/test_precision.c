@@ -314,14 +314,14 @@ static void playbacks(void) {
             const enc_joint_options options = encode_joint_options((encode_method)method);
             result = enc_joint(&context, data, &options, &s, NULL);
         }
-        enc_playback *playback = NULL;
+        enc_sample_decoder *decoder = NULL;
         static float images[13 * 30 * 3];
         double squares[2] = {0};
         if (result == BTF_OK) {
-            result = enc_playback_create(&context, data, &s, &playback);
+            result = enc_sample_decoder_create(&context, data, &s, &decoder);
         }
-        const enc_played played = {playback, BTF_EFFECT_ALL};
-        const enc_image_source source = enc_played_images(&played);
+        const enc_decoded_samples played = {decoder, BTF_EFFECT_ALL};
+        const enc_image_source source = enc_decoded_images(&played);
         for (int v = 0; result == BTF_OK && v < 13; v++) {
             result = source.view(source.user, v, images);
             for (int l = 0; l < 13; l++) {
@@ -340,7 +340,7 @@ static void playbacks(void) {
         cases_add(input, "less than 0.05 dB either way",
                   result == BTF_OK && fabs(loss) < precision_most_loss, "%.2f dB, double %.6f dB more",
                   hard_psnr(squares[0], n, 1), loss);
-        enc_playback_destroy(&playback);
+        enc_sample_decoder_destroy(&decoder);
         enc_solution_clear(&s);
     }
     enc_data_destroy(&data);

@@ -27,15 +27,15 @@ static btf_result compare(const enc_context *context, const enc_data *truth, enc
 
 btf_result bench_accuracy(const enc_context *context, const bench_held *held, const bench_encoded *encoded,
                           uint32_t effects, bench_row *row) {
-    enc_playback *playback = NULL;
+    enc_sample_decoder *decoder = NULL;
     btf_ref_material material;
-    btf_result result = enc_playback_create(context, held->train, &encoded->solution, &playback);
-    const enc_played played = {.playback = playback, .effects = effects};
+    btf_result result = enc_sample_decoder_create(context, held->train, &encoded->solution, &decoder);
+    const enc_decoded_samples played = {.decoder = decoder, .effects = effects};
     if (result == BTF_OK) {
-        result = compare(context, held->train, enc_played_images(&played), true, &row->linear, &row->srgb,
+        result = compare(context, held->train, enc_decoded_images(&played), true, &row->linear, &row->srgb,
                          &row->ssim);
     }
-    enc_playback_destroy(&playback);
+    enc_sample_decoder_destroy(&decoder);
     reference_view(encoded->material, 0, &material);
     for (int i = 0; i < BENCH_HELD_SETS && held->sets[i] && result == BTF_OK; i++) {
         const enc_reference_images decoded = {.shape = held->sets[i],

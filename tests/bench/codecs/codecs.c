@@ -57,25 +57,25 @@ static btf_result measure(const bench_run *run, enc_image_source images, bool wi
 static btf_result measure_encoded(const bench_run *run, const bench_encoded *encoded, int count,
                                   const char *const *names, const uint32_t *subsets, codec_table *table) {
     btf_material_info info = {.struct_size = sizeof info};
-    enc_playback *playback = NULL;
+    enc_sample_decoder *decoder = NULL;
     btf_result result = btf_material_get_info(encoded->material, &info);
     if (result == BTF_OK) {
-        result = enc_playback_create(run->context, run->data, &encoded->solution, &playback);
+        result = enc_sample_decoder_create(run->context, run->data, &encoded->solution, &decoder);
     }
     for (int i = 0; result == BTF_OK && i < count; i++) {
-        const enc_played played = {.playback = playback, .effects = subsets[i]};
+        const enc_decoded_samples played = {.decoder = decoder, .effects = subsets[i]};
         codec_row row = {.kind = CODEC_OURS,
                          .rank = subsets[i] & info.effects & BTF_EFFECT_RESIDUAL ? info.components : 0,
                          .bytes = enc_report_gpu_bytes(&info, subsets[i]),
                          .wall = encoded->wall,
                          .core = encoded->core};
         snprintf(row.name, sizeof row.name, "%s", names[i]);
-        result = measure(run, enc_played_images(&played), true, &row);
+        result = measure(run, enc_decoded_images(&played), true, &row);
         if (result == BTF_OK) {
             result = codec_table_add(run->context, table, &row);
         }
     }
-    enc_playback_destroy(&playback);
+    enc_sample_decoder_destroy(&decoder);
     return result;
 }
 

@@ -50,13 +50,13 @@ static btf_result original_row(const bench_run *run, const bench_held *held, con
 
 static btf_result decoded_row(const bench_run *run, const bench_held *held, const bench_encoded *encoded,
                               const btf_ref_material *material, bool nearest, held_row *row) {
-    enc_playback *playback = NULL;
-    btf_result result = enc_playback_create(run->context, held->train, &encoded->solution, &playback);
-    const enc_played played = {.playback = playback, .effects = BTF_EFFECT_ALL};
+    enc_sample_decoder *decoder = NULL;
+    btf_result result = enc_sample_decoder_create(run->context, held->train, &encoded->solution, &decoder);
+    const enc_decoded_samples played = {.decoder = decoder, .effects = BTF_EFFECT_ALL};
     if (result == BTF_OK) {
-        result = compare(run, held->train, enc_played_images(&played), 0, row);
+        result = compare(run, held->train, enc_decoded_images(&played), 0, row);
     }
-    enc_playback_destroy(&playback);
+    enc_sample_decoder_destroy(&decoder);
     for (int i = 0; i < SETS && result == BTF_OK; i++) {
         const enc_reference_images decoded = {
             .shape = held->sets[i],

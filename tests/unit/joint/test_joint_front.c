@@ -121,16 +121,16 @@ static double decoded_psnr(const enc_data *data, const enc_solution *solution, d
     const enc_pack_options options = {.layout = BTF_LAYOUT_TIGHT, .method = "joint"};
     btf_material *material = NULL;
     enc_solution stored;
-    enc_playback *playback = NULL;
+    enc_sample_decoder *decoder = NULL;
     enc_metrics metrics;
     assert_int_equal(enc_pack(&two_threads, data, solution, &options, &material), BTF_OK);
     assert_int_equal(enc_unpack(&two_threads, material, &stored), BTF_OK);
-    assert_int_equal(enc_playback_create(&two_threads, data, &stored, &playback), BTF_OK);
-    const enc_played decoded = {.playback = playback, .effects = stored.effects};
+    assert_int_equal(enc_sample_decoder_create(&two_threads, data, &stored, &decoder), BTF_OK);
+    const enc_decoded_samples decoded = {.decoder = decoder, .effects = stored.effects};
     assert_int_equal(enc_metrics_compare(&two_threads, data, enc_data_images(data),
-                                         enc_played_images(&decoded), false, &metrics),
+                                         enc_decoded_images(&decoded), false, &metrics),
                      BTF_OK);
-    enc_playback_destroy(&playback);
+    enc_sample_decoder_destroy(&decoder);
     enc_solution_clear(&stored);
     btf_material_close(&material);
     *out_linear = enc_psnr_linear(&metrics.total);

@@ -184,14 +184,14 @@ static btf_result point_view(const void *user, int view, float *out) {
 
 typedef struct compare_pass {
     const enc_data *base;
-    const enc_playback *playback;
+    const enc_sample_decoder *decoder;
     double psnr[8]; /* of point samples, by level */
 } compare_pass;
 
 static btf_result compare_points(void *user, int level, const enc_data *data) {
     compare_pass *pass = user;
-    const enc_played played = {.playback = pass->playback, .effects = BTF_EFFECT_ALL};
-    const points p = {enc_played_images(&played),
+    const enc_decoded_samples played = {.decoder = pass->decoder, .effects = BTF_EFFECT_ALL};
+    const points p = {enc_decoded_images(&played),
                       pass->base->width,
                       pass->base->height,
                       data->width,
@@ -212,9 +212,9 @@ static void check_levels(const char *name, const enc_data *data, const enc_solut
                          const enc_levels *levels, double margin, double least) {
     enc_metrics metrics[8];
     compare_pass pass = {.base = data};
-    enc_playback *playback = NULL;
-    assert_int_equal(enc_playback_create(&one_thread, data, base, &playback), BTF_OK);
-    pass.playback = playback;
+    enc_sample_decoder *decoder = NULL;
+    assert_int_equal(enc_sample_decoder_create(&one_thread, data, base, &decoder), BTF_OK);
+    pass.decoder = decoder;
     assert_int_equal(enc_levels_measure(&one_thread, data, levels, metrics), BTF_OK);
     assert_int_equal(enc_level_each(&one_thread, data, levels->count, compare_points, &pass), BTF_OK);
     for (int i = 1; i < levels->count; i++) {
@@ -223,7 +223,7 @@ static void check_levels(const char *name, const enc_data *data, const enc_solut
         assert_true(psnr >= least);
         assert_true(psnr >= pass.psnr[i] + margin);
     }
-    enc_playback_destroy(&playback);
+    enc_sample_decoder_destroy(&decoder);
 }
 
 static void same(const void *a, const void *b, size_t size) {

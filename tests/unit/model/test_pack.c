@@ -141,16 +141,16 @@ static void check(int width, int height, int views, int lights, btf_layout layou
     assert_equal_bytes(s.residual_directions, back.residual_directions,
                        (size_t)views * (size_t)lights * 3 * s.n_components);
 
-    enc_playback *playback = NULL;
+    enc_sample_decoder *decoder = NULL;
     enc_reference_images reference = {.shape = data, .options = {.components = UINT32_MAX}};
     reference_view(material, 0, &reference.material);
-    assert_int_equal(enc_playback_create(&context, data, &back, &playback), BTF_OK);
+    assert_int_equal(enc_sample_decoder_create(&context, data, &back, &decoder), BTF_OK);
     float *fast = malloc(image * (size_t)lights * sizeof *fast),
           *exact = malloc(image * (size_t)lights * sizeof *exact);
     assert_true(fast && exact);
     for (uint32_t mask = 0; mask < 32; mask++) {
-        const enc_played decoded = {.playback = playback, .effects = mask};
-        const enc_image_source source = enc_played_images(&decoded),
+        const enc_decoded_samples decoded = {.decoder = decoder, .effects = mask};
+        const enc_image_source source = enc_decoded_images(&decoded),
                                truth = enc_reference_image_source(&reference);
         reference.options.effects = mask;
         for (int v = 0; v < views; v++) {
@@ -163,7 +163,7 @@ static void check(int width, int height, int views, int lights, btf_layout layou
     }
     free(exact);
     free(fast);
-    enc_playback_destroy(&playback);
+    enc_sample_decoder_destroy(&decoder);
     btf_material_close(&material);
     enc_solution_clear(&back);
     enc_solution_clear(&s);

@@ -22,14 +22,14 @@ static const enc_context context = {.threads = 2};
 static bool is_long; /* more texels */
 
 static double psnr_of(const enc_data *data, const enc_solution *solution, uint32_t effects, bool srgb) {
-    enc_playback *playback = NULL;
+    enc_sample_decoder *decoder = NULL;
     enc_metrics metrics;
-    assert_int_equal(enc_playback_create(&context, data, solution, &playback), BTF_OK);
-    const enc_played played = {.playback = playback, .effects = effects};
-    assert_int_equal(enc_metrics_compare(&context, data, enc_data_images(data), enc_played_images(&played),
+    assert_int_equal(enc_sample_decoder_create(&context, data, solution, &decoder), BTF_OK);
+    const enc_decoded_samples played = {.decoder = decoder, .effects = effects};
+    assert_int_equal(enc_metrics_compare(&context, data, enc_data_images(data), enc_decoded_images(&played),
                                          false, &metrics),
                      BTF_OK);
-    enc_playback_destroy(&playback);
+    enc_sample_decoder_destroy(&decoder);
     return srgb ? enc_psnr_srgb(&metrics.total) : enc_psnr_linear(&metrics.total);
 }
 
@@ -47,16 +47,16 @@ static double shadow_f1(const uint8_t *codes, const uint8_t *truth, size_t count
 
 /* The same for the sign as the paper prints it: Error < t_e and BTF < t_btf. */
 static double printed_sign_f1(const enc_data *data, const enc_solution *s, const uint8_t *truth) {
-    const enc_played played = {.playback = NULL, .effects = 0};
+    const enc_decoded_samples played = {.decoder = NULL, .effects = 0};
     const size_t texels = enc_data_texel_count(data), count = texels * (size_t)data->n_lights;
-    enc_playback *playback = NULL;
+    enc_sample_decoder *decoder = NULL;
     float *model = malloc(count * 3 * sizeof *model), *original = malloc(count * 3 * sizeof *original);
     uint8_t *codes = malloc(count);
     assert_true(model && original && codes);
-    assert_int_equal(enc_playback_create(&context, data, s, &playback), BTF_OK);
-    enc_played shown = played;
-    shown.playback = playback;
-    const enc_image_source source = enc_played_images(&shown);
+    assert_int_equal(enc_sample_decoder_create(&context, data, s, &decoder), BTF_OK);
+    enc_decoded_samples shown = played;
+    shown.decoder = decoder;
+    const enc_image_source source = enc_decoded_images(&shown);
     assert_int_equal(source.view(source.user, data->top_view, model), BTF_OK);
     assert_int_equal(enc_data_view(&context, data, data->top_view, original), BTF_OK);
     for (size_t i = 0; i < count; i++) {
@@ -68,7 +68,7 @@ static double printed_sign_f1(const enc_data *data, const enc_solution *s, const
     free(codes);
     free(original);
     free(model);
-    enc_playback_destroy(&playback);
+    enc_sample_decoder_destroy(&decoder);
     return f1;
 }
 
