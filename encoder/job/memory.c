@@ -29,17 +29,12 @@ static uint64_t common(const extent *e) {
                   2 * e->image_view + e->texels * 24);
 }
 
-uint64_t enc_memory_flow(uint64_t texels, uint64_t side, uint64_t lights) {
-    const uint64_t labels = side + 2 < ENC_FLOW_LABELS ? side + 2 : ENC_FLOW_LABELS;
-    return texels * (12 * lights + ENC_FLOW_PRIOR_LIGHTS * 12 + 12 * labels + 3 * lights + 64);
-}
-
 static uint64_t paper(const extent *e) {
     const uint64_t lanes = (e->lights + 15) / 16 * 16;
     const uint64_t held =
         e->texels * (68 + 56 + e->lights) + e->points * (2 + 1 + 1 + 4 + 2) + 3 * e->points;
     const uint64_t fit = e->threads * e->views * e->lights * (13 * 4 + 1 + 16 * 12);
-    const uint64_t flow = enc_memory_flow(e->texels, e->side, e->lights) +
+    const uint64_t flow = enc_flow_bytes(e->texels, e->side, e->lights) +
                           e->texels * (ENC_FLOW_PRIOR_LIGHTS * 12 + 11 * e->lights);
     const uint64_t refine = e->image_view + e->texels * (2 * 12 * lanes + 2 * 4 * 48 + 4);
     return held + larger(larger(fit, flow), larger(refine, common(e)));

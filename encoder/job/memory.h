@@ -28,13 +28,6 @@ enc_memory_use enc_memory_expected(const enc_context *context, int width, int he
  * memory unbounded. Errors: BTF_ERROR_USAGE. */
 btf_result enc_memory_check(const enc_context *context, int width, int height, int n_views, int n_lights);
 
-/* Shifts along one axis that the first estimate of a flow tells apart, at most. */
-enum { ENC_FLOW_LABELS = 256 };
-
-/* Bytes of one view's flow: images, planes of the first estimate, volumes of its search, votes. `side` is
- * the longer one. */
-uint64_t enc_memory_flow(uint64_t texels, uint64_t side, uint64_t lights);
-
 /* Threads that may each hold `bytes`, in half of the allowed memory, the other half being the data's: 1 to
  * context->threads. */
 int enc_memory_threads(const enc_context *context, uint64_t bytes);

@@ -3,9 +3,9 @@
  * SPDX-License-Identifier: MIT
  */
 #include "front.h"
-#include "encoder/paper/fit.h"
 #include "sources.h"
-#include "encoder/model/pack.h"
+#include "encoder/lafortune/texel_fit.h"
+#include "encoder/model/solution.h"
 #include "encoder/base/ranks.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* Normal equations of the Lafortune fit by variable projection. See fit_normal.h.
+/* Normal equations of the Lafortune fit by variable projection. See normal_equations.h.
  *
  * SPDX-License-Identifier: MIT
  */

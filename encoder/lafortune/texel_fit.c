@@ -1,14 +1,16 @@
 /* The fit of one texel: the Gram matrix of the samples turned into a small least-squares problem with the
- * colours eliminated, Ceres as its solver, and the choice among starts and simpler models.
+ * colours eliminated, Ceres as its solver, and the choice among starts and simpler models. See texel_fit.h.
  *
  * SPDX-License-Identifier: MIT
  */
-#include "encoder/paper/fit.h"
+#include "texel_fit.h"
+
 #include "ceres_bridge.h"
 #include "normal_equations.h"
 #include <assert.h>
 #include <float.h>
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -38,6 +40,18 @@ static const double start_diffuse = 0.8;
 /* A lobe may be at most so many times its largest value at a sample: without a limit, sharp lobes settle
  * between the sampled directions or below the last ring, invisible but for one sample's flank. */
 static const double most_overshoot = 4;
+
+enc_fit_options enc_fit_options_default(void) {
+    return (enc_fit_options){
+        .lobes = 3,
+        .rounds = 3,
+        .t_error = 0.3f,
+        .t_btf = 0.3f,
+        .starts = 4,
+        .tolerance = 1e-3,
+        .max_evaluations = 60,
+    };
+}
 
 static size_t padded_size(size_t n) {
     return (n + ENC_GRAM_BLOCK - 1) / ENC_GRAM_BLOCK * ENC_GRAM_BLOCK;

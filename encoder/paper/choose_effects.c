@@ -1,4 +1,4 @@
-/* Measuring and leaving out effects (see paper_effects.h).
+/* Measuring and leaving out effects (see choose_effects.h).
  *
  * SPDX-License-Identifier: MIT
  */

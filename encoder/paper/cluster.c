@@ -128,7 +128,7 @@ static btf_result sort_points(const cluster_stage *s, view_points *p) {
     float *rows = malloc(p->n * s->stride * sizeof *rows);
     btf_result result = order && texels && rows ? BTF_OK : BTF_ERROR_MEMORY;
     if (result == BTF_OK)
-        result = enc_kmeans_split(p->n, s->stride, p->rows, MOST_POINTS, order, p->first, &p->parts);
+        result = enc_cluster_split(p->n, s->stride, p->rows, MOST_POINTS, order, p->first, &p->parts);
     for (size_t i = 0; i < p->n && result == BTF_OK; i++) {
         texels[i] = p->texels[order[i]];
         memcpy(rows + i * s->stride, p->rows + order[i] * s->stride, s->stride * sizeof *rows);

@@ -36,7 +36,7 @@ void enc_cluster_shares(int n_views, const size_t *hidden, const size_t *distinc
 /* Finds at most k_total centres for the points that `occlusion` calls hidden, and fills occlusion->centre:
  * the nearest of the view's centres as stored in codes (of all centres where the view has none), the lowest
  * index among equals; 0 where not hidden. A view of more than 4096 hidden points is clustered in parts
- * (kmeans_split.h) that share its centres in proportion, so that time is linear in texels. Centres of a
+ * (cluster_split.h) that share its centres in proportion, so that time is linear in texels. Centres of a
  * view are consecutive, views in order. A view's points are rows of n_lights * 3; k-means starts far apart
  * (k-means++, Arthur and Vassilvitskii 2007) from a fixed seed; an empty cluster restarts at the point
  * farthest from its centre. Every centre has its own start, so that k is min(k_total, sum over views of

@@ -1,4 +1,4 @@
-/* Splitting rows by their principal directions (see kmeans_split.h).
+/* Splitting rows by their principal directions (see cluster_split.h).
  *
  * SPDX-License-Identifier: MIT
  */
@@ -97,8 +97,8 @@ static void split(splitter *s, size_t begin, size_t end) {
     split(s, begin + n / 2, end);
 }
 
-btf_result enc_kmeans_split(size_t n, size_t stride, const float *points, size_t most, size_t *out_order,
-                            size_t *out_first, size_t *out_parts) {
+btf_result enc_cluster_split(size_t n, size_t stride, const float *points, size_t most, size_t *out_order,
+                             size_t *out_first, size_t *out_parts) {
     splitter s = {.stride = stride, .most = most, .points = points, .order = out_order, .first = out_first};
     s.mean = malloc(3 * stride * sizeof *s.mean);
     s.placed = malloc((n + 1) * sizeof *s.placed);

@@ -17,18 +17,6 @@ enum { CHUNK = 16 };
 /* At least this part of a texel's samples stays in the fit. */
 static const double least_kept = 0.1;
 
-enc_fit_options enc_fit_options_default(void) {
-    return (enc_fit_options){
-        .lobes = 3,
-        .rounds = 3,
-        .t_error = 0.3f,
-        .t_btf = 0.3f,
-        .starts = 4,
-        .tolerance = 1e-3,
-        .max_evaluations = 60,
-    };
-}
-
 /* What all texels share: l * v by component and m(l) for every (view, light). */
 typedef struct geometry {
     size_t n;

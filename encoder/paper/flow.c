@@ -299,9 +299,9 @@ static btf_result vote_views(const flow_stage *s) {
     btf_result result = BTF_OK;
     const int width = s->data->width, height = s->data->height;
     const int threads =
-        enc_memory_threads(s->context, enc_memory_flow(enc_data_texel_count(s->data),
-                                                       (uint64_t)(width > height ? width : height),
-                                                       (uint64_t)s->data->n_lights));
+        enc_memory_threads(s->context, enc_flow_bytes(enc_data_texel_count(s->data),
+                                                      (uint64_t)(width > height ? width : height),
+                                                      (uint64_t)s->data->n_lights));
     enc_ranks_range(s->context, (size_t)s->data->n_views, &begin, &end);
     enc_stage_begin(s->context, "flow", end - begin);
 #pragma omp parallel num_threads(threads)
@@ -406,4 +406,9 @@ int enc_flow_error(const enc_data *data, const enc_occlusion *occlusion, const f
         n++;
     }
     return n;
+}
+
+uint64_t enc_flow_bytes(uint64_t texels, uint64_t side, uint64_t lights) {
+    const uint64_t labels = side + 2 < ENC_FLOW_LABELS ? side + 2 : ENC_FLOW_LABELS;
+    return texels * (12 * lights + ENC_FLOW_PRIOR_LIGHTS * 12 + 12 * labels + 3 * lights + 64);
 }

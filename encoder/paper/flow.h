@@ -66,4 +66,11 @@ typedef struct enc_flow_ring {
 int enc_flow_error(const enc_data *data, const enc_occlusion *occlusion, const float *truth,
                    const uint8_t *exclude, double least, enc_flow_ring *out_rings, int capacity);
 
+/* Shifts along one axis that the first estimate of a flow tells apart, at most. */
+enum { ENC_FLOW_LABELS = 256 };
+
+/* Bytes of one view's flow: images, planes of the first estimate, volumes of its search, votes. `side` is
+ * the longer one. */
+uint64_t enc_flow_bytes(uint64_t texels, uint64_t side, uint64_t lights);
+
 #endif

@@ -1,4 +1,4 @@
-/* `--method paper`. See method_paper.h.
+/* `--method paper`. See paper.h.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -20,7 +20,7 @@ typedef struct enc_paper_options {
     enc_cluster_options cluster;
     uint32_t effects; /* of shadow, shift, hidden; stages of the others do not run */
     bool choose;      /* leave out those of `effects` that do not pay; default false */
-    bool fallback;    /* take the diffuse fit where that is better (paper_fallback.h); default false */
+    bool fallback;    /* take the diffuse fit where that is better (diffuse_fallback.h); default false */
     double effect_tolerance, effect_tolerance_bytes; /* dB that an effect must gain; dB for each MB of it */
     uint32_t centres; /* k; 0: what the smallest legal atlas has room for (paper: 1984) */
 } enc_paper_options;

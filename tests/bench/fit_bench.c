@@ -4,7 +4,7 @@
  */
 #include "fit_bench.h"
 #include "encoder/lafortune/ceres_bridge.h"
-#include "encoder/paper/fit.h"
+#include "encoder/lafortune/texel_fit.h"
 #include <math.h>
 #include <stdlib.h>
 #include <time.h>

@@ -8,7 +8,7 @@
 
 #include "encoder/data/checkpoint.h"
 #include "encoder/joint/steps.h"
-#include "encoder/paper/kept.h"
+#include "encoder/paper/steps.h"
 #include "step_data.h"
 
 #include <math.h>
@@ -36,7 +36,7 @@ static void check_fit(void) {
     const enc_fit_options options = enc_fit_options_default();
     enc_fit_stats stats;
     enc_sbrdf *sbrdf;
-    if (!enc_kept_fit(&context, data, &options, &sbrdf, &stats))
+    if (!enc_step_take_fit(&context, data, &options, &sbrdf, &stats))
         return;
     float out[3 * STEP_LIGHTS];
     const float x[STEP_LIGHTS] = {0, 0}, y[STEP_LIGHTS] = {0, 0.6f}, z[STEP_LIGHTS] = {1, 0.8f};
@@ -51,7 +51,7 @@ static void check_fit(void) {
 
 static void check_occlusion(const char *step) {
     enc_occlusion *o;
-    if (!enc_kept_occlusion(&context, step, data, &o))
+    if (!enc_step_take_occlusion(&context, step, data, &o))
         return;
     for (size_t i = 0; i < STEP_VIEWS * STEP_TEXELS; i++)
         FUZZ_CHECK(o->hidden[i] <= 1 && o->hidden_voted[i] <= 1 && o->ratio[i] >= 0 && o->ratio[i] <= 1 &&
@@ -64,7 +64,7 @@ static void check_cluster(void) {
     enc_centres *c;
     FUZZ_CHECK(enc_occlusion_create(STEP_VIEWS, STEP_TEXELS, &o) == BTF_OK);
     memset(o->hidden + 4, 1, 5);
-    if (enc_kept_cluster(&context, data, STEP_CENTRES, o, &c)) {
+    if (enc_step_take_cluster(&context, data, STEP_CENTRES, o, &c)) {
         FUZZ_CHECK(c->k >= 1 && c->k <= STEP_CENTRES && c->n_lights == STEP_LIGHTS && c->scale > 0 &&
                    isfinite(c->scale));
         unsigned sum = 0;
@@ -104,7 +104,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
     if (step == STEP_FIT)
         check_fit();
     else if (step == STEP_SHADOW)
-        enc_kept_shadow(&context, data, shadow);
+        enc_step_take_shadow(&context, data, shadow);
     else if (step == STEP_FLOW || step == STEP_REFINE)
         check_occlusion(step_names[step]);
     else if (step == STEP_CLUSTER)

@@ -12,7 +12,7 @@
 #include "decoder/toolkit/png_image.h"
 #include "encoder/data/checkpoint.h"
 #include "encoder/joint/steps.h"
-#include "encoder/paper/kept.h"
+#include "encoder/paper/steps.h"
 
 #include <archive.h>
 #include <archive_entry.h>
@@ -221,19 +221,19 @@ static void write_steps(void) {
     const enc_fit_options options = enc_fit_options_default();
     enc_fit_stats stats;
     must(enc_fit(&context, data, &options, &sbrdf, &stats) == BTF_OK &&
-             enc_keep_fit(&context, sbrdf, &stats) == BTF_OK,
+             enc_step_keep_fit(&context, sbrdf, &stats) == BTF_OK,
          "fit");
     const uint8_t shadow[STEP_LIGHTS * STEP_TEXELS] = {255, 3};
-    must(enc_keep_shadow(&context, data, shadow) == BTF_OK, "shadow");
+    must(enc_step_keep_shadow(&context, data, shadow) == BTF_OK, "shadow");
     must(enc_occlusion_create(STEP_VIEWS, STEP_TEXELS, &occlusion) == BTF_OK, "occlusion");
     memset(occlusion->hidden + 4, 1, 5);
-    must(enc_keep_occlusion(&context, step_names[STEP_FLOW], occlusion) == BTF_OK &&
-             enc_keep_occlusion(&context, step_names[STEP_REFINE], occlusion) == BTF_OK,
+    must(enc_step_keep_occlusion(&context, step_names[STEP_FLOW], occlusion) == BTF_OK &&
+             enc_step_keep_occlusion(&context, step_names[STEP_REFINE], occlusion) == BTF_OK,
          "occlusion");
     uint8_t codes[2 * STEP_LIGHTS * 3] = {9, 8, 7};
     const enc_centres centres = {2, STEP_LIGHTS, 0.01f, codes};
     occlusion->centre[5] = 1;
-    must(enc_keep_cluster(&context, occlusion, &centres) == BTF_OK, "cluster");
+    must(enc_step_keep_cluster(&context, occlusion, &centres) == BTF_OK, "cluster");
     joint_rows rows;
     joint_fit plain, fit;
     const joint_front_kind kind = {.lobes = 1, .rgb = true, .shadow = true};

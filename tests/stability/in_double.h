@@ -46,7 +46,7 @@ int double_cv_flow(enc_cv_flow *flow, int width, int height, const unsigned char
 #define enc_data_view double_view
 #define enc_cv_flow_compute double_cv_flow
 
-/* What the sources define, and sbrdf.c and fit_gram.c: the names are taken. */
+/* What the sources define, and sbrdf.c and gram.c: the names are taken. */
 #define enc_fit double_fit
 #define enc_fit_options_default double_fit_options_default
 #define enc_fit_workspace_create double_fit_workspace_create
@@ -72,6 +72,7 @@ int double_cv_flow(enc_cv_flow *flow, int width, int height, const unsigned char
 #define enc_flow_planes_create double_flow_planes_create
 #define enc_flow_planes_clear double_flow_planes_clear
 #define enc_flow_prior double_flow_prior
+#define enc_flow_bytes double_flow_bytes
 
 #ifdef __clang__
 #pragma clang diagnostic ignored "-Wkeyword-macro"

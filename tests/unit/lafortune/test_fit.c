@@ -11,7 +11,7 @@
 #include <cmocka.h>
 
 #include "encoder/lafortune/ceres_bridge.h"
-#include "encoder/paper/fit.h"
+#include "encoder/lafortune/texel_fit.h"
 #include "encoder/lafortune/gram.h"
 #include "encoder/lafortune/normal_equations.h"
 #include "encoder/math/simd.h"

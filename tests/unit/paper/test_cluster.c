@@ -188,7 +188,7 @@ static void test_split(void **state) {
     for (size_t i = 0; i < ROWS; i++)
         for (size_t d = 0; d < 9; d++)
             rows[i][d] = uniform() + (d == 6 && i % 2 ? 4.0f : 0.0f);
-    assert_int_equal(enc_kmeans_split(ROWS, STRIDE, rows[0], MOST, order, first, &parts), BTF_OK);
+    assert_int_equal(enc_cluster_split(ROWS, STRIDE, rows[0], MOST, order, first, &parts), BTF_OK);
     assert_true(parts == 8 && first[0] == 0 && first[parts] == ROWS);
     for (size_t part = 0; part < parts; part++) {
         assert_true(first[part + 1] > first[part] && first[part + 1] - first[part] <= MOST);
@@ -198,7 +198,7 @@ static void test_split(void **state) {
             assert_true(i == first[part] || order[i] > order[i - 1]);
         }
     }
-    assert_int_equal(enc_kmeans_split(9, STRIDE, rows[0], MOST, order, first, &parts), BTF_OK);
+    assert_int_equal(enc_cluster_split(9, STRIDE, rows[0], MOST, order, first, &parts), BTF_OK);
     assert_true(parts == 1 && first[1] == 9 && order[8] == 8);
 }
 
