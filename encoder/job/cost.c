@@ -103,8 +103,8 @@ static outcome add_joint(list *l, const enc_extent *e, double fetch, const enc_j
     add(l, JOINT_STAGE_SURVEY, costs.survey);
     if (options->effects & BTF_EFFECT_RESIDUAL)
         add(l, JOINT_STAGE_START, costs.start);
-    if (costs.candidates > 0)
-        add(l, JOINT_STAGE_CANDIDATES, costs.candidates);
+    if (costs.trials > 0)
+        add(l, JOINT_STAGE_TRIALS, costs.trials);
     add(l, JOINT_STAGE_ROUNDS, costs.rounds);
     add(l, JOINT_STAGE_CENTRES, costs.centres);
     add(l, JOINT_STAGE_CODES, costs.codes);

@@ -84,7 +84,7 @@ static btf_result fit_level(void *user, int level, const enc_data *data) {
     fit_pass *pass = user;
     enc_solution *out = &pass->levels->level[level - 1];
     const btf_result result = pass->paper ? fit_paper(pass, data, level, out)
-                                          : enc_level_joint(&pass->quiet, data, pass->base, out);
+                                          : enc_joint_level(&pass->quiet, data, pass->base, out);
     enc_stage_step(pass->context, enc_data_texel_count(data));
     return result;
 }

@@ -1,4 +1,4 @@
-/* Bytes of layout `tight`, and what fits a budget (see joint_budget.h).
+/* Bytes of layout `tight`, and what fits a budget (see budget.h).
  *
  * SPDX-License-Identifier: MIT
  */

@@ -6,9 +6,11 @@
 #define OPENBTF_ENCODER_JOINT_BUDGET_H
 
 #include "encoder/data/data.h"
-#include "joint.h"
+#include "encoder/model/solution.h"
 
-/* What a file holds, as far as bytes go. */
+enum { JOINT_LAYER = 4 }; /* components of a texture layer */
+
+/* The contents of a file, as far as bytes go. */
 typedef struct joint_shape {
     uint32_t effects; /* btf_effect bits */
     size_t components, centres;

@@ -1,11 +1,13 @@
-/* What the steps of the joint method cost. See joint_cost.h.
+/* What the steps of the joint method cost. See cost.h.
  *
  * SPDX-License-Identifier: MIT
  */
 #include "cost.h"
-#include "search_set.h"
-#include "run.h"
+
+#include "front_fit.h"
+#include "projection.h"
 #include "search.h"
+#include "search_set.h"
 
 #include <math.h>
 #include <openbtf/material.h>
@@ -63,7 +65,7 @@ static double project(const joint_extent *e, const joint_shape *s) {
 
 static double choose(const joint_extent *e, const joint_shape *s, bool search) {
     const double dims = dims_of(e, s);
-    const double sources = e->texels <= JOINT_EXACT ? e->texels : JOINT_REACH + NEAR;
+    const double sources = e->texels <= JOINT_EXACT ? e->texels : JOINT_GRID_SOURCES + NEAR;
     double cost = points(e) * per_gain_dim * dims;
     if (search && (s->effects & BTF_EFFECT_SHIFT))
         cost += points(e) * (per_search + sources * (per_pair + per_pair_dim * dims));

@@ -42,21 +42,16 @@ double joint_cost_measure(const joint_extent *e, const joint_shape *shape);
 typedef struct joint_costs {
     double survey;     /* scale, energies, a probe of SBRDFs */
     double start;      /* the plain factorisation */
-    double candidates; /* trials; 0 where there is but one */
+    double trials;     /* 0 where there is but one */
     double rounds;     /* of the best, or of the only one */
     double centres;
     double codes; /* rounding off and measuring */
 } joint_costs;
 
-/* Of a run with these options; only the extent of `data` is looked at. What ends early, since nothing is
- * gained any more, is counted in full. */
-joint_costs joint_cost_run(const enc_data *data, const joint_extent *extent,
-                           const enc_joint_options *options);
-
 /* The names of the stages. */
 #define JOINT_STAGE_SURVEY "joint: survey"
 #define JOINT_STAGE_START "joint: start"
-#define JOINT_STAGE_CANDIDATES "joint: candidates"
+#define JOINT_STAGE_TRIALS "joint: candidates"
 #define JOINT_STAGE_ROUNDS "joint: rounds"
 #define JOINT_STAGE_CENTRES "joint: centres"
 #define JOINT_STAGE_CODES "joint: codes"

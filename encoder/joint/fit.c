@@ -1,9 +1,12 @@
-/* The alternation: start, rounds and end of one fit (see joint_fit.h).
+/* The alternation: start, rounds and end of one fit (see fit.h).
  *
  * SPDX-License-Identifier: MIT
  */
 #include "fit.h"
+
+#include "choose.h"
 #include "cost.h"
+#include "front_fit.h"
 
 #include <assert.h>
 #include <math.h>

@@ -1,10 +1,10 @@
 /* One fit of the joint method: a model of given shape, its rounds, its codes.
  *
  * One round, given the per-view bases v of the sources:
- *   1. every point (texel, view) chooses source and gain anew       joint_choose.c, joint_search.c
- *   2. u: every source is solved for the points that chose it       joint_sources.c
+ *   1. every point (texel, view) chooses source and gain anew       choose.c, search.c
+ *   2. u: every source is solved for the points that chose it       sources.c
  *   3. gains are chosen again
- *   4. the front, in some rounds: every source's SBRDF and shadows  joint_front.c
+ *   4. the front, in some rounds: every source's SBRDF and shadows  front.c
  *   5. v: every view's basis is solved for all of its points, and gains chosen again
  * Each step minimises the one squared error over its unknowns and keeps the others, so that a round never
  * raises it.

@@ -11,9 +11,9 @@
 
 #include <stdint.h>
 
-struct joint_model;
+enum { JOINT_SHADOW_MAX = 255 }; /* the largest code of a shadow */
 
-/* What a front is made of. */
+/* The make of a front. */
 typedef struct joint_front_kind {
     int lobes; /* 1 .. ENC_MAX_LOBES */
     bool rgb;
@@ -39,19 +39,8 @@ void joint_front_destroy(joint_front **front);
 /* out [row] = m(l) * SBRDF * shadow of one source. */
 void joint_front_row(const joint_rows *rows, const joint_front *front, size_t source, size_t view,
                      float *out);
-
-/* The mean squared error of a sample that SBRDFs of this kind, alone and each for its own texel, leave of
- * `count` texels evenly spaced. Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO. */
-btf_result joint_front_probe(const joint_rows *rows, const joint_front_kind *kind, int starts, size_t count,
-                             double *out_error);
-
-/* The first fit of model->front: every source's SBRDF to all samples that refer to it, the residual left
- * out, then its shadows, in closed form, and the SBRDF again. `starts` fixed starts are tried. */
-btf_result joint_front_fit(const joint_rows *rows, struct joint_model *model, int starts);
-
-/* One refit of model->front for the present choices and residual: shadows in closed form, then the SBRDF
- * from where it is, then the shadows again. What would raise a source's squared error is not taken, so that
- * the total never rises. Errors of both: BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED. */
-btf_result joint_front_refit(const joint_rows *rows, struct joint_model *model);
+/* The same without the shadow. */
+void joint_front_row_lit(const joint_rows *rows, const joint_front *front, size_t source, size_t view,
+                         float *out);
 
 #endif

@@ -1,9 +1,9 @@
-/* Cluster centres in competition with sources (see joint_centres.h).
+/* Cluster centres in competition with sources. See hidden.h.
  *
  * SPDX-License-Identifier: MIT
  */
 #include "hidden.h"
-#include "fit.h"
+
 #include "encoder/math/kmeans.h"
 
 #include <math.h>
@@ -19,12 +19,12 @@ enum {
 
 static const uint64_t seed = 20;
 
-void joint_centres_clear(joint_centres *centres) {
+void joint_hidden_clear(joint_hidden *centres) {
     free(centres->codes);
     free(centres->point);
     free(centres->centre);
     free(centres->error);
-    *centres = (joint_centres){0};
+    *centres = (joint_hidden){0};
 }
 
 static btf_result no_memory(const joint_rows *rows, size_t count) {
@@ -134,7 +134,7 @@ static bool move_centres(crowd *c, size_t count) {
 }
 
 /* Rounds centres to codes; they become what the codes decode to, in the fitted domain. */
-static void round_off(const crowd *c, size_t count, joint_centres *out) {
+static void round_off(const crowd *c, size_t count, joint_hidden *out) {
     const size_t lights = c->rows->row / 3;
     float largest = 0.0f;
     for (size_t i = 0; i < count; i++)
@@ -153,7 +153,7 @@ static void round_off(const crowd *c, size_t count, joint_centres *out) {
 }
 
 /* The points that gain by the centres of the codes. */
-static void take_members(const crowd *c, joint_centres *out) {
+static void take_members(const crowd *c, joint_hidden *out) {
     for (size_t i = 0; i < c->n; i++) {
         const float *a = c->row + i * c->stride, *b = c->centre + c->index[i] * c->stride;
         double square = 0.0;
@@ -168,7 +168,7 @@ static void take_members(const crowd *c, joint_centres *out) {
     }
 }
 
-static btf_result cluster(crowd *c, size_t count, joint_centres *out) {
+static btf_result cluster(crowd *c, size_t count, joint_hidden *out) {
     size_t changed;
     btf_result result = enc_kmeans(c->n, c->stride, c->row, count, LLOYD, seed, false, c->centre, c->index);
     for (int round = 0; round <= ROUNDS && result == BTF_OK; round++) {
@@ -190,10 +190,10 @@ static btf_result cluster(crowd *c, size_t count, joint_centres *out) {
     return result == BTF_OK || result == BTF_ERROR_MEMORY ? no_memory(c->rows, count) : result;
 }
 
-btf_result joint_centres_find(joint_fit *fit, size_t count, joint_centres *out_centres) {
+btf_result joint_hidden_find(joint_fit *fit, size_t count, joint_hidden *out_centres) {
     const joint_rows *rows = fit->rows;
     crowd c = {0};
-    *out_centres = (joint_centres){0};
+    *out_centres = (joint_hidden){0};
     btf_result result = joint_fit_point_errors(fit);
     if (result == BTF_OK)
         result = crowd_init(rows, fit->model.point_error, count * CANDIDATES, count, &c);
@@ -204,12 +204,12 @@ btf_result joint_centres_find(joint_fit *fit, size_t count, joint_centres *out_c
     if (result == BTF_OK && count > 0)
         result = cluster(&c, count, out_centres);
     if (result != BTF_OK)
-        joint_centres_clear(out_centres);
+        joint_hidden_clear(out_centres);
     crowd_clear(&c);
     return result;
 }
 
-btf_result joint_centres_apply(joint_fit *fit, joint_centres *centres) {
+btf_result joint_hidden_apply(joint_fit *fit, joint_hidden *centres) {
     const size_t points = fit->rows->texels * fit->rows->views;
     joint_model *model = &fit->model;
     model->centre = calloc(points, sizeof *model->centre);
@@ -227,6 +227,95 @@ btf_result joint_centres_apply(joint_fit *fit, joint_centres *centres) {
     fit->centre_scale = centres->scale;
     fit->centre_codes = centres->codes;
     centres->codes = NULL;
-    joint_centres_clear(centres);
+    joint_hidden_clear(centres);
     return BTF_OK;
+}
+
+/* Centres that the budget holds beside r->best with k components. */
+static size_t room(const joint_run *r, size_t k) {
+    joint_shape shape = joint_fit_shape(&r->best);
+    shape.components = k;
+    shape.effects |= BTF_EFFECT_HIDDEN;
+    const uint64_t bytes = joint_bytes(r->rows.data, &shape);
+    const uint64_t each = 4 * (uint64_t)r->rows.data->n_lights;
+    const uint64_t most = bytes < r->budget ? (r->budget - bytes) / each : 0;
+    /* one block of FORMAT.md section 3: nothing is rounded up */
+    return (size_t)(most < JOINT_MOST_CENTRES ? most : JOINT_MOST_CENTRES);
+}
+
+/* r->best without its last four components, in the principal basis that it is in. */
+static btf_result shorten(joint_run *r) {
+    joint_fit shorter = {0};
+    joint_fit_rest(&r->best);
+    const btf_result result =
+        joint_fit_start(&r->best, r->best.model.k - JOINT_LAYER, r->best.effects, &shorter);
+    if (result == BTF_OK) {
+        joint_fit_clear(&r->best);
+        r->best = shorter;
+    } else {
+        joint_fit_clear(&shorter);
+    }
+    return result;
+}
+
+/* What the last four components explain; brings r->best into its principal basis. */
+static btf_result last_energy(joint_run *r, double *out_energy) {
+    const size_t k = r->best.model.k;
+    double *energy = malloc((k + 1) * sizeof *energy);
+    if (!energy)
+        return enc_fail(r->rows.context, BTF_ERROR_MEMORY, "joint: out of memory for %zu components", k);
+    const btf_result result = joint_principal_basis(&r->rows, &r->best.model, energy);
+    *out_energy = 0.0;
+    for (size_t j = k - JOINT_LAYER; j < k && result == BTF_OK; j++)
+        *out_energy += energy[j];
+    joint_fit_rest(&r->best);
+    free(energy);
+    return result;
+}
+
+/* Notes what centres would do; whether they are worth it. */
+static bool worth_it(joint_run *r, const joint_hidden *centres, size_t k, double error) {
+    joint_shape shape = joint_fit_shape(&r->best);
+    shape.components = k;
+    shape.effects |= BTF_EFFECT_HIDDEN;
+    shape.centres = centres->count;
+    const double gain = 10.0 * log10(r->best.error / fmax(error, 1e-30));
+    const bool worth = centres->count > 0 && (!r->options->choose || gain >= r->options->effect_tolerance);
+    joint_run_note(r, &shape, error, worth ? "best so far" : "left out");
+    return worth;
+}
+
+btf_result joint_try_hidden(joint_run *r) {
+    const uint32_t needed = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN;
+    const size_t k = r->best.model.k, beside = room(r, k),
+                 more = k > JOINT_LAYER ? room(r, k - JOINT_LAYER) : 0;
+    joint_hidden few = {0}, many = {0};
+    double lost = 0.0;
+    btf_result result = BTF_OK;
+    if (!(r->options->effects & BTF_EFFECT_HIDDEN) || (r->best.effects & needed) != needed ||
+        r->best.error <= r->enough)
+        return BTF_OK;
+    if (beside > 0)
+        result = joint_hidden_find(&r->best, beside, &few);
+    if (result == BTF_OK && more > beside)
+        result = joint_hidden_find(&r->best, more, &many);
+    if (result == BTF_OK && more > beside)
+        result = last_energy(r, &lost);
+    const bool forced = !r->options->choose && few.count == 0 && many.count > 0;
+    if (result == BTF_OK && (many.saved - lost > few.saved || forced)) {
+        if (worth_it(r, &many, k - JOINT_LAYER, r->best.error + lost - many.saved)) {
+            result = joint_hidden_apply(&r->best, &many);
+            if (result == BTF_OK)
+                result = shorten(r);
+        }
+    } else if (result == BTF_OK && few.count > 0) {
+        if (worth_it(r, &few, k, r->best.error - few.saved))
+            result = joint_hidden_apply(&r->best, &few);
+    }
+    joint_hidden_clear(&few);
+    joint_hidden_clear(&many);
+    if (result == BTF_OK && (r->best.effects & BTF_EFFECT_HIDDEN))
+        result = joint_fit_round(&r->best);
+    joint_fit_rest(&r->best);
+    return result;
 }

@@ -6,74 +6,21 @@
 #ifndef OPENBTF_ENCODER_JOINT_JOINT_H
 #define OPENBTF_ENCODER_JOINT_JOINT_H
 
+#include "cost.h"
+#include "options.h"
 #include "encoder/data/data.h"
 #include "encoder/model/solution.h"
-#include "encoder/model/trial.h"
-
-#include <stdbool.h>
-
-typedef enum enc_joint_preset {
-    ENC_JOINT_FAST = 0,
-    ENC_JOINT_MEDIUM = 1,
-    ENC_JOINT_THOROUGH = 2,
-    ENC_JOINT_EXHAUSTIVE = 3,
-} enc_joint_preset;
-
-typedef enum enc_joint_metric {
-    ENC_JOINT_BALANCED = 0, /* square-root domain: near the best of both */
-    /* the same: an sRGB-coded domain gained nothing in its own figure (prototype, low-rank sources: 29.4
-     * against 29.4 dB on BRICKS64, 36.9 against 37.0 on IMPALLA64) */
-    ENC_JOINT_SRGB = 1,
-    ENC_JOINT_LINEAR = 2, /* linear domain */
-} enc_joint_metric;
-
-typedef struct enc_joint_options {
-    int preset;       /* enc_joint_preset; default medium */
-    int metric;       /* enc_joint_metric; default balanced */
-    uint32_t effects; /* btf_effect bits; default all */
-    bool choose;      /* default: those of `effects` are used that pay; false: all of them, in any case */
-    /* dB in the fitted domain that an effect must bring against the components that its bytes could hold;
-     * default 0.05. The second counts for each MB more, default 0. */
-    double effect_tolerance, effect_tolerance_bytes;
-    double front_tolerance; /* dB that an SBRDF in front of the residual may cost; default 0.1 */
-    uint64_t
-        budget; /* gpu bytes at most; 0: what layout `paper` takes (2.36 MB for 64x64, 81 directions) */
-    double
-        quality; /* dB of sRGB-coded PSNR that is enough; 0: 55 dB in the fitted domain, where codes end */
-    int rounds;  /* rounds at most; 0: as the preset says */
-    double
-        tolerance;  /* a round that lowers the error by less than this part is the last; 0: the preset's */
-    int components; /* residual components at most; 0: as many as the budget allows */
-} enc_joint_options;
-
-/* The defaults above. */
-enc_joint_options enc_joint_options_default(void);
-
-enum {
-    ENC_JOINT_MAX_ROUNDS = 1000,
-    ENC_JOINT_MOST_COMPONENTS = 128, /* more would make the solves of every source dominate */
-};
-
-/* What the fit went through. */
-typedef struct enc_joint_stats {
-    int rounds; /* rounds of the chosen shape */
-    double
-        history[ENC_JOINT_MAX_ROUNDS]; /* its error after each round: sum of squares in the fitted domain */
-    double error;                      /* the same for the codes of the file */
-    double psnr_fitted;                /* dB, peak 1 in the fitted domain, of the codes */
-    double psnr_linear, psnr_srgb;     /* dB over all samples clipped to [0, 1], of the codes */
-    uint64_t gpu_bytes;                /* of layout `tight` */
-    size_t moved;                      /* points (texel, view) with a shift */
-    enc_trial trials[ENC_MAX_TRIALS];  /* in the order in which they were tried */
-    int trials_count;
-} enc_joint_stats;
 
 /* Analyses `data`: chooses effects, SBRDF and number of components that serve best within the budget, and
- * fits them. The
- * same data and options give the same solution for any number of threads. out_stats may be NULL. Errors:
- * BTF_ERROR_USAGE (a budget that holds nothing), BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED. On
- * error *out_solution is zeroed. */
+ * fits them. The same data and options give the same solution for any number of threads. out_stats may be
+ * NULL. Errors: BTF_ERROR_USAGE (a budget that holds nothing), BTF_ERROR_MEMORY, BTF_ERROR_IO,
+ * BTF_ERROR_INTERRUPTED. On error *out_solution is zeroed. */
 btf_result enc_joint(const enc_context *context, const enc_data *data, const enc_joint_options *options,
                      enc_solution *out_solution, enc_joint_stats *out_stats);
+
+/* The cost of enc_joint with these options, by stage; only the extent of `data` is looked at. Rounds
+ * that end early, since nothing is gained any more, are counted in full. */
+joint_costs joint_cost_run(const enc_data *data, const joint_extent *extent,
+                           const enc_joint_options *options);
 
 #endif

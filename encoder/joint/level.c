@@ -1,10 +1,13 @@
-/* Levels of the joint method. See level_joint.h.
+/* Levels of the joint method. See level.h.
  *
  * SPDX-License-Identifier: MIT
  */
 #include "level.h"
+
+#include "choose.h"
 #include "fit.h"
-#include "encoder/job/levels.h"
+#include "front_fit.h"
+#include "solve.h"
 
 #include <assert.h>
 #include <math.h>
@@ -16,7 +19,7 @@ enum {
     STARTS = 2, /* of the SBRDF's first fit */
 };
 
-/* As for level 0 (joint.c). */
+/* As for level 0 (fit.c). */
 static const double shift_tolerance = 1e-6, prior_strength = 3.0;
 
 /* Codes of component j of u count in units of the square root of their mean square in level 0, so that u
@@ -187,7 +190,7 @@ static btf_result fit_lone_front(const joint_rows *rows, const enc_solution *bas
     return result;
 }
 
-btf_result enc_level_joint(const enc_context *context, const enc_data *data, const enc_solution *base,
+btf_result enc_joint_level(const enc_context *context, const enc_data *data, const enc_solution *base,
                            enc_solution *out_solution) {
     joint_rows rows = {0};
     *out_solution = enc_level_of(base, data->width, data->height);

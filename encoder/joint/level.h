@@ -12,7 +12,7 @@
  * search, as for level 0; then U is rounded to codes and the choices are made for those. *out_solution owns
  * its own maps and no others (enc_level_clear). Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO,
  * BTF_ERROR_INTERRUPTED. */
-btf_result enc_level_joint(const enc_context *context, const enc_data *data, const enc_solution *base,
+btf_result enc_joint_level(const enc_context *context, const enc_data *data, const enc_solution *base,
                            enc_solution *out_solution);
 
 #endif

@@ -1,4 +1,4 @@
-/* What a solution of the joint method decodes to, at the sampled directions, against the data.
+/* The error of a solution of the joint method, decoded at the sampled directions, against the data.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -6,7 +6,7 @@
 #ifndef OPENBTF_ENCODER_JOINT_QUANTISE_H
 #define OPENBTF_ENCODER_JOINT_QUANTISE_H
 
-#include "sources.h"
+#include "solve.h"
 
 /* Codes of the residual (FORMAT.md section 3): v = v code * v_step * m(l) and u = u code * u_step. */
 typedef struct joint_codes {

@@ -1,4 +1,4 @@
-/* Rows of a joint fit: clipping, the square root, and passes over all data (see joint_rows.h).
+/* Rows of a joint fit: clipping, the square root, and passes over all data (see rows.h).
  *
  * Highlights: least squares on radiance that reaches 10 or 100 would spend everything on a few samples
  * (prototype: an unclipped set costs PCA 1.6 dB). Where some exceed 1, the scale is the 99.9th percentile

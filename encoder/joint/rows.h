@@ -27,7 +27,7 @@ typedef struct joint_rows {
     enc_gemm_tile tile;
 } joint_rows;
 
-/* Reads the data once: finds the scale (see joint_rows.c) and the energies.
+/* Reads the data once: finds the scale (see rows.c) and the energies.
  * Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED. Free with joint_rows_clear in any case. */
 btf_result joint_rows_init(const enc_context *context, const enc_data *data, bool root,
                            joint_rows *out_rows);

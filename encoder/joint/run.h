@@ -1,4 +1,4 @@
-/* One run of the joint method: what its parts share. Internal.
+/* One run of the joint method: the state and the steps that its parts share. Internal.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -9,16 +9,7 @@
 #include "cost.h"
 #include "fit.h"
 #include "measure.h"
-
-/* What a preset stands for. */
-typedef struct joint_preset_values {
-    int start;        /* subspace iterations of the plain factorisation */
-    int candidates;   /* shapes that are tried */
-    int trial;        /* rounds of a trial */
-    int rounds;       /* rounds of the best, trial included */
-    int front;        /* the same where sources have no residual */
-    double tolerance; /* relative decrease of the error that ends the rounds */
-} joint_preset_values;
+#include "options.h"
 
 typedef struct joint_run {
     const enc_joint_options *options;
@@ -34,28 +25,12 @@ typedef struct joint_run {
     joint_costs costs; /* predicted */
 } joint_run;
 
-enum {
-    JOINT_MOST_CANDIDATES = 20,
-    JOINT_LAYER = 4,          /* components of a texture layer */
-    JOINT_PROBED = 64,        /* texels that a plain SBRDF is tried on first */
-    JOINT_FRONT_STEPS = 2,    /* least squares of the residual when it gets a front */
-    JOINT_MOST_CENTRES = 512, /* the time of the clustering grows with their square */
-    JOINT_REDUCE_ROUNDS = 3   /* after components were dropped for --quality */
-};
+enum { JOINT_REDUCE_ROUNDS = 3 }; /* after components were dropped for --quality */
 
 /* A run before it begins: options, preset and budget for the extent of `data`, whose samples are not looked
  * at. */
 joint_run joint_run_prepare(const enc_context *context, const enc_data *data,
                             const enc_joint_options *options);
-
-/* The candidates that are tried, most promising first; needs what joint_run_prepare sets. Returns their
- * number. */
-int joint_list_candidates(const joint_run *r, joint_shape list[JOINT_MOST_CANDIDATES]);
-
-/* Rounds of the best at most, where the first candidate is this; and of a trial, where there are `count`
- * candidates. */
-int joint_run_round_count(const joint_run *r, const joint_shape *first);
-int joint_run_trial_count(const joint_run *r, int count, int rounds);
 
 /* Begins a stage of the run that is predicted to cost so much. */
 void joint_run_stage(const joint_run *r, const char *name, double cost);
@@ -84,22 +59,5 @@ btf_result joint_run_finish_part(joint_run *r, const joint_fit *from, size_t k, 
 
 /* Notes a candidate in stats and log; psnr in the fitted domain, CPU time since the one before. */
 void joint_run_note(joint_run *r, const joint_shape *shape, double error, const char *verdict);
-
-/* Tries shapes and leaves the best in r->best, unfinished; it stays empty when none fits the budget
- * (joint_candidates.c). */
-btf_result joint_try_candidates(joint_run *r);
-
-/* Hidden points and centres for r->best, where it has shift and gain: in the bytes that are left, or in
- * those of the last four components where that saves more (joint_hide.c). */
-btf_result joint_try_centres(joint_run *r);
-
-/* An SBRDF alone, if a sample of texels says that this is enough: *out_done where it was
- * (joint_candidates.c). */
-btf_result joint_try_plain_sbrdf(joint_run *r, enc_solution *out_solution, joint_error *out_error,
-                                 bool *out_done);
-
-/* options->quality: replaces *solution by the fewest bytes that reach it, of the best fit and of the plain
- * one (joint_quality.c). */
-btf_result joint_reach_quality(joint_run *r, enc_solution *solution, joint_error *error);
 
 #endif

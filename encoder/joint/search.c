@@ -1,6 +1,6 @@
-/* Exact search by blocked matrix product (see joint_search.h).
+/* Exact search by blocked matrix product (see search.h).
  *
- * Which sources a point looks at is settled by joint_reach.c. They are normalised and packed in chunks of
+ * Which sources a point looks at is settled by search_set.c. They are normalised and packed in chunks of
  * 256; for one query, the sixteen vector lanes of a chunk
  * are sixteen groups of sixteen sources. The product in floats keeps the largest value of every group, no
  * index; then the groups that can hold the winner, by a bound on the rounding error of the product, are
@@ -29,7 +29,7 @@ enum {
 
 /* Packed sources of one view. */
 typedef struct candidates {
-    joint_reach reach;
+    joint_search_set search_set;
     float *packed;     /* unit vectors, [panel][k][32] */
     float *low, *high; /* [padded] range of gain * |z| */
     double *norm;      /* [texel] |z|^2 */
@@ -37,7 +37,7 @@ typedef struct candidates {
 } candidates;
 
 static void candidates_clear(candidates *set) {
-    joint_reach_clear(&set->reach);
+    joint_search_set_clear(&set->search_set);
     free(set->packed);
     free(set->low);
     free(set->high);
@@ -51,7 +51,7 @@ static void pack_panel(const joint_search *search, const candidates *set, const 
     float *packed = set->packed + panel * ENC_GEMM_N * k;
     for (size_t i = 0; i < ENC_GEMM_N; i++) {
         const size_t slot = panel * ENC_GEMM_N + i;
-        const uint32_t source = set->reach.source[slot];
+        const uint32_t source = set->search_set.source[slot];
         const bool pads = source == JOINT_NO_SOURCE;
         const double norm = pads ? 0.0 : set->norm[source];
         const double length = sqrt(norm), inverse = norm > 0.0 ? 1.0 / length : 0.0;
@@ -65,17 +65,18 @@ static void pack_panel(const joint_search *search, const candidates *set, const 
 static btf_result candidates_init(const joint_search *search, const float *z, const uint32_t *match,
                                   candidates *set) {
     const size_t k = search->k, texels = (size_t)search->width * (size_t)search->height;
-    const btf_result result = joint_reach_create(search->width, search->height, search->reach,
-                                                 search->window, search->phase, &set->reach);
+    const btf_result result = joint_search_set_create(search->width, search->height, search->sources,
+                                                      search->window, search->phase, &set->search_set);
     if (result != BTF_OK)
         return result;
-    const size_t slots = set->reach.chunks * CHUNK;
+    const size_t slots = set->search_set.chunks * CHUNK;
     set->packed = enc_gemm_alloc(slots * k);
     set->low = enc_gemm_alloc(slots);
     set->high = enc_gemm_alloc(slots);
     set->norm = malloc(texels * sizeof(double));
-    set->before = set->reach.complete ? NULL : malloc(texels * sizeof *set->before);
-    if (!set->packed || !set->low || !set->high || !set->norm || (!set->reach.complete && !set->before))
+    set->before = set->search_set.complete ? NULL : malloc(texels * sizeof *set->before);
+    if (!set->packed || !set->low || !set->high || !set->norm ||
+        (!set->search_set.complete && !set->before))
         return BTF_ERROR_MEMORY;
     if (set->before)
         memcpy(set->before, match, texels * sizeof *set->before);
@@ -83,7 +84,7 @@ static btf_result candidates_init(const joint_search *search, const float *z, co
     for (size_t i = 0; i < texels; i++)
         set->norm[i] = enc_dot(k, z + i * k, z + i * k);
 #pragma omp parallel for num_threads(search->threads)
-    for (size_t panel = 0; panel < set->reach.chunks * PANELS; panel++)
+    for (size_t panel = 0; panel < set->search_set.chunks * PANELS; panel++)
         pack_panel(search, set, z, panel);
     return BTF_OK;
 }
@@ -223,8 +224,8 @@ static void follow(const joint_search *search, const candidates *set, const floa
 static void scan(const joint_search *search, const candidates *set, size_t block, const float *maxima,
                  const float *c, const float *z, float energy, uint32_t texel, uint32_t *match,
                  uint8_t *gain, double *out_value) {
-    const size_t groups = set->reach.chunk_count[block] * LANES;
-    const uint32_t *chunks = set->reach.chunk + set->reach.first_chunk[block];
+    const size_t groups = set->search_set.chunk_count[block] * LANES;
+    const uint32_t *chunks = set->search_set.chunk + set->search_set.first_chunk[block];
     const double length = enc_dot(search->k, c, c);
     const double margin = 2.5e-7 * (double)(search->k + 8) * length + 1e-30;
     choice best = {-DBL_MAX, 1e-9 * energy, 0, texel, search->gains.low};
@@ -244,7 +245,7 @@ static void scan(const joint_search *search, const candidates *set, size_t block
                 continue;
             for (size_t j = 0; j < GROUP; j++) {
                 const uint32_t source =
-                    set->reach.source[(size_t)chunks[i / LANES] * CHUNK + j * LANES + i % LANES];
+                    set->search_set.source[(size_t)chunks[i / LANES] * CHUNK + j * LANES + i % LANES];
                 if (source != JOINT_NO_SOURCE)
                     consider(search, set, c, z, texel, source, &best);
             }
@@ -276,24 +277,24 @@ btf_result joint_search_view(const joint_search *search, const float *c, const f
     btf_result result = candidates_init(search, z, match, &set);
     if (result != BTF_OK)
         goto fail;
-    const size_t pitch = set.reach.most_chunks * LANES, per_thread = JOINT_QUERIES * (k + pitch);
+    const size_t pitch = set.search_set.most_chunks * LANES, per_thread = JOINT_QUERIES * (k + pitch);
     result = BTF_ERROR_MEMORY;
     scratch = enc_gemm_alloc(per_thread * (size_t)search->threads);
     if (!scratch)
         goto fail;
 #pragma omp parallel for schedule(dynamic) num_threads(search->threads)
-    for (size_t block = 0; block < set.reach.blocks; block++) {
+    for (size_t block = 0; block < set.search_set.blocks; block++) {
         _Alignas(64) float tile[ENC_GEMM_M * ENC_GEMM_N];
         float *packed = scratch + per_thread * (size_t)enc_thread_index();
         float *maxima = packed + JOINT_QUERIES * k;
-        const uint32_t *query = set.reach.query + set.reach.first_query[block];
-        const uint32_t *chunks = set.reach.chunk + set.reach.first_chunk[block];
-        const size_t count = set.reach.first_query[block + 1] - set.reach.first_query[block];
+        const uint32_t *query = set.search_set.query + set.search_set.first_query[block];
+        const uint32_t *chunks = set.search_set.chunk + set.search_set.first_chunk[block];
+        const size_t count = set.search_set.first_query[block + 1] - set.search_set.first_query[block];
         const size_t padded = enc_gemm_panels(count, ENC_GEMM_M) * ENC_GEMM_M;
         pack_queries(count, k, c, query, packed);
         for (size_t i = 0; i < padded * pitch; i++)
             maxima[i] = -FLT_MAX;
-        for (size_t chunk = 0; chunk < set.reach.chunk_count[block]; chunk++)
+        for (size_t chunk = 0; chunk < set.search_set.chunk_count[block]; chunk++)
             for (size_t q = 0; q < padded; q += ENC_GEMM_M)
                 for (size_t i = 0; i < PANELS; i++) {
                     const size_t panel = (size_t)chunks[chunk] * PANELS + i;

@@ -33,15 +33,15 @@ static inline int joint_best_gain(const joint_gains *gains, double dot, double n
 }
 
 /* Beyond 64x64 texels, sources of the grid that a point looks at and tiles around its own (see
- * joint_reach.h), so that the cost of a round grows linearly with texels. */
-enum { JOINT_REACH = 1024, JOINT_WINDOW = 1 };
+ * search_set.h), so that the cost of a round grows linearly with texels. */
+enum { JOINT_GRID_SOURCES = 1024, JOINT_WINDOW = 1 };
 
 /* What a search needs to know of the texture. */
 typedef struct joint_search {
     int width, height;
     size_t k;
     joint_gains gains;
-    size_t reach;     /* sources of the grid beyond 64x64 texels; 0: no bound, every point looks at all */
+    size_t sources;   /* sources of the grid beyond 64x64 texels; 0: no bound, every point looks at all */
     int window;       /* tiles around a point's own whose sources it looks at too */
     unsigned phase;   /* place of the grid: another for each search of one data set */
     double tolerance; /* a shift must lower the squared distance by this much of |row|^2 */

@@ -1,4 +1,4 @@
-/* Tiles, grids and blocks (see joint_reach.h).
+/* Tiles, grids and blocks (see search_set.h).
  *
  * SPDX-License-Identifier: MIT
  */
@@ -37,7 +37,7 @@ static bool cell_in_reach(const axis *a, int tile, int cell) {
     return false;
 }
 
-static btf_result allocate(joint_reach *r, size_t texels, size_t chunks, size_t blocks, size_t lists) {
+static btf_result allocate(joint_search_set *r, size_t texels, size_t chunks, size_t blocks, size_t lists) {
     r->texels = texels;
     r->chunks = chunks;
     r->blocks = blocks;
@@ -53,7 +53,7 @@ static btf_result allocate(joint_reach *r, size_t texels, size_t chunks, size_t 
 }
 
 /* Every point looks at every source. */
-static btf_result complete(size_t texels, joint_reach *r) {
+static btf_result complete(size_t texels, joint_search_set *r) {
     const size_t chunks = (texels + JOINT_CHUNK - 1) / JOINT_CHUNK;
     const size_t blocks = (texels + JOINT_QUERIES - 1) / JOINT_QUERIES;
     const btf_result result = allocate(r, texels, chunks, blocks, chunks);
@@ -126,7 +126,8 @@ static size_t list_chunks(const axis *x, const axis *y, int column, int row, int
 }
 
 /* Blocks of points: each tile's, halved. */
-static void fill_blocks(const axis *x, const axis *y, int window, int *columns, int *rows, joint_reach *r) {
+static void fill_blocks(const axis *x, const axis *y, int window, int *columns, int *rows,
+                        joint_search_set *r) {
     size_t block = 0, points = 0, lists = 0;
     for (int row = 0; row < y->tiles; row++)
         for (int column = 0; column < x->tiles; column++) {
@@ -155,12 +156,12 @@ static int grid_stride(int width, int height, size_t sources) {
     return stride > 1 ? stride : 1;
 }
 
-btf_result joint_reach_create(int width, int height, size_t sources, int window, unsigned phase,
-                              joint_reach *out_reach) {
+btf_result joint_search_set_create(int width, int height, size_t sources, int window, unsigned phase,
+                                   joint_search_set *out_set) {
     const size_t texels = (size_t)width * (size_t)height;
-    *out_reach = (joint_reach){0};
+    *out_set = (joint_search_set){0};
     if (sources == 0 || texels <= JOINT_EXACT)
-        return complete(texels, out_reach);
+        return complete(texels, out_set);
     /* all stride * stride offsets in turn, neither axis still for long */
     const int stride = grid_stride(width, height, sources),
               turn = (int)(phase % (unsigned)(stride * stride));
@@ -175,26 +176,26 @@ btf_result joint_reach_create(int width, int height, size_t sources, int window,
         for (int column = 0; column < x.tiles; column++)
             lists += list_chunks(&x, &y, column, row, window, columns, rows, NULL);
     const size_t tiles = (size_t)x.tiles * (size_t)y.tiles, cells = (size_t)x.cells * (size_t)y.cells;
-    const btf_result result = allocate(out_reach, texels, tiles + cells, 2 * tiles, lists);
+    const btf_result result = allocate(out_set, texels, tiles + cells, 2 * tiles, lists);
     if (result == BTF_OK) {
         for (size_t i = 0; i < tiles; i++)
             fill_chunk(&x, &y, (int)i % x.tiles, (int)i / x.tiles, false,
-                       out_reach->source + i * JOINT_CHUNK);
+                       out_set->source + i * JOINT_CHUNK);
         for (size_t i = 0; i < cells; i++)
             fill_chunk(&x, &y, (int)i % x.cells, (int)i / x.cells, true,
-                       out_reach->source + (tiles + i) * JOINT_CHUNK);
-        fill_blocks(&x, &y, window, columns, rows, out_reach);
+                       out_set->source + (tiles + i) * JOINT_CHUNK);
+        fill_blocks(&x, &y, window, columns, rows, out_set);
     }
     free(columns);
     return result;
 }
 
-void joint_reach_clear(joint_reach *reach) {
-    free(reach->source);
-    free(reach->query);
-    free(reach->first_query);
-    free(reach->chunk);
-    free(reach->first_chunk);
-    free(reach->chunk_count);
-    *reach = (joint_reach){0};
+void joint_search_set_clear(joint_search_set *set) {
+    free(set->source);
+    free(set->query);
+    free(set->first_query);
+    free(set->chunk);
+    free(set->first_chunk);
+    free(set->chunk_count);
+    *set = (joint_search_set){0};
 }

@@ -25,7 +25,7 @@ enum {
 
 #define JOINT_NO_SOURCE UINT32_MAX
 
-typedef struct joint_reach {
+typedef struct joint_search_set {
     size_t texels, chunks, blocks;
     uint32_t *source;      /* [chunk][JOINT_CHUNK] texel of a source, or JOINT_NO_SOURCE */
     uint32_t *query;       /* [texel] points in the order of blocks */
@@ -35,12 +35,13 @@ typedef struct joint_reach {
     uint32_t *chunk_count; /* [block]: ... and their number */
     size_t most_chunks;    /* the largest number */
     bool complete;         /* every point looks at every source */
-} joint_reach;
+} joint_search_set;
 
-/* sources 0: all, whatever their number. Free with joint_reach_clear in any case. Errors: BTF_ERROR_MEMORY.
+/* sources 0: all, whatever their number. Free with joint_search_set_clear in any case. Errors:
+ * BTF_ERROR_MEMORY.
  */
-btf_result joint_reach_create(int width, int height, size_t sources, int window, unsigned phase,
-                              joint_reach *out_reach);
-void joint_reach_clear(joint_reach *reach);
+btf_result joint_search_set_create(int width, int height, size_t sources, int window, unsigned phase,
+                                   joint_search_set *out_set);
+void joint_search_set_clear(joint_search_set *set);
 
 #endif

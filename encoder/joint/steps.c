@@ -1,15 +1,16 @@
-/* Fits of the joint method in a checkpoint. See joint_steps.h.
+/* Fits of the joint method in a checkpoint. See steps.h.
  *
  * SPDX-License-Identifier: MIT
  */
 #include "steps.h"
 
 #include "encoder/data/checkpoint.h"
-#include "joint.h"
+#include "options.h"
 #include "encoder/base/ranks.h"
 
 #include <assert.h>
 #include <float.h>
+#include <math.h>
 
 /* What of a fit is no array. Numbers only: a file may hold anything. */
 typedef struct scalars {
@@ -149,4 +150,11 @@ btf_result joint_step_keep(const char *name, const joint_fit *fit, const void *b
     put_arrays(&blob, &fit->model);
     enc_blob_put(&blob, beside, size);
     return enc_checkpoint_put(fit->rows->context, name, &blob);
+}
+
+bool joint_step_finite(const double *values, size_t count) {
+    bool good = true;
+    for (size_t i = 0; good && i < count; i++)
+        good = isfinite(values[i]);
+    return good;
 }

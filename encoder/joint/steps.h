@@ -16,4 +16,7 @@ bool joint_step_take(const joint_rows *rows, const char *name, joint_fit *out_fi
 /* Keeps a fit and what is beside it. Errors: those of enc_checkpoint_put. */
 btf_result joint_step_keep(const char *name, const joint_fit *fit, const void *beside, size_t size);
 
+/* Whether all numbers are finite: for the caller's check of the bytes beside a fit. */
+bool joint_step_finite(const double *values, size_t count);
+
 #endif

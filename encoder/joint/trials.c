@@ -1,14 +1,11 @@
-/* Candidates of the joint method: which effects and fronts are tried, and what decides between them (see
- * joint_run.h).
- *
- * A candidate is a shape: effects, a front or none, and as many components as the bytes beside them allow.
- * So the candidates of a residual take about the same bytes, and an effect has to bring more than the
- * components that its bytes could hold.
+/* Which shapes are tried, and what decides between them. See trials.h.
  *
  * SPDX-License-Identifier: MIT
  */
+#include "trials.h"
+
+#include "front_fit.h"
 #include "search_set.h"
-#include "run.h"
 
 #include <assert.h>
 #include <math.h>
@@ -75,7 +72,7 @@ static bool add_front(const joint_run *r, joint_shape *shape) {
 /* Adds a shape with these effects, and a front if asked for, where the budget holds one. */
 static void propose(const joint_run *r, uint32_t effects, bool front, joint_shape *list, int *count) {
     joint_shape shape = {.effects = effects};
-    assert(*count < JOINT_MOST_CANDIDATES);
+    assert(*count < JOINT_MOST_TRIALS);
     if (!front)
         shape.components = joint_run_components(r, &shape);
     if (front ? add_front(r, &shape) : shape.components > 0)
@@ -83,7 +80,7 @@ static void propose(const joint_run *r, uint32_t effects, bool front, joint_shap
 }
 
 /* With options->choose every set of the effects may be proposed, else only the given one. */
-int joint_list_candidates(const joint_run *r, joint_shape list[JOINT_MOST_CANDIDATES]) {
+int joint_list_trials(const joint_run *r, joint_shape list[JOINT_MOST_TRIALS]) {
     const uint32_t allowed = r->options->effects & ~(uint32_t)BTF_EFFECT_HIDDEN;
     const uint32_t maps = allowed & (BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN);
     const uint32_t shadow = allowed & BTF_EFFECT_SHADOW, residual = allowed & BTF_EFFECT_RESIDUAL;
@@ -107,17 +104,17 @@ int joint_list_candidates(const joint_run *r, joint_shape list[JOINT_MOST_CANDID
         propose(r, maps | shadow, true, list, &count);
     if (choose && !residual && shadow && maps)
         propose(r, maps, true, list, &count);
-    return r->rows.texels > SMALL && count > r->preset.candidates ? r->preset.candidates : count;
+    return r->rows.texels > SMALL && count > r->preset.trials ? r->preset.trials : count;
 }
 
-int joint_run_round_count(const joint_run *r, const joint_shape *first) {
+int joint_best_rounds(const joint_run *r, const joint_shape *first) {
     return r->options->rounds > 0  ? r->options->rounds
            : first->components > 0 ? r->preset.rounds
                                    : r->preset.front;
 }
 
-int joint_run_trial_count(const joint_run *r, int count, int rounds) {
-    return count > 1 && r->preset.trial < rounds ? r->preset.trial : rounds;
+int joint_trial_rounds(const joint_run *r, int count, int rounds) {
+    return count > 1 && r->preset.trial_rounds < rounds ? r->preset.trial_rounds : rounds;
 }
 
 /* dB that candidate b is better than a. */
@@ -194,16 +191,16 @@ static btf_result try_one(joint_run *r, const joint_shape *shape, int number, in
     return result;
 }
 
-btf_result joint_try_candidates(joint_run *r) {
-    joint_shape list[JOINT_MOST_CANDIDATES];
-    const int count = joint_list_candidates(r, list);
-    const int rounds = count > 0 ? joint_run_round_count(r, &list[0]) : 0;
-    const int trial = joint_run_trial_count(r, count, rounds);
+btf_result joint_try_shapes(joint_run *r) {
+    joint_shape list[JOINT_MOST_TRIALS];
+    const int count = joint_list_trials(r, list);
+    const int rounds = count > 0 ? joint_best_rounds(r, &list[0]) : 0;
+    const int trial = joint_trial_rounds(r, count, rounds);
     double history[ENC_JOINT_MAX_ROUNDS];
     btf_result result = BTF_OK;
     joint_fit_rest(&r->plain);
     if (count > 1)
-        joint_run_stage(r, JOINT_STAGE_CANDIDATES, r->costs.candidates);
+        joint_run_stage(r, JOINT_STAGE_TRIALS, r->costs.trials);
     else
         joint_run_stage(r, JOINT_STAGE_ROUNDS, r->costs.rounds);
     for (int i = 0; i < count && result == BTF_OK; i++) {

@@ -89,7 +89,7 @@ static btf_result search_rate(const bench_run *run, double *out_rate) {
                                  .height = run->data->height,
                                  .k = k,
                                  .gains = {BTF_GAIN_SCALE, 1, 255},
-                                 .reach = JOINT_REACH,
+                                 .sources = JOINT_GRID_SOURCES,
                                  .tolerance = 1e-6,
                                  .tile = enc_gemm_select(),
                                  .threads = run->context->threads};

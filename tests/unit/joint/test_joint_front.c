@@ -5,7 +5,9 @@
  */
 #include "encoder/joint/joint.h"
 #include "encoder/joint/budget.h"
+#include "encoder/joint/choose.h"
 #include "encoder/joint/fit.h"
+#include "encoder/joint/front_fit.h"
 #include "encoder/joint/measure.h"
 #include "encoder/paper/paper.h"
 #include "encoder/report/metrics.h"

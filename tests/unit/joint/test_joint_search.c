@@ -278,7 +278,7 @@ static void test_reach(void **unused) {
     solve(&p);
     memcpy(all, p.value, p.texels * sizeof *all);
     stay(&p);
-    p.search.reach = REACH;
+    p.search.sources = REACH;
     p.search.window = 1;
     for (unsigned phase = 0; phase < PLACES; phase++) {
         p.search.phase = phase + 7;
@@ -303,7 +303,7 @@ static void test_reach_threads(void **unused) {
     (void)unused;
     problem a = problem_create(131, 37, 6, true, 0.3f);
     uint32_t match[131 * 37];
-    a.search.reach = 256;
+    a.search.sources = 256;
     a.search.window = 1;
     solve(&a);
     memcpy(match, a.match, sizeof match);
@@ -319,8 +319,8 @@ static void test_reach_blocks(void **unused) {
     (void)unused;
     static const int sizes[][2] = {{90, 50}, {300, 20}, {4099, 1}, {1, 5000}, {257, 255}, {17, 9}};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
-        joint_reach r;
-        assert_int_equal(joint_reach_create(sizes[i][0], sizes[i][1], 256, 1, 3, &r), BTF_OK);
+        joint_search_set r;
+        assert_int_equal(joint_search_set_create(sizes[i][0], sizes[i][1], 256, 1, 3, &r), BTF_OK);
         assert_true(r.complete == (r.texels <= JOINT_EXACT));
         uint8_t *seen = calloc(r.texels, 1);
         assert_non_null(seen);
@@ -343,7 +343,7 @@ static void test_reach_blocks(void **unused) {
         for (size_t j = 0; j < r.chunks * JOINT_CHUNK; j++)
             assert_true(r.source[j] < r.texels || r.source[j] == JOINT_NO_SOURCE);
         free(seen);
-        joint_reach_clear(&r);
+        joint_search_set_clear(&r);
     }
 }
 

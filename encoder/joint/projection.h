@@ -1,0 +1,33 @@
+/* The data in a basis of few dimensions, in which sources are searched and solved.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_JOINT_PROJECTION_H
+#define OPENBTF_ENCODER_JOINT_PROJECTION_H
+
+#include "coordinates.h"
+#include "sources.h"
+
+enum {
+    JOINT_FRONT_DIMS = 12,     /* basis vectors for fronts beside a residual ... */
+    JOINT_LONE_DIMS = 48,      /* ... and without one */
+    JOINT_FRONT_SAMPLES = 128, /* fronts that the basis of a view is made from */
+};
+
+/* Per view an orthonormal basis that begins with the span of v[view], v = lower * basis, and every row in
+ * it. Without a front dims is k. With one, basis vectors follow that span most of what v leaves of the
+ * fronts; the last is zero, where a source has the length of what it has beyond the basis. */
+typedef struct joint_projection {
+    size_t dims;
+    float *basis;         /* [view][dims][row] */
+    float *lower;         /* [view][k][k] lower triangular */
+    joint_coordinates *c; /* [view], [texel][dims] = basis * row */
+} joint_projection;
+
+btf_result joint_projection_init(const joint_rows *rows, const joint_model *model,
+                                 joint_projection *out_projection);
+void joint_projection_clear(joint_projection *projection);
+/* Recomputes all three from model->v: one pass over the data. */
+btf_result joint_project(const joint_rows *rows, const joint_model *model, joint_projection *projection);
+
+#endif
