@@ -26,7 +26,7 @@ typedef struct candidate {
     float norm, dot;
 } candidate;
 
-/* What choosing needs. */
+/* The data and the scratch memory of a choice. */
 typedef struct chooser {
     const joint_rows *rows;
     const joint_projection *projection;
@@ -227,7 +227,7 @@ static void decide(void *user, size_t view, size_t first, size_t count, const fl
     }
 }
 
-/* What a view's choices within the basis leave. */
+/* Adds the error that a view's choices within the basis leave. */
 static void add_errors(chooser *c, size_t view) {
     const joint_rows *rows = c->rows;
     joint_model *model = c->model;
@@ -240,7 +240,8 @@ static void add_errors(chooser *c, size_t view) {
     }
 }
 
-/* What the ranks have chosen for their views, to all. Without a search the sources are as they were. */
+/* Hands all ranks the choices that each has made for its views. Without a search the sources are as they
+ * were. */
 static btf_result share(const chooser *c, bool search, btf_result result) {
     const joint_rows *rows = c->rows;
     joint_model *model = c->model;

@@ -1,4 +1,4 @@
-/* What the steps of the joint method cost. See cost.h.
+/* The costs of the steps of the joint method. See cost.h.
  *
  * SPDX-License-Identifier: MIT
  */

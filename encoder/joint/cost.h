@@ -1,4 +1,4 @@
-/* What the steps of the joint method cost, in core seconds on one core of an AMD EPYC (Zen 4) when it is
+/* The costs of the steps of the joint method, in core seconds on one core of an AMD EPYC (Zen 4) when it is
  * alone: sums over loops, whose constants were fitted to measured core times of 32x32 and 64x64 texels with
  * 25, 81 and 151 directions. Ratios hold elsewhere; the scale is what progress and prediction measure.
  *

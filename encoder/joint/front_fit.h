@@ -19,8 +19,8 @@ btf_result joint_front_probe(const joint_rows *rows, const joint_front_kind *kin
 btf_result joint_front_fit(const joint_rows *rows, joint_model *model, int starts);
 
 /* One refit of model->front for the present choices and residual: shadows in closed form, then the SBRDF
- * from where it is, then the shadows again. What would raise a source's squared error is not taken, so that
- * the total never rises. Errors of both: BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED. */
+ * from where it is, then the shadows again. A step that would raise a source's squared error is not taken,
+ * so that the total never rises. Errors of both: BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED. */
 btf_result joint_front_refit(const joint_rows *rows, joint_model *model);
 
 #endif

@@ -258,7 +258,7 @@ static btf_result shorten(joint_run *r) {
     return result;
 }
 
-/* What the last four components explain; brings r->best into its principal basis. */
+/* The squared error that the last four components explain; brings r->best into its principal basis. */
 static btf_result last_energy(joint_run *r, double *out_energy) {
     const size_t k = r->best.model.k;
     double *energy = malloc((k + 1) * sizeof *energy);

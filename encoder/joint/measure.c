@@ -12,7 +12,7 @@
 
 enum { TABLE = 8192 }; /* steps of the sRGB curve over sqrt(L); between them it is linear to 1e-8 */
 
-/* What the pass needs. */
+/* The data of the pass. */
 typedef struct measure_pass {
     const joint_rows *rows;
     const enc_solution *solution;

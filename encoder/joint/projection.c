@@ -81,7 +81,7 @@ static bool front_basis(const joint_rows *rows, const joint_model *model, size_t
     return ok;
 }
 
-/* What a projection pass needs. */
+/* The data of a projection pass. */
 typedef struct project_pass {
     const joint_rows *rows;
     joint_projection *projection;

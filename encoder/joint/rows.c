@@ -34,7 +34,7 @@ static btf_result load_block(const joint_rows *rows, size_t first, size_t first_
                                 &out->samples, &out->pitch);
 }
 
-/* What load_block needs; *out is NULL where that is nothing. False when out of memory. */
+/* The buffer of load_block; *out is NULL where it needs none. False when out of memory. */
 static bool block_buffer(const joint_rows *rows, size_t n_views, float **out) {
     *out = rows->data->samples ? NULL : enc_gemm_alloc(JOINT_BLOCK * n_views * rows->row);
     return *out || rows->data->samples;
@@ -94,7 +94,7 @@ btf_result joint_rows_pass(const joint_rows *rows, joint_pass_fn fn, void *user)
     return result;
 }
 
-/* What joint_rows_pick needs. */
+/* The arguments of joint_rows_pick. */
 typedef struct picker {
     const joint_rows *rows;
     joint_want_fn want;

@@ -36,7 +36,7 @@ static inline int joint_best_gain(const joint_gains *gains, double dot, double n
  * search_set.h), so that the cost of a round grows linearly with texels. */
 enum { JOINT_GRID_SOURCES = 1024, JOINT_WINDOW = 1 };
 
-/* What a search needs to know of the texture. */
+/* The texture and the limits of a search. */
 typedef struct joint_search {
     int width, height;
     size_t k;

@@ -107,7 +107,7 @@ static int near_cells(const axis *a, int tile, int *out) {
     return count;
 }
 
-/* What a tile's points look at; out may be NULL. */
+/* The sources that a tile's points look at; out may be NULL. */
 static size_t list_chunks(const axis *x, const axis *y, int column, int row, int window, int *columns,
                           int *rows, uint32_t *out) {
     size_t count = 0;

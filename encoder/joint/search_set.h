@@ -2,7 +2,7 @@
  *
  * Up to JOINT_EXACT of them, all. Beyond, two sets: the sources of the point's own tile of 16 x 16 texels
  * and of the tiles around it within `window`; and a grid of about `sources` over all that a shift reaches.
- * The grid moves with `phase`, so that in the course of the rounds every source comes by. What lies near
+ * The grid moves with `phase`, so that in the course of the rounds every source comes by. Sources near
  * the best of them is left to the search itself.
  *
  * Points are taken in blocks that share their sources, sources in chunks of 256.

@@ -206,7 +206,7 @@ static btf_result gather_views(u_step *step, const joint_model *model, float *sc
     return result;
 }
 
-/* What the ranks hand each other in one turn: the sums of `window` sources of every rank, by
+/* The exchange of the ranks in one turn: the sums of `window` sources of every rank, by
  * those who have the views. */
 typedef struct u_exchange {
     size_t at, window;       /* of each rank's sources: the turn's are from `at` on */
@@ -403,7 +403,7 @@ fail:
     return result;
 }
 
-/* What a pass that gathers the right-hand sides of v needs. */
+/* The data of a pass that gathers the right-hand sides of v. */
 typedef struct v_pass {
     const joint_rows *rows;
     const joint_model *model;

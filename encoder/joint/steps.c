@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-/* What of a fit is no array. Numbers only: a file may hold anything. */
+/* The parts of a fit that are no arrays. Numbers only: a file may hold anything. */
 typedef struct scalars {
     uint64_t texels, views, row, k;
     double error, prior;

@@ -122,8 +122,8 @@ static double gain(double a, double b) {
     return a > 0.0 ? (b > 0.0 ? 10.0 * log10(a / b) : HUGE_VAL) : b > 0.0 ? -HUGE_VAL : 0.0;
 }
 
-/* What a byte brings as components, in dB, by the last of the plain factorisation's. 0 where the budget
- * bounds the components: there all candidates take about the same bytes. */
+/* The gain of a byte spent on components, in dB, by the last of the plain factorisation's. 0 where the
+ * budget bounds the components: there all candidates take about the same bytes. */
 static double worth_of_byte(const joint_run *r) {
     const size_t k = r->plain.model.k;
     double last = 0.0;

@@ -1,4 +1,5 @@
-/* What a pixel covers of a row of other pixels, exactly, for area filters. Both rows span from * to parts.
+/* The exact part of a row of pixels that a pixel of another row covers, for area filters. Both rows span
+ * `from * to` parts.
  *
  * SPDX-License-Identifier: MIT
  */

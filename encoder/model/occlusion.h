@@ -1,5 +1,5 @@
-/* What the occlusion analysis knows of every (view, texel): its shift, whether it is hidden, its cluster
- * centre (paper 2.3). Made by flow.h, changed by refine.h and cluster.h, read by the packer.
+/* The findings of the occlusion analysis for every (view, texel): its shift, whether it is hidden, its
+ * cluster centre (paper 2.3). Made by flow.h, changed by refine.h and cluster.h, read by the packer.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -1,4 +1,5 @@
-/* What a method of analysis hands to the packer: every map of the model before it is laid out in textures.
+/* The result of a method of analysis, handed to the packer: every map of the model before it is laid out in
+ * textures.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -5,7 +5,8 @@
 #ifndef OPENBTF_ENCODER_PAPER_CHOOSE_EFFECTS_H
 #define OPENBTF_ENCODER_PAPER_CHOOSE_EFFECTS_H
 
-#include "paper.h"
+#include "options.h"
+#include "encoder/model/solution.h"
 
 enum { ENC_PAPER_PROBE_LIGHTS = 3 }; /* whose flows are the probe's */
 enum { ENC_PAPER_SAMPLE = 256 };     /* texels that are measured */
@@ -16,7 +17,7 @@ double enc_paper_texel_error(const enc_data *data, const enc_solution *solution,
                              const enc_occlusion *occlusion, uint32_t effects, double peak, size_t texel,
                              const float *samples, float *model);
 
-/* What is found at one texel: out[numbers]. scratch: 3 * n_lights floats. Called by several threads. */
+/* Finds numbers at one texel: out[numbers]. scratch: 3 * n_lights floats. Called by several threads. */
 typedef void (*enc_paper_texel_fn)(const void *user, size_t texel, const float *samples, float *scratch,
                                    double *out);
 

@@ -21,7 +21,7 @@ enum {
     MOST_POINTS = 4096, /* that are clustered together: all of a view up to 64x64 texels */
 };
 
-/* What is left to a view after whole centres are dealt, as a fraction. */
+/* The fraction of a centre that is left to a view after whole centres are dealt. */
 static size_t most_left(int n_views, const size_t *distinct, const size_t *shares, const double *left) {
     size_t best = (size_t)n_views;
     for (size_t v = 0; v < (size_t)n_views; v++)

@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What is rounding: this part of an error, and of the mean square of the samples. */
+/* Rounding is this part of an error, and of the mean square of the samples. */
 static const double tie = 1e-6, nothing = 1e-9;
 
 static const double stray = 1e-3; /* share of the samples that may exceed the peak */

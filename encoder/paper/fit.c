@@ -17,7 +17,7 @@ enum { CHUNK = 16 };
 /* At least this part of a texel's samples stays in the fit. */
 static const double least_kept = 0.1;
 
-/* What all texels share: l * v by component and m(l) for every (view, light). */
+/* Shared by all texels: l * v by component and m(l) for every (view, light). */
 typedef struct geometry {
     size_t n;
     float *memory;
@@ -92,7 +92,7 @@ static btf_result worker_make(const enc_data *data, size_t n, worker *out) {
     return BTF_OK;
 }
 
-/* What one texel adds to the statistics. */
+/* The share of one texel in the statistics. */
 typedef struct texel_stats {
     double cost, core_seconds;
     uint32_t solves, evaluations, rejected, dead_lobes;

@@ -167,7 +167,7 @@ static btf_result top_images(flow_stage *s) {
     return result;
 }
 
-/* What one view's vote works on. */
+/* The images and flows of one view's vote. */
 typedef struct view_vote {
     float *images;             /* [light][texel][3] */
     float *luminance;          /* [texel] */
@@ -284,7 +284,7 @@ static btf_result vote_view(const flow_stage *s, int view, enc_flow_worker *w) {
     return result;
 }
 
-/* What the ranks have found for their views, to all. */
+/* Hands all ranks the shifts that each has found for its views. */
 static btf_result share(const flow_stage *s, btf_result result) {
     const size_t texels = enc_data_texel_count(s->data), views = (size_t)s->data->n_views;
     enc_occlusion *o = s->occlusion;

@@ -103,9 +103,9 @@ static void make_grey(enc_flow_worker *w, int width, int height, const float *pl
     }
 }
 
-/* How the image lies canonically, by its first moments about the middle. Whole numbers, whose sums do not
- * depend on the order: an image that is symmetric stays as it is. */
-static void lay(int width, int height, enc_flow_image *image) {
+/* The canonical orientation of an image, by its first moments about the middle. Whole numbers, whose sums
+ * do not depend on the order: an image that is symmetric stays as it is. */
+static void find_orientation(int width, int height, enc_flow_image *image) {
     int64_t x = 0, y = 0;
     for (int r = 0; r < height; r++) {
         for (int c = 0; c < width; c++) {
@@ -137,7 +137,7 @@ btf_result enc_flow_image_create(int width, int height, const float *luminance, 
             image.relative[t] = luminance[t] * scale;
             image.root[t] *= grey;
         }
-        lay(width, height, &image);
+        find_orientation(width, height, &image);
     }
     *out_image = image;
     return image.relative && image.root ? BTF_OK : BTF_ERROR_MEMORY;
@@ -161,24 +161,24 @@ static size_t nearest_texel(const enc_flow_worker *w, int c, int r, float x, flo
     return (size_t)r * (size_t)w->width + (size_t)c;
 }
 
-/* Where column c and row r lie in an image laid as `like` lies canonically. */
-static void laid(const enc_flow_worker *w, const enc_flow_image *like, int c, int r, int *out_c,
-                 int *out_r) {
+/* The place of column c and row r once the image is turned as `like` canonically is. */
+static void oriented(const enc_flow_worker *w, const enc_flow_image *like, int c, int r, int *out_c,
+                     int *out_r) {
     c = like->flip_columns ? w->width - 1 - c : c;
     r = like->flip_rows ? w->height - 1 - r : r;
     *out_c = like->transpose ? r : c;
     *out_r = like->transpose ? c : r;
 }
 
-/* An image warped by `prior` (or NULL), laid as `like` and made ready for OpenCV. */
-static void ready(enc_flow_worker *w, const enc_flow_image *image, const float *prior,
-                  const enc_flow_image *like, unsigned char *out) {
+/* An image warped by `prior` (or NULL), turned as `like` and made ready for OpenCV. */
+static void prepare_image(enc_flow_worker *w, const enc_flow_image *image, const float *prior,
+                          const enc_flow_image *like, unsigned char *out) {
     const int width = like->transpose ? w->height : w->width;
     for (int r = 0; r < w->height; r++) {
         for (int c = 0; c < w->width; c++) {
             const size_t t = (size_t)r * (size_t)w->width + (size_t)c;
             int column, row;
-            laid(w, like, c, r, &column, &row);
+            oriented(w, like, c, r, &column, &row);
             w->plane[(size_t)row * (size_t)width + (size_t)column] =
                 prior == NULL ? image->root[t]
                               : sample_periodic(image->root, w->width, w->height, (float)c + prior[2 * t],
@@ -188,15 +188,15 @@ static void ready(enc_flow_worker *w, const enc_flow_image *image, const float *
     make_grey(w, width, like->transpose ? w->width : w->height, w->plane, out);
 }
 
-/* Flow from one image to another, starting from `prior` (or NULL), found with both laid as `like`:
+/* Flow from one image to another, starting from `prior` (or NULL), found with both turned as `like`:
  * out[texel][2]. */
 static btf_result flow_between(enc_flow_worker *w, const enc_flow_image *from, const enc_flow_image *to,
                                const float *prior, const enc_flow_image *like, float *out) {
     const int width = w->width, height = w->height, scale = w->scale;
     const int columns = padded(w, like->transpose ? height : width);
     const int rows = padded(w, like->transpose ? width : height);
-    ready(w, from, NULL, like, w->grey[0]);
-    ready(w, to, prior, like, w->grey[1]);
+    prepare_image(w, from, NULL, like, w->grey[0]);
+    prepare_image(w, to, prior, like, w->grey[1]);
     if (enc_cv_flow_compute(w->dis, columns, rows, w->grey[0], w->grey[1], w->field) != 0)
         return BTF_ERROR_INTERNAL;
     const float share = 1.0f / (float)(scale * scale * scale); /* mean over pixels, in texels */
@@ -204,7 +204,7 @@ static btf_result flow_between(enc_flow_worker *w, const enc_flow_image *from, c
         for (int c = 0; c < width; c++) {
             int column, row;
             float sum[2] = {0, 0};
-            laid(w, like, c, r, &column, &row);
+            oriented(w, like, c, r, &column, &row);
             for (int j = 0; j < scale; j++) {
                 const float *at =
                     w->field + 2 * ((size_t)(scale * (row + w->padding) + j) * (size_t)columns +

@@ -21,7 +21,7 @@ typedef struct enc_flow_image {
     bool flip_columns, flip_rows, transpose;
 } enc_flow_image;
 
-/* What one thread needs for pairs of one size. */
+/* The scratch memory of one thread for pairs of one size. */
 typedef struct enc_flow_worker {
     int width, height, padding;
     int scale; /* enlargement before the flow, 1 or 2 */

@@ -71,7 +71,7 @@ static float line_row(const shift_line *line, float along) {
     return line->rows * along + line->columns * line->aside;
 }
 
-/* What a search works on. A volume has count + 2 floats a texel, the outer two being room for `never`. */
+/* The volumes of a search. A volume has count + 2 floats a texel, the outer two being room for `never`. */
 typedef struct prior_work {
     int width, height;
     shift_line line;

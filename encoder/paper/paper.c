@@ -4,18 +4,13 @@
  */
 #include "paper.h"
 
-#include "encoder/model/pack.h"
 #include "choose_effects.h"
 #include "diffuse_fallback.h"
 #include "steps.h"
+#include "encoder/model/pack.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-enc_paper_options enc_paper_options_default(void) {
-    return (enc_paper_options){.fit = enc_fit_options_default(),
-                               .effects = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN};
-}
 
 /* Shifts and hidden flags as the maps of a solution. */
 static btf_result take_occlusion(const enc_context *context, const enc_occlusion *occlusion,

@@ -11,6 +11,7 @@
 #include <cmocka.h>
 
 #include "encoder/paper/diffuse_fallback.h"
+#include "encoder/paper/paper.h"
 
 #include <math.h>
 #include <openbtf/material.h>
