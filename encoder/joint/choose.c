@@ -8,8 +8,6 @@
  */
 #include "choose.h"
 
-#include "encoder/math/linear.h"
-
 #include <math.h>
 #include <openbtf/material.h>
 #include <stdlib.h>

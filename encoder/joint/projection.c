@@ -10,8 +10,6 @@
 
 #include "encoder/math/linear.h"
 
-#include <math.h>
-#include <openbtf/material.h>
 #include <stdlib.h>
 #include <string.h>
 

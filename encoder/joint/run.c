@@ -5,13 +5,11 @@
 #include "run.h"
 
 #include "steps.h"
+
 #include "decoder/toolkit/cli.h"
 #include "decoder/toolkit/progress.h"
 
-#include <math.h>
 #include <openbtf/material.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 size_t joint_run_components(const joint_run *r, const joint_shape *shape) {

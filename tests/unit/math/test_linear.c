@@ -1,4 +1,4 @@
-/* The small linear algebra and the matrix product of the joint method.
+/* The small linear algebra and the matrix product.
  *
  * SPDX-License-Identifier: MIT
  */
