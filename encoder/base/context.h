@@ -9,10 +9,11 @@
 #include <openbtf/result.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 struct progress;         /* decoder/toolkit/progress.h */
 struct enc_checkpoint;   /* checkpoint.h */
-struct enc_ranks;         /* ranks.h */
+struct enc_ranks;        /* ranks.h */
 struct enc_announcement; /* announce.h */
 
 /* Whose least need of memory is asked for before data are read. */
@@ -37,15 +38,12 @@ void enc_log(const enc_context *context, btf_log_level level, const char *format
 btf_result enc_fail(const enc_context *context, btf_result result, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* Starts a named stage of `total` steps. Stages follow one another; one is active at a time. */
-void enc_stage_begin(const enc_context *context, const char *name, size_t total);
-/* Adds `steps` finished steps; callable from any thread. */
-void enc_stage_step(const enc_context *context, size_t steps);
-/* Ends the stage; its wall time is kept by the progress object under its name. */
-void enc_stage_end(const enc_context *context);
-
 /* True once the user asked to stop (SIGINT, SIGTERM). Long loops test it once an iteration and return
  * BTF_ERROR_INTERRUPTED. */
 bool enc_cancelled(const enc_context *context);
+
+/* Threads that may each hold `bytes`, in half of the allowed memory, the other half being the data's: 1 to
+ * context->threads. */
+int enc_memory_threads(const enc_context *context, uint64_t bytes);
 
 #endif

@@ -4,6 +4,7 @@
  */
 #include "data.h"
 
+#include "encoder/base/stage.h"
 #include "encoder/job/cost.h"
 #include "data_fill.h"
 #include "encoder/job/memory.h"

@@ -4,6 +4,7 @@
  */
 #include "reader.h"
 
+#include "encoder/base/stage.h"
 #include "encoder/data/extent.h"
 #include "bonn_file.h"
 #include "bonn_reader.h"

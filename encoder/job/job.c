@@ -4,6 +4,7 @@
  */
 #include "job.h"
 
+#include "encoder/base/stage.h"
 #include "encoder/data/extent.h"
 #include "encoder/data/checkpoint.h"
 #include "cost.h"

@@ -109,10 +109,3 @@ btf_result enc_memory_check(const enc_context *context, int width, int height, i
                     context->memory, width, height, n_views, n_lights,
                     (unsigned long long)((least + 999) / 1000));
 }
-
-int enc_memory_threads(const enc_context *context, uint64_t bytes) {
-    const uint64_t most = context->memory / 2 / (bytes > 0 ? bytes : 1);
-    if (context->memory == 0 || most >= (uint64_t)context->threads)
-        return context->threads;
-    return most > 1 ? (int)most : 1;
-}

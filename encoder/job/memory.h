@@ -35,8 +35,4 @@ enum { ENC_FLOW_LABELS = 256 };
  * the longer one. */
 uint64_t enc_memory_flow(uint64_t texels, uint64_t side, uint64_t lights);
 
-/* Threads that may each hold `bytes`, in half of the allowed memory, the other half being the data's: 1 to
- * context->threads. */
-int enc_memory_threads(const enc_context *context, uint64_t bytes);
-
 #endif

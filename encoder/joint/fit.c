@@ -4,6 +4,7 @@
  */
 #include "fit.h"
 #include "cost.h"
+#include "encoder/base/stage.h"
 
 #include <assert.h>
 #include <math.h>

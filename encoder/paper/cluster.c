@@ -4,6 +4,7 @@
  */
 #include "cluster.h"
 
+#include "encoder/base/stage.h"
 #include "encoder/math/kmeans.h"
 #include "cluster_split.h"
 #include "encoder/job/memory.h"

@@ -4,6 +4,7 @@
  */
 #include "metrics.h"
 
+#include "encoder/base/stage.h"
 #include "encoder/job/memory.h"
 #include "encoder/input/light_positions.h"
 #include "ssim.h"

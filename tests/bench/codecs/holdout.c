@@ -9,6 +9,7 @@
 #include "held.h"
 
 #include "decoder/toolkit/reference_view.h"
+#include "encoder/base/stage.h"
 #include "encoder/report/metrics.h"
 #include "encoder/model/decode_samples.h"
 #include "encoder/data/reference_images.h"
