@@ -7,7 +7,7 @@
 #include "encoder/base/stage.h"
 #include "encoder/input/options.h"
 #include "encoder/report/metrics_json.h"
-#include "encoder/data/reference_images.h"
+#include "encoder/data/images.h"
 
 #include <math.h>
 #include <omp.h>

@@ -6,7 +6,6 @@
 
 #include "encoder/base/stage.h"
 #include "encoder/job/cost.h"
-#include "data_fill.h"
 #include "encoder/job/memory.h"
 #include "encoder/base/scratch.h"
 #include "encoder/base/ranks.h"

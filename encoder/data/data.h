@@ -127,6 +127,11 @@ btf_result enc_data_view(const enc_context *context, const enc_data *data, int v
 btf_result enc_data_store_texels(const enc_context *context, enc_data *data, size_t first, size_t count,
                                  const float *samples);
 
+/* Stores `count` floats of one texel, from position `at` of its [view][channel][light] samples on.
+ * Concurrent calls must not overlap. Errors: BTF_ERROR_IO. */
+btf_result enc_data_store_run(const enc_context *context, enc_data *data, size_t texel, size_t at,
+                              size_t count, const float *samples);
+
 /* Rec. 709 luminance: what thresholds on a value mean. */
 static inline float enc_luminance(float r, float g, float b) {
     return 0.2126f * r + 0.7152f * g + 0.0722f * b;

@@ -9,7 +9,6 @@
 #include "bonn_file.h"
 #include "bonn_reader.h"
 #include "light_positions.h"
-#include "encoder/data/data_fill.h"
 #include "grid.h"
 #include "encoder/base/ranks.h"
 

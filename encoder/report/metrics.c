@@ -5,8 +5,7 @@
 #include "metrics.h"
 
 #include "encoder/base/stage.h"
-#include "encoder/job/memory.h"
-#include "encoder/input/light_positions.h"
+#include "encoder/data/coincident.h"
 #include "ssim.h"
 #include "encoder/base/ranks.h"
 

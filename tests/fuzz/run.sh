@@ -56,14 +56,14 @@ environment)
     libraries+=" -lOpenEXRCore -lpng -ljpeg -lz"
     ;;
 list)
-    sources="tests/fuzz/fuzz_list.c tests/fuzz/file.c encoder/input/light_positions.c encoder/job/batch_list.c $data"
+    sources="tests/fuzz/fuzz_list.c tests/fuzz/file.c encoder/input/light_positions.c encoder/data/coincident.c encoder/job/batch_list.c $data"
     most=2048
     ;;
 checkpoint)
     sources="tests/fuzz/fuzz_checkpoint.c tests/fuzz/step_data.c encoder/data/checkpoint.c encoder/paper/kept.c encoder/model/sbrdf.c
              encoder/model/occlusion.c encoder/paper/cluster.c $(echo encoder/kmeans*.c) $(echo encoder/fit*.c) $(ls encoder/joint*.c |
              grep -v -e _run -e _candidates -e _hide -e _quality -e _budget) encoder/model/pack.c encoder/report/metrics.c
-             encoder/data/profiles.c encoder/paper/norms.c encoder/input/light_positions.c encoder/report/ssim.c encoder/math/simd.c
+             encoder/data/profiles.c encoder/paper/norms.c encoder/data/coincident.c encoder/report/ssim.c encoder/math/simd.c
              $(ls $core | grep -v -e /result -e /temporary) $folder/ceres_bridge.o $data"
     mkdir -p "$folder"
     clang++ -std=c++17 -O1 -isystem/usr/include/eigen3 -I. -Idecoder/include -c encoder/lafortune/ceres_bridge.cc -o "$folder/ceres_bridge.o"

@@ -12,7 +12,7 @@
 #include "encoder/base/stage.h"
 #include "encoder/report/metrics.h"
 #include "encoder/model/decode_samples.h"
-#include "encoder/data/reference_images.h"
+#include "encoder/data/images.h"
 
 #include <math.h>
 
