@@ -14,10 +14,10 @@
 struct progress;         /* decoder/toolkit/progress.h */
 struct enc_checkpoint;   /* checkpoint.h */
 struct enc_ranks;        /* ranks.h */
-struct enc_announcement; /* announce.h */
+struct enc_extent_listener; /* extent.h */
 
-/* Whose least need of memory is asked for before data are read. */
-typedef enum enc_need { ENC_NEED_UNKNOWN = 0, ENC_NEED_JOINT = 1, ENC_NEED_PAPER = 2 } enc_need;
+/* Bytes that an encode takes at the least, beside the samples, of so many texels, views and lights. */
+typedef uint64_t (*enc_least_memory)(int width, int height, int n_views, int n_lights, int threads);
 
 typedef struct enc_context {
     btf_log log;
@@ -25,9 +25,10 @@ typedef struct enc_context {
     int threads;                                 /* OpenMP threads, >= 1 */
     size_t memory;                               /* bytes the working set may take, 0 = unbounded */
     struct enc_checkpoint *checkpoint;           /* where stages keep what they found; NULL: nowhere */
-    const struct enc_announcement *announcement; /* who is told what will be read; NULL: nobody */
-    enc_need need;         /* data that take more by this method are refused; unknown: none are */
-    struct enc_ranks *ranks; /* the ranks that share the work; NULL: this process is alone */
+    const struct enc_extent_listener *listener;  /* hears of the extent of what is read; NULL: nobody */
+    enc_least_memory least_memory; /* of the method that will encode: data that take more than is allowed
+                                      are refused; NULL: none are */
+    struct enc_ranks *ranks;       /* the ranks that share the work; NULL: this process is alone */
 } enc_context;
 
 /* printf-style message to context->log; does nothing without a callback. context may be NULL. */

@@ -404,7 +404,7 @@ static btf_result announce(const reader *r) {
                                .origin = jpeg ? ENC_ORIGIN_JPEG : ENC_ORIGIN_IMAGES,
                                .pixels = (uint64_t)r->grid->count * (uint64_t)r->file_width *
                                          (uint64_t)r->file_height};
-    return enc_announce(r->context, &extent);
+    return enc_extent_announce(r->context, &extent);
 }
 
 /* A directory or an archive. */

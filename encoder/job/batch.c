@@ -7,6 +7,7 @@
 #include "decoder/toolkit/output.h"
 #include "decoder/toolkit/progress.h"
 #include "encoder/base/ranks.h"
+#include "job.h"
 
 #include <stdlib.h>
 #include <string.h>
