@@ -6,7 +6,7 @@
 #include "decoder/toolkit/reference_view.h"
 #include "encoder/base/stage.h"
 #include "encoder/input/options.h"
-#include "encoder/report/metrics_json.h"
+#include "encoder/report/metrics.h"
 #include "encoder/data/images.h"
 
 #include <math.h>

@@ -8,7 +8,7 @@
 #include "encoder/model/decode_samples.h"
 #include "decoder/toolkit/cli.h"
 #include "decoder/toolkit/output.h"
-#include "metrics_json.h"
+#include "metrics.h"
 
 #include <stdlib.h>
 #include <string.h>
