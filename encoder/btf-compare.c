@@ -4,9 +4,10 @@
  */
 #include "decoder/toolkit/progress.h"
 #include "decoder/toolkit/reference_view.h"
+#include "encoder/base/stage.h"
 #include "encoder/input/options.h"
-#include "encoder/report/metrics_json.h"
-#include "encoder/data/reference_images.h"
+#include "encoder/report/metrics.h"
+#include "encoder/data/images.h"
 
 #include <math.h>
 #include <omp.h>

@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "encoder/job/batch.h"
+#include "encoder/job/job.h"
 #include "decoder/toolkit/progress.h"
 #include "encoder/input/options.h"
 #include "encoder/job/predict.h"
@@ -499,7 +500,6 @@ static int encode(enc_ranks *ranks, int argc, char **argv) {
                                  .progress = shown,
                                  .threads = o.threads,
                                  .memory = (size_t)o.memory,
-                                 .need = o.job.method == ENC_METHOD_PAPER ? ENC_NEED_PAPER : ENC_NEED_JOINT,
                                  .ranks = ranks};
     o.job.input = arguments.values[0];
     const btf_result result = run(&context);

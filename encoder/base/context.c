@@ -1,11 +1,10 @@
-/* Messages, progress and cancellation for the stages of the encoder.
+/* Messages, cancellation and shares of memory. See context.h.
  *
  * SPDX-License-Identifier: MIT
  */
 #include "context.h"
 
 #include "decoder/toolkit/progress.h"
-#include "ranks.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -43,26 +42,14 @@ btf_result enc_fail(const enc_context *context, btf_result result, const char *f
     return result;
 }
 
-void enc_stage_begin(const enc_context *context, const char *name, size_t total) {
-    if (context && context->progress)
-        progress_begin(context->progress, name, total);
-    if (context && context->progress && context->ranks)
-        enc_ranks_stage(context->ranks, name);
-}
-
-void enc_stage_step(const enc_context *context, size_t steps) {
-    if (context && context->progress)
-        progress_step(context->progress, steps);
-}
-
-void enc_stage_end(const enc_context *context) {
-    if (context && context->progress)
-        progress_end(context->progress);
-    if (context && context->progress && context->ranks)
-        enc_ranks_stage(context->ranks, "between");
-}
-
 bool enc_cancelled(const enc_context *context) {
     (void)context;
     return progress_cancelled();
+}
+
+int enc_memory_threads(const enc_context *context, uint64_t bytes) {
+    const uint64_t most = context->memory / 2 / (bytes > 0 ? bytes : 1);
+    if (context->memory == 0 || most >= (uint64_t)context->threads)
+        return context->threads;
+    return most > 1 ? (int)most : 1;
 }

@@ -9,14 +9,15 @@
 #include <openbtf/result.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 struct progress;         /* decoder/toolkit/progress.h */
 struct enc_checkpoint;   /* checkpoint.h */
-struct enc_ranks;         /* ranks.h */
-struct enc_announcement; /* announce.h */
+struct enc_ranks;        /* ranks.h */
+struct enc_extent_listener; /* extent.h */
 
-/* Whose least need of memory is asked for before data are read. */
-typedef enum enc_need { ENC_NEED_UNKNOWN = 0, ENC_NEED_JOINT = 1, ENC_NEED_PAPER = 2 } enc_need;
+/* Bytes that an encode takes at the least, beside the samples, of so many texels, views and lights. */
+typedef uint64_t (*enc_least_memory)(int width, int height, int n_views, int n_lights, int threads);
 
 typedef struct enc_context {
     btf_log log;
@@ -24,9 +25,10 @@ typedef struct enc_context {
     int threads;                                 /* OpenMP threads, >= 1 */
     size_t memory;                               /* bytes the working set may take, 0 = unbounded */
     struct enc_checkpoint *checkpoint;           /* where stages keep what they found; NULL: nowhere */
-    const struct enc_announcement *announcement; /* who is told what will be read; NULL: nobody */
-    enc_need need;         /* data that take more by this method are refused; unknown: none are */
-    struct enc_ranks *ranks; /* the ranks that share the work; NULL: this process is alone */
+    const struct enc_extent_listener *listener;  /* hears of the extent of what is read; NULL: nobody */
+    enc_least_memory least_memory; /* of the method that will encode: data that take more than is allowed
+                                      are refused; NULL: none are */
+    struct enc_ranks *ranks;       /* the ranks that share the work; NULL: this process is alone */
 } enc_context;
 
 /* printf-style message to context->log; does nothing without a callback. context may be NULL. */
@@ -37,15 +39,12 @@ void enc_log(const enc_context *context, btf_log_level level, const char *format
 btf_result enc_fail(const enc_context *context, btf_result result, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* Starts a named stage of `total` steps. Stages follow one another; one is active at a time. */
-void enc_stage_begin(const enc_context *context, const char *name, size_t total);
-/* Adds `steps` finished steps; callable from any thread. */
-void enc_stage_step(const enc_context *context, size_t steps);
-/* Ends the stage; its wall time is kept by the progress object under its name. */
-void enc_stage_end(const enc_context *context);
-
 /* True once the user asked to stop (SIGINT, SIGTERM). Long loops test it once an iteration and return
  * BTF_ERROR_INTERRUPTED. */
 bool enc_cancelled(const enc_context *context);
+
+/* Threads that may each hold `bytes`, in half of the allowed memory, the other half being the data's: 1 to
+ * context->threads. */
+int enc_memory_threads(const enc_context *context, uint64_t bytes);
 
 #endif

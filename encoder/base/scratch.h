@@ -8,6 +8,9 @@
 #include "context.h"
 #include <stdint.h>
 
+/* Predicted core seconds to read a float from a scratch file, on the machine of job/cost.h. */
+#define ENC_SCRATCH_SECONDS 1.5e-9
+
 /* Opens an unlinked file of `size` zero bytes in $TMPDIR (default /var/tmp), after a look at the free space
  * there. `what` names its contents in messages. Close it with close(). Errors: BTF_ERROR_IO,
  * BTF_ERROR_MEMORY. */

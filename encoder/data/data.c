@@ -4,9 +4,7 @@
  */
 #include "data.h"
 
-#include "encoder/job/cost.h"
-#include "data_fill.h"
-#include "encoder/job/memory.h"
+#include "encoder/base/stage.h"
 #include "encoder/base/scratch.h"
 #include "encoder/base/ranks.h"
 
@@ -40,6 +38,26 @@ static enc_direction *copy_directions(const enc_direction *list, int count) {
     return copy;
 }
 
+/* Bytes that the encode takes beside the samples; 0: nobody said. */
+static uint64_t least_memory(const enc_context *context, int width, int height, int n_views, int n_lights) {
+    return context->least_memory ? context->least_memory(width, height, n_views, n_lights, context->threads)
+                                 : 0;
+}
+
+/* Refuses data of which the allowed memory does not hold what an encode takes at the least. */
+static btf_result check_memory(const enc_context *context, int width, int height, int n_views,
+                               int n_lights) {
+    if (!context || context->memory == 0)
+        return BTF_OK;
+    const uint64_t least = least_memory(context, width, height, n_views, n_lights);
+    if (least <= context->memory)
+        return BTF_OK;
+    return enc_fail(context, BTF_ERROR_USAGE,
+                    "--memory %zu is too small: %dx%d texels, %d views and %d lights take at least %lluK",
+                    context->memory, width, height, n_views, n_lights,
+                    (unsigned long long)((least + 999) / 1000));
+}
+
 /* Everything but the samples. */
 static btf_result create_empty(const enc_context *context, int width, int height, int n_views,
                                const enc_direction *views, int n_lights, const enc_direction *lights,
@@ -51,7 +69,7 @@ static btf_result create_empty(const enc_context *context, int width, int height
     if (n_views < 1 || n_lights < 1 || n_views > MAX_DIRECTIONS || n_lights > MAX_DIRECTIONS)
         return enc_fail(context, BTF_ERROR_USAGE, "%d views and %d lights are not usable: each is 1 to %d",
                         n_views, n_lights, MAX_DIRECTIONS);
-    const btf_result enough = enc_memory_check(context, width, height, n_views, n_lights);
+    const btf_result enough = check_memory(context, width, height, n_views, n_lights);
     if (enough != BTF_OK)
         return enough;
     /* At most 2^28 texels of 3 * 2^16 floats: no overflow in 64 bits. */
@@ -82,15 +100,12 @@ bool enc_data_fits(const enc_context *context, int width, int height, int n_view
     if (!context || context->memory == 0)
         return true;
     const uint64_t bytes = 12 * (uint64_t)width * (uint64_t)height * (uint64_t)n_views * (uint64_t)n_lights;
-    const uint64_t least =
-        context->need == ENC_NEED_UNKNOWN
-            ? 0
-            : enc_memory_least(context->need, width, height, n_views, n_lights, context->threads);
+    const uint64_t least = least_memory(context, width, height, n_views, n_lights);
     return bytes <= context->memory / 2 && bytes + least <= context->memory;
 }
 
 double enc_data_fetch_cost(const enc_data *data) {
-    return data->samples ? 0 : data->origin ? data->origin->seconds : ENC_COST_SCRATCH;
+    return data->samples ? 0 : data->origin ? data->origin->seconds : ENC_SCRATCH_SECONDS;
 }
 
 static btf_result allocate(const enc_context *context, enc_data *data, uint64_t bytes) {

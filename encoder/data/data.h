@@ -35,7 +35,7 @@ struct enc_data_origin {
     btf_result (*profiles)(const enc_context *context, const enc_data_origin *origin, int view,
                            size_t first, size_t count, float *out_profiles);
     void (*close)(enc_data_origin *origin);
-    double seconds; /* predicted core seconds a sample (cost_model.h) */
+    double seconds; /* predicted core seconds a sample, set by who makes the origin */
 };
 
 /* One BTF. Samples are float32, linear Rec. 709 radiance over (normal-incidence irradiance / pi),
@@ -80,7 +80,8 @@ static inline size_t enc_data_texel_stride(const enc_data *data) {
  * half of context->memory (0: always), else in an unlinked scratch file in $TMPDIR (default /var/tmp),
  * whose size is announced and checked against free space first. The ranks share one scratch
  * file instead; each stores a part of the samples, and then all meet in enc_data_complete.
- * Errors: BTF_ERROR_USAGE (sizes), BTF_ERROR_MEMORY, BTF_ERROR_IO (scratch file, free space). */
+ * Errors: BTF_ERROR_USAGE (sizes; more than context->memory, by context->least_memory),
+ * BTF_ERROR_MEMORY, BTF_ERROR_IO (scratch file, free space). */
 btf_result enc_data_create(const enc_context *context, int width, int height, int n_views,
                            const enc_direction *views, int n_lights, const enc_direction *lights,
                            enc_data **out_data);
@@ -126,6 +127,11 @@ btf_result enc_data_view(const enc_context *context, const enc_data *data, int v
  * overlap. Errors: BTF_ERROR_IO. */
 btf_result enc_data_store_texels(const enc_context *context, enc_data *data, size_t first, size_t count,
                                  const float *samples);
+
+/* Stores `count` floats of one texel, from position `at` of its [view][channel][light] samples on.
+ * Concurrent calls must not overlap. Errors: BTF_ERROR_IO. */
+btf_result enc_data_store_run(const enc_context *context, enc_data *data, size_t texel, size_t at,
+                              size_t count, const float *samples);
 
 /* Rec. 709 luminance: what thresholds on a value mean. */
 static inline float enc_luminance(float r, float g, float b) {

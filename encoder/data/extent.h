@@ -1,9 +1,9 @@
-/* What is known of a data set before its samples are read: the first thing that a reader tells.
+/* The size of a data set, which a reader tells before it reads the samples.
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_ANNOUNCE_H
-#define OPENBTF_ENCODER_ANNOUNCE_H
+#ifndef OPENBTF_ENCODER_EXTENT_H
+#define OPENBTF_ENCODER_EXTENT_H
 
 #include "encoder/base/context.h"
 #include <stdint.h>
@@ -22,14 +22,16 @@ typedef struct enc_extent {
     size_t components; /* of a Bonn file's factorisations, the most; 0: it has none */
 } enc_extent;
 
-/* Told once a data set's extent is settled. Anything but BTF_OK ends the reading with that result. */
-typedef struct enc_announcement {
+/* Called once, when a data set's extent is settled. Anything but BTF_OK ends the reading with that result.
+ */
+typedef struct enc_extent_listener {
     btf_result (*extent)(void *user, const enc_context *context, const enc_extent *extent);
     void *user;
-} enc_announcement;
+} enc_extent_listener;
 
-static inline btf_result enc_announce(const enc_context *context, const enc_extent *extent) {
-    const enc_announcement *to = context ? context->announcement : NULL;
+/* For readers: calls the context's listener. */
+static inline btf_result enc_extent_announce(const enc_context *context, const enc_extent *extent) {
+    const enc_extent_listener *to = context ? context->listener : NULL;
     return to ? to->extent(to->user, context, extent) : BTF_OK;
 }
 

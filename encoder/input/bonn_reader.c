@@ -7,7 +7,6 @@
 #include "encoder/data/extent.h"
 #include "encoder/math/area.h"
 #include "bonn_decode.h"
-#include "encoder/job/cost.h"
 #include "grid.h"
 
 #include <math.h>
@@ -240,8 +239,8 @@ btf_result enc_read_bonn(const enc_context *context, const char *input, const en
                                .n_lights = o->n_lights,
                                .origin = ENC_ORIGIN_BONN,
                                .components = enc_bonn_decoder_components(o->decoder)};
-    o->base.seconds = enc_cost_bonn(extent.components);
-    result = enc_announce(context, &extent);
+    o->base.seconds = enc_bonn_sample_seconds(extent.components);
+    result = enc_extent_announce(context, &extent);
     if (result != BTF_OK) {
         close_origin(&o->base);
         return result;

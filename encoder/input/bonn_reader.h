@@ -7,6 +7,12 @@
 
 #include "reader.h"
 
+/* Predicted core seconds to make a sample from a factorisation of so many components, on the machine of
+ * job/cost.h. */
+static inline double enc_bonn_sample_seconds(size_t components) {
+    return 2.2e-9 + 0.13e-9 * (double)components;
+}
+
 /* enc_read() of such a file (enc_bonn_is). The matrices stay in the mapped file; samples are made when
  * asked for, or once, where all of them fit half of context->memory. Memory beside: the direction side,
  * n_views * n_lights numbers a component and channel. Errors as enc_read(). */

@@ -1,9 +1,10 @@
-/* Samples whose view and light have one direction. See coincident.h.
+/* Tables of where lights stood. See light_positions.h.
  *
  * SPDX-License-Identifier: MIT
  */
 #include "light_positions.h"
 
+#include "encoder/data/coincident.h"
 #include "grid.h"
 
 #include <errno.h>
@@ -12,24 +13,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Degrees within which two directions are one: names and tables are rounded. */
-static const double same = 0.01;
-
-static bool is_same(const enc_direction *a, double theta, double phi) {
-    const double turn = fabs(remainder(a->phi - phi, 360.0));
-    return fabs(a->theta - theta) <= same && (turn <= same || theta <= same);
-}
-
-int enc_coincident_light(const enc_data *data, int view) {
-    for (int l = 0; l < data->n_lights; l++)
-        if (is_same(&data->lights[l], data->views[view].theta, data->views[view].phi))
-            return l;
-    return -1;
-}
-
 static int find_view(const enc_data *data, double theta, double phi) {
     for (int v = 0; v < data->n_views; v++)
-        if (is_same(&data->views[v], theta, phi))
+        if (enc_same_direction(&data->views[v], theta, phi))
             return v;
     return -1;
 }

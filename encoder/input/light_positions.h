@@ -1,15 +1,12 @@
-/* Samples whose view and light have one direction. A light cannot stand where the camera stands:
- * laboratories move it aside, and some list where to (UTIA), while file names keep the nominal angles.
+/* Where the lights stood that cannot stand in the direction of the camera: laboratories move them aside, and
+ * some list where to (UTIA), while file names keep the nominal angles.
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_COINCIDENT_H
-#define OPENBTF_ENCODER_COINCIDENT_H
+#ifndef OPENBTF_ENCODER_LIGHT_POSITIONS_H
+#define OPENBTF_ENCODER_LIGHT_POSITIONS_H
 
 #include "reader.h"
-
-/* The light of the same direction as a view, or -1. */
-int enc_coincident_light(const enc_data *data, int view);
 
 /* Reads a table of where such lights stood, and keeps it with the data (enc_data_light). A line a
  * direction, in degrees: "theta phi theta_of_light phi_of_light", with a number before them or not; #

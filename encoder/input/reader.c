@@ -4,11 +4,11 @@
  */
 #include "reader.h"
 
+#include "encoder/base/stage.h"
 #include "encoder/data/extent.h"
 #include "bonn_file.h"
 #include "bonn_reader.h"
 #include "light_positions.h"
-#include "encoder/data/data_fill.h"
 #include "grid.h"
 #include "encoder/base/ranks.h"
 
@@ -404,7 +404,7 @@ static btf_result announce(const reader *r) {
                                .origin = jpeg ? ENC_ORIGIN_JPEG : ENC_ORIGIN_IMAGES,
                                .pixels = (uint64_t)r->grid->count * (uint64_t)r->file_width *
                                          (uint64_t)r->file_height};
-    return enc_announce(r->context, &extent);
+    return enc_extent_announce(r->context, &extent);
 }
 
 /* A directory or an archive. */

@@ -33,7 +33,7 @@ typedef struct enc_read_options {
     double azimuth_offset; /* degrees, then added to every azimuth but those of theta 0 */
     enc_cosine cosine;
     int components;         /* of each factorisation of a Bonn file at most; 0: all */
-    const char *coincident; /* table of lights that stood elsewhere (coincident.h); NULL: none */
+    const char *coincident; /* table of lights that stood elsewhere (light_positions.h); NULL: none */
     bool strict;            /* refuse negative values instead of clamping them to 0 and counting them */
 } enc_read_options;
 

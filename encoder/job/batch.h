@@ -5,7 +5,7 @@
 #ifndef OPENBTF_ENCODER_BATCH_H
 #define OPENBTF_ENCODER_BATCH_H
 
-#include "job.h"
+#include "settings.h"
 #include <stdio.h>
 
 /* A list is a file NAME.txt or NAME.list: an input a line, relative to the list's folder; blank lines and

@@ -1,12 +1,13 @@
-/* What the stages of an encode cost. See cost_model.h.
+/* What the stages of an encode cost. See cost.h.
  *
  * SPDX-License-Identifier: MIT
  */
 #include "cost.h"
 
-#include "job.h"
-#include "encoder/joint/cost.h"
+#include "encoder/base/scratch.h"
 #include "encoder/data/level_filter.h"
+#include "encoder/input/bonn_reader.h"
+#include "encoder/joint/cost.h"
 #include "memory.h"
 #include "encoder/model/pack.h"
 #include "encoder/paper/choose_effects.h"
@@ -58,7 +59,7 @@ static bool made_again(const enc_context *context, const enc_extent *e) {
 static double fetch_cost(const enc_context *context, const enc_extent *e) {
     if (!made_again(context, e))
         return 0;
-    return e->origin == ENC_ORIGIN_BONN ? enc_cost_bonn(e->components) : ENC_COST_SCRATCH;
+    return e->origin == ENC_ORIGIN_BONN ? enc_bonn_sample_seconds(e->components) : ENC_SCRATCH_SECONDS;
 }
 
 static void add_reading(list *l, const enc_context *context, const enc_extent *e, const counts *c) {
@@ -67,7 +68,7 @@ static void add_reading(list *l, const enc_context *context, const enc_extent *e
             c->views * c->lights * per_file + c->samples * per_read_sample +
                 (double)e->pixels * (e->origin == ENC_ORIGIN_JPEG ? per_jpeg_pixel : per_pixel));
     else if (!made_again(context, e))
-        add(l, "decode", c->samples * enc_cost_bonn(e->components));
+        add(l, "decode", c->samples * enc_bonn_sample_seconds(e->components));
 }
 
 /* What the analysis is likely to find, for what is measured afterwards. */

@@ -2,24 +2,17 @@
  * large encode be judged by a smaller one.
  *
  * Costs are core seconds on one core of an AMD EPYC (Zen 4) that has nothing else to do; constants were
- * fitted to measured core times (joint_cost.h, cost_model.c). They count texels, views, lights, components,
+ * fitted to measured core times (joint/cost.h, cost.c). They count texels, views, lights, components,
  * rounds, candidates and the searched sources, as the method and preset make them.
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_COST_MODEL_H
-#define OPENBTF_ENCODER_COST_MODEL_H
+#ifndef OPENBTF_ENCODER_COST_H
+#define OPENBTF_ENCODER_COST_H
 
-#include "encoder/data/extent.h"
 #include "decoder/toolkit/estimate.h"
-
-struct enc_job;
-
-/* Core seconds of a sample: read from a scratch file; made from a factorisation of so many components. */
-#define ENC_COST_SCRATCH 1.5e-9
-static inline double enc_cost_bonn(size_t components) {
-    return 2.2e-9 + 0.13e-9 * (double)components;
-}
+#include "encoder/data/extent.h"
+#include "settings.h"
 
 /* Names of stages that job.c runs itself. */
 #define ENC_STAGE_PACK "pack"
@@ -27,12 +20,12 @@ static inline double enc_cost_bonn(size_t components) {
 
 /* The stages of `job` for such data, in the order in which they come. Returns their number, at most
  * ESTIMATE_PARTS. `context` says what memory is allowed. */
-size_t enc_cost_parts(const enc_context *context, const struct enc_job *job, const enc_extent *extent,
+size_t enc_cost_parts(const enc_context *context, const enc_job *job, const enc_extent *extent,
                       estimate_part out_parts[ESTIMATE_PARTS]);
 
 /* Components that the joint method is likely to take, or at most where every point is its own source
  * (plain); 0 for the paper's. */
-size_t enc_cost_components(const struct enc_job *job, const enc_extent *extent, bool plain);
+size_t enc_cost_components(const enc_job *job, const enc_extent *extent, bool plain);
 
 /* Sum of all parts. */
 double enc_cost_total(const estimate_part *parts, size_t count);

@@ -4,12 +4,14 @@
  */
 #include "job.h"
 
+#include "encoder/base/stage.h"
 #include "encoder/data/extent.h"
 #include "encoder/data/checkpoint.h"
 #include "cost.h"
 #include "decoder/toolkit/output.h"
 #include "encoder/report/effect_errors.h"
 #include "levels.h"
+#include "memory.h"
 #include "encoder/report/montage.h"
 #include "encoder/model/pack.h"
 #include "encoder/report/pictures.h"
@@ -101,6 +103,7 @@ typedef struct job_state {
     enc_levels found_levels, stored_levels;
     enc_occlusion *occlusion;
     btf_material *material;
+    enc_checkpoint *checkpoint; /* NULL: none */
     char *options;
     enc_joint_stats joint;
     enc_paper_stats paper;
@@ -280,26 +283,62 @@ static void clear_state(job_state *s) {
     free(s->options);
 }
 
-/* What the data's extent is told to. */
-typedef struct planning {
+/* Where the plan of the stages goes. */
+typedef struct stage_planner {
     const enc_job *job;
     enc_report *report;
-} planning;
+} stage_planner;
 
 static btf_result plan_stages(void *user, const enc_context *context, const enc_extent *extent) {
-    const planning *p = user;
-    p->report->n_parts = enc_cost_parts(context, p->job, extent, p->report->parts);
+    const stage_planner *planner = user;
+    enc_report *report = planner->report;
+    report->n_parts = enc_cost_parts(context, planner->job, extent, report->parts);
     if (context->progress) {
-        progress_plan(context->progress, p->report->parts, p->report->n_parts);
+        progress_plan(context->progress, report->parts, report->n_parts);
     }
     return BTF_OK;
 }
 
-btf_result enc_job_run(const enc_context *context, const enc_job *job) {
-    const double start = progress_clock(), core_start = progress_core_clock();
-    const bool leads = enc_ranks_leads(context);
-    bool made_folder = false;
+/* Reads the input; the stages are planned as soon as its extent is known. */
+static btf_result read_input(const enc_context *context, const enc_job *job, enc_report *report,
+                             enc_data **out_data) {
+    stage_planner planner = {job, report};
+    const enc_extent_listener listener = {plan_stages, &planner};
+    enc_context reading = *context;
+    reading.listener = &listener;
+    const btf_result result = enc_read(&reading, job->input, &job->read, out_data);
+    report->data = *out_data;
+    return result;
+}
+
+/* Finds the model of every level; what the first level's stages find is kept in the checkpoint, which stays
+ * open. */
+static btf_result find_model(const enc_context *context, const enc_job *job, job_state *s,
+                             enc_report *report) {
     int levels = 1;
+    enc_context first_level = *context;
+    btf_result result = check_levels(context, job, s->data, &levels);
+    if (result == BTF_OK && job->checkpoint) {
+        result =
+            enc_checkpoint_open(context, job->checkpoint, s->options, s->data, job->resume, &s->checkpoint);
+    }
+    first_level.checkpoint = s->checkpoint;
+    if (result == BTF_OK) {
+        result = analyse(&first_level, job, s, report);
+    }
+    if (result == BTF_OK && levels > 1) {
+        result = analyse_levels(context, job, levels, s);
+    }
+    return result;
+}
+
+btf_result enc_job_run(const enc_context *caller, const enc_job *job) {
+    const double start = progress_clock(), core_start = progress_core_clock();
+    const bool leads = enc_ranks_leads(caller);
+    bool made_folder = false;
+    enc_context checked = *caller;
+    checked.least_memory = enc_memory_least(job->method);
+    const enc_context *context = &checked;
     enc_ranks_begin(context);
     job_state state = {.options = join_options(job->option_values)};
     enc_report report = {.input = job->input,
@@ -310,26 +349,10 @@ btf_result enc_job_run(const enc_context *context, const enc_job *job) {
                                       : enc_fail(context, BTF_ERROR_MEMORY, "out of memory");
     result = enc_ranks_agree(context, result);
     if (result == BTF_OK) {
-        planning plan = {job, &report};
-        const enc_announcement announcement = {plan_stages, &plan};
-        enc_context told = *context;
-        told.announcement = &announcement;
-        result = enc_read(&told, job->input, &job->read, &state.data);
-    }
-    report.data = state.data;
-    if (result == BTF_OK) {
-        result = check_levels(context, job, state.data, &levels);
-    }
-    enc_context keeping = *context;
-    if (result == BTF_OK && job->checkpoint) {
-        result = enc_checkpoint_open(context, job->checkpoint, state.options, state.data, job->resume,
-                                     &keeping.checkpoint);
+        result = read_input(context, job, &report, &state.data);
     }
     if (result == BTF_OK) {
-        result = analyse(&keeping, job, &state, &report);
-    }
-    if (result == BTF_OK && levels > 1) {
-        result = analyse_levels(context, job, levels, &state);
+        result = find_model(context, job, &state, &report);
     }
     if (result == BTF_OK) {
         result = pack_and_measure(context, job, &state, &report);
@@ -339,7 +362,7 @@ btf_result enc_job_run(const enc_context *context, const enc_job *job) {
         result = write_outputs(context, job, &state, &report);
     }
     if (result == BTF_OK) {
-        enc_checkpoint_close(&keeping.checkpoint, true);
+        enc_checkpoint_close(&state.checkpoint, true);
     }
     if (result == BTF_OK && leads) {
         result = write_report(context, job, start, core_start, &report);
@@ -348,7 +371,7 @@ btf_result enc_job_run(const enc_context *context, const enc_job *job) {
     if (result != BTF_OK && made_folder) {
         rmdir(job->pictures); /* when nothing was drawn */
     }
-    enc_checkpoint_close(&keeping.checkpoint, false);
+    enc_checkpoint_close(&state.checkpoint, false);
     clear_state(&state);
     return result;
 }

@@ -4,6 +4,7 @@
  */
 #include "levels.h"
 
+#include "encoder/base/stage.h"
 #include "encoder/joint/level.h"
 #include "encoder/model/pack.h"
 #include "encoder/model/decode_samples.h"

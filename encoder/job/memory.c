@@ -1,4 +1,4 @@
-/* Sums of what the stages allocate (see memory_plan.h).
+/* Sums of what the stages allocate (see memory.h).
  *
  * SPDX-License-Identifier: MIT
  */
@@ -66,19 +66,31 @@ static extent extent_of(int width, int height, int n_views, int n_lights, int th
     return e;
 }
 
-uint64_t enc_memory_least(enc_need need, int width, int height, int n_views, int n_lights, int threads) {
-    const extent e = extent_of(width, height, n_views, n_lights, threads);
-    /* a third more for the allocator, and for a projection that is kept in memory */
-    const uint64_t sum = need == ENC_NEED_PAPER ? paper(&e) : joint(&e, ENC_JOINT_MOST_COMPONENTS);
+/* A third more for the allocator, and for a projection that is kept in memory. */
+static uint64_t with_slack(uint64_t sum) {
     return sum + sum / 3;
 }
 
-enc_memory_use enc_memory_expected(const enc_context *context, int width, int height, int n_views,
-                                   int n_lights, size_t components, bool made) {
+uint64_t enc_memory_least_joint(int width, int height, int n_views, int n_lights, int threads) {
+    const extent e = extent_of(width, height, n_views, n_lights, threads);
+    return with_slack(joint(&e, ENC_JOINT_MOST_COMPONENTS));
+}
+
+uint64_t enc_memory_least_paper(int width, int height, int n_views, int n_lights, int threads) {
+    const extent e = extent_of(width, height, n_views, n_lights, threads);
+    return with_slack(paper(&e));
+}
+
+enc_least_memory enc_memory_least(enc_method method) {
+    return method == ENC_METHOD_PAPER ? enc_memory_least_paper : enc_memory_least_joint;
+}
+
+enc_memory_use enc_memory_expected(const enc_context *context, enc_method method, int width, int height,
+                                   int n_views, int n_lights, size_t components, bool made) {
     const extent e = extent_of(width, height, n_views, n_lights, context->threads);
     const uint64_t samples = e.image_view * e.views, projection = 4 * e.points * (uint64_t)components;
     const bool kept = enc_data_fits(context, width, height, n_views, n_lights);
-    const bool joined = context->need == ENC_NEED_JOINT;
+    const bool joined = method == ENC_METHOD_JOINT;
     const bool projected = joined && (context->memory == 0 || projection <= context->memory / 4);
     enc_memory_use use = {PROGRAM + (joined ? joint(&e, (uint64_t)components) : paper(&e)), 0};
     if (kept)
@@ -90,24 +102,4 @@ enc_memory_use enc_memory_expected(const enc_context *context, int width, int he
     else if (joined)
         use.scratch += projection;
     return use;
-}
-
-btf_result enc_memory_check(const enc_context *context, int width, int height, int n_views, int n_lights) {
-    if (!context || context->memory == 0 || context->need == ENC_NEED_UNKNOWN)
-        return BTF_OK;
-    const uint64_t least =
-        enc_memory_least(context->need, width, height, n_views, n_lights, context->threads);
-    if (least <= context->memory)
-        return BTF_OK;
-    return enc_fail(context, BTF_ERROR_USAGE,
-                    "--memory %zu is too small: %dx%d texels, %d views and %d lights take at least %lluK",
-                    context->memory, width, height, n_views, n_lights,
-                    (unsigned long long)((least + 999) / 1000));
-}
-
-int enc_memory_threads(const enc_context *context, uint64_t bytes) {
-    const uint64_t most = context->memory / 2 / (bytes > 0 ? bytes : 1);
-    if (context->memory == 0 || most >= (uint64_t)context->threads)
-        return context->threads;
-    return most > 1 ? (int)most : 1;
 }

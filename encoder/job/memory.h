@@ -1,18 +1,19 @@
-/* What an encode needs at least, and how many threads a stage may run in what it is allowed.
+/* The memory that an encode takes: at the least, and as expected with what it is allowed.
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_MEMORY_PLAN_H
-#define OPENBTF_ENCODER_MEMORY_PLAN_H
+#ifndef OPENBTF_ENCODER_MEMORY_H
+#define OPENBTF_ENCODER_MEMORY_H
 
-#include "encoder/base/context.h"
-#include <stdint.h>
+#include "settings.h"
 
 /* Bytes that an encode of such data takes beside the samples and, by --method joint, the projection, which
  * go to scratch files where there is no room for them: the largest stage, each in its smallest blocks with
  * one thread where a thread needs much. Of the program itself only what grows with the data.
- * `need` is not ENC_NEED_UNKNOWN. */
-uint64_t enc_memory_least(enc_need need, int width, int height, int n_views, int n_lights, int threads);
+ * Each is an enc_least_memory. */
+uint64_t enc_memory_least_joint(int width, int height, int n_views, int n_lights, int threads);
+uint64_t enc_memory_least_paper(int width, int height, int n_views, int n_lights, int threads);
+enc_least_memory enc_memory_least(enc_method method);
 
 /* Bytes that an encode is expected to take at its peak with what is allowed, and those of its scratch
  * files; `components`: of the joint method's residual; `made`: samples are made again rather than kept in a
@@ -21,15 +22,7 @@ typedef struct enc_memory_use {
     uint64_t peak, scratch;
 } enc_memory_use;
 
-enc_memory_use enc_memory_expected(const enc_context *context, int width, int height, int n_views,
-                                   int n_lights, size_t components, bool made);
-
-/* Refuses data whose least exceeds context->memory, naming both; BTF_OK where context->need is unknown or
- * memory unbounded. Errors: BTF_ERROR_USAGE. */
-btf_result enc_memory_check(const enc_context *context, int width, int height, int n_views, int n_lights);
-
-/* Threads that may each hold `bytes`, in half of the allowed memory, the other half being the data's: 1 to
- * context->threads. */
-int enc_memory_threads(const enc_context *context, uint64_t bytes);
+enc_memory_use enc_memory_expected(const enc_context *context, enc_method method, int width, int height,
+                                   int n_views, int n_lights, size_t components, bool made);
 
 #endif

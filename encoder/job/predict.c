@@ -168,8 +168,10 @@ static void print_prediction(const enc_context *context, const enc_job *job, con
     estimate_part parts[ESTIMATE_PARTS];
     const size_t count = enc_cost_parts(context, job, e, parts),
                  components = enc_cost_components(job, e, true);
-    const enc_memory_use use = enc_memory_expected(context, e->width, e->height, e->n_views, e->n_lights,
-                                                   components, e->origin == ENC_ORIGIN_BONN);
+    const enc_memory_use use = enc_memory_expected(context, job->method, e->width, e->height, e->n_views,
+                                                   e->n_lights, components, e->origin == ENC_ORIGIN_BONN);
+    const uint64_t least =
+        enc_memory_least(job->method)(e->width, e->height, e->n_views, e->n_lights, context->threads);
     double total = 0;
     fprintf(out, "%s: %d x %d texels, %d views, %d lights: %.2f GB of samples\n", job->input, e->width,
             e->height, e->n_views, e->n_lights, (double)enc_extent_bytes(e) * 1e-9);
@@ -182,24 +184,23 @@ static void print_prediction(const enc_context *context, const enc_job *job, con
     fprintf(out, "; on %d idle cores at least ", context->threads);
     print_duration(out, total / context->threads);
     fprintf(out, "\n  memory: --memory from %.3fG on; with %.3fG %.3f GB expected, scratch files %.3f GB\n",
-            (double)enc_memory_least(context->need, e->width, e->height, e->n_views, e->n_lights,
-                                     context->threads) *
-                1e-9,
-            (double)context->memory * 1e-9, (double)use.peak * 1e-9, (double)use.scratch * 1e-9);
+            (double)least * 1e-9, (double)context->memory * 1e-9, (double)use.peak * 1e-9,
+            (double)use.scratch * 1e-9);
 }
 
 btf_result enc_predict(const enc_context *context, const enc_job *job, const char *from, FILE *out) {
     enc_extent extent = {0};
     enc_data *data = NULL;
     scales s = {.all = 1};
-    const enc_announcement announcement = {take_extent, &extent};
-    enc_context told = *context;
-    told.announcement = &announcement;
+    const enc_extent_listener listener = {take_extent, &extent};
+    enc_context reading = *context;
+    reading.listener = &listener;
+    reading.least_memory = enc_memory_least(job->method);
     btf_result result =
         strcmp(from, "self") == 0 ? measure_machine(context, &s) : scales_of_report(context, job, from, &s);
     if (result != BTF_OK)
         return result;
-    result = enc_read(&told, job->input, &job->read, &data);
+    result = enc_read(&reading, job->input, &job->read, &data);
     enc_data_destroy(&data);
     if (result == BTF_ERROR_INTERRUPTED && extent.width > 0) {
         print_prediction(context, job, &extent, &s, out);

@@ -5,7 +5,7 @@
 #ifndef OPENBTF_ENCODER_PREDICT_H
 #define OPENBTF_ENCODER_PREDICT_H
 
-#include "job.h"
+#include "settings.h"
 
 #include <stdio.h>
 

@@ -7,6 +7,7 @@
 #include "choose.h"
 #include "cost.h"
 #include "front_fit.h"
+#include "encoder/base/stage.h"
 
 #include <assert.h>
 #include <stdlib.h>

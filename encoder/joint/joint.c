@@ -14,6 +14,7 @@
 #include "trials.h"
 
 #include "decoder/toolkit/progress.h"
+#include "encoder/base/stage.h"
 
 #include <math.h>
 #include <openbtf/material.h>

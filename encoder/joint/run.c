@@ -8,6 +8,7 @@
 
 #include "decoder/toolkit/cli.h"
 #include "decoder/toolkit/progress.h"
+#include "encoder/base/stage.h"
 
 #include <openbtf/material.h>
 #include <string.h>

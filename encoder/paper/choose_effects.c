@@ -7,6 +7,7 @@
 #include "decoder/toolkit/cli.h"
 #include "decoder/toolkit/progress.h"
 #include "encoder/base/ranks.h"
+#include "encoder/base/stage.h"
 
 #include <math.h>
 #include <openbtf/material.h>

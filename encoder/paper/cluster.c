@@ -4,9 +4,9 @@
  */
 #include "cluster.h"
 
+#include "encoder/base/stage.h"
 #include "encoder/math/kmeans.h"
 #include "cluster_split.h"
-#include "encoder/job/memory.h"
 #include "encoder/data/profiles.h"
 #include "encoder/base/ranks.h"
 

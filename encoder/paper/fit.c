@@ -5,6 +5,7 @@
 #include "fit.h"
 #include "shadow.h"
 #include "encoder/base/ranks.h"
+#include "encoder/base/stage.h"
 #include <math.h>
 #include <omp.h>
 #include <stdlib.h>

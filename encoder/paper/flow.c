@@ -6,7 +6,7 @@
 
 #include "flow_pair.h"
 #include "flow_prior.h"
-#include "encoder/job/memory.h"
+#include "encoder/base/stage.h"
 #include "encoder/base/ranks.h"
 
 #include <assert.h>

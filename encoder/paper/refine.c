@@ -9,6 +9,7 @@
 #include "refine.h"
 
 #include "norms.h"
+#include "encoder/base/stage.h"
 #include "encoder/data/profiles.h"
 #include "encoder/base/ranks.h"
 

@@ -4,6 +4,7 @@
  */
 #include "shadow.h"
 #include "encoder/base/ranks.h"
+#include "encoder/base/stage.h"
 #include <math.h>
 #include <omp.h>
 #include <stdlib.h>

@@ -5,6 +5,7 @@
 #include "effect_errors.h"
 
 #include "decoder/toolkit/reference_view.h"
+#include "encoder/base/stage.h"
 #include "encoder/data/level_filter.h"
 #include "metrics.h"
 #include "encoder/math/srgb.h"

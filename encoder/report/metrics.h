@@ -6,6 +6,7 @@
 #ifndef OPENBTF_ENCODER_METRICS_H
 #define OPENBTF_ENCODER_METRICS_H
 
+#include "decoder/toolkit/json.h"
 #include "encoder/data/images.h"
 
 /* Squared errors of values clipped to [0, 1]: linear, and after sRGB coding. */
@@ -36,5 +37,9 @@ btf_result enc_metrics_compare(const enc_context *context, const enc_data *shape
 
 /* Distinct thetas, ascending; ring_of[i] is the ring of direction i. Returns the number of rings. */
 int enc_rings(const enc_direction *directions, int count, double *out_theta, int *out_ring_of);
+
+/* Writes {"linear": dB, "srgb": dB, "ssim": S, "rings": {"view": [{"theta", "linear", "srgb"}...], "light":
+ * [...]}} under `key`; ssim is null unless with_ssim. */
+void enc_metrics_json(json *j, const char *key, const enc_metrics *metrics, bool with_ssim);
 
 #endif

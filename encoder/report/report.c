@@ -4,10 +4,11 @@
  */
 #include "report.h"
 
+#include "encoder/base/stage.h"
 #include "encoder/model/decode_samples.h"
 #include "decoder/toolkit/cli.h"
 #include "decoder/toolkit/output.h"
-#include "metrics_json.h"
+#include "metrics.h"
 
 #include <stdlib.h>
 #include <string.h>

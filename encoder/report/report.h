@@ -49,7 +49,7 @@ typedef struct enc_report {
     size_t file_bytes;
     double seconds_total, core_total;    /* of the clock, and of all threads added */
     const struct progress *progress;     /* times by stage */
-    estimate_part parts[ESTIMATE_PARTS]; /* what the stages were predicted to cost (cost_model.h) */
+    estimate_part parts[ESTIMATE_PARTS]; /* what the stages were predicted to cost (job/cost.h) */
     size_t n_parts;
     size_t peak_rss;                /* bytes */
     int ranks;                      /* that encoded together */

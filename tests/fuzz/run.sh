@@ -18,10 +18,10 @@ fi
 target=$1 seconds=$2 folder=${3:-build-fuzz}/$1
 version=$(pkg-config --modversion OpenEXR)
 core=$(ls decoder/*.c | grep -v -e /gl -e /plan -e /shader_source)
-context="encoder/base/context.c encoder/base/ranks.c encoder/base/ranks_alone.c"
+context="encoder/base/context.c encoder/base/stage.c encoder/base/ranks.c encoder/base/ranks_alone.c"
 images="encoder/input/image.c decoder/toolkit/hdr_image.c $context $(echo decoder/tools/{exr,jpeg,png}_image.c) decoder/toolkit/exif.c decoder/toolkit/output.c
         decoder/toolkit/progress.c decoder/toolkit/estimate.c decoder/result.c decoder/temporary.c"
-data="$context encoder/data/data.c encoder/base/scratch_shared.c encoder/job/memory.c encoder/base/scratch.c encoder/input/grid.c encoder/input/names.c decoder/toolkit/progress.c decoder/toolkit/estimate.c decoder/toolkit/output.c
+data="$context encoder/data/data.c encoder/base/scratch.c encoder/input/grid.c encoder/input/names.c decoder/toolkit/progress.c decoder/toolkit/estimate.c decoder/toolkit/output.c
       decoder/result.c decoder/temporary.c $(echo reference/*.c)"
 libraries="$(pkg-config --cflags --libs-only-L OpenEXR) -lm"
 most=4096
@@ -56,14 +56,15 @@ environment)
     libraries+=" -lOpenEXRCore -lpng -ljpeg -lz"
     ;;
 list)
-    sources="tests/fuzz/fuzz_list.c tests/fuzz/file.c encoder/input/light_positions.c encoder/job/batch_list.c $data"
+    sources="tests/fuzz/fuzz_list.c tests/fuzz/file.c encoder/input/light_positions.c encoder/data/coincident.c encoder/job/batch.c $data"
+    libraries+=" -Wl,--defsym=enc_job_run=0" # lists are read here, their jobs not run
     most=2048
     ;;
 checkpoint)
     sources="tests/fuzz/fuzz_checkpoint.c tests/fuzz/step_data.c encoder/data/checkpoint.c encoder/paper/kept.c encoder/model/sbrdf.c
              encoder/model/occlusion.c encoder/paper/cluster.c $(echo encoder/kmeans*.c) $(echo encoder/fit*.c) $(ls encoder/joint*.c |
              grep -v -e _run -e _candidates -e _hide -e _quality -e _budget) encoder/model/pack.c encoder/report/metrics.c
-             encoder/data/profiles.c encoder/paper/norms.c encoder/input/light_positions.c encoder/report/ssim.c encoder/math/simd.c
+             encoder/data/profiles.c encoder/paper/norms.c encoder/data/coincident.c encoder/report/ssim.c encoder/math/simd.c
              $(ls $core | grep -v -e /result -e /temporary) $folder/ceres_bridge.o $data"
     mkdir -p "$folder"
     clang++ -std=c++17 -O1 -isystem/usr/include/eigen3 -I. -Idecoder/include -c encoder/lafortune/ceres_bridge.cc -o "$folder/ceres_bridge.o"

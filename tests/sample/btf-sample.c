@@ -10,6 +10,7 @@
 #include "directions.h"
 #include "sample.h"
 #include "truth_files.h"
+#include "encoder/base/stage.h"
 
 #include <errno.h>
 #include <limits.h>

@@ -5,6 +5,7 @@
 #include "sample.h"
 
 #include "directions.h"
+#include "encoder/base/stage.h"
 
 #include <assert.h>
 #include <math.h>

@@ -22,7 +22,6 @@
 /* Of floats, whoever includes them. */
 #include "encoder/lafortune/ceres_bridge.h"
 #include "encoder/data/data.h"
-#include "encoder/job/memory.h"
 #include "encoder/model/occlusion.h"
 #include "encoder/base/opencv_bridge.h"
 #include "encoder/base/ranks.h"

@@ -7,7 +7,7 @@
 #include "decoder/toolkit/reference_view.h"
 #include "encoder/report/metrics.h"
 #include "encoder/model/decode_samples.h"
-#include "encoder/data/reference_images.h"
+#include "encoder/data/images.h"
 
 #include <stdlib.h>
 

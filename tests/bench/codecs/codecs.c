@@ -8,6 +8,7 @@
 #include "tests/bench/encodes.h"
 #include "pca.h"
 
+#include "encoder/base/stage.h"
 #include "encoder/joint/joint.h"
 #include "encoder/joint/budget.h"
 #include "encoder/model/decode_samples.h"

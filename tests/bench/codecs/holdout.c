@@ -9,9 +9,10 @@
 #include "held.h"
 
 #include "decoder/toolkit/reference_view.h"
+#include "encoder/base/stage.h"
 #include "encoder/report/metrics.h"
 #include "encoder/model/decode_samples.h"
-#include "encoder/data/reference_images.h"
+#include "encoder/data/images.h"
 
 #include <math.h>
 

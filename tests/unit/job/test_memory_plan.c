@@ -20,8 +20,9 @@ static void keep_message(void *user, btf_log_level level, const char *text) {
         snprintf(message, sizeof message, "%s", text);
 }
 
-static btf_result create(size_t memory, enc_need need) {
-    const enc_context context = {.log = {keep_message, NULL}, .threads = 2, .memory = memory, .need = need};
+static btf_result create(size_t memory, enc_least_memory least) {
+    const enc_context context = {
+        .log = {keep_message, NULL}, .threads = 2, .memory = memory, .least_memory = least};
     const enc_direction up = enc_direction_from_angles(0, 0);
     enc_data *data = NULL;
     const btf_result result = enc_data_create(&context, 20, 10, 1, &up, 1, &up, &data);
@@ -31,32 +32,35 @@ static btf_result create(size_t memory, enc_need need) {
 
 static void test_refused_below_the_least(void **state) {
     (void)state;
-    for (enc_need need = ENC_NEED_JOINT; need <= ENC_NEED_PAPER; need++) {
-        const size_t least = (size_t)enc_memory_least(need, 20, 10, 1, 1, 2);
+    for (enc_method method = ENC_METHOD_JOINT; method <= ENC_METHOD_PAPER; method++) {
+        const enc_least_memory by_method = enc_memory_least(method);
+        const size_t least = (size_t)by_method(20, 10, 1, 1, 2);
         char number[32];
         assert_true(least > 200 * 12);
-        assert_int_equal(create(least, need), BTF_OK);
-        assert_int_equal(create(least - 1, need), BTF_ERROR_USAGE);
+        assert_int_equal(create(least, by_method), BTF_OK);
+        assert_int_equal(create(least - 1, by_method), BTF_ERROR_USAGE);
         snprintf(number, sizeof number, "--memory %zu ", least - 1);
         assert_non_null(strstr(message, number));
         snprintf(number, sizeof number, "%zuK", (least + 999) / 1000);
         assert_non_null(strstr(message, number));
     }
-    assert_int_equal(create(1, ENC_NEED_UNKNOWN), BTF_OK);
-    assert_int_equal(create(0, ENC_NEED_JOINT), BTF_OK);
+    assert_int_equal(create(1, NULL), BTF_OK);
+    assert_int_equal(create(0, enc_memory_least_joint), BTF_OK);
 }
 
 /* What must go through: UBO2003 in 2 GB, UBO2014 in 8 GB; and no overflow at the largest. */
 static void test_large_data(void **state) {
     (void)state;
-    for (enc_need need = ENC_NEED_JOINT; need <= ENC_NEED_PAPER; need++) {
-        const uint64_t ubo2003 = enc_memory_least(need, 256, 256, 81, 81, 2);
-        const uint64_t ubo2014 = enc_memory_least(need, 400, 400, 151, 151, 2);
-        const uint64_t largest = enc_memory_least(need, 16384, 16384, 256, 256, 1024);
+    for (enc_method method = ENC_METHOD_JOINT; method <= ENC_METHOD_PAPER; method++) {
+        const enc_least_memory least = enc_memory_least(method);
+        const uint64_t ubo2003 = least(256, 256, 81, 81, 2);
+        const uint64_t ubo2014 = least(400, 400, 151, 151, 2);
+        const uint64_t largest = least(16384, 16384, 256, 256, 1024);
         printf("%s: 256x256 81x81 %.0f MB, 400x400 151x151 %.0f MB\n",
-               need == ENC_NEED_JOINT ? "joint" : "paper", (double)ubo2003 * 1e-6, (double)ubo2014 * 1e-6);
+               method == ENC_METHOD_JOINT ? "joint" : "paper", (double)ubo2003 * 1e-6,
+               (double)ubo2014 * 1e-6);
         assert_true(ubo2003 < 1400000000u && ubo2014 < 8000000000u);
-        assert_true(enc_memory_least(need, 64, 64, 81, 81, 2) < ubo2003 && ubo2003 < ubo2014);
+        assert_true(least(64, 64, 81, 81, 2) < ubo2003 && ubo2003 < ubo2014);
         assert_true(largest / ubo2014 > 1000 && largest / ubo2014 < 10000);
     }
 }

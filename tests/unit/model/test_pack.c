@@ -13,7 +13,7 @@
 #include "decoder/toolkit/reference_view.h"
 #include "encoder/model/decode_samples.h"
 #include "encoder/model/pack.h"
-#include "encoder/data/reference_images.h"
+#include "encoder/data/images.h"
 #include "encoder/model/unpack.h"
 
 #include <math.h>

@@ -1,0 +1,35 @@
+/* What an encode is asked to do: its input, its outputs, and the options of the method.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_SETTINGS_H
+#define OPENBTF_ENCODER_SETTINGS_H
+
+#include "encoder/input/reader.h"
+#include "encoder/joint/joint.h"
+#include "encoder/paper/paper.h"
+
+typedef enum enc_method { ENC_METHOD_JOINT = 0, ENC_METHOD_PAPER = 1 } enc_method;
+
+typedef struct enc_job enc_job;
+struct enc_job {
+    const char *input;
+    const char *output;
+    enc_read_options read;
+    enc_method method;
+    enc_paper_options paper;
+    enc_joint_options joint;
+    btf_layout layout;
+    int levels; /* of detail, 1 at least; 0: down to one texel */
+    bool half_float;
+    const char *
+        checkpoint; /* folder where stages keep what they found until the material is written; NULL: none */
+    bool resume;    /* go on from it */
+    const char *report;   /* JSON file; NULL: none */
+    const char *pictures; /* folder, made when missing; NULL: none */
+    const char *const
+        *option_values; /* alternating names and values, NULL at the end: for file and report */
+    bool quiet;         /* no tables on stdout */
+};
+
+#endif
