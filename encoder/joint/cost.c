@@ -44,7 +44,7 @@ static double samples(const joint_extent *e) {
 static double dims_of(const joint_extent *e, const joint_shape *s) {
     const double k = (double)s->components, more = s->lobes == 0 ? 0
                                                    : k > 0       ? JOINT_FRONT_DIMS
-                                                                 : JOINT_LONE_DIMS;
+                                                                 : JOINT_FRONT_ALONE_DIMS;
     return k + fmin(more, fmax(e->row - k, 0)) + (s->lobes > 0);
 }
 

@@ -46,7 +46,7 @@ static void step(const joint_fit *fit, double (*cost)(const joint_extent *, cons
     enc_stage_step(fit->rows->context, joint_cost_steps(cost(&extent, &shape)));
 }
 
-void joint_fit_rest(joint_fit *fit) {
+void joint_fit_release(joint_fit *fit) {
     joint_projection_clear(&fit->projection);
 }
 
@@ -186,8 +186,8 @@ btf_result joint_fit_add_front(joint_fit *fit, const joint_front_kind *kind, int
     return result;
 }
 
-btf_result joint_fit_lone(const joint_rows *rows, uint32_t effects, const joint_front_kind *kind,
-                          int starts, joint_fit *out_fit) {
+btf_result joint_fit_front_alone(const joint_rows *rows, uint32_t effects, const joint_front_kind *kind,
+                                 int starts, joint_fit *out_fit) {
     const btf_result result = joint_fit_init(rows, 0, effects, out_fit);
     if (result != BTF_OK)
         return result;
@@ -230,7 +230,7 @@ btf_result joint_fit_round(joint_fit *fit) {
     return result;
 }
 
-btf_result joint_fit_round_off(joint_fit *fit) {
+btf_result joint_fit_quantise(joint_fit *fit) {
     btf_result result = joint_codes_init(fit->rows, fit->model.k, &fit->codes);
     if (result == BTF_OK && !fit->projection.c)
         result = joint_projection_init(fit->rows, &fit->model, &fit->projection);

@@ -25,8 +25,8 @@ typedef struct joint_fit {
     const joint_rows *rows;
     uint32_t effects; /* btf_effect bits of the file this becomes */
     joint_model model;
-    joint_projection projection; /* of model.v; freed while a fit rests */
-    joint_codes codes;           /* after joint_fit_round_off */
+    joint_projection projection; /* of model.v; freed by joint_fit_release */
+    joint_codes codes;           /* after joint_fit_quantise */
     double error;                /* sum of squares in the fitted domain */
     int rounds;                  /* done so far */
     size_t n_centres;            /* with effect hidden */
@@ -59,8 +59,8 @@ btf_result joint_fit_start(const joint_fit *from, size_t k, uint32_t effects, jo
 btf_result joint_fit_add_front(joint_fit *fit, const joint_front_kind *kind, int starts, int steps);
 
 /* Starts a fit of a front alone. */
-btf_result joint_fit_lone(const joint_rows *rows, uint32_t effects, const joint_front_kind *kind,
-                          int starts, joint_fit *out_fit);
+btf_result joint_fit_front_alone(const joint_rows *rows, uint32_t effects, const joint_front_kind *kind,
+                                 int starts, joint_fit *out_fit);
 
 /* One round; fit->error is that after it. */
 btf_result joint_fit_round(joint_fit *fit);
@@ -69,10 +69,10 @@ btf_result joint_fit_round(joint_fit *fit);
 btf_result joint_fit_point_errors(joint_fit *fit);
 
 /* Frees what only rounds need; joint_fit_round makes it again. */
-void joint_fit_rest(joint_fit *fit);
+void joint_fit_release(joint_fit *fit);
 
 /* Rounds the model to the codes of the file. */
-btf_result joint_fit_round_off(joint_fit *fit);
+btf_result joint_fit_quantise(joint_fit *fit);
 
 /* Hands the codes over. Errors: BTF_ERROR_MEMORY. */
 btf_result joint_fit_solution(const joint_fit *fit, enc_solution *out_solution);

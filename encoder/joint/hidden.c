@@ -32,7 +32,7 @@ static btf_result no_memory(const joint_rows *rows, size_t count) {
 }
 
 /* The worst points, and what they are. */
-typedef struct crowd {
+typedef struct worst_points {
     const joint_rows *rows;
     size_t n, stride;
     uint32_t *point; /* [n] ascending */
@@ -40,11 +40,11 @@ typedef struct crowd {
     float *error;    /* [n] under the best source */
     float *square;   /* [n] distance to the nearest centre */
     uint32_t *index; /* [n] nearest centre */
-    uint32_t *slot;  /* [view * texels] position in the crowd, UINT32_MAX outside */
+    uint32_t *slot;  /* [view * texels] position among them, UINT32_MAX for others */
     float *centre;   /* [count][stride] */
-} crowd;
+} worst_points;
 
-static void crowd_clear(crowd *c) {
+static void worst_points_clear(worst_points *c) {
     free(c->point);
     free(c->row);
     free(c->error);
@@ -60,22 +60,22 @@ static int compare_floats(const void *a, const void *b) {
 }
 
 static bool is_in(void *user, size_t view, size_t texel) {
-    const crowd *c = user;
+    const worst_points *c = user;
     return c->slot[view * c->rows->texels + texel] != UINT32_MAX;
 }
 
 static void take_row(void *user, size_t view, size_t texel, const float *row) {
-    const crowd *c = user;
+    const worst_points *c = user;
     const uint32_t at = c->slot[view * c->rows->texels + texel];
     memcpy(c->row + at * c->stride, row, c->rows->row * sizeof(float));
 }
 
 /* The `most` points of largest error, and their rows. */
-static btf_result crowd_init(const joint_rows *rows, const float *errors, size_t most, size_t count,
-                             crowd *c) {
+static btf_result worst_points_init(const joint_rows *rows, const float *errors, size_t most, size_t count,
+                                    worst_points *c) {
     const size_t points = rows->texels * rows->views;
     float *sorted = malloc(points * sizeof *sorted);
-    *c = (crowd){
+    *c = (worst_points){
         .rows = rows, .stride = enc_kmeans_stride(rows->row), .slot = malloc(points * sizeof *c->slot)};
     if (most > points)
         most = points;
@@ -105,7 +105,7 @@ static btf_result crowd_init(const joint_rows *rows, const float *errors, size_t
 
 /* Centres become the means of the points that gain by them; one that nobody takes restarts at the point
  * that has the largest error left. */
-static bool move_centres(crowd *c, size_t count) {
+static bool move_centres(worst_points *c, size_t count) {
     double *sum = calloc(count * (c->stride + 1), sizeof *sum), *members = sum + count * c->stride;
     if (!sum)
         return false;
@@ -134,7 +134,7 @@ static bool move_centres(crowd *c, size_t count) {
 }
 
 /* Rounds centres to codes; they become what the codes decode to, in the fitted domain. */
-static void round_off(const crowd *c, size_t count, joint_hidden *out) {
+static void round_off(const worst_points *c, size_t count, joint_hidden *out) {
     const size_t lights = c->rows->row / 3;
     float largest = 0.0f;
     for (size_t i = 0; i < count; i++)
@@ -153,7 +153,7 @@ static void round_off(const crowd *c, size_t count, joint_hidden *out) {
 }
 
 /* The points that gain by the centres of the codes. */
-static void take_members(const crowd *c, joint_hidden *out) {
+static void take_members(const worst_points *c, joint_hidden *out) {
     for (size_t i = 0; i < c->n; i++) {
         const float *a = c->row + i * c->stride, *b = c->centre + c->index[i] * c->stride;
         double square = 0.0;
@@ -168,7 +168,7 @@ static void take_members(const crowd *c, joint_hidden *out) {
     }
 }
 
-static btf_result cluster(crowd *c, size_t count, joint_hidden *out) {
+static btf_result cluster(worst_points *c, size_t count, joint_hidden *out) {
     size_t changed;
     btf_result result = enc_kmeans(c->n, c->stride, c->row, count, LLOYD, seed, false, c->centre, c->index);
     for (int round = 0; round <= ROUNDS && result == BTF_OK; round++) {
@@ -192,11 +192,11 @@ static btf_result cluster(crowd *c, size_t count, joint_hidden *out) {
 
 btf_result joint_hidden_find(joint_fit *fit, size_t count, joint_hidden *out_centres) {
     const joint_rows *rows = fit->rows;
-    crowd c = {0};
+    worst_points c = {0};
     *out_centres = (joint_hidden){0};
     btf_result result = joint_fit_point_errors(fit);
     if (result == BTF_OK)
-        result = crowd_init(rows, fit->model.point_error, count * CANDIDATES, count, &c);
+        result = worst_points_init(rows, fit->model.point_error, count * CANDIDATES, count, &c);
     free(fit->model.point_error);
     fit->model.point_error = NULL;
     if (count > c.n)
@@ -205,7 +205,7 @@ btf_result joint_hidden_find(joint_fit *fit, size_t count, joint_hidden *out_cen
         result = cluster(&c, count, out_centres);
     if (result != BTF_OK)
         joint_hidden_clear(out_centres);
-    crowd_clear(&c);
+    worst_points_clear(&c);
     return result;
 }
 
@@ -232,7 +232,7 @@ btf_result joint_hidden_apply(joint_fit *fit, joint_hidden *centres) {
 }
 
 /* Centres that the budget holds beside r->best with k components. */
-static size_t room(const joint_run *r, size_t k) {
+static size_t centres_that_fit(const joint_run *r, size_t k) {
     joint_shape shape = joint_fit_shape(&r->best);
     shape.components = k;
     shape.effects |= BTF_EFFECT_HIDDEN;
@@ -246,7 +246,7 @@ static size_t room(const joint_run *r, size_t k) {
 /* r->best without its last four components, in the principal basis that it is in. */
 static btf_result shorten(joint_run *r) {
     joint_fit shorter = {0};
-    joint_fit_rest(&r->best);
+    joint_fit_release(&r->best);
     const btf_result result =
         joint_fit_start(&r->best, r->best.model.k - JOINT_LAYER, r->best.effects, &shorter);
     if (result == BTF_OK) {
@@ -268,7 +268,7 @@ static btf_result last_energy(joint_run *r, double *out_energy) {
     *out_energy = 0.0;
     for (size_t j = k - JOINT_LAYER; j < k && result == BTF_OK; j++)
         *out_energy += energy[j];
-    joint_fit_rest(&r->best);
+    joint_fit_release(&r->best);
     free(energy);
     return result;
 }
@@ -287,8 +287,8 @@ static bool worth_it(joint_run *r, const joint_hidden *centres, size_t k, double
 
 btf_result joint_try_hidden(joint_run *r) {
     const uint32_t needed = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN;
-    const size_t k = r->best.model.k, beside = room(r, k),
-                 more = k > JOINT_LAYER ? room(r, k - JOINT_LAYER) : 0;
+    const size_t k = r->best.model.k, beside = centres_that_fit(r, k),
+                 more = k > JOINT_LAYER ? centres_that_fit(r, k - JOINT_LAYER) : 0;
     joint_hidden few = {0}, many = {0};
     double lost = 0.0;
     btf_result result = BTF_OK;
@@ -316,6 +316,6 @@ btf_result joint_try_hidden(joint_run *r) {
     joint_hidden_clear(&many);
     if (result == BTF_OK && (r->best.effects & BTF_EFFECT_HIDDEN))
         result = joint_fit_round(&r->best);
-    joint_fit_rest(&r->best);
+    joint_fit_release(&r->best);
     return result;
 }

@@ -62,7 +62,7 @@ static btf_result finish_better(joint_run *r, enc_solution *out_solution, joint_
     if (result != BTF_OK || !may_be_plain || (have && r->plain.error > plain_chance * out_error->fitted))
         return result;
     result = joint_fit_refine_plain(&r->plain, r->preset.start, NULL);
-    joint_fit_rest(&r->plain);
+    joint_fit_release(&r->plain);
     if (result == BTF_OK)
         result = joint_run_finish_part(r, &r->plain, r->plain.model.k, &plain, &plain_error);
     const bool better =

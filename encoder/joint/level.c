@@ -173,11 +173,11 @@ static btf_result fit_residual(const joint_rows *rows, const enc_solution *base,
 }
 
 /* SBRDF, shadow, shifts and gains, where there is no residual. */
-static btf_result fit_lone_front(const joint_rows *rows, const enc_solution *base, enc_solution *out) {
+static btf_result fit_front_alone(const joint_rows *rows, const enc_solution *base, enc_solution *out) {
     const joint_front_kind kind = front_of(base);
     joint_fit fit = {0};
     enc_solution found = {0};
-    btf_result result = joint_fit_lone(rows, base->effects, &kind, STARTS, &fit);
+    btf_result result = joint_fit_front_alone(rows, base->effects, &kind, STARTS, &fit);
     for (int i = 0; i < ROUNDS && result == BTF_OK; i++)
         result = joint_fit_round(&fit);
     if (result == BTF_OK)
@@ -198,7 +198,7 @@ btf_result enc_joint_level(const enc_context *context, const enc_data *data, con
         joint_rows_init_scaled(context, data, base->domain == BTF_DOMAIN_SQRT, base->radiance_scale, &rows);
     if (result == BTF_OK)
         result = base->effects & BTF_EFFECT_RESIDUAL ? fit_residual(&rows, base, out_solution)
-                                                     : fit_lone_front(&rows, base, out_solution);
+                                                     : fit_front_alone(&rows, base, out_solution);
     joint_rows_clear(&rows);
     if (result != BTF_OK)
         enc_level_clear(out_solution);

@@ -20,7 +20,7 @@ static btf_result out_of_memory(const joint_rows *rows, size_t k) {
 
 /* Basis vectors for fronts. */
 static size_t front_dims(const joint_rows *rows, const joint_model *model) {
-    const size_t wanted = !model->front ? 0 : model->k > 0 ? JOINT_FRONT_DIMS : JOINT_LONE_DIMS;
+    const size_t wanted = !model->front ? 0 : model->k > 0 ? JOINT_FRONT_DIMS : JOINT_FRONT_ALONE_DIMS;
     return model->k + wanted <= rows->row ? wanted : model->k < rows->row ? rows->row - model->k : 0;
 }
 

@@ -9,9 +9,9 @@
 #include "sources.h"
 
 enum {
-    JOINT_FRONT_DIMS = 12,     /* basis vectors for fronts beside a residual ... */
-    JOINT_LONE_DIMS = 48,      /* ... and without one */
-    JOINT_FRONT_SAMPLES = 128, /* fronts that the basis of a view is made from */
+    JOINT_FRONT_DIMS = 12,       /* basis vectors for fronts beside a residual ... */
+    JOINT_FRONT_ALONE_DIMS = 48, /* ... and without one */
+    JOINT_FRONT_SAMPLES = 128,   /* fronts that the basis of a view is made from */
 };
 
 /* Per view an orthonormal basis that begins with the span of v[view], v = lower * basis, and every row in

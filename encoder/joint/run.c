@@ -96,8 +96,8 @@ btf_result joint_run_rounds(joint_run *r, joint_fit *fit, int count, const char 
 
 btf_result joint_run_finish(joint_run *r, joint_fit *fit, enc_solution *out_solution,
                             joint_error *out_error) {
-    btf_result result = joint_fit_round_off(fit);
-    joint_fit_rest(fit);
+    btf_result result = joint_fit_quantise(fit);
+    joint_fit_release(fit);
     if (result == BTF_OK)
         result = joint_fit_solution(fit, out_solution);
     if (result == BTF_OK)

@@ -99,7 +99,7 @@ static double quadratic(size_t k, const float *gram, const float *right, const f
 }
 
 /* Makes `count` factors from the one of this number on 0, and their codes. */
-static void set_to_nothing(const joint_rounding *rounding, size_t first, size_t count, float *factors) {
+static void set_to_zero(const joint_rounding *rounding, size_t first, size_t count, float *factors) {
     memset(factors + first, 0, count * sizeof *factors);
     if (rounding)
         memset(rounding->codes + first, 0, count * sizeof *rounding->codes);
@@ -128,7 +128,7 @@ static void solve_source(const u_step *step, joint_model *model, size_t source, 
             pull *= 16.0;
             if (isfinite(pull))
                 continue;
-            set_to_nothing(step->rounding, source * k, k, model->u);
+            set_to_zero(step->rounding, source * k, k, model->u);
             return;
         }
         enc_lower_solve(k, a, x, 1);
@@ -468,7 +468,7 @@ static bool solve_view(const v_pass *pass, joint_model *model, size_t view) {
         if (enc_cholesky(k, a))
             break;
         if (!isfinite(pull)) { /* as in solve_source */
-            set_to_nothing(pass->rounding, view * k * row, k * row, model->v);
+            set_to_zero(pass->rounding, view * k * row, k * row, model->v);
             free(a);
             return true;
         }

@@ -7,9 +7,9 @@
 
 #include "fit.h"
 
-/* The fit that step `name` holds, resting, and `size` bytes beside it, which the caller checks; false when
- * it holds none of these sizes, or none that rounds could have led to. *out_fit is cleared by the caller in
- * any case. */
+/* The fit that step `name` holds, without a projection, and `size` bytes beside it, which the caller
+ * checks; false when it holds none of these sizes, or none that rounds could have led to. *out_fit is
+ * cleared by the caller in any case. */
 bool joint_step_take(const joint_rows *rows, const char *name, joint_fit *out_fit, void *beside,
                      size_t size);
 

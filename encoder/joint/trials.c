@@ -158,7 +158,7 @@ static double needed_gain(const joint_run *r, const joint_fit *a, const joint_fi
 static btf_result start_one(joint_run *r, const joint_shape *shape, joint_fit *out_fit) {
     const joint_front_kind kind = front_of(shape);
     if (shape->components == 0)
-        return joint_fit_lone(&r->rows, shape->effects, &kind, STARTS, out_fit);
+        return joint_fit_front_alone(&r->rows, shape->effects, &kind, STARTS, out_fit);
     const size_t k = shape->components < r->plain.model.k ? shape->components : r->plain.model.k;
     const btf_result result = joint_fit_start(&r->plain, k, shape->effects, out_fit);
     return result == BTF_OK && shape->lobes > 0
@@ -198,7 +198,7 @@ btf_result joint_try_shapes(joint_run *r) {
     const int trial = joint_trial_rounds(r, count, rounds);
     double history[ENC_JOINT_MAX_ROUNDS];
     btf_result result = BTF_OK;
-    joint_fit_rest(&r->plain);
+    joint_fit_release(&r->plain);
     if (count > 1)
         joint_run_stage(r, JOINT_STAGE_TRIALS, r->costs.trials);
     else
@@ -206,7 +206,7 @@ btf_result joint_try_shapes(joint_run *r) {
     for (int i = 0; i < count && result == BTF_OK; i++) {
         joint_fit fit = {0};
         int done = 0;
-        joint_fit_rest(&r->best);
+        joint_fit_release(&r->best);
         result = try_one(r, &list[i], i, trial, history, &done, &fit);
         const bool better = result == BTF_OK && (!r->best.rows || gain(r->best.error, fit.error) >
                                                                       needed_gain(r, &r->best, &fit));
@@ -229,7 +229,7 @@ btf_result joint_try_shapes(joint_run *r) {
     if (result == BTF_OK && count > 0)
         result = joint_run_rounds(r, &r->best, rounds, "joint-best", r->stats->history, &r->stats->rounds,
                                   &over);
-    joint_fit_rest(&r->best);
+    joint_fit_release(&r->best);
     return result;
 }
 
@@ -256,7 +256,7 @@ btf_result joint_try_plain_sbrdf(joint_run *r, enc_solution *out_solution, joint
             break;
         if (probe * samples > r->enough)
             continue;
-        result = joint_fit_lone(&r->rows, 0, kinds[i], STARTS, &fit);
+        result = joint_fit_front_alone(&r->rows, 0, kinds[i], STARTS, &fit);
         if (result == BTF_OK && fit.error <= r->enough) {
             joint_run_note(r, &shape, fit.error, "enough");
             r->stats->history[0] = fit.error;

@@ -82,7 +82,7 @@ static void check_joint(void) {
     uint32_t beside;
     if (joint_step_take(&rows, "joint", &fit, &beside, sizeof beside)) {
         enc_solution solution = {0};
-        FUZZ_CHECK(joint_fit_round(&fit) == BTF_OK && joint_fit_round_off(&fit) == BTF_OK);
+        FUZZ_CHECK(joint_fit_round(&fit) == BTF_OK && joint_fit_quantise(&fit) == BTF_OK);
         FUZZ_CHECK(joint_fit_solution(&fit, &solution) == BTF_OK);
         enc_solution_clear(&solution);
     }

@@ -463,7 +463,7 @@ static void joint_solves(void) {
                        : "joint rounds with shifts and gains, linear: the error they report",
                   "within 0.05 dB of the model's in double", ok && loss < precision_most_loss,
                   "%.2f dB, off by %.1e dB", hard_psnr(exact, samples, 1), loss);
-        ok = ok && joint_fit_round_off(&fit) == BTF_OK;
+        ok = ok && joint_fit_quantise(&fit) == BTF_OK;
         enc_solution s = {0};
         joint_error measured_error = {0};
         ok = ok && joint_fit_solution(&fit, &s) == BTF_OK &&

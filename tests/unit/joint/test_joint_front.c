@@ -75,7 +75,7 @@ static void test_monotone(void **unused) {
                                  BTF_OK);
                 assert_int_equal(joint_fit_add_front(&fit, &kinds[i], 1, 1), BTF_OK);
             } else {
-                assert_int_equal(joint_fit_lone(&rows, all_maps, &kinds[i], 1, &fit), BTF_OK);
+                assert_int_equal(joint_fit_front_alone(&rows, all_maps, &kinds[i], 1, &fit), BTF_OK);
             }
             double before = fit.error;
             const double first = before;
@@ -101,10 +101,10 @@ static void test_refit(void **unused) {
     double before, after;
     (void)unused;
     assert_int_equal(joint_rows_init(&two_threads, data, true, &rows), BTF_OK);
-    assert_int_equal(joint_fit_lone(&rows, 0, &kind, 1, &fit), BTF_OK);
+    assert_int_equal(joint_fit_front_alone(&rows, 0, &kind, 1, &fit), BTF_OK);
     for (size_t t = 0; t < rows.texels; t++)
         fit.model.front->sbrdf->values[t * enc_sbrdf_stride(2, false) + 3] *= t % 2 ? 3.0f : 0.25f;
-    joint_fit_rest(&fit);
+    joint_fit_release(&fit);
     assert_int_equal(joint_projection_init(&rows, &fit.model, &fit.projection), BTF_OK);
     assert_int_equal(joint_project(&rows, &fit.model, &fit.projection), BTF_OK);
     assert_int_equal(joint_choose(&rows, &fit.projection, false, 0.0, &fit.model, &before), BTF_OK);
