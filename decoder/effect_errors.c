@@ -1,9 +1,10 @@
-/* OpenBTF: the measured errors of the ways to decode (FORMAT.md section 7, openbtf.effectErrors).
+/* OpenBTF: the measured errors of each way to decode (FORMAT.md section 7, openbtf.effectErrors).
  *
  * SPDX-License-Identifier: MIT
  */
-#include "internal.h"
+#include "effect_errors.h"
 
+#include "material.h"
 #include <math.h>
 
 enum { ROW_HEAD = 5, MAX_ROWS = 4096 };

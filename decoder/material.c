@@ -2,23 +2,13 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "internal.h"
-#include <stdarg.h>
-#include <stdio.h>
+#include "material.h"
+
+#include "effect_errors.h"
+#include "shape.h"
+#include "values.h"
 #include <stdlib.h>
 #include <string.h>
-
-btf_result btfi_fail(const btf_log *log, btf_result result, const char *format, ...) {
-    if (log && log->callback) {
-        char message[1024];
-        va_list arguments;
-        va_start(arguments, format);
-        vsnprintf(message, sizeof message, format, arguments);
-        va_end(arguments);
-        log->callback(log->user, BTF_LOG_ERROR, message);
-    }
-    return result;
-}
 
 char *btfi_copy_string(const char *text, size_t length) {
     char *copy = malloc(length + 1);

@@ -5,7 +5,8 @@
 #ifndef OPENBTF_PARTS_H
 #define OPENBTF_PARTS_H
 
-#include "internal.h"
+#include "shape.h"
+#include <stdbool.h>
 
 #pragma GCC visibility push(hidden)
 

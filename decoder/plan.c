@@ -2,7 +2,10 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "material.h"
 #include "reach.h"
+#include "restrict.h"
+#include "shape.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,7 +2,11 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "restrict.h"
+
+#include "material.h"
 #include "reach.h"
+#include "shape.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -2,7 +2,10 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "internal.h"
+#include "shape.h"
+
+#include "atlas.h"
+#include "parameter.h"
 #include <assert.h>
 #include <stdio.h>
 

@@ -3,8 +3,6 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "internal.h"
-
 #include <openbtf/plan.h>
 
 btf_result btf_material_to_tight(const btf_material *material, const btf_log *log,

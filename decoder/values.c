@@ -2,7 +2,10 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "internal.h"
+#include "values.h"
+
+#include "atlas.h"
+#include "parameter.h"
 #include "parts.h"
 #include <math.h>
 
