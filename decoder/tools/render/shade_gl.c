@@ -7,7 +7,7 @@
 
 #include "decoder/toolkit/reference_view.h"
 #include "file.h"
-#include "gl_api.h"
+#include "decoder/tools/context/gl_api.h"
 #include "table.h"
 #include "decoder/tools/context/context.h"
 #include <omp.h>

@@ -5,7 +5,7 @@
 #ifndef OPENBTF_VIEW_DRAWING_H
 #define OPENBTF_VIEW_DRAWING_H
 
-#include "../render/gl_api.h"
+#include "decoder/tools/context/gl_api.h"
 #include "../render/mesh.h"
 #include "../render/original.h"
 #include "state.h"
