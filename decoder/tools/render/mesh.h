@@ -1,4 +1,4 @@
-/* Triangle meshes with texture coordinates and tangent frames: made by formula, or read from Wavefront OBJ.
+/* Triangle meshes with texture coordinates and tangent frames, and those that are made by formula.
  *
  * World: x to the right, y up, z towards the default camera. Built-in meshes lie within [-1, 1] on each
  * axis.
@@ -36,26 +36,7 @@ btf_result mesh_make(const char *name, const btf_log *log, mesh **out_mesh);
 /* True when name is one of the above. */
 bool mesh_is_built_in(const char *name);
 
-/* Reads an OBJ file: v, vt, vn, f (triangles and convex polygons, negative indices, "v", "v/t", "v//n",
- * "v/t/n"); other statements are skipped. Texture coordinates are required; missing normals are averaged
- * over faces by area, tangents follow from uv. The mesh is centred and scaled into the unit sphere.
- * Messages name file, line and value. At most 2^24 corners and 1 GB. Errors: BTF_ERROR_IO,
- * BTF_ERROR_BAD_FILE, BTF_ERROR_UNSUPPORTED (size), BTF_ERROR_MEMORY. */
-btf_result mesh_read_obj(const char *path, const btf_log *log, mesh **out_mesh);
-
-/* The same from text[size]; `name` stands in messages. */
-btf_result mesh_parse_obj(const char *name, const char *text, size_t size, const btf_log *log,
-                          mesh **out_mesh);
-
 /* Room for a mesh of these sizes, zeroed. NULL when out of memory. */
 mesh *mesh_allocate(uint32_t vertex_count, uint32_t triangle_count);
-
-/* Normals of all vertices from faces, weighted by area. */
-void mesh_compute_normals(mesh *m);
-
-/* Tangents of all vertices along growing u (E. Lengyel, "Foundations of Game Engine Development 2", 2019,
- * 7.5): summed over faces, made orthogonal to the normal; where u says nothing, any perpendicular. Errors:
- * BTF_ERROR_MEMORY. */
-btf_result mesh_compute_tangents(mesh *m);
 
 #endif

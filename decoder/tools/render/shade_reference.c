@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "shader.h"
+#include "shade_reference.h"
 
 #include "decoder/toolkit/reference_view.h"
 #include "file.h"

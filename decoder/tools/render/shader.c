@@ -5,6 +5,8 @@
 #include "shader.h"
 
 #include "file.h"
+#include "shade_gl.h"
+#include "shade_reference.h"
 #include <stdlib.h>
 #include <string.h>
 

@@ -6,8 +6,8 @@
 #define OPENBTF_VIEW_DRAWING_H
 
 #include "decoder/tools/context/gl_api.h"
-#include "../render/mesh.h"
-#include "../render/original.h"
+#include "decoder/tools/render/mesh.h"
+#include "decoder/tools/render/original.h"
 #include "state.h"
 #include <openbtf/plan.h>
 

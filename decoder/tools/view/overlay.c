@@ -4,8 +4,8 @@
  */
 #include "overlay.h"
 
-#include "../render/file.h"
-#include "../render/font.h"
+#include "decoder/tools/render/file.h"
+#include "decoder/tools/render/font.h"
 #include <stdlib.h>
 #include <string.h>
 

@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "decoder/tools/render/mesh.h"
+#include "decoder/tools/render/obj.h"
 #include "decoder/tools/render/vec.h"
 #include <setjmp.h>
 #include <stdarg.h>
