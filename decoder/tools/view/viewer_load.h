@@ -14,7 +14,7 @@ btf_result viewer_use_mesh(viewer *v); /* the one that the state names */
 btf_result viewer_open_images(viewer *v, const char *path);
 /* Another material; what is shown stays when it cannot be opened. The images belong to the old one. */
 btf_result viewer_load_material(viewer *v, const char *path);
-/* What the panel and the keys need to know of the material. */
+/* Tells the panel and the keys what they need to know of the material. */
 void viewer_use_material_facts(viewer *v, const char *path);
 
 #endif
