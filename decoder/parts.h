@@ -6,7 +6,6 @@
 #define OPENBTF_PARTS_H
 
 #include "shape.h"
-#include <stdbool.h>
 
 #pragma GCC visibility push(hidden)
 

@@ -5,7 +5,6 @@
 #include "shape.h"
 
 #include "atlas.h"
-#include "parameter.h"
 #include <assert.h>
 #include <stdio.h>
 

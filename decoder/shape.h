@@ -7,8 +7,19 @@
 
 #include "result.h"
 #include <openbtf/material.h>
+#include <stdbool.h>
 
 #pragma GCC visibility push(hidden)
+
+/* The smallest and largest magnitude of a parameter that is not 0 (FORMAT.md section 2). */
+#define BTFI_PARAMETER_MIN 0x1p-24f
+#define BTFI_PARAMETER_MAX 0x1p24f
+
+/* True when x is 0 or of a magnitude that FORMAT.md section 2 allows. */
+static inline bool btfi_is_parameter(float x) {
+    float magnitude = x < 0 ? -x : x;
+    return x == 0 || (magnitude >= BTFI_PARAMETER_MIN && magnitude <= BTFI_PARAMETER_MAX);
+}
 
 /* Channels of a texel and bytes of a channel. */
 uint32_t btfi_format_channels(btf_format format);

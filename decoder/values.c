@@ -5,7 +5,6 @@
 #include "values.h"
 
 #include "atlas.h"
-#include "parameter.h"
 #include "parts.h"
 #include <math.h>
 

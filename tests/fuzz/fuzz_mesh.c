@@ -4,7 +4,7 @@
  */
 #include "fuzz.h"
 
-#include "decoder/tools/render/obj.h"
+#include "decoder/tools/mesh/obj.h"
 
 #include <math.h>
 

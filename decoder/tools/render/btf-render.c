@@ -10,7 +10,7 @@
 #include "figure.h"
 #include "frame_plan.h"
 #include "light_option.h"
-#include "obj.h"
+#include "decoder/tools/mesh/obj.h"
 #include "original.h"
 #include "render.h"
 #include "settings.h"

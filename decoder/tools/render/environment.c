@@ -6,7 +6,7 @@
 
 #include "decoder/toolkit/exr_image.h"
 #include "decoder/toolkit/hdr_image.h"
-#include "file.h"
+#include "decoder/toolkit/file.h"
 
 #include <stdint.h>
 #include <stdio.h>

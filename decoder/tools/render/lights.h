@@ -5,7 +5,7 @@
 #ifndef OPENBTF_RENDER_LIGHTS_H
 #define OPENBTF_RENDER_LIGHTS_H
 
-#include "vec.h"
+#include "decoder/tools/mesh/vec.h"
 #include <openbtf/result.h>
 #include <stdbool.h>
 #include <stddef.h>

@@ -8,7 +8,7 @@
 #include "decoder/toolkit/reference_view.h"
 #include "decoder/tools/context/context.h"
 #include "decoder/tools/context/gl_api.h"
-#include "file.h"
+#include "decoder/toolkit/file.h"
 #include "table.h"
 #include <omp.h>
 #include <stdio.h>

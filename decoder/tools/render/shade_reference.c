@@ -5,7 +5,7 @@
 #include "shade_reference.h"
 
 #include "decoder/toolkit/reference_view.h"
-#include "file.h"
+#include "decoder/toolkit/file.h"
 #include "table.h"
 #include <stdlib.h>
 

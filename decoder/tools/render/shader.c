@@ -4,7 +4,7 @@
  */
 #include "shader.h"
 
-#include "file.h"
+#include "decoder/toolkit/file.h"
 #include "shade_gl.h"
 #include "shade_reference.h"
 #include <stdlib.h>

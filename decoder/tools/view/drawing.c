@@ -4,7 +4,7 @@
  */
 #include "drawing.h"
 
-#include "decoder/tools/render/file.h"
+#include "decoder/toolkit/file.h"
 #include "decoder/tools/render/table.h"
 #include <stdio.h>
 #include <stdlib.h>

@@ -6,7 +6,7 @@
 #define OPENBTF_VIEW_DRAWING_H
 
 #include "decoder/tools/context/gl_api.h"
-#include "decoder/tools/render/mesh.h"
+#include "decoder/tools/mesh/mesh.h"
 #include "decoder/tools/render/original.h"
 #include "state.h"
 #include <openbtf/plan.h>

@@ -4,7 +4,7 @@
  */
 #include "overlay.h"
 
-#include "decoder/tools/render/file.h"
+#include "decoder/toolkit/file.h"
 #include "decoder/tools/render/font.h"
 #include <stdlib.h>
 #include <string.h>

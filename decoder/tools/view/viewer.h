@@ -6,7 +6,7 @@
 #define OPENBTF_VIEW_VIEWER_H
 
 #include "costs.h"
-#include "decoder/tools/render/bvh.h"
+#include "decoder/tools/mesh/bvh.h"
 #include "decoder/tools/render/original.h"
 #include "drawing.h"
 #include "overlay.h"

@@ -5,7 +5,7 @@
 #include "viewer_load.h"
 
 #include "decoder/toolkit/progress.h"
-#include "decoder/tools/render/obj.h"
+#include "decoder/tools/mesh/obj.h"
 #include "options.h"
 #include "viewer_plan.h"
 #include <omp.h>

@@ -4,10 +4,10 @@
  */
 #include "decoder/tools/render/environment.h"
 #include "decoder/tools/render/light_option.h"
-#include "decoder/tools/render/obj.h"
+#include "decoder/tools/mesh/obj.h"
 #include "decoder/tools/render/picture.h"
 #include "decoder/tools/render/table.h"
-#include "decoder/tools/render/tangents.h"
+#include "decoder/tools/mesh/tangents.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdlib.h>

@@ -4,7 +4,7 @@
  */
 #include "obj.h"
 
-#include "file.h"
+#include "decoder/toolkit/file.h"
 #include "tangents.h"
 #include "vec.h"
 #include <ctype.h>

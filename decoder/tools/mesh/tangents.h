@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_RENDER_TANGENTS_H
-#define OPENBTF_RENDER_TANGENTS_H
+#ifndef OPENBTF_MESH_TANGENTS_H
+#define OPENBTF_MESH_TANGENTS_H
 
 #include "mesh.h"
 

@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_RENDER_OBJ_H
-#define OPENBTF_RENDER_OBJ_H
+#ifndef OPENBTF_MESH_OBJ_H
+#define OPENBTF_MESH_OBJ_H
 
 #include "mesh.h"
 

@@ -5,8 +5,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_RENDER_MESH_H
-#define OPENBTF_RENDER_MESH_H
+#ifndef OPENBTF_MESH_MESH_H
+#define OPENBTF_MESH_MESH_H
 
 #include <openbtf/result.h>
 #include <stdbool.h>
