@@ -13,6 +13,8 @@
 /* Checks the numbers of the attribute openbtf.effectErrors against a (checked) info. */
 btf_result btfi_check_effect_errors(const btfi_check *check, const btf_material_info *info,
                                     const float *values, size_t count);
+/* The table in numbers that were checked; one without rows for NULL. */
+btf_effect_errors btfi_effect_errors_of(const float *values, size_t count);
 
 #pragma GCC visibility pop
 

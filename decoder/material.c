@@ -145,6 +145,10 @@ const btf_level_error *btf_material_level_errors(const btf_material *material, s
     return material->level_error_count ? material->level_errors : NULL;
 }
 
+btf_effect_errors btf_material_effect_errors(const btf_material *material) {
+    return btfi_effect_errors_of(material->effect_errors, material->effect_error_count);
+}
+
 /* The caller's textures of a level. */
 static const void *const *level_textures(const btf_material_desc *desc, uint32_t level) {
     return level ? desc->level_texture[level] : desc->texture;
