@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "internal.h"
+#include "atlas.h"
 #include <assert.h>
 
 static uint32_t min_u32(uint32_t a, uint32_t b) {

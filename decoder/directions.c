@@ -3,7 +3,9 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "internal.h"
+#include "directions.h"
+
+#include "triangulate.h"
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>

@@ -1,10 +1,10 @@
-/* OpenBTF: the measured errors of the ways to decode (FORMAT.md section 7, openbtf.effectErrors).
+/* OpenBTF: the measured errors of each way to decode (FORMAT.md section 7, openbtf.effectErrors).
  *
  * SPDX-License-Identifier: MIT
  */
-#include "internal.h"
-
+#include "effect_errors.h"
 #include <math.h>
+#include <stdbool.h>
 
 enum { ROW_HEAD = 5, MAX_ROWS = 4096 };
 
@@ -67,9 +67,8 @@ btf_result btfi_check_effect_errors(const btfi_check *check, const btf_material_
     return BTF_OK;
 }
 
-btf_effect_errors btf_material_effect_errors(const btf_material *material) {
+btf_effect_errors btfi_effect_errors_of(const float *values, size_t count) {
     btf_effect_errors table = {0};
-    const float *values = material->effect_errors;
     if (!values)
         return table;
     table.view_bands = (uint32_t)values[0];
@@ -78,7 +77,6 @@ btf_effect_errors btf_material_effect_errors(const btf_material *material) {
     table.light_limits = table.view_limits + table.view_bands + 1;
     table.rows = table.light_limits + table.light_bands + 1;
     table.row_stride = ROW_HEAD + 2 * table.view_bands * table.light_bands;
-    table.row_count =
-        (uint32_t)((material->effect_error_count - (size_t)(table.rows - values)) / table.row_stride);
+    table.row_count = (uint32_t)((count - (size_t)(table.rows - values)) / table.row_stride);
     return table;
 }

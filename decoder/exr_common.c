@@ -3,6 +3,8 @@
  * SPDX-License-Identifier: MIT
  */
 #include "exr_common.h"
+
+#include "shape.h"
 #include <stdio.h>
 
 const char *const btfi_layout_words[2] = {"paper", "tight"};

@@ -5,8 +5,8 @@
 #ifndef OPENBTF_EXR_COMMON_H
 #define OPENBTF_EXR_COMMON_H
 
-#include "internal.h"
 #include <openexr.h>
+#include <stdbool.h>
 
 #pragma GCC visibility push(hidden)
 

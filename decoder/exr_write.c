@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "exr_common.h"
+#include "material.h"
 #include "parts.h"
 #include <assert.h>
 #include <stdio.h>

@@ -3,7 +3,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "gl_functions.h"
-#include "internal.h"
+#include "result.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -3,6 +3,11 @@
  * SPDX-License-Identifier: MIT
  */
 #include "header.h"
+
+#include "effect_errors.h"
+#include "exr_common.h"
+#include "shape.h"
+#include "values.h"
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>

@@ -5,7 +5,8 @@
 #ifndef OPENBTF_HEADER_H
 #define OPENBTF_HEADER_H
 
-#include "exr_common.h"
+#include "material.h"
+#include <openexr.h>
 
 #pragma GCC visibility push(hidden)
 

@@ -2,23 +2,13 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "internal.h"
-#include <stdarg.h>
-#include <stdio.h>
+#include "material.h"
+
+#include "effect_errors.h"
+#include "shape.h"
+#include "values.h"
 #include <stdlib.h>
 #include <string.h>
-
-btf_result btfi_fail(const btf_log *log, btf_result result, const char *format, ...) {
-    if (log && log->callback) {
-        char message[1024];
-        va_list arguments;
-        va_start(arguments, format);
-        vsnprintf(message, sizeof message, format, arguments);
-        va_end(arguments);
-        log->callback(log->user, BTF_LOG_ERROR, message);
-    }
-    return result;
-}
 
 char *btfi_copy_string(const char *text, size_t length) {
     char *copy = malloc(length + 1);
@@ -153,6 +143,10 @@ const btf_material_error *btf_material_errors(const btf_material *material, size
 const btf_level_error *btf_material_level_errors(const btf_material *material, size_t *out_count) {
     *out_count = material->level_error_count;
     return material->level_error_count ? material->level_errors : NULL;
+}
+
+btf_effect_errors btf_material_effect_errors(const btf_material *material) {
+    return btfi_effect_errors_of(material->effect_errors, material->effect_error_count);
 }
 
 /* The caller's textures of a level. */

@@ -5,7 +5,7 @@
 #ifndef OPENBTF_PARTS_H
 #define OPENBTF_PARTS_H
 
-#include "internal.h"
+#include "shape.h"
 
 #pragma GCC visibility push(hidden)
 

@@ -2,36 +2,40 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "material.h"
 #include "reach.h"
+#include "restrict.h"
+#include "shape.h"
 
 #include <math.h>
 #include <string.h>
 
 #define DEGREE (3.14159265358979323846 / 180)
 
-/* A row of the table, as far as a scene cares. */
-typedef struct way {
+/* Effects and components that may be decoded, and what the table predicts of them for a scene. */
+typedef struct candidate {
     uint32_t effects, components;
     btf_interpolation interpolation;
     double mse[2]; /* linear, sRGB-coded */
-} way;
+} candidate;
 
-/* How a shader goes through directions. */
-typedef struct trips {
-    float run, passed; /* directions of weight above 0; those of weight 0 that cost time all the same */
-} trips;
+/* The neighbouring directions that a shader goes through, on the average. */
+typedef struct direction_count {
+    float decoded, skipped; /* of weight above 0; of weight 0, which cost time all the same */
+} direction_count;
 
-static trips trips_of(const btfi_directions *directions, const btf_shader_options *o, uint32_t fixed,
-                      const float fixed_direction[3], const btf_range *range) {
+static direction_count count_directions(const btfi_directions *directions, const btf_shader_options *o,
+                                        uint32_t fixed, const float fixed_direction[3],
+                                        const btf_range *range) {
     const bool nearest = o->interpolation == BTF_INTERPOLATION_NEAREST;
     if (o->fixed & fixed)
-        return (trips){(float)btfi_neighbours_of(directions, fixed_direction, nearest).count, 0};
+        return (direction_count){(float)btfi_neighbours_of(directions, fixed_direction, nearest).count, 0};
     if (nearest)
-        return (trips){1, 0};
+        return (direction_count){1, 0};
     if (!range || !range->fixed)
-        return (trips){3, 0};
-    const float run = (float)btfi_neighbours_of(directions, range->direction, false).count;
-    return (trips){run, 3 - run};
+        return (direction_count){3, 0};
+    const float decoded = (float)btfi_neighbours_of(directions, range->direction, false).count;
+    return (direction_count){decoded, 3 - decoded};
 }
 
 /* See plan.h for the model and where its numbers come from. */
@@ -50,13 +54,14 @@ static float cost_of(const btf_material *material, btf_layout layout, const btf_
     const float texels = o->filter == BTF_FILTER_BILINEAR ? 4 : 1;
     const bool has_shadow = info->colour != BTF_COLOUR_NONE && effects & BTF_EFFECT_SHADOW;
     const bool lights_matter = has_shadow || residual || effects & BTF_EFFECT_HIDDEN;
-    trips views = trips_of(&material->views, o, BTF_FIXED_VIEW, o->fixed_view, scene ? &scene->view : NULL);
-    const trips light =
-        trips_of(&material->lights, o, BTF_FIXED_LIGHT, o->fixed_light, scene ? &scene->light : NULL);
-    const float lights = light.run + light.passed;
+    direction_count views =
+        count_directions(&material->views, o, BTF_FIXED_VIEW, o->fixed_view, scene ? &scene->view : NULL);
+    const direction_count light = count_directions(&material->lights, o, BTF_FIXED_LIGHT, o->fixed_light,
+                                                   scene ? &scene->light : NULL);
+    const float lights = light.decoded + light.skipped;
     /* The same for each view: compilers see that where the views are constants. */
     if (o->fixed & BTF_FIXED_VIEW && !(effects & codes) && !residual)
-        views = (trips){1, 0};
+        views = (direction_count){1, 0};
     float fetched = effects & codes ? 1 : 0, each = 0;
     if (tight)
         fetched = (effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN) ? 1.0f : 0.0f) +
@@ -67,12 +72,12 @@ static float cost_of(const btf_material *material, btf_layout layout, const btf_
     }
     each += texel_view + (atlas + code) * fetched +
             (effects & BTF_EFFECT_HIDDEN ? (atlas + centre) * lights : 0);
-    const float group_trips =
-        groups > UNROLLED ? views.run * groups + views.passed : (views.run + views.passed) * groups;
+    const float group_fetches = groups > UNROLLED ? views.decoded * groups + views.skipped
+                                                  : (views.decoded + views.skipped) * groups;
     const float look_ups = (o->fixed & BTF_FIXED_VIEW ? 0.0f : 1.0f) +
                            (!lights_matter || o->fixed & BTF_FIXED_LIGHT ? 0.0f : 1.0f);
-    return once + look_up * look_ups + (views.run + views.passed) * texels * each +
-           group_trips * (texel_group * texels + 3 * direction_group * lights);
+    return once + look_up * look_ups + (views.decoded + views.skipped) * texels * each +
+           group_fetches * (texel_group * texels + 3 * direction_group * lights);
 }
 
 float btf_plan_cost(const btf_material *material, const btf_shader_options *options,
@@ -103,18 +108,19 @@ static void band_weights(const btf_range *range, uint32_t count, const float *li
     }
 }
 
-typedef struct table {
+/* The table of measured errors, and how much each of its bands counts in a scene. */
+typedef struct error_table {
     btf_effect_errors rows;
     double at_view, at_light; /* 0: between samples, 1: at a sample */
     double view[BTF_MAX_BANDS], light[BTF_MAX_BANDS];
-} table;
+} error_table;
 
-static const float *row_at(const table *t, uint32_t index) {
+static const float *row_at(const error_table *t, uint32_t index) {
     return t->rows.rows + (size_t)index * t->rows.row_stride;
 }
 
 /* Adds a row's errors, weighted by the bands. */
-static void add_errors(const table *t, const float *row, double mse[2]) {
+static void add_errors(const error_table *t, const float *row, double mse[2]) {
     const float *cell = row + 5;
     for (uint32_t v = 0; v < t->rows.view_bands; v++)
         for (uint32_t l = 0; l < t->rows.light_bands; l++, cell += 2)
@@ -123,7 +129,7 @@ static void add_errors(const table *t, const float *row, double mse[2]) {
 }
 
 /* The row that measures what row `index` does where view, light or both are samples (column 3: 3, 4, 2). */
-static const float *row_of_kind(const table *t, uint32_t index, int kind) {
+static const float *row_of_kind(const error_table *t, uint32_t index, int kind) {
     const float *row = row_at(t, index);
     for (uint32_t r = 0; r < t->rows.row_count; r++) {
         const float *other = row_at(t, r);
@@ -135,14 +141,14 @@ static const float *row_of_kind(const table *t, uint32_t index, int kind) {
 
 /* Between samples the errors of up to nine samples average out, so that they are less than at the samples:
  * the geometric mean of what is measured for both, by how near view and light are to being samples. */
-static way read_way(const table *t, uint32_t index) {
+static candidate read_candidate(const error_table *t, uint32_t index) {
     const float *row = row_at(t, index);
-    way w = {.effects = (uint32_t)row[0],
-             .components = (uint32_t)row[1],
-             .interpolation = row[2] == 0 ? BTF_INTERPOLATION_LINEAR : BTF_INTERPOLATION_NEAREST};
-    add_errors(t, row, w.mse);
+    candidate c = {.effects = (uint32_t)row[0],
+                   .components = (uint32_t)row[1],
+                   .interpolation = row[2] == 0 ? BTF_INTERPOLATION_LINEAR : BTF_INTERPOLATION_NEAREST};
+    add_errors(t, row, c.mse);
     if (t->at_view == 0 && t->at_light == 0)
-        return w;
+        return c;
     const double share[4] = {t->at_view * t->at_light, t->at_view * (1 - t->at_light),
                              (1 - t->at_view) * t->at_light, (1 - t->at_view) * (1 - t->at_light)};
     static const int kinds[3] = {2, 3, 4};
@@ -152,15 +158,15 @@ static way read_way(const table *t, uint32_t index) {
         add_errors(t, k > 0 && row[2] == 1 ? row : row_of_kind(t, index, kinds[k]), mse[k]);
     for (int i = 0; i < 2; i++) {
         double sum = 0;
-        mse[3][i] = w.mse[i];
+        mse[3][i] = c.mse[i];
         for (int k = 0; k < 4; k++)
             sum += share[k] * log(fmax(mse[k][i], 1e-12));
-        w.mse[i] = exp(sum);
+        c.mse[i] = exp(sum);
     }
-    return w;
+    return c;
 }
 
-static bool is_at_samples(const table *t, uint32_t index) {
+static bool is_at_samples(const error_table *t, uint32_t index) {
     return row_at(t, index)[2] >= 2;
 }
 
@@ -175,7 +181,7 @@ static double concentration(const btfi_directions *d, const btf_range *range) {
     return sum;
 }
 
-static uint32_t level_of(const table *t, uint32_t index) {
+static uint32_t level_of(const error_table *t, uint32_t index) {
     return (uint32_t)row_at(t, index)[3];
 }
 
@@ -184,7 +190,7 @@ static double psnr(double mse) {
 }
 
 /* Fills in what follows from the options: textures, bytes, cost. */
-static void price(const btf_material *material, uint32_t views, uint32_t lights, btf_plan *plan) {
+static void fill_costs(const btf_material *material, uint32_t views, uint32_t lights, btf_plan *plan) {
     const btf_material_info *info = &material->info;
     btf_material_info small = btfi_restricted_info(info, plan->effects, plan->components, plan->level);
     small.n_views = views;
@@ -199,7 +205,8 @@ static void price(const btf_material *material, uint32_t views, uint32_t lights,
                  (float)(plan->scene.lights ? plan->scene.lights : 1);
 }
 
-static bool is_positive(float x) {
+/* 0 to 1e6; no NaN. */
+static bool is_within_limit(float x) {
     return x >= 0 && x <= 1e6f;
 }
 
@@ -223,12 +230,12 @@ static void plan_all(const btf_material *material, const btf_scene *scene, uint3
         (scene->view.fixed ? BTF_FIXED_VIEW : 0u) | (scene->light.fixed ? BTF_FIXED_LIGHT : 0u);
     memcpy(plan->shader.fixed_view, scene->view.direction, sizeof plan->shader.fixed_view);
     memcpy(plan->shader.fixed_light, scene->light.direction, sizeof plan->shader.fixed_light);
-    price(material, views, lights, plan);
+    fill_costs(material, views, lights, plan);
 }
 
 /* The material's table, weighted for a scene. */
-static table open_table(const btf_material *material, const btf_scene *scene) {
-    table t = {.rows = btf_material_effect_errors(material)};
+static error_table open_table(const btf_material *material, const btf_scene *scene) {
+    error_table t = {.rows = btf_material_effect_errors(material)};
     if (t.rows.row_count == 0)
         return t;
     band_weights(&scene->view, t.rows.view_bands, t.rows.view_limits, t.view);
@@ -238,14 +245,14 @@ static table open_table(const btf_material *material, const btf_scene *scene) {
     return t;
 }
 
-/* Finds a way to decode a level; false where it was not measured. */
-static bool find_way(const table *t, uint32_t level, uint32_t effects, uint32_t components,
-                     btf_interpolation interpolation, way *out) {
+/* Reads what the table predicts of a level decoded so; false where it was not measured. */
+static bool find_candidate(const error_table *t, uint32_t level, uint32_t effects, uint32_t components,
+                           btf_interpolation interpolation, candidate *out) {
     for (uint32_t r = 0; r < t->rows.row_count; r++) {
         const float *row = row_at(t, r);
         if (!is_at_samples(t, r) && level_of(t, r) == level && row[0] == (float)effects &&
             row[1] == (float)components && (row[2] == 1) == (interpolation == BTF_INTERPOLATION_NEAREST)) {
-            *out = read_way(t, r);
+            *out = read_candidate(t, r);
             return true;
         }
     }
@@ -254,13 +261,13 @@ static bool find_way(const table *t, uint32_t level, uint32_t effects, uint32_t 
 
 btf_result btf_plan_predict(const btf_material *material, const btf_plan *plan, uint32_t effects,
                             uint32_t components, float *out_linear, float *out_srgb) {
-    const table t = open_table(material, &plan->scene);
-    way w;
+    const error_table t = open_table(material, &plan->scene);
+    candidate c;
     *out_linear = *out_srgb = 0;
-    if (!find_way(&t, plan->level, effects, components, plan->shader.interpolation, &w))
+    if (!find_candidate(&t, plan->level, effects, components, plan->shader.interpolation, &c))
         return BTF_ERROR_UNSUPPORTED;
-    *out_linear = (float)psnr(w.mse[0]);
-    *out_srgb = (float)psnr(w.mse[1]);
+    *out_linear = (float)psnr(c.mse[0]);
+    *out_srgb = (float)psnr(c.mse[1]);
     return BTF_OK;
 }
 
@@ -271,16 +278,16 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *given
     btfi_reach views, lights;
     if (given)
         memcpy(&scene, given, given->struct_size < sizeof scene ? given->struct_size : sizeof scene);
-    if (!is_positive(tolerance) || !is_positive(scene.pixels) || !btfi_range_is_legal(&scene.view) ||
-        !btfi_range_is_legal(&scene.light))
+    if (!is_within_limit(tolerance) || !is_within_limit(scene.pixels) ||
+        !btfi_range_is_legal(&scene.view) || !btfi_range_is_legal(&scene.light))
         return BTF_ERROR_USAGE;
     btfi_reach_range(&material->views, &scene.view, &views);
     btfi_reach_range(&material->lights, &scene.light, &lights);
     plan_all(material, &scene, views.count, lights.count, plan);
 
-    const table t = open_table(material, &scene);
-    way full;
-    if (!find_way(&t, plan->level, info->effects, info->components, BTF_INTERPOLATION_LINEAR, &full))
+    const error_table t = open_table(material, &scene);
+    candidate full;
+    if (!find_candidate(&t, plan->level, info->effects, info->components, BTF_INTERPOLATION_LINEAR, &full))
         return BTF_OK;
     plan->measured = 1;
     plan->psnr_linear = plan->full_psnr_linear = (float)psnr(full.mse[0]);
@@ -289,18 +296,18 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *given
     for (uint32_t r = 0; r < t.rows.row_count; r++) {
         if (is_at_samples(&t, r) || level_of(&t, r) != plan->level)
             continue;
-        const way w = read_way(&t, r);
-        const float linear = (float)psnr(w.mse[0]), srgb = (float)psnr(w.mse[1]);
+        const candidate c = read_candidate(&t, r);
+        const float linear = (float)psnr(c.mse[0]), srgb = (float)psnr(c.mse[1]);
         if (linear < plan->full_psnr_linear - tolerance || srgb < plan->full_psnr_srgb - tolerance ||
-            (scene.interpolate && w.interpolation == BTF_INTERPOLATION_NEAREST))
+            (scene.interpolate && c.interpolation == BTF_INTERPOLATION_NEAREST))
             continue;
         btf_plan tried = *plan;
-        tried.effects = w.effects;
-        tried.components = w.components;
-        tried.shader.interpolation = w.interpolation;
+        tried.effects = c.effects;
+        tried.components = c.components;
+        tried.shader.interpolation = c.interpolation;
         tried.psnr_linear = linear;
         tried.psnr_srgb = srgb;
-        price(material, views.count, lights.count, &tried);
+        fill_costs(material, views.count, lights.count, &tried);
         const float bytes = (float)plan->full_gpu_bytes;
         if (tried.cost / plan->full_cost + (float)tried.gpu_bytes / bytes <
             best.cost / plan->full_cost + (float)best.gpu_bytes / bytes)

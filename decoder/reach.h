@@ -5,7 +5,7 @@
 #ifndef OPENBTF_REACH_H
 #define OPENBTF_REACH_H
 
-#include "internal.h"
+#include "directions.h"
 #include <openbtf/plan.h>
 
 #pragma GCC visibility push(hidden)
@@ -41,10 +41,6 @@ btfi_neighbours btfi_neighbours_of(const btfi_directions *directions, const floa
 /* The look-up of FORMAT.md section 6; returns the record, UINT32_MAX when none accepts. */
 uint32_t btfi_lookup(const btfi_directions *directions, const float direction[3], uint32_t out_index[3],
                      uint32_t out_weight[3]);
-
-/* restrict.c: the info of a restriction, views and lights aside; centres are those of the whole. */
-btf_material_info btfi_restricted_info(const btf_material_info *info, uint32_t effects, uint32_t components,
-                                       uint32_t level);
 
 #pragma GCC visibility pop
 

@@ -2,7 +2,11 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "restrict.h"
+
+#include "material.h"
 #include "reach.h"
+#include "shape.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -419,4 +423,19 @@ btf_result btf_material_restrict(const btf_material *material, const btf_plan *p
     free(w->centre);
     free(w);
     return result;
+}
+
+/* A restriction that keeps everything: all that it does is to take the atlas apart. */
+btf_result btf_material_to_tight(const btf_material *material, const btf_log *log,
+                                 btf_material **out_material) {
+    btf_material_info info = {.struct_size = sizeof info};
+    *out_material = NULL;
+    const btf_result result = btf_material_get_info(material, &info);
+    if (result != BTF_OK)
+        return result;
+    const btf_plan everything = {.struct_size = sizeof everything,
+                                 .scene = {.struct_size = sizeof everything.scene},
+                                 .effects = info.effects,
+                                 .components = info.components};
+    return btf_material_restrict(material, &everything, log, out_material);
 }

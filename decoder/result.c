@@ -1,8 +1,23 @@
-/* OpenBTF: texts and exit codes of the result codes.
+/* OpenBTF: result codes: their texts, their exit codes, and the message that goes with one.
  *
  * SPDX-License-Identifier: MIT
  */
-#include <openbtf/result.h>
+#include "result.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+
+btf_result btfi_fail(const btf_log *log, btf_result result, const char *format, ...) {
+    if (log && log->callback) {
+        char message[1024];
+        va_list arguments;
+        va_start(arguments, format);
+        vsnprintf(message, sizeof message, format, arguments);
+        va_end(arguments);
+        log->callback(log->user, BTF_LOG_ERROR, message);
+    }
+    return result;
+}
 
 const char *btf_result_text(btf_result result) {
     switch (result) {

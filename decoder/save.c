@@ -3,10 +3,12 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "internal.h"
+#include "result.h"
 #include "temporary.h"
 #include <errno.h>
 #include <fcntl.h>
+#include <openbtf/material.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -2,6 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "material.h"
 #include "reach.h"
 #include <openbtf/shader.h>
 

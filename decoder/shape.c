@@ -2,7 +2,9 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "internal.h"
+#include "shape.h"
+
+#include "atlas.h"
 #include <assert.h>
 #include <stdio.h>
 

@@ -7,8 +7,11 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "internal.h"
+#include "triangulate.h"
+
 #include <assert.h>
+#include <openbtf/material.h>
+#include <stdbool.h>
 #include <stdlib.h>
 
 enum { N = BTF_MAX_DIRECTIONS, NONE = -1 };

@@ -2,7 +2,9 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "internal.h"
+#include "values.h"
+
+#include "atlas.h"
 #include "parts.h"
 #include <math.h>
 

@@ -4,45 +4,9 @@
  */
 #include "gpu.h"
 
-#include <GL/glcorearb.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define FUNCTIONS(X)                                                                                       \
-    X(PFNGLACTIVETEXTUREPROC, ActiveTexture)                                                               \
-    X(PFNGLATTACHSHADERPROC, AttachShader)                                                                 \
-    X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                                                           \
-    X(PFNGLBINDTEXTUREPROC, BindTexture)                                                                   \
-    X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                                                           \
-    X(PFNGLCHECKFRAMEBUFFERSTATUSPROC, CheckFramebufferStatus)                                             \
-    X(PFNGLCOMPILESHADERPROC, CompileShader)                                                               \
-    X(PFNGLCREATEPROGRAMPROC, CreateProgram)                                                               \
-    X(PFNGLCREATESHADERPROC, CreateShader)                                                                 \
-    X(PFNGLDELETEPROGRAMPROC, DeleteProgram)                                                               \
-    X(PFNGLDELETESHADERPROC, DeleteShader)                                                                 \
-    X(PFNGLDRAWARRAYSPROC, DrawArrays)                                                                     \
-    X(PFNGLFINISHPROC, Finish)                                                                             \
-    X(PFNGLFRAMEBUFFERTEXTURE2DPROC, FramebufferTexture2D)                                                 \
-    X(PFNGLGENFRAMEBUFFERSPROC, GenFramebuffers)                                                           \
-    X(PFNGLGENTEXTURESPROC, GenTextures)                                                                   \
-    X(PFNGLGENVERTEXARRAYSPROC, GenVertexArrays)                                                           \
-    X(PFNGLGETERRORPROC, GetError)                                                                         \
-    X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)                                                       \
-    X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                                                                 \
-    X(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog)                                                         \
-    X(PFNGLGETSHADERIVPROC, GetShaderiv)                                                                   \
-    X(PFNGLGETSTRINGPROC, GetString)                                                                       \
-    X(PFNGLGETUNIFORMLOCATIONPROC, GetUniformLocation)                                                     \
-    X(PFNGLLINKPROGRAMPROC, LinkProgram)                                                                   \
-    X(PFNGLREADPIXELSPROC, ReadPixels)                                                                     \
-    X(PFNGLSHADERSOURCEPROC, ShaderSource)                                                                 \
-    X(PFNGLTEXIMAGE2DPROC, TexImage2D)                                                                     \
-    X(PFNGLTEXPARAMETERIPROC, TexParameteri)                                                               \
-    X(PFNGLTEXSUBIMAGE2DPROC, TexSubImage2D)                                                               \
-    X(PFNGLUNIFORM1IPROC, Uniform1i)                                                                       \
-    X(PFNGLUSEPROGRAMPROC, UseProgram)                                                                     \
-    X(PFNGLVIEWPORTPROC, Viewport)
 
 struct gpu {
     const context_device *device;
@@ -50,31 +14,36 @@ struct gpu {
     char name[200];
     uint32_t *padded; /* a full grid of inputs, then of outputs */
     GLuint inputs, outputs, framebuffer, array;
-#define MEMBER(type, name) type name;
-    FUNCTIONS(MEMBER)
-#undef MEMBER
+    gl_api api;
 };
 
+/* The reason why a device cannot be used, from the log. */
+typedef struct reason {
+    char *text;
+    size_t size;
+} reason;
+
+static void keep_reason(void *user, btf_log_level level, const char *message) {
+    const reason *r = user;
+    (void)level;
+    snprintf(r->text, r->size, "%s", message);
+}
+
 static bool load(gpu *g, char *why, size_t why_size) {
-#define LOAD(type, function)                                                                               \
-    g->function = (type)context_get_proc_address(g->context, "gl" #function);                              \
-    if (!g->function) {                                                                                    \
-        snprintf(why, why_size, "the context has no gl" #function);                                        \
-        return false;                                                                                      \
-    }
-    FUNCTIONS(LOAD)
-#undef LOAD
-    return true;
+    reason r = {why, why_size};
+    const btf_log log = {keep_reason, &r};
+    return gl_api_load(&g->api, context_get_proc_address, g->context, &log) == BTF_OK;
 }
 
 static GLuint make_texture(gpu *g, int width, int height) {
     GLuint texture = 0;
-    g->GenTextures(1, &texture);
-    g->ActiveTexture(GL_TEXTURE0);
-    g->BindTexture(GL_TEXTURE_2D, texture);
-    g->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    g->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-    g->TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32UI, width, height, 0, GL_RGBA_INTEGER, GL_UNSIGNED_INT, NULL);
+    g->api.GenTextures(1, &texture);
+    g->api.ActiveTexture(GL_TEXTURE0);
+    g->api.BindTexture(GL_TEXTURE_2D, texture);
+    g->api.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    g->api.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    g->api.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32UI, width, height, 0, GL_RGBA_INTEGER, GL_UNSIGNED_INT,
+                      NULL);
     return texture;
 }
 
@@ -94,18 +63,18 @@ gpu *gpu_create(const context_device *device, char *why, size_t why_size) {
         gpu_destroy(&g);
         return NULL;
     }
-    snprintf(g->name, sizeof g->name, "%s, %s", (const char *)g->GetString(GL_RENDERER),
-             (const char *)g->GetString(GL_VERSION));
+    snprintf(g->name, sizeof g->name, "%s, %s", (const char *)g->api.GetString(GL_RENDERER),
+             (const char *)g->api.GetString(GL_VERSION));
     g->outputs = make_texture(g, GPU_SIDE, GPU_SIDE);
     g->inputs = make_texture(g, 2 * GPU_SIDE, GPU_SIDE);
-    g->GenFramebuffers(1, &g->framebuffer);
-    g->BindFramebuffer(GL_FRAMEBUFFER, g->framebuffer);
-    g->FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, g->outputs, 0);
-    g->GenVertexArrays(1, &g->array);
-    g->BindVertexArray(g->array);
-    g->Viewport(0, 0, GPU_SIDE, GPU_SIDE);
-    if (g->CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE ||
-        g->GetError() != GL_NO_ERROR) {
+    g->api.GenFramebuffers(1, &g->framebuffer);
+    g->api.BindFramebuffer(GL_FRAMEBUFFER, g->framebuffer);
+    g->api.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, g->outputs, 0);
+    g->api.GenVertexArrays(1, &g->array);
+    g->api.BindVertexArray(g->array);
+    g->api.Viewport(0, 0, GPU_SIDE, GPU_SIDE);
+    if (g->api.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE ||
+        g->api.GetError() != GL_NO_ERROR) {
         snprintf(why, why_size, "%s refuses an RGBA32UI framebuffer", g->name);
         gpu_destroy(&g);
     }
@@ -143,31 +112,12 @@ const char *gpu_name(const gpu *g) {
     return g->name;
 }
 
+const gl_api *gpu_api(const gpu *g) {
+    return &g->api;
+}
+
 btf_gl_options gpu_gl_options(gpu *g, const btf_shader_options *shader) {
     return (btf_gl_options){sizeof(btf_gl_options), context_get_proc_address, g->context, shader};
-}
-
-static void say(const btf_log *log, const char *what, const char *message) {
-    char text[2000];
-    snprintf(text, sizeof text, "%s: %s", what, message);
-    if (log && log->callback)
-        log->callback(log->user, BTF_LOG_ERROR, text);
-}
-
-static GLuint compile(gpu *g, GLenum kind, int count, const char *const *parts, const btf_log *log) {
-    GLuint shader = g->CreateShader(kind);
-    GLint ok = 0;
-    g->ShaderSource(shader, count, (const GLchar *const *)parts, NULL);
-    g->CompileShader(shader);
-    g->GetShaderiv(shader, GL_COMPILE_STATUS, &ok);
-    if (!ok) {
-        char message[1900] = "";
-        g->GetShaderInfoLog(shader, (GLsizei)sizeof message, NULL, message);
-        say(log, "GLSL does not compile", message);
-        g->DeleteShader(shader);
-        return 0;
-    }
-    return shader;
 }
 
 unsigned gpu_program(gpu *g, const char *preamble, const char *library, const char *body,
@@ -189,36 +139,14 @@ unsigned gpu_program(gpu *g, const char *preamble, const char *library, const ch
     char version[120];
     snprintf(version, sizeof version, "#version %s\n%s", g->device->glsl,
              g->device->enable_gpu_shader5 ? "#extension GL_ARB_gpu_shader5 : require\n" : "");
-    const char *vertex_parts[] = {version, vertex_text};
-    const char *fragment_parts[] = {version,  preamble ? preamble : "", interface_text, library, body,
-                                    main_text};
-    GLuint vertex = compile(g, GL_VERTEX_SHADER, 2, vertex_parts, log);
-    GLuint fragment = vertex ? compile(g, GL_FRAGMENT_SHADER, 6, fragment_parts, log) : 0;
-    GLuint program = 0;
-    if (fragment) {
-        GLint ok = 0;
-        program = g->CreateProgram();
-        g->AttachShader(program, vertex);
-        g->AttachShader(program, fragment);
-        g->LinkProgram(program);
-        g->GetProgramiv(program, GL_LINK_STATUS, &ok);
-        if (!ok) {
-            char message[1900] = "";
-            g->GetProgramInfoLog(program, (GLsizei)sizeof message, NULL, message);
-            say(log, "GLSL does not link", message);
-            g->DeleteProgram(program);
-            program = 0;
-        }
-    }
-    if (fragment)
-        g->DeleteShader(fragment);
-    if (vertex)
-        g->DeleteShader(vertex);
-    return program;
+    const char *vertex_parts[] = {vertex_text, NULL};
+    const char *fragment_parts[] = {
+        preamble ? preamble : "", interface_text, library, body, main_text, NULL};
+    return gl_api_program(&g->api, version, vertex_parts, fragment_parts, log);
 }
 
 void gpu_delete_program(gpu *g, unsigned program) {
-    g->DeleteProgram(program);
+    g->api.DeleteProgram(program);
 }
 
 btf_result gpu_run(gpu *g, unsigned program, size_t count, const uint32_t *inputs, uint32_t *outputs,
@@ -228,35 +156,36 @@ btf_result gpu_run(gpu *g, unsigned program, size_t count, const uint32_t *input
     uint32_t *read = g->padded + elements * GPU_INPUTS;
     memset(g->padded, 0, (size_t)rows * GPU_SIDE * GPU_INPUTS * sizeof *inputs);
     memcpy(g->padded, inputs, count * GPU_INPUTS * sizeof *inputs);
-    g->ActiveTexture(GL_TEXTURE0);
-    g->BindTexture(GL_TEXTURE_2D, g->inputs);
-    g->TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, 2 * GPU_SIDE, rows, GL_RGBA_INTEGER, GL_UNSIGNED_INT,
-                     g->padded);
-    g->UseProgram(program);
-    g->Uniform1i(g->GetUniformLocation(program, "check_inputs"), 0);
-    g->Viewport(0, 0, GPU_SIDE, rows);
-    g->DrawArrays(GL_TRIANGLES, 0, 3);
-    g->ReadPixels(0, 0, GPU_SIDE, rows, GL_RGBA_INTEGER, GL_UNSIGNED_INT, read);
-    g->UseProgram(0);
+    g->api.ActiveTexture(GL_TEXTURE0);
+    g->api.BindTexture(GL_TEXTURE_2D, g->inputs);
+    g->api.TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, 2 * GPU_SIDE, rows, GL_RGBA_INTEGER, GL_UNSIGNED_INT,
+                         g->padded);
+    g->api.UseProgram(program);
+    g->api.Uniform1i(g->api.GetUniformLocation(program, "check_inputs"), 0);
+    g->api.Viewport(0, 0, GPU_SIDE, rows);
+    g->api.DrawArrays(GL_TRIANGLES, 0, 3);
+    g->api.ReadPixels(0, 0, GPU_SIDE, rows, GL_RGBA_INTEGER, GL_UNSIGNED_INT, read);
+    g->api.UseProgram(0);
     memcpy(outputs, read, count * GPU_OUTPUTS * sizeof *outputs);
-    GLenum error = g->GetError();
+    GLenum error = g->api.GetError();
     if (error != GL_NO_ERROR) {
         char message[80];
-        snprintf(message, sizeof message, "error 0x%04x while drawing", error);
-        say(log, "GL", message);
+        snprintf(message, sizeof message, "GL: error 0x%04x while drawing", error);
+        if (log && log->callback)
+            log->callback(log->user, BTF_LOG_ERROR, message);
         return BTF_ERROR_INTERNAL;
     }
     return BTF_OK;
 }
 
 btf_result gpu_draw(gpu *g, unsigned program, int side, int repeats) {
-    g->ActiveTexture(GL_TEXTURE0);
-    g->BindTexture(GL_TEXTURE_2D, g->inputs);
-    g->UseProgram(program);
-    g->Uniform1i(g->GetUniformLocation(program, "check_inputs"), 0);
-    g->Viewport(0, 0, side, side);
+    g->api.ActiveTexture(GL_TEXTURE0);
+    g->api.BindTexture(GL_TEXTURE_2D, g->inputs);
+    g->api.UseProgram(program);
+    g->api.Uniform1i(g->api.GetUniformLocation(program, "check_inputs"), 0);
+    g->api.Viewport(0, 0, side, side);
     for (int i = 0; i < repeats; ++i)
-        g->DrawArrays(GL_TRIANGLES, 0, 3);
-    g->Finish();
-    return g->GetError() == GL_NO_ERROR ? BTF_OK : BTF_ERROR_INTERNAL;
+        g->api.DrawArrays(GL_TRIANGLES, 0, 3);
+    g->api.Finish();
+    return g->api.GetError() == GL_NO_ERROR ? BTF_OK : BTF_ERROR_INTERNAL;
 }

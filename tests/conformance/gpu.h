@@ -9,7 +9,8 @@
 #ifndef OPENBTF_CONFORMANCE_GPU_H
 #define OPENBTF_CONFORMANCE_GPU_H
 
-#include "context.h"
+#include "decoder/tools/context/context.h"
+#include "decoder/tools/context/gl_api.h"
 #include <stdbool.h>
 
 enum { GPU_SIDE = 256, GPU_INPUTS = 8, GPU_OUTPUTS = 4 }; /* at most 256 x 256 elements a draw */
@@ -26,6 +27,8 @@ void gpu_destroy(gpu **g);
 
 /* What GL says it is: renderer and version. */
 const char *gpu_name(const gpu *g);
+/* Its functions of GL. */
+const gl_api *gpu_api(const gpu *g);
 btf_gl_options gpu_gl_options(gpu *g, const btf_shader_options *shader);
 
 /* Compiles `library` (the decoder), then `body`, which defines `uvec4 check(uvec4 a, uvec4 b)`; 0 on

@@ -7,7 +7,6 @@
 #include "decoder/toolkit/reference_view.h"
 #include "variant.h"
 
-#include <GL/glcorearb.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -16,6 +15,7 @@
 #include <stdlib.h>
 
 static gpu *device;
+static const gl_api *api; /* of the device */
 static btf_material *tight, *paper;
 
 /* The last message. */
@@ -31,7 +31,6 @@ static btf_gl_function real(const char *name) {
     btf_gl_options o = gpu_gl_options(device, NULL);
     return o.get_proc_address(o.user, name);
 }
-#define GL(type, name) ((type)real(#name))
 
 /* A context that says other things than the real one. */
 static struct {
@@ -43,7 +42,7 @@ static struct {
 } fake;
 
 static void APIENTRY fake_get_integer(GLenum name, GLint *value) {
-    GL(PFNGLGETINTEGERVPROC, glGetIntegerv)(name, value);
+    api->GetIntegerv(name, value);
     if (name == GL_MAX_TEXTURE_SIZE && fake.texture_size)
         *value = fake.texture_size;
     if (name == GL_MAX_ARRAY_TEXTURE_LAYERS && fake.layers)
@@ -57,26 +56,25 @@ static void APIENTRY fake_get_integer(GLenum name, GLint *value) {
 static const GLubyte *APIENTRY fake_get_string(GLenum name) {
     if (name == GL_VERSION && fake.version)
         return (const GLubyte *)fake.version;
-    return GL(PFNGLGETSTRINGPROC, glGetString)(name);
+    return api->GetString(name);
 }
 
 static void APIENTRY fake_gen_textures(GLsizei count, GLuint *names) {
     fake.live += count;
-    GL(PFNGLGENTEXTURESPROC, glGenTextures)(count, names);
+    api->GenTextures(count, names);
 }
 
 static void APIENTRY fake_delete_textures(GLsizei count, const GLuint *names) {
     fake.live -= count;
-    GL(PFNGLDELETETEXTURESPROC, glDeleteTextures)(count, names);
+    api->DeleteTextures(count, names);
 }
 
 static void APIENTRY fake_tex_image(GLenum target, GLint level, GLint internal, GLsizei width,
                                     GLsizei height, GLint border, GLenum format, GLenum type,
                                     const void *data) {
     static const uint32_t zeros[64];
-    GL(PFNGLTEXIMAGE2DPROC, glTexImage2D)
-    (target, level, internal, width, height, border, format, type,
-     fake.wrong_levels && level > 0 ? zeros : data);
+    api->TexImage2D(target, level, internal, width, height, border, format, type,
+                    fake.wrong_levels && level > 0 ? zeros : data);
 }
 
 static btf_gl_function fake_get_proc_address(void *user, const char *name) {
@@ -202,14 +200,14 @@ static void frees_what_it_made(void **state) {
     btf_material_get_info(tight, &info);
     assert_int_equal(btf_gl_bytes(gl), info.gpu_bytes + info.table_bytes);
     GLuint name = btf_gl_texture(gl, BTF_TEXTURE_SHADOW);
-    assert_true(GL(PFNGLISTEXTUREPROC, glIsTexture)(name));
+    assert_true(api->IsTexture(name));
     assert_int_equal(btf_gl_texture(gl, BTF_TEXTURE_MAPS), 0);
     btf_gl_destroy(&gl);
     assert_null(gl);
     btf_gl_destroy(&gl);
     btf_gl_destroy(NULL);
     assert_int_equal(fake.live, 0);
-    assert_false(GL(PFNGLISTEXTUREPROC, glIsTexture)(name));
+    assert_false(api->IsTexture(name));
 }
 
 static void uploads_what_a_variant_reads(void **state) {
@@ -286,7 +284,7 @@ static const GLenum state_names[] = {
 enum { STATES = sizeof state_names / sizeof *state_names };
 
 static void read_state(GLint out[STATES + 8]) {
-    PFNGLGETINTEGERVPROC get = GL(PFNGLGETINTEGERVPROC, glGetIntegerv);
+    PFNGLGETINTEGERVPROC get = api->GetIntegerv;
     for (int i = 0; i < STATES; ++i)
         get(state_names[i], &out[i]);
     get(GL_VIEWPORT, out + STATES);
@@ -294,7 +292,7 @@ static void read_state(GLint out[STATES + 8]) {
 }
 
 static void set_state(int odd, GLuint texture, GLuint array, GLuint buffer) {
-    PFNGLPIXELSTOREIPROC store = GL(PFNGLPIXELSTOREIPROC, glPixelStorei);
+    PFNGLPIXELSTOREIPROC store = api->PixelStorei;
     static const GLenum skips[] = {GL_UNPACK_ROW_LENGTH,  GL_UNPACK_SKIP_ROWS,    GL_UNPACK_SKIP_PIXELS,
                                    GL_UNPACK_SKIP_IMAGES, GL_UNPACK_IMAGE_HEIGHT, GL_PACK_ROW_LENGTH,
                                    GL_PACK_SKIP_ROWS,     GL_PACK_SKIP_PIXELS};
@@ -303,29 +301,29 @@ static void set_state(int odd, GLuint texture, GLuint array, GLuint buffer) {
     store(GL_UNPACK_SWAP_BYTES, odd);
     store(GL_PACK_SWAP_BYTES, odd);
     store(GL_UNPACK_ALIGNMENT, odd ? 8 : 4);
-    GL(PFNGLACTIVETEXTUREPROC, glActiveTexture)(odd ? GL_TEXTURE5 : GL_TEXTURE0);
-    GL(PFNGLBINDTEXTUREPROC, glBindTexture)(GL_TEXTURE_2D, texture);
-    GL(PFNGLBINDTEXTUREPROC, glBindTexture)(GL_TEXTURE_2D_ARRAY, array);
-    GL(PFNGLBINDBUFFERPROC, glBindBuffer)(GL_PIXEL_UNPACK_BUFFER, buffer);
-    GL(PFNGLBINDBUFFERPROC, glBindBuffer)(GL_PIXEL_PACK_BUFFER, buffer);
+    api->ActiveTexture(odd ? GL_TEXTURE5 : GL_TEXTURE0);
+    api->BindTexture(GL_TEXTURE_2D, texture);
+    api->BindTexture(GL_TEXTURE_2D_ARRAY, array);
+    api->BindBuffer(GL_PIXEL_UNPACK_BUFFER, buffer);
+    api->BindBuffer(GL_PIXEL_PACK_BUFFER, buffer);
     static const GLenum tests[] = {GL_SCISSOR_TEST, GL_DEPTH_TEST, GL_CULL_FACE, GL_RASTERIZER_DISCARD,
                                    GL_STENCIL_TEST};
     for (size_t i = 0; i < sizeof tests / sizeof *tests; ++i)
-        (odd ? GL(PFNGLENABLEPROC, glEnable) : GL(PFNGLDISABLEPROC, glDisable))(tests[i]);
-    GL(PFNGLCOLORMASKPROC, glColorMask)(GL_TRUE, !odd, GL_TRUE, !odd);
-    GL(PFNGLVIEWPORTPROC, glViewport)(odd, odd, 40 + odd, 30);
+        (odd ? api->Enable : api->Disable)(tests[i]);
+    api->ColorMask(GL_TRUE, !odd, GL_TRUE, !odd);
+    api->Viewport(odd, odd, 40 + odd, 30);
 }
 
 static void state_is_restored(void **unused) {
     (void)unused;
     GLuint textures[2], buffer, sampler;
-    GL(PFNGLGENSAMPLERSPROC, glGenSamplers)(1, &sampler); /* filters as no integer texture can be */
-    GL(PFNGLGENTEXTURESPROC, glGenTextures)(2, textures);
-    GL(PFNGLGENBUFFERSPROC, glGenBuffers)(1, &buffer);
+    api->GenSamplers(1, &sampler); /* filters as no integer texture can be */
+    api->GenTextures(2, textures);
+    api->GenBuffers(1, &buffer);
     for (int odd = 1; odd >= 0; --odd) {
         GLint before[STATES + 8] = {0}, after[STATES + 8] = {0};
         set_state(odd, odd ? textures[0] : 0, odd ? textures[1] : 0, odd ? buffer : 0);
-        GL(PFNGLBINDSAMPLERPROC, glBindSampler)(odd ? 5 : 0, odd ? sampler : 0);
+        api->BindSampler(odd ? 5 : 0, odd ? sampler : 0);
         read_state(before);
         btf_gl_options options = gpu_gl_options(device, NULL);
         btf_gl *gl;
@@ -338,11 +336,11 @@ static void state_is_restored(void **unused) {
         read_state(after);
         assert_memory_equal(before, after, sizeof before);
         btf_gl_destroy(&gl);
-        assert_int_equal(GL(PFNGLGETERRORPROC, glGetError)(), GL_NO_ERROR);
+        assert_int_equal(api->GetError(), GL_NO_ERROR);
     }
-    GL(PFNGLDELETETEXTURESPROC, glDeleteTextures)(2, textures);
-    GL(PFNGLDELETEBUFFERSPROC, glDeleteBuffers)(1, &buffer);
-    GL(PFNGLDELETESAMPLERSPROC, glDeleteSamplers)(1, &sampler);
+    api->DeleteTextures(2, textures);
+    api->DeleteBuffers(1, &buffer);
+    api->DeleteSamplers(1, &sampler);
 }
 
 /* Uploaded under odd unpacking state, the texels still arrive. */
@@ -356,13 +354,13 @@ static void unpacking_state_does_not_matter(void **state) {
     btf_texture t = btf_material_texture(tight, BTF_TEXTURE_GAIN);
     uint8_t *back = malloc(t.size);
     assert_non_null(back);
-    GL(PFNGLBINDTEXTUREPROC, glBindTexture)(GL_TEXTURE_2D_ARRAY, btf_gl_texture(gl, BTF_TEXTURE_GAIN));
-    GL(PFNGLPIXELSTOREIPROC, glPixelStorei)(GL_PACK_ALIGNMENT, 1);
-    GL(PFNGLGETTEXIMAGEPROC, glGetTexImage)(GL_TEXTURE_2D_ARRAY, 0, GL_RED_INTEGER, GL_UNSIGNED_BYTE, back);
-    GL(PFNGLPIXELSTOREIPROC, glPixelStorei)(GL_PACK_ALIGNMENT, 4);
+    api->BindTexture(GL_TEXTURE_2D_ARRAY, btf_gl_texture(gl, BTF_TEXTURE_GAIN));
+    api->PixelStorei(GL_PACK_ALIGNMENT, 1);
+    api->GetTexImage(GL_TEXTURE_2D_ARRAY, 0, GL_RED_INTEGER, GL_UNSIGNED_BYTE, back);
+    api->PixelStorei(GL_PACK_ALIGNMENT, 4);
     assert_memory_equal(back, t.data, t.size);
     free(back);
-    GL(PFNGLBINDTEXTUREPROC, glBindTexture)(GL_TEXTURE_2D_ARRAY, 0);
+    api->BindTexture(GL_TEXTURE_2D_ARRAY, 0);
     btf_gl_destroy(&gl);
 }
 
@@ -470,6 +468,7 @@ static void options_are_checked(void **state) {
 static int setup(void **state) {
     (void)state;
     device = gpu_create_or_skip(&context_devices[0]);
+    api = gpu_api(device);
     synthetic_spec a = {.seed = 21,
                         .width = 24,
                         .height = 17,

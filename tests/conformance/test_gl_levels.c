@@ -8,7 +8,6 @@
 #include "decoder/toolkit/reference_view.h"
 #include "variant.h"
 
-#include <GL/glcorearb.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -20,6 +19,7 @@
 enum { WIDTH = 20, HEIGHT = 7, LEVELS = 5 };
 
 static gpu *device;
+static const gl_api *api; /* of the device */
 static btf_material *material;
 static btf_material_info info = {.struct_size = sizeof info};
 
@@ -30,21 +30,15 @@ static void say_error(void *user, btf_log_level level, const char *message) {
 }
 static const btf_log log_stderr = {say_error, NULL};
 
-static btf_gl_function real(const char *name) {
-    btf_gl_options o = gpu_gl_options(device, NULL);
-    return o.get_proc_address(o.user, name);
-}
-#define GL(type, name) ((type)real(#name))
-
 static GLint texture_parameter(GLenum target, GLenum name) {
     GLint value = -1;
-    GL(PFNGLGETTEXPARAMETERIVPROC, glGetTexParameteriv)(target, name, &value);
+    api->GetTexParameteriv(target, name, &value);
     return value;
 }
 
 static GLint level_parameter(GLenum target, GLint level, GLenum name) {
     GLint value = -1;
-    GL(PFNGLGETTEXLEVELPARAMETERIVPROC, glGetTexLevelParameteriv)(target, level, name, &value);
+    api->GetTexLevelParameteriv(target, level, name, &value);
     return value;
 }
 
@@ -61,7 +55,7 @@ static void uploaded_as_mip_levels(void **state) {
         if (!name)
             continue;
         GLenum target = t.is_array ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D;
-        GL(PFNGLBINDTEXTUREPROC, glBindTexture)(target, name);
+        api->BindTexture(target, name);
         int levels = btf_material_level_texture(material, 1, (btf_texture_id)id).format ? LEVELS : 1;
         assert_int_equal(texture_parameter(target, GL_TEXTURE_MAX_LEVEL), levels - 1);
         assert_int_equal(texture_parameter(target, GL_TEXTURE_MIN_FILTER),
@@ -72,7 +66,7 @@ static void uploaded_as_mip_levels(void **state) {
             assert_int_equal(level_parameter(target, level, GL_TEXTURE_HEIGHT), t.height);
             assert_int_equal(level_parameter(target, level, GL_TEXTURE_DEPTH), t.layers);
         }
-        GL(PFNGLBINDTEXTUREPROC, glBindTexture)(target, 0);
+        api->BindTexture(target, 0);
     }
     btf_gl_destroy(&gl);
 }
@@ -201,6 +195,7 @@ static void evaluate_is_level_0(void **state) {
 static int setup(void **state) {
     (void)state;
     device = gpu_create_or_skip(&context_devices[1]);
+    api = gpu_api(device);
     synthetic_spec spec = {.seed = 31,
                            .width = WIDTH,
                            .height = HEIGHT,

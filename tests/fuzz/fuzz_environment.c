@@ -5,7 +5,7 @@
  */
 #include "fuzz.h"
 
-#include "decoder/tools/render/lights.h"
+#include "decoder/tools/render/environment.h"
 
 static int messages;
 

@@ -4,7 +4,7 @@
  */
 #include "fuzz.h"
 
-#include "decoder/tools/render/mesh.h"
+#include "decoder/tools/mesh/obj.h"
 
 #include <math.h>
 

@@ -46,13 +46,13 @@ plan)
     most=512
     ;;
 mesh)
-    sources="tests/fuzz/fuzz_mesh.c decoder/tools/render/obj.c decoder/tools/render/mesh.c decoder/tools/render/tangents.c
-             decoder/tools/render/file.c"
+    sources="tests/fuzz/fuzz_mesh.c decoder/tools/mesh/obj.c decoder/tools/mesh/mesh.c decoder/tools/mesh/tangents.c
+             decoder/toolkit/file.c"
     most=1024
     ;;
 environment)
     sources="tests/fuzz/fuzz_environment.c tests/fuzz/file.c tests/fuzz/mutate_exr.c decoder/tools/render/environment.c
-             decoder/tools/render/lights.c decoder/tools/render/file.c $images"
+             decoder/tools/render/lights.c decoder/toolkit/file.c $images"
     libraries+=" -lOpenEXRCore -lpng -ljpeg -lz"
     ;;
 list)

@@ -5,8 +5,8 @@
 #ifndef OPENBTF_TESTS_STABILITY_BITS_H
 #define OPENBTF_TESTS_STABILITY_BITS_H
 
-#include "../conformance/random.h"
-#include "../conformance/synthetic.h"
+#include "tests/conformance/random.h"
+#include "tests/conformance/synthetic.h"
 
 /* One class of bit patterns of a float parameter. */
 typedef struct bit_class {

@@ -79,7 +79,7 @@ CHANGES = [
     ("shifts along the wrong line, in the flow's first estimate", "equivariance", [
         ("encoder/paper/flow_prior.c", ".rows = across > 0 ? view->xyz[1] / across : 0}", ".rows = across > 0 ? -view->xyz[0] / across : 0}")]),
     ("parameters beyond 2^24 read", "decoder_bits", [
-        ("decoder/internal.h", "magnitude <= BTFI_PARAMETER_MAX", "magnitude <= 2 * BTFI_PARAMETER_MAX")]),
+        ("decoder/shape.h", "magnitude <= BTFI_PARAMETER_MAX", "magnitude <= 2 * BTFI_PARAMETER_MAX")]),
     ("NaN taken for a coordinate", "decoder_bits", [
         ("reference/btf_addressing.c", "if (magnitude > 0x45800000u || magnitude < 0x00800000u)", "if (magnitude < 0x00800000u)")]),
     ("weights that do not sum to 4096", "decoder_bits", [

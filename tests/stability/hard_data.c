@@ -4,7 +4,7 @@
  */
 #include "hard_data.h"
 
-#include "../sample/sample.h"
+#include "tests/sample/sample.h"
 
 #include <math.h>
 #include <stdio.h>

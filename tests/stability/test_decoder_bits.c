@@ -6,7 +6,7 @@
 #include "bits.h"
 #include "cases.h"
 
-#include "../conformance/cases.h"
+#include "tests/conformance/cases.h"
 #include "tests/support/exr_edit.h"
 #include "btf_reference.h"
 #include "decoder/toolkit/reference_view.h"

@@ -5,8 +5,8 @@
 #include "bits.h"
 #include "cases.h"
 
-#include "../conformance/check.h"
-#include "../conformance/variant.h"
+#include "tests/conformance/check.h"
+#include "tests/conformance/variant.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -4,6 +4,9 @@
  */
 #include "context.h"
 
+#include "context_egl.h"
+#include "context_glfw.h"
+#include "context_osmesa.h"
 #include <stdio.h>
 #include <stdlib.h>
 

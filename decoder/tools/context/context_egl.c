@@ -5,7 +5,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "context.h"
+#include "context_egl.h"
 
 #include <stdio.h>
 #include <stdlib.h>

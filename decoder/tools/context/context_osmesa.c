@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "context.h"
+#include "context_osmesa.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -4,13 +4,16 @@
  */
 #include "decoder/toolkit/output.h"
 #include "decoder/toolkit/progress.h"
+#include "decoder/toolkit/scene_option.h"
+#include "decoder/tools/original/data_set.h"
+#include "environment.h"
 #include "figure.h"
 #include "frame_plan.h"
 #include "light_option.h"
+#include "decoder/tools/mesh/obj.h"
 #include "original.h"
 #include "render.h"
 #include "settings.h"
-#include "decoder/toolkit/scene_option.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -124,8 +127,8 @@ static btf_result open_original(job *j) {
     progress *p = progress_create(render_options.quiet);
     if (!p)
         return cli_error(&render_program, BTF_ERROR_MEMORY, "out of memory");
-    btf_result result = original_open(render_options.original, j->material, render_options.threads, p,
-                                      &j->log, &j->original);
+    btf_result result = original_open(data_set_read, render_options.original, j->material,
+                                      render_options.threads, p, &j->log, &j->original);
     progress_destroy(&p);
     return result;
 }

@@ -2,10 +2,11 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "environment.h"
+
 #include "decoder/toolkit/exr_image.h"
 #include "decoder/toolkit/hdr_image.h"
-#include "file.h"
-#include "lights.h"
+#include "decoder/toolkit/file.h"
 
 #include <stdint.h>
 #include <stdio.h>

@@ -5,7 +5,7 @@
 #ifndef OPENBTF_RENDER_FRAME_PLAN_H
 #define OPENBTF_RENDER_FRAME_PLAN_H
 
-#include "plan_table.h"
+#include "plan_range.h"
 
 /* Wishes that go beyond what is seen. */
 typedef struct frame_wishes {

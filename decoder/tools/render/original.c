@@ -5,19 +5,18 @@
 #include "original.h"
 
 #include "decoder/toolkit/reference_view.h"
-#include "encoder/input/reader.h"
-#include "file.h"
+#include "decoder/toolkit/file.h"
 #include "table.h"
 #include <stdlib.h>
 
 struct original {
-    enc_data *data;
+    original_data data;
     btf_ref_material material; /* for its direction tables */
     int threads;
 };
 
 static btf_result same_directions(const char *what, const btf_directions *expected, int count,
-                                  const enc_direction *got, const btf_log *log) {
+                                  const original_direction *got, const btf_log *log) {
     if ((uint32_t)count != expected->count) {
         file_say(log, "original: %d %ss, the material has %u", count, what, (unsigned)expected->count);
         return BTF_ERROR_USAGE;
@@ -34,19 +33,17 @@ static btf_result same_directions(const char *what, const btf_directions *expect
 
 static btf_result check(const original *o, const btf_material *material, const btf_log *log) {
     const btf_directions views = btf_material_views(material), lights = btf_material_lights(material);
-    if ((uint32_t)o->data->width != o->material.width || (uint32_t)o->data->height != o->material.height) {
-        file_say(log, "original: %d x %d texels, the material has %u x %u", o->data->width, o->data->height,
+    if ((uint32_t)o->data.width != o->material.width || (uint32_t)o->data.height != o->material.height) {
+        file_say(log, "original: %d x %d texels, the material has %u x %u", o->data.width, o->data.height,
                  (unsigned)o->material.width, (unsigned)o->material.height);
         return BTF_ERROR_USAGE;
     }
-    btf_result result = same_directions("view", &views, o->data->n_views, o->data->views, log);
-    return result ? result : same_directions("light", &lights, o->data->n_lights, o->data->lights, log);
+    btf_result result = same_directions("view", &views, o->data.n_views, o->data.views, log);
+    return result ? result : same_directions("light", &lights, o->data.n_lights, o->data.lights, log);
 }
 
-btf_result original_open(const char *input, const btf_material *material, int threads, void *p,
-                         const btf_log *log, original **out_original) {
-    const enc_context context = {.log = log ? *log : (btf_log){0}, .progress = p, .threads = threads};
-    const enc_read_options defaults = {0};
+btf_result original_open(original_reader *read, const char *input, const btf_material *material,
+                         int threads, void *p, const btf_log *log, original **out_original) {
     original *o = calloc(1, sizeof *o);
     *out_original = NULL;
     if (!o) {
@@ -55,7 +52,7 @@ btf_result original_open(const char *input, const btf_material *material, int th
     }
     o->threads = threads;
     reference_view(material, 0, &o->material);
-    btf_result result = enc_read(&context, input, &defaults, &o->data);
+    btf_result result = read(input, threads, p, log, &o->data);
     if (!result)
         result = check(o, material, log);
     if (result) {
@@ -69,13 +66,14 @@ btf_result original_open(const char *input, const btf_material *material, int th
 void original_close(original **o) {
     if (!o || !*o)
         return;
-    enc_data_destroy(&(*o)->data);
+    if ((*o)->data.release)
+        (*o)->data.release((*o)->data.owner);
     free(*o);
     *o = NULL;
 }
 
 const float *original_samples(const original *o) {
-    return o->data->samples;
+    return o->data.samples;
 }
 
 static btf_ref_neighbours neighbours(const uint16_t *table, uint32_t grid, const float *direction) {
@@ -86,7 +84,7 @@ static btf_ref_neighbours neighbours(const uint16_t *table, uint32_t grid, const
 
 static void evaluate(const original *o, const float *in, float *out) {
     const float *view = in + 2, *light = in + 5;
-    const size_t lights = (size_t)o->data->n_lights;
+    const size_t lights = (size_t)o->data.n_lights;
     out[0] = out[1] = out[2] = 0;
     if (!(view[2] >= 0x1p-24f && light[2] >= 0x1p-24f))
         return;
@@ -94,8 +92,8 @@ static void evaluate(const original *o, const float *in, float *out) {
     btf_ref_neighbours l = neighbours(o->material.light_table, o->material.light_grid, light);
     const uint32_t column = btf_ref_coordinate(in[0], o->material.width) >> 18;
     const uint32_t row = o->material.height - 1 - (btf_ref_coordinate(in[1], o->material.height) >> 18);
-    const float *texel =
-        o->data->samples + ((size_t)row * o->material.width + column) * enc_data_texel_stride(o->data);
+    const float *texel = o->data.samples + ((size_t)row * o->material.width + column) *
+                                               ((size_t)o->data.n_views * 3 * lights);
     for (int a = 0; a < 3; a++)
         for (int c = 0; c < 3; c++) {
             const float *profile = texel + (3 * (size_t)v.index[a] + (size_t)c) * lights;

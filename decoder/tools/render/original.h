@@ -8,19 +8,39 @@
 
 #include "render.h"
 
+/* A sampled direction in the tangent frame: theta from the normal, phi, both in degrees; xyz the unit
+ * vector. */
+typedef struct original_direction {
+    double theta, phi;
+    float xyz[3];
+} original_direction;
+
+/* A data set as its reader hands it over. */
+typedef struct original_data {
+    int width, height, n_views, n_lights;
+    const original_direction *views, *lights;
+    const float *samples; /* [row][column][view][channel][light], linear radiance, row 0 at the top */
+    void *owner;          /* of all of them */
+    void (*release)(void *owner);
+} original_data;
+
+/* Reads a data set: the renderer knows no format of them, its program hands it the reader
+ * (decoder/tools/original). Errors, on log: its own. `p` is a progress object or NULL. */
+typedef btf_result original_reader(const char *input, int threads, void *p, const btf_log *log,
+                                   original_data *out_data);
+
 typedef struct original original;
 
-/* Reads a data set (encoder/input/reader.h, default options). Errors, on log: those of reading; BTF_ERROR_USAGE
- * when its size or its directions are not those of the material (both are named). `p` is a progress object
- * or NULL. */
-btf_result original_open(const char *input, const btf_material *material, int threads, void *p,
-                         const btf_log *log, original **out_original);
+/* Reads a data set. Errors, on log: those of reading; BTF_ERROR_USAGE when its size or its directions are
+ * not those of the material (both are named). */
+btf_result original_open(original_reader *read, const char *input, const btf_material *material,
+                         int threads, void *p, const btf_log *log, original **out_original);
 void original_close(original **o);
 
 /* Three neighbouring views and lights blended, one texel. */
 evaluator original_evaluator(original *o);
 
-/* All samples, [texel][view][channel][light] (encoder/data/data.h). */
+/* All samples, as in original_data. */
 const float *original_samples(const original *o);
 
 #endif

@@ -5,7 +5,7 @@
 #include "render.h"
 
 #include "decoder/toolkit/progress.h"
-#include "file.h"
+#include "decoder/toolkit/file.h"
 #include <omp.h>
 #include <stdlib.h>
 #include <string.h>

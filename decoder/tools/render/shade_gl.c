@@ -3,13 +3,13 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "shader.h"
+#include "shade_gl.h"
 
 #include "decoder/toolkit/reference_view.h"
-#include "file.h"
-#include "gl_api.h"
-#include "table.h"
 #include "decoder/tools/context/context.h"
+#include "decoder/tools/context/gl_api.h"
+#include "decoder/toolkit/file.h"
+#include "table.h"
 #include <omp.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,10 +2,10 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "shader.h"
+#include "shade_reference.h"
 
 #include "decoder/toolkit/reference_view.h"
-#include "file.h"
+#include "decoder/toolkit/file.h"
 #include "table.h"
 #include <stdlib.h>
 

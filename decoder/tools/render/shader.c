@@ -4,7 +4,9 @@
  */
 #include "shader.h"
 
-#include "file.h"
+#include "decoder/toolkit/file.h"
+#include "shade_gl.h"
+#include "shade_reference.h"
 #include <stdlib.h>
 #include <string.h>
 

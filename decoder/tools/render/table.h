@@ -6,7 +6,7 @@
 #ifndef OPENBTF_RENDER_TABLE_H
 #define OPENBTF_RENDER_TABLE_H
 
-#include "bvh.h"
+#include "decoder/tools/mesh/bvh.h"
 #include "lights.h"
 
 /* Seen from direction theta, phi (degrees; 0,0 looks along -z, +y up on the picture). At the origin the

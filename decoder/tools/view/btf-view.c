@@ -2,19 +2,14 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "viewer.h"
+#include "options.h"
+#include "viewer_load.h"
+#include "viewer_panel.h"
+#include "viewer_plan.h"
+#include "decoder/tools/original/data_set.h"
 
 #include <stdio.h>
 #include <string.h>
-
-void viewer_tell(viewer *v, const char *text) {
-    snprintf(v->message, sizeof v->message, "%.150s", text);
-    v->dirty = true;
-    if (view_options.verbose) {
-        printf("%s\n", text);
-        fflush(stdout);
-    }
-}
 
 /* Errors go to stderr and to the panel. */
 static void log_message(void *user, btf_log_level level, const char *message) {
@@ -31,7 +26,7 @@ static btf_gl_function find_function(void *user, const char *name) {
     return (btf_gl_function)glfwGetProcAddress(name);
 }
 
-static viewer *of(GLFWwindow *window) {
+static viewer *viewer_of(GLFWwindow *window) {
     return glfwGetWindowUserPointer(window);
 }
 
@@ -52,7 +47,7 @@ static int key_code(int key) {
 }
 
 static void on_key(GLFWwindow *window, int key, int scan_code, int action, int modifiers) {
-    viewer *v = of(window);
+    viewer *v = viewer_of(window);
     char text[160];
     const int mesh_before = v->state.mesh;
     (void)scan_code;
@@ -83,7 +78,7 @@ static void on_key(GLFWwindow *window, int key, int scan_code, int action, int m
 }
 
 static void on_pointer(GLFWwindow *window, double x, double y) {
-    viewer *v = of(window);
+    viewer *v = viewer_of(window);
     int width, height;
     glfwGetWindowSize(window, &width, &height);
     const double dx = (x - v->pointer[0]) / (width > 0 ? width : 1),
@@ -111,7 +106,7 @@ static void on_pointer(GLFWwindow *window, double x, double y) {
 }
 
 static void on_scroll(GLFWwindow *window, double dx, double dy) {
-    viewer *v = of(window);
+    viewer *v = viewer_of(window);
     char text[80];
     (void)dx;
     view_state_scroll(&v->state, dy);
@@ -120,7 +115,7 @@ static void on_scroll(GLFWwindow *window, double dx, double dy) {
 }
 
 static void on_drop(GLFWwindow *window, int count, const char **paths) {
-    viewer *v = of(window);
+    viewer *v = viewer_of(window);
     for (int i = 0; i < count; i++) {
         const size_t length = strlen(paths[i]);
         const bool is_mesh = length > 4 && !strcmp(paths[i] + length - 4, ".obj");
@@ -136,14 +131,14 @@ static void on_drop(GLFWwindow *window, int count, const char **paths) {
 }
 
 static void on_refresh(GLFWwindow *window) {
-    of(window)->dirty = true;
+    viewer_of(window)->dirty = true;
 }
 
 static void on_resize(GLFWwindow *window, int width, int height) {
     (void)width;
     (void)height;
-    costs_clear(&of(window)->costs);
-    of(window)->dirty = true;
+    costs_clear(&viewer_of(window)->costs);
+    viewer_of(window)->dirty = true;
 }
 
 static btf_result open_window(viewer *v) {
@@ -249,7 +244,7 @@ static btf_result loop(viewer *v) {
 }
 
 static btf_result run(const char *path) {
-    viewer v = {.planning.planner = planner_begin()};
+    viewer v = {.read_original = data_set_read, .planning.planner = planner_begin()};
     v.log = (btf_log){log_message, &v};
     view_state_reset(&v.state);
     v.state.effects = view_options.effects;

@@ -4,8 +4,8 @@
  */
 #include "drawing.h"
 
-#include "../render/file.h"
-#include "../render/table.h"
+#include "decoder/toolkit/file.h"
+#include "decoder/tools/render/table.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

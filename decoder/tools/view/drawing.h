@@ -5,9 +5,9 @@
 #ifndef OPENBTF_VIEW_DRAWING_H
 #define OPENBTF_VIEW_DRAWING_H
 
-#include "../render/gl_api.h"
-#include "../render/mesh.h"
-#include "../render/original.h"
+#include "decoder/tools/context/gl_api.h"
+#include "decoder/tools/mesh/mesh.h"
+#include "decoder/tools/render/original.h"
 #include "state.h"
 #include <openbtf/plan.h>
 

@@ -4,8 +4,8 @@
  */
 #include "overlay.h"
 
-#include "../render/file.h"
-#include "../render/font.h"
+#include "decoder/toolkit/file.h"
+#include "decoder/tools/render/font.h"
 #include <stdlib.h>
 #include <string.h>
 

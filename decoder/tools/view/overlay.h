@@ -5,7 +5,7 @@
 #ifndef OPENBTF_VIEW_OVERLAY_H
 #define OPENBTF_VIEW_OVERLAY_H
 
-#include "../render/gl_api.h"
+#include "decoder/tools/context/gl_api.h"
 
 typedef struct overlay overlay;
 

@@ -4,7 +4,7 @@
  */
 #include "planner.h"
 
-#include "../render/plan_table.h"
+#include "decoder/tools/render/plan_range.h"
 #include <string.h>
 
 static const float ring = 7.5f, slack = 2;

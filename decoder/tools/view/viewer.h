@@ -1,4 +1,4 @@
-/* The parts of btf-view: what they share.
+/* The viewer that the parts of btf-view share, and what all of them ask of it.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -6,16 +6,16 @@
 #define OPENBTF_VIEW_VIEWER_H
 
 #include "costs.h"
+#include "decoder/tools/mesh/bvh.h"
+#include "decoder/tools/render/original.h"
 #include "drawing.h"
-#include "options.h"
 #include "overlay.h"
 #include "planner.h"
-#include "../render/bvh.h"
-#include "../render/plan_table.h"
+#include "state.h"
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
-/* What a plan was or is being made in, a part between two frames each. */
+/* The parts in which a plan is made, each between two frames. */
 typedef enum planning_stage { STAGE_MAKE, STAGE_UPLOAD, STAGE_LINK, STAGE_TRY, STAGES } planning_stage;
 
 typedef struct planning {
@@ -36,6 +36,7 @@ typedef struct viewer {
     view_state state;
     costs costs;
     btf_material *material;
+    original_reader *read_original; /* of the program: what reads the images of --original */
     original *images;
     drawing *drawing;
     overlay *overlay;
@@ -51,32 +52,7 @@ typedef struct viewer {
 /* Says what changed: in the panel, and on stdout with --verbose. */
 void viewer_tell(viewer *v, const char *text);
 void viewer_frame_size(const viewer *v, int *width, int *height);
-
-/* viewer_load.c: files and meshes. Errors are told. */
-const char *viewer_base_name(const char *path);
-btf_result viewer_choose_mesh(viewer *v); /* that of the command line */
-btf_result viewer_load_mesh(viewer *v, const char *path);
-btf_result viewer_use_mesh(viewer *v); /* the one that the state names */
-const mesh *viewer_mesh(const viewer *v);
-double viewer_repeat(const viewer *v); /* copies of the material a unit of its uv */
-btf_result viewer_open_images(viewer *v, const char *path);
-/* Another material; what is shown stays when it cannot be opened. The images belong to the old one. */
-btf_result viewer_load_material(viewer *v, const char *path);
-/* What the panel and the keys need to know of the material. */
-void viewer_use_material_facts(viewer *v, const char *path);
-
-/* viewer_panel.c: pictures and what stands over them. */
-btf_result viewer_draw_frame(viewer *v);
-btf_result viewer_measure(viewer *v);
-btf_result viewer_save_picture(viewer *v);
-
-/* viewer_plan.c, with --plan auto. */
-/* Nothing is planned any more: another material. */
-void viewer_forget_plans(viewer *v);
-/* Looks what the picture needs and does the next part of a plan that is due; the first plan at once, all of
- * it. *out_wait: seconds until there is something to do though nothing happens, 0: now, below 0: never. */
-btf_result viewer_plan(viewer *v, double *out_wait);
-/* The plan and the reason for each effect, for the panel. */
-void viewer_plan_text(const viewer *v, char *text, size_t size);
+const mesh *viewer_mesh(const viewer *v); /* the one that is shown */
+double viewer_repeat(const viewer *v);    /* copies of the material a unit of its uv */
 
 #endif

@@ -2,20 +2,15 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "viewer.h"
+#include "viewer_load.h"
 
 #include "decoder/toolkit/progress.h"
+#include "decoder/tools/mesh/obj.h"
+#include "options.h"
+#include "viewer_plan.h"
 #include <omp.h>
 #include <stdio.h>
 #include <string.h>
-
-const mesh *viewer_mesh(const viewer *v) {
-    return v->built_in ? v->built_in : v->own_mesh;
-}
-
-double viewer_repeat(const viewer *v) {
-    return v->state.mesh != 0 && v->state.mesh != 2 ? 2 : 3;
-}
 
 const char *viewer_base_name(const char *path) {
     const char *slash = strrchr(path, '/');
@@ -54,7 +49,8 @@ btf_result viewer_open_images(viewer *v, const char *path) {
     progress *p = progress_create(view_options.quiet);
     if (!p)
         return cli_error(&view_program, BTF_ERROR_MEMORY, "out of memory");
-    btf_result result = original_open(path, v->material, omp_get_num_procs(), p, &v->log, &v->images);
+    btf_result result =
+        original_open(v->read_original, path, v->material, omp_get_num_procs(), p, &v->log, &v->images);
     progress_destroy(&p);
     return result;
 }

@@ -2,9 +2,11 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "viewer.h"
+#include "viewer_panel.h"
 
 #include "decoder/toolkit/png_image.h"
+#include "options.h"
+#include "viewer_plan.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,12 +16,6 @@ static uint32_t effects_in_use(const viewer *v) {
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(v->material, &info);
     return v->state.effects & info.effects;
-}
-
-void viewer_frame_size(const viewer *v, int *width, int *height) {
-    glfwGetFramebufferSize(v->window, width, height);
-    *width = *width > 0 ? *width : 1;
-    *height = *height > 0 ? *height : 1;
 }
 
 /* Draws the model and measures it. */

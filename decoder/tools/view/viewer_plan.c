@@ -2,9 +2,11 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "viewer.h"
+#include "viewer_plan.h"
 
 #include "decoder/toolkit/scene_option.h"
+#include "decoder/tools/render/plan_range.h"
+#include "options.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -40,7 +42,7 @@ static bool same_light(const view_state *a, const view_state *b) {
 
 /* Casts a coarse picture. What lies between its rays is within the margins of planner.h, or decoded by the
  * nearest directions that there are. */
-static btf_result see(viewer *v, int width, int height) {
+static btf_result find_needed_scene(viewer *v, int width, int height) {
     planning *p = &v->planning;
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(v->material, &info);
@@ -72,7 +74,7 @@ static btf_result see(viewer *v, int width, int height) {
 }
 
 /* The camera, the light, the window: what moved, and what is needed now. */
-static btf_result look(viewer *v) {
+static btf_result note_movement(viewer *v) {
     planning *p = &v->planning;
     const double now = glfwGetTime();
     int size[2];
@@ -88,10 +90,10 @@ static btf_result look(viewer *v) {
     p->light_moved = lit ? now : p->light_moved;
     p->seen = v->state;
     memcpy(p->size, size, sizeof p->size);
-    return see(v, size[0], size[1]);
+    return find_needed_scene(v, size[0], size[1]);
 }
 
-static void say(viewer *v, const char *what, const planner_plan *made, const char *times) {
+static void report_plan(viewer *v, const char *what, const planner_plan *made, const char *times) {
     char words[48], text[400];
     const btf_plan *plan = &made->plan;
     const btf_scene *s = &plan->scene;
@@ -109,7 +111,7 @@ static void say(viewer *v, const char *what, const planner_plan *made, const cha
 }
 
 /* The next part of the pending plan. The one that is shown stays until all are done. */
-static btf_result go_on(viewer *v) {
+static btf_result do_next_part(viewer *v) {
     planning *p = &v->planning;
     const int slot = p->planner.pending;
     planner_plan *made = &p->planner.slot[slot];
@@ -131,13 +133,13 @@ static btf_result go_on(viewer *v) {
     char times[120];
     snprintf(times, sizeof times, "; made in %.1f ms, upload %.1f, link %.1f, first pixel %.1f",
              p->ms[STAGE_MAKE], p->ms[STAGE_UPLOAD], p->ms[STAGE_LINK], p->ms[STAGE_TRY]);
-    say(v, "", made, times);
+    report_plan(v, "", made, times);
     return BTF_OK;
 }
 
 btf_result viewer_plan(viewer *v, double *out_wait) {
     planning *p = &v->planning;
-    btf_result result = look(v);
+    btf_result result = note_movement(v);
     if (result)
         return result;
     const double now = glfwGetTime(), light_rests = now - p->light_moved, view_rests = now - p->moved;
@@ -146,12 +148,12 @@ btf_result viewer_plan(viewer *v, double *out_wait) {
         &p->planner, &p->needed, at_rest, p->folds && light_rests >= rest_seconds && !v->state.animate);
     if (action == PLANNER_SWITCH) {
         drawing_use_plan(v->drawing, p->planner.current);
-        say(v, " again", &p->planner.slot[p->planner.current], "");
+        report_plan(v, " again", &p->planner.slot[p->planner.current], "");
     } else if (action == PLANNER_MAKE) {
         p->stage = STAGE_MAKE;
     }
     do
-        result = p->planner.pending >= 0 ? go_on(v) : BTF_OK;
+        result = p->planner.pending >= 0 ? do_next_part(v) : BTF_OK;
     while (!result && p->planner.current < 0);
     *out_wait = p->planner.pending >= 0 || action != PLANNER_KEEP ? 0 : at_rest ? -1 : rest_seconds / 2;
     return result;

@@ -7,7 +7,6 @@
 #include "decoder/toolkit/reference_view.h"
 #include "tests/conformance/random.h"
 
-#include <GL/glcorearb.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -154,8 +153,6 @@ double rig_measure_variant(decode_rig *rig, const btf_material *material, const 
     return ns;
 }
 
-#define GL(type, name) ((type)get(options.user, #name))
-
 static void fill_random(unsigned char *bytes, size_t size) {
     random_state r = {size};
     for (size_t i = 0; i + 8 <= size; i += 8) {
@@ -166,8 +163,7 @@ static void fill_random(unsigned char *bytes, size_t size) {
 
 unsigned rig_texture(decode_rig *rig, int unit, int format, int width, int height, int layers,
                      const unsigned char *bytes) {
-    btf_gl_options options = gpu_gl_options(rig->gpu, NULL);
-    btf_gl_get_proc_address get = options.get_proc_address;
+    const gl_api *api = gpu_api(rig->gpu);
     size_t size = 4 * (size_t)width * (size_t)height * (size_t)(layers ? layers : 1);
     GLenum target = layers ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D;
     unsigned char *own = bytes ? NULL : malloc(size);
@@ -176,35 +172,31 @@ unsigned rig_texture(decode_rig *rig, int unit, int format, int width, int heigh
         return 0;
     if (own)
         fill_random(own, size);
-    GL(PFNGLACTIVETEXTUREPROC, glActiveTexture)((GLenum)(GL_TEXTURE0 + unit));
-    GL(PFNGLGENTEXTURESPROC, glGenTextures)(1, &texture);
-    GL(PFNGLBINDTEXTUREPROC, glBindTexture)(target, texture);
+    api->ActiveTexture((GLenum)(GL_TEXTURE0 + unit));
+    api->GenTextures(1, &texture);
+    api->BindTexture(target, texture);
     if (layers) {
-        GL(PFNGLTEXPARAMETERIPROC, glTexParameteri)(target, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-        GL(PFNGLTEXPARAMETERIPROC, glTexParameteri)(target, GL_TEXTURE_MAX_LEVEL, 0);
-        GL(PFNGLTEXIMAGE3DPROC, glTexImage3D)
-        (target, 0, format, width, height, layers, 0, GL_RGBA, GL_UNSIGNED_BYTE, own ? own : bytes);
+        api->TexParameteri(target, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+        api->TexParameteri(target, GL_TEXTURE_MAX_LEVEL, 0);
+        api->TexImage3D(target, 0, format, width, height, layers, 0, GL_RGBA, GL_UNSIGNED_BYTE,
+                        own ? own : bytes);
     } else {
-        GL(PFNGLTEXIMAGE2DPROC, glTexImage2D)
-        (target, 0, format, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, own ? own : bytes);
-        GL(PFNGLGENERATEMIPMAPPROC, glGenerateMipmap)(target);
+        api->TexImage2D(target, 0, format, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, own ? own : bytes);
+        api->GenerateMipmap(target);
     }
     free(own);
     return texture;
 }
 
 void rig_texture_delete(decode_rig *rig, int count, const unsigned *textures) {
-    btf_gl_options options = gpu_gl_options(rig->gpu, NULL);
-    btf_gl_get_proc_address get = options.get_proc_address;
-    GL(PFNGLDELETETEXTURESPROC, glDeleteTextures)(count, textures);
+    const gl_api *api = gpu_api(rig->gpu);
+    api->DeleteTextures(count, textures);
 }
 
 void rig_sampler(decode_rig *rig, unsigned program, const char *name, int unit) {
-    btf_gl_options options = gpu_gl_options(rig->gpu, NULL);
-    btf_gl_get_proc_address get = options.get_proc_address;
-    GL(PFNGLUSEPROGRAMPROC, glUseProgram)(program);
-    GL(PFNGLUNIFORM1IPROC, glUniform1i)
-    (GL(PFNGLGETUNIFORMLOCATIONPROC, glGetUniformLocation)(program, name), unit);
+    const gl_api *api = gpu_api(rig->gpu);
+    api->UseProgram(program);
+    api->Uniform1i(api->GetUniformLocation(program, name), unit);
 }
 
 btf_result rig_create(const context_device *device, int repeats, const btf_log *log, char *why,

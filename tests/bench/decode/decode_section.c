@@ -15,6 +15,7 @@
 #include "encoder/joint/budget.h"
 #include "encoder/report/metrics.h"
 #include "encoder/math/srgb.h"
+#include "tests/bench/readme.h"
 #include "tests/conformance/random.h"
 
 #include <GL/glcorearb.h>
@@ -513,6 +514,9 @@ btf_result bench_section_decode(const bench_run *run) {
     }
     if (result == BTF_OK) {
         result = decode_table_write(run, d.table);
+    }
+    if (result == BTF_OK && d.table->devices > 0) {
+        result = bench_readme_decode(run, d.table);
     }
     for (int i = 0; i < MATERIALS; i++) {
         bench_encoded_clear(&d.materials[i].encoded);

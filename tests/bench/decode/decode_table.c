@@ -5,7 +5,6 @@
 #include "decode_table.h"
 
 #include "tests/bench/plots.h"
-#include "tests/bench/readme.h"
 
 #include <math.h>
 #include <string.h>
@@ -255,9 +254,6 @@ btf_result decode_table_write(const bench_run *run, const decode_table *table) {
         result = decode_plot(run, table, table->device[0].name, "decode", false);
         if (result == BTF_OK) {
             result = decode_plot(run, table, table->device[0].name, "readme-decode", true);
-        }
-        if (result == BTF_OK) {
-            result = bench_readme_decode(run, table);
         }
         print_places(table, run->summary);
         print_sizes(table, run->summary);

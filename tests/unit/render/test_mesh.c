@@ -2,9 +2,12 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "decoder/tools/render/environment.h"
 #include "decoder/tools/render/light_option.h"
+#include "decoder/tools/mesh/obj.h"
 #include "decoder/tools/render/picture.h"
 #include "decoder/tools/render/table.h"
+#include "decoder/tools/mesh/tangents.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdlib.h>

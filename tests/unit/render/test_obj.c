@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "decoder/tools/render/mesh.h"
-#include "decoder/tools/render/vec.h"
+#include "decoder/tools/mesh/obj.h"
+#include "decoder/tools/mesh/vec.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdlib.h>

@@ -2,9 +2,10 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "mesh.h"
+#include "obj.h"
 
-#include "file.h"
+#include "decoder/toolkit/file.h"
+#include "tangents.h"
 #include "vec.h"
 #include <ctype.h>
 #include <stdarg.h>

@@ -4,8 +4,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_RENDER_BVH_H
-#define OPENBTF_RENDER_BVH_H
+#ifndef OPENBTF_MESH_BVH_H
+#define OPENBTF_MESH_BVH_H
 
 #include "mesh.h"
 #include "vec.h"

@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_RENDER_PLAN_TABLE_H
-#define OPENBTF_RENDER_PLAN_TABLE_H
+#ifndef OPENBTF_RENDER_PLAN_RANGE_H
+#define OPENBTF_RENDER_PLAN_RANGE_H
 
 #include "render.h"
 #include <openbtf/plan.h>

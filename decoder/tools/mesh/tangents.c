@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "mesh.h"
+#include "tangents.h"
 
 #include "vec.h"
 #include <stdlib.h>

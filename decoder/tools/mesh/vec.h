@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_RENDER_VEC_H
-#define OPENBTF_RENDER_VEC_H
+#ifndef OPENBTF_MESH_VEC_H
+#define OPENBTF_MESH_VEC_H
 
 #include <math.h>
 

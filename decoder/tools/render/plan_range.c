@@ -1,8 +1,8 @@
-/* The scene that a picture is. See plan_table.h.
+/* The scene that a picture is. See plan_range.h.
  *
  * SPDX-License-Identifier: MIT
  */
-#include "plan_table.h"
+#include "plan_range.h"
 
 #include <math.h>
 #include <stdlib.h>

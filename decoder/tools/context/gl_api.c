@@ -4,17 +4,33 @@
  */
 #include "gl_api.h"
 
-#include "file.h"
+#include <stdarg.h>
+#include <stdio.h>
 #include <string.h>
+
+static void log_error(const btf_log *log, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void log_error(const btf_log *log, const char *format, ...) {
+    char text[2000];
+    va_list arguments;
+    if (!log || !log->callback)
+        return;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    log->callback(log->user, BTF_LOG_ERROR, text);
+}
 
 btf_result gl_api_load(gl_api *gl, btf_gl_get_proc_address get, void *user, const btf_log *log) {
 #define GL_API_LOAD(type, function)                                                                        \
     gl->function = (type)get(user, "gl" #function);                                                        \
     if (!gl->function) {                                                                                   \
-        file_say(log, "the context has no gl" #function);                                                  \
+        log_error(log, "the context has no gl" #function);                                                 \
         return BTF_ERROR_UNSUPPORTED;                                                                      \
     }
     GL_API_FUNCTIONS(GL_API_LOAD)
+#undef GL_API_LOAD
+#define GL_API_LOAD(type, function) gl->function = (type)get(user, "gl" #function);
+    GL_API_DESKTOP_FUNCTIONS(GL_API_LOAD)
 #undef GL_API_LOAD
     return BTF_OK;
 }
@@ -32,9 +48,9 @@ static GLuint compile(const gl_api *gl, GLenum kind, const char *version, const 
     gl->CompileShader(shader);
     gl->GetShaderiv(shader, GL_COMPILE_STATUS, &ok);
     if (!ok) {
-        char message[900] = "";
+        char message[1900] = "";
         gl->GetShaderInfoLog(shader, (GLsizei)sizeof message, NULL, message);
-        file_say(log, "GLSL does not compile: %s", message);
+        log_error(log, "GLSL does not compile: %s", message);
         gl->DeleteShader(shader);
         return 0;
     }
@@ -54,9 +70,9 @@ GLuint gl_api_program(const gl_api *gl, const char *version, const char *const *
         gl->LinkProgram(program);
         gl->GetProgramiv(program, GL_LINK_STATUS, &ok);
         if (!ok) {
-            char message[900] = "";
+            char message[1900] = "";
             gl->GetProgramInfoLog(program, (GLsizei)sizeof message, NULL, message);
-            file_say(log, "GLSL does not link: %s", message);
+            log_error(log, "GLSL does not link: %s", message);
             gl->DeleteProgram(program);
             program = 0;
         }

@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_RENDER_FILE_H
-#define OPENBTF_RENDER_FILE_H
+#ifndef OPENBTF_TOOLKIT_FILE_H
+#define OPENBTF_TOOLKIT_FILE_H
 
 #include <openbtf/result.h>
 #include <stddef.h>

@@ -1,0 +1,21 @@
+/* OpenBTF: the error table of an encoder's measurements (attribute openbtf.effectErrors).
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_EFFECT_ERRORS_H
+#define OPENBTF_EFFECT_ERRORS_H
+
+#include "result.h"
+#include <openbtf/material.h>
+
+#pragma GCC visibility push(hidden)
+
+/* Checks the numbers of the attribute openbtf.effectErrors against a (checked) info. */
+btf_result btfi_check_effect_errors(const btfi_check *check, const btf_material_info *info,
+                                    const float *values, size_t count);
+/* The table in numbers that were checked; one without rows for NULL. */
+btf_effect_errors btfi_effect_errors_of(const float *values, size_t count);
+
+#pragma GCC visibility pop
+
+#endif

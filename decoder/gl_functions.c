@@ -1,0 +1,67 @@
+/* Loads the functions of OpenGL that the library uses, and what its files do alike with them.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "gl_functions.h"
+
+#include "result.h"
+#include <string.h>
+
+btf_result btfi_gl_load(const btf_gl_options *options, const btf_log *log, btfi_gl_functions *out_gl) {
+    memset(out_gl, 0, sizeof *out_gl);
+    if (!options || options->struct_size < offsetof(btf_gl_options, shader) || !options->get_proc_address)
+        return btfi_fail(log, BTF_ERROR_USAGE, "gl: options without get_proc_address");
+#define LOAD(name, result, parameters)                                                                     \
+    {                                                                                                      \
+        btf_gl_function function = options->get_proc_address(options->user, "gl" #name);                   \
+        if (!function)                                                                                     \
+            return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "gl: the context has no gl" #name);               \
+        out_gl->name = (result(BTFI_GL_CALL *) parameters)function;                                        \
+    }
+    BTFI_GL_FUNCTIONS(LOAD)
+#undef LOAD
+    const char *version = (const char *)out_gl->GetString(GL_VERSION);
+    if (!version)
+        return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "gl: no context is current");
+    out_gl->is_es = strncmp(version, "OpenGL ES", 9) == 0;
+    out_gl->GetIntegerv(GL_MAJOR_VERSION, &out_gl->major);
+    out_gl->GetIntegerv(GL_MINOR_VERSION, &out_gl->minor);
+    int have = 10 * out_gl->major + out_gl->minor, need = out_gl->is_es ? 30 : 33;
+    if (have < need)
+        return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "gl: the context is \"%s\", needed is %s", version,
+                         out_gl->is_es ? "OpenGL ES 3.0" : "OpenGL 3.3");
+    return BTF_OK;
+}
+
+uint32_t btfi_gl_errors(const btfi_gl_functions *gl) {
+    enum { AT_MOST = 64 }; /* a lost context may report for ever */
+    uint32_t first = GL_NO_ERROR;
+    for (int i = 0; i < AT_MOST; ++i) {
+        uint32_t error = gl->GetError();
+        if (error == GL_NO_ERROR)
+            break;
+        if (first == GL_NO_ERROR)
+            first = error;
+    }
+    return first;
+}
+
+/* The unpacking state; entry 0 is absent from OpenGL ES. */
+static const uint32_t unpack_names[BTFI_UNPACK_COUNT] = {
+    GL_UNPACK_SWAP_BYTES,  GL_UNPACK_ALIGNMENT,   GL_UNPACK_ROW_LENGTH,  GL_UNPACK_SKIP_ROWS,
+    GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_IMAGES, GL_UNPACK_IMAGE_HEIGHT};
+
+void btfi_gl_save_unpack(const btfi_gl_functions *gl, btfi_gl_unpack *out) {
+    gl->GetIntegerv(GL_PIXEL_UNPACK_BUFFER_BINDING, &out->buffer);
+    gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+    for (int i = gl->is_es; i < BTFI_UNPACK_COUNT; ++i) {
+        gl->GetIntegerv(unpack_names[i], &out->value[i]);
+        gl->PixelStorei(unpack_names[i], unpack_names[i] == GL_UNPACK_ALIGNMENT ? 1 : 0);
+    }
+}
+
+void btfi_gl_restore_unpack(const btfi_gl_functions *gl, const btfi_gl_unpack *saved) {
+    for (int i = gl->is_es; i < BTFI_UNPACK_COUNT; ++i)
+        gl->PixelStorei(unpack_names[i], saved->value[i]);
+    gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, (uint32_t)saved->buffer);
+}

@@ -1,0 +1,37 @@
+/* OpenBTF: a material in memory.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_MATERIAL_INTERNAL_H
+#define OPENBTF_MATERIAL_INTERNAL_H
+
+#include "directions.h"
+
+#pragma GCC visibility push(hidden)
+
+struct btf_material {
+    btf_material_info info;
+    char *method, *options, *source; /* never NULL once made */
+    void *texture[BTF_MAX_LEVELS]
+                 [BTF_TEXTURE_COUNT]; /* those that have a shape; the tables live in views and lights */
+    btfi_directions views, lights;
+    btf_material_error *errors;
+    size_t error_count;
+    btf_level_error *level_errors;
+    size_t level_error_count;
+    float *effect_errors; /* attribute openbtf.effectErrors */
+    size_t effect_error_count;
+};
+
+/* A copy of a string ("" for NULL), NULL when out of memory. */
+char *btfi_copy_string(const char *text, size_t length);
+/* An empty material. NULL when out of memory. */
+btf_material *btfi_material_new(void);
+/* Allocates zeroed textures for material->info. Errors: BTF_ERROR_MEMORY. */
+btf_result btfi_material_allocate(const btf_log *log, btf_material *material);
+/* Fills the fields of info that follow from the rest, once tables are made. */
+void btfi_material_finish(btf_material *material);
+
+#pragma GCC visibility pop
+
+#endif

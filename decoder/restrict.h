@@ -1,0 +1,18 @@
+/* OpenBTF: what is left of a material when a plan leaves things out.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_RESTRICT_H
+#define OPENBTF_RESTRICT_H
+
+#include <openbtf/material.h>
+
+#pragma GCC visibility push(hidden)
+
+/* The info of a restriction, views and lights aside; centres are those of the whole. */
+btf_material_info btfi_restricted_info(const btf_material_info *info, uint32_t effects, uint32_t components,
+                                       uint32_t level);
+
+#pragma GCC visibility pop
+
+#endif

@@ -1,0 +1,40 @@
+/* OpenBTF: formats, names and shapes of the textures (FORMAT.md section 3), and what a header may say.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_SHAPE_H
+#define OPENBTF_SHAPE_H
+
+#include "result.h"
+#include <openbtf/material.h>
+#include <stdbool.h>
+
+#pragma GCC visibility push(hidden)
+
+/* The smallest and largest magnitude of a parameter that is not 0 (FORMAT.md section 2). */
+#define BTFI_PARAMETER_MIN 0x1p-24f
+#define BTFI_PARAMETER_MAX 0x1p24f
+
+/* True when x is 0 or of a magnitude that FORMAT.md section 2 allows. */
+static inline bool btfi_is_parameter(float x) {
+    float magnitude = x < 0 ? -x : x;
+    return x == 0 || (magnitude >= BTFI_PARAMETER_MIN && magnitude <= BTFI_PARAMETER_MAX);
+}
+
+/* Channels of a texel and bytes of a channel. */
+uint32_t btfi_format_channels(btf_format format);
+/* The name of a level's texture: "sbrdf", "level1.sbrdf". */
+typedef struct btfi_name {
+    char text[32];
+} btfi_name;
+btfi_name btfi_texture_name(uint32_t level, btf_texture_id id);
+/* Names of the effects in the order of FORMAT.md section 3; NULL beyond the last. */
+const char *btfi_effect_name(int index);
+/* Checks everything that info says by itself (FORMAT.md sections 2 to 5, 7), the strings aside. */
+btf_result btfi_check_info(const btfi_check *check, const btf_material_info *info);
+/* Sums of the textures, as info reports them. */
+size_t btfi_gpu_bytes(const btf_material_info *info);
+
+#pragma GCC visibility pop
+
+#endif

@@ -1,0 +1,24 @@
+/* Environment maps turned into directional lights.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_RENDER_ENVIRONMENT_H
+#define OPENBTF_RENDER_ENVIRONMENT_H
+
+#include "lights.h"
+
+/* Cuts a latitude-longitude map into `count` regions (a power of two) of like energy by median cut and adds
+ * one directional light for each, at the centre of its energy (P. Debevec, "A median cut algorithm for
+ * light probe sampling", 2005). pixels[row][column][3] is linear radiance; row 0 is up (+y), the middle
+ * column is ahead (-z, what the default camera looks at), columns grow to the right (+x). `rotate` turns
+ * it, degrees to the right. What is negative or not finite counts as 0. Regions without energy add nothing.
+ * Errors: BTF_ERROR_MEMORY. */
+btf_result light_list_add_environment(light_list *list, int width, int height, const float *pixels,
+                                      int count, double rotate, double gain);
+
+/* The same from a file, EXR or Radiance HDR. Errors also: BTF_ERROR_IO, BTF_ERROR_BAD_FILE,
+ * BTF_ERROR_UNSUPPORTED. */
+btf_result light_list_read_environment(light_list *list, const char *path, int count, double rotate,
+                                       double gain, const btf_log *log);
+
+#endif

@@ -1,0 +1,12 @@
+/* The reference decoder as a device.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_RENDER_SHADE_REFERENCE_H
+#define OPENBTF_RENDER_SHADE_REFERENCE_H
+
+#include "shader_class.h"
+
+extern const shader_class shader_class_reference;
+
+#endif

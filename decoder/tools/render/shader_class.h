@@ -1,0 +1,44 @@
+/* The devices behind a shader: what one is asked for, and what it does.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_RENDER_SHADER_CLASS_H
+#define OPENBTF_RENDER_SHADER_CLASS_H
+
+#include <openbtf/shader.h>
+#include <stdbool.h>
+
+/* What evaluating a list takes: wall time, and CPU time of all threads. */
+typedef struct shader_times {
+    double seconds, cpu;
+} shader_times;
+
+enum { SHADER_VARIANTS = 4, SHADER_PHONG = -1 };
+
+typedef struct shader_request {
+    const char *device; /* "reference", or the name of a context_device */
+    const btf_material *material;
+    int variants; /* 1..SHADER_VARIANTS */
+    uint32_t effects[SHADER_VARIANTS];
+    uint32_t components; /* residual components at most */
+    btf_interpolation interpolation;
+    btf_filter filter;
+    btf_math math;  /* BTF_MATH_FAST: not of the reference */
+    uint32_t fixed; /* as in btf_shader_options: what is the same in every list; GL alone profits */
+    float fixed_view[3], fixed_light[3];
+    int level;   /* the level of detail that every sample asks for; below 0: they differ */
+    int threads; /* of the reference */
+} shader_request;
+
+/* What a device does; each is one file: shade_reference.c, shade_gl.c. */
+typedef struct shader_class {
+    void *(*create)(const shader_request *request, const btf_log *log, btf_result *out_result);
+    void (*destroy)(void *self);
+    const char *(*name)(const void *self);
+    int (*max_width)(const void *self);
+    btf_result (*run)(void *self, int variant, int width, int rows, const float *inputs, float *out,
+                      const btf_log *log);
+    btf_result (*time)(void *self, int variant, int repeats, shader_times *out_times);
+} shader_class;
+
+#endif

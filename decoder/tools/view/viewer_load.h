@@ -1,0 +1,20 @@
+/* btf-view: files and meshes. Errors are told.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_VIEW_VIEWER_LOAD_H
+#define OPENBTF_VIEW_VIEWER_LOAD_H
+
+#include "viewer.h"
+
+const char *viewer_base_name(const char *path);
+btf_result viewer_choose_mesh(viewer *v); /* that of the command line */
+btf_result viewer_load_mesh(viewer *v, const char *path);
+btf_result viewer_use_mesh(viewer *v); /* the one that the state names */
+btf_result viewer_open_images(viewer *v, const char *path);
+/* Another material; what is shown stays when it cannot be opened. The images belong to the old one. */
+btf_result viewer_load_material(viewer *v, const char *path);
+/* Tells the panel and the keys what they need to know of the material. */
+void viewer_use_material_facts(viewer *v, const char *path);
+
+#endif
