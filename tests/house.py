@@ -138,6 +138,7 @@ def names(text):
     """(functions and objects declared, those defined) by a file, without what is static."""
     declared, defined = set(), set()
     for s in statements(text):
+        s = re.sub(r'^([A-Z][A-Z0-9_]*\s*\([^()]*\)\s*)+', '', s)  # macros that define something else
         is_extern = s.startswith('extern ')
         match = re.match(r'(?!typedef\b|static\b|_Static_assert\b|return\b)[\w\s*]*?\b(\w+)\s*\(', s)
         if match and '=' not in s[:match.end()]:
