@@ -122,6 +122,7 @@ def statements(text):
     text = re.sub(r'#ifdef __cplusplus\n.*?#endif', '', text, flags=re.S)
     text = re.sub(r'/\*.*?\*/|//[^\n]*|"(\\.|[^"\\\n])*"|\'(\\.|[^\'\\\n])+\'|^[ \t]*#(\\\n|[^\n])*', ' ', text,
                   flags=re.S | re.M)
+    text = re.sub(r'^[A-Z][A-Z0-9_]*\([^()\n]*\)$', '', text, flags=re.M)  # a macro that makes functions
     text = re.sub(r'extern\s+\{', '', text)  # of a C++ file: extern "C" {
     flat, depth = '', 0
     for c in text:
