@@ -77,7 +77,7 @@ names)
     ;;
 options)
     embed_shaders
-    sources="tests/fuzz/fuzz_options.c decoder/toolkit/cli.c decoder/toolkit/scene_option.c encoder/input/options.c
+    sources="tests/fuzz/fuzz_options.c decoder/toolkit/cli.c decoder/toolkit/scene_option.c encoder/input/options.c encoder/job/settings.c
              decoder/tools/render/lights.c decoder/tools/render/light_option.c
              tests/sample/directions.c $(ls $planner | grep -v -e /result -e /temporary) $data"
     libraries+=" -lOpenEXRCore"
