@@ -8,6 +8,8 @@
 
 #include <openbtf/gl.h>
 
+#pragma GCC visibility push(hidden)
+
 #if defined(_WIN32)
 #define BTFI_GL_CALL __stdcall
 #else
@@ -173,5 +175,7 @@ void btfi_gl_restore_unpack(const btfi_gl_functions *gl, const btfi_gl_unpack *s
 
 /* Takes GL errors off the queue; returns the first, GL_NO_ERROR when there was none. */
 uint32_t btfi_gl_errors(const btfi_gl_functions *gl);
+
+#pragma GCC visibility pop
 
 #endif

@@ -30,7 +30,7 @@ extern "C" {
 #define BTF_MAX_LEVELS 15
 #define BTF_MAX_BANDS 16
 /** A white gain of the codes 1..255: 128 is 1. */
-#define BTF_GAIN_SCALE 0x1p-7f
+#define BTF_GAIN_SCALE 0.0078125f /* 2^-7 */
 #define BTF_GAIN_ONE 128
 
 typedef enum btf_layout {
