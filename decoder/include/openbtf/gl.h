@@ -2,7 +2,11 @@
  *
  * The caller makes the context, keeps it current during every call here, and hands over how to find GL's
  * functions; nothing is linked. Every call restores the GL state that it touches, but for what its comment
- * says it sets.
+ * says it sets. No state of yours changes what is uploaded: pixel storage, a bound unpack buffer and, in
+ * compatibility contexts, pixel transfer (scale, bias, colour maps, the imaging subset but for its colour
+ * matrix) are set aside and put back. GL errors that were pending before btf_gl_upload and
+ * btf_gl_self_test are taken off GL's queue. Not to be called while a display list is compiled, transform
+ * feedback runs, or rendering is conditional.
  *
  * What this does not do: it makes no context, window, thread, program, framebuffer, sampler object or draw
  * call (the self-test makes some and deletes them), and keeps no copy of the material. Levels of detail are
