@@ -5,7 +5,7 @@
 # SPDX-License-Identifier: MIT
 . "$(dirname "$0")/common.sh"
 root=$BTF_SOURCE_ROOT
-export CCACHE_DIR=${CCACHE_DIR:-$HOME/.cache/ccache}
+unset LD_LIBRARY_PATH # with which meson lets programs find the libraries of the build folder
 
 # Into a folder of its own, then moved: to one with a blank in its name.
 prefix=$work/moved\ here
@@ -35,7 +35,7 @@ expect_that 'the documented files, and no other' diff documented files
 
 # References to files in what is installed: they are there.
 complete() {
-    local wrong=0
+    local wrong=0 name
     if grep -n '^ *#include' "$prefix"/share/openbtf/*.glsl; then
         wrong=1
     fi
