@@ -1,8 +1,9 @@
 /* OpenBTF reference decoder: what a decoder must give, bit for bit (decoder/FORMAT.md, sections 5 to 9).
  *
- * Plain C, no dependency, no thread, no allocation; clarity over speed. Compile with -ffp-contract=off and
- * never with fast-math; btf_ref_self_test() tells whether the build is sound. On 32-bit x86 add -msse2
- * -mfpmath=sse: where float operations are made in a wider type (x87), the sources refuse to compile.
+ * Plain C, no dependency, no thread, no allocation; clarity over speed. A program that takes the sources in
+ * puts reference/include on its include path and compiles them with -ffp-contract=off and never with
+ * fast-math; btf_ref_self_test() tells whether the build is sound. On 32-bit x86 add -msse2 -mfpmath=sse:
+ * where float operations are made in a wider type (x87), the sources refuse to compile.
  *
  * Thread rule: every function is pure; a btf_ref_material may be shared by any number of threads.
  *
