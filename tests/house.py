@@ -46,14 +46,13 @@ HOUSE = [
 MOST_FILES = 40
 
 # Installed headers are included as their users do.
-PUBLIC = {'btf_reference.h': 'reference/btf_reference.h'}
-PUBLIC_FOLDERS = {'openbtf/': 'decoder/include/openbtf/'}
+PUBLIC_FOLDERS = {'openbtf/reference.h': 'reference/include/openbtf/reference.h', 'openbtf/': 'decoder/include/openbtf/'}
 
 # Headers whose functions are defined in several files or one of another name, and why.
 HEADERS_OF_SEVERAL = {
     'decoder/include/openbtf/': 'the face of the library: what users call, not how its files are divided',
-    'reference/btf_reference': 'the reference decoder is read and copied as a whole, with one header to the outside '
-                               'and one within',
+    'reference/include/': 'the reference decoder is read and copied as a whole, with one header to the outside',
+    'reference/btf_reference': 'and one within',
     'tests/bench/bench.h': 'what the sections of the one program btf-bench share',
     'tests/bench/results.h': 'what the sections of the one program btf-bench share',
     'tests/bench/codecs/pca.h': 'one peer: its analysis and its codec',
@@ -103,7 +102,7 @@ def public(name):
     for prefix, folder in PUBLIC_FOLDERS.items():
         if name.startswith(prefix):
             return folder + name[len(prefix):]
-    return PUBLIC.get(name)
+    return None
 
 
 def target_of(path, name, quoted, files):

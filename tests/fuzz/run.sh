@@ -110,7 +110,7 @@ mkdir -p "$folder/corpus" "$folder/found"
 # shellcheck disable=SC2086
 clang -std=c11 -D_GNU_SOURCE -DOPENBTF_VERSION='"fuzz"' -O1 -g -ffp-contract=off -fno-omit-frame-pointer \
     -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=undefined -I. -Idecoder -Idecoder/tools \
-    -Idecoder/include -Ireference $sources $libraries -o "$folder/fuzz"
+    -Idecoder/include -Ireference/include $sources $libraries -o "$folder/fuzz"
 echo "OpenEXR $version, $(clang --version | head -1)"
 set +e
 ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1 UBSAN_OPTIONS=print_stacktrace=1 \
