@@ -1,5 +1,5 @@
-/* What every stage of the encoder is handed besides its data: where messages and progress go, how
- * many threads and how much memory it may use, and whether the user wants it to stop.
+/* The surroundings that every stage of the encoder is handed besides its data: where messages and progress
+ * go, how many threads and how much memory it may use, and whether the user wants it to stop.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -11,10 +11,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-struct progress;         /* decoder/toolkit/progress.h */
-struct enc_checkpoint;   /* checkpoint.h */
-struct enc_ranks;        /* ranks.h */
-struct enc_extent_listener; /* extent.h */
+struct progress;            /* decoder/toolkit/progress.h */
+struct enc_checkpoint;      /* data/checkpoint.h */
+struct enc_ranks;           /* ranks.h */
+struct enc_extent_listener; /* data/extent.h */
 
 /* Bytes that an encode takes at the least, beside the samples, of so many texels, views and lights. */
 typedef uint64_t (*enc_least_memory)(int width, int height, int n_views, int n_lights, int threads);

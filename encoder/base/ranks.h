@@ -18,7 +18,7 @@
 #include "context.h"
 #include <stdint.h>
 
-/* What carries the messages. `bounds` are bytes: rank r has bounds[r] .. bounds[r + 1]. */
+/* Carries the messages. `bounds` are bytes: rank r has bounds[r] .. bounds[r + 1]. */
 typedef struct enc_transport {
     int rank, size;
     int node_ranks; /* of them on this machine */
@@ -82,7 +82,7 @@ btf_result enc_ranks_sum(const enc_context *context, btf_result result, uint64_t
 /* Rank 0's bytes to all. */
 btf_result enc_ranks_broadcast(const enc_context *context, btf_result result, void *bytes, size_t size);
 
-/* What went between the ranks. */
+/* The traffic between the ranks in one stage. */
 typedef struct enc_ranks_volume {
     const char *stage;
     uint64_t received, sent; /* bytes of this rank; sent: handed over once, whoever it is for */
@@ -90,7 +90,7 @@ typedef struct enc_ranks_volume {
     double waited, moved;    /* seconds: for other ranks, and for messages */
 } enc_ranks_volume;
 
-/* What follows counts for this stage. */
+/* From here on, traffic counts for this stage. */
 void enc_ranks_stage(enc_ranks *ranks, const char *stage);
 /* Stages in order; owned by the ranks object. *out_count is 0 for a process that is alone. */
 const enc_ranks_volume *enc_ranks_volumes(const enc_context *context, size_t *out_count);

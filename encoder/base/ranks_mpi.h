@@ -7,7 +7,7 @@
 
 #include "ranks.h"
 
-/* What a rank takes of its machine, where it is not told. */
+/* The part of its machine that a rank takes, where options do not say. */
 typedef struct enc_mpi_share {
     int threads;     /* cores of this rank: of those that the ranks here may run on together, its part */
     uint64_t memory; /* bytes: half of the machine's, divided by the ranks here */

@@ -248,7 +248,7 @@ static bool read_step(const enc_checkpoint *c, const char *path, enc_blob *out, 
     return true;
 }
 
-/* What rank 0 found, to all ranks. Whether there is anything. */
+/* Hands the blob that rank 0 found to all ranks. False where it found none. */
 static bool share_blob(const enc_context *context, bool found, enc_blob *blob) {
     uint64_t size = found ? blob->size : UINT64_MAX;
     btf_result result = enc_ranks_broadcast(context, BTF_OK, &size, sizeof size);

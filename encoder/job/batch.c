@@ -161,7 +161,7 @@ static btf_result run_one(const enc_context *context, const enc_job *job, const 
     return result;
 }
 
-/* What became of an input. */
+/* How the encode of an input ended. */
 typedef struct outcome {
     bool tried;
     btf_result result;

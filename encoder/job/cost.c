@@ -1,4 +1,4 @@
-/* What the stages of an encode cost. See cost.h.
+/* The costs of the stages of an encode. See cost.h.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -38,7 +38,7 @@ static void add(list *l, const char *stage, double cost) {
     l->parts[l->count++] = (estimate_part){stage, cost};
 }
 
-/* What is counted. */
+/* The numbers that costs are proportional to. */
 typedef struct counts {
     double texels, points, samples; /* samples: three a texel, view and light */
     double views, lights;
@@ -71,7 +71,7 @@ static void add_reading(list *l, const enc_context *context, const enc_extent *e
         add(l, "decode", c->samples * enc_bonn_sample_seconds(e->components));
 }
 
-/* What the analysis is likely to find, for what is measured afterwards. */
+/* The model that the analysis is likely to find: measuring it costs by its size. */
 typedef struct outcome {
     double components, lobes, effects;
 } outcome;

@@ -1,4 +1,4 @@
-/* What the stages of an encode cost: predicted before they run, so that progress can be weighed, and a
+/* The costs of the stages of an encode: predicted before they run, so that progress can be weighed, and a
  * large encode be judged by a smaller one.
  *
  * Costs are core seconds on one core of an AMD EPYC (Zen 4) that has nothing else to do; constants were

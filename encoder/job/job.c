@@ -96,7 +96,7 @@ static const char *base_name(const char *path) {
     return slash && slash[1] ? slash + 1 : path;
 }
 
-/* What a job holds while it runs. */
+/* The results of a job's stages while it runs. */
 typedef struct job_state {
     enc_data *data;
     enc_solution found, stored; /* what the method found; what the packed material holds */

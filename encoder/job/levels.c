@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What the analysis of one level needs. */
+/* The analysis of one level after another. */
 typedef struct fit_pass {
     enc_context quiet; /* without the stages of each analysis */
     const enc_context *context;

@@ -1,4 +1,4 @@
-/* What an encode is asked to do: its input, its outputs, and the options of the method.
+/* The settings of an encode: its input, its outputs, and the options of the method.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -1,4 +1,4 @@
-/* The errors of all ways to decode. See effect_errors.h.
+/* The errors of all variants of decoding. See effect_errors.h.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -17,7 +17,7 @@
 #include <string.h>
 
 enum {
-    MOST_WAYS = 1024,
+    MOST_VARIANTS = 1024,
     MOST_TEXELS = 512,
     MOST_PAIRS = 16,
     LEAST_EVALUATIONS = 200000,
@@ -38,20 +38,20 @@ typedef struct bands {
 /* Column 3 of a row. */
 typedef enum kind { INTERPOLATED, NEAREST, AT_SAMPLES, VIEW_AT_SAMPLE, LIGHT_AT_SAMPLE, KINDS } kind;
 
-/* A way to decode. */
-typedef struct way {
+/* One variant of decoding: a subset of effects, a number of components, a kind of directions. */
+typedef struct variant {
     btf_ref_options options;
     kind kind;
     double gpu_bytes;
-} way;
+} variant;
 
 typedef struct job {
     const enc_context *context;
     const enc_data *data;
     btf_ref_material material;
     bands views, lights;
-    way *ways;
-    size_t n_ways, cells;
+    variant *variants;
+    size_t n_variants, cells;
     btf_ref_options full; /* everything: effects and components of the file */
     size_t texels, pairs; /* of the level at hand; pairs: directions a texel and pair of bands */
     const btf_material *packed;
@@ -89,12 +89,13 @@ static void add_way(job *j, const btf_material_info *info, uint32_t effects, uin
     reduced.components = components;
     for (int kind = INTERPOLATED; kind < KINDS; kind++) {
         const int interpolation = kind == NEAREST || kind == AT_SAMPLES ? BTF_REF_NEAREST : BTF_REF_LINEAR;
-        j->ways[j->n_ways++] = (way){.options = {.effects = effects,
-                                                 .components = components,
-                                                 .interpolation = interpolation,
-                                                 .filter = BTF_REF_TEXEL},
-                                     .kind = (enum kind)kind,
-                                     .gpu_bytes = (double)enc_report_gpu_bytes(&reduced, effects)};
+        j->variants[j->n_variants++] =
+            (variant){.options = {.effects = effects,
+                                  .components = components,
+                                  .interpolation = interpolation,
+                                  .filter = BTF_REF_TEXEL},
+                      .kind = (enum kind)kind,
+                      .gpu_bytes = (double)enc_report_gpu_bytes(&reduced, effects)};
     }
 }
 
@@ -198,14 +199,14 @@ static void look_up_pair(const job *j, const float *profiles, pair *p) {
 }
 
 /* One texel under a pair of directions for each kind: adds squared errors, linear and sRGB-coded, of each
- * way: sum[way][cell][2]. */
+ * variant: sum[variant][cell][2]. */
 static void measure_pair(const job *j, size_t texel, const pair pairs[KINDS], double *sum) {
     const uint32_t column = (uint32_t)texel % j->material.width, row = (uint32_t)texel / j->material.width;
-    for (size_t w = 0; w < j->n_ways; w++) {
-        const pair *p = &pairs[j->ways[w].kind];
+    for (size_t w = 0; w < j->n_variants; w++) {
+        const pair *p = &pairs[j->variants[w].kind];
         float rgb[3];
-        btf_ref_evaluate_neighbours(&j->material, &j->ways[w].options, column, row, &p->lights, &p->views,
-                                    p->light, p->view, rgb);
+        btf_ref_evaluate_neighbours(&j->material, &j->variants[w].options, column, row, &p->lights,
+                                    &p->views, p->light, p->view, rgb);
         for (int c = 0; c < 3; c++) {
             const double linear = (double)clip(rgb[c]) - clip(p->truth[c]);
             const double srgb = (double)enc_srgb_encode(rgb[c]) - enc_srgb_encode(p->truth[c]);
@@ -215,7 +216,7 @@ static void measure_pair(const job *j, size_t texel, const pair pairs[KINDS], do
     }
 }
 
-/* All of a texel's samples: sum[way][cell][2]. */
+/* All of a texel's samples: sum[variant][cell][2]. */
 static btf_result measure_texel(const job *j, size_t index, float *buffer, double *sum) {
     const size_t count = enc_data_texel_count(j->data);
     const size_t texel = index * count / j->texels +
@@ -245,12 +246,12 @@ static btf_result measure_texel(const job *j, size_t index, float *buffer, doubl
     return result;
 }
 
-/* Texels and pairs of directions so that all ways take at most `evaluations`; halved so many times. */
+/* Texels and pairs of directions so that all variants take at most `evaluations`; halved so many times. */
 static void choose_samples(job *j, size_t evaluations, int halvings) {
     const size_t count = enc_data_texel_count(j->data);
     const size_t samples = count * (size_t)j->data->n_views * (size_t)j->data->n_lights;
     const size_t enough = samples / 2 > LEAST_EVALUATIONS ? samples / 2 : LEAST_EVALUATIONS;
-    size_t each = (enough < evaluations ? enough : evaluations) / (j->n_ways * j->cells);
+    size_t each = (enough < evaluations ? enough : evaluations) / (j->n_variants * j->cells);
     each = (each > CELL_SAMPLES ? CELL_SAMPLES : each) >> halvings;
     each = each < 16 ? 16 : each;
     j->texels = count < MOST_TEXELS ? count : MOST_TEXELS;
@@ -263,9 +264,9 @@ static void choose_samples(job *j, size_t evaluations, int halvings) {
     }
 }
 
-/* sums[texel][way][cell][2], added up in the order of texels whatever thread made them. */
+/* sums[texel][variant][cell][2], added up in the order of texels whatever thread made them. */
 static btf_result measure(const job *j, double *total) {
-    const size_t length = 2 * j->n_ways * j->cells;
+    const size_t length = 2 * j->n_variants * j->cells;
     enum { BATCH = 16 }; /* of each rank */
     const size_t batch = BATCH * (size_t)enc_ranks_count(j->context);
     double *sums = malloc(batch * length * sizeof *sums);
@@ -300,9 +301,10 @@ static btf_result measure(const job *j, double *total) {
     return result;
 }
 
-/* Mean squared errors of some ways: out[way][cell][2]. Errors: BTF_ERROR_MEMORY, those of the data. */
+/* Mean squared errors of some variants: out[variant][cell][2]. Errors: BTF_ERROR_MEMORY, those of the data.
+ */
 static btf_result measure_means(const job *j, double **out) {
-    const size_t length = 2 * j->n_ways * j->cells;
+    const size_t length = 2 * j->n_variants * j->cells;
     *out = calloc(length, sizeof **out);
     const btf_result result = *out ? measure(j, *out) : BTF_ERROR_MEMORY;
     for (size_t i = 0; result == BTF_OK && i < length; i++) {
@@ -311,24 +313,24 @@ static btf_result measure_means(const job *j, double **out) {
     return result;
 }
 
-/* Ways that decode everything, one a kind: they are measured at more samples. What a way differs from them
- * by varies far less from sample to sample than its error does, so that few samples are enough for that
- * (control variates). */
+/* Measures the variants that decode everything, one a kind, at more samples. The difference between another
+ * variant and them varies far less from sample to sample than its error does, so that few samples are enough
+ * for that (control variates). */
 static btf_result correct_by_full(const job *all, double *mean) {
     job j = *all;
-    way full[KINDS];
+    variant full[KINDS];
     size_t index[KINDS];
     double *better = NULL;
-    j.ways = full;
-    j.n_ways = 0;
-    for (size_t w = 0; w < all->n_ways && j.n_ways < KINDS; w++) {
-        if (all->ways[w].options.effects == all->full.effects &&
-            all->ways[w].options.components == all->full.components) {
-            index[j.n_ways] = w;
-            full[j.n_ways++] = all->ways[w];
+    j.variants = full;
+    j.n_variants = 0;
+    for (size_t w = 0; w < all->n_variants && j.n_variants < KINDS; w++) {
+        if (all->variants[w].options.effects == all->full.effects &&
+            all->variants[w].options.components == all->full.components) {
+            index[j.n_variants] = w;
+            full[j.n_variants++] = all->variants[w];
         }
     }
-    if (j.n_ways < KINDS) {
+    if (j.n_variants < KINDS) {
         return BTF_OK;
     }
     choose_samples(&j, MOST_OF_FULL, 0);
@@ -339,9 +341,9 @@ static btf_result correct_by_full(const job *all, double *mean) {
     for (size_t k = 0; result == BTF_OK && k < KINDS; k++) {
         for (size_t i = 0; i < 2 * j.cells; i++) {
             const double step = better[2 * k * j.cells + i] - mean[2 * index[k] * j.cells + i];
-            for (size_t w = 0; w < all->n_ways; w++) {
+            for (size_t w = 0; w < all->n_variants; w++) {
                 double *m = &mean[2 * w * j.cells + i];
-                if (all->ways[w].kind == full[k].kind && w != index[k]) {
+                if (all->variants[w].kind == full[k].kind && w != index[k]) {
                     *m = fmax(*m + step, *m / 4);
                 }
             }
@@ -357,7 +359,7 @@ static size_t steps_of(int level) {
     return (size_t)1 << (BTF_MAX_LEVELS - level);
 }
 
-/* Measures all ways in a level (an enc_level_fn) and writes their rows. */
+/* Measures all variants in a level (an enc_level_fn) and writes their rows. */
 static btf_result measure_level(void *user, int level, const enc_data *data) {
     job *j = user;
     double *mean = NULL;
@@ -369,13 +371,13 @@ static btf_result measure_level(void *user, int level, const enc_data *data) {
         result = correct_by_full(j, mean);
     }
     enc_stage_step(j->context, steps_of(level));
-    for (size_t w = 0; result == BTF_OK && w < j->n_ways; w++) {
-        const btf_ref_options *o = &j->ways[w].options;
+    for (size_t w = 0; result == BTF_OK && w < j->n_variants; w++) {
+        const btf_ref_options *o = &j->variants[w].options;
         *j->rows++ = (float)o->effects;
         *j->rows++ = (float)o->components;
-        *j->rows++ = (float)j->ways[w].kind;
+        *j->rows++ = (float)j->variants[w].kind;
         *j->rows++ = (float)level;
-        *j->rows++ = (float)j->ways[w].gpu_bytes;
+        *j->rows++ = (float)j->variants[w].gpu_bytes;
         for (size_t i = 0; i < 2 * j->cells; i++) {
             *j->rows++ = fminf((float)mean[2 * w * j->cells + i], 1.0f);
         }
@@ -412,13 +414,13 @@ btf_result enc_effect_errors(const enc_context *context, const enc_data *data, c
              .lights = make_bands(data->lights, data->n_lights)};
     j.cells = (size_t)j.views.count * (size_t)j.lights.count;
     j.full = (btf_ref_options){.effects = info.effects, .components = info.components};
-    j.ways = calloc(MOST_WAYS, sizeof *j.ways);
+    j.variants = calloc(MOST_VARIANTS, sizeof *j.variants);
     float *values = NULL;
     size_t count = 0;
-    if (j.ways) {
+    if (j.variants) {
         make_ways(&j, &info);
         count = 4 + (size_t)(j.views.count + j.lights.count) +
-                info.levels * j.n_ways * (ROW_HEAD + 2 * j.cells);
+                info.levels * j.n_variants * (ROW_HEAD + 2 * j.cells);
         values = malloc(count * sizeof *values);
     }
     if (!values) {
@@ -436,7 +438,7 @@ btf_result enc_effect_errors(const enc_context *context, const enc_data *data, c
         }
         enc_stage_end(context);
     }
-    free(j.ways);
+    free(j.variants);
     if (result != BTF_OK) {
         free(values);
         return result == BTF_ERROR_INTERRUPTED

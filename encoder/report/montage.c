@@ -32,7 +32,7 @@ int enc_nearest_direction(const enc_direction *directions, int count, double the
 /* Pixels. A column is at least as wide as the longest title, of 9 letters. */
 enum { GAP = 6, HEADER = ENC_CANVAS_LETTER_HEIGHT + 12, TITLE = 9 * ENC_CANVAS_LETTER_WIDTH, LABEL = 32 };
 
-/* What stands before a row: its view. Returns the number of letters. */
+/* Writes the label of a row, which is its view. Returns the number of letters. */
 static int row_label(const enc_data *shape, double theta, char text[LABEL], int *out_view) {
     *out_view = enc_nearest_direction(shape->views, shape->n_views, theta, 120);
     return snprintf(text, LABEL, "view %.4g,%.4g", shape->views[*out_view].theta,

@@ -213,7 +213,7 @@ static void print_levels(const enc_report *report, FILE *out) {
     }
 }
 
-/* What went between ranks, as rank 0 counted it. */
+/* The traffic between ranks, as rank 0 counted it. */
 static void print_volumes(const enc_report *report, FILE *out) {
     enc_ranks_volume all = {0};
     if (report->n_volumes == 0) {
