@@ -4,7 +4,10 @@
  */
 #include "exr_image.h"
 
+#include "exr_chroma.h"
+#include "exr_pixels.h"
 #include "output.h"
+#include "primaries.h"
 
 #include <openexr.h>
 
@@ -78,121 +81,103 @@ typedef struct reading {
     exr_context_t context;
     exr_image image;
     exr_attr_box2i_t window;
+    const exr_attr_chlist_t *list;
     const char *names[3];
-    float *unwanted; /* where the other channels of a chunk go */
-    size_t unwanted_count;
+    bool chroma; /* they are RY, Y, BY */
+    int x_step, y_step;
 } reading;
+
+static int find_channel(const reading *r, const char *name) {
+    for (int i = 0; i < r->list->num_channels; i++)
+        if (strcmp(r->list->entries[i].name.str, name) == 0)
+            return i;
+    return -1;
+}
+
+/* Refuses sampling that the picture's channels may not have: chroma alone is subsampled, by 2, all of it
+ * alike. */
+static btf_result check_sampling(reading *r, bool tiled, char *message, size_t message_size) {
+    r->x_step = r->y_step = 1;
+    if (r->chroma) {
+        const exr_attr_chlist_entry_t *red = &r->list->entries[find_channel(r, "RY")];
+        r->x_step = red->x_sampling == 2 ? 2 : 1;
+        r->y_step = red->y_sampling == 2 ? 2 : 1;
+    }
+    for (int i = 0; i < r->list->num_channels; i++) {
+        const exr_attr_chlist_entry_t *channel = &r->list->entries[i];
+        int c = 0;
+        while (c < r->image.channels && strcmp(channel->name.str, r->names[c]) != 0)
+            c++;
+        const bool free_to_differ = c == r->image.channels && !tiled, is_chroma = r->chroma && c != 1;
+        if (exr_sampling_fits(channel, &r->window) &&
+            (free_to_differ || (channel->x_sampling == (is_chroma ? r->x_step : 1) &&
+                                channel->y_sampling == (is_chroma ? r->y_step : 1))))
+            continue;
+        snprintf(message, message_size,
+                 "EXR: subsampled channels: %.40s is sampled %d x %d, which is read for chroma (RY and BY, both "
+                 "by 2) alone",
+                 channel->name.str, (int)channel->x_sampling, (int)channel->y_sampling);
+        return BTF_ERROR_UNSUPPORTED;
+    }
+    return BTF_OK;
+}
 
 /* Finds which channels make the picture. */
 static btf_result choose_channels(reading *r, char *message, size_t message_size) {
-    static const char *const sets[3][3] = {{"R", "G", "B"}, {"X", "Y", "Z"}, {"Y", NULL, NULL}};
-    const exr_attr_chlist_t *list;
-    const exr_result_t code = exr_get_channels(r->context, 0, &list);
-    if (code != EXR_ERR_SUCCESS)
-        return result_of(code);
-    for (int set = 0; set < 3; set++) {
-        int wanted = 0, found = 0, subsampled = 0;
-        for (; wanted < 3 && sets[set][wanted]; wanted++) {
-            for (int i = 0; i < list->num_channels; i++) {
-                const exr_attr_chlist_entry_t *channel = &list->entries[i];
-                if (strcmp(channel->name.str, sets[set][wanted]) == 0) {
-                    found++;
-                    subsampled += channel->x_sampling != 1 || channel->y_sampling != 1;
-                }
-            }
-        }
+    static const char *const sets[4][3] = {
+        {"R", "G", "B"}, {"X", "Y", "Z"}, {"RY", "Y", "BY"}, {"Y", NULL, NULL}};
+    for (int set = 0; set < 4; set++) {
+        int wanted = 0, found = 0;
+        for (; wanted < 3 && sets[set][wanted]; wanted++)
+            found += find_channel(r, sets[set][wanted]) >= 0;
         if (found != wanted)
             continue;
-        if (subsampled) {
-            snprintf(message, message_size, "EXR: subsampled channels");
-            return BTF_ERROR_UNSUPPORTED;
-        }
         r->image.channels = wanted;
         r->image.xyz = set == 1;
+        r->chroma = set == 2;
         memcpy(r->names, sets[set], sizeof r->names);
         return BTF_OK;
     }
     snprintf(message, message_size, "EXR: %d channels, neither R, G, B nor X, Y, Z nor Y among them",
-             list->num_channels);
+             r->list->num_channels);
     return BTF_ERROR_UNSUPPORTED;
 }
 
-/* Makes room for the pixels of a channel that nobody wants: OpenEXRCore 3.1.5 lets such a channel have no
- * place, but of three channels of halves it writes to all, there or not. */
-static exr_result_t reserve_unwanted(reading *r, const exr_chunk_info_t *chunk) {
-    const size_t count = (size_t)chunk->width * (size_t)chunk->height;
-    if (count > r->unwanted_count) {
-        float *more = realloc(r->unwanted, count * sizeof *more);
-        if (!more)
-            return EXR_ERR_OUT_OF_MEMORY;
-        r->unwanted = more;
-        r->unwanted_count = count;
-    }
-    return EXR_ERR_SUCCESS;
+/* Luminance and chroma to RGB, the luminance of R, G and B being that of the file's primaries. */
+static btf_result finish_chroma(reading *r) {
+    exr_attr_chromaticities_t c;
+    primaries p = primaries_rec709;
+    double xyz[9];
+    if (exr_attr_get_chromaticities(r->context, 0, "chromaticities", &c) == EXR_ERR_SUCCESS)
+        p = (primaries){{(double)c.red_x, (double)c.red_y},
+                        {(double)c.green_x, (double)c.green_y},
+                        {(double)c.blue_x, (double)c.blue_y},
+                        {(double)c.white_x, (double)c.white_y}};
+    if (!primaries_to_xyz(&p, xyz) || !(fabs(xyz[4]) > 1e-6))
+        return BTF_ERROR_BAD_FILE;
+    const float weights[3] = {(float)xyz[3], (float)xyz[4], (float)xyz[5]};
+    return exr_chroma_to_rgb(r->image.width, r->image.height, r->x_step, r->y_step, weights,
+                             r->image.pixels);
 }
 
-/* Decodes one chunk whose first pixel is (x, y) of the image, straight into it. */
-static exr_result_t decode_chunk(reading *r, exr_decode_pipeline_t *pipeline, const exr_chunk_info_t *chunk,
-                                 int x, int y, bool first) {
-    exr_result_t code = first ? exr_decoding_initialize(r->context, 0, chunk, pipeline)
-                              : exr_decoding_update(r->context, 0, chunk, pipeline);
-    if (code == EXR_ERR_SUCCESS)
-        code = reserve_unwanted(r, chunk);
-    if (code != EXR_ERR_SUCCESS)
-        return code;
-    const size_t pixel = (size_t)r->image.channels * sizeof(float);
-    const size_t row = (size_t)r->image.width * pixel;
-    for (int i = 0; i < pipeline->channel_count; i++) {
-        exr_coding_channel_info_t *channel = &pipeline->channels[i];
-        channel->decode_to_ptr = (uint8_t *)r->unwanted;
-        channel->user_pixel_stride = (int32_t)sizeof(float);
-        channel->user_line_stride = chunk->width * (int32_t)sizeof(float);
-        channel->user_bytes_per_element = sizeof(float);
-        channel->user_data_type = EXR_PIXEL_FLOAT;
-        for (int c = 0; c < r->image.channels; c++) {
-            if (strcmp(channel->channel_name, r->names[c]) != 0)
-                continue;
-            channel->decode_to_ptr = (uint8_t *)r->image.pixels + (size_t)y * row + (size_t)x * pixel +
-                                     (size_t)c * sizeof(float);
-            channel->user_pixel_stride = (int32_t)pixel;
-            channel->user_line_stride = (int32_t)row;
-        }
+static btf_result read_samples(reading *r, bool tiled) {
+    const size_t n = (size_t)r->image.channels, row = (size_t)r->image.width * n;
+    exr_target *targets = calloc((size_t)r->list->num_channels, sizeof *targets);
+    r->image.pixels = calloc(row * (size_t)r->image.height, sizeof *r->image.pixels);
+    if (!targets || !r->image.pixels) {
+        free(targets);
+        return BTF_ERROR_MEMORY;
     }
-    if (first) {
-        code = exr_decoding_choose_default_routines(r->context, 0, pipeline);
-        if (code != EXR_ERR_SUCCESS)
-            return code;
+    for (size_t c = 0; c < n; c++) {
+        const int i = find_channel(r, r->names[c]);
+        const exr_attr_chlist_entry_t *channel = &r->list->entries[i];
+        targets[i] = (exr_target){.out = r->image.pixels + c,
+                                  .stride = n * (size_t)channel->x_sampling,
+                                  .pitch = row * (size_t)channel->y_sampling};
     }
-    return exr_decoding_run(r->context, 0, pipeline);
-}
-
-static exr_result_t decode_scanlines(reading *r, exr_decode_pipeline_t *pipeline) {
-    int32_t lines;
-    exr_result_t code = exr_get_scanlines_per_chunk(r->context, 0, &lines);
-    for (int y = 0; code == EXR_ERR_SUCCESS && y < r->image.height; y += lines) {
-        exr_chunk_info_t chunk = {0};
-        code = exr_read_scanline_chunk_info(r->context, 0, r->window.min.y + y, &chunk);
-        if (code == EXR_ERR_SUCCESS)
-            code = decode_chunk(r, pipeline, &chunk, 0, y, y == 0);
-    }
-    return code;
-}
-
-static exr_result_t decode_tiles(reading *r, exr_decode_pipeline_t *pipeline) {
-    int32_t width, height;
-    exr_result_t code = exr_get_tile_sizes(r->context, 0, 0, 0, &width, &height);
-    for (int y = 0; code == EXR_ERR_SUCCESS && y < r->image.height; y += height) {
-        for (int x = 0; code == EXR_ERR_SUCCESS && x < r->image.width; x += width) {
-            exr_chunk_info_t chunk = {0};
-            code = exr_read_tile_chunk_info(r->context, 0, x / width, y / height, 0, 0, &chunk);
-            if (code == EXR_ERR_SUCCESS &&
-                (x + chunk.width > r->image.width || y + chunk.height > r->image.height))
-                code = EXR_ERR_BAD_CHUNK_LEADER;
-            if (code == EXR_ERR_SUCCESS)
-                code = decode_chunk(r, pipeline, &chunk, x, y, x == 0 && y == 0);
-        }
-    }
-    return code;
+    const btf_result result = result_of(exr_read_pixels(r->context, 0, &r->window, tiled, targets));
+    free(targets);
+    return result == BTF_OK && r->chroma ? finish_chroma(r) : result;
 }
 
 static btf_result decode(reading *r, size_t max_pixels, char *message, size_t message_size) {
@@ -203,6 +188,8 @@ static btf_result decode(reading *r, size_t max_pixels, char *message, size_t me
         code = exr_get_compression(r->context, 0, &compression);
     if (code == EXR_ERR_SUCCESS)
         code = exr_get_data_window(r->context, 0, &r->window);
+    if (code == EXR_ERR_SUCCESS)
+        code = exr_get_channels(r->context, 0, &r->list);
     if (code != EXR_ERR_SUCCESS)
         return result_of(code);
     if (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED) {
@@ -224,18 +211,10 @@ static btf_result decode(reading *r, size_t max_pixels, char *message, size_t me
     }
     r->image.width = (int)width;
     r->image.height = (int)height;
-    const btf_result result = choose_channels(r, message, message_size);
-    if (result != BTF_OK)
-        return result;
-    r->image.pixels =
-        calloc((size_t)width * (size_t)height, (size_t)r->image.channels * sizeof *r->image.pixels);
-    if (!r->image.pixels)
-        return BTF_ERROR_MEMORY;
-
-    exr_decode_pipeline_t pipeline = EXR_DECODE_PIPELINE_INITIALIZER;
-    code = storage == EXR_STORAGE_TILED ? decode_tiles(r, &pipeline) : decode_scanlines(r, &pipeline);
-    exr_decoding_destroy(r->context, &pipeline);
-    return result_of(code);
+    btf_result result = choose_channels(r, message, message_size);
+    if (result == BTF_OK)
+        result = check_sampling(r, storage == EXR_STORAGE_TILED, message, message_size);
+    return result == BTF_OK ? read_samples(r, storage == EXR_STORAGE_TILED) : result;
 }
 
 btf_result exr_image_read(const void *data, size_t size, size_t max_pixels, exr_image *out_image,
@@ -254,7 +233,6 @@ btf_result exr_image_read(const void *data, size_t size, size_t max_pixels, exr_
         result = decode(&r, max_pixels, message, message_size);
     exr_finish(&r.context);
     current = NULL;
-    free(r.unwanted);
     if (result == BTF_OK) {
         *out_image = r.image;
         return BTF_OK;

@@ -18,9 +18,9 @@ typedef struct exr_image {
 } exr_image;
 
 /* Decodes the first part of an EXR file held in memory: scan lines or the full level of tiles; channels R,
- * G, B, or X, Y, Z, or Y alone, of half, float or integer samples; the data window. Other channels are
- * ignored. At most max_pixels pixels. On failure message[message_size] says what was wrong. Errors:
- * BTF_ERROR_BAD_FILE, BTF_ERROR_UNSUPPORTED (deep data, subsampled or other channels, B44 or DWA
+ * G, B, or X, Y, Z, or luminance Y and chroma RY, BY, or Y alone, of half, float or integer samples; the
+ * data window. Chroma may be sampled by 2 along either axis; other channels are ignored. At most max_pixels pixels. On failure message[message_size] says what was wrong. Errors:
+ * BTF_ERROR_BAD_FILE, BTF_ERROR_UNSUPPORTED (deep data, other channels, other subsampling, B44 or DWA
  * compression, size), BTF_ERROR_MEMORY. */
 btf_result exr_image_read(const void *data, size_t size, size_t max_pixels, exr_image *out_image,
                           char *message, size_t message_size);

@@ -4,6 +4,7 @@
  */
 #include "step_data.h"
 #include "tests/support/bonn_files.h"
+#include "tests/support/exr_bytes.h"
 #include "tests/support/exr_edit.h"
 #include "tests/support/random_material.h"
 
@@ -90,6 +91,25 @@ static void write_materials(void) {
     write_material("tight", BTF_LAYOUT_TIGHT, BTF_COLOUR_RGB, all, true);
     write_material("residual", BTF_LAYOUT_TIGHT, BTF_COLOUR_NONE, BTF_EFFECT_RESIDUAL | BTF_EFFECT_SHIFT,
                    false);
+}
+
+static float slope(int c, int x, int y) {
+    return (float)(c + x + 2 * y) * 0.125f;
+}
+
+/* Luminance and chroma, halves: with and without alpha, chroma of every second pixel. */
+static void write_chroma(void) {
+    static const bytes_channel all[4] = {
+        {"A", BYTES_HALF, 1, 1}, {"BY", BYTES_HALF, 2, 2}, {"RY", BYTES_HALF, 2, 2}, {"Y", BYTES_HALF, 1, 1}};
+    for (int alpha = 0; alpha < 2; alpha++) {
+        bytes_part p = {.width = 6, .height = 4, .value = slope, .channel_count = 3 + alpha};
+        memcpy(p.channels, all + 1 - alpha, (size_t)p.channel_count * sizeof *all);
+        size_t size;
+        void *data = exr_bytes(&p, 1, &size);
+        write_seed("exr", alpha ? "chroma-alpha.exr" : "chroma.exr", data, size);
+        write_seed("environment", alpha ? "chroma-alpha.exr" : "chroma.exr", data, size);
+        free(data);
+    }
 }
 
 static void write_images(void) {
@@ -281,6 +301,7 @@ int main(int argc, char **argv) {
     mkdir(folder, 0777);
     write_materials();
     write_images();
+    write_chroma();
     write_archive("zip", archive_write_set_format_zip, NULL);
     write_archive("tar.gz", archive_write_set_format_pax_restricted, archive_write_add_filter_gzip);
     write_archive("tar", archive_write_set_format_ustar, NULL);
