@@ -107,6 +107,8 @@ static void unpack(const job *j, const exr_chunk_info_t *chunk, const uint8_t *f
                 store_row(target, from, channel->pixel_type, count,
                           target->out + (size_t)((j->y + y) / channel->y_sampling) * target->pitch +
                               (size_t)(j->x / channel->x_sampling) * target->stride);
+            for (size_t i = 0; target->below_one && !*target->below_one && i < count; i++)
+                *target->below_one = sample_at(from, channel->pixel_type, i) < 1.0f;
             from += count * sample_size(channel->pixel_type);
         }
 }

@@ -15,6 +15,7 @@ typedef struct exr_target {
     float *out; /* NULL: nowhere */
     size_t stride, pitch;
     const float *weights; /* NULL: stored; else three, and out[0..2] += weights[0..2] * sample */
+    bool *below_one;      /* NULL, or set to true where a sample is below 1 */
 } exr_target;
 
 /* Whether a channel's sampling is at least 1 x 1 and divides the window, its corner and its size. */
