@@ -120,7 +120,7 @@ static void put_channels(bytes *b, const bytes_part *p) {
     free(list.data);
 }
 
-static void put_header(bytes *b, const bytes_part *p) {
+static void put_header(bytes *b, const bytes_part *p, bool deep_file) {
     put_channels(b, p);
     put_attribute(b, "compression", "compression", &(uint8_t){(uint8_t)p->compression}, 1);
     put_window(b, "dataWindow", p->x, p->y, p->width, p->height);
@@ -144,11 +144,10 @@ static void put_header(bytes *b, const bytes_part *p) {
         number.size = 0;
         put_number(&number, (uint32_t)chunks_of(p), 4);
         put_attribute(b, "chunkCount", "int", number.data, 4);
-        if (p->deep) {
+        if (deep_file) { /* OpenEXRCore wants it of every part */
             number.size = 0;
             put_number(&number, 1, 4);
             put_attribute(b, "version", "int", number.data, 4);
-            put_attribute(b, "maxSamplesPerPixel", "int", number.data, 4);
         }
     }
     free(number.data);
@@ -167,7 +166,7 @@ void *exr_bytes(const bytes_part *parts, int count, size_t *out_size) {
     put_number(&b, 20000630, 4);
     put_number(&b, 2u | (multiple ? 0x1000u : 0u) | (deep ? 0x800u : 0u), 4);
     for (int p = 0; p < count; p++)
-        put_header(&b, &parts[p]);
+        put_header(&b, &parts[p], deep);
     if (multiple)
         put_number(&b, 0, 1);
     size_t table = b.size;

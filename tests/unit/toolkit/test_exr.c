@@ -1,5 +1,5 @@
-/* OpenEXR files of other programs (decoder/toolkit/exr_image.h): sampling of any kind, within the format and beyond it.
- * Valgrind runs this program too: tests/valgrind.sh.
+/* OpenEXR files of other programs (decoder/toolkit/exr_image.h): sampling of any kind, within the
+ * format and beyond it; layers, parts, compressions, colours, spectra. Valgrind runs this program too: tests/valgrind.sh.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -243,6 +243,247 @@ static void test_sampling_out_of_spec(void **state) {
     expect_refused(&p, 1, "is sampled");
 }
 
+/* 1 + c / 8: the channel's number in its part, exact in a half. */
+static float channel_value(int c, int x, int y) {
+    (void)x;
+    (void)y;
+    return 1.0f + (float)c * 0.125f;
+}
+
+/* A part of channels whose names are given with slashes between them. */
+static bytes_part part_of(const char *name, const char *channels) {
+    static char names[16][256];
+    static int next;
+    bytes_part p = {.name = name, .width = 4, .height = 3, .value = channel_value};
+    char *at = names[next++ % 16];
+    snprintf(at, 256, "%s", channels);
+    for (at = strtok(at, "/"); at; at = strtok(NULL, "/"))
+        p.channels[p.channel_count++] = (bytes_channel){at, BYTES_HALF, 1, 1};
+    return p;
+}
+
+/* The picture has to be made of these channels of its part, by number. */
+static void expect_channels(const bytes_part *parts, int count, const char *name, int n, const int *channels,
+                            const char *note) {
+    layer = name;
+    exr_image image = read_good(parts, count);
+    layer = NULL;
+    assert_int_equal(image.channels, n);
+    for (int i = 0; i < 12 * n; i++)
+        assert_true(image.pixels[i] == channel_value(channels[i % n], 0, 0));
+    free(image.pixels);
+    const char *text = info.notes.texts[IMAGE_NOTE_LAYER];
+    if (note ? !strstr(text, note) : text[0] != '\0')
+        fail_msg("note \"%s\", not \"%s\"", text, note ? note : "");
+}
+
+static const int bgr[3] = {2, 1, 0};
+
+/* One choice is plain: a layer, names in lower case or in full, another part. */
+static void test_plain_choice(void **state) {
+    (void)state;
+    bytes_part parts[3] = {part_of(NULL, "diffuse.B/diffuse.G/diffuse.R")};
+    expect_channels(parts, 1, NULL, 3, bgr, "layer diffuse");
+    parts[0] = part_of(NULL, "b/g/r");
+    expect_channels(parts, 1, NULL, 3, bgr, NULL);
+    parts[0] = part_of(NULL, "blue/green/red");
+    expect_channels(parts, 1, NULL, 3, bgr, NULL);
+    parts[0] = part_of(NULL, "Combined.B/Combined.G/Combined.R/Depth.Z/Normal.X/Normal.Y/Normal.Z");
+    expect_channels(parts, 1, NULL, 3, bgr, "layer Combined");
+    parts[0] = part_of(NULL, "B/G/R/spec.B/spec.G/spec.R"); /* the first part's own stand for themselves */
+    expect_channels(parts, 1, NULL, 3, bgr, NULL);
+    parts[0] = part_of("depth", "Z");
+    parts[1] = part_of("beauty", "A/B/G/R");
+    expect_channels(parts, 2, NULL, 3, (const int[]){3, 2, 1}, "\"beauty\"");
+    parts[1] = part_of("grey", "mask.Y");
+    expect_channels(parts, 2, NULL, 1, (const int[]){0}, "layer mask");
+    parts[0] = part_of("left", "B/G/R"); /* two of a kind: the first, and it is said */
+    parts[1] = part_of("right", "B/G/R");
+    expect_channels(parts, 2, NULL, 3, bgr, NULL);
+    assert_non_null(strstr(info.notes.texts[IMAGE_NOTE_PARTS], "\"right\""));
+}
+
+/* More than one choice, or none: parts and channels are listed, and a name picks. */
+static void test_layer_option(void **state) {
+    (void)state;
+    bytes_part parts[3] = {part_of(NULL, "a.B/a.G/a.R/b.c.B/b.c.G/b.c.R")};
+    expect_refused(parts, 1, "--layer NAME picks one: part 1 has a.B, a.G, a.R, b.c.B");
+    expect_channels(parts, 1, "a", 3, bgr, NULL);
+    expect_channels(parts, 1, "b.c", 3, (const int[]){5, 4, 3}, NULL);
+    expect_channels(parts, 1, "b.c.G", 1, (const int[]){4}, NULL);
+    layer = "c";
+    expect_refused(parts, 1, "--layer c names no layer, part or channel");
+    layer = NULL;
+    parts[0] = part_of("grey", "Y");
+    parts[1] = part_of("one", "B/G/R");
+    parts[2] = part_of("two", "B/G/R/x.B/x.G/x.R");
+    expect_refused(parts, 3, "part \"one\" has B, G, R; part \"two\" has");
+    expect_channels(parts, 3, "grey", 1, (const int[]){0}, NULL);
+    expect_channels(parts, 3, "one", 3, bgr, NULL);
+    expect_channels(parts, 3, "two", 3, bgr, NULL);
+    expect_channels(parts, 3, "two.x", 3, (const int[]){5, 4, 3}, NULL);
+    layer = "G";
+    expect_refused(parts, 3, "or several");
+    layer = NULL;
+    parts[0] = part_of(NULL, "Normal.X/Normal.Y/Normal.Z/u/v"); /* not colours */
+    expect_refused(parts, 1, "Normal.X, Normal.Y, Normal.Z, u, v");
+}
+
+static void test_deep(void **state) {
+    (void)state;
+    bytes_part parts[2] = {part_of("smoke", "B/G/R/Z"), part_of("beauty", "B/G/R")};
+    parts[0].deep = true;
+    expect_channels(parts, 2, NULL, 3, bgr, "\"beauty\"");
+    parts[1] = part_of("depth", "Z");
+    expect_refused(parts, 2, "part \"smoke\" (deep data)");
+}
+
+static void test_compression(void **state) {
+    (void)state;
+    static const char *const names[] = {"B44 ", "B44A ", "DWAA ", "DWAB "};
+    bytes_part p = part_of(NULL, "B/G/R");
+    for (int k = 0; k < 10; k++) {
+        p.compression = k;
+        if (k < 6)
+            expect_channels(&p, 1, NULL, 3, bgr, NULL);
+        else
+            expect_refused(&p, 1, names[k - 6]);
+    }
+}
+
+static void add(bytes_part *p, const char *name, const char *type, const void *value, size_t size) {
+    p->attributes[p->attribute_count++] = (bytes_attribute){name, type, value, size};
+}
+
+/* ACEScg and XYZ by their chromaticities: known colours of Rec. 709 come out; Rec. 709's own are left alone. */
+static void test_chromaticities(void **state) {
+    (void)state;
+    static const float ap1[8] = {0.713f, 0.293f, 0.165f, 0.830f, 0.128f, 0.044f, 0.32168f, 0.33767f};
+    static const float xyz[8] = {1, 0, 0, 1, 0, 0, 1 / 3.0f, 1 / 3.0f};
+    static const float same[8] = {0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f};
+    static const float flat[8] = {0.3f, 0.3f, 0.3f, 0.3f, 0.3f, 0.3f, 0.3f, 0.3f};
+    /* red, green and blue of Rec. 709 in ACEScg, by Bradford's adaptation, as published with ACES */
+    static const float in_ap1[3][3] = {
+        {0.613097f, 0.070194f, 0.020616f}, {0.339523f, 0.916354f, 0.109570f}, {0.047379f, 0.013452f, 0.869815f}};
+    bytes_part p = part_of(NULL, "B/G/R");
+    add(&p, "chromaticities", "chromaticities", ap1, sizeof ap1);
+    exr_image image = read_good(&p, 1);
+    free(image.pixels);
+    assert_true(info.converts);
+    assert_non_null(strstr(info.primaries_name, "red (0.713,0.293)"));
+    for (int c = 0; c < 3; c++) {
+        float pixel[3] = {in_ap1[c][0], in_ap1[c][1], in_ap1[c][2]};
+        primaries_apply(info.to_rec709, 1, pixel);
+        for (int k = 0; k < 3; k++)
+            assert_true(fabsf(pixel[k] - (float)(k == c)) < 5e-4f);
+    }
+    p.attributes[0].value = xyz; /* white E becomes white */
+    image = read_good(&p, 1);
+    free(image.pixels);
+    float white[3] = {1, 1, 1};
+    assert_true(info.converts);
+    primaries_apply(info.to_rec709, 1, white);
+    for (int k = 0; k < 3; k++)
+        assert_true(fabsf(white[k] - 1) < 1e-4f);
+    p.attributes[0].value = same;
+    image = read_good(&p, 1);
+    free(image.pixels);
+    assert_false(info.converts);
+    p.attributes[0].value = flat;
+    image = read_good(&p, 1);
+    free(image.pixels);
+    assert_false(info.converts);
+    assert_non_null(strstr(info.notes.texts[IMAGE_NOTE_SPACE], "span no colour space"));
+}
+
+/* What a header says beside, and nobody follows, is told. */
+static void test_notes(void **state) {
+    (void)state;
+    static const float nits = 100;
+    static const int32_t turned = 6, upright = 1;
+    bytes_part p = part_of(NULL, "A/B/G/R");
+    p.aspect = 2;
+    p.display[2] = 10;
+    p.display[3] = 20;
+    add(&p, "whiteLuminance", "float", &nits, sizeof nits);
+    add(&p, "oiio:ColorSpace", "string", "ACEScg", 6);
+    add(&p, "Orientation", "int", &upright, sizeof upright);
+    free(read_good(&p, 1).pixels);
+    assert_non_null(strstr(info.notes.texts[IMAGE_NOTE_ASPECT], "pixelAspectRatio 2"));
+    assert_non_null(strstr(info.notes.texts[IMAGE_NOTE_WINDOW], "(0,0)-(3,2) is read, not the display window (0,0)-(9,19)"));
+    assert_non_null(strstr(info.notes.texts[IMAGE_NOTE_SCALE], "whiteLuminance 100"));
+    assert_non_null(strstr(info.notes.texts[IMAGE_NOTE_SPACE], "ACEScg"));
+    assert_true(info.notes.texts[IMAGE_NOTE_ALPHA][0] == '\0'); /* A is 1 */
+    p.attributes[2].value = &turned;
+    expect_refused(&p, 1, "Orientation 6");
+    p = part_of(NULL, "A/B/G/R");
+    free(read_good(&p, 1).pixels);
+    for (int k = 0; k < IMAGE_NOTE_KINDS; k++)
+        assert_true(info.notes.texts[k][0] == '\0');
+}
+
+static float half_clear(int c, int x, int y) {
+    return c == 0 && x == 1 && y == 2 ? 0.5f : 1.0f;
+}
+
+static void test_alpha(void **state) {
+    (void)state;
+    bytes_part p = part_of(NULL, "A/B/G/R");
+    p.value = half_clear;
+    free(read_good(&p, 1).pixels);
+    assert_non_null(strstr(info.notes.texts[IMAGE_NOTE_ALPHA], "alpha below 1"));
+}
+
+static float reflectance(int c, int x, int y) {
+    (void)x;
+    return y == 0 ? 1.0f : y == 1 ? (c == 30 ? 64.0f : 0.0f) : (float)(c >= 20 ? 1 : 0); /* white, a line, red */
+}
+
+/* Channels by wavelength as several programs name them: white is white, a line at the last band is red. */
+static void test_spectrum(void **state) {
+    (void)state;
+    static const char *const formats[] = {"%dnm", "w%dnm", "T.%d,000000nm", "T.%d.0nm", "S0.%d,000000nm", "%d.0nm"};
+    for (size_t f = 0; f < sizeof formats / sizeof *formats; f++) {
+        static char names[31][32];
+        bytes_part p = {.width = 2, .height = 3, .value = reflectance};
+        for (int b = 0; b < 31; b++) { /* names of three digits rise with the wavelength */
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wformat-nonliteral"
+            snprintf(names[b], sizeof names[b], formats[f], 400 + 10 * b);
+#pragma GCC diagnostic pop
+            p.channels[p.channel_count++] = (bytes_channel){names[b], BYTES_FLOAT, 1, 1};
+        }
+        const bool light = formats[f][0] == 'S';
+        exr_image image = read_good(&p, 1);
+        assert_int_equal(image.channels, 3);
+        const float *white = image.pixels, *line = white + 6, *red = white + 12;
+        if (light) {
+            /* illuminant E in Rec. 709; the fitted functions' own white is within 1 % of it */
+            assert_true(fabsf(white[0] - 1.205f) < 0.02f && fabsf(white[1] - 0.948f) < 0.02f &&
+                        fabsf(white[2] - 0.909f) < 0.02f);
+        } else {
+            for (int c = 0; c < 3; c++)
+                assert_true(fabsf(white[c] - 1.0f) < 1e-5f);
+        }
+        assert_true(line[0] > 0 && fabsf(line[1]) < line[0] && fabsf(line[2]) < 0.2f * line[0]);
+        assert_true(red[0] > 0.8f * white[0] && fabsf(red[1]) < 0.1f && fabsf(red[2]) < 0.1f);
+        free(image.pixels);
+        assert_non_null(strstr(info.notes.texts[IMAGE_NOTE_SPECTRUM], "31 bands of 400 to 700 nm"));
+        assert_non_null(strstr(info.notes.texts[IMAGE_NOTE_SPECTRUM], light ? "as light" : "under D65"));
+    }
+    bytes_part p = part_of(NULL, "B/G/R/T.400nm/T.500nm/T.600nm/T.700nm"); /* with a preview: RGB, and it is said */
+    free(read_good(&p, 1).pixels);
+    assert_non_null(strstr(info.notes.texts[IMAGE_NOTE_PARTS], "spectrum"));
+    layer = "spectral";
+    free(read_good(&p, 1).pixels);
+    assert_non_null(strstr(info.notes.texts[IMAGE_NOTE_SPECTRUM], "4 bands"));
+    layer = NULL;
+    p = part_of(NULL, "400.0nm/400nm/500nm/600nm");
+    expect_refused(&p, 1, "two channels of 400 nm");
+    p = part_of(NULL, "1000nm/1100nm/1200nm/1300nm");
+    expect_refused(&p, 1, "nothing is seen");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_chroma),
@@ -251,6 +492,14 @@ int main(void) {
         cmocka_unit_test(test_chroma_sizes),
         cmocka_unit_test(test_sampling),
         cmocka_unit_test(test_sampling_out_of_spec),
+        cmocka_unit_test(test_plain_choice),
+        cmocka_unit_test(test_layer_option),
+        cmocka_unit_test(test_deep),
+        cmocka_unit_test(test_compression),
+        cmocka_unit_test(test_chromaticities),
+        cmocka_unit_test(test_notes),
+        cmocka_unit_test(test_alpha),
+        cmocka_unit_test(test_spectrum),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
