@@ -15,6 +15,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <zlib.h>
 
 enum { MESSAGE_SIZE = 128 };
 
@@ -202,9 +203,32 @@ static void heed_gamma(const unsigned char *gamma, const unsigned char *chromati
     info->gamma = 1.0 / value;
 }
 
+/* A name, a zero, the method, and the profile, of which libpng hands out none that it finds fault with. */
+static void heed_profile(const unsigned char *chunk, size_t length, image_info *out) {
+    enum { MOST = 1 << 16 }; /* the description stands near the beginning */
+    char name[80] = "";
+    size_t at = 0;
+    for (; at < length && chunk[at]; at++)
+        if (at + 1 < sizeof name)
+            name[at] = (char)chunk[at];
+    unsigned char *profile = malloc(MOST);
+    z_stream z = {0};
+    size_t size = 0;
+    if (profile && at + 2 < length && inflateInit(&z) == Z_OK) {
+        z.next_in = (unsigned char *)(uintptr_t)(chunk + at + 2);
+        z.avail_in = (uInt)(length - at - 2);
+        z.next_out = profile;
+        z.avail_out = MOST;
+        inflate(&z, Z_FINISH); /* the beginning is of use, whatever comes behind */
+        size = MOST - z.avail_out;
+        inflateEnd(&z);
+    }
+    icc_heed(out, "PNG", profile, size, name);
+    free(profile);
+}
+
 /* What the file says of its colours, the chunk of the highest rank alone: cICP, iCCP, sRGB, gAMA with cHRM. */
-static void heed_colour(png_structp png, png_infop info, const unsigned char *data, size_t size,
-                        image_info *out) {
+static void heed_colour(const unsigned char *data, size_t size, image_info *out) {
     size_t length, gamma_length = 0, chromaticities_length = 0;
     const unsigned char *chunk = find_chunk(data, size, "cICP", &length);
     if (chunk && length == 4) {
@@ -213,16 +237,7 @@ static void heed_colour(png_structp png, png_infop info, const unsigned char *da
     }
     chunk = find_chunk(data, size, "iCCP", &length);
     if (chunk) {
-        png_charp name = NULL;
-        png_bytep profile = NULL;
-        png_uint_32 profile_size = 0;
-        int method;
-        char text[80] = "";
-        for (size_t i = 0; i < length && chunk[i] && i + 1 < sizeof text; i++)
-            text[i] = (char)chunk[i];
-        if (!png_get_iCCP(png, info, &name, &method, &profile, &profile_size))
-            profile_size = 0;
-        icc_heed(out, "PNG", profile, profile_size, text);
+        heed_profile(chunk, length, out);
         return;
     }
     if (find_chunk(data, size, "sRGB", &length)) {
@@ -269,7 +284,7 @@ static btf_result decode(reading *r, png_structp png, png_infop info, size_t max
                  exif_orientation(exif, exif_size));
         return BTF_ERROR_UNSUPPORTED;
     }
-    heed_colour(png, info, data, size, r->info);
+    heed_colour(data, size, r->info);
     png_set_expand(png); /* palettes, less than 8 bits, transparent colours */
     if (png_get_bit_depth(png, info) == 16 && little_endian())
         png_set_swap(png);
