@@ -112,6 +112,36 @@ static void write_chroma(void) {
     }
 }
 
+static void write_exr(const char *name, const bytes_part *parts, int count) {
+    size_t size;
+    void *data = exr_bytes(parts, count, &size);
+    write_seed("exr", name, data, size);
+    free(data);
+}
+
+/* Layers, parts, a spectrum, primaries and what else a header may say. */
+static void write_meanings(void) {
+    static const float wide[8] = {0.68f, 0.32f, 0.265f, 0.69f, 0.15f, 0.06f, 0.3127f, 0.329f};
+    const bytes_channel b = {"B", BYTES_HALF, 1, 1}, g = {"G", BYTES_HALF, 1, 1}, r = {"R", BYTES_HALF, 1, 1};
+    bytes_part parts[2] = {{.name = "depth", .width = 3, .height = 2, .value = slope, .channel_count = 1,
+                            .channels = {{"Z", BYTES_FLOAT, 1, 1}}},
+                           {.name = "beauty", .width = 3, .height = 2, .value = slope, .channel_count = 3,
+                            .channels = {b, g, r}}};
+    write_exr("parts.exr", parts, 2);
+    const bytes_part layer = {.width = 3, .height = 2, .value = slope, .channel_count = 3, .aspect = 2,
+                              .channels = {{"a.b", BYTES_HALF, 1, 1}, {"a.g", BYTES_HALF, 1, 1}, {"a.r", 0, 1, 1}},
+                              .attribute_count = 1,
+                              .attributes = {{"chromaticities", "chromaticities", wide, sizeof wide}}};
+    write_exr("layer.exr", &layer, 1);
+    const bytes_part spectrum = {.width = 2, .height = 2, .value = slope, .channel_count = 4,
+                                 .channels = {{"T.400,5nm", BYTES_HALF, 1, 1}, {"T.500nm", BYTES_HALF, 1, 1},
+                                              {"T.600nm", BYTES_HALF, 1, 1}, {"T.700nm", BYTES_HALF, 1, 1}}};
+    write_exr("spectrum.exr", &spectrum, 1);
+    static const char columns[] = "#?RADIANCE\nEXPOSURE=0\nCOLORCORR=1 2 4\nPRIMARIES=.68 .32 .265 .69 .15 .06 .3127 .329\n"
+                                  "GAMMA=2.2 \nPIXASPECT=2\n\n-X 2 +Y 1\nabc\200ABC\201";
+    write_seed("hdr", "columns.hdr", columns, sizeof columns - 1);
+}
+
 static void write_images(void) {
     enum { W = 6, H = 5 };
     unsigned char rgb[W * H * 3];
@@ -302,6 +332,7 @@ int main(int argc, char **argv) {
     write_materials();
     write_images();
     write_chroma();
+    write_meanings();
     write_archive("zip", archive_write_set_format_zip, NULL);
     write_archive("tar.gz", archive_write_set_format_pax_restricted, archive_write_add_filter_gzip);
     write_archive("tar", archive_write_set_format_ustar, NULL);
