@@ -1,4 +1,4 @@
-/* Environment maps from files (decoder/tools/render/lights.h): which of an OpenEXR file's pictures is read, and what is
+/* Environment maps from files (decoder/tools/render/environment.h): which of an OpenEXR file's pictures is read, and what is
  * told or refused.
  *
  * SPDX-License-Identifier: MIT
@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "decoder/tools/render/lights.h"
+#include "decoder/tools/render/environment.h"
 #include "tests/support/exr_bytes.h"
 #include "tests/support/image_files.h"
 
