@@ -66,7 +66,8 @@ bool exr_wavelength(const char *name, double *out_nm, size_t *out_layer_length) 
             begin = whole;
         }
     }
-    if (begin > 0 && tolower((unsigned char)name[begin - 1]) == 'w' && (begin == 1 || name[begin - 2] == '.'))
+    if (begin > 0 && tolower((unsigned char)name[begin - 1]) == 'w' &&
+        (begin == 1 || name[begin - 2] == '.'))
         begin--;
     if (begin > 0 && name[begin - 1] != '.')
         return false;
@@ -154,8 +155,9 @@ static void collect_layer(const exr_attr_chlist_t *list, int part, const char *n
     if (spectral)
         choice.kind = EXR_KIND_SPECTRUM;
     /* S1, S2 and S3 are the polarised components of the Stokes vector whose S0 is the light */
-    if (spectral ? bands >= 4 && !(choice.layer[0] == 'S' && strchr("123", choice.layer[1]) && choice.layer[1])
-                 : picture_of(list, &choice))
+    if (spectral
+            ? bands >= 4 && !(choice.layer[0] == 'S' && strchr("123", choice.layer[1]) && choice.layer[1])
+            : picture_of(list, &choice))
         all->of[all->count++] = choice;
 }
 
@@ -193,7 +195,8 @@ static void list_all(exr_const_context_t context, char *out, size_t size) {
         memcpy(out + size - 4, "...", 4);
 }
 
-/* What to prefer among choices that nobody named: colour, then grey. X, Y, Z in a layer are positions or normals. */
+/* What to prefer among choices that nobody named: colour, then grey. X, Y, Z in a layer are positions or
+ * normals. */
 static int rank(const exr_choice *c) {
     if (c->kind == EXR_KIND_XYZ && c->layer[0])
         return 2;
@@ -277,8 +280,8 @@ static void note_choice(exr_const_context_t context, const choices *all, const e
         if (rank(other) == 0 && (!other->layer[0] || other->kind == EXR_KIND_SPECTRUM)) {
             char beside[80];
             exr_part_text(context, other->part, beside, sizeof beside);
-            image_note(info, IMAGE_NOTE_PARTS, "EXR: %s is read, not the %s in %s (--layer NAME picks)", part,
-                       other->kind == EXR_KIND_SPECTRUM ? "spectrum" : "picture", beside);
+            image_note(info, IMAGE_NOTE_PARTS, "EXR: %s is read, not the %s in %s (--layer NAME picks)",
+                       part, other->kind == EXR_KIND_SPECTRUM ? "spectrum" : "picture", beside);
         }
     }
 }
@@ -299,13 +302,14 @@ btf_result exr_choose(exr_const_context_t context, const char *layer, exr_choice
         char list[600];
         list_all(context, list, sizeof list);
         if (layer)
-            snprintf(message, message_size, "EXR: --layer %.60s names no layer, part or channel, or several: %s",
-                     layer, list);
+            snprintf(message, message_size,
+                     "EXR: --layer %.60s names no layer, part or channel, or several: %s", layer, list);
         else if (all->count == 0)
-            snprintf(message, message_size, "EXR: no channels R, G, B, nor X, Y, Z, nor Y, RY, BY, nor Y: %s",
-                     list);
+            snprintf(message, message_size,
+                     "EXR: no channels R, G, B, nor X, Y, Z, nor Y, RY, BY, nor Y: %s", list);
         else
-            snprintf(message, message_size, "EXR: several pictures, of which --layer NAME picks one: %s", list);
+            snprintf(message, message_size, "EXR: several pictures, of which --layer NAME picks one: %s",
+                     list);
     }
     free(all);
     return found ? BTF_OK : BTF_ERROR_UNSUPPORTED;

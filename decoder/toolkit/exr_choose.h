@@ -9,7 +9,13 @@
 
 #include <openexr.h>
 
-typedef enum exr_kind { EXR_KIND_GREY, EXR_KIND_RGB, EXR_KIND_XYZ, EXR_KIND_CHROMA, EXR_KIND_SPECTRUM } exr_kind;
+typedef enum exr_kind {
+    EXR_KIND_GREY,
+    EXR_KIND_RGB,
+    EXR_KIND_XYZ,
+    EXR_KIND_CHROMA,
+    EXR_KIND_SPECTRUM
+} exr_kind;
 
 /* channel[]: numbers in the part's list; of R, G, B or X, Y, Z or RY, Y, BY, or the one that is grey. A
  * spectrum's are found by exr_wavelength() and layer. */
@@ -24,10 +30,10 @@ typedef struct exr_choice {
  * length of what stands before it, without the last dot; false for any other name. */
 bool exr_wavelength(const char *name, double *out_nm, size_t *out_layer_length);
 
-/* layer NULL: the channels R, G, B, or X, Y, Z, or RY, Y, BY, or Y of the first part that belong to no layer;
- * else the only ones of any layer and part, in lower case and by the names red, green, blue too, or the only
- * spectrum. Otherwise `layer` names a layer, a part, or both as PART.LAYER, or a single channel, or is
- * "spectral". Notes what was chosen where that is not the first part's own R, G, B. On failure
+/* layer NULL: the channels R, G, B, or X, Y, Z, or RY, Y, BY, or Y of the first part that belong to no
+ * layer; else the only ones of any layer and part, in lower case and by the names red, green, blue too, or
+ * the only spectrum. Otherwise `layer` names a layer, a part, or both as PART.LAYER, or a single channel,
+ * or is "spectral". Notes what was chosen where that is not the first part's own R, G, B. On failure
  * message[message_size] lists parts and channels. Errors: BTF_ERROR_UNSUPPORTED, BTF_ERROR_BAD_FILE. */
 btf_result exr_choose(exr_const_context_t context, const char *layer, exr_choice *out_choice,
                       image_info *info, char *message, size_t message_size);

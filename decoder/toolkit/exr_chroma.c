@@ -10,7 +10,8 @@
 #include <string.h>
 
 /* OpenEXR's filter (ImfRgbaYca.cpp): the weights of the samples 1, 3, ... 13 before and behind. */
-static const float taps[7] = {0.627123f, -0.186077f, 0.087929f, -0.043159f, 0.019597f, -0.007540f, 0.002128f};
+static const float taps[7] = {0.627123f, -0.186077f, 0.087929f, -0.043159f,
+                              0.019597f, -0.007540f, 0.002128f};
 
 /* The value between samples k and k + 1 of n, which lie `step` floats apart; at the edges the last one is
  * repeated. */
@@ -72,7 +73,8 @@ static void desaturate(float *p, float factor, const float weights[3]) {
 static void limit_row(int width, const float *above, const float *below, const float weights[3],
                       float *row) {
     for (int x = 0; x < width; x++) {
-        const size_t left = 3 * (size_t)(x > 0 ? x - 1 : 0), right = 3 * (size_t)(x < width - 1 ? x + 1 : x);
+        const size_t left = 3 * (size_t)(x > 0 ? x - 1 : 0),
+                     right = 3 * (size_t)(x < width - 1 ? x + 1 : x);
         const float sum = saturation(above + left) + saturation(above + right) + saturation(below + left) +
                           saturation(below + right);
         const float mean = fminf(1.0f, 0.25f * sum), most = fminf(1.0f, 1.0f - (1.0f - mean) * 0.25f);

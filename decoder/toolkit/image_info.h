@@ -31,17 +31,17 @@ typedef enum image_note_kind {
     IMAGE_NOTE_SPECTRUM,  /* integrated */
     IMAGE_NOTE_EXPOSURE,  /* divided by it */
     /* not obeyed: warnings */
-    IMAGE_NOTE_PROFILE,  /* a colour profile */
-    IMAGE_NOTE_SPACE,    /* a named colour space, or values that cannot be used */
-    IMAGE_NOTE_PARTS,    /* other pictures in the file */
-    IMAGE_NOTE_WINDOW,   /* data window and display window differ */
-    IMAGE_NOTE_ASPECT,   /* pixels that are not square */
-    IMAGE_NOTE_SCALE,    /* absolute values */
-    IMAGE_NOTE_GAMMA,    /* a GAMMA of a Radiance file */
-    IMAGE_NOTE_ALPHA,    /* transparency */
-    IMAGE_NOTE_RANGE,    /* significant bits */
-    IMAGE_NOTE_ENVMAP,   /* a map of directions */
-    IMAGE_NOTE_HEADER,   /* headers that break a rule, and are read nevertheless */
+    IMAGE_NOTE_PROFILE, /* a colour profile */
+    IMAGE_NOTE_SPACE,   /* a named colour space, or values that cannot be used */
+    IMAGE_NOTE_PARTS,   /* other pictures in the file */
+    IMAGE_NOTE_WINDOW,  /* data window and display window differ */
+    IMAGE_NOTE_ASPECT,  /* pixels that are not square */
+    IMAGE_NOTE_SCALE,   /* absolute values */
+    IMAGE_NOTE_GAMMA,   /* a GAMMA of a Radiance file */
+    IMAGE_NOTE_ALPHA,   /* transparency */
+    IMAGE_NOTE_RANGE,   /* significant bits */
+    IMAGE_NOTE_ENVMAP,  /* a map of directions */
+    IMAGE_NOTE_HEADER,  /* headers that break a rule, and are read nevertheless */
     IMAGE_NOTE_KINDS,
 } image_note_kind;
 
@@ -54,21 +54,28 @@ typedef struct image_notes {
 
 typedef struct image_info {
     image_transfer transfer;
-    double gamma;      /* of IMAGE_TRANSFER_GAMMA */
+    double gamma;           /* of IMAGE_TRANSFER_GAMMA */
     char transfer_name[80]; /* as in "gAMA 1"; set where the file says anything */
-    bool converts;     /* samples, made linear, are to be multiplied by to_rec709 */
+    bool converts;          /* samples, made linear, are to be multiplied by to_rec709 */
     float to_rec709[9];
     char primaries_name[200]; /* what is converted from */
     image_notes notes;
 } image_info;
 
 /* Sets a note, the first of its kind alone. */
-__attribute__((format(printf, 3, 4))) void image_note(image_info *info, image_note_kind kind,
-                                                      const char *format, ...);
+void image_note(image_info *info, image_note_kind kind, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 
 /* Takes primaries that a file names as `source` ("EXR chromaticities"): Rec. 709's need nothing, others set
  * `converts`, those that span no space leave a note. */
 void image_info_primaries(image_info *info, const char *source, const primaries *p);
+
+/* Takes the colour profile (ICC) that a file of `format` ("PNG") embeds: one whose description names sRGB,
+ * and not linear, sets that transfer function, any other leaves a note that names it. data[size]: the
+ * profile, which may be damaged; name: the file's own for it, for one without a description; may be NULL.
+ */
+void image_info_profile(image_info *info, const char *format, const unsigned char *data, size_t size,
+                        const char *name);
 
 /* The notes of a data set's images. Holds no pointers: ranks may exchange it. */
 typedef struct image_tally {

@@ -5,7 +5,6 @@
 #include "jpeg_image.h"
 
 #include "exif.h"
-#include "icc.h"
 #include "output.h"
 
 #include <setjmp.h>
@@ -92,7 +91,7 @@ static void heed_colour(reading *r) {
     JOCTET *profile = NULL;
     unsigned int size = 0;
     if (jpeg_read_icc_profile(&r->jpeg, &profile, &size)) {
-        icc_heed(r->info, "JPEG", profile, size, NULL);
+        image_info_profile(r->info, "JPEG", profile, size, NULL);
         free(profile);
         return;
     }

@@ -5,7 +5,6 @@
 #include "png_image.h"
 
 #include "exif.h"
-#include "icc.h"
 #include "output.h"
 
 #include <png.h>
@@ -223,7 +222,7 @@ static void heed_profile(const unsigned char *chunk, size_t length, image_info *
         size = MOST - z.avail_out;
         inflateEnd(&z);
     }
-    icc_heed(out, "PNG", profile, size, name);
+    image_info_profile(out, "PNG", profile, size, name);
     free(profile);
 }
 

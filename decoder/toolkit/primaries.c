@@ -73,7 +73,7 @@ bool primaries_to_xyz(const primaries *p, double out[9]) {
 
 /* XYZ under one white to XYZ under another. */
 static bool bradford(const double from[2], const double to[2], double out[9]) {
-    static const double cones[9] = {0.8951, 0.2664,  -0.1614, -0.7502, 1.7135,
+    static const double cones[9] = {0.8951, 0.2664, -0.1614, -0.7502, 1.7135,
                                     0.0367, 0.0389, -0.0685, 1.0296};
     double back[9], from_white[3], to_white[3], from_cones[3], to_cones[3], scaled[9];
     if (!white_xyz(from, from_white) || !white_xyz(to, to_white) || !invert(cones, back))
@@ -114,6 +114,7 @@ void primaries_apply(const float m[9], size_t count, float *pixels) {
 }
 
 void primaries_text(const primaries *p, char *out, size_t size) {
-    snprintf(out, size, "red (%.4g,%.4g), green (%.4g,%.4g), blue (%.4g,%.4g), white (%.4g,%.4g)", p->red[0],
-             p->red[1], p->green[0], p->green[1], p->blue[0], p->blue[1], p->white[0], p->white[1]);
+    snprintf(out, size, "red (%.4g,%.4g), green (%.4g,%.4g), blue (%.4g,%.4g), white (%.4g,%.4g)",
+             p->red[0], p->red[1], p->green[0], p->green[1], p->blue[0], p->blue[1], p->white[0],
+             p->white[1]);
 }

@@ -58,7 +58,8 @@ void spectrum_weights(const double *nm, size_t count, bool emission, float (*wei
             }
             luminance += pass == 0 ? xyz[1] : 0.0;
             for (int c = 0; c < 3; c++) {
-                const double rgb = to_rgb[3 * c] * xyz[0] + to_rgb[3 * c + 1] * xyz[1] + to_rgb[3 * c + 2] * xyz[2];
+                const double rgb =
+                    to_rgb[3 * c] * xyz[0] + to_rgb[3 * c + 1] * xyz[1] + to_rgb[3 * c + 2] * xyz[2];
                 total[c] += pass == 0 ? rgb : 0.0;
                 if (pass == 1)
                     weights[i][c] = (float)(rgb / (emission ? luminance : total[c]));

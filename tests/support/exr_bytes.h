@@ -1,5 +1,5 @@
-/* OpenEXR files written byte by byte: channels of any sampling, in layers and parts, with any attribute, within what the
- * format allows or beyond it. Anything unexpected ends the process.
+/* OpenEXR files written byte by byte: channels of any sampling, in layers and parts, with any attribute,
+ * within what the format allows or beyond it. Anything unexpected ends the process.
  *
  * SPDX-License-Identifier: MIT
  */

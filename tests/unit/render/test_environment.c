@@ -1,5 +1,5 @@
-/* Environment maps from files (decoder/tools/render/environment.h): which of an OpenEXR file's pictures is read, and what is
- * told or refused.
+/* Environment maps from files (decoder/tools/render/environment.h): which of an OpenEXR file's pictures is
+ * read, and what is told or refused.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -117,7 +117,8 @@ static void test_meaning(void **state) {
     static const float p3[8] = {0.68f, 0.32f, 0.265f, 0.69f, 0.15f, 0.06f, 0.3127f, 0.329f};
     double sum[3];
     bytes_part p = map_of("B", "G", "R", NULL);
-    p.attributes[p.attribute_count++] = (bytes_attribute){"chromaticities", "chromaticities", p3, sizeof p3};
+    p.attributes[p.attribute_count++] =
+        (bytes_attribute){"chromaticities", "chromaticities", p3, sizeof p3};
     assert_int_equal(read_map(&p, NULL, sum), BTF_OK);
     /* R = 1.22494 * 4 - 0.22494 * 2 of Display P3 */
     assert_true(fabs(sum[0] - 4 * 4.4499) < 0.01);

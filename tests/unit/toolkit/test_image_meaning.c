@@ -1,5 +1,5 @@
-/* What image files say of their own pixels, and readers have to follow or tell: colour chunks of PNG, profiles, lenient
- * headers of JPEG, header lines of Radiance HDR.
+/* What image files say of their own pixels, and readers have to follow or tell: colour chunks of PNG,
+ * profiles, lenient headers of JPEG, header lines of Radiance HDR.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -253,8 +253,11 @@ static size_t make_profile(unsigned char *out, const char *name, bool version4) 
 static const struct {
     const char *name;
     bool srgb;
-} profiles[] = {{"sRGB IEC61966-2.1", true}, {"Adobe RGB (1998)", false}, {"GIMP built-in Linear sRGB", false},
-                {"sRGB built-in", true},     {"Display P3", false}};
+} profiles[] = {{"sRGB IEC61966-2.1", true},
+                {"Adobe RGB (1998)", false},
+                {"GIMP built-in Linear sRGB", false},
+                {"sRGB built-in", true},
+                {"Display P3", false}};
 
 static void expect_profile(const enc_image *image, size_t k) {
     const char *note = image->info.notes.texts[IMAGE_NOTE_PROFILE];
@@ -286,8 +289,8 @@ static void test_png_profile(void **state) {
 /* An EXIF orientation behind the pixels counts; a colour space in it as well. */
 static void test_png_exif_behind(void **state) {
     (void)state;
-    static const unsigned char turned[] = {'M', 'M', 0, 42, 0, 0, 0, 8, 0, 1, 1, 0x12, 0, 3,
-                                           0,   0,   0, 1,  0, 6, 0, 0, 0, 0, 0, 0};
+    static const unsigned char turned[] = {'M', 'M', 0, 42, 0, 0, 0, 8, 0, 1, 1, 0x12, 0,
+                                           3,   0,   0, 0,  1, 0, 6, 0, 0, 0, 0, 0,    0};
     for (int behind = 0; behind < 2; behind++) {
         bytes b = plain_png(8, PNG_COLOR_TYPE_RGB);
         enc_image image;
@@ -302,7 +305,8 @@ static void test_png_alpha(void **state) {
     bytes b = plain_png(8, PNG_COLOR_TYPE_RGB_ALPHA);
     enc_image image = decode_good(&b);
     assert_int_equal(image.channels, 3);
-    assert_int_equal(((unsigned char *)image.pixels)[3], 20); /* the second pixel's red, of four bytes each */
+    assert_int_equal(((unsigned char *)image.pixels)[3],
+                     20); /* the second pixel's red, of four bytes each */
     assert_true(image.info.notes.texts[IMAGE_NOTE_ALPHA][0] == '\0');
     enc_image_clear(&image);
     b = plain_png(8, PNG_COLOR_TYPE_GRAY_ALPHA);
@@ -359,8 +363,8 @@ static void test_jpeg_profile(void **state) {
     }
 }
 
-/* A sequential file whose scan header has the spectral range of a progressive one: read whole, and told. A code that
- * is broken stays refused. */
+/* A sequential file whose scan header has the spectral range of a progressive one: read whole, and told. A
+ * code that is broken stays refused. */
 static void test_jpeg_lenient(void **state) {
     (void)state;
     bytes b = plain_jpeg(), strict = b;
@@ -412,7 +416,8 @@ static void test_hdr_orders(void **state) {
         const char *x_sign = strchr(orders[k], 'X') - 1, *y_sign = strchr(orders[k], 'Y') - 1;
         for (int i = 0; i < W * H; i++) {
             const int along_x = columns ? i / H : i % W, along_y = columns ? i % H : i / W;
-            const int x = *x_sign == '+' ? along_x : W - 1 - along_x, y = *y_sign == '-' ? along_y : H - 1 - along_y;
+            const int x = *x_sign == '+' ? along_x : W - 1 - along_x,
+                      y = *y_sign == '-' ? along_y : H - 1 - along_y;
             assert_true(((float *)image.pixels)[3 * (y * W + x)] == (float)(128 + i) / 256);
         }
         enc_image_clear(&image);
@@ -460,7 +465,8 @@ static void test_hdr_headers(void **state) {
         const bytes b = hdr_of(good[k].lines, "-Y 6 +X 8");
         enc_image image = decode_good(&b);
         const float *p = image.pixels;
-        assert_true(fabs(p[0] * good[k].scale[0] - 0.5) < 1e-6 && fabs(p[1] * good[k].scale[1] - 0.625) < 1e-6 &&
+        assert_true(fabs(p[0] * good[k].scale[0] - 0.5) < 1e-6 &&
+                    fabs(p[1] * good[k].scale[1] - 0.625) < 1e-6 &&
                     fabs(p[2] * good[k].scale[2] - 200 / 256.0) < 1e-6);
         assert_false(image.info.converts);
         for (int n = 0; n < IMAGE_NOTE_KINDS; n++)
@@ -472,8 +478,9 @@ static void test_hdr_headers(void **state) {
     enc_image image = decode_good(&wide);
     assert_true(image.info.converts && strstr(image.info.primaries_name, "HDR PRIMARIES red (0.68,0.32)"));
     enc_image_clear(&image);
-    static const char *const bad[] = {"EXPOSURE=-1\n", "EXPOSURE=two\n", "EXPOSURE=1 2\n", "EXPOSURE=inf\n",
-                                      "FORMAT=32-bit_rle\n", "COLORCORR=1 2\n", "PRIMARIES=1 2 3\n", "GAMMA=x\n"};
+    static const char *const bad[] = {
+        "EXPOSURE=-1\n",       "EXPOSURE=two\n",  "EXPOSURE=1 2\n",    "EXPOSURE=inf\n",
+        "FORMAT=32-bit_rle\n", "COLORCORR=1 2\n", "PRIMARIES=1 2 3\n", "GAMMA=x\n"};
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
         char lines[100], expected[100];
         snprintf(lines, sizeof lines, "SOFTWARE=none\n%s", bad[k]);
