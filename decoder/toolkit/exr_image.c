@@ -4,11 +4,11 @@
  */
 #include "exr_image.h"
 
-#include "exr_choose.h"
-#include "exr_chroma.h"
-#include "exr_pixels.h"
+#include "decoder/pixels/exr_choose.h"
+#include "decoder/pixels/exr_chroma.h"
+#include "decoder/pixels/exr_pixels.h"
 #include "output.h"
-#include "spectrum.h"
+#include "decoder/pixels/spectrum.h"
 
 #include <openexr.h>
 

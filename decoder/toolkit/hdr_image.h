@@ -5,7 +5,7 @@
 #ifndef OPENBTF_ENCODER_IMAGE_HDR_H
 #define OPENBTF_ENCODER_IMAGE_HDR_H
 
-#include "image_info.h"
+#include "decoder/pixels/image_info.h"
 
 #include <openbtf/result.h>
 #include <stdbool.h>

@@ -5,7 +5,7 @@
 #ifndef OPENBTF_TOOLS_PNG_IMAGE_H
 #define OPENBTF_TOOLS_PNG_IMAGE_H
 
-#include "image_info.h"
+#include "decoder/pixels/image_info.h"
 
 #include <openbtf/result.h>
 #include <stddef.h>

@@ -8,7 +8,6 @@
 #include "read_options.h"
 #include "encoder/data/data.h"
 
-    const char *layer;      /* of OpenEXR files: the layer, part or channel to read; NULL: the plain choice */
 /* Reads a Bonn .btf file (bonn_reader.h), or a directory or an archive of images whose names say tl, pl, tv
  * and pv (names.h, source.h) into a BTF. Directions are brought to paper order: theta ascending, then phi
  * ascending from 0. The images have to be one full grid of views and lights, of one size, with a view

@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_TOOLS_PRIMARIES_H
-#define OPENBTF_TOOLS_PRIMARIES_H
+#ifndef OPENBTF_PIXELS_PRIMARIES_H
+#define OPENBTF_PIXELS_PRIMARIES_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_TOOLS_EXR_CHROMA_H
-#define OPENBTF_TOOLS_EXR_CHROMA_H
+#ifndef OPENBTF_PIXELS_EXR_CHROMA_H
+#define OPENBTF_PIXELS_EXR_CHROMA_H
 
 #include <openbtf/result.h>
 

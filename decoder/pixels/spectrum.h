@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_TOOLS_SPECTRUM_H
-#define OPENBTF_TOOLS_SPECTRUM_H
+#ifndef OPENBTF_PIXELS_SPECTRUM_H
+#define OPENBTF_PIXELS_SPECTRUM_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_TOOLS_EXR_PIXELS_H
-#define OPENBTF_TOOLS_EXR_PIXELS_H
+#ifndef OPENBTF_PIXELS_EXR_PIXELS_H
+#define OPENBTF_PIXELS_EXR_PIXELS_H
 
 #include <openexr.h>
 #include <stdbool.h>

@@ -3,8 +3,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_TOOLS_IMAGE_INFO_H
-#define OPENBTF_TOOLS_IMAGE_INFO_H
+#ifndef OPENBTF_PIXELS_IMAGE_INFO_H
+#define OPENBTF_PIXELS_IMAGE_INFO_H
 
 #include "primaries.h"
 

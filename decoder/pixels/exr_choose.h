@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_TOOLS_EXR_CHOOSE_H
-#define OPENBTF_TOOLS_EXR_CHOOSE_H
+#ifndef OPENBTF_PIXELS_EXR_CHOOSE_H
+#define OPENBTF_PIXELS_EXR_CHOOSE_H
 
 #include "image_info.h"
 
