@@ -352,7 +352,7 @@ btf_result btf_material_open_memory(const void *data, size_t size, const btf_log
     if (exr == EXR_ERR_SUCCESS && btfi_exr_was_out_of_memory())
         exr = EXR_ERR_OUT_OF_MEMORY;
     btf_result result =
-        exr ? fail_exr(log, exr, "no OpenEXR file") : read_material(context, log, &s, out_material);
+        exr ? fail_exr(log, exr, "not an OpenEXR file") : read_material(context, log, &s, out_material);
     if (context)
         exr_finish(&context);
     return result;

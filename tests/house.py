@@ -40,6 +40,7 @@ HOUSE = [
       'decoder/tools/render',
       'decoder/tools/context decoder/tools/mesh']],
     [['decoder/toolkit',
+      'decoder/pixels',
       'decoder',
       'reference']],
 ]

@@ -1,8 +1,8 @@
 #!/bin/bash
 # Valgrind over the loader and the readers, which the sanitizers see without their uninitialised bytes: the corpus of
-# each fuzz target goes through it.
+# each fuzz target goes through it, and tests that are given by their path.
 #
-#   tests/valgrind.sh BUILD TARGET...
+#   tests/valgrind.sh BUILD TARGET|PROGRAM...
 #
 # Exits 1 on an error or a leak, 77 (with the reason) without valgrind.
 #
@@ -16,16 +16,25 @@ build=$1 failures=0
 shift
 echo "TITLE | Valgrind over the loader and the readers, with the inputs kept for the fuzz targets."
 for target in "$@"; do
-    echo "[ RUN      ] $target"
+    case $target in
+    */*)
+        name=$(basename "$target") command=("$target") input="its own files"
+        ;;
+    *)
+        name=$target command=("$build/tests/fuzz/fuzz-$target" "$(dirname "$0")/fuzz/corpus/$target")
+        input="$(find "$(dirname "$0")/fuzz/corpus/$target" -type f | wc -l) files"
+        ;;
+    esac
+    echo "[ RUN      ] $name"
     if valgrind -q --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite,indirect \
-        "$build/tests/fuzz/fuzz-$target" "$(dirname "$0")/fuzz/corpus/$target" | grep -v -e '^CASE' -e '^TITLE'; then
-        echo "[       OK ] $target"
+        "${command[@]}" | grep -v -e '^CASE' -e '^TITLE'; then
+        echo "[       OK ] $name"
         verdict=pass
     else
-        echo "[  FAILED  ] $target"
+        echo "[  FAILED  ] $name"
         verdict=FAIL
         failures=$((failures + 1))
     fi
-    echo "CASE | $target | no error, no leak | $(find "$(dirname "$0")/fuzz/corpus/$target" -type f | wc -l) files | $verdict"
+    echo "CASE | $name | no error, no leak | $input | $verdict"
 done
 exit $((failures > 0))

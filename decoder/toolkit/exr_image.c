@@ -4,15 +4,21 @@
  */
 #include "exr_image.h"
 
+#include "decoder/pixels/exr_choose.h"
+#include "decoder/pixels/exr_chroma.h"
+#include "decoder/pixels/exr_pixels.h"
 #include "output.h"
+#include "decoder/pixels/spectrum.h"
 
 #include <openexr.h>
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 /* What the library's callbacks see: the bytes to read, or the stream to write, and its first complaint. */
 typedef struct exr_stream {
@@ -73,188 +79,317 @@ static btf_result result_of(exr_result_t code) {
     }
 }
 
-/* An open file being decoded. names[] are the wanted channels in the order of the image's. */
+/* An open file being decoded. */
 typedef struct reading {
     exr_context_t context;
+    exr_choice choice;
     exr_image image;
+    image_info *info;
     exr_attr_box2i_t window;
-    const char *names[3];
-    float *unwanted; /* where the other channels of a chunk go */
-    size_t unwanted_count;
+    const exr_attr_chlist_t *list;
+    bool tiled, has_chromaticities;
+    primaries primaries;
+    int x_step, y_step; /* of chroma */
+    size_t bands;       /* of a spectrum, by rising wavelength */
+    int *band_channel;
+    float (*band_weights)[3];
+    char *message;
+    size_t message_size;
 } reading;
 
-/* Finds which channels make the picture. */
-static btf_result choose_channels(reading *r, char *message, size_t message_size) {
-    static const char *const sets[3][3] = {{"R", "G", "B"}, {"X", "Y", "Z"}, {"Y", NULL, NULL}};
-    const exr_attr_chlist_t *list;
-    const exr_result_t code = exr_get_channels(r->context, 0, &list);
-    if (code != EXR_ERR_SUCCESS)
-        return result_of(code);
-    for (int set = 0; set < 3; set++) {
-        int wanted = 0, found = 0, subsampled = 0;
-        for (; wanted < 3 && sets[set][wanted]; wanted++) {
-            for (int i = 0; i < list->num_channels; i++) {
-                const exr_attr_chlist_entry_t *channel = &list->entries[i];
-                if (strcmp(channel->name.str, sets[set][wanted]) == 0) {
-                    found++;
-                    subsampled += channel->x_sampling != 1 || channel->y_sampling != 1;
-                }
-            }
-        }
-        if (found != wanted)
+__attribute__((format(printf, 3, 4))) static btf_result fail(const reading *r, btf_result result,
+                                                             const char *format, ...) {
+    va_list arguments;
+    char text[300];
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    snprintf(r->message, r->message_size, "EXR: %s", text);
+    return result;
+}
+
+/* Of the picture, which of its channels one of the list is; -1: none. */
+static int role_of(const reading *r, int channel) {
+    for (int c = 0; c < (r->choice.kind == EXR_KIND_GREY ? 1 : 3) && r->choice.kind != EXR_KIND_SPECTRUM; c++)
+        if (r->choice.channel[c] == channel)
+            return c;
+    for (size_t b = 0; b < r->bands; b++)
+        if (r->band_channel[b] == channel)
+            return (int)b;
+    return -1;
+}
+
+/* Refuses sampling that the picture's channels may not have: chroma alone is subsampled, by 2, all of it
+ * alike. */
+static btf_result check_sampling(reading *r) {
+    const bool chroma = r->choice.kind == EXR_KIND_CHROMA;
+    r->x_step = r->y_step = 1;
+    if (chroma) {
+        const exr_attr_chlist_entry_t *red = &r->list->entries[r->choice.channel[0]];
+        r->x_step = red->x_sampling == 2 ? 2 : 1;
+        r->y_step = red->y_sampling == 2 ? 2 : 1;
+    }
+    for (int i = 0; i < r->list->num_channels; i++) {
+        const exr_attr_chlist_entry_t *channel = &r->list->entries[i];
+        const int role = role_of(r, i);
+        const bool free_to_differ = role < 0 && !r->tiled, is_chroma = chroma && role >= 0 && role != 1;
+        if (exr_sampling_fits(channel, &r->window) &&
+            (free_to_differ || (channel->x_sampling == (is_chroma ? r->x_step : 1) &&
+                                channel->y_sampling == (is_chroma ? r->y_step : 1))))
             continue;
-        if (subsampled) {
-            snprintf(message, message_size, "EXR: subsampled channels");
-            return BTF_ERROR_UNSUPPORTED;
-        }
-        r->image.channels = wanted;
-        r->image.xyz = set == 1;
-        memcpy(r->names, sets[set], sizeof r->names);
+        return fail(r, BTF_ERROR_UNSUPPORTED,
+                    "subsampled channels: %.40s is sampled %d x %d, which is read for chroma (RY and BY, both "
+                    "by 2) alone",
+                    channel->name.str, (int)channel->x_sampling, (int)channel->y_sampling);
+    }
+    return BTF_OK;
+}
+
+/* Luminance and chroma to RGB, the luminance of R, G and B being that of the file's primaries. */
+static btf_result finish_chroma(const reading *r) {
+    double xyz[9];
+    if (!primaries_to_xyz(&r->primaries, xyz) || !(fabs(xyz[4]) > 1e-6))
+        return fail(r, BTF_ERROR_BAD_FILE, "chromaticities that span no colour space");
+    const float weights[3] = {(float)xyz[3], (float)xyz[4], (float)xyz[5]};
+    return exr_chroma_to_rgb(r->image.width, r->image.height, r->x_step, r->y_step, weights,
+                             r->image.pixels);
+}
+
+typedef struct band {
+    double nm;
+    int channel;
+} band;
+
+static int by_wavelength(const void *a, const void *b) {
+    const band *x = a, *y = b;
+    return (x->nm > y->nm) - (x->nm < y->nm);
+}
+
+/* Finds the bands of the chosen layer and what each one adds to R, G and B. */
+static btf_result settle_spectrum(reading *r) {
+    const size_t most = (size_t)r->list->num_channels;
+    band *bands = calloc(most, sizeof *bands);
+    double *nm = calloc(most, sizeof *nm);
+    r->band_channel = calloc(most, sizeof *r->band_channel);
+    r->band_weights = calloc(most, sizeof *r->band_weights);
+    btf_result result = bands && nm && r->band_channel && r->band_weights ? BTF_OK : BTF_ERROR_MEMORY;
+    for (int i = 0; i < r->list->num_channels && result == BTF_OK; i++) {
+        const char *name = r->list->entries[i].name.str;
+        double wavelength;
+        size_t length;
+        if (exr_wavelength(name, &wavelength, &length) && length == strlen(r->choice.layer) &&
+            strncmp(name, r->choice.layer, length) == 0)
+            bands[r->bands++] = (band){wavelength, i};
+    }
+    if (result == BTF_OK)
+        qsort(bands, r->bands, sizeof *bands, by_wavelength);
+    for (size_t b = 0; b < r->bands && result == BTF_OK; b++) {
+        nm[b] = bands[b].nm;
+        r->band_channel[b] = bands[b].channel;
+        if (b > 0 && !(nm[b] > nm[b - 1]))
+            result = fail(r, BTF_ERROR_BAD_FILE, "two channels of %g nm", nm[b]);
+    }
+    if (result == BTF_OK && (nm[0] > 780.0 || nm[r->bands - 1] < 380.0))
+        result = fail(r, BTF_ERROR_UNSUPPORTED, "a spectrum of %g to %g nm, of which nothing is seen", nm[0],
+                      nm[r->bands - 1]);
+    if (result == BTF_OK) {
+        const bool emission = r->choice.layer[0] == 'S';
+        spectrum_weights(nm, r->bands, emission, r->band_weights);
+        image_note(r->info, IMAGE_NOTE_SPECTRUM,
+                   "EXR: %zu bands of %g to %g nm are integrated to Rec. 709 by CIE 1931 (2 degrees) %s",
+                   r->bands, nm[0], nm[r->bands - 1], emission ? "as light" : "under D65");
+    }
+    free(nm);
+    free(bands);
+    return result;
+}
+
+/* Alpha of the picture's own layer; -1. */
+static int find_alpha(const reading *r) {
+    const size_t length = strlen(r->choice.layer);
+    for (int i = 0; i < r->list->num_channels; i++) {
+        const char *name = r->list->entries[i].name.str;
+        if (strncmp(name, r->choice.layer, length) == 0 &&
+            strcmp(name + length, length ? ".A" : "A") == 0 && role_of(r, i) < 0)
+            return i;
+    }
+    return -1;
+}
+
+static btf_result read_samples(reading *r) {
+    const size_t n = (size_t)r->image.channels, row = (size_t)r->image.width * n;
+    bool clear = false;
+    exr_target *targets = calloc((size_t)r->list->num_channels, sizeof *targets);
+    r->image.pixels = calloc(row * (size_t)r->image.height, sizeof *r->image.pixels);
+    if (!targets || !r->image.pixels) {
+        free(targets);
+        return BTF_ERROR_MEMORY;
+    }
+    for (int i = 0; i < r->list->num_channels; i++) {
+        const exr_attr_chlist_entry_t *channel = &r->list->entries[i];
+        const int role = role_of(r, i);
+        if (role >= 0)
+            targets[i] = (exr_target){.out = r->image.pixels + (r->bands ? 0 : role),
+                                      .stride = n * (size_t)channel->x_sampling,
+                                      .pitch = row * (size_t)channel->y_sampling,
+                                      .weights = r->bands ? r->band_weights[role] : NULL};
+    }
+    const int alpha = find_alpha(r);
+    if (alpha >= 0)
+        targets[alpha].below_one = &clear;
+    btf_result result =
+        result_of(exr_read_pixels(r->context, r->choice.part, &r->window, r->tiled, targets));
+    free(targets);
+    if (clear)
+        image_note(r->info, IMAGE_NOTE_ALPHA,
+                   "EXR: alpha below 1 is not used: colours are taken as they are stored");
+    if (result == BTF_OK && r->choice.kind == EXR_KIND_CHROMA)
+        result = finish_chroma(r);
+    return result;
+}
+
+/* Refuses what cannot be undone, by name. */
+static btf_result check_compression(const reading *r, exr_compression_t compression) {
+    static const char *const unread[] = {[EXR_COMPRESSION_B44] = "B44",
+                                         [EXR_COMPRESSION_B44A] = "B44A",
+                                         [EXR_COMPRESSION_DWAA] = "DWAA",
+                                         [EXR_COMPRESSION_DWAB] = "DWAB"};
+    if (compression < EXR_COMPRESSION_B44)
         return BTF_OK;
-    }
-    snprintf(message, message_size, "EXR: %d channels, neither R, G, B nor X, Y, Z nor Y among them",
-             list->num_channels);
-    return BTF_ERROR_UNSUPPORTED;
+    if (compression > EXR_COMPRESSION_DWAB)
+        return fail(r, BTF_ERROR_UNSUPPORTED, "compression %d is not read: store it as ZIP or PIZ",
+                    (int)compression);
+    /* OpenEXRCore 3.1.5 has no DWA; of B44 it gives wrong values for floats, and fails on small tiles. */
+    return fail(r, BTF_ERROR_UNSUPPORTED, "%s compression is not read: store it as ZIP or PIZ",
+                unread[compression]);
 }
 
-/* Makes room for the pixels of a channel that nobody wants: OpenEXRCore 3.1.5 lets such a channel have no
- * place, but of three channels of halves it writes to all, there or not. */
-static exr_result_t reserve_unwanted(reading *r, const exr_chunk_info_t *chunk) {
-    const size_t count = (size_t)chunk->width * (size_t)chunk->height;
-    if (count > r->unwanted_count) {
-        float *more = realloc(r->unwanted, count * sizeof *more);
-        if (!more)
-            return EXR_ERR_OUT_OF_MEMORY;
-        r->unwanted = more;
-        r->unwanted_count = count;
-    }
-    return EXR_ERR_SUCCESS;
-}
-
-/* Decodes one chunk whose first pixel is (x, y) of the image, straight into it. */
-static exr_result_t decode_chunk(reading *r, exr_decode_pipeline_t *pipeline, const exr_chunk_info_t *chunk,
-                                 int x, int y, bool first) {
-    exr_result_t code = first ? exr_decoding_initialize(r->context, 0, chunk, pipeline)
-                              : exr_decoding_update(r->context, 0, chunk, pipeline);
-    if (code == EXR_ERR_SUCCESS)
-        code = reserve_unwanted(r, chunk);
-    if (code != EXR_ERR_SUCCESS)
-        return code;
-    const size_t pixel = (size_t)r->image.channels * sizeof(float);
-    const size_t row = (size_t)r->image.width * pixel;
-    for (int i = 0; i < pipeline->channel_count; i++) {
-        exr_coding_channel_info_t *channel = &pipeline->channels[i];
-        channel->decode_to_ptr = (uint8_t *)r->unwanted;
-        channel->user_pixel_stride = (int32_t)sizeof(float);
-        channel->user_line_stride = chunk->width * (int32_t)sizeof(float);
-        channel->user_bytes_per_element = sizeof(float);
-        channel->user_data_type = EXR_PIXEL_FLOAT;
-        for (int c = 0; c < r->image.channels; c++) {
-            if (strcmp(channel->channel_name, r->names[c]) != 0)
-                continue;
-            channel->decode_to_ptr = (uint8_t *)r->image.pixels + (size_t)y * row + (size_t)x * pixel +
-                                     (size_t)c * sizeof(float);
-            channel->user_pixel_stride = (int32_t)pixel;
-            channel->user_line_stride = (int32_t)row;
-        }
-    }
-    if (first) {
-        code = exr_decoding_choose_default_routines(r->context, 0, pipeline);
-        if (code != EXR_ERR_SUCCESS)
-            return code;
-    }
-    return exr_decoding_run(r->context, 0, pipeline);
-}
-
-static exr_result_t decode_scanlines(reading *r, exr_decode_pipeline_t *pipeline) {
-    int32_t lines;
-    exr_result_t code = exr_get_scanlines_per_chunk(r->context, 0, &lines);
-    for (int y = 0; code == EXR_ERR_SUCCESS && y < r->image.height; y += lines) {
-        exr_chunk_info_t chunk = {0};
-        code = exr_read_scanline_chunk_info(r->context, 0, r->window.min.y + y, &chunk);
-        if (code == EXR_ERR_SUCCESS)
-            code = decode_chunk(r, pipeline, &chunk, 0, y, y == 0);
-    }
-    return code;
-}
-
-static exr_result_t decode_tiles(reading *r, exr_decode_pipeline_t *pipeline) {
-    int32_t width, height;
-    exr_result_t code = exr_get_tile_sizes(r->context, 0, 0, 0, &width, &height);
-    for (int y = 0; code == EXR_ERR_SUCCESS && y < r->image.height; y += height) {
-        for (int x = 0; code == EXR_ERR_SUCCESS && x < r->image.width; x += width) {
-            exr_chunk_info_t chunk = {0};
-            code = exr_read_tile_chunk_info(r->context, 0, x / width, y / height, 0, 0, &chunk);
-            if (code == EXR_ERR_SUCCESS &&
-                (x + chunk.width > r->image.width || y + chunk.height > r->image.height))
-                code = EXR_ERR_BAD_CHUNK_LEADER;
-            if (code == EXR_ERR_SUCCESS)
-                code = decode_chunk(r, pipeline, &chunk, x, y, x == 0 && y == 0);
-        }
-    }
-    return code;
-}
-
-static btf_result decode(reading *r, size_t max_pixels, char *message, size_t message_size) {
-    exr_storage_t storage;
-    exr_compression_t compression;
-    exr_result_t code = exr_get_storage(r->context, 0, &storage);
-    if (code == EXR_ERR_SUCCESS)
-        code = exr_get_compression(r->context, 0, &compression);
-    if (code == EXR_ERR_SUCCESS)
-        code = exr_get_data_window(r->context, 0, &r->window);
-    if (code != EXR_ERR_SUCCESS)
-        return result_of(code);
-    if (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED) {
-        snprintf(message, message_size, "EXR: the first part holds deep data");
-        return BTF_ERROR_UNSUPPORTED;
-    }
-    /* OpenEXRCore 3.1.5 gives wrong values for float channels and fails on small tiles. */
-    if (compression == EXR_COMPRESSION_B44 || compression == EXR_COMPRESSION_B44A) {
-        snprintf(message, message_size, "EXR: B44 compression");
-        return BTF_ERROR_UNSUPPORTED;
-    }
+static btf_result check_size(reading *r, size_t max_pixels) {
     const int64_t width = (int64_t)r->window.max.x - r->window.min.x + 1;
     const int64_t height = (int64_t)r->window.max.y - r->window.min.y + 1;
     if (width < 1 || height < 1 || width > (1 << 20) || height > (1 << 20) ||
-        (uint64_t)width * (uint64_t)height > max_pixels) {
-        snprintf(message, message_size, "EXR: size %lldx%lld is not usable", (long long)width,
-                 (long long)height);
-        return BTF_ERROR_UNSUPPORTED;
-    }
+        (uint64_t)width * (uint64_t)height > max_pixels)
+        return fail(r, BTF_ERROR_UNSUPPORTED, "size %lldx%lld is not usable", (long long)width,
+                    (long long)height);
     r->image.width = (int)width;
     r->image.height = (int)height;
-    const btf_result result = choose_channels(r, message, message_size);
-    if (result != BTF_OK)
-        return result;
-    r->image.pixels =
-        calloc((size_t)width * (size_t)height, (size_t)r->image.channels * sizeof *r->image.pixels);
-    if (!r->image.pixels)
-        return BTF_ERROR_MEMORY;
-
-    exr_decode_pipeline_t pipeline = EXR_DECODE_PIPELINE_INITIALIZER;
-    code = storage == EXR_STORAGE_TILED ? decode_tiles(r, &pipeline) : decode_scanlines(r, &pipeline);
-    exr_decoding_destroy(r->context, &pipeline);
-    return result_of(code);
+    return BTF_OK;
 }
 
-btf_result exr_image_read(const void *data, size_t size, size_t max_pixels, exr_image *out_image,
-                          char *message, size_t message_size) {
+static void take_chromaticities(reading *r) {
+    exr_attr_chromaticities_t c;
+    r->primaries = primaries_rec709;
+    if (exr_attr_get_chromaticities(r->context, r->choice.part, "chromaticities", &c) != EXR_ERR_SUCCESS ||
+        r->choice.kind == EXR_KIND_XYZ || r->choice.kind == EXR_KIND_SPECTRUM)
+        return;
+    r->has_chromaticities = true;
+    r->primaries = (primaries){{(double)c.red_x, (double)c.red_y},
+                               {(double)c.green_x, (double)c.green_y},
+                               {(double)c.blue_x, (double)c.blue_y},
+                               {(double)c.white_x, (double)c.white_y}};
+    if (r->choice.kind != EXR_KIND_GREY)
+        image_info_primaries(r->info, "EXR chromaticities", &r->primaries);
+}
+
+/* A colour space by name, as OpenImageIO and OpenEXR 3.3 write it. */
+static void note_space(reading *r) {
+    static const char *const attributes[] = {"colorInteropID", "oiio:ColorSpace"};
+    static const char *const linear[] = {"linear",        "lin_srgb",     "lin_rec709",       "lin_rec709_scene",
+                                         "linear_rec709", "scene_linear", "lin_srgb_scene"};
+    for (size_t a = 0; a < 2 && !r->has_chromaticities; a++) {
+        const char *name = NULL;
+        int32_t length = 0;
+        bool known = false;
+        if (exr_attr_get_string(r->context, r->choice.part, attributes[a], &length, &name) !=
+                EXR_ERR_SUCCESS ||
+            !name)
+            continue;
+        for (size_t i = 0; i < sizeof linear / sizeof *linear; i++)
+            known = known || strcasecmp(name, linear[i]) == 0;
+        if (!known)
+            image_note(r->info, IMAGE_NOTE_SPACE, "EXR: %s \"%.60s\" is not applied: taken as linear Rec. 709",
+                       attributes[a], name);
+    }
+}
+
+static btf_result heed_attributes(reading *r) {
+    const int part = r->choice.part;
+    exr_attr_box2i_t display;
+    float number;
+    int32_t orientation;
+    exr_envmap_t envmap;
+    if (exr_attr_get_int(r->context, part, "Orientation", &orientation) == EXR_ERR_SUCCESS && orientation != 1)
+        return fail(r, BTF_ERROR_UNSUPPORTED, "Orientation %d: turn the pixels, then set it to 1",
+                    (int)orientation);
+    if (exr_get_display_window(r->context, part, &display) == EXR_ERR_SUCCESS &&
+        memcmp(&display, &r->window, sizeof display) != 0)
+        image_note(r->info, IMAGE_NOTE_WINDOW,
+                   "EXR: the data window (%d,%d)-(%d,%d) is read, not the display window (%d,%d)-(%d,%d)",
+                   (int)r->window.min.x, (int)r->window.min.y, (int)r->window.max.x, (int)r->window.max.y,
+                   (int)display.min.x, (int)display.min.y, (int)display.max.x, (int)display.max.y);
+    if (exr_get_pixel_aspect_ratio(r->context, part, &number) == EXR_ERR_SUCCESS && number != 1.0f)
+        image_note(r->info, IMAGE_NOTE_ASPECT, "EXR: pixelAspectRatio %g is not applied: pixels are taken as square",
+                   (double)number);
+    if (exr_attr_get_float(r->context, part, "whiteLuminance", &number) == EXR_ERR_SUCCESS)
+        image_note(r->info, IMAGE_NOTE_SCALE, "EXR: whiteLuminance %g cd/m^2 is not applied: values are relative",
+                   (double)number);
+    r->image.cube = exr_attr_get_envmap(r->context, part, "envmap", &envmap) == EXR_ERR_SUCCESS &&
+                    envmap == EXR_ENVMAP_CUBE;
+    take_chromaticities(r);
+    note_space(r);
+    return BTF_OK;
+}
+
+static btf_result decode(reading *r, const char *layer, size_t max_pixels) {
+    exr_storage_t storage;
+    exr_compression_t compression;
+    btf_result result = exr_choose(r->context, layer, &r->choice, r->info, r->message, r->message_size);
+    if (result != BTF_OK)
+        return result;
+    const int part = r->choice.part;
+    exr_result_t code = exr_get_storage(r->context, part, &storage);
+    if (code == EXR_ERR_SUCCESS)
+        code = exr_get_compression(r->context, part, &compression);
+    if (code == EXR_ERR_SUCCESS)
+        code = exr_get_data_window(r->context, part, &r->window);
+    if (code == EXR_ERR_SUCCESS)
+        code = exr_get_channels(r->context, part, &r->list);
+    if (code != EXR_ERR_SUCCESS)
+        return result_of(code);
+    r->tiled = storage == EXR_STORAGE_TILED;
+    r->image.channels = r->choice.kind == EXR_KIND_GREY ? 1 : 3;
+    r->image.xyz = r->choice.kind == EXR_KIND_XYZ;
+    result = check_compression(r, compression);
+    if (result == BTF_OK)
+        result = check_size(r, max_pixels);
+    if (result == BTF_OK && r->choice.kind == EXR_KIND_SPECTRUM)
+        result = settle_spectrum(r);
+    if (result == BTF_OK)
+        result = check_sampling(r);
+    if (result == BTF_OK)
+        result = heed_attributes(r);
+    current->text[0] = '\0'; /* OpenEXRCore complains of attributes that are not there */
+    return result == BTF_OK ? read_samples(r) : result;
+}
+
+btf_result exr_image_read(const void *data, size_t size, size_t max_pixels, const char *layer,
+                          exr_image *out_image, image_info *info, char *message, size_t message_size) {
     exr_stream stream = {.data = data, .size = size};
     exr_context_initializer_t options = EXR_DEFAULT_CONTEXT_INITIALIZER;
     options.error_handler_fn = on_error;
     options.user_data = &stream;
     options.read_fn = on_read;
     options.size_fn = on_size;
-    reading r = {0};
+    reading r = {.info = info, .message = message, .message_size = message_size};
     message[0] = '\0';
     current = &stream;
     btf_result result = result_of(exr_start_read(&r.context, "memory", &options));
     if (result == BTF_OK)
-        result = decode(&r, max_pixels, message, message_size);
+        result = decode(&r, layer, max_pixels);
     exr_finish(&r.context);
     current = NULL;
-    free(r.unwanted);
+    free(r.band_channel);
+    free(r.band_weights);
     if (result == BTF_OK) {
         *out_image = r.image;
         return BTF_OK;

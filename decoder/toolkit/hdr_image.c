@@ -5,6 +5,7 @@
 #include "hdr_image.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,18 +14,17 @@ typedef struct cursor {
     const unsigned char *p, *end;
 } cursor;
 
-/* Reads a header line, without its end, into text; false at the end of the data or when it is too long. */
+/* Reads a header line of any length, without its end and the blanks before that, into text, which takes its
+ * beginning; false at the end of the data. */
 static bool read_line(cursor *c, char *text, size_t size) {
-    size_t length = 0;
-    while (c->p < c->end && *c->p != '\n') {
-        if (length + 1 >= size)
-            return false;
-        text[length++] = (char)*c->p++;
-    }
-    if (c->p == c->end)
+    const unsigned char *end = memchr(c->p, '\n', (size_t)(c->end - c->p));
+    if (!end)
         return false;
-    c->p++;
-    if (length > 0 && text[length - 1] == '\r')
+    size_t length = (size_t)(end - c->p);
+    length = length < size - 1 ? length : size - 1;
+    memcpy(text, c->p, length);
+    c->p = end + 1;
+    while (length > 0 && (text[length - 1] == ' ' || text[length - 1] == '\t' || text[length - 1] == '\r'))
         length--;
     text[length] = '\0';
     return true;
@@ -81,83 +81,189 @@ static bool read_scanline(cursor *c, unsigned char *rgbe, int width) {
     return read_old_line(c, rgbe, width);
 }
 
+/* What the header says. The image is stored as `lines` lines of `length` pixels, at steps in a picture whose
+ * row 0 is at the top. */
+typedef struct header {
+    int width, height, lines, length;
+    int first, line_step, pixel_step; /* pixel numbers */
+    bool xyz;
+    double scale[3]; /* stored values are multiplied by it */
+    int line;        /* the number of the one being read, for messages */
+    char text[256];  /* ... and its text */
+} header;
+
+/* Numbers behind KEY= of a line, which has to hold just `count`; false for another key. *out_good: whether
+ * they are there. */
+static bool read_values(const char *line, const char *key, double *values, int count, bool *out_good) {
+    const size_t length = strlen(key);
+    if (strncmp(line, key, length) != 0 || line[length] != '=')
+        return false;
+    const char *at = line + length + 1;
+    *out_good = true;
+    for (int i = 0; i < count; i++) {
+        char *end;
+        values[i] = strtod(at, &end);
+        *out_good = *out_good && end != at && isfinite(values[i]);
+        at = end;
+    }
+    at += strspn(at, " \t");
+    *out_good = *out_good && *at == '\0';
+    return true;
+}
+
+/* Divides the scale by a correction that was multiplied in; 0 stands for 1 in the files of some writers. */
+static bool undo(double *scale, double value) {
+    *scale /= value != 0.0 ? value : 1.0;
+    return value >= 0.0 && *scale > 0.0 && isfinite(*scale);
+}
+
+/* One line of the header; false where it cannot be used. */
+static bool heed_line(header *h, image_info *info) {
+    double v[8];
+    bool good = true;
+    if (strncmp(h->text, "FORMAT=", 7) == 0) {
+        const char *format = h->text + 7 + strspn(h->text + 7, " \t");
+        h->xyz = strcmp(format, "32-bit_rle_xyze") == 0;
+        return h->xyz || strcmp(format, "32-bit_rle_rgbe") == 0;
+    }
+    if (read_values(h->text, "EXPOSURE", v, 1, &good)) {
+        if (good && v[0] == 0.0)
+            image_note(info, IMAGE_NOTE_EXPOSURE, "HDR: EXPOSURE=0 is taken as 1");
+        for (int c = 0; c < 3; c++)
+            good = good && undo(&h->scale[c], v[0]);
+    } else if (read_values(h->text, "COLORCORR", v, 3, &good)) {
+        for (int c = 0; c < 3; c++)
+            good = good && undo(&h->scale[c], v[c]);
+    } else if (read_values(h->text, "PRIMARIES", v, 8, &good)) {
+        const primaries p = {{v[0], v[1]}, {v[2], v[3]}, {v[4], v[5]}, {v[6], v[7]}};
+        if (good)
+            image_info_primaries(info, "HDR PRIMARIES", &p);
+    } else if (read_values(h->text, "GAMMA", v, 1, &good)) {
+        if (good && v[0] != 1.0)
+            image_note(info, IMAGE_NOTE_GAMMA, "HDR: GAMMA=%g is not applied: values are taken as linear", v[0]);
+    } else if (read_values(h->text, "PIXASPECT", v, 1, &good)) {
+        if (good && v[0] != 1.0)
+            image_note(info, IMAGE_NOTE_ASPECT, "HDR: PIXASPECT=%g is not applied: pixels are taken as square",
+                       v[0]);
+    }
+    return good;
+}
+
+/* The length that a new run-length coded scan line says it has; 0 for any other. */
+static int stated_length(const cursor *c) {
+    return c->end - c->p >= 4 && c->p[0] == 2 && c->p[1] == 2 && c->p[2] < 128 ? (int)c->p[2] << 8 | c->p[3] : 0;
+}
+
+/* ATRIUM's files say "+X W -Y H", which is column after column, but hold rows from the bottom. The scan lines'
+ * own length tells the two apart; where both sides are the same, they are taken for ATRIUM's. */
+static bool is_atrium(const header *h, const cursor *c, image_info *info) {
+    if (h->width == h->height)
+        image_note(info, IMAGE_NOTE_HEADER,
+                   "HDR: \"%.60s\" is read as ATRIUM's files mean it: rows from the bottom", h->text);
+    return h->width == h->height || stated_length(c) == h->width;
+}
+
+/* The resolution line: which axis is the slower one, and where each one begins. */
+static bool heed_resolution(header *h, const cursor *c, image_info *info) {
+    char sign[2], axis[2];
+    int size[2];
+    if (sscanf(h->text, "%c%c %9d %c%c %9d", &sign[0], &axis[0], &size[0], &sign[1], &axis[1], &size[1]) != 6 ||
+        !strchr("+-", sign[0]) || !strchr("+-", sign[1]) || axis[0] + axis[1] != 'X' + 'Y' ||
+        (axis[0] != 'X' && axis[0] != 'Y'))
+        return false;
+    bool columns = axis[0] == 'X';
+    h->width = size[columns ? 0 : 1];
+    h->height = size[columns ? 1 : 0];
+    bool right = sign[columns ? 0 : 1] == '+', up = sign[columns ? 1 : 0] == '+';
+    if (columns && right && !up && is_atrium(h, c, info)) {
+        columns = false;
+        up = true;
+    }
+    const int x = right ? 1 : -1, y = up ? -1 : 1;
+    h->lines = columns ? h->width : h->height;
+    h->length = columns ? h->height : h->width;
+    h->line_step = columns ? x : y; /* in columns and rows; read_header() makes pixels of it */
+    h->pixel_step = columns ? y : x;
+    h->first = (right ? 0 : 1) | (up ? 2 : 0) | (columns ? 4 : 0);
+    return true;
+}
+
+/* Steps in pixels, once the size is known to be usable. */
+static void settle_steps(header *h) {
+    const bool columns = h->first & 4;
+    const int corner = (h->first & 1 ? h->width - 1 : 0) + (h->first & 2 ? (h->height - 1) * h->width : 0);
+    *(columns ? &h->pixel_step : &h->line_step) *= h->width;
+    h->first = corner;
+}
+
 /* Reads up to and including the resolution line. */
-static btf_result read_header(cursor *c, size_t max_pixels, int *out_width, int *out_height, bool *out_xyz,
-                              bool *out_upwards, double *out_exposure, char *message, size_t message_size) {
-    char line[256];
-    char y_sign, x_sign;
-    *out_exposure = 1.0;
-    *out_xyz = false;
-    for (bool first = true;; first = false) {
-        double exposure;
-        if (!read_line(c, line, sizeof line))
-            goto bad;
-        if (first && strncmp(line, "#?", 2) != 0)
-            goto bad;
-        if (strncmp(line, "FORMAT=", 7) == 0) {
-            *out_xyz = strcmp(line + 7, "32-bit_rle_xyze") == 0;
-            if (!*out_xyz && strcmp(line + 7, "32-bit_rle_rgbe") != 0)
-                goto bad;
-        } else if (sscanf(line, "EXPOSURE=%lf", &exposure) == 1) {
-            *out_exposure *= exposure;
-            if (!(exposure > 0.0 && *out_exposure > 0.0) || !isfinite(*out_exposure))
-                goto bad;
-        } else if (line[0] == '\0') {
+static btf_result read_header(cursor *c, size_t max_pixels, header *h, image_info *info, char *message,
+                              size_t message_size) {
+    for (h->line = 1;; h->line++) {
+        if (!read_line(c, h->text, sizeof h->text)) {
+            snprintf(message, message_size, "HDR: bad header: it ends within line %d", h->line);
+            return BTF_ERROR_BAD_FILE;
+        }
+        if (h->line > 1 && h->text[0] == '\0')
             break;
+        if (h->line == 1 ? strncmp(h->text, "#?", 2) != 0 : !heed_line(h, info)) {
+            snprintf(message, message_size, "HDR: bad header: line %d, \"%.80s\"", h->line, h->text);
+            return BTF_ERROR_BAD_FILE;
         }
     }
-    if (!read_line(c, line, sizeof line))
-        goto bad;
-    /* ATRIUM's files say +X W -Y H, which would be column after column, but hold rows from the bottom. */
-    const bool atrium = sscanf(line, "+X %9d -Y %9d", out_width, out_height) == 2;
-    if (!atrium && (sscanf(line, "%cY %9d %cX %9d", &y_sign, out_height, &x_sign, out_width) != 4 ||
-                    x_sign != '+' || (y_sign != '-' && y_sign != '+'))) {
-        snprintf(message, message_size, "HDR: resolution \"%.64s\" is not of the form -Y H +X W", line);
+    h->line++;
+    if (!read_line(c, h->text, sizeof h->text)) {
+        snprintf(message, message_size, "HDR: bad header: it ends within line %d", h->line);
+        return BTF_ERROR_BAD_FILE;
+    }
+    if (!heed_resolution(h, c, info)) {
+        snprintf(message, message_size, "HDR: line %d, resolution \"%.64s\", is not of the form -Y H +X W",
+                 h->line, h->text);
         return BTF_ERROR_UNSUPPORTED;
     }
-    *out_upwards = atrium || y_sign == '+';
-    if (*out_width < 1 || *out_height < 1 || (size_t)*out_width > max_pixels / (size_t)*out_height) {
-        snprintf(message, message_size, "HDR: size %dx%d is not usable", *out_width, *out_height);
+    if (h->width < 1 || h->height < 1 || (size_t)h->width > max_pixels / (size_t)h->height ||
+        (size_t)h->width > (size_t)INT32_MAX / (size_t)h->height) {
+        snprintf(message, message_size, "HDR: size %dx%d is not usable", h->width, h->height);
         return BTF_ERROR_UNSUPPORTED;
     }
+    settle_steps(h);
     return BTF_OK;
-bad:
-    snprintf(message, message_size, "HDR: bad header");
-    return BTF_ERROR_BAD_FILE;
 }
 
 btf_result enc_image_hdr_read(const void *data, size_t size, size_t max_pixels, int *out_width,
-                              int *out_height, bool *out_xyz, float **out_pixels, char *message,
-                              size_t message_size) {
+                              int *out_height, bool *out_xyz, float **out_pixels, image_info *info,
+                              char *message, size_t message_size) {
     cursor c = {data, (const unsigned char *)data + size};
-    double exposure;
-    bool upwards;
-    btf_result result = read_header(&c, max_pixels, out_width, out_height, out_xyz, &upwards, &exposure,
-                                    message, message_size);
+    header h = {.scale = {1.0, 1.0, 1.0}};
+    btf_result result = read_header(&c, max_pixels, &h, info, message, message_size);
     if (result != BTF_OK)
         return result;
-    const int width = *out_width, height = *out_height;
-    unsigned char *rgbe = malloc((size_t)width * 4);
-    float *pixels = malloc((size_t)width * (size_t)height * 3 * sizeof *pixels);
+    unsigned char *rgbe = malloc((size_t)h.length * 4);
+    float *pixels = malloc((size_t)h.width * (size_t)h.height * 3 * sizeof *pixels);
     result = rgbe && pixels ? BTF_OK : BTF_ERROR_MEMORY;
-    for (int line = 0; line < height && result == BTF_OK; line++) {
-        if (!read_scanline(&c, rgbe, width)) {
-            snprintf(message, message_size, "HDR: truncated or damaged in scan line %d of %d", line,
-                     height);
+    for (int line = 0; line < h.lines && result == BTF_OK; line++) {
+        if (!read_scanline(&c, rgbe, h.length)) {
+            snprintf(message, message_size, "HDR: truncated or damaged in scan line %d of %d", line, h.lines);
             result = BTF_ERROR_BAD_FILE;
             break;
         }
-        float *out = pixels + (size_t)(upwards ? height - 1 - line : line) * (size_t)width * 3;
-        for (int x = 0; x < width; x++) {
-            const double scale = rgbe[4 * x + 3] ? ldexp(1.0, rgbe[4 * x + 3] - (128 + 8)) / exposure : 0.0;
+        for (int i = 0; i < h.length; i++) {
+            float *out = pixels + 3 * (h.first + (ptrdiff_t)line * h.line_step + (ptrdiff_t)i * h.pixel_step);
+            const double unit = rgbe[4 * i + 3] ? ldexp(1.0, rgbe[4 * i + 3] - (128 + 8)) : 0.0;
             for (int channel = 0; channel < 3; channel++)
-                out[3 * x + channel] = (float)(rgbe[4 * x + channel] * scale);
+                out[channel] = (float)(rgbe[4 * i + channel] * (unit * h.scale[channel]));
         }
     }
     free(rgbe);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
+        *out_width = h.width;
+        *out_height = h.height;
+        *out_xyz = h.xyz;
         *out_pixels = pixels;
-    else
+        if (h.xyz)
+            info->converts = false; /* the primaries are X, Y, Z themselves */
+    } else {
         free(pixels);
+    }
     return result;
 }

@@ -20,8 +20,9 @@
 typedef struct complaint {
     struct jpeg_error_mgr manager;
     jmp_buf back;
-    bool damaged;
+    bool damaged, lenient; /* lenient: headers break a rule, the pixels are as they should be */
     char text[JMSG_LENGTH_MAX];
+    char lenient_text[JMSG_LENGTH_MAX];
 } complaint;
 
 static void keep_text(j_common_ptr common) {
@@ -35,12 +36,20 @@ static void on_error(j_common_ptr common) {
     longjmp(((complaint *)common->err)->back, 1);
 }
 
-/* Level -1 is "corrupt data, going on": refused, but for what does not touch the picture. */
+/* Level -1 is "corrupt data, going on": refused, but for what does not touch the picture. JWRN_NOT_SEQUENTIAL is
+ * said of a scan header whose progressive parameters are wrong, where the file is not progressive and has no
+ * use for them. */
 static void on_message(j_common_ptr common, int level) {
     complaint *c = (complaint *)common->err;
-    if (level >= 0 || c->manager.msg_code == JWRN_EXTRANEOUS_DATA ||
-        c->manager.msg_code == JWRN_ADOBE_XFORM || c->manager.msg_code == JWRN_JFIF_MAJOR)
+    const int code = c->manager.msg_code;
+    if (level >= 0 || code == JWRN_EXTRANEOUS_DATA || code == JWRN_JFIF_MAJOR)
         return;
+    if (code == JWRN_ADOBE_XFORM || code == JWRN_NOT_SEQUENTIAL || code == JWRN_BOGUS_ICC) {
+        if (!c->lenient)
+            c->manager.format_message(common, c->lenient_text);
+        c->lenient = true;
+        return;
+    }
     c->damaged = true;
     keep_text(common);
 }
@@ -54,7 +63,7 @@ static struct jpeg_error_mgr *complaint_init(complaint *c) {
     c->manager.error_exit = on_error;
     c->manager.emit_message = on_message;
     c->manager.output_message = on_output;
-    c->damaged = false;
+    c->damaged = c->lenient = false;
     c->text[0] = '\0';
     return &c->manager;
 }
@@ -65,6 +74,7 @@ typedef struct reading {
     complaint error;
     int width, height, channels;
     unsigned char *pixels;
+    image_info *info;
 } reading;
 
 /* The orientation that an EXIF marker gives, 1 when there is none. */
@@ -76,12 +86,30 @@ static int orientation(const struct jpeg_decompress_struct *jpeg) {
     return 1;
 }
 
+/* A colour profile; without one, what EXIF says of the colour space. */
+static void heed_colour(reading *r) {
+    JOCTET *profile = NULL;
+    unsigned int size = 0;
+    if (jpeg_read_icc_profile(&r->jpeg, &profile, &size)) {
+        image_info_profile(r->info, "JPEG", profile, size, NULL);
+        free(profile);
+        return;
+    }
+    static const char head[6] = "Exif\0";
+    for (jpeg_saved_marker_ptr m = r->jpeg.marker_list; m; m = m->next)
+        if (m->data_length >= sizeof head && memcmp(m->data, head, sizeof head) == 0 &&
+            exif_colour_is_other(m->data + sizeof head, m->data_length - sizeof head))
+            image_note(r->info, IMAGE_NOTE_SPACE,
+                       "JPEG: EXIF says that the colour space is not sRGB (cameras mean Adobe RGB): not applied");
+}
+
 static btf_result decode(reading *r, const void *data, size_t size, size_t max_pixels) {
     if (setjmp(r->error.back))
         return BTF_ERROR_BAD_FILE;
     jpeg_create_decompress(&r->jpeg);
     jpeg_mem_src(&r->jpeg, data, (unsigned long)size);
     jpeg_save_markers(&r->jpeg, JPEG_APP0 + 1, 0xFFFF);
+    jpeg_save_markers(&r->jpeg, JPEG_APP0 + 2, 0xFFFF);
     jpeg_read_header(&r->jpeg, TRUE);
     if (r->jpeg.num_components != 1 && r->jpeg.num_components != 3) {
         snprintf(r->error.text, sizeof r->error.text, "%d colour components", r->jpeg.num_components);
@@ -98,6 +126,7 @@ static btf_result decode(reading *r, const void *data, size_t size, size_t max_p
                  "EXIF orientation %d: turn the pixels, then set it to 1", turned);
         return BTF_ERROR_UNSUPPORTED;
     }
+    heed_colour(r);
     r->jpeg.out_color_space = r->jpeg.num_components == 1 ? JCS_GRAYSCALE : JCS_RGB;
     r->jpeg.dct_method = JDCT_ISLOW;
     jpeg_start_decompress(&r->jpeg);
@@ -113,15 +142,18 @@ static btf_result decode(reading *r, const void *data, size_t size, size_t max_p
         jpeg_read_scanlines(&r->jpeg, &row, 1);
     }
     jpeg_finish_decompress(&r->jpeg);
+    if (r->error.lenient)
+        image_note(r->info, IMAGE_NOTE_HEADER, "JPEG: %.180s: read nevertheless", r->error.lenient_text);
     return r->error.damaged ? BTF_ERROR_BAD_FILE : BTF_OK;
 }
 
 btf_result jpeg_image_read(const void *data, size_t size, size_t max_pixels, int *out_width,
-                           int *out_height, int *out_channels, unsigned char **out_pixels, char *message,
-                           size_t message_size) {
+                           int *out_height, int *out_channels, unsigned char **out_pixels, image_info *info,
+                           char *message, size_t message_size) {
     reading *r = calloc(1, sizeof *r);
     if (!r)
         return BTF_ERROR_MEMORY;
+    r->info = info;
     r->jpeg.err = complaint_init(&r->error);
     const btf_result result = decode(r, data, size, max_pixels);
     jpeg_destroy_decompress(&r->jpeg);

@@ -26,6 +26,10 @@ static double decode_value(enc_transfer transfer, double gamma, double value) {
         return enc_srgb_decode(value);
     case ENC_TRANSFER_GAMMA:
         return copysign(pow(fabs(value), gamma), value);
+    case ENC_TRANSFER_BT709: {
+        const double v = fabs(value);
+        return copysign(v < 0.081 ? v / 4.5 : pow((v + 0.099) / 1.099, 1.0 / 0.45), value);
+    }
     case ENC_TRANSFER_AUTO:
     case ENC_TRANSFER_LINEAR:
         break;
@@ -52,6 +56,27 @@ void enc_decoder_destroy(enc_decoder **decoder) {
         return;
     free(*decoder);
     *decoder = NULL;
+}
+
+enc_transfer enc_transfer_of(const enc_image *image, double *out_gamma) {
+    *out_gamma = image->info.gamma;
+    switch (image->info.transfer) {
+    case IMAGE_TRANSFER_LINEAR:
+        return ENC_TRANSFER_LINEAR;
+    case IMAGE_TRANSFER_GAMMA:
+        return ENC_TRANSFER_GAMMA;
+    case IMAGE_TRANSFER_BT709:
+        return ENC_TRANSFER_BT709;
+    case IMAGE_TRANSFER_UNSAID:
+    case IMAGE_TRANSFER_SRGB:
+    case IMAGE_TRANSFER_OTHER:
+        break;
+    }
+    return ENC_TRANSFER_SRGB;
+}
+
+bool enc_decoder_is(const enc_decoder *decoder, enc_transfer transfer, double gamma) {
+    return decoder->transfer == transfer && (transfer != ENC_TRANSFER_GAMMA || decoder->gamma == gamma);
 }
 
 static void decode_row(const enc_decoder *decoder, const enc_image *image, size_t first, size_t count,

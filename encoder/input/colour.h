@@ -9,10 +9,11 @@
 
 /* How sample values code radiance. */
 typedef enum enc_transfer {
-    ENC_TRANSFER_AUTO = 0, /* sRGB for 8- and 16-bit images, linear for floating point */
+    ENC_TRANSFER_AUTO = 0, /* what the file says, else sRGB for 8 and 16 bits; linear for floating point */
     ENC_TRANSFER_SRGB,     /* IEC 61966-2-1 */
     ENC_TRANSFER_LINEAR,
     ENC_TRANSFER_GAMMA, /* value^gamma */
+    ENC_TRANSFER_BT709, /* the inverse of the camera's curve of ITU-R BT.709; files alone ask for it */
 } enc_transfer;
 
 /* The sRGB curve on [0, 1] and beyond; odd, so that negative values keep their sign. */
@@ -24,6 +25,12 @@ typedef struct enc_decoder enc_decoder;
 /* gamma is used by ENC_TRANSFER_GAMMA alone (> 0). Returns NULL when out of memory. */
 enc_decoder *enc_decoder_create(enc_transfer transfer, double gamma);
 void enc_decoder_destroy(enc_decoder **decoder);
+
+/* The transfer function, and its gamma, that an image of 8 or 16 bits says it has, sRGB where it says nothing. */
+enc_transfer enc_transfer_of(const enc_image *image, double *out_gamma);
+
+/* Whether a decoder is that of this function. */
+bool enc_decoder_is(const enc_decoder *decoder, enc_transfer transfer, double gamma);
 
 /* A rectangle of an image: columns x .. x+width-1, rows y .. y+height-1 from the top. */
 typedef struct enc_rectangle {

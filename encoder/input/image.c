@@ -19,27 +19,39 @@ static bool begins_with(const void *data, size_t size, const char *magic, size_t
 
 btf_result enc_image_decode(const void *data, size_t size, enc_image *out_image, char *message,
                             size_t message_size) {
+    return enc_image_decode_layer(data, size, NULL, out_image, message, message_size);
+}
+
+btf_result enc_image_decode_layer(const void *data, size_t size, const char *layer, enc_image *out_image,
+                                  char *message, size_t message_size) {
     enc_image image = {.depth = 8, .channels = 3};
     btf_result result;
     message[0] = '\0';
     if (begins_with(data, size, "\xff\xd8", 2)) {
         unsigned char *pixels = NULL;
         result = jpeg_image_read(data, size, ENC_IMAGE_MAX_PIXELS, &image.width, &image.height,
-                                 &image.channels, &pixels, message, message_size);
+                                 &image.channels, &pixels, &image.info, message, message_size);
         image.pixels = pixels;
     } else if (begins_with(data, size, "\x89PNG", 4)) {
         result = png_image_read(data, size, ENC_IMAGE_MAX_PIXELS, &image.width, &image.height,
-                                &image.channels, &image.depth, &image.pixels, message, message_size);
+                                &image.channels, &image.depth, &image.pixels, &image.info, message, message_size);
     } else if (begins_with(data, size, "#?", 2)) {
         float *pixels = NULL;
         result = enc_image_hdr_read(data, size, ENC_IMAGE_MAX_PIXELS, &image.width, &image.height,
-                                    &image.xyz, &pixels, message, message_size);
+                                    &image.xyz, &pixels, &image.info, message, message_size);
         image.depth = 32;
         image.pixels = pixels;
     } else if (begins_with(data, size, "\x76\x2f\x31\x01", 4)) {
         exr_image exr = {0};
-        result = exr_image_read(data, size, ENC_IMAGE_MAX_PIXELS, &exr, message, message_size);
-        image = (enc_image){exr.width, exr.height, exr.channels, 32, exr.xyz, exr.pixels};
+        result = exr_image_read(data, size, ENC_IMAGE_MAX_PIXELS, layer, &exr, &image.info, message, message_size);
+        image.width = exr.width;
+        image.height = exr.height;
+        image.channels = exr.channels;
+        image.depth = 32;
+        image.xyz = exr.xyz;
+        image.pixels = exr.pixels;
+        if (exr.cube)
+            image_note(&image.info, IMAGE_NOTE_ENVMAP, "EXR: an environment map of six faces, taken as one picture");
     } else {
         snprintf(message, message_size,
                  size == 0 ? "empty file" : "neither JPEG, PNG, Radiance HDR nor OpenEXR");

@@ -5,6 +5,8 @@
 #ifndef OPENBTF_ENCODER_IMAGE_H
 #define OPENBTF_ENCODER_IMAGE_H
 
+#include "decoder/pixels/image_info.h"
+
 #include <openbtf/result.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -18,6 +20,7 @@ typedef struct enc_image {
     int depth;    /* 8, 16 or 32 */
     bool xyz;     /* the file itself says that its channels are X, Y, Z */
     void *pixels; /* malloc'ed */
+    image_info info; /* what the file says of its colours, and notes for the user */
 } enc_image;
 
 #ifndef ENC_IMAGE_MAX_PIXELS /* fuzzers take less */
@@ -29,6 +32,11 @@ typedef struct enc_image {
  * BTF_ERROR_UNSUPPORTED, BTF_ERROR_MEMORY. */
 btf_result enc_image_decode(const void *data, size_t size, enc_image *out_image, char *message,
                             size_t message_size);
+
+/* The same with `layer`, which picks among the layers and parts of an OpenEXR file (exr_choose.h), NULL as
+ * above. Files of other formats have no layers. */
+btf_result enc_image_decode_layer(const void *data, size_t size, const char *layer, enc_image *out_image,
+                                  char *message, size_t message_size);
 
 /* Frees the pixels. */
 void enc_image_clear(enc_image *image);

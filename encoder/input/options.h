@@ -15,14 +15,23 @@
      .type = CLI_CUSTOM,                                                                                   \
      .value = &(r),                                                                                        \
      .parse = enc_parse_transfer,                                                                          \
-     .help = "how values are coded: srgb, linear or gamma:G; default srgb for\n"                           \
-             "8 and 16 bit images, linear for HDR and EXR"},                                               \
+     .help = "how values are coded: srgb, linear or gamma:G; default what a\n"                             \
+             "PNG says (cICP, sRGB, gAMA), else srgb for 8 and 16 bit images,\n"                           \
+             "linear for HDR and EXR"},                                                                    \
         {.name = "colour",                                                                                 \
          .arg = "SPACE",                                                                                   \
          .type = CLI_CUSTOM,                                                                               \
          .value = &(r),                                                                                    \
          .parse = enc_parse_colour,                                                                        \
-         .help = "rgb (default) or xyz (CIE XYZ D65, as in UTIA's EXR)"},                                  \
+         .help = "rgb (linear Rec. 709) or xyz (CIE XYZ D65, as in UTIA's EXR);\n"                         \
+                 "default the primaries that a file names, else rgb"},                                     \
+        {.name = "layer",                                                                                  \
+         .arg = "NAME",                                                                                    \
+         .type = CLI_STRING,                                                                               \
+         .value = &(r).layer,                                                                              \
+         .help = "of OpenEXR files: the layer, part, PART.LAYER or channel to\n"                           \
+                 "read, or spectral; default the first part's R, G, B, or the\n"                           \
+                 "only ones"},                                                                             \
         {.name = "size",                                                                                   \
          .type = CLI_SIZE,                                                                                 \
          .value = (r).size,                                                                                \

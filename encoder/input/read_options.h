@@ -9,7 +9,8 @@
 #include <stdbool.h>
 
 typedef enum enc_colour {
-    ENC_COLOUR_RGB = 0, /* linear Rec. 709 */
+    ENC_COLOUR_AUTO = 0, /* of the primaries that the file names, else linear Rec. 709 */
+    ENC_COLOUR_RGB,      /* linear Rec. 709, whatever the file says */
     ENC_COLOUR_XYZ,     /* CIE XYZ, white point D65 (UTIA's EXR) */
 } enc_colour;
 
@@ -33,6 +34,7 @@ typedef struct enc_read_options {
     double azimuth_offset; /* degrees, then added to every azimuth but those of theta 0 */
     enc_cosine cosine;
     int components;         /* of each factorisation of a Bonn file at most; 0: all */
+    const char *layer;      /* of OpenEXR files: the layer, part or channel to read; NULL: the plain choice */
     const char *coincident; /* table of lights that stood elsewhere (light_positions.h); NULL: none */
     bool strict;            /* refuse negative values instead of clamping them to 0 and counting them */
 } enc_read_options;

@@ -27,7 +27,7 @@ enum {
     BATCH_BYTES = 64 << 20,  /* ... and when to take no more of them */
     BLOCK_BYTES = 128 << 20, /* linear images of a block, when memory is unbounded */
     CHUNK = 16,              /* texels transposed together: one cache line of each plane */
-    MESSAGE_SIZE = 256,
+    MESSAGE_SIZE = 480, /* the channels of an OpenEXR file among them */
 };
 
 /* A file of a batch, and what became of it. */
@@ -37,6 +37,7 @@ typedef struct batch_file {
     btf_result result;
     char message[MESSAGE_SIZE];
     uint64_t negative; /* samples below 0 */
+    image_notes notes;
 } batch_file;
 
 typedef struct reader {
@@ -45,7 +46,7 @@ typedef struct reader {
     enc_source *source;
     enc_grid *grid;
     size_t *mine, n_mine; /* items of the grid that this process reads, ascending: its share of the views */
-    enc_decoder *decoder;
+    enc_decoder *decoder; /* of the first image, which every other one is expected to be like */
     enc_data *data;
     int threads;
     int file_width, file_height; /* of every image, as in the files */
@@ -59,6 +60,7 @@ typedef struct reader {
     float *planes; /* [block][channel][texel] */
     uint64_t negative;
     size_t n_negative_files, first_negative;
+    image_tally tally;
 } reader;
 
 static const char *path_of(const reader *r, size_t item) {
@@ -87,6 +89,14 @@ static btf_result check_options(const enc_context *context, const enc_read_optio
     return BTF_OK;
 }
 
+/* How an image's samples are coded: as the options say, else as the file does. */
+static enc_transfer transfer_of(const reader *r, const enc_image *image, double *out_gamma) {
+    *out_gamma = r->options->gamma;
+    if (r->options->transfer != ENC_TRANSFER_AUTO || image->depth == 32)
+        return r->options->transfer;
+    return enc_transfer_of(image, out_gamma);
+}
+
 /* Reads the first image to learn the size of all, and settles what becomes of it. */
 static btf_result settle_size(reader *r) {
     char message[MESSAGE_SIZE] = "";
@@ -94,9 +104,16 @@ static btf_result settle_size(reader *r) {
     btf_result result = r->source->read(r->source, r->grid->items[0].source, &r->first_file, &r->first_size,
                                         message, sizeof message);
     if (result == BTF_OK)
-        result = enc_image_decode(r->first_file, r->first_size, &image, message, sizeof message);
+        result = enc_image_decode_layer(r->first_file, r->first_size, r->options->layer, &image, message,
+                                        sizeof message);
     if (result != BTF_OK)
         return report(r, 0, result, message);
+    double gamma;
+    const enc_transfer transfer = transfer_of(r, &image, &gamma);
+    if (!(r->decoder = enc_decoder_create(transfer, gamma))) {
+        enc_image_clear(&image);
+        return BTF_ERROR_MEMORY;
+    }
     r->file_width = image.width;
     r->file_height = image.height;
     enc_image_clear(&image);
@@ -150,6 +167,34 @@ static void store_planes(const reader *r, const float *pixels, float factor, flo
     file->negative = negative;
 }
 
+/* Decodes the part that is used to linear Rec. 709, or the space that --colour names. */
+static btf_result decode_area(const reader *r, enc_image *image, float *pixels, batch_file *file) {
+    double gamma;
+    const enc_transfer transfer = transfer_of(r, image, &gamma);
+    if (r->options->transfer == ENC_TRANSFER_AUTO && image->info.transfer == IMAGE_TRANSFER_OTHER) {
+        snprintf(file->message, sizeof file->message, "%s is not read: --transfer says how values are coded",
+                 image->info.transfer_name);
+        return BTF_ERROR_UNSUPPORTED;
+    }
+    if (enc_decoder_is(r->decoder, transfer, gamma)) {
+        enc_decode_pixels(r->decoder, image, r->area, pixels);
+    } else {
+        enc_decoder *own = enc_decoder_create(transfer, gamma);
+        if (!own)
+            return BTF_ERROR_MEMORY;
+        enc_decode_pixels(own, image, r->area, pixels);
+        enc_decoder_destroy(&own);
+    }
+    if (r->options->transfer == ENC_TRANSFER_AUTO && image->info.transfer_name[0])
+        image_note(&image->info, IMAGE_NOTE_TRANSFER, "%s is followed", image->info.transfer_name);
+    if (r->options->colour == ENC_COLOUR_AUTO && image->info.converts && image->channels == 3) {
+        primaries_apply(image->info.to_rec709, (size_t)r->area.width * (size_t)r->area.height, pixels);
+        image_note(&image->info, IMAGE_NOTE_PRIMARIES, "%s: converted to Rec. 709", image->info.primaries_name);
+    }
+    file->notes = image->info.notes;
+    return BTF_OK;
+}
+
 /* One file from bytes to planes[channel][texel]. Runs on any thread; does not log. */
 static btf_result convert(const reader *r, size_t item, batch_file *file, float *planes) {
     enc_image image = {0};
@@ -158,7 +203,8 @@ static btf_result convert(const reader *r, size_t item, batch_file *file, float 
     const float factor = r->options->cosine == ENC_COSINE_MISSING ? light->xyz[2] : 1.0f;
     const bool resize = r->width != r->area.width || r->height != r->area.height;
     btf_result result =
-        enc_image_decode(file->data, file->size, &image, file->message, sizeof file->message);
+        enc_image_decode_layer(file->data, file->size, r->options->layer, &image, file->message,
+                               sizeof file->message);
     if (result != BTF_OK)
         return result;
     if (image.width != r->file_width || image.height != r->file_height) {
@@ -178,7 +224,9 @@ static btf_result convert(const reader *r, size_t item, batch_file *file, float 
     resized = resize ? malloc((size_t)r->width * (size_t)r->height * 3 * sizeof *resized) : NULL;
     if (!pixels || (resize && !resized))
         goto done;
-    enc_decode_pixels(r->decoder, &image, r->area, pixels);
+    result = decode_area(r, &image, pixels, file);
+    if (result != BTF_OK)
+        goto done;
     enc_image_clear(&image);
     if (r->options->colour == ENC_COLOUR_XYZ) {
         result = check_values(r, pixels, "XYZ", false, file);
@@ -253,6 +301,7 @@ static btf_result read_batch(reader *r, size_t first, size_t count, float *plane
         if (files[i].negative > 0 && r->n_negative_files++ == 0)
             r->first_negative = r->mine[first + i];
         r->negative += files[i].negative;
+        image_tally_add(&r->tally, &files[i].notes, r->mine[first + i]);
     }
     free(files);
     *out_done = n;
@@ -387,6 +436,35 @@ static btf_result add_negative(reader *r, btf_result result) {
     return result;
 }
 
+/* The notes of all ranks' images, together. */
+static btf_result merge_tallies(reader *r, btf_result result) {
+    const size_t size = (size_t)enc_ranks_count(r->context);
+    if (size < 2)
+        return result;
+    image_tally *all = calloc(size, sizeof *all);
+    if (all)
+        all[enc_ranks_own(r->context)] = r->tally;
+    else if (result == BTF_OK)
+        result = BTF_ERROR_MEMORY;
+    result = enc_ranks_gather(r->context, result, all, sizeof *all, size);
+    r->tally = (image_tally){0};
+    for (size_t i = 0; i < size && result == BTF_OK; i++)
+        image_tally_merge(&r->tally, &all[i]);
+    free(all);
+    return result;
+}
+
+/* Each kind of note once, with the number of images that have it. */
+static void log_tally(const reader *r) {
+    for (int k = 0; k < IMAGE_NOTE_KINDS; k++)
+        if (r->tally.kinds[k].images > 0)
+            enc_log(r->context, image_note_warns((image_note_kind)k) ? BTF_LOG_WARNING : BTF_LOG_INFO,
+                    "%s: %llu of %zu images: %s: first in %s%s", r->source->location,
+                    (unsigned long long)r->tally.kinds[k].images, r->grid->count, r->tally.kinds[k].text,
+                    path_of(r, (size_t)r->tally.kinds[k].first),
+                    r->tally.kinds[k].varied ? "; others have other values" : "");
+}
+
 static btf_result read_images(reader *r) {
     btf_result result = settle_share(r);
     enc_stage_begin(r->context, "read", r->n_mine);
@@ -394,6 +472,7 @@ static btf_result read_images(reader *r) {
         result = read_mine(r);
     result = enc_data_complete(r->context, r->data, result);
     result = add_negative(r, result);
+    result = merge_tallies(r, result);
     enc_stage_end(r->context);
     return result;
 }
@@ -434,8 +513,6 @@ static btf_result read_set(const enc_context *context, const char *input, const 
         result = open_source(context, input, &r.source);
     if (result == BTF_OK)
         result = enc_grid_create(context, r.source, options, &r.grid);
-    if (result == BTF_OK && !(r.decoder = enc_decoder_create(options->transfer, options->gamma)))
-        result = BTF_ERROR_MEMORY;
     if (result == BTF_OK)
         result = settle_size(&r);
     if (result == BTF_OK)
@@ -447,6 +524,8 @@ static btf_result read_set(const enc_context *context, const char *input, const 
         result = BTF_ERROR_MEMORY;
     if (result == BTF_OK)
         result = read_images(&r);
+    if (result == BTF_OK)
+        log_tally(&r);
     if (result == BTF_OK && r.negative > 0)
         enc_log(context, BTF_LOG_WARNING,
                 "%s: %llu samples below 0 in %zu images were set to 0: first in %s (--strict refuses them)",

@@ -58,6 +58,9 @@ static void describe_input(enc_option_values *values, const enc_read_options *re
                                                          : "default");
     }
     describe(values, "colour", "%s", read->colour == ENC_COLOUR_XYZ ? "xyz" : "rgb");
+    if (read->layer) {
+        describe(values, "layer", "%s", read->layer);
+    }
     if (read->size[0] > 0) {
         describe(values, "size", "%dx%d", read->size[0], read->size[1]);
     }

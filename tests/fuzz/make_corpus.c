@@ -4,6 +4,7 @@
  */
 #include "step_data.h"
 #include "tests/support/bonn_files.h"
+#include "tests/support/exr_bytes.h"
 #include "tests/support/exr_edit.h"
 #include "tests/support/random_material.h"
 
@@ -90,6 +91,55 @@ static void write_materials(void) {
     write_material("tight", BTF_LAYOUT_TIGHT, BTF_COLOUR_RGB, all, true);
     write_material("residual", BTF_LAYOUT_TIGHT, BTF_COLOUR_NONE, BTF_EFFECT_RESIDUAL | BTF_EFFECT_SHIFT,
                    false);
+}
+
+static float slope(int c, int x, int y) {
+    return (float)(c + x + 2 * y) * 0.125f;
+}
+
+/* Luminance and chroma, halves: with and without alpha, chroma of every second pixel. */
+static void write_chroma(void) {
+    static const bytes_channel all[4] = {
+        {"A", BYTES_HALF, 1, 1}, {"BY", BYTES_HALF, 2, 2}, {"RY", BYTES_HALF, 2, 2}, {"Y", BYTES_HALF, 1, 1}};
+    for (int alpha = 0; alpha < 2; alpha++) {
+        bytes_part p = {.width = 6, .height = 4, .value = slope, .channel_count = 3 + alpha};
+        memcpy(p.channels, all + 1 - alpha, (size_t)p.channel_count * sizeof *all);
+        size_t size;
+        void *data = exr_bytes(&p, 1, &size);
+        write_seed("exr", alpha ? "chroma-alpha.exr" : "chroma.exr", data, size);
+        write_seed("environment", alpha ? "chroma-alpha.exr" : "chroma.exr", data, size);
+        free(data);
+    }
+}
+
+static void write_exr(const char *name, const bytes_part *parts, int count) {
+    size_t size;
+    void *data = exr_bytes(parts, count, &size);
+    write_seed("exr", name, data, size);
+    free(data);
+}
+
+/* Layers, parts, a spectrum, primaries and what else a header may say. */
+static void write_meanings(void) {
+    static const float wide[8] = {0.68f, 0.32f, 0.265f, 0.69f, 0.15f, 0.06f, 0.3127f, 0.329f};
+    const bytes_channel b = {"B", BYTES_HALF, 1, 1}, g = {"G", BYTES_HALF, 1, 1}, r = {"R", BYTES_HALF, 1, 1};
+    bytes_part parts[2] = {{.name = "depth", .width = 3, .height = 2, .value = slope, .channel_count = 1,
+                            .channels = {{"Z", BYTES_FLOAT, 1, 1}}},
+                           {.name = "beauty", .width = 3, .height = 2, .value = slope, .channel_count = 3,
+                            .channels = {b, g, r}}};
+    write_exr("parts.exr", parts, 2);
+    const bytes_part layer = {.width = 3, .height = 2, .value = slope, .channel_count = 3, .aspect = 2,
+                              .channels = {{"a.b", BYTES_HALF, 1, 1}, {"a.g", BYTES_HALF, 1, 1}, {"a.r", 0, 1, 1}},
+                              .attribute_count = 1,
+                              .attributes = {{"chromaticities", "chromaticities", wide, sizeof wide}}};
+    write_exr("layer.exr", &layer, 1);
+    const bytes_part spectrum = {.width = 2, .height = 2, .value = slope, .channel_count = 4,
+                                 .channels = {{"T.400,5nm", BYTES_HALF, 1, 1}, {"T.500nm", BYTES_HALF, 1, 1},
+                                              {"T.600nm", BYTES_HALF, 1, 1}, {"T.700nm", BYTES_HALF, 1, 1}}};
+    write_exr("spectrum.exr", &spectrum, 1);
+    static const char columns[] = "#?RADIANCE\nEXPOSURE=0\nCOLORCORR=1 2 4\nPRIMARIES=.68 .32 .265 .69 .15 .06 .3127 .329\n"
+                                  "GAMMA=2.2 \nPIXASPECT=2\n\n-X 2 +Y 1\nabc\200ABC\201";
+    write_seed("hdr", "columns.hdr", columns, sizeof columns - 1);
 }
 
 static void write_images(void) {
@@ -281,6 +331,8 @@ int main(int argc, char **argv) {
     mkdir(folder, 0777);
     write_materials();
     write_images();
+    write_chroma();
+    write_meanings();
     write_archive("zip", archive_write_set_format_zip, NULL);
     write_archive("tar.gz", archive_write_set_format_pax_restricted, archive_write_add_filter_gzip);
     write_archive("tar", archive_write_set_format_ustar, NULL);

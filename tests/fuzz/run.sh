@@ -19,7 +19,8 @@ target=$1 seconds=$2 folder=${3:-build-fuzz}/$1
 version=$(pkg-config --modversion OpenEXR)
 core=$(ls decoder/*.c | grep -v -e /gl -e /plan -e /shader_source)
 context="encoder/base/context.c encoder/base/stage.c encoder/base/ranks.c encoder/base/ranks_alone.c"
-images="encoder/input/image.c decoder/toolkit/hdr_image.c $context $(echo decoder/tools/{exr,jpeg,png}_image.c) decoder/toolkit/exif.c decoder/toolkit/output.c
+images="encoder/input/image.c $context $(echo decoder/toolkit/*_image.c) $(echo decoder/pixels/*.c)
+        decoder/toolkit/exif.c decoder/toolkit/output.c
         decoder/toolkit/progress.c decoder/toolkit/estimate.c decoder/result.c decoder/temporary.c"
 data="$context encoder/data/data.c encoder/base/scratch.c encoder/input/grid.c encoder/input/names.c decoder/toolkit/progress.c decoder/toolkit/estimate.c decoder/toolkit/output.c
       decoder/result.c decoder/temporary.c $(echo reference/*.c)"

@@ -124,8 +124,8 @@ CHANGES = [
         ("decoder/toolkit/jpeg_image.c", "    c->damaged = true;\n", "")]),
     ("pictures stored turned taken as they lie", "stability_images", [
         ("decoder/toolkit/exif.c", "return (int)value;", "return 1;")]),
-    ("channels that nobody wants without a place", "fuzz-exr", [
-        ("decoder/toolkit/exr_image.c", "channel->decode_to_ptr = (uint8_t *)r->unwanted;", "channel->decode_to_ptr = NULL;")]),
+    ("chroma taken for channels of every pixel", "exr", [
+        ("decoder/pixels/exr_pixels.c", "(j->y + y) % ys == 0 ? (size_t)(width / xs) : 0", "ys > 0 ? (size_t)(width / xs) : 0")]),
     ("files of any size taken out of an archive", "stability_archives", [
         ("encoder/input/source_archive.c", "if (declared > (int64_t)ENC_SOURCE_MAX_FILE) {", "if (declared < 0) {"),
         ("encoder/input/source_archive.c", "if (size > ENC_SOURCE_MAX_FILE) {", "if (size == 1) {")]),

@@ -40,6 +40,7 @@ typedef struct job {
 static btf_result make_lights(const btf_log *log) {
     if (render_options.environment)
         return light_list_read_environment(&render_options.lights, render_options.environment,
+                                           render_options.environment_layer,
                                            render_options.env_lights, render_options.env_rotate,
                                            render_options.env_gain, log);
     if (!render_options.lights.count && light_parse_directional("40,120", &render_options.lights))

@@ -135,35 +135,45 @@ btf_result light_list_add_environment(light_list *list, int width, int height, c
     return ok ? BTF_OK : BTF_ERROR_MEMORY;
 }
 
-btf_result light_list_read_environment(light_list *list, const char *path, int count, double rotate,
-                                       double gain, const btf_log *log) {
-    char *data = NULL, message[300] = "";
+btf_result light_list_read_environment(light_list *list, const char *path, const char *layer, int count,
+                                       double rotate, double gain, const btf_log *log) {
+    char *data = NULL, message[600] = "";
     size_t size = 0;
     float *pixels = NULL;
     int width = 0, height = 0;
+    image_info info = {0};
     btf_result result = file_read(path, (size_t)1 << 31, log, &data, &size);
     if (result)
         return result;
     if (size >= 2 && !memcmp(data, "#?", 2)) {
         bool xyz = false;
-        result = enc_image_hdr_read(data, size, MAX_PIXELS, &width, &height, &xyz, &pixels, message,
-                                    sizeof message);
+        result = enc_image_hdr_read(data, size, MAX_PIXELS, &width, &height, &xyz, &pixels, &info,
+                                    message, sizeof message);
         if (!result && xyz) {
             result = BTF_ERROR_UNSUPPORTED;
             snprintf(message, sizeof message, "colours are XYZ, expected RGB");
         }
     } else {
         exr_image image = {0};
-        result = exr_image_read(data, size, MAX_PIXELS, &image, message, sizeof message);
+        result = exr_image_read(data, size, MAX_PIXELS, layer, &image, &info, message, sizeof message);
         pixels = image.pixels;
         width = image.width;
         height = image.height;
-        if (!result && image.channels != 3) {
+        if (!result && (image.channels != 3 || image.xyz || image.cube)) {
             result = BTF_ERROR_UNSUPPORTED;
-            snprintf(message, sizeof message, "%d channel, expected R, G, B", image.channels);
+            snprintf(message, sizeof message, "%s, expected R, G, B around the whole sphere",
+                     image.cube  ? "the faces of a cube"
+                     : image.xyz ? "colours are XYZ"
+                                 : "1 channel");
         }
     }
     free(data);
+    if (!result && info.converts) {
+        primaries_apply(info.to_rec709, (size_t)width * (size_t)height, pixels);
+        image_note(&info, IMAGE_NOTE_PRIMARIES, "%s: converted to Rec. 709", info.primaries_name);
+    }
+    if (!result)
+        image_notes_log(&info.notes, path, log);
     if (!result && (result = light_list_add_environment(list, width, height, pixels, count, rotate, gain)))
         snprintf(message, sizeof message, "out of memory for the lights of a map");
     if (result)

@@ -16,9 +16,10 @@
 btf_result light_list_add_environment(light_list *list, int width, int height, const float *pixels,
                                       int count, double rotate, double gain);
 
-/* The same from a file, EXR or Radiance HDR. Errors also: BTF_ERROR_IO, BTF_ERROR_BAD_FILE,
- * BTF_ERROR_UNSUPPORTED. */
-btf_result light_list_read_environment(light_list *list, const char *path, int count, double rotate,
-                                       double gain, const btf_log *log);
+/* The same from a file, EXR or Radiance HDR, of the primaries that it names, else Rec. 709. `layer` picks among
+ * the layers and parts of an EXR file (exr_choose.h); may be NULL. Warns of what the file says and is not
+ * followed. Errors also: BTF_ERROR_IO, BTF_ERROR_BAD_FILE, BTF_ERROR_UNSUPPORTED. */
+btf_result light_list_read_environment(light_list *list, const char *path, const char *layer, int count,
+                                       double rotate, double gain, const btf_log *log);
 
 #endif

@@ -126,6 +126,12 @@ static const cli_option option_table[] = {
      .type = CLI_STRING,
      .value = &render_options.environment,
      .help = "light from a latitude-longitude map, .exr or Radiance .hdr"},
+    {.name = "layer",
+     .arg = "NAME",
+     .type = CLI_STRING,
+     .value = &render_options.environment_layer,
+     .help = "of an .exr map: the layer, part, PART.LAYER or channel to read (default the\n"
+             "first part's R, G, B, or the only ones)"},
     {.name = "environment-lights",
      .type = CLI_INT,
      .value = &render_options.env_lights,

@@ -11,7 +11,7 @@
 #include <stdint.h>
 
 typedef struct settings {
-    const char *out, *mesh, *device, *environment, *original, *baseline;
+    const char *out, *mesh, *device, *environment, *environment_layer, *original, *baseline;
     double view[2], repeat, fov, zoom, exposure, background, env_rotate, env_gain, tolerance;
     bool repeat_given, zoom_given, interpolation_given, figure13, stats, cast_shadows, quiet;
     light_list lights;

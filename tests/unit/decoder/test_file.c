@@ -84,6 +84,41 @@ static void accepted(edit_file *file, const saved *original) {
     btf_material_close(&b);
 }
 
+/* Each channel of each part sampled otherwise, or as no file may: refused before OpenEXRCore unpacks anything. */
+static void test_sampling(void **state) {
+    (void)state;
+    static const unsigned char values[][2] = {{2, 1}, {1, 2}, {2, 2}, {0, 1}, {1, 0}, {255, 255}};
+    static const char list[] = "channels\0chlist";
+    uint8_t *data = malloc(tight_file.size);
+    int channels = 0;
+    assert_non_null(data);
+    memcpy(data, tight_file.data, tight_file.size);
+    uint8_t *at = data, *end = data + tight_file.size;
+    while ((at = memmem(at, (size_t)(end - at), list, sizeof list))) {
+        at += sizeof list + 4;
+        for (; *at; channels++) {
+            uint8_t *sampling = at + strlen((char *)at) + 1 + 8; /* behind the pixel type and pLinear */
+            for (size_t v = 0; v < sizeof values / sizeof *values; v++)
+                for (int part = 1; part < 4; part++) {
+                    btf_material *material = NULL;
+                    for (int axis = 0; axis < 2; axis++)
+                        sampling[4 * axis] = part >> axis & 1 ? values[v][axis] : 1;
+                    if (sampling[0] == 1 && sampling[4] == 1)
+                        continue;
+                    last_message[0] = 0;
+                    assert_int_equal(btf_material_open_memory(data, tight_file.size, &log_keep, &material),
+                                     BTF_ERROR_BAD_FILE);
+                    assert_null(material);
+                    assert_true(last_message[0]);
+                }
+            sampling[0] = sampling[4] = 1;
+            at = sampling + 8;
+        }
+    }
+    assert_true(channels > 10);
+    free(data);
+}
+
 static void test_other_writers(void **state) {
     (void)state;
     static const exr_compression_t good[] = {EXR_COMPRESSION_NONE, EXR_COMPRESSION_RLE,
@@ -498,6 +533,7 @@ static void test_implausible(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_sampling),
         cmocka_unit_test(test_other_writers), cmocka_unit_test(test_display_window),
         cmocka_unit_test(test_negative_zero), cmocka_unit_test(test_parts),
         cmocka_unit_test(test_repeated_part), cmocka_unit_test(test_values),

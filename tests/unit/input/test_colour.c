@@ -32,7 +32,7 @@ static float decode_one(enc_transfer transfer, double gamma, int depth, double v
     unsigned short v16 = (unsigned short)value;
     float v32 = (float)value, out[3];
     enc_image image = {1,     1,     1,
-                       depth, false, depth == 8 ? (void *)&v8 : depth == 16 ? (void *)&v16 : (void *)&v32};
+                       depth, false, depth == 8 ? (void *)&v8 : depth == 16 ? (void *)&v16 : (void *)&v32, {0}};
     enc_decoder *decoder = enc_decoder_create(transfer, gamma);
     assert_non_null(decoder);
     enc_decode_pixels(decoder, &image, (enc_rectangle){0, 0, 1, 1}, out);
@@ -68,13 +68,13 @@ static void test_crop_and_grey(void **state) {
     enc_decoder *decoder = enc_decoder_create(ENC_TRANSFER_LINEAR, 0);
     float out[2 * 3 * 3];
     const enc_rectangle area = {1, 2, 3, 2};
-    enc_image image = {5, 4, 1, 8, false, grey};
+    enc_image image = {5, 4, 1, 8, false, grey, {0}};
     enc_decode_pixels(decoder, &image, area, out);
     for (int row = 0; row < 2; row++)
         for (int x = 0; x < 3; x++)
             for (int c = 0; c < 3; c++)
                 assert_float_equal(out[(row * 3 + x) * 3 + c] * 255.0f, (row + 2) * 5 + x + 1, 1e-5);
-    image = (enc_image){5, 4, 3, 8, false, rgb};
+    image = (enc_image){5, 4, 3, 8, false, rgb, {0}};
     enc_decode_pixels(decoder, &image, area, out);
     for (int row = 0; row < 2; row++)
         for (int x = 0; x < 3; x++)

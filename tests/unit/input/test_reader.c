@@ -12,6 +12,7 @@
 #include "decoder/toolkit/exr_image.h"
 #include "decoder/toolkit/jpeg_image.h"
 #include "decoder/toolkit/png_image.h"
+#include "tests/support/exr_bytes.h"
 #include "tests/support/image_files.h"
 #include "tests/support/image_set.h"
 
@@ -22,6 +23,12 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+static float one_green(int c, int x, int y) {
+    (void)x;
+    (void)y;
+    return c == 1;
+}
 
 static void test_names(void **state) {
     (void)state;
@@ -348,6 +355,75 @@ static void test_refused_values(void **state) {
     }
 }
 
+/* Half of the images say that they are linear, and one has a profile: each is told once, with a count, the first file
+ * and its value; --transfer has the last word. */
+static void test_notes(void **state) {
+    (void)state;
+    const enc_read_options options = {0};
+    unsigned char codes[W * H * 3];
+    for (int v = 0; v < VIEWS; v++)
+        for (int l = 0; l < LIGHTS; l++) {
+            set_make_codes(v, l, codes);
+            FILE *f = fopen(set_name_of(UBO, v, l, "png"), "wb");
+            png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
+            png_infop info = png_create_info_struct(png);
+            assert_non_null(f);
+            png_init_io(png, f);
+            png_set_IHDR(png, info, W, H, 8, PNG_COLOR_TYPE_RGB, 0, 0, 0);
+            if (l >= 2)
+                png_set_gAMA(png, info, l == 2 ? 1.0 : 0.5);
+            png_write_info(png, info);
+            for (int row = 0; row < H; row++)
+                png_write_row(png, codes + (size_t)row * W * 3);
+            png_write_end(png, info);
+            png_destroy_write_struct(&png, &info);
+            assert_int_equal(fclose(f), 0);
+        }
+    enc_data *data = set_read_folder(&options);
+    for (int l = 0; l < LIGHTS; l++) {
+        const double code = set_code(1, l, 2, 3, 1) / 255.0;
+        const double want = l < 2 ? enc_srgb_decode(code) : l == 2 ? code : code * code;
+        assert_true(fabs((double)set_sample(data, 1, l, 2, 3, 1) - want) < 1e-6);
+    }
+    enc_data_destroy(&data);
+    assert_non_null(strstr(set_messages, "12 of 20 images: PNG: gAMA 1 is followed: first in "));
+    assert_non_null(strstr(set_messages, "; others have other values"));
+    set_messages[0] = '\0';
+    data = set_read_folder(&(enc_read_options){.transfer = ENC_TRANSFER_SRGB});
+    set_expect(data, 1e-7);
+    enc_data_destroy(&data);
+    assert_null(strstr(set_messages, "gAMA"));
+}
+
+/* Primaries are converted, but where --colour says what the values are. */
+static void test_primaries(void **state) {
+    (void)state;
+    static const float p3[8] = {0.68f, 0.32f, 0.265f, 0.69f, 0.15f, 0.06f, 0.3127f, 0.329f};
+    for (int v = 0; v < VIEWS; v++)
+        for (int l = 0; l < LIGHTS; l++) {
+            bytes_part part = {.width = W, .height = H, .value = one_green, .channel_count = 3,
+                               .channels = {{"B", BYTES_FLOAT, 1, 1}, {"G", BYTES_FLOAT, 1, 1}, {"R", BYTES_FLOAT, 1, 1}},
+                               .attribute_count = 1,
+                               .attributes = {{"chromaticities", "chromaticities", p3, sizeof p3}}};
+            size_t size;
+            void *bytes = exr_bytes(&part, 1, &size);
+            write_whole_file(set_name_of(UTIA, v, l, "exr"), bytes, size);
+            free(bytes);
+        }
+    enc_data *data = set_read_folder(&(enc_read_options){0});
+    /* the green of Display P3 in Rec. 709: red below 0, which is clamped and counted */
+    assert_true(fabs((double)set_sample(data, 1, 2, 1, 1, 1) - 1.0420) < 1e-3);
+    assert_true(data->negative == VIEWS * LIGHTS * W * H * 2);
+    enc_data_destroy(&data);
+    assert_non_null(strstr(set_messages, "20 of 20 images: EXR chromaticities red (0.68,0.32)"));
+    assert_non_null(strstr(set_messages, "converted to Rec. 709"));
+    set_messages[0] = '\0';
+    data = set_read_folder(&(enc_read_options){.colour = ENC_COLOUR_RGB});
+    assert_true(set_sample(data, 1, 2, 1, 1, 1) == 1.0f && data->negative == 0);
+    enc_data_destroy(&data);
+    assert_null(strstr(set_messages, "converted"));
+}
+
 int main(void) {
 #define IN_FOLDER(test) cmocka_unit_test_setup_teardown(test, set_make_folder, set_remove_folder)
     const struct CMUnitTest tests[] = {
@@ -357,6 +433,8 @@ int main(void) {
         IN_FOLDER(test_float_formats),
         IN_FOLDER(test_xyz),
         IN_FOLDER(test_transfer),
+        IN_FOLDER(test_notes),
+        IN_FOLDER(test_primaries),
         IN_FOLDER(test_geometry),
         IN_FOLDER(test_azimuths),
         cmocka_unit_test(test_directions),

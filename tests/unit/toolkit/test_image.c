@@ -46,7 +46,7 @@ static unsigned char byte_at(int i) {
 /* Decodes `file`; the caller clears the image. */
 static enc_image decode(void) {
     size_t size;
-    char message[256];
+    char message[700];
     enc_image image = {0};
     void *data = read_whole_file(file, &size);
     const btf_result result = enc_image_decode(data, size, &image, message, sizeof message);
@@ -60,7 +60,7 @@ static enc_image decode(void) {
 
 static void expect_error(btf_result expected, const char *text) {
     size_t size;
-    char message[256];
+    char message[700];
     enc_image image = {0};
     void *data = read_whole_file(file, &size);
     const btf_result result = enc_image_decode(data, size, &image, message, sizeof message);
@@ -75,7 +75,7 @@ static void expect_prefixes_refused(void) {
     size_t size;
     void *data = read_whole_file(file, &size);
     for (size_t n = 0; n < size; n++) {
-        char message[256] = "";
+        char message[700] = "";
         enc_image image = {0};
         void *prefix = malloc(n ? n : 1);
         assert_non_null(prefix);
@@ -277,7 +277,7 @@ static void test_hdr(void **state) {
     enc_image_clear(&image);
     write_hdr(file, W, H, rgbe, HDR_NEW_RUNS, "FORMAT=unheard of\n", false);
     expect_error(BTF_ERROR_BAD_FILE, "HDR");
-    static const char *const exposures[] = {"EXPOSURE=0\n", "EXPOSURE=-1\n", "EXPOSURE=inf\n",
+    static const char *const exposures[] = {"EXPOSURE=one\n", "EXPOSURE=-1\n", "EXPOSURE=inf\n",
                                             "EXPOSURE=1e300\nEXPOSURE=1e300\n",
                                             "EXPOSURE=1e-300\nEXPOSURE=1e-300\n"};
     for (size_t i = 0; i < sizeof exposures / sizeof exposures[0]; i++) {
@@ -287,9 +287,6 @@ static void test_hdr(void **state) {
     const char wrapped[] = "#?RADIANCE\n\n-Y 1 +X 4294967297\n0000"; /* 1 modulo 2^32 */
     write_whole_file(file, wrapped, sizeof wrapped - 1);
     expect_error(BTF_ERROR_UNSUPPORTED, "429496729");
-    const char rotated[] = "#?RADIANCE\n\n+X 4 +Y 4\n";
-    write_whole_file(file, rotated, sizeof rotated - 1);
-    expect_error(BTF_ERROR_UNSUPPORTED, "+X 4 +Y 4");
     const char huge[] = "#?RADIANCE\n\n-Y 2000000000 +X 2000000000\n";
     write_whole_file(file, huge, sizeof huge - 1);
     expect_error(BTF_ERROR_UNSUPPORTED, "2000000000");
@@ -355,10 +352,11 @@ static void test_exr_noise(void **state) {
             }
             assert_int_equal(exr_image_write(file, width, height, rgb, true, no_log), BTF_OK);
             size_t size;
-            char message[256];
+            char message[700];
             exr_image image = {0};
+            image_info info = {0};
             void *data = read_whole_file(file, &size);
-            assert_int_equal(exr_image_read(data, size, 1 << 20, &image, message, sizeof message), BTF_OK);
+            assert_int_equal(exr_image_read(data, size, 1 << 20, NULL, &image, &info, message, sizeof message), BTF_OK);
             assert_memory_equal(image.pixels, rgb, sizeof *rgb * (size_t)(width * height * 3));
             free(image.pixels);
             free(data);
@@ -410,7 +408,7 @@ static void test_exr_tiled(void **state) {
     }
 
     write_exr_tiled(file, W, H, 2, "UV", pixels);
-    expect_error(BTF_ERROR_UNSUPPORTED, "2 channels");
+    expect_error(BTF_ERROR_UNSUPPORTED, "U, V");
 }
 
 static void test_no_image(void **state) {

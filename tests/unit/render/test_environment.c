@@ -1,0 +1,144 @@
+/* Environment maps from files (decoder/tools/render/environment.h): which of an OpenEXR file's pictures is
+ * read, and what is told or refused.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "decoder/tools/render/environment.h"
+#include "tests/support/exr_bytes.h"
+#include "tests/support/image_files.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static char file[256], messages[2000];
+
+static int make_file(void **state) {
+    (void)state;
+    const char *base = getenv("TMPDIR");
+    snprintf(file, sizeof file, "%s/btf-environment-XXXXXX", base && *base ? base : "/tmp");
+    const int fd = mkstemp(file);
+    return fd < 0 ? -1 : close(fd);
+}
+
+static int remove_file(void **state) {
+    (void)state;
+    return unlink(file);
+}
+
+static void keep(void *user, btf_log_level level, const char *message) {
+    (void)user;
+    const size_t used = strlen(messages);
+    snprintf(messages + used, sizeof messages - used, "%d %s\n", (int)level, message);
+}
+
+static float value_of(int c, int x, int y) {
+    (void)x;
+    (void)y;
+    return (float)(1 << c);
+}
+
+/* Reads a map of a part with these channels; the lights' sum in *out_sum. */
+static btf_result read_map(const bytes_part *part, const char *layer, double out_sum[3]) {
+    const btf_log log = {keep, NULL};
+    light_list list = {0};
+    size_t size;
+    void *bytes = exr_bytes(part, 1, &size);
+    write_whole_file(file, bytes, size);
+    free(bytes);
+    messages[0] = '\0';
+    const btf_result result = light_list_read_environment(&list, file, layer, 4, 0, 1, &log);
+    for (int c = 0; c < 3; c++) {
+        out_sum[c] = 0;
+        for (size_t i = 0; i < list.count; i++)
+            out_sum[c] += list.lights[i].colour[c];
+    }
+    light_list_clear(&list);
+    return result;
+}
+
+static float chroma_of(int c, int x, int y) {
+    static const float values[4] = {1, -0.25f, 0.5f, 8};
+    (void)x;
+    (void)y;
+    return values[c];
+}
+
+static bytes_part map_of(const char *b, const char *g, const char *r, const char *further) {
+    bytes_part p = {.width = 8, .height = 4, .value = value_of};
+    const char *names[4] = {b, g, r, further};
+    for (int c = 0; c < 4 && names[c]; c++)
+        p.channels[p.channel_count++] = (bytes_channel){names[c], BYTES_HALF, 1, 1};
+    return p;
+}
+
+/* A sphere of radiance L gives lights whose colours add up to 4 L (irradiance over pi). */
+static void expect_sum(const double sum[3], double r, double g, double b) {
+    assert_true(fabs(sum[0] - 4 * r) < 1e-3 && fabs(sum[1] - 4 * g) < 1e-3 && fabs(sum[2] - 4 * b) < 1e-3);
+}
+
+static void test_layers(void **state) {
+    (void)state;
+    double sum[3];
+    bytes_part p = map_of("B", "G", "R", NULL);
+    assert_int_equal(read_map(&p, NULL, sum), BTF_OK);
+    expect_sum(sum, 4, 2, 1);
+    assert_string_equal(messages, "");
+    p = map_of("sky.B", "sky.G", "sky.R", "sun.Y");
+    assert_int_equal(read_map(&p, NULL, sum), BTF_OK);
+    expect_sum(sum, 4, 2, 1);
+    assert_non_null(strstr(messages, "layer sky"));
+    assert_int_equal(read_map(&p, "sun", sum), BTF_ERROR_UNSUPPORTED); /* grey */
+    assert_int_equal(read_map(&p, "moon", sum), BTF_ERROR_UNSUPPORTED);
+    assert_non_null(strstr(messages, "sky.B, sky.G, sky.R, sun.Y"));
+}
+
+/* Chroma never reaches the library's unpacking, here either. */
+static void test_chroma(void **state) {
+    (void)state;
+    double sum[3];
+    bytes_part p = map_of("A", "BY", "RY", "Y");
+    p.channels[1].xs = p.channels[1].ys = p.channels[2].xs = p.channels[2].ys = 2;
+    p.value = chroma_of;
+    assert_int_equal(read_map(&p, NULL, sum), BTF_OK);
+    assert_true(fabs(sum[0] - 4 * 12) < 0.01 && fabs(sum[2] - 4 * 6) < 0.01);
+}
+
+static void test_meaning(void **state) {
+    (void)state;
+    static const float p3[8] = {0.68f, 0.32f, 0.265f, 0.69f, 0.15f, 0.06f, 0.3127f, 0.329f};
+    double sum[3];
+    bytes_part p = map_of("B", "G", "R", NULL);
+    p.attributes[p.attribute_count++] =
+        (bytes_attribute){"chromaticities", "chromaticities", p3, sizeof p3};
+    assert_int_equal(read_map(&p, NULL, sum), BTF_OK);
+    /* R = 1.22494 * 4 - 0.22494 * 2 of Display P3 */
+    assert_true(fabs(sum[0] - 4 * 4.4499) < 0.01);
+    assert_non_null(strstr(messages, "converted to Rec. 709"));
+    p = map_of("B", "G", "R", NULL);
+    p.attributes[p.attribute_count++] = (bytes_attribute){"envmap", "envmap", "\1", 1};
+    assert_int_equal(read_map(&p, NULL, sum), BTF_ERROR_UNSUPPORTED);
+    assert_non_null(strstr(messages, "the faces of a cube"));
+    p.attributes[0].value = "\0";
+    assert_int_equal(read_map(&p, NULL, sum), BTF_OK);
+    p = map_of("X", "Y", "Z", NULL);
+    assert_int_equal(read_map(&p, NULL, sum), BTF_ERROR_UNSUPPORTED);
+    assert_non_null(strstr(messages, "colours are XYZ"));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_layers),
+        cmocka_unit_test(test_chroma),
+        cmocka_unit_test(test_meaning),
+    };
+    return cmocka_run_group_tests(tests, make_file, remove_file);
+}

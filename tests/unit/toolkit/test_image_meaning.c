@@ -1,0 +1,504 @@
+/* What image files say of their own pixels, and readers have to follow or tell: colour chunks of PNG,
+ * profiles, lenient headers of JPEG, header lines of Radiance HDR.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "decoder/toolkit/jpeg_image.h"
+#include "decoder/toolkit/png_image.h"
+#include "encoder/input/colour.h"
+#include "tests/support/image_files.h"
+
+#include <math.h>
+#include <png.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include <zlib.h>
+
+enum { W = 8, H = 6 };
+static char file[256], message[700];
+
+static int make_file(void **state) {
+    (void)state;
+    const char *base = getenv("TMPDIR");
+    snprintf(file, sizeof file, "%s/btf-meaning-XXXXXX", base && *base ? base : "/tmp");
+    const int fd = mkstemp(file);
+    return fd < 0 ? -1 : close(fd);
+}
+
+static int remove_file(void **state) {
+    (void)state;
+    return unlink(file);
+}
+
+static btf_result decode_bytes(const unsigned char *data, size_t size, enc_image *out_image) {
+    unsigned char *just = malloc(size);
+    assert_non_null(just);
+    memcpy(just, data, size);
+    *out_image = (enc_image){0};
+    const btf_result result = enc_image_decode(just, size, out_image, message, sizeof message);
+    free(just);
+    return result;
+}
+
+static void put32(unsigned char *p, uint32_t value) {
+    for (int i = 0; i < 4; i++)
+        p[i] = (unsigned char)(value >> (24 - 8 * i));
+}
+
+static uint32_t get32(const unsigned char *p) {
+    return (uint32_t)p[0] << 24 | (uint32_t)p[1] << 16 | (uint32_t)p[2] << 8 | p[3];
+}
+
+static uint32_t checksum(const unsigned char *p, size_t size) {
+    uint32_t crc = 0xFFFFFFFFu;
+    for (size_t i = 0; i < size; i++) {
+        crc ^= p[i];
+        for (int bit = 0; bit < 8; bit++)
+            crc = crc & 1 ? crc >> 1 ^ 0xEDB88320u : crc >> 1;
+    }
+    return ~crc;
+}
+
+typedef struct bytes {
+    unsigned char data[8192];
+    size_t size;
+} bytes;
+
+/* A PNG of `depth` bits without a word about its colours. */
+static bytes plain_png(int depth, int colour_type) {
+    static unsigned char pixels[W * H * 8];
+    bytes b;
+    for (size_t i = 0; i < sizeof pixels; i++)
+        pixels[i] = (unsigned char)(i * 5);
+    if (colour_type == PNG_COLOR_TYPE_RGB_ALPHA)
+        for (size_t i = 3; i < sizeof pixels; i += 4)
+            pixels[i] = 255;
+    write_png(file, W, H, colour_type, depth, false, pixels, NULL);
+    size_t size;
+    void *data = read_whole_file(file, &size);
+    assert_true(size < sizeof b.data);
+    memcpy(b.data, data, size);
+    free(data);
+    b.size = size;
+    return b;
+}
+
+/* Puts a chunk behind IHDR, or behind the pixels. */
+static void add_chunk(bytes *b, const char *type, const void *data, size_t size, bool behind) {
+    size_t at = 8;
+    while (memcmp(b->data + at + 4, behind ? "IEND" : "IHDR", 4) != 0)
+        at += 12 + get32(b->data + at);
+    at += behind ? 0 : 12 + get32(b->data + at);
+    assert_true(b->size + size + 12 <= sizeof b->data);
+    memmove(b->data + at + size + 12, b->data + at, b->size - at);
+    put32(b->data + at, (uint32_t)size);
+    memcpy(b->data + at + 4, type, 4);
+    if (size)
+        memcpy(b->data + at + 8, data, size);
+    put32(b->data + at + 8 + size, checksum(b->data + at + 4, size + 4));
+    b->size += size + 12;
+}
+
+/* The linear value that the first sample decodes to, as the encoder makes it. */
+static double first_value(const enc_image *image, double *out_code) {
+    double gamma;
+    const enc_transfer transfer = enc_transfer_of(image, &gamma);
+    enc_decoder *decoder = enc_decoder_create(transfer, gamma);
+    static float out[W * H * 3];
+    assert_non_null(decoder);
+    enc_decode_pixels(decoder, image, (enc_rectangle){0, 0, W, H}, out);
+    enc_decoder_destroy(&decoder);
+    *out_code = image->depth == 16 ? ((unsigned short *)image->pixels)[4] / 65535.0
+                                   : ((unsigned char *)image->pixels)[4] / 255.0;
+    return (double)out[4];
+}
+
+static enc_image decode_good(const bytes *b) {
+    enc_image image;
+    if (decode_bytes(b->data, b->size, &image) != BTF_OK)
+        fail_msg("%s", message);
+    return image;
+}
+
+static void expect_curve(bytes b, double (*curve)(double)) {
+    double code;
+    enc_image image = decode_good(&b);
+    const double value = first_value(&image, &code);
+    enc_image_clear(&image);
+    if (!(fabs(value - curve(code)) <= 1e-5))
+        fail_msg("%g decodes to %g, not %g", code, value, curve(code));
+}
+
+static double linear(double v) {
+    return v;
+}
+
+static double power22(double v) {
+    return pow(v, 1 / 0.45455);
+}
+
+static double bt709(double v) {
+    return v < 0.081 ? v / 4.5 : pow((v + 0.099) / 1.099, 1 / 0.45);
+}
+
+/* gAMA, sRGB and cICP, one over the other in the order of their rank; none means sRGB. */
+static void test_png_transfer(void **state) {
+    (void)state;
+    for (int depth = 8; depth <= 16; depth += 8) {
+        unsigned char gamma[4];
+        bytes b = plain_png(depth, PNG_COLOR_TYPE_RGB);
+        expect_curve(b, enc_srgb_decode);
+        put32(gamma, 100000);
+        add_chunk(&b, "gAMA", gamma, 4, false);
+        expect_curve(b, linear);
+        add_chunk(&b, "sRGB", "", 1, false);
+        expect_curve(b, enc_srgb_decode);
+        add_chunk(&b, "cICP", "\1\10\0\1", 4, false);
+        expect_curve(b, linear);
+        b = plain_png(depth, PNG_COLOR_TYPE_RGB);
+        put32(gamma, 45455);
+        add_chunk(&b, "gAMA", gamma, 4, false);
+        expect_curve(b, power22);
+        b = plain_png(depth, PNG_COLOR_TYPE_RGB);
+        add_chunk(&b, "cICP", "\1\15\0\1", 4, false);
+        expect_curve(b, enc_srgb_decode);
+        b = plain_png(depth, PNG_COLOR_TYPE_RGB);
+        add_chunk(&b, "cICP", "\1\1\0\1", 4, false);
+        expect_curve(b, bt709);
+        b = plain_png(depth, PNG_COLOR_TYPE_RGB);
+        put32(gamma, 0);
+        add_chunk(&b, "gAMA", gamma, 4, false);
+        expect_curve(b, enc_srgb_decode);
+        enc_image image = decode_good(&b);
+        assert_non_null(strstr(image.info.notes.texts[IMAGE_NOTE_SPACE], "gAMA 0 is not usable"));
+        enc_image_clear(&image);
+    }
+    bytes b = plain_png(16, PNG_COLOR_TYPE_RGB);
+    add_chunk(&b, "cICP", "\11\20\0\0", 4, false);
+    enc_image image = decode_good(&b);
+    assert_int_equal(image.info.transfer, IMAGE_TRANSFER_OTHER);
+    assert_string_equal(image.info.transfer_name, "PNG: cICP transfer 16, PQ,");
+    assert_non_null(strstr(image.info.notes.texts[IMAGE_NOTE_RANGE], "range 0"));
+    assert_true(image.info.converts); /* BT.2020 */
+    enc_image_clear(&image);
+}
+
+/* cHRM: Rec. 709's leave things alone, others are converted, behind sRGB they mean nothing. */
+static void test_png_primaries(void **state) {
+    (void)state;
+    static const uint32_t same[8] = {31270, 32900, 64000, 33000, 30000, 60000, 15000, 6000};
+    static const uint32_t wide[8] = {31270, 32900, 68000, 32000, 26500, 69000, 15000, 6000};
+    for (int k = 0; k < 3; k++) {
+        unsigned char values[32];
+        for (int i = 0; i < 8; i++)
+            put32(values + 4 * i, k ? wide[i] : same[i]);
+        bytes b = plain_png(8, PNG_COLOR_TYPE_RGB);
+        if (k == 2)
+            add_chunk(&b, "sRGB", "", 1, false);
+        add_chunk(&b, "cHRM", values, 32, false);
+        enc_image image = decode_good(&b);
+        assert_int_equal(image.info.converts, k == 1);
+        if (k == 1)
+            assert_non_null(strstr(image.info.primaries_name, "PNG cHRM red (0.68,0.32)"));
+        enc_image_clear(&image);
+    }
+}
+
+/* A profile of version 2 with a description alone. */
+static size_t make_profile(unsigned char *out, const char *name, bool version4) {
+    const size_t length = strlen(name) + 1;
+    memset(out, 0, 400);
+    memcpy(out + 4, "none", 4);
+    out[8] = version4 ? 4 : 2;
+    memcpy(out + 12, "mntrRGB XYZ ", 12);
+    memcpy(out + 36, "acsp", 4);
+    put32(out + 68, 0xF6D6);
+    put32(out + 72, 0x10000);
+    put32(out + 76, 0xD32D);
+    put32(out + 128, 1);
+    memcpy(out + 132, "desc", 4);
+    put32(out + 136, 144);
+    size_t size;
+    if (version4) {
+        memcpy(out + 144, "mluc", 4);
+        put32(out + 152, 1);
+        put32(out + 156, 12);
+        memcpy(out + 160, "enUS", 4);
+        put32(out + 164, (uint32_t)(2 * (length - 1)));
+        put32(out + 168, 28);
+        for (size_t i = 0; i + 1 < length; i++)
+            out[144 + 28 + 2 * i + 1] = (unsigned char)name[i];
+        size = 28 + 2 * (length - 1);
+    } else {
+        memcpy(out + 144, "desc", 4);
+        put32(out + 152, (uint32_t)length);
+        memcpy(out + 156, name, length);
+        size = 12 + length + 78;
+    }
+    size = (size + 3) / 4 * 4;
+    put32(out + 140, (uint32_t)size);
+    put32(out, (uint32_t)(144 + size));
+    return 144 + size;
+}
+
+static const struct {
+    const char *name;
+    bool srgb;
+} profiles[] = {{"sRGB IEC61966-2.1", true},
+                {"Adobe RGB (1998)", false},
+                {"GIMP built-in Linear sRGB", false},
+                {"sRGB built-in", true},
+                {"Display P3", false}};
+
+static void expect_profile(const enc_image *image, size_t k) {
+    const char *note = image->info.notes.texts[IMAGE_NOTE_PROFILE];
+    if (profiles[k].srgb ? note[0] != '\0' : !strstr(note, profiles[k].name))
+        fail_msg("%s: \"%s\"", profiles[k].name, note);
+}
+
+/* By its description, not by what the chunk calls it; a profile that cannot be inflated by that name. */
+static void test_png_profile(void **state) {
+    (void)state;
+    for (size_t k = 0; k < 2 * sizeof profiles / sizeof *profiles; k++) {
+        unsigned char profile[400], chunk[600] = "icc\0";
+        const size_t size = make_profile(profile, profiles[k / 2].name, k % 2);
+        uLongf packed = sizeof chunk - 5;
+        assert_int_equal(compress(chunk + 5, &packed, profile, size), Z_OK);
+        bytes b = plain_png(16, PNG_COLOR_TYPE_RGB);
+        add_chunk(&b, "iCCP", chunk, 5 + packed, false);
+        enc_image image = decode_good(&b);
+        expect_profile(&image, k / 2);
+        enc_image_clear(&image);
+        b = plain_png(16, PNG_COLOR_TYPE_RGB);
+        add_chunk(&b, "iCCP", "my screen\0\0oops", 15, false);
+        image = decode_good(&b);
+        assert_non_null(strstr(image.info.notes.texts[IMAGE_NOTE_PROFILE], "\"my screen\""));
+        enc_image_clear(&image);
+    }
+}
+
+/* An EXIF orientation behind the pixels counts; a colour space in it as well. */
+static void test_png_exif_behind(void **state) {
+    (void)state;
+    static const unsigned char turned[] = {'M', 'M', 0, 42, 0, 0, 0, 8, 0, 1, 1, 0x12, 0,
+                                           3,   0,   0, 0,  1, 0, 6, 0, 0, 0, 0, 0,    0};
+    for (int behind = 0; behind < 2; behind++) {
+        bytes b = plain_png(8, PNG_COLOR_TYPE_RGB);
+        enc_image image;
+        add_chunk(&b, "eXIf", turned, sizeof turned, behind);
+        assert_int_equal(decode_bytes(b.data, b.size, &image), BTF_ERROR_UNSUPPORTED);
+        assert_non_null(strstr(message, "EXIF orientation 6"));
+    }
+}
+
+static void test_png_alpha(void **state) {
+    (void)state;
+    bytes b = plain_png(8, PNG_COLOR_TYPE_RGB_ALPHA);
+    enc_image image = decode_good(&b);
+    assert_int_equal(image.channels, 3);
+    assert_int_equal(((unsigned char *)image.pixels)[3],
+                     20); /* the second pixel's red, of four bytes each */
+    assert_true(image.info.notes.texts[IMAGE_NOTE_ALPHA][0] == '\0');
+    enc_image_clear(&image);
+    b = plain_png(8, PNG_COLOR_TYPE_GRAY_ALPHA);
+    image = decode_good(&b);
+    assert_int_equal(image.channels, 1);
+    assert_non_null(strstr(image.info.notes.texts[IMAGE_NOTE_ALPHA], "transparency is not used"));
+    enc_image_clear(&image);
+}
+
+static bytes plain_jpeg(void) {
+    unsigned char rgb[W * H * 3];
+    bytes b;
+    for (int i = 0; i < W * H * 3; i++)
+        rgb[i] = (unsigned char)(i * 2);
+    assert_int_equal(jpeg_image_write(file, W, H, rgb, 90, (btf_log){0}), BTF_OK);
+    void *data = read_whole_file(file, &b.size);
+    assert_true(b.size < sizeof b.data);
+    memcpy(b.data, data, b.size);
+    free(data);
+    return b;
+}
+
+static void add_marker(bytes *b, int marker, const void *data, size_t size) {
+    memmove(b->data + 6 + size, b->data + 2, b->size - 2);
+    b->data[2] = 0xFF;
+    b->data[3] = (unsigned char)marker;
+    b->data[4] = (unsigned char)((size + 2) >> 8);
+    b->data[5] = (unsigned char)(size + 2);
+    memcpy(b->data + 6, data, size);
+    b->size += 4 + size;
+}
+
+static void test_jpeg_profile(void **state) {
+    (void)state;
+    for (size_t k = 0; k < 2 * sizeof profiles / sizeof *profiles; k++) {
+        unsigned char marker[14 + 400] = "ICC_PROFILE\0\1\1";
+        const size_t size = make_profile(marker + 14, profiles[k / 2].name, k % 2);
+        bytes b = plain_jpeg();
+        add_marker(&b, 0xE2, marker, 14 + size);
+        enc_image image = decode_good(&b);
+        expect_profile(&image, k / 2);
+        enc_image_clear(&image);
+    }
+    for (int space = 0; space < 2; space++) { /* EXIF: uncalibrated, or sRGB */
+        unsigned char exif[] = "Exif\0\0MM\0*\0\0\0\10\0\1\x87\x69\0\4\0\0\0\1\0\0\0\x1a\0\0\0\0"
+                               "\0\1\xa0\1\0\3\0\0\0\1\xff\xff\0\0\0\0\0";
+        if (space)
+            memcpy(exif + 6 + 26 + 10, "\0\1", 2);
+        bytes b = plain_jpeg();
+        add_marker(&b, 0xE1, exif, sizeof exif - 1);
+        enc_image image = decode_good(&b);
+        assert_int_equal(image.info.notes.texts[IMAGE_NOTE_SPACE][0] != '\0', !space);
+        enc_image_clear(&image);
+    }
+}
+
+/* A sequential file whose scan header has the spectral range of a progressive one: read whole, and told. A
+ * code that is broken stays refused. */
+static void test_jpeg_lenient(void **state) {
+    (void)state;
+    bytes b = plain_jpeg(), strict = b;
+    size_t at = 2;
+    while (b.data[at + 1] != 0xDA)
+        at += 2 + ((size_t)b.data[at + 2] << 8 | b.data[at + 3]);
+    unsigned char *range = b.data + at + 5 + 2 * b.data[at + 4];
+    assert_int_equal(range[0], 0);
+    assert_int_equal(range[1], 63);
+    enc_image want = decode_good(&strict);
+    assert_true(want.info.notes.texts[IMAGE_NOTE_HEADER][0] == '\0');
+    static const unsigned char kinds[3][3] = {{0, 0, 0}, {1, 5, 0}, {0, 63, 0x10}};
+    for (int k = 0; k < 3; k++) {
+        memcpy(range, kinds[k], 3);
+        enc_image image = decode_good(&b);
+        assert_memory_equal(image.pixels, want.pixels, W * H * 3);
+        assert_non_null(strstr(image.info.notes.texts[IMAGE_NOTE_HEADER], "SOS"));
+        enc_image_clear(&image);
+    }
+    enc_image_clear(&want);
+    b.size -= 2 + (b.size - (size_t)(range + 3 - b.data)) / 2; /* cut off within the scan */
+    enc_image image;
+    assert_int_equal(decode_bytes(b.data, b.size, &image), BTF_ERROR_BAD_FILE);
+}
+
+/* A flat file of W x H pixels that count, with these header lines and resolution. */
+static bytes hdr_of(const char *lines, const char *resolution) {
+    bytes b;
+    b.size = (size_t)snprintf((char *)b.data, sizeof b.data, "#?RADIANCE\n%s\n%s\n", lines, resolution);
+    for (int i = 0; i < W * H; i++) {
+        const unsigned char rgbe[4] = {(unsigned char)(128 + i), 160, 200, 128};
+        memcpy(b.data + b.size, rgbe, 4);
+        b.size += 4;
+    }
+    return b;
+}
+
+/* The eight orders: which of the stored pixels lies where. */
+static void test_hdr_orders(void **state) {
+    (void)state;
+    static const char *const orders[8] = {"-Y 6 +X 8", "-Y 6 -X 8", "+Y 6 +X 8", "+Y 6 -X 8",
+                                          "+X 8 -Y 6", "+X 8 +Y 6", "-X 8 -Y 6", "-X 8 +Y 6"};
+    for (int k = 0; k < 8; k++) {
+        const bytes b = hdr_of("FORMAT=32-bit_rle_rgbe\n", orders[k]);
+        enc_image image = decode_good(&b);
+        assert_int_equal(image.width, W);
+        assert_int_equal(image.height, H);
+        const bool columns = orders[k][1] == 'X';
+        const char *x_sign = strchr(orders[k], 'X') - 1, *y_sign = strchr(orders[k], 'Y') - 1;
+        for (int i = 0; i < W * H; i++) {
+            const int along_x = columns ? i / H : i % W, along_y = columns ? i % H : i / W;
+            const int x = *x_sign == '+' ? along_x : W - 1 - along_x,
+                      y = *y_sign == '-' ? along_y : H - 1 - along_y;
+            assert_true(((float *)image.pixels)[3 * (y * W + x)] == (float)(128 + i) / 256);
+        }
+        enc_image_clear(&image);
+    }
+    static const char *const bad[] = {"-Y 6 +Y 8", "-Z 6 +X 8", "Y 6 X 8", "-Y six +X 8", ""};
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+        enc_image image;
+        const bytes b = hdr_of("", bad[k]);
+        assert_int_equal(decode_bytes(b.data, b.size, &image), BTF_ERROR_UNSUPPORTED);
+        assert_non_null(strstr(message, "line 3"));
+    }
+    const bytes b = hdr_of("", "+X 6 -Y 6"); /* a square one is ATRIUM's, and that is told */
+    enc_image image = decode_good(&b);
+    assert_true(((float *)image.pixels)[0] == (float)(128 + 30) / 256);
+    assert_non_null(strstr(image.info.notes.texts[IMAGE_NOTE_HEADER], "\"+X 6 -Y 6\""));
+    enc_image_clear(&image);
+}
+
+/* Header lines of real writers. The values divide by `scale`. */
+static void test_hdr_headers(void **state) {
+    (void)state;
+    char longest[600];
+    memset(longest, 'x', sizeof longest);
+    memcpy(longest, "VIEW= -vtl", 10);
+    snprintf(longest + 400, 100, "\nEXPOSURE=2\n");
+    const struct {
+        const char *lines;
+        double scale[3];
+        image_note_kind kind; /* IMAGE_NOTE_KINDS: none */
+        const char *note;
+    } good[] = {
+        {"EXPOSURE=0\n", {1, 1, 1}, IMAGE_NOTE_EXPOSURE, "EXPOSURE=0"},
+        {"EXPOSURE= 2 \t\nEXPOSURE=3\r\n", {6, 6, 6}, IMAGE_NOTE_KINDS, ""},
+        {"FORMAT=32-bit_rle_rgbe  \n", {1, 1, 1}, IMAGE_NOTE_KINDS, ""},
+        {"FORMAT= 32-bit_rle_rgbe\n", {1, 1, 1}, IMAGE_NOTE_KINDS, ""},
+        {longest, {2, 2, 2}, IMAGE_NOTE_KINDS, ""},
+        {"COLORCORR=2 4 0.5\nEXPOSURE=2\n", {4, 8, 1}, IMAGE_NOTE_KINDS, ""},
+        {"GAMMA=1\nGAMMA=1.0\n", {1, 1, 1}, IMAGE_NOTE_KINDS, ""},
+        {"GAMMA=2.2\n", {1, 1, 1}, IMAGE_NOTE_GAMMA, "GAMMA=2.2 is not applied"},
+        {"PIXASPECT=1.5\n", {1, 1, 1}, IMAGE_NOTE_ASPECT, "PIXASPECT=1.5"},
+        {"\tEXPOSURE=9\nSOFTWARE=none\n# EXPOSURE=7\n", {1, 1, 1}, IMAGE_NOTE_KINDS, ""},
+        {"PRIMARIES=0.64 0.33 0.3 0.6 0.15 0.06 0.3127 0.329\n", {1, 1, 1}, IMAGE_NOTE_KINDS, ""},
+    };
+    for (size_t k = 0; k < sizeof good / sizeof *good; k++) {
+        const bytes b = hdr_of(good[k].lines, "-Y 6 +X 8");
+        enc_image image = decode_good(&b);
+        const float *p = image.pixels;
+        assert_true(fabs(p[0] * good[k].scale[0] - 0.5) < 1e-6 &&
+                    fabs(p[1] * good[k].scale[1] - 0.625) < 1e-6 &&
+                    fabs(p[2] * good[k].scale[2] - 200 / 256.0) < 1e-6);
+        assert_false(image.info.converts);
+        for (int n = 0; n < IMAGE_NOTE_KINDS; n++)
+            assert_true(n == (int)good[k].kind ? strstr(image.info.notes.texts[n], good[k].note) != NULL
+                                               : image.info.notes.texts[n][0] == '\0');
+        enc_image_clear(&image);
+    }
+    const bytes wide = hdr_of("PRIMARIES=.68 .32 .265 .69 .15 .06 .3127 .329\n", "-Y 6 +X 8");
+    enc_image image = decode_good(&wide);
+    assert_true(image.info.converts && strstr(image.info.primaries_name, "HDR PRIMARIES red (0.68,0.32)"));
+    enc_image_clear(&image);
+    static const char *const bad[] = {
+        "EXPOSURE=-1\n",       "EXPOSURE=two\n",  "EXPOSURE=1 2\n",    "EXPOSURE=inf\n",
+        "FORMAT=32-bit_rle\n", "COLORCORR=1 2\n", "PRIMARIES=1 2 3\n", "GAMMA=x\n"};
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+        char lines[100], expected[100];
+        snprintf(lines, sizeof lines, "SOFTWARE=none\n%s", bad[k]);
+        const bytes b = hdr_of(lines, "-Y 6 +X 8");
+        assert_int_equal(decode_bytes(b.data, b.size, &image), BTF_ERROR_BAD_FILE);
+        snprintf(expected, sizeof expected, "line 3, \"%.*s\"", (int)strlen(bad[k]) - 1, bad[k]);
+        if (!strstr(message, expected))
+            fail_msg("\"%s\" does not say %s", message, expected);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_png_transfer), cmocka_unit_test(test_png_primaries),
+        cmocka_unit_test(test_png_profile),  cmocka_unit_test(test_png_exif_behind),
+        cmocka_unit_test(test_png_alpha),    cmocka_unit_test(test_jpeg_profile),
+        cmocka_unit_test(test_jpeg_lenient), cmocka_unit_test(test_hdr_orders),
+        cmocka_unit_test(test_hdr_headers),
+    };
+    return cmocka_run_group_tests(tests, make_file, remove_file);
+}
