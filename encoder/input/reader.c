@@ -10,6 +10,7 @@
 #include "bonn_reader.h"
 #include "light_positions.h"
 #include "grid.h"
+#include "notices.h"
 #include "encoder/base/ranks.h"
 #include "source_archive.h"
 #include "source_folder.h"
@@ -59,6 +60,7 @@ typedef struct reader {
     float *planes; /* [block][channel][texel] */
     uint64_t negative;
     size_t n_negative_files, first_negative;
+    enc_notices *notices; /* about single images: enc_notices_add(r->notices, kind, path_of(r, item), text) */
 } reader;
 
 static const char *path_of(const reader *r, size_t item) {
@@ -394,6 +396,7 @@ static btf_result read_images(reader *r) {
         result = read_mine(r);
     result = enc_data_complete(r->context, r->data, result);
     result = add_negative(r, result);
+    result = enc_notices_tell(r->context, result, r->notices, r->source->location);
     enc_stage_end(r->context);
     return result;
 }
@@ -434,6 +437,8 @@ static btf_result read_set(const enc_context *context, const char *input, const 
         result = open_source(context, input, &r.source);
     if (result == BTF_OK)
         result = enc_grid_create(context, r.source, options, &r.grid);
+    if (result == BTF_OK && !(r.notices = enc_notices_create()))
+        result = BTF_ERROR_MEMORY;
     if (result == BTF_OK && !(r.decoder = enc_decoder_create(options->transfer, options->gamma)))
         result = BTF_ERROR_MEMORY;
     if (result == BTF_OK)
@@ -461,6 +466,7 @@ static btf_result read_set(const enc_context *context, const char *input, const 
     free(r.mine);
     enc_data_destroy(&r.data);
     enc_decoder_destroy(&r.decoder);
+    enc_notices_destroy(&r.notices);
     enc_grid_destroy(&r.grid);
     enc_source_close(&r.source);
     return result;
