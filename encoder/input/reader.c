@@ -60,7 +60,8 @@ typedef struct reader {
     float *planes; /* [block][channel][texel] */
     uint64_t negative;
     size_t n_negative_files, first_negative;
-    enc_notices *notices; /* about single images: enc_notices_add(r->notices, kind, path_of(r, item), text) */
+    enc_notices
+        *notices; /* about single images: enc_notices_add(r->notices, kind, path_of(r, item), text) */
 } reader;
 
 static const char *path_of(const reader *r, size_t item) {
@@ -479,8 +480,11 @@ btf_result enc_read(const enc_context *context, const char *input, const enc_rea
     *out_data = NULL;
     btf_result result = check_options(used, options);
     if (result == BTF_OK)
-        result = enc_bonn_is(input) ? enc_read_bonn(used, input, options, out_data)
-                                    : read_set(used, input, options, out_data);
+        result = options->names && enc_bonn_is(input)
+                     ? enc_fail(used, BTF_ERROR_USAGE,
+                                "%s: --names is for images, and this is a Bonn .btf file", input)
+                 : enc_bonn_is(input) ? enc_read_bonn(used, input, options, out_data)
+                                      : read_set(used, input, options, out_data);
     if (result == BTF_OK && options->coincident)
         result = enc_coincident_read(used, options->coincident, options, *out_data);
     if (result != BTF_OK)

@@ -6,16 +6,16 @@
 
 #include "decoder/toolkit/output.h"
 #include "decoder/toolkit/progress.h"
+#include "decoder/toolkit/text.h"
 #include "encoder/base/ranks.h"
 #include "job.h"
 
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
 
-enum { LONGEST_LINE = 4096 };
+enum { LARGEST_LIST = 1 << 28 }; /* bytes */
 
 static bool ends_with(const char *text, const char *end) {
     const size_t a = strlen(text), b = strlen(end);
@@ -87,28 +87,20 @@ static btf_result add_input(const enc_context *context, enc_batch *batch, const 
 }
 
 btf_result enc_batch_read(const enc_context *context, const char *path, enc_batch *out_batch) {
-    char line[LONGEST_LINE];
-    btf_result result = BTF_OK;
+    text_file text;
     *out_batch = (enc_batch){0};
-    FILE *file = fopen(path, "r");
-    if (!file)
-        return enc_fail(context, BTF_ERROR_IO, "%s: %s", path, strerror(errno));
-    for (size_t number = 1; result == BTF_OK && fgets(line, sizeof line, file); number++) {
-        char *begin = line + strspn(line, " \t\r\n");
+    btf_result result = text_read(path, LARGEST_LIST, &context->log, &text);
+    if (result != BTF_OK)
+        return result;
+    for (char *line; result == BTF_OK && (line = text_line(&text));) {
+        char *begin = line + strspn(line, " \t");
         size_t length = strlen(begin);
-        if (strlen(line) + 1 == sizeof line) {
-            result = enc_fail(context, BTF_ERROR_BAD_FILE, "%s: line %zu is longer than %d bytes", path,
-                              number, LONGEST_LINE - 2);
-            break;
-        }
-        while (length > 0 && strchr(" \t\r\n", begin[length - 1]))
+        while (length > 0 && strchr(" \t", begin[length - 1]))
             begin[--length] = '\0';
         if (length > 0 && begin[0] != '#')
-            result = add_input(context, out_batch, path, number, begin);
+            result = add_input(context, out_batch, path, text.number, begin);
     }
-    if (result == BTF_OK && ferror(file))
-        result = enc_fail(context, BTF_ERROR_IO, "%s: %s", path, strerror(errno));
-    fclose(file);
+    text_free(&text);
     if (result == BTF_OK && out_batch->count == 0)
         result = enc_fail(context, BTF_ERROR_BAD_FILE, "%s: lists no input", path);
     if (result != BTF_OK)
