@@ -8,6 +8,7 @@
 #include "decoder/toolkit/progress.h"
 #include "decoder/toolkit/text.h"
 #include "encoder/base/ranks.h"
+#include "encoder/input/bonn_file.h"
 #include "job.h"
 
 #include <stdlib.h>
@@ -22,10 +23,27 @@ static bool ends_with(const char *text, const char *end) {
     return a > b && strcasecmp(text + a - b, end) == 0;
 }
 
+/* Whether a file is of a kind that its first bytes tell: an archive, an image or a Bonn file is no list, whatever its
+ * ending. */
+static bool has_other_content(const char *path) {
+    static const char *const signatures[] = {"PK\3\4",       "PK\5\6", "7z\xbc\xaf", "\x1f\x8b", "\xfd" "7zXZ",
+                                             "\x28\xb5\x2f\xfd", "BZh",    "\x76\x2f\x31\x01", "\x89PNG",
+                                             "\xff\xd8\xff", "#?RADIANCE"};
+    char begin[264] = "";
+    FILE *file = fopen(path, "r");
+    const size_t size = file ? fread(begin, 1, sizeof begin - 1, file) : 0;
+    if (file)
+        fclose(file);
+    for (size_t i = 0; i < sizeof signatures / sizeof *signatures; i++)
+        if (size >= strlen(signatures[i]) && memcmp(begin, signatures[i], strlen(signatures[i])) == 0)
+            return true;
+    return (size > 262 && memcmp(begin + 257, "ustar", 5) == 0) || enc_bonn_is(path);
+}
+
 bool enc_batch_is(const char *path) {
     struct stat status;
     return (ends_with(path, ".txt") || ends_with(path, ".list")) && stat(path, &status) == 0 &&
-           !S_ISDIR(status.st_mode);
+           !S_ISDIR(status.st_mode) && !(S_ISREG(status.st_mode) && has_other_content(path));
 }
 
 /* "folder/WOOL.zip" and "folder/WOOL/" to "WOOL"; malloc'ed. */
