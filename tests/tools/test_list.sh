@@ -34,16 +34,18 @@ printf '\xef\xbb\xbfone\r\n' >sets/marked.txt
 expect "a list with a byte-order mark" 0 encode sets/marked.txt -o marked -q
 expect_that "its first line is read" cmp marked/one.btf.exr kept/one.btf.exr
 printf '\xff\xfeo\0n\0e\0' >sets/wide.txt
-expect "a list in UTF-16" 3 encode sets/wide.txt -o made
+expect "a list in UTF-16" 5 encode sets/wide.txt -o made
 expect_text "it is named" "wide.txt: the text is UTF-16: save it as UTF-8" err
 
 # One table for all inputs of a list, whose images it names with their folders.
+mkdir plain
+number=0
 for name in one three; do
-    mkdir -p "plain/$name"
-    find "sets/$name" -name '*.png' | sort | while read -r image; do
+    mkdir "plain/$name"
+    find "sets/$name" -name '*tl0*' | sort | while read -r image; do
         number=$((number + 1))
-        cp "$image" "plain/$name/$number.png"
-        echo "$image" | sed -E "s|.*tl([0-9.]+) pl([0-9.]+) tv([0-9.]+) pv([0-9.]+)\.png|$name/$number.png,\3,\4,\1,\2|"
+        cp "$image" "plain/$name/$number.${image##*.}"
+        echo "$image" | sed -E "s|.*tl([0-9.]+) pl([0-9.]+) tv([0-9.]+) pv([0-9.]+)\.([a-z]+)|$name/$number.\5,\3,\4,\1,\2|"
     done
 done >plain/table.csv
 printf 'one\nthree\n' >plain/all.txt
