@@ -34,7 +34,7 @@ typedef struct enc_read_options {
     enc_cosine cosine;
     int components;         /* of each factorisation of a Bonn file at most; 0: all */
     const char *coincident; /* table of lights that stood elsewhere (light_positions.h); NULL: none */
-    const char *names;      /* table of the images' directions (names_table.h); NULL: their names say them */
+    const char *names;      /* table of the images' directions (names_table.h); NULL: names say them */
     bool strict;            /* refuse negative values instead of clamping them to 0 and counting them */
 } enc_read_options;
 

@@ -423,10 +423,11 @@ static btf_result open_source(const enc_context *context, const char *path, enc_
     if (stat(path, &status) != 0)
         return enc_fail(context, BTF_ERROR_IO, "%s: %s", path, strerror(errno));
     if (file_is_exr(path))
-        return enc_fail(context, BTF_ERROR_BAD_FILE,
-                        "%s: is an OpenEXR file, a material or one image; a data set is a folder or an archive of "
-                        "images",
-                        path);
+        return enc_fail(
+            context, BTF_ERROR_BAD_FILE,
+            "%s: is an OpenEXR file, a material or one image; a data set is a folder or an archive of "
+            "images",
+            path);
     return S_ISDIR(status.st_mode) ? enc_source_open_directory(context, path, out_source)
                                    : enc_source_open_archive(context, path, out_source);
 }
