@@ -2,6 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "decoder/toolkit/file.h"
 #include "decoder/toolkit/progress.h"
 #include "decoder/toolkit/reference_view.h"
 #include "encoder/base/stage.h"
@@ -50,7 +51,7 @@ static const cli_program program = {
     .usage = "A B [OPTION...]",
     .summary =
         "Compares two BTFs image by image: PSNR (linear and sRGB-coded, values clipped to [0, 1]), SSIM,\n"
-        "by view ring and light ring. A and B are data sets (folder, zip) or materials (*.btf.exr), which\n"
+        "by view ring and light ring. A and B are data sets (folder, zip) or materials (OpenEXR), which\n"
         "the reference decoder evaluates at the directions of the other; two materials are compared at\n"
         "those of A.",
     .example = "btf-compare BRICKS64.zip bricks.btf.exr --json",
@@ -67,14 +68,8 @@ typedef struct side {
     enc_reference_images reference;
 } side;
 
-static bool is_material(const char *path) {
-    static const char ending[] = ".exr";
-    const size_t length = strlen(path), end = sizeof ending - 1;
-    return length > end && strcmp(path + length - end, ending) == 0;
-}
-
 static btf_result open_side(const enc_context *context, side *s) {
-    return is_material(s->path) ? btf_material_open(s->path, &context->log, &s->material)
+    return file_is_exr(s->path) ? btf_material_open(s->path, &context->log, &s->material)
                                 : enc_read(context, s->path, &o.read, &s->data);
 }
 

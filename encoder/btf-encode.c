@@ -2,6 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "decoder/toolkit/file.h"
 #include "decoder/toolkit/progress.h"
 #include "encoder/base/ranks_mpi.h"
 #include "encoder/job/batch.h"
@@ -12,10 +13,21 @@
 #include <fcntl.h>
 #include <omp.h>
 #include <stdio.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static uint64_t machine_memory(void) {
     return (uint64_t)sysconf(_SC_PHYS_PAGES) * (uint64_t)sysconf(_SC_PAGESIZE);
+}
+
+/* A material has its documented ending, in any case; a device or a pipe may have any. */
+static btf_result check_ending(const enc_context *context, const char *output) {
+    struct stat status;
+    if (file_ends_in(output, ".btf.exr") ||
+        (stat(output, &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode))) {
+        return BTF_OK;
+    }
+    return enc_fail(context, BTF_ERROR_USAGE, "option --output: '%s' does not end in .btf.exr", output);
 }
 
 static btf_result run(const enc_context *context, const enc_options *options) {
@@ -27,9 +39,11 @@ static btf_result run(const enc_context *context, const enc_options *options) {
                                         : enc_predict(context, job, options->predict, stdout);
     }
     if (!enc_batch_is(job->input)) {
-        return options->item > 0
-                   ? cli_error(&enc_program, BTF_ERROR_USAGE, "option --item: %s is not a list", job->input)
-                   : enc_job_run(context, job);
+        if (options->item > 0) {
+            return cli_error(&enc_program, BTF_ERROR_USAGE, "option --item: %s is not a list", job->input);
+        }
+        const btf_result ending = check_ending(context, job->output);
+        return ending == BTF_OK ? enc_job_run(context, job) : ending;
     }
     btf_result result = enc_batch_read(context, job->input, &batch);
     if (result == BTF_OK) {

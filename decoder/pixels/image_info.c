@@ -34,33 +34,6 @@ void image_info_primaries(image_info *info, const char *source, const primaries 
         image_note(info, IMAGE_NOTE_SPACE, "%s %s span no colour space: taken as Rec. 709", source, text);
 }
 
-void image_tally_add(image_tally *tally, const image_notes *notes, uint64_t number) {
-    for (int k = 0; k < IMAGE_NOTE_KINDS; k++) {
-        if (!notes->texts[k][0])
-            continue;
-        if (tally->kinds[k].images++ == 0) {
-            tally->kinds[k].first = number;
-            memcpy(tally->kinds[k].text, notes->texts[k], IMAGE_NOTE_SIZE);
-        } else if (strcmp(tally->kinds[k].text, notes->texts[k]) != 0) {
-            tally->kinds[k].varied = true;
-        }
-    }
-}
-
-void image_tally_merge(image_tally *tally, const image_tally *other) {
-    for (int k = 0; k < IMAGE_NOTE_KINDS; k++) {
-        if (other->kinds[k].images == 0)
-            continue;
-        const uint64_t images = tally->kinds[k].images;
-        const bool varied = tally->kinds[k].varied || other->kinds[k].varied ||
-                            (images > 0 && strcmp(tally->kinds[k].text, other->kinds[k].text) != 0);
-        if (images == 0 || other->kinds[k].first < tally->kinds[k].first)
-            tally->kinds[k] = other->kinds[k];
-        tally->kinds[k].images = images + other->kinds[k].images;
-        tally->kinds[k].varied = varied;
-    }
-}
-
 bool image_note_warns(image_note_kind kind) {
     return kind >= IMAGE_NOTE_PROFILE;
 }

@@ -1,5 +1,5 @@
 /* What an image file says about the meaning of its pixels, and what a reader has to tell its user about it:
- * notes of one image, and the tally of a data set's, which names each kind once, with a count.
+ * notes, one a kind.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -76,19 +76,6 @@ void image_info_primaries(image_info *info, const char *source, const primaries 
  */
 void image_info_profile(image_info *info, const char *format, const unsigned char *data, size_t size,
                         const char *name);
-
-/* The notes of a data set's images. Holds no pointers: ranks may exchange it. */
-typedef struct image_tally {
-    struct {
-        uint64_t images, first; /* the number of the first image that has it */
-        bool varied;            /* images had it with other texts */
-        char text[IMAGE_NOTE_SIZE];
-    } kinds[IMAGE_NOTE_KINDS];
-} image_tally;
-
-/* Adds one image's notes, or those of another tally (number ignored). */
-void image_tally_add(image_tally *tally, const image_notes *notes, uint64_t number);
-void image_tally_merge(image_tally *tally, const image_tally *other);
 
 /* Whether a kind is a warning. */
 bool image_note_warns(image_note_kind kind);

@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "cli.h"
+#include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
@@ -275,30 +276,42 @@ static bool read_size(const cli_option *option, const char *text, wanted *w) {
     return true;
 }
 
+/* The bytes of a unit: "", "B", or k, M, G, T (powers of 1000) or Ki, Mi, Gi, Ti (of 1024) with a B behind
+ * it or not, in any case, after blanks or none. 0 for anything else. */
+static double unit_bytes(const char *text) {
+    static const char prefixes[] = "kmgt";
+    double factor = 1;
+    if (*text == ' ' && !text[strspn(text, " ")])
+        return 0;
+    text += strspn(text, " ");
+    const char *prefix = *text ? strchr(prefixes, tolower((unsigned char)*text)) : NULL;
+    if (prefix) {
+        const bool binary = tolower((unsigned char)text[1]) == 'i';
+        for (const char *p = prefixes; p <= prefix; p++)
+            factor *= binary ? 1024 : 1000;
+        text += binary ? 2 : 1;
+    }
+    text += tolower((unsigned char)*text) == 'b';
+    return *text ? 0 : factor;
+}
+
 static bool read_bytes(const cli_option *option, const char *text, wanted *w) {
-    static const struct {
-        const char *name;
-        double factor;
-    } units[] = {{"", 1},     {"B", 1},       {"k", 1e3},     {"K", 1e3},     {"M", 1e6},    {"G", 1e9},
-                 {"T", 1e12}, {"Ki", 0x1p10}, {"Mi", 0x1p20}, {"Gi", 0x1p30}, {"Ti", 0x1p40}};
     double value;
     const char *end;
-    want(w, "a number of bytes, for instance 512M or 2.5Gi");
+    want(w, "a number of bytes, for instance 512M, 2.5GB (powers of 1000) or 2GiB (of 1024)");
     if (has_range(option))
-        want(w, "a number of bytes within %.0f to %.0f, for instance 512M or 2.5Gi", option->minimum,
-             option->maximum);
-    if (!cli_parse_double(text, "BkKMGT", &value, &end) || value < 0)
+        want(w,
+             "a number of bytes within %.0f to %.0f, for instance 512M, 2.5GB (powers of 1000) or 2GiB (of "
+             "1024)",
+             option->minimum, option->maximum);
+    if (!cli_parse_double(text, " BbKkMmGgTt", &value, &end) || value < 0)
         return false;
-    for (size_t i = 0; i < sizeof units / sizeof *units; i++) {
-        if (strcmp(end, units[i].name))
-            continue;
-        value *= units[i].factor;
-        if (value >= 0x1p63 || !in_range(option, value))
-            return false;
-        *(uint64_t *)option->value = (uint64_t)value;
-        return true;
-    }
-    return false;
+    const double factor = unit_bytes(end);
+    value *= factor;
+    if (factor == 0 || value >= 0x1p63 || !in_range(option, value))
+        return false;
+    *(uint64_t *)option->value = (uint64_t)value;
+    return true;
 }
 
 static bool read_angles(const cli_option *option, const char *text, wanted *w) {

@@ -9,6 +9,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
 
 void file_say(const btf_log *log, const char *format, ...) {
     char text[1200];
@@ -19,6 +21,23 @@ void file_say(const btf_log *log, const char *format, ...) {
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
     log->callback(log->user, BTF_LOG_ERROR, text);
+}
+
+bool file_is_exr(const char *path) {
+    char begin[4] = "";
+    struct stat status;
+    if (stat(path, &status) != 0 || !S_ISREG(status.st_mode))
+        return false;
+    FILE *file = fopen(path, "rb");
+    const size_t size = file ? fread(begin, 1, sizeof begin, file) : 0;
+    if (file)
+        fclose(file);
+    return size == sizeof begin && memcmp(begin, "\x76\x2f\x31\x01", sizeof begin) == 0;
+}
+
+bool file_ends_in(const char *path, const char *ending) {
+    const size_t length = strlen(path), end = strlen(ending);
+    return length > end && strcasecmp(path + length - end, ending) == 0;
 }
 
 btf_result file_read(const char *path, size_t most, const btf_log *log, char **out_data, size_t *out_size) {

@@ -6,10 +6,17 @@
 #define OPENBTF_TOOLKIT_FILE_H
 
 #include <openbtf/result.h>
+#include <stdbool.h>
 #include <stddef.h>
 
 /* An error message on log (may be NULL). */
 void file_say(const btf_log *log, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* Whether a path is a regular file that begins as OpenEXR files do, whatever its ending. */
+bool file_is_exr(const char *path);
+
+/* Whether a name ends in `ending` (".png"), in any case, behind at least one character. */
+bool file_ends_in(const char *path, const char *ending);
 
 /* *out_data[*out_size] is malloc'ed, a zero byte follows. Errors, named on log: BTF_ERROR_IO,
  * BTF_ERROR_UNSUPPORTED (above `most` bytes), BTF_ERROR_MEMORY. */

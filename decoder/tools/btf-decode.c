@@ -5,6 +5,7 @@
  */
 #include "decoder/toolkit/cli.h"
 #include "decoder/toolkit/exr_image.h"
+#include "decoder/toolkit/file.h"
 #include "decoder/toolkit/output.h"
 #include "decoder/toolkit/png_image.h"
 #include "decoder/toolkit/progress.h"
@@ -37,7 +38,7 @@ static const cli_option option_table[] = {
      .arg = "OUT",
      .type = CLI_STRING,
      .value = &options.out,
-     .help = "image (.png or .exr), or with --all a directory"},
+     .help = "image (.png or .exr, in any case), or a directory for all"},
     {.name = "view",
      .type = CLI_ANGLES,
      .value = options.view,
@@ -51,7 +52,8 @@ static const cli_option option_table[] = {
     {.name = "all",
      .type = CLI_FLAG,
      .value = &options.all,
-     .help = "every sampled view under every sampled light"},
+     .help = "every sampled view under every sampled light; default where\n"
+             "neither --view nor --light is given and OUT is no image"},
     {.name = "effects",
      .type = CLI_EFFECTS,
      .value = &options.effects,
@@ -92,16 +94,15 @@ static const cli_option option_table[] = {
 
 static const cli_program program = {
     .name = "btf-decode",
-    .usage = "FILE -o OUT [--view T,P] [--light T,P] | FILE -o DIR --all",
+    .usage = "FILE -o OUT [--view T,P] [--light T,P] | FILE -o DIR",
     .summary =
         "Decodes a material file (*.btf.exr) to images, texel by texel, with the reference decoder: what\n"
         "every other decoder must give, bit for bit.",
     .details =
         "Angles: theta from the surface normal, phi from +u (to the right) towards +v (up).\n"
-        "--all writes DIR/tvTTT_pvPPP/NNNNN tlTTT plPPP tvTTT pvPPP.png (.exr), the layout of UBO2003.\n"
+        "All images are DIR/tvTTT_pvPPP/NNNNN tlTTT plPPP tvTTT pvPPP.png (.exr), the layout of UBO2003.\n"
         "A direction below the horizon gives black.",
-    .example =
-        "btf-decode bricks.btf.exr -o top.png --light 45,90\nbtf-decode bricks.btf.exr -o bricks/ --all",
+    .example = "btf-decode bricks.btf.exr -o top.png --light 45,90\nbtf-decode bricks.btf.exr -o bricks/",
     .options = option_table,
     .min_arguments = 1,
     .max_arguments = 1,
@@ -270,14 +271,18 @@ static btf_result decode_all(const decoder *d, const btf_directions *views, cons
     return result == BTF_ERROR_INTERRUPTED ? cli_error(&program, result, "interrupted") : result;
 }
 
+static bool is_directory(const char *path) {
+    struct stat status;
+    return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
+}
+
 /* Picks the format by OUT's ending where --format does not. */
 static btf_result choose_format(void) {
-    const char *dot = strrchr(options.out, '.');
     if (options.format_given || options.all)
         return BTF_OK;
-    if (dot && !strcmp(dot, ".exr"))
+    if (file_ends_in(options.out, ".exr"))
         options.format = FORMAT_EXR;
-    else if (!dot || strcmp(dot, ".png"))
+    else if (!file_ends_in(options.out, ".png"))
         return cli_error(&program, BTF_ERROR_USAGE,
                          "option --output: '%s' ends neither in .png nor in .exr, and there is no --format",
                          options.out);
@@ -287,9 +292,12 @@ static btf_result choose_format(void) {
 static btf_result check_options(void) {
     if (!options.out)
         return cli_error(&program, BTF_ERROR_USAGE,
-                         "option --output is missing: an image or, with --all, a directory");
+                         "option --output is missing: an image, or a directory for all images");
     if (options.all && (options.view_given || options.light_given))
         return cli_error(&program, BTF_ERROR_USAGE, "option --all: not together with --view or --light");
+    const bool is_image = file_ends_in(options.out, ".png") || file_ends_in(options.out, ".exr");
+    if (!options.view_given && !options.light_given && (!is_image || is_directory(options.out)))
+        options.all = true;
     if (options.threads == 0)
         options.threads = omp_get_num_procs();
     return choose_format();

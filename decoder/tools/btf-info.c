@@ -9,6 +9,7 @@
 #include <openbtf/material.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/stat.h>
 
 static struct {
@@ -104,14 +105,44 @@ static bool find_gain(const btf_material_error *errors, size_t count, uint32_t e
     return found;
 }
 
+enum { LABEL = 16, LINE = 100, MOST_RINGS = 16 };
+
+/* Prints a label and words, wrapped at LINE columns where they have blanks. */
+static void print_wrapped(const char *label, const char *words) {
+    int column = printf("  %-14s", label);
+    while (*words) {
+        const int length = (int)strcspn(words, " ");
+        if (column > LABEL && column + 1 + length > LINE)
+            column = printf("\n%*s", LABEL, "") - 1;
+        else if (column > LABEL)
+            column += printf(" ");
+        column += printf("%.*s", length, words);
+        words += length;
+        words += strspn(words, " ");
+    }
+    printf("\n");
+}
+
 static void print_rings(const char *name, const btf_directions *d) {
     ring rings[BTF_MAX_DIRECTIONS];
-    int count = find_rings(d, rings);
-    printf("  %-14s%u:", name, (unsigned)d->count);
-    for (int i = 0; i < count; i++)
-        printf(" %g\u00B0 x %d%s", rings[i].theta, rings[i].count, i + 1 < count ? "," : "");
-    printf("; %u triangles, grid %u x %u\n", (unsigned)d->triangle_count, (unsigned)d->grid,
-           (unsigned)d->grid);
+    char text[MOST_RINGS * 40 + 160];
+    const int count = find_rings(d, rings);
+    int length = snprintf(text, sizeof text, "%u:", (unsigned)d->count);
+    for (int i = 0; i < count && count <= MOST_RINGS; i++)
+        length += snprintf(text + length, sizeof text - (size_t)length, " %g\u00B0 x %d%s", rings[i].theta,
+                           rings[i].count, i + 1 < count ? "," : "");
+    if (count > MOST_RINGS) {
+        double low = rings[0].theta, high = low;
+        for (int i = 1; i < count; i++) {
+            low = fmin(low, rings[i].theta);
+            high = fmax(high, rings[i].theta);
+        }
+        length += snprintf(text + length, sizeof text - (size_t)length,
+                           " %d angles from %g\u00B0 to %g\u00B0 (--json lists them)", count, low, high);
+    }
+    snprintf(text + length, sizeof text - (size_t)length, "; %u triangles, grid %u x %u",
+             (unsigned)d->triangle_count, (unsigned)d->grid, (unsigned)d->grid);
+    print_wrapped(name, text);
 }
 
 static void print_effects(const btf_material *material, const btf_material_info *info) {
@@ -206,11 +237,11 @@ static void print_text(const char *path, uint64_t file_bytes, const btf_material
            (unsigned long long)file_bytes, info->gpu_bytes, 100 * (1 - (double)info->gpu_bytes / samples),
            samples, info->table_bytes);
     if (*info->method)
-        printf("  %-14s%s\n", "method", info->method);
+        print_wrapped("method", info->method);
     if (*info->options)
-        printf("  %-14s%s\n", "options", info->options);
+        print_wrapped("options", info->options);
     if (*info->source)
-        printf("  %-14s%s\n", "source", info->source);
+        print_wrapped("source", info->source);
     print_effects(material, info);
     print_levels(material, info);
     print_textures(material);

@@ -34,6 +34,9 @@ void enc_grid_destroy(enc_grid **grid);
  * - tiny does not differ from 0. */
 double enc_grid_azimuth(const enc_read_options *options, double theta, double phi);
 
+/* Degrees within which two angles are one. */
+#define ENC_GRID_SAME 1e-3
+
 /* Degrees that the top view may be off the normal. */
 #define ENC_GRID_POLE_DISTANCE 5.0
 

@@ -5,11 +5,11 @@
 #include "light_positions.h"
 
 #include "encoder/data/coincident.h"
+#include "csv.h"
 #include "grid.h"
+#include "names.h"
 
-#include <errno.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -20,41 +20,55 @@ static int find_view(const enc_data *data, double theta, double phi) {
     return -1;
 }
 
-/* The four angles of a line, after a number or not. */
-static bool parse_line(const char *line, double angles[4]) {
-    double v[5];
-    int n = 0;
-    for (char *end; *(line += strspn(line, " \t")); line = end) {
-        double number = strtod(line, &end);
-        if (n == 5 || end == line || !(*end == 0 || *end == ' ' || *end == '\t'))
-            return false;
-        v[n++] = number;
+/* Cuts a line off where a comment begins. */
+static void drop_comment(enc_csv *csv) {
+    for (size_t i = 0; i < csv->count; i++) {
+        char *comment = strchr(csv->fields[i], '#');
+        if (!comment)
+            continue;
+        *comment = '\0';
+        csv->count = csv->fields[i][0] ? i + 1 : i;
+        return;
     }
-    if (n != 4 && n != 5)
-        return false;
-    memcpy(angles, v + (n - 4), 4 * sizeof *angles);
-    return isfinite(angles[0]) && isfinite(angles[1]) && isfinite(angles[2]) && isfinite(angles[3]);
 }
 
-static btf_result take_line(const enc_context *context, const char *path, int number, const char *line,
-                            const enc_read_options *options, enc_data *data) {
+/* The four angles of a line, after a number or not. *out_numbers: how many fields are numbers. */
+static bool parse_line(const enc_csv *csv, double angles[4], size_t *out_numbers) {
+    double v[5];
+    *out_numbers = 0;
+    for (size_t i = 0; i < csv->count; i++)
+        *out_numbers +=
+            enc_names_number(csv->fields[i], enc_csv_has_decimal_commas(csv), &v[i < 5 ? i : 4]);
+    if ((csv->count != 4 && csv->count != 5) || *out_numbers != csv->count)
+        return false;
+    memcpy(angles, v + (csv->count - 4), 4 * sizeof *angles);
+    return true;
+}
+
+static btf_result take_line(const enc_csv *csv, bool is_first, const enc_read_options *options,
+                            enc_data *data) {
     double a[4];
-    if (!parse_line(line, a))
-        return enc_fail(context, BTF_ERROR_BAD_FILE,
-                        "%s: line %d: expected theta, phi, and theta and phi of the light: %.60s", path,
-                        number, line);
+    size_t numbers;
+    if (!parse_line(csv, a, &numbers)) {
+        if (!is_first || numbers > 0)
+            return enc_csv_fail(csv, "expected theta, phi, and theta and phi of the light: %.60s",
+                                csv->fields[csv->count > 4 ? csv->count - 4 : 0]);
+        enc_log(csv->context, BTF_LOG_WARNING,
+                "%s: line %zu is taken for headings, whatever they say: columns are theta, phi, and theta "
+                "and phi of "
+                "the light",
+                csv->path, csv->text.number);
+        return BTF_OK;
+    }
     if (!(a[2] >= 0.0 && a[2] < 90.0))
-        return enc_fail(context, BTF_ERROR_BAD_FILE,
-                        "%s: line %d: theta %g of the light is not at least 0 and below 90", path, number,
-                        a[2]);
+        return enc_csv_fail(csv, "theta %g of the light is not at least 0 and below 90", a[2]);
     const int view = find_view(data, a[0], enc_grid_azimuth(options, a[0], a[1]));
     const int light = view >= 0 ? enc_coincident_light(data, view) : -1;
     if (light < 0)
-        return enc_fail(context, BTF_ERROR_BAD_FILE, "%s: line %d: (%g,%g) is no view and light of %s",
-                        path, number, a[0], a[1], data->source ? data->source : "the data");
+        return enc_csv_fail(csv, "(%g,%g) is no view and light of %s", a[0], a[1],
+                            data->source ? data->source : "the data");
     if (data->moved_light[view].index >= 0)
-        return enc_fail(context, BTF_ERROR_BAD_FILE, "%s: line %d: (%g,%g) a second time", path, number,
-                        a[0], a[1]);
+        return enc_csv_fail(csv, "(%g,%g) a second time", a[0], a[1]);
     data->moved_light[view] =
         (enc_moved_light){light, enc_direction_from_angles(a[2], enc_grid_azimuth(options, a[2], a[3]))};
     return BTF_OK;
@@ -62,26 +76,25 @@ static btf_result take_line(const enc_context *context, const char *path, int nu
 
 btf_result enc_coincident_read(const enc_context *context, const char *path,
                                const enc_read_options *options, enc_data *data) {
-    char line[4096];
-    btf_result result = BTF_OK;
-    FILE *file = fopen(path, "r");
-    if (!file)
-        return enc_fail(context, BTF_ERROR_IO, "%s: %s", path, strerror(errno));
+    enc_csv csv;
+    bool more = true, is_first = true;
+    btf_result result = enc_csv_open(context, path, &csv);
+    if (result != BTF_OK)
+        return result;
     data->moved_light = malloc((size_t)data->n_views * sizeof *data->moved_light);
     if (!data->moved_light)
         result = BTF_ERROR_MEMORY;
     for (int v = 0; v < data->n_views && data->moved_light; v++)
         data->moved_light[v].index = -1;
-    for (int number = 1; result == BTF_OK && fgets(line, sizeof line, file); number++) {
-        if (strlen(line) + 1 == sizeof line && line[sizeof line - 2] != '\n')
-            result = enc_fail(context, BTF_ERROR_BAD_FILE, "%s: line %d is longer than %zu bytes", path,
-                              number, sizeof line - 2);
-        line[strcspn(line, "#\r\n")] = '\0';
-        if (result == BTF_OK && line[strspn(line, " \t")] != '\0')
-            result = take_line(context, path, number, line, options, data);
+    while (result == BTF_OK && more) {
+        result = enc_csv_next(&csv, &more);
+        if (result != BTF_OK || !more || csv.is_comment)
+            continue;
+        drop_comment(&csv);
+        if (csv.count > 0)
+            result = take_line(&csv, is_first, options, data);
+        is_first = false;
     }
-    if (result == BTF_OK && ferror(file))
-        result = enc_fail(context, BTF_ERROR_IO, "%s: %s", path, strerror(errno));
-    fclose(file);
+    enc_csv_close(&csv);
     return result;
 }

@@ -5,15 +5,44 @@
 #include "names.h"
 
 #include <ctype.h>
-#include <stddef.h>
+#include <math.h>
+#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
-enum { KEYS = 4, MAX_DIGITS = 9 };
+enum { KEYS = ENC_NAME_KEYS, MAX_DIGITS = 9, MAX_DECIMALS = 15, MAX_EXPONENT = 300 };
 static const char keys[KEYS][2] = {{'t', 'l'}, {'p', 'l'}, {'t', 'v'}, {'p', 'v'}};
 
-static bool is_separator(char c) {
-    return c == ' ' || c == '_' || c == '-' || c == '=';
+/* How far two angles may be apart and still be one value, in degrees. */
+static const double same = 1e-3;
+
+/* A stretch of a path. */
+typedef struct text {
+    const char *p, *end;
+} text;
+
+static bool begins(text t, const char *word) {
+    const size_t length = strlen(word);
+    return (size_t)(t.end - t.p) >= length && strncasecmp(t.p, word, length) == 0;
+}
+
+static bool digit_at(text t, size_t offset) {
+    return (size_t)(t.end - t.p) > offset && isdigit((unsigned char)t.p[offset]);
+}
+
+static size_t separator_length(text t) {
+    if (t.p < t.end && strchr(" _-=", *t.p) && *t.p)
+        return 1;
+    return begins(t, "\xc2\xa0") ? 2 : 0; /* no-break space */
+}
+
+/* The key at the beginning, or KEYS. */
+static int key_of(text t) {
+    for (int key = 0; t.end - t.p >= 2 && key < KEYS; key++)
+        if (tolower((unsigned char)t.p[0]) == keys[key][0] &&
+            tolower((unsigned char)t.p[1]) == keys[key][1])
+            return key;
+    return KEYS;
 }
 
 /* Where a part of a path ends when its extension is left away: ".jpg" is one, ".5" is not. */
@@ -24,108 +53,292 @@ static const char *end_without_extension(const char *begin, const char *end) {
     return end;
 }
 
-/* Reads digits[.digits] at *p: at most MAX_DIGITS before the point, leading zeros aside, and as many that
- * count behind it. No locale has a say. */
-static bool read_number(const char **p, const char *end, double *out) {
-    const char *s = *p;
-    if (s == end || !isdigit((unsigned char)*s))
-        return false;
-    double value = 0.0, divisor = 1.0;
-    for (int digits = 0; s < end && isdigit((unsigned char)*s); s++) {
-        value = value * 10.0 + (*s - '0');
+/* Reads digits, decimals and an exponent without a sign before them: at most MAX_DIGITS before the point,
+ * leading zeros aside, and MAX_DECIMALS that count behind it. No locale has a say. False, with *why, where
+ * there is more than an angle has; t then stands anywhere. */
+static bool read_number(text *t, const char *points, double *out, const char **why) {
+    double value = 0.0, scale = 1.0;
+    *why = "an angle has no ten digits";
+    for (int digits = 0; digit_at(*t, 0); t->p++) {
+        value = value * 10.0 + (*t->p - '0');
         if (value > 0.0 && digits++ == MAX_DIGITS)
             return false;
     }
-    if (s + 1 < end && *s == '.' && isdigit((unsigned char)s[1])) {
+    if (t->p < t->end && *t->p && strchr(points, *t->p) && digit_at(*t, 1)) {
         int digits = 0;
-        for (s++; s < end && isdigit((unsigned char)*s); s++) {
-            if (digits++ < MAX_DIGITS) {
-                value = value * 10.0 + (*s - '0');
-                divisor *= 10.0;
+        for (t->p++; digit_at(*t, 0); t->p++) {
+            if (digits++ < MAX_DECIMALS) {
+                value = value * 10.0 + (*t->p - '0');
+                scale *= 10.0;
             }
         }
     }
-    *out = value / divisor;
-    *p = s;
+    value /= scale;
+    if (begins(*t, "e-") || begins(*t, "e+")) {
+        const bool small = t->p[1] == '-';
+        int exponent = 0;
+        if (!digit_at(*t, 2)) {
+            *why = "an exponent has digits";
+            return false;
+        }
+        for (t->p += 2; digit_at(*t, 0); t->p++)
+            exponent = exponent < MAX_EXPONENT ? exponent * 10 + (*t->p - '0') : exponent;
+        exponent = exponent < MAX_EXPONENT ? exponent : MAX_EXPONENT;
+        value = small ? value / pow(10.0, exponent) : value * pow(10.0, exponent);
+        *why = "the exponent is too large for an angle";
+        if (value >= 1e9)
+            return false;
+    }
+    *out = value;
     return true;
 }
 
-/* Reads an angle that follows a key: separators, a sign perhaps, a number. */
-static bool read_angle(const char **p, const char *end, double *out) {
-    const char *s = *p;
-    while (s < end && is_separator(*s))
-        s++;
-    const bool negative = s - *p >= 2 && s[-1] == '-';
-    if (!read_number(&s, end, out))
-        return false;
+static void skip_unit(text *t) {
+    static const char *const units[] = {"degrees", "degree", "deg", "\xc2\xb0", "\xc2\xba", "\xcb\x9a"};
+    for (size_t i = 0; i < sizeof units / sizeof *units; i++) {
+        if (begins(*t, units[i])) {
+            t->p += strlen(units[i]);
+            return;
+        }
+    }
+}
+
+/* Whether an angle is over at t: what follows cannot be a part of its number. *counter: digits behind '_'
+ * or '-' follow, and no other angle after them. */
+static bool is_over(text t, bool *counter, const char **why) {
+    *why = NULL;
+    if (t.p == t.end || key_of(t) < KEYS)
+        return true;
+    if (separator_length(t) > 0) {
+        if ((*t.p == '_' || *t.p == '-') && digit_at(t, 1)) {
+            for (t.p++; digit_at(t, 0);)
+                t.p++;
+            for (size_t n; (n = separator_length(t)) > 0;)
+                t.p += n;
+            *counter = true;
+            if (key_of(t) < KEYS)
+                *why = "digits behind '_' or '-' before the next angle may be decimals";
+        }
+    } else if (begins(t, "rad") || begins(t, "grad") || begins(t, "gon")) {
+        *why = "angles are read in degrees only";
+    } else if (strchr(".,;:+", *t.p)) {
+        if (digit_at(t, 1))
+            *why = "this is no one number";
+    } else if (!strchr("()[]{}&@#~!$|", *t.p)) {
+        *why = "what follows the digits may be a part of the number";
+    }
+    return *why == NULL;
+}
+
+typedef enum angle_kind { NO_ANGLE, GOOD_ANGLE, BAD_ANGLE } angle_kind;
+
+/* An angle as it stands behind a key. */
+typedef struct angle {
+    double value;
+    bool open_sign, is_plain, counter;
+    const char *why; /* of a BAD_ANGLE */
+} angle;
+
+/* Hyphens and dashes of typography: nobody can say whether they mean a minus. */
+static bool is_unclear_dash(text t) {
+    return t.end - t.p >= 3 && t.p[0] == '\xe2' && t.p[1] == '\x80' && (unsigned char)t.p[2] >= 0x90 &&
+           (unsigned char)t.p[2] <= 0x95;
+}
+
+/* Reads an angle that follows a key: separators, a sign perhaps, a number. Moves t behind it. */
+static angle_kind read_angle(text *t, angle *out) {
+    const char *behind_key = t->p;
+    *out = (angle){.is_plain = t->p < t->end && *t->p != '-'};
+    for (size_t n; (n = separator_length(*t)) > 0;)
+        t->p += n;
+    bool negative = t->p - behind_key >= 2 && t->p[-1] == '-';
+    out->open_sign = t->p - behind_key == 1 && t->p[-1] == '-';
+    if (is_unclear_dash(*t) && digit_at(*t, 3)) {
+        out->why = "this dash may be a minus or not: write '-' or the minus sign";
+        return BAD_ANGLE;
+    }
+    if (begins(*t, "\xe2\x88\x92") || begins(*t, "\xef\xbc\x8d")) { /* the minus sign, the wide one */
+        negative = true;
+        out->open_sign = false;
+        t->p += 3;
+    } else if (begins(*t, "+")) {
+        out->open_sign = false;
+        t->p++;
+    }
+    if (!digit_at(*t, 0) && !(begins(*t, ".") && digit_at(*t, 1)))
+        return NO_ANGLE;
+    if (!read_number(t, ".,pP", &out->value, &out->why))
+        return BAD_ANGLE;
+    skip_unit(t);
+    if (!is_over(*t, &out->counter, &out->why))
+        return BAD_ANGLE;
     if (negative)
-        *out = -*out;
-    *p = s;
-    return true;
+        out->value = -out->value;
+    return GOOD_ANGLE;
 }
 
-/* Scans one part of a path for keys that are not known yet. Returns false on two values for one key. */
-static bool scan(const char *begin, const char *end, double values[KEYS], bool known[KEYS]) {
-    double found[KEYS];
-    bool is_found[KEYS] = {false};
+/* What one part of a path says. */
+typedef struct part {
+    bool is_found[KEYS], is_twice[KEYS];
+    angle_kind kind[KEYS];
+    angle angles[KEYS];
+    text where[KEYS]; /* each with its key */
+} part;
+
+static void scan(const char *begin, const char *end, part *out) {
+    *out = (part){.is_found = {false}};
     for (const char *p = begin; p + 2 < end;) {
-        const char *after = p + 2;
-        double angle = 0.0;
-        int key = KEYS;
-        if (p == begin || !isalpha((unsigned char)p[-1]))
-            for (key = 0; key < KEYS; key++)
-                if (tolower((unsigned char)p[0]) == keys[key][0] &&
-                    tolower((unsigned char)p[1]) == keys[key][1])
-                    break;
-        if (key == KEYS || !read_angle(&after, end, &angle)) {
+        text t = {p + 2, end};
+        angle a;
+        const int key = p == begin || !isalpha((unsigned char)p[-1]) ? key_of((text){p, end}) : KEYS;
+        const angle_kind kind = key < KEYS ? read_angle(&t, &a) : NO_ANGLE;
+        if (kind == NO_ANGLE) {
             p++;
             continue;
         }
-        if (is_found[key] && found[key] != angle)
-            return false;
-        is_found[key] = true;
-        found[key] = angle;
-        p = after;
+        if (out->is_found[key] && (kind != out->kind[key] || a.value != out->angles[key].value))
+            out->is_twice[key] = true;
+        out->is_found[key] = true;
+        out->kind[key] = kind;
+        out->angles[key] = a;
+        out->where[key] = (text){p, end};
+        p = kind == GOOD_ANGLE ? t.p : p + 2;
     }
-    for (int key = 0; key < KEYS; key++) {
-        if (is_found[key] && !known[key]) {
-            known[key] = true;
-            values[key] = found[key];
-        }
-    }
-    return true;
 }
 
-bool enc_names_parse(const char *path, enc_angles *out_angles) {
-    double values[KEYS] = {0.0};
-    bool known[KEYS] = {false};
+/* What has been put together of the parts of a path, from the last to the first. */
+typedef struct collected {
+    enc_name *name;
+    bool known[KEYS];
+    double values[KEYS];
+    bool is_twice;
+} collected;
+
+static void note_bad(enc_name *name, text where, const char *why) {
+    size_t length = (size_t)(where.end - where.p);
+    if (name->why)
+        return;
+    length = length < sizeof name->bad - 1 ? length : sizeof name->bad - 1;
+    while (length > 0 && length == sizeof name->bad - 1 && ((unsigned char)where.p[length] & 0xC0) == 0x80)
+        length--; /* not into a character */
+    memcpy(name->bad, where.p, length);
+    name->bad[length] = '\0';
+    name->why = why;
+}
+
+/* Takes what is not known yet, and compares the rest. */
+static void take(collected *c, const part *from) {
+    for (int key = 0; key < KEYS; key++) {
+        const angle *a = &from->angles[key];
+        if (!from->is_found[key])
+            continue;
+        if (c->known[key]) {
+            const double apart = fabs(fabs(a->value) - fabs(c->values[key]));
+            if (from->kind[key] == GOOD_ANGLE && !from->is_twice[key] && apart > same)
+                c->name->folders_differ = true;
+            continue;
+        }
+        c->known[key] = true;
+        c->values[key] = a->value;
+        c->is_twice = c->is_twice || from->is_twice[key];
+        c->name->open_sign[key] = a->open_sign;
+        c->name->is_plain = c->name->is_plain || a->is_plain;
+        c->name->counter = c->name->counter || a->counter;
+        if (from->kind[key] == BAD_ANGLE)
+            note_bad(c->name, from->where[key], a->why);
+    }
+}
+
+enc_name_verdict enc_names_parse(const char *path, enc_name *out_name) {
+    collected c = {.name = out_name};
     const char *end = path + strlen(path);
-    bool is_file = true;
-    while (!(known[0] && known[1] && known[2] && known[3])) {
+    *out_name = (enc_name){.why = NULL};
+    for (bool is_file = true;; is_file = false) {
+        part p;
         const char *begin = end;
         while (begin > path && begin[-1] != '/')
             begin--;
-        if (!scan(begin, is_file ? end_without_extension(begin, end) : end, values, known))
-            return false;
+        scan(begin, is_file ? end_without_extension(begin, end) : end, &p);
+        take(&c, &p);
         if (begin == path)
             break;
         end = begin - 1;
-        is_file = false;
     }
-    *out_angles = (enc_angles){values[0], values[1], values[2], values[3]};
-    return known[0] && known[1] && known[2] && known[3];
+    out_name->angles = (enc_angles){c.values[0], c.values[1], c.values[2], c.values[3]};
+    if (!(c.known[0] && c.known[1] && c.known[2] && c.known[3]) || c.is_twice)
+        return ENC_NAME_INCOMPLETE;
+    return out_name->why ? ENC_NAME_BAD : ENC_NAME_READ;
+}
+
+enc_angles enc_names_angles(const enc_name *name, bool dash_is_minus) {
+    enc_angles a = name->angles;
+    double *const values[KEYS] = {&a.theta_light, &a.phi_light, &a.theta_view, &a.phi_view};
+    for (int key = 0; key < KEYS; key++)
+        if (dash_is_minus && name->open_sign[key])
+            *values[key] = 0.0 - *values[key]; /* no negative zero */
+    return a;
+}
+
+bool enc_names_number(const char *string, bool comma, double *out) {
+    text t = {string, string + strlen(string)};
+    const char *why;
+    const bool negative = begins(t, "-") || begins(t, "\xe2\x88\x92");
+    if (negative)
+        t.p += *t.p == '-' ? 1 : 3;
+    else if (begins(t, "+"))
+        t.p++;
+    if ((!digit_at(t, 0) && !(begins(t, ".") && digit_at(t, 1))) ||
+        !read_number(&t, comma ? ".," : ".", out, &why))
+        return false;
+    if (begins(t, "."))
+        t.p++; /* "30." */
+    skip_unit(&t);
+    *out = negative ? 0.0 - *out : *out;
+    return t.p == t.end;
+}
+
+void enc_angles_survey(enc_angle_range *range, const enc_angles *a) {
+    const double values[KEYS] = {a->theta_light, a->phi_light, a->theta_view, a->phi_view};
+    for (int key = 0; key < KEYS; key++) {
+        const double value = fabs(values[key]);
+        range->largest = fmax(range->largest, value);
+        if (value > same && fabs(value - round(value)) <= 1e-9)
+            range->whole++;
+        else if (value > same)
+            range->broken++;
+    }
+    range->beyond += fmax(fabs(a->phi_light), fabs(a->phi_view)) > 360.0 + same;
+}
+
+bool enc_angles_look_like_radians(const enc_angle_range *range) {
+    return range->largest < 6.3 && range->whole == 0 && range->broken > 0;
+}
+
+/* Whether the extension of a path is in the list (ended by NULL), and nothing in the path is hidden. */
+static bool is_visible_with(const char *path, const char *const *extensions) {
+    const char *name = path;
+    for (const char *slash; (slash = strchr(name, '/')); name = slash + 1) {
+        const size_t length = (size_t)(slash - name);
+        const bool here = length == 1 || (length == 2 && name[1] == '.');
+        if ((name[0] == '.' && !here) || (length == 8 && memcmp(name, "__MACOSX", 8) == 0))
+            return false;
+    }
+    const char *dot = strrchr(name, '.');
+    for (; dot && name[0] != '.' && *extensions; extensions++)
+        if (strcasecmp(dot, *extensions) == 0)
+            return true;
+    return false;
 }
 
 bool enc_names_is_image(const char *path) {
-    static const char *const extensions[] = {".jpg", ".jpeg", ".jpe",  ".png",
-                                             ".hdr", ".pic",  ".rgbe", ".exr"};
-    const char *slash = strrchr(path, '/');
-    const char *name = slash ? slash + 1 : path;
-    const char *dot = strrchr(name, '.');
-    if (!dot || name[0] == '.')
-        return false;
-    for (size_t i = 0; i < sizeof extensions / sizeof *extensions; i++)
-        if (strcasecmp(dot, extensions[i]) == 0)
-            return true;
-    return false;
+    static const char *const extensions[] = {".jpg", ".jpeg", ".jpe",  ".jfif", ".png",
+                                             ".hdr", ".pic",  ".rgbe", ".exr",  NULL};
+    return is_visible_with(path, extensions);
+}
+
+bool enc_names_is_foreign_image(const char *path) {
+    static const char *const extensions[] = {
+        ".tif", ".tiff", ".bmp", ".webp", ".gif", ".tga", ".jp2", ".jxl",  ".pfm",  ".ppm",  ".pgm", ".pnm",
+        ".dng", ".cr2",  ".cr3", ".nef",  ".arw", ".raw", ".psd", ".heic", ".avif", ".xyze", ".mat", NULL};
+    return is_visible_with(path, extensions);
 }

@@ -49,6 +49,12 @@
          .type = CLI_FLAG,                                                                                 \
          .value = &(r).flip_v,                                                                             \
          .help = "image row 0 is the bottom (-v)"},                                                        \
+        {.name = "names",                                                                                  \
+         .arg = "TABLE",                                                                                   \
+         .type = CLI_STRING,                                                                               \
+         .value = &(r).names,                                                                              \
+         .help = "directions of images whose names do not tell them: lines of\n"                           \
+                 "file, theta_v, phi_v, theta_l, phi_l, in degrees"},                                      \
         {.name = "azimuth-cw",                                                                             \
          .type = CLI_FLAG,                                                                                 \
          .value = &(r).azimuth_cw,                                                                         \

@@ -36,6 +36,7 @@ typedef struct enc_read_options {
     int components;         /* of each factorisation of a Bonn file at most; 0: all */
     const char *layer;      /* of OpenEXR files: the layer, part or channel to read; NULL: the plain choice */
     const char *coincident; /* table of lights that stood elsewhere (light_positions.h); NULL: none */
+    const char *names;      /* table of the images' directions (names_table.h); NULL: names say them */
     bool strict;            /* refuse negative values instead of clamping them to 0 and counting them */
 } enc_read_options;
 

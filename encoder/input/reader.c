@@ -5,11 +5,13 @@
 #include "reader.h"
 
 #include "encoder/base/stage.h"
+#include "decoder/toolkit/file.h"
 #include "encoder/data/extent.h"
 #include "bonn_file.h"
 #include "bonn_reader.h"
 #include "light_positions.h"
 #include "grid.h"
+#include "notices.h"
 #include "encoder/base/ranks.h"
 #include "source_archive.h"
 #include "source_folder.h"
@@ -60,7 +62,7 @@ typedef struct reader {
     float *planes; /* [block][channel][texel] */
     uint64_t negative;
     size_t n_negative_files, first_negative;
-    image_tally tally;
+    enc_notices *notices; /* about single images */
 } reader;
 
 static const char *path_of(const reader *r, size_t item) {
@@ -267,6 +269,16 @@ static void finish(const reader *r, size_t item, batch_file *file, float *planes
     file->data = NULL;
 }
 
+/* Notes what an image says of its pixels, to be told once a data set. */
+static void note(reader *r, size_t item, const image_notes *notes) {
+    for (int k = 0; k < IMAGE_NOTE_KINDS; k++) {
+        const char kind[] = {(char)('A' + k), '\0'}; /* lines come in the order of the kinds */
+        const btf_log_level level = image_note_warns((image_note_kind)k) ? BTF_LOG_WARNING : BTF_LOG_INFO;
+        if (notes->texts[k][0])
+            enc_notices_add(r->notices, level, kind, path_of(r, item), notes->texts[k]);
+    }
+}
+
 /* Reads up to `count` images from mine[first] on into the planes; *out_done says how many it was. A
  * sequential source is read by one thread ahead of the decoding. */
 static btf_result read_batch(reader *r, size_t first, size_t count, float *planes, size_t *out_done) {
@@ -301,7 +313,7 @@ static btf_result read_batch(reader *r, size_t first, size_t count, float *plane
         if (files[i].negative > 0 && r->n_negative_files++ == 0)
             r->first_negative = r->mine[first + i];
         r->negative += files[i].negative;
-        image_tally_add(&r->tally, &files[i].notes, r->mine[first + i]);
+        note(r, r->mine[first + i], &files[i].notes);
     }
     free(files);
     *out_done = n;
@@ -436,35 +448,6 @@ static btf_result add_negative(reader *r, btf_result result) {
     return result;
 }
 
-/* The notes of all ranks' images, together. */
-static btf_result merge_tallies(reader *r, btf_result result) {
-    const size_t size = (size_t)enc_ranks_count(r->context);
-    if (size < 2)
-        return result;
-    image_tally *all = calloc(size, sizeof *all);
-    if (all)
-        all[enc_ranks_own(r->context)] = r->tally;
-    else if (result == BTF_OK)
-        result = BTF_ERROR_MEMORY;
-    result = enc_ranks_gather(r->context, result, all, sizeof *all, size);
-    r->tally = (image_tally){0};
-    for (size_t i = 0; i < size && result == BTF_OK; i++)
-        image_tally_merge(&r->tally, &all[i]);
-    free(all);
-    return result;
-}
-
-/* Each kind of note once, with the number of images that have it. */
-static void log_tally(const reader *r) {
-    for (int k = 0; k < IMAGE_NOTE_KINDS; k++)
-        if (r->tally.kinds[k].images > 0)
-            enc_log(r->context, image_note_warns((image_note_kind)k) ? BTF_LOG_WARNING : BTF_LOG_INFO,
-                    "%s: %llu of %zu images: %s: first in %s%s", r->source->location,
-                    (unsigned long long)r->tally.kinds[k].images, r->grid->count, r->tally.kinds[k].text,
-                    path_of(r, (size_t)r->tally.kinds[k].first),
-                    r->tally.kinds[k].varied ? "; others have other values" : "");
-}
-
 static btf_result read_images(reader *r) {
     btf_result result = settle_share(r);
     enc_stage_begin(r->context, "read", r->n_mine);
@@ -472,7 +455,7 @@ static btf_result read_images(reader *r) {
         result = read_mine(r);
     result = enc_data_complete(r->context, r->data, result);
     result = add_negative(r, result);
-    result = merge_tallies(r, result);
+    result = enc_notices_tell(r->context, result, r->notices, r->source->location);
     enc_stage_end(r->context);
     return result;
 }
@@ -496,6 +479,12 @@ static btf_result open_source(const enc_context *context, const char *path, enc_
     *out_source = NULL;
     if (stat(path, &status) != 0)
         return enc_fail(context, BTF_ERROR_IO, "%s: %s", path, strerror(errno));
+    if (file_is_exr(path))
+        return enc_fail(
+            context, BTF_ERROR_BAD_FILE,
+            "%s: is an OpenEXR file, a material or one image; a data set is a folder or an archive of "
+            "images",
+            path);
     return S_ISDIR(status.st_mode) ? enc_source_open_directory(context, path, out_source)
                                    : enc_source_open_archive(context, path, out_source);
 }
@@ -513,6 +502,8 @@ static btf_result read_set(const enc_context *context, const char *input, const 
         result = open_source(context, input, &r.source);
     if (result == BTF_OK)
         result = enc_grid_create(context, r.source, options, &r.grid);
+    if (result == BTF_OK && !(r.notices = enc_notices_create()))
+        result = BTF_ERROR_MEMORY;
     if (result == BTF_OK)
         result = settle_size(&r);
     if (result == BTF_OK)
@@ -524,8 +515,6 @@ static btf_result read_set(const enc_context *context, const char *input, const 
         result = BTF_ERROR_MEMORY;
     if (result == BTF_OK)
         result = read_images(&r);
-    if (result == BTF_OK)
-        log_tally(&r);
     if (result == BTF_OK && r.negative > 0)
         enc_log(context, BTF_LOG_WARNING,
                 "%s: %llu samples below 0 in %zu images were set to 0: first in %s (--strict refuses them)",
@@ -540,6 +529,7 @@ static btf_result read_set(const enc_context *context, const char *input, const 
     free(r.mine);
     enc_data_destroy(&r.data);
     enc_decoder_destroy(&r.decoder);
+    enc_notices_destroy(&r.notices);
     enc_grid_destroy(&r.grid);
     enc_source_close(&r.source);
     return result;
@@ -552,8 +542,11 @@ btf_result enc_read(const enc_context *context, const char *input, const enc_rea
     *out_data = NULL;
     btf_result result = check_options(used, options);
     if (result == BTF_OK)
-        result = enc_bonn_is(input) ? enc_read_bonn(used, input, options, out_data)
-                                    : read_set(used, input, options, out_data);
+        result = options->names && enc_bonn_is(input)
+                     ? enc_fail(used, BTF_ERROR_USAGE,
+                                "%s: --names is for images, and this is a Bonn .btf file", input)
+                 : enc_bonn_is(input) ? enc_read_bonn(used, input, options, out_data)
+                                      : read_set(used, input, options, out_data);
     if (result == BTF_OK && options->coincident)
         result = enc_coincident_read(used, options->coincident, options, *out_data);
     if (result != BTF_OK)

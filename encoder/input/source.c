@@ -22,7 +22,11 @@ btf_result enc_source_add(enc_source *source, const char *path, size_t *n_alloca
         return BTF_ERROR_UNSUPPORTED;
     if (!*out_is_image) {
         source->n_others++;
-        return BTF_OK;
+        if (!enc_names_is_foreign_image(path))
+            return BTF_OK;
+        if (source->n_foreign++ == 0)
+            source->first_foreign = strdup(path);
+        return source->first_foreign ? BTF_OK : BTF_ERROR_MEMORY;
     }
     if (source->count == *n_allocated) {
         const size_t n = *n_allocated ? 2 * *n_allocated : 1024;
@@ -43,4 +47,5 @@ void enc_source_free_paths(enc_source *source) {
     for (size_t i = 0; i < source->count; i++)
         free(source->paths[i]);
     free(source->paths);
+    free(source->first_foreign);
 }

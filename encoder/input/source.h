@@ -20,6 +20,8 @@ struct enc_source {
     size_t count;
     char **paths;
     size_t n_others;      /* files that are no images */
+    size_t n_foreign;     /* images of formats that are not read, among these */
+    char *first_foreign;  /* NULL: none */
     bool is_sequential;   /* read in rising order of index, from one thread; else in any order, from any */
     const char *location; /* what paths are inside of, for messages */
 

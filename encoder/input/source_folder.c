@@ -94,41 +94,77 @@ static int by_bytes(const struct dirent **a, const struct dirent **b) {
     return strcmp((*a)->d_name, (*b)->d_name);
 }
 
+/* The folders that lead to one, from the root on. */
+typedef struct way {
+    dev_t device[MAX_DEPTH + 1];
+    ino_t number[MAX_DEPTH + 1];
+    int depth;
+} way;
+
+static bool leads_back(const way *w, const struct stat *status) {
+    for (int i = 0; i < w->depth; i++)
+        if (w->device[i] == status->st_dev && w->number[i] == status->st_ino)
+            return true;
+    return false;
+}
+
+static btf_result list_folder(const enc_context *context, directory_source *source, const char *inside,
+                              way *w, size_t *n_allocated);
+
+/* Adds a file, or what lies in a folder. What cannot be looked at is told and left out. */
+static btf_result add_entry(const enc_context *context, directory_source *source, const char *path,
+                            const char *full, way *w, size_t *n_allocated) {
+    struct stat status;
+    if (enc_cancelled(context))
+        return BTF_ERROR_INTERRUPTED;
+    if (stat(full, &status) != 0) {
+        enc_log(context, BTF_LOG_WARNING, "%s: %s", full, strerror(errno));
+        return BTF_OK;
+    }
+    if (S_ISDIR(status.st_mode)) {
+        if (leads_back(w, &status)) {
+            enc_log(context, BTF_LOG_WARNING, "%s: is a folder that leads back to itself", full);
+            return BTF_OK;
+        }
+        if (w->depth > MAX_DEPTH)
+            return enc_fail(context, BTF_ERROR_UNSUPPORTED, "%s: more than %d folders deep", full,
+                            MAX_DEPTH);
+        w->device[w->depth] = status.st_dev;
+        w->number[w->depth++] = status.st_ino;
+        const btf_result result = list_folder(context, source, path, w, n_allocated);
+        w->depth--;
+        return result;
+    }
+    if (!S_ISREG(status.st_mode)) {
+        enc_log(context, BTF_LOG_WARNING, "%s: is neither a file nor a folder", full);
+        return BTF_OK;
+    }
+    bool is_image;
+    const btf_result result = enc_source_add(&source->base, path, n_allocated, &is_image);
+    if (result == BTF_ERROR_UNSUPPORTED)
+        enc_fail(context, result, "%s: more than %zu files", source->root, ENC_SOURCE_MAX_ENTRIES);
+    return result;
+}
+
 /* Adds the files of one folder and, recursively, of those in it. `inside` is its path below the root, "" at
  * the root. */
 static btf_result list_folder(const enc_context *context, directory_source *source, const char *inside,
-                              int depth, size_t *n_allocated) {
+                              way *w, size_t *n_allocated) {
     char *folder = join(source->root, inside);
     if (!folder)
         return BTF_ERROR_MEMORY;
     struct dirent **entries = NULL;
     const int count = scandir(folder, &entries, is_visible, by_bytes);
     btf_result result = BTF_OK;
-    if (count < 0)
+    if (count < 0 && inside[0])
+        enc_log(context, BTF_LOG_WARNING, "%s: %s", folder, strerror(errno));
+    else if (count < 0)
         result = enc_fail(context, BTF_ERROR_IO, "%s: %s", folder, strerror(errno));
     for (int i = 0; i < count; i++) {
         char *path = join(inside, entries[i]->d_name);
         char *full = path ? join(source->root, path) : NULL;
-        struct stat status;
-        if (result != BTF_OK) {
-            /* only frees from here on */
-        } else if (!full) {
-            result = BTF_ERROR_MEMORY;
-        } else if (enc_cancelled(context)) {
-            result = BTF_ERROR_INTERRUPTED;
-        } else if (stat(full, &status) != 0) {
-            enc_log(context, BTF_LOG_WARNING, "%s: %s", full, strerror(errno));
-        } else if (S_ISDIR(status.st_mode) && depth >= MAX_DEPTH) {
-            result =
-                enc_fail(context, BTF_ERROR_UNSUPPORTED, "%s: more than %d folders deep", full, MAX_DEPTH);
-        } else if (S_ISDIR(status.st_mode)) {
-            result = list_folder(context, source, path, depth + 1, n_allocated);
-        } else {
-            bool is_image;
-            result = enc_source_add(&source->base, path, n_allocated, &is_image);
-            if (result == BTF_ERROR_UNSUPPORTED)
-                enc_fail(context, result, "%s: more than %zu files", source->root, ENC_SOURCE_MAX_ENTRIES);
-        }
+        if (result == BTF_OK)
+            result = full ? add_entry(context, source, path, full, w, n_allocated) : BTF_ERROR_MEMORY;
         free(full);
         free(path);
         free(entries[i]);
@@ -148,8 +184,15 @@ btf_result enc_source_open_directory(const enc_context *context, const char *pat
     source->root = strdup(path);
     source->base.location = source->root;
     size_t n_allocated = 0;
+    struct stat status;
+    way w = {.depth = 0};
+    if (stat(path, &status) == 0) {
+        w.device[0] = status.st_dev;
+        w.number[0] = status.st_ino;
+        w.depth = 1;
+    }
     const btf_result result =
-        source->root ? list_folder(context, source, "", 0, &n_allocated) : BTF_ERROR_MEMORY;
+        source->root ? list_folder(context, source, "", &w, &n_allocated) : BTF_ERROR_MEMORY;
     if (result != BTF_OK) {
         close_directory(&source->base);
         return result;

@@ -6,26 +6,53 @@
 
 #include "decoder/toolkit/output.h"
 #include "decoder/toolkit/progress.h"
+#include "decoder/toolkit/text.h"
 #include "encoder/base/ranks.h"
+#include "encoder/input/bonn_file.h"
 #include "job.h"
 
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
 
-enum { LONGEST_LINE = 4096 };
+enum { LARGEST_LIST = 1 << 28 }; /* bytes */
 
 static bool ends_with(const char *text, const char *end) {
     const size_t a = strlen(text), b = strlen(end);
     return a > b && strcasecmp(text + a - b, end) == 0;
 }
 
+/* Whether a file is of a kind that its first bytes tell: an archive, an image or a Bonn file is no list,
+ * whatever its ending. */
+static bool has_other_content(const char *path) {
+    static const char *const signatures[] = {"PK\3\4",
+                                             "PK\5\6",
+                                             "7z\xbc\xaf",
+                                             "\x1f\x8b",
+                                             "\xfd"
+                                             "7zXZ",
+                                             "\x28\xb5\x2f\xfd",
+                                             "BZh",
+                                             "\x76\x2f\x31\x01",
+                                             "\x89PNG",
+                                             "\xff\xd8\xff",
+                                             "#?RADIANCE"};
+    char begin[264] = "";
+    FILE *file = fopen(path, "r");
+    const size_t size = file ? fread(begin, 1, sizeof begin - 1, file) : 0;
+    if (file)
+        fclose(file);
+    for (size_t i = 0; i < sizeof signatures / sizeof *signatures; i++)
+        if (size >= strlen(signatures[i]) && memcmp(begin, signatures[i], strlen(signatures[i])) == 0)
+            return true;
+    return (size > 262 && memcmp(begin + 257, "ustar", 5) == 0) || enc_bonn_is(path);
+}
+
 bool enc_batch_is(const char *path) {
     struct stat status;
     return (ends_with(path, ".txt") || ends_with(path, ".list")) && stat(path, &status) == 0 &&
-           !S_ISDIR(status.st_mode);
+           !S_ISDIR(status.st_mode) && !(S_ISREG(status.st_mode) && has_other_content(path));
 }
 
 /* "folder/WOOL.zip" and "folder/WOOL/" to "WOOL"; malloc'ed. */
@@ -57,7 +84,7 @@ static char *beside(const char *list, size_t folder_length, const char *name) {
 
 /* Takes a line, without spaces at either end. */
 static btf_result add_input(const enc_context *context, enc_batch *batch, const char *list, size_t line,
-                      const char *text) {
+                            const char *text) {
     const char *slash = strrchr(list, '/');
     char **inputs = realloc(batch->inputs, (batch->count + 1) * sizeof *inputs);
     if (inputs)
@@ -87,28 +114,20 @@ static btf_result add_input(const enc_context *context, enc_batch *batch, const 
 }
 
 btf_result enc_batch_read(const enc_context *context, const char *path, enc_batch *out_batch) {
-    char line[LONGEST_LINE];
-    btf_result result = BTF_OK;
+    text_file text;
     *out_batch = (enc_batch){0};
-    FILE *file = fopen(path, "r");
-    if (!file)
-        return enc_fail(context, BTF_ERROR_IO, "%s: %s", path, strerror(errno));
-    for (size_t number = 1; result == BTF_OK && fgets(line, sizeof line, file); number++) {
-        char *begin = line + strspn(line, " \t\r\n");
+    btf_result result = text_read(path, LARGEST_LIST, &context->log, &text);
+    if (result != BTF_OK)
+        return result;
+    for (char *line; result == BTF_OK && (line = text_line(&text));) {
+        char *begin = line + strspn(line, " \t");
         size_t length = strlen(begin);
-        if (strlen(line) + 1 == sizeof line) {
-            result = enc_fail(context, BTF_ERROR_BAD_FILE, "%s: line %zu is longer than %d bytes", path,
-                              number, LONGEST_LINE - 2);
-            break;
-        }
-        while (length > 0 && strchr(" \t\r\n", begin[length - 1]))
+        while (length > 0 && strchr(" \t", begin[length - 1]))
             begin[--length] = '\0';
         if (length > 0 && begin[0] != '#')
-            result = add_input(context, out_batch, path, number, begin);
+            result = add_input(context, out_batch, path, text.number, begin);
     }
-    if (result == BTF_OK && ferror(file))
-        result = enc_fail(context, BTF_ERROR_IO, "%s: %s", path, strerror(errno));
-    fclose(file);
+    text_free(&text);
     if (result == BTF_OK && out_batch->count == 0)
         result = enc_fail(context, BTF_ERROR_BAD_FILE, "%s: lists no input", path);
     if (result != BTF_OK)

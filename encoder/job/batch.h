@@ -21,7 +21,7 @@ typedef struct enc_batch {
 bool enc_batch_is(const char *path);
 
 /* Errors, naming file and line: BTF_ERROR_IO, BTF_ERROR_BAD_FILE (no input; two of one name; a name that is
- * none, as of ".."; a line too long), BTF_ERROR_MEMORY. */
+ * none, as of ".."; not a text), BTF_ERROR_UNSUPPORTED (UTF-16 and the like), BTF_ERROR_MEMORY. */
 btf_result enc_batch_read(const enc_context *context, const char *path, enc_batch *out_batch);
 void enc_batch_clear(enc_batch *batch);
 

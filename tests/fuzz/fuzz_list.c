@@ -16,8 +16,7 @@ static int messages;
 
 static void count_message(void *user, btf_log_level level, const char *message) {
     (void)user;
-    (void)level;
-    messages += message[0] != 0;
+    messages += level == BTF_LOG_ERROR && message[0] != 0;
 }
 static const enc_context context = {.log = {count_message, NULL}, .threads = 1};
 

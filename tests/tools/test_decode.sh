@@ -16,6 +16,52 @@ expect_that "and agree with the material up to 8 bits" python3 - <<'P'
 import json
 assert json.load(open("out"))["psnr"]["srgb"] > 50
 P
+expect "all images without --all, as in the README" 0 btf-decode m.btf.exr -o every
+expect_that "they are the same" diff -r all every
+mkdir there.png
+expect "into a folder that is there, whatever its name" 0 btf-decode m.btf.exr -o there.png
+expect_that "they are the same" diff -r all there.png
+expect "an image where its ending says so" 0 btf-decode m.btf.exr -o TOP.PNG
+expect "an EXR where its ending says so" 0 btf-decode m.btf.exr -o top.Exr
+expect_that "by its content" test "$(head -c 4 top.Exr | xxd -p)" = 762f3101
+expect "one direction without an ending" 1 btf-decode m.btf.exr -o image --view 0,0
+expect_text "is asked for one" "'image' ends neither in .png nor in .exr" err
+
+# Content decides what is opened, the ending what is written.
+cp m.btf.exr M.BTF.EXR
+cp m.btf.exr mat.btf
+(cd data && python3 -m zipfile -c ../data.txt ./*)
+for name in M.BTF.EXR mat.btf; do
+    expect "info of $name" 0 btf-info $name --json
+    expect "decode $name" 0 btf-decode $name -o named.png --view 0,0
+    expect "compare with $name" 0 btf-compare data $name -q --no-ssim
+done
+expect "an archive called a text" 0 btf-encode data.txt -o named.BTF.EXR --method paper -q
+expect "compared under that name" 0 btf-compare data.txt m.btf.exr -q --no-ssim
+expect "a material as input" 3 btf-encode mat.btf -o x.btf.exr -q
+expect_text "is told" "mat.btf: is an OpenEXR file" err
+expect "another ending to write" 1 btf-encode data -o mat.btf --method paper -q
+expect_text "is refused" "'mat.btf' does not end in .btf.exr" err
+for tool in btf-info btf-decode btf-encode btf-compare; do
+    $tool --help >out
+    expect_that "$tool --help tells exit codes once" test "$(grep -ci '^ *exit codes' out)" = 1
+done
+
+# Directions that lie on no rings do not make a line of thousands of characters.
+expect_that "scattered directions" python3 - <<'P'
+import os, random, shutil, glob
+random.seed(3)
+images = sorted(glob.glob("data/*/*.png"))
+views = [(0, 0)] + [(random.uniform(5, 80), random.uniform(0, 360)) for _ in range(39)]
+os.makedirs("scattered")
+for v, (theta, phi) in enumerate(views):
+    for l in range(2):
+        shutil.copy(images[(2 * v + l) % len(images)], f"scattered/tv{theta:.4f}_pv{phi:.4f}_tl{30 * l}_pl0.png")
+P
+expect "are encoded" 0 btf-encode scattered -o scattered.btf.exr --method paper -q --effects none
+expect "and told" 0 btf-info scattered.btf.exr
+expect_text "in short" "views +40: [34][0-9] angles from 0.* to [0-9.]+.* \\(--json lists them\\)" out
+expect_that "on lines of 100 columns" python3 -c 'assert max(len(l.rstrip("\n")) for l in open("out", encoding="utf-8")) <= 100'
 expect "all images as EXR" 0 btf-decode m.btf.exr -o exr --all --format exr
 expect "the EXR set" 0 btf-compare exr m.btf.exr --json -q
 expect_that "and agree exactly" python3 - <<'P'

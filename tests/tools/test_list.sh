@@ -19,6 +19,7 @@ expect_that "reports and pictures as well" test -s reports/one.json -a -s pictur
 expect "alone" 0 encode sets/three -o alone.btf.exr -q
 expect_that "the same bytes as alone" cmp alone.btf.exr made/three.btf.exr
 
+cp -r made kept
 rm -r made
 expect "one item" 0 encode sets/all.txt -o made --item 3 -q
 expect_that "only this one" test "$(ls made)" = three.btf.exr
@@ -28,6 +29,31 @@ expect "no such item" 1 encode sets/all.txt -o made --item 4
 expect_text "the list's length is told" "the list has 3" err
 expect "an item of what is no list" 1 encode sets/one -o x.btf.exr --item 1
 expect_text "the option is named" "--item" err
+
+printf '\xef\xbb\xbfone\r\n' >sets/marked.txt
+expect "a list with a byte-order mark" 0 encode sets/marked.txt -o marked -q
+expect_that "its first line is read" cmp marked/one.btf.exr kept/one.btf.exr
+printf '\xff\xfeo\0n\0e\0' >sets/wide.txt
+expect "a list in UTF-16" 5 encode sets/wide.txt -o made
+expect_text "it is named" "wide.txt: the text is UTF-16: save it as UTF-8" err
+
+# One table for all inputs of a list, whose images it names with their folders.
+mkdir plain
+number=0
+for name in one three; do
+    mkdir "plain/$name"
+    find "sets/$name" -name '*tl0*' | sort | while read -r image; do
+        number=$((number + 1))
+        cp "$image" "plain/$name/$number.${image##*.}"
+        echo "$image" | sed -E "s|.*tl([0-9.]+) pl([0-9.]+) tv([0-9.]+) pv([0-9.]+)\.([a-z]+)|$name/$number.\5,\3,\4,\1,\2|"
+    done
+done >plain/table.csv
+printf 'one\nthree\n' >plain/all.txt
+expect "a list with a table of names" 0 encode plain/all.txt -o named -q --names plain/table.csv
+expect_that "the same bytes as with names" cmp named/three.btf.exr alone.btf.exr
+expect_text "files of the other input are told" "49 files are not among the images of" err
+expect "no table" 3 encode plain/one -o x.btf.exr -q
+expect_text "the option is told" "--names TABLE" err
 
 printf '# nothing\n' >empty.list
 expect "an empty list" 3 encode empty.list -o made

@@ -5,6 +5,8 @@
 #include "obj.h"
 
 #include "decoder/toolkit/file.h"
+#include "decoder/toolkit/text.h"
+#include "polygon.h"
 #include "tangents.h"
 #include "vec.h"
 #include <ctype.h>
@@ -13,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_CORNERS = 1 << 24, MAX_FACE = 64 };
+enum { MAX_CORNERS = 1 << 24 };
 
 /* A growing array of 3 floats each, or of 3 ints. */
 typedef struct list {
@@ -32,6 +34,7 @@ typedef struct parser {
     const btf_log *log;
     list lists[3]; /* positions, texture coordinates, normals: float[3] */
     list corners;  /* of triangles, three by three */
+    list face;     /* corners of the face that is being read */
     btf_result result;
 } parser;
 
@@ -115,6 +118,11 @@ static void read_vector(parser *o, list *l, int least, const char *what) {
             }
             break;
         }
+        if (strlen(word) + 1 == sizeof word) {
+            fail(o, BTF_ERROR_BAD_FILE, "%s: the number '%s...' is longer than %zu characters", what, word,
+                 sizeof word - 2);
+            return;
+        }
         double value = strtod(word, &end);
         if (*end || !(fabs(value) <= 1e18)) {
             fail(o, BTF_ERROR_BAD_FILE, "%s: '%s' is no number within 1e18", what, word);
@@ -160,30 +168,49 @@ static bool read_corner(parser *o, const char *word, corner *out) {
     return out->at[1] >= 0;
 }
 
-static void read_face(parser *o) {
-    corner corners[MAX_FACE];
-    char word[80];
-    int count = 0;
-    for (read_word(o, word, sizeof word); word[0]; read_word(o, word, sizeof word)) {
-        if (count == MAX_FACE) {
-            fail(o, BTF_ERROR_UNSUPPORTED, "face: more than %d corners", MAX_FACE);
-            return;
-        }
-        if (!read_corner(o, word, &corners[count++]))
-            return;
-    }
-    if (count < 3) {
-        fail(o, BTF_ERROR_BAD_FILE, "face: %d corners, expected 3 or more", count);
-        return;
-    }
+static const float *element(const parser *o, int kind, int32_t index) {
+    return (const float *)o->lists[kind].items + 3 * (size_t)index;
+}
+
+/* Triangles of the corners in o->face. */
+static void add_face(parser *o) {
+    const corner *corners = o->face.items;
+    const uint32_t count = (uint32_t)o->face.count;
     if (o->corners.count + 3 * (size_t)(count - 2) > MAX_CORNERS) {
         fail(o, BTF_ERROR_UNSUPPORTED, "more than %d corners", MAX_CORNERS);
         return;
     }
-    for (int i = 2; i < count; i++)
-        if (!push(o, &o->corners, &corners[0]) || !push(o, &o->corners, &corners[i - 1]) ||
-            !push(o, &o->corners, &corners[i]))
+    vec3 *at = malloc(count * sizeof *at);
+    uint32_t *triangles = malloc(3 * (size_t)(count - 2) * sizeof *triangles);
+    for (uint32_t i = 0; at && i < count; i++)
+        at[i] = vec_from(element(o, 0, corners[i].at[0]));
+    if (!at || !triangles || !polygon_triangulate(at, count, triangles)) {
+        fail(o, BTF_ERROR_MEMORY, "out of memory for a face of %u corners", (unsigned)count);
+    } else {
+        for (size_t i = 0; i < 3 * (size_t)(count - 2); i++)
+            if (!push(o, &o->corners, &corners[triangles[i]]))
+                break;
+    }
+    free(at);
+    free(triangles);
+}
+
+static void read_face(parser *o) {
+    corner next;
+    char word[80];
+    o->face.count = 0;
+    for (read_word(o, word, sizeof word); word[0]; read_word(o, word, sizeof word)) {
+        if (o->face.count == MAX_CORNERS) {
+            fail(o, BTF_ERROR_UNSUPPORTED, "more than %d corners", MAX_CORNERS);
             return;
+        }
+        if (!read_corner(o, word, &next) || !push(o, &o->face, &next))
+            return;
+    }
+    if (o->face.count < 3)
+        fail(o, BTF_ERROR_BAD_FILE, "face: %zu corners, expected 3 or more", o->face.count);
+    else
+        add_face(o);
 }
 
 static void read_statement(parser *o) {
@@ -195,7 +222,7 @@ static void read_statement(parser *o) {
         read_vector(o, &o->lists[1], 1, "texture coordinate");
     else if (!strcmp(word, "vn"))
         read_vector(o, &o->lists[2], 3, "normal");
-    else if (!strcmp(word, "f"))
+    else if (!strcmp(word, "f") || !strcmp(word, "fo")) /* the older name of a face */
         read_face(o);
 }
 
@@ -205,10 +232,6 @@ static uint32_t hash(const corner *c) {
     for (int k = 0; k < 3; k++)
         h = (h ^ (uint32_t)c->at[k]) * 16777619u;
     return h ^ (h >> 15);
-}
-
-static const float *element(const parser *o, int kind, int32_t index) {
-    return (const float *)o->lists[kind].items + 3 * (size_t)index;
 }
 
 static void set_vertex(const parser *o, const corner *c, mesh_vertex *out) {
@@ -341,8 +364,14 @@ btf_result mesh_parse_obj(const char *name, const char *text, size_t size, const
                 .line = 1,
                 .log = log,
                 .lists = {vectors, vectors, vectors},
-                .corners = {.size = sizeof(corner)}};
+                .corners = {.size = sizeof(corner)},
+                .face = {.size = sizeof(corner)}};
+    size_t skip;
+    const char *encoding = text_encoding(text, size, &skip);
     *out_mesh = NULL;
+    if (encoding)
+        return fail(&o, BTF_ERROR_UNSUPPORTED, "the text is %s: save it as UTF-8", encoding);
+    o.p += skip;
     while (o.p < o.end && !o.result) {
         read_statement(&o);
         if (!o.result)
@@ -352,6 +381,7 @@ btf_result mesh_parse_obj(const char *name, const char *text, size_t size, const
     for (int k = 0; k < 3; k++)
         free(o.lists[k].items);
     free(o.corners.items);
+    free(o.face.items);
     return result;
 }
 

@@ -2,6 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "decoder/toolkit/file.h"
 #include "decoder/toolkit/output.h"
 #include "decoder/toolkit/progress.h"
 #include "decoder/toolkit/scene_option.h"
@@ -50,10 +51,9 @@ static btf_result make_lights(const btf_log *log) {
 
 static btf_result load_mesh(job *j) {
     const char *name = render_options.mesh;
-    size_t length = strlen(name);
     bool flat = !strcmp(name, "plane") || !strcmp(name, "drape");
     btf_result result;
-    if (length > 4 && !strcmp(name + length - 4, ".obj")) {
+    if (file_ends_in(name, ".obj") || (!mesh_is_built_in(name) && strpbrk(name, "./"))) {
         result = mesh_read_obj(name, &j->log, &j->mesh);
         flat = true;
     } else {

@@ -4,6 +4,7 @@
  */
 #include "picture.h"
 
+#include "decoder/toolkit/file.h"
 #include "decoder/toolkit/exr_image.h"
 #include "decoder/toolkit/png_image.h"
 #include <math.h>
@@ -50,17 +51,12 @@ void picture_expose(picture *p, double exposure) {
         p->rgb[i] = (float)((double)p->rgb[i] * exposure);
 }
 
-static bool ends_in(const char *path, const char *ending) {
-    size_t length = strlen(path), tail = strlen(ending);
-    return length > tail && !strcmp(path + length - tail, ending);
-}
-
 bool picture_knows(const char *path) {
-    return ends_in(path, ".png") || ends_in(path, ".exr");
+    return file_ends_in(path, ".png") || file_ends_in(path, ".exr");
 }
 
 btf_result picture_write(const picture *p, const char *path, tone t, btf_log log) {
-    if (ends_in(path, ".exr"))
+    if (file_ends_in(path, ".exr"))
         return exr_image_write(path, p->width, p->height, p->rgb, false, log);
     unsigned char *codes = malloc(value_count(p));
     if (!codes)

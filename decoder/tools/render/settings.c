@@ -282,10 +282,7 @@ const cli_program render_program = {
     .details =
         "World: x to the right, y up, z towards the default camera; angles are theta from +z, phi from +x\n"
         "towards +y. Built-in meshes fill -1..1; an OBJ is centred and scaled to radius 1. A light of\n"
-        "intensity 1 shows the material's own values (a white diffuse surface facing it is 1).\n"
-        "Exit codes: 0 ok, 1 usage, 2 input or output failed, 3 bad file, 4 internal error or out of "
-        "memory,\n"
-        "5 no such device here, 130 interrupted.",
+        "intensity 1 shows the material's own values (a white diffuse surface facing it is 1).",
     .example = "btf-render bricks.btf.exr -o sphere.png --light 40,120 --samples 2\n"
                "btf-render bricks.btf.exr -o teapot.png --mesh teapot.obj --environment sky.exr\n"
                "btf-render bricks.btf.exr -o figure13.png --figure13 --original BRICKS64.zip --mesh plane "

@@ -6,6 +6,7 @@
 #include "viewer_load.h"
 #include "viewer_panel.h"
 #include "viewer_plan.h"
+#include "decoder/toolkit/file.h"
 #include "decoder/tools/original/data_set.h"
 
 #include <stdio.h>
@@ -117,8 +118,7 @@ static void on_scroll(GLFWwindow *window, double dx, double dy) {
 static void on_drop(GLFWwindow *window, int count, const char **paths) {
     viewer *v = viewer_of(window);
     for (int i = 0; i < count; i++) {
-        const size_t length = strlen(paths[i]);
-        const bool is_mesh = length > 4 && !strcmp(paths[i] + length - 4, ".obj");
+        const bool is_mesh = file_ends_in(paths[i], ".obj") && !file_is_exr(paths[i]);
         btf_result result = is_mesh ? viewer_load_mesh(v, paths[i]) : viewer_load_material(v, paths[i]);
         if (!result && is_mesh)
             result = viewer_use_mesh(v);

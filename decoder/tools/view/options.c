@@ -93,9 +93,7 @@ const cli_program view_program = {
         "Left drag turns the model, right drag (or Shift + left) moves the light, the wheel zooms.\n"
         "Keys: M model, 1..5 effects, 0 all of them, N nearest directions, B bilinear, X fast math,\n"
         "L levels of detail, S split screen (middle drag or [ ] move it), + - exposure, A animate,\n"
-        "C measure the cost of each effect, P save a picture, I panel, R reset, H help, Q quit.\n"
-        "Exit codes: 0 ok, 1 usage, 2 input or output failed, 3 bad file, 4 internal error or out of\n"
-        "memory, 5 no display or no OpenGL 3.3.",
+        "C measure the cost of each effect, P save a picture, I panel, R reset, H help, Q quit.",
     .example = "btf-view bricks.btf.exr --original BRICKS64.zip",
     .options = option_table,
     .max_arguments = 1,

@@ -4,6 +4,7 @@
  */
 #include "viewer_load.h"
 
+#include "decoder/toolkit/file.h"
 #include "decoder/toolkit/progress.h"
 #include "decoder/tools/mesh/obj.h"
 #include "options.h"
@@ -96,8 +97,7 @@ btf_result viewer_choose_mesh(viewer *v) {
             v->state.mesh = i;
             return BTF_OK;
         }
-    const size_t length = strlen(view_options.mesh);
-    if (length > 4 && !strcmp(view_options.mesh + length - 4, ".obj"))
+    if (file_ends_in(view_options.mesh, ".obj") || strpbrk(view_options.mesh, "./"))
         return viewer_load_mesh(v, view_options.mesh);
     return cli_error(&view_program, BTF_ERROR_USAGE,
                      "option --mesh: '%s', expected sphere, plane, torus, drape or a file *.obj",

@@ -7,6 +7,7 @@
 #include "encoder/joint/joint.h"
 #include "encoder/paper/paper.h"
 #include "encoder/base/ranks.h"
+#include "encoder/input/notices.h"
 
 #include <math.h>
 #include <openbtf/material.h>
@@ -238,6 +239,35 @@ static void test_ranges_and_transfers(void **state) {
     }
 }
 
+static void keep_all(void *user, btf_log_level level, const char *message) {
+    char *log = user;
+    (void)level;
+    snprintf(log + strlen(log), 512 - strlen(log), "%s\n", message);
+}
+
+/* Warnings about images are told with the counts of all ranks; user is this rank's log. */
+static void check_notices(const enc_context *context, void *user) {
+    enc_notices *notices = enc_notices_create();
+    const int rank = enc_ranks_own(context);
+    enc_context mine = *context;
+    char name[16];
+    mine.log = (btf_log){keep_all, user};
+    snprintf(name, sizeof name, "%d.png", 9 - rank);
+    enc_notices_add(notices, BTF_LOG_WARNING, "profile", name, "a profile");
+    if (rank == 1)
+        enc_notices_add(notices, BTF_LOG_WARNING, "gamma", name, "a gamma");
+    assert_int_equal(enc_notices_tell(&mine, BTF_OK, notices, "set"), BTF_OK);
+    enc_notices_destroy(&notices);
+}
+
+static void test_notices(void **state) {
+    (void)state;
+    char logs[3][512] = {"", "", ""};
+    run_ranks(3, check_notices, (void *[]){logs[0], logs[1], logs[2]}, NULL);
+    for (int r = 0; r < 3; r++)
+        assert_string_equal(logs[r], "set: 8.png: a gamma\nset: 3 images: 7.png: a profile\n");
+}
+
 /* Rank 2 fails where the others have a gather before them, and says why; all leave with its result. */
 static void fail_one(const enc_context *context, void *user) {
     (void)user;
@@ -416,6 +446,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_alone),
         cmocka_unit_test(test_ranges_and_transfers),
+        cmocka_unit_test(test_notices),
         cmocka_unit_test(test_failures),
         cmocka_unit_test(test_joint_has_the_bits_of_one),
         cmocka_unit_test(test_paper_has_the_bits_of_one),

@@ -122,8 +122,7 @@ static void test_refusals(void **state) {
     data = make_data();
     snprintf(text, sizeof text, "\n#%05000d\n", 0);
     write_table(text);
-    assert_int_equal(enc_coincident_read(&context, path, &options, data), BTF_ERROR_BAD_FILE);
-    assert_non_null(strstr(messages, "line 2 is longer than 4094 bytes"));
+    assert_int_equal(enc_coincident_read(&context, path, &options, data), BTF_OK);
     enc_data_destroy(&data);
     data = make_data();
     assert_int_equal(enc_coincident_read(&context, "/nonexistent/table", &options, data), BTF_ERROR_IO);

@@ -12,20 +12,40 @@
 #include "encoder/input/names.h"
 
 #include <stdio.h>
+#include <string.h>
+
+/* Reads a name that is its whole data set. */
+static enc_name_verdict parse_alone(const char *path, enc_name *name, enc_angles *angles) {
+    const enc_name_verdict verdict = enc_names_parse(path, name);
+    *angles = enc_names_angles(name, name->is_plain);
+    return verdict;
+}
 
 static void expect(const char *path, double tl, double pl, double tv, double pv) {
-    enc_angles a = {-1, -1, -1, -1};
-    if (!enc_names_parse(path, &a) || a.theta_light != tl || a.phi_light != pl || a.theta_view != tv ||
-        a.phi_view != pv)
-        fail_msg("\"%s\" gave tl %g pl %g tv %g pv %g", path, a.theta_light, a.phi_light, a.theta_view,
-                 a.phi_view);
+    enc_name name;
+    enc_angles a;
+    if (parse_alone(path, &name, &a) != ENC_NAME_READ || a.theta_light != tl || a.phi_light != pl ||
+        a.theta_view != tv || a.phi_view != pv)
+        fail_msg("\"%s\" gave tl %g pl %g tv %g pv %g, %s", path, a.theta_light, a.phi_light, a.theta_view,
+                 a.phi_view, name.why ? name.why : "no complaint");
 }
 
 static void expect_none(const char *path) {
+    enc_name name;
     enc_angles a;
-    if (enc_names_parse(path, &a))
-        fail_msg("\"%s\" gave tl %g pl %g tv %g pv %g", path, a.theta_light, a.phi_light, a.theta_view,
-                 a.phi_view);
+    if (parse_alone(path, &name, &a) != ENC_NAME_INCOMPLETE)
+        fail_msg("\"%s\" gave tl %g pl %g tv %g pv %g, %s", path, a.theta_light, a.phi_light, a.theta_view,
+                 a.phi_view, name.why ? name.why : "no complaint");
+}
+
+/* All four angles, one of which nobody can read for sure. */
+static void expect_bad(const char *path, const char *bad, const char *why) {
+    enc_name name;
+    enc_angles a;
+    if (parse_alone(path, &name, &a) != ENC_NAME_BAD || strcmp(name.bad, bad) != 0 ||
+        !strstr(name.why, why))
+        fail_msg("\"%s\" gave tl %g pl %g tv %g pv %g, '%s', %s", path, a.theta_light, a.phi_light,
+                 a.theta_view, a.phi_view, name.bad, name.why ? name.why : "no complaint");
 }
 
 static void test_laboratories(void **state) {
@@ -33,7 +53,7 @@ static void test_laboratories(void **state) {
     expect("00008 tl000 pl000 tv030 pv030.jpg", 0, 0, 30, 30);
     expect("UBO2003/MANYFILES/tv000_pv000/00567 tl075 pl345 tv000 pv000.jpg", 75, 345, 0, 0);
     expect("tl015_pl060_tv045_pv340.exr", 15, 60, 45, 340);
-    expect("tv11_pv7.5_tl23.5_pl-15.png", 23.5, 15, 11, 7.5);
+    expect("tv11_pv7.5_tl23.5_pl-15.png", 23.5, -15, 11, 7.5);
 }
 
 static void test_order_and_separators(void **state) {
@@ -48,7 +68,116 @@ static void test_order_and_separators(void **state) {
 static void test_sign(void **state) {
     (void)state;
     expect("tl10 pl -30 tv20 pv_-7.5.exr", 10, -30, 20, -7.5);
+    expect("tl+10 pl+30 tv20 pv=+7.exr", 10, 30, 20, 7);
+    expect("tl10 pl\u221230 tv20 pv_\u22127.exr", 10, -30, 20, -7);
+    expect("tl10 pl\uff0d30 tv20 pv7.exr", 10, -30, 20, 7);
+    /* a dash behind every key is a separator; behind some, a minus */
     expect("tl-10_pl-30_tv-20_pv-7.exr", 10, 30, 20, 7);
+    expect("tl-10_pl--30_tv-20_pv-7.exr", 10, -30, 20, 7);
+    expect("tl10_pl30_tv20_pv-7.exr", 10, 30, 20, -7);
+    expect("tl_10_pl_30_tv_20_pv-7.exr", 10, 30, 20, -7);
+    expect("tv20_pv-0/tl0 pl0.png", 0, 0, 20, 0);
+    /* dashes of typography may be either */
+    expect_bad("tl10 pl\u201330 tv20 pv7.exr", "pl\u201330 tv20 pv7", "dash");
+    expect_bad("tl10 pl\u201030 tv20 pv7.exr", "pl\u201030 tv20 pv7", "dash");
+}
+
+/* Another name of the set may tell that a dash is a minus. */
+static void test_sign_of_a_set(void **state) {
+    (void)state;
+    enc_name dashed, plain;
+    assert_int_equal(enc_names_parse("tl-10_pl-30_tv-20_pv-7.exr", &dashed), ENC_NAME_READ);
+    assert_int_equal(enc_names_parse("tl10_pl30_tv20_pv7.exr", &plain), ENC_NAME_READ);
+    assert_false(dashed.is_plain);
+    assert_true(plain.is_plain);
+    const enc_angles a = enc_names_angles(&dashed, true);
+    assert_true(a.theta_light == -10 && a.phi_light == -30 && a.theta_view == -20 && a.phi_view == -7);
+}
+
+static void test_numbers(void **state) {
+    (void)state;
+    expect("tl22,5 pl22p5 tv3.5e-15 pv1.5E+2.png", 22.5, 22.5, 3.5 / 1e15, 150);
+    expect("tl22p5pl30tv22P5pv0.png", 22.5, 30, 22.5, 0);
+    expect("tl.5 pl.25 tv0 pv0.png", 0.5, 0.25, 0, 0);
+    expect("tl30deg_pl45\u00b0_tv20Degrees_pv7degree.png", 30, 45, 20, 7);
+    expect("tl30\u00b0pl45\u00batv20\u02dapv7.png", 30, 45, 20, 7);
+    expect("tl30,pl45;tv20,pv7.png", 30, 45, 20, 7);
+    expect("[tl30](pl45){tv20}pv7.png", 30, 45, 20, 7);
+    expect("tl\u00a030\u00a0pl\u00a045 tv20 pv7.png", 30, 45, 20, 7);
+    expect("tl7.1234567890123 pl0 tv0 pv0.png", 7.1234567890123, 0, 0, 0);
+    expect_bad("tl22_5_pl30 tv0 pv0.png", "tl22_5_pl30 tv0 pv0", "decimals");
+    expect_bad("tl22-5-pl30 tv0 pv0.png", "tl22-5-pl30 tv0 pv0", "decimals");
+    expect_bad("tl1.2.3 pl0 tv0 pv0.png", "tl1.2.3 pl0 tv0 pv0", "no one number");
+    expect_bad("tl1,2,3 pl0 tv0 pv0.png", "tl1,2,3 pl0 tv0 pv0", "no one number");
+    expect_bad("tl1+2 pl0 tv0 pv0.png", "tl1+2 pl0 tv0 pv0", "no one number");
+    expect_bad("tl30:15 pl0 tv0 pv0.png", "tl30:15 pl0 tv0 pv0", "no one number");
+    expect_bad("tl0x1f pl0 tv0 pv0.png", "tl0x1f pl0 tv0 pv0", "part of the number");
+    expect_bad("tl1f pl0 tv0 pv0.png", "tl1f pl0 tv0 pv0", "part of the number");
+    expect_bad("tl30'15 pl0 tv0 pv0.png", "tl30'15 pl0 tv0 pv0", "part of the number");
+    expect_bad("tl22%2E5 pl0 tv0 pv0.png", "tl22%2E5 pl0 tv0 pv0", "part of the number");
+    expect_bad("tl22\u00bd pl0 tv0 pv0.png", "tl22\u00bd pl0 tv0 pv0", "part of the number");
+    expect_bad("tl3e1 pl0 tv0 pv0.png", "tl3e1 pl0 tv0 pv0", "part of the number");
+    expect_bad("tl3e-x pl0 tv0 pv0.png", "tl3e-x pl0 tv0 pv0", "exponent");
+    expect_bad("tl3e+99 pl0 tv0 pv0.png", "tl3e+99 pl0 tv0 pv0", "too large");
+    expect_bad("tl0.5rad pl0 tv0 pv0.png", "tl0.5rad pl0 tv0 pv0", "degrees only");
+    expect_bad("tl50gon pl0 tv0 pv0.png", "tl50gon pl0 tv0 pv0", "degrees only");
+    expect_bad("tv5/tl0 pl0 tv22x5 pv0.png", "tv22x5 pv0", "part of the number"); /* no folder helps out */
+    expect("tv22x5/tl0 pl0 tv5 pv0.png", 0, 0, 5, 0); /* nor spoils what it has no say in */
+}
+
+static void test_doubts(void **state) {
+    (void)state;
+    static const struct {
+        const char *path;
+        bool counter, differs;
+    } cases[] = {
+        {"tl1 pl2 tv3 pv4.png", false, false},           {"tl1_pl2_tv3_pv7_5.png", true, false},
+        {"tl1-pl2-tv3-pv4-05.png", true, false},         {"tl1_pl2_tv3_pv4_take5.png", false, false},
+        {"tv3_pv4/tl1 pl2 tv3.0 pv4.png", false, false}, {"tv30_pv4/tl1 pl2 tv3 pv4.png", false, true},
+        {"tv3_pv4_2/tl1 pl2.png", true, false},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        enc_name name;
+        assert_int_equal(enc_names_parse(cases[i].path, &name), ENC_NAME_READ);
+        if (name.counter != cases[i].counter || name.folders_differ != cases[i].differs)
+            fail_msg("%s: counter %d, differs %d", cases[i].path, name.counter, name.folders_differ);
+    }
+}
+
+static void test_number(void **state) {
+    (void)state;
+    double x = 0;
+    assert_true(enc_names_number("-7.5", false, &x) && x == -7.5);
+    assert_true(enc_names_number("+1e-2", false, &x) && x == 0.01);
+    assert_true(enc_names_number("22,5", true, &x) && x == 22.5);
+    assert_true(enc_names_number("\u221230\u00b0", false, &x) && x == -30);
+    assert_true(enc_names_number("30.", false, &x) && x == 30);
+    static const char *const wrong[] = {"",    "-",   "x",   "1x", "1 2", "22,5",
+                                        "nan", "inf", "0x1", "1e", "--1", "1rad"};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
+        if (enc_names_number(wrong[i], false, &x))
+            fail_msg("\"%s\" gave %g", wrong[i], x);
+}
+
+static void test_units(void **state) {
+    (void)state;
+    const enc_angles degrees = {30, 6, 0.5, 0}, radians = {0.5236, 3.1416, 0, 0},
+                     gradians = {50, 399, 0, -361};
+    enc_angle_range range = {0};
+    enc_angles_survey(&range, &radians);
+    assert_true(enc_angles_look_like_radians(&range));
+    enc_angles_survey(&range, &(enc_angles){0, 0, 1.0472, -6.2});
+    assert_true(enc_angles_look_like_radians(&range));
+    enc_angles_survey(&range, &degrees);
+    assert_false(enc_angles_look_like_radians(&range));
+    range = (enc_angle_range){0};
+    enc_angles_survey(&range, &(enc_angles){0, 0, 0, 0}); /* one direction says nothing */
+    assert_false(enc_angles_look_like_radians(&range));
+    enc_angles_survey(&range, &(enc_angles){5, 0, 0.5, 0});
+    assert_false(enc_angles_look_like_radians(&range));
+    assert_int_equal(range.beyond, 0);
+    enc_angles_survey(&range, &gradians);
+    assert_int_equal(range.beyond, 1);
 }
 
 static void test_decimals(void **state) {
@@ -78,7 +207,7 @@ static void test_refused(void **state) {
     expect_none("tl000 pl000 tv030.jpg");
     expect_none("00008.jpg");
     expect_none("tl pl tv pv.jpg");
-    expect_none("tl1234567890 pl2 tv3 pv4.jpg"); /* no angle has ten digits */
+    expect_bad("tl1234567890 pl2 tv3 pv4.jpg", "tl1234567890 pl2 tv3 pv4", "ten digits");
     expect("tl00000000000001 pl2 tv3 pv4.jpg", 1, 2, 3, 4);
     expect_none("atl1 bpl2 ctv3 dpv4.jpg");                 /* letters before the key */
     expect_none("tl1 pl2 tv3 pv4 tl5.jpg");                 /* two values */
@@ -99,14 +228,23 @@ static void test_extensions(void **state) {
     assert_false(enc_names_is_image("a.jpg/b"));
     assert_false(enc_names_is_image("__MACOSX/._b.jpg"));
     assert_false(enc_names_is_image(""));
+    assert_true(enc_names_is_image("./a/../b.jpg"));
+    assert_false(enc_names_is_image(".thumbs/b.jpg"));
+    assert_false(enc_names_is_image("set/__MACOSX/b.jpg"));
+    assert_false(enc_names_is_image("Thumbs.db"));
+    assert_true(enc_names_is_foreign_image("b.TIF"));
+    assert_false(enc_names_is_foreign_image("b.png"));
+    assert_false(enc_names_is_foreign_image("._b.tif"));
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_laboratories), cmocka_unit_test(test_order_and_separators),
-        cmocka_unit_test(test_sign),         cmocka_unit_test(test_decimals),
-        cmocka_unit_test(test_folders),      cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_extensions),
+        cmocka_unit_test(test_laboratories),  cmocka_unit_test(test_order_and_separators),
+        cmocka_unit_test(test_sign),          cmocka_unit_test(test_decimals),
+        cmocka_unit_test(test_sign_of_a_set), cmocka_unit_test(test_numbers),
+        cmocka_unit_test(test_doubts),        cmocka_unit_test(test_number),
+        cmocka_unit_test(test_units),         cmocka_unit_test(test_folders),
+        cmocka_unit_test(test_refused),       cmocka_unit_test(test_extensions),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -386,8 +386,8 @@ static void test_notes(void **state) {
         assert_true(fabs((double)set_sample(data, 1, l, 2, 3, 1) - want) < 1e-6);
     }
     enc_data_destroy(&data);
-    assert_non_null(strstr(set_messages, "12 of 20 images: PNG: gAMA 1 is followed: first in "));
-    assert_non_null(strstr(set_messages, "; others have other values"));
+    assert_non_null(strstr(set_messages, "12 images, of other values too: "));
+    assert_non_null(strstr(set_messages, ".png: PNG: gAMA 1 is followed"));
     set_messages[0] = '\0';
     data = set_read_folder(&(enc_read_options){.transfer = ENC_TRANSFER_SRGB});
     set_expect(data, 1e-7);
@@ -415,7 +415,8 @@ static void test_primaries(void **state) {
     assert_true(fabs((double)set_sample(data, 1, 2, 1, 1, 1) - 1.0420) < 1e-3);
     assert_true(data->negative == VIEWS * LIGHTS * W * H * 2);
     enc_data_destroy(&data);
-    assert_non_null(strstr(set_messages, "20 of 20 images: EXR chromaticities red (0.68,0.32)"));
+    assert_non_null(strstr(set_messages, "20 images: "));
+    assert_non_null(strstr(set_messages, ".exr: EXR chromaticities red (0.68,0.32)"));
     assert_non_null(strstr(set_messages, "converted to Rec. 709"));
     set_messages[0] = '\0';
     data = set_read_folder(&(enc_read_options){.colour = ENC_COLOUR_RGB});

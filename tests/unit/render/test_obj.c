@@ -3,9 +3,11 @@
  * SPDX-License-Identifier: MIT
  */
 #include "decoder/tools/mesh/obj.h"
+#include "decoder/tools/mesh/polygon.h"
 #include "decoder/tools/mesh/vec.h"
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -113,11 +115,157 @@ static void test_broken(void **state) {
             fail_msg("case %zu: result %d, message '%s'", i, (int)result, last);
         assert_null(m);
     }
-    char text[2000] = "v 0 0 0\nvt 0 0\nf";
-    for (int i = 0; i < 65; i++)
-        strcat(text, " 1/1");
+    static const char numbers[] =
+        "v 1 2 1.0000000000000000000000000000000000000000000000000000000000000000e5\n";
     mesh *m;
-    assert_int_equal(parse(text, strlen(text), &m), BTF_ERROR_UNSUPPORTED);
+    assert_int_equal(parse(numbers, strlen(numbers), &m), BTF_ERROR_BAD_FILE);
+    assert_non_null(strstr(last, "is longer than 62 characters"));
+}
+
+/* A byte-order mark is no part of the first word; other encodings are named. */
+static void test_marks(void **state) {
+    (void)state;
+    char text[sizeof quad + 3] = "\xef\xbb\xbf";
+    mesh *m;
+    strcat(text, quad + strlen("# a quad\r\n"
+                               "mtllib x.mtl\no thing\n"));
+    assert_int_equal(parse(text, strlen(text), &m), BTF_OK);
+    assert_int_equal(m->vertex_count, 4);
+    mesh_destroy(&m);
+    assert_int_equal(parse("\xff\xfev\0 \0", 6, &m), BTF_ERROR_UNSUPPORTED);
+    assert_non_null(strstr(last, "a.obj:1: the text is UTF-16"));
+    assert_int_equal(parse("\0v\0 \0", 5, &m), BTF_ERROR_UNSUPPORTED);
+    assert_null(m);
+}
+
+/* Twice the area of what the triangles cover, each counted whichever way it turns. */
+static double covered(const vec3 *corners, const uint32_t *triangles, uint32_t count) {
+    double sum = 0;
+    for (uint32_t i = 0; i + 2 < count; i++) {
+        const uint32_t *t = triangles + 3 * i;
+        sum += vec_length(
+            vec_cross(vec_sub(corners[t[1]], corners[t[0]]), vec_sub(corners[t[2]], corners[t[0]])));
+    }
+    return sum;
+}
+
+/* Twice the area of a polygon without crossings. */
+static double area_of(const vec3 *corners, uint32_t count) {
+    vec3 sum = vec(0, 0, 0);
+    for (uint32_t i = 0; i < count; i++)
+        sum = vec_add(sum, vec_cross(corners[i], corners[(i + 1) % count]));
+    return vec_length(sum);
+}
+
+/* Triangles cover a polygon that does not cross itself once: then their areas, all taken as positive, sum
+ * up to its own. The polygon comes in the plane z = 0 and is turned. */
+static void expect_cover(const char *name, const double *xy, uint32_t count) {
+    vec3 *corners = malloc(count * sizeof *corners);
+    uint32_t *triangles = malloc(3 * (size_t)(count - 2) * sizeof *triangles);
+    for (int turned = 0; turned < 4; turned++) {
+        for (uint32_t i = 0; i < count; i++) {
+            const double x = xy[2 * (turned & 1 ? count - 1 - i : i)],
+                         y = xy[2 * (turned & 1 ? count - 1 - i : i) + 1];
+            corners[i] = turned < 2 ? vec(x, y, 0) : vec(7 + 0.6 * x, 0.8 * x - 0.6 * y, -3 + 0.8 * y);
+        }
+        assert_true(polygon_triangulate(corners, count, triangles));
+        const double area = area_of(corners, count), sum = covered(corners, triangles, count);
+        if (fabs(sum - area) > 1e-9 * (1 + area))
+            fail_msg("%s, turned %d: area %.17g, covered %.17g", name, turned, area / 2, sum / 2);
+    }
+    free(corners);
+    free(triangles);
+}
+
+static void test_concave(void **state) {
+    (void)state;
+    enum { MOST = 20000 };
+    static const double dart[5][2] = {{1, -1}, {1, 1}, {0, -0.6}, {-1, 1}, {-1, -1}};
+    static const double middle[8][2] = {{0, 0}, {1, 0}, {2, 0}, {2, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}};
+    /* a square with a square hole, cut open from corner to corner */
+    static const double hole[10][2] = {{0, 0}, {4, 0}, {4, 4}, {0, 4}, {0, 0},
+                                       {1, 1}, {1, 3}, {3, 3}, {3, 1}, {1, 1}};
+    static const double twice[6][2] = {{0, 0}, {0, 0}, {2, 0}, {1, 1}, {1, 1}, {0, 2}};
+    static double xy[MOST][2];
+    unsigned random = 1;
+    expect_cover("dart", &dart[0][0], 5);
+    expect_cover("middle", &middle[0][0], 8);
+    expect_cover("hole", &hole[0][0], 10);
+    expect_cover("twice", &twice[0][0], 6);
+    for (uint32_t count = 4; count < 400; count += count / 7 + 1) {
+        for (uint32_t i = 0; i < count; i++) {
+            random = random * 1664525u + 1013904223u;
+            const double radius = 0.1 + (random >> 8) / 16777216.0, angle = 2 * RENDER_PI * i / count;
+            xy[i][0] = radius * cos(angle);
+            xy[i][1] = radius * sin(angle);
+        }
+        expect_cover("star", &xy[0][0], count);
+    }
+    for (uint32_t i = 0; i < MOST; i++) { /* a ribbon, wound ten times */
+        const uint32_t half = MOST / 2, k = i < half ? i : MOST - 1 - i;
+        const double angle = 20 * RENDER_PI * k / half, radius = 1 + angle / 10 + (i < half ? 0.3 : 0);
+        xy[i][0] = radius * cos(angle);
+        xy[i][1] = radius * sin(angle);
+    }
+    expect_cover("ribbon", &xy[0][0], MOST);
+    for (uint32_t i = 0; i < MOST; i++) { /* a comb */
+        xy[i][0] = i < MOST - 2 ? (double)i : i == MOST - 2 ? MOST : -1;
+        xy[i][1] = i < MOST - 2 ? (double)(i % 2) : -1;
+    }
+    expect_cover("comb", &xy[0][0], MOST);
+}
+
+/* Convex polygons are fans as ever, those without area or with crossings come to an end. */
+static void test_other_polygons(void **state) {
+    (void)state;
+    uint32_t triangles[3 * 62];
+    vec3 corners[64];
+    for (uint32_t i = 0; i < 64; i++)
+        corners[i] = vec(cos(2 * RENDER_PI * i / 64), sin(2 * RENDER_PI * i / 64), 0.01 * (i % 2));
+    assert_true(polygon_triangulate(corners, 64, triangles));
+    for (uint32_t i = 0; i < 62; i++)
+        assert_true(triangles[3 * i] == 0 && triangles[3 * i + 1] == i + 1 &&
+                    triangles[3 * i + 2] == i + 2);
+    for (int kind = 0; kind < 3; kind++) {
+        for (uint32_t i = 0; i < 64; i++)
+            corners[i] = kind == 0 ? vec(1, 2, 3) /* a point */
+                         : kind == 1
+                             ? vec(i * 0.1, i * 0.2, i * 0.3) /* a line */
+                             : vec(cos(2 * RENDER_PI * 27 * i / 64), sin(2 * RENDER_PI * 27 * i / 64), 0);
+        assert_true(polygon_triangulate(corners, 64, triangles));
+        bool seen[64] = {false};
+        for (uint32_t i = 0; i < 3 * 62; i++) {
+            assert_true(triangles[i] < 64);
+            seen[triangles[i]] = true;
+        }
+        for (uint32_t i = 0; i < 64; i++)
+            assert_true(seen[i]);
+    }
+}
+
+/* A face with more corners than the reader once took, and one that a fan would not cover, from a file. */
+static void test_faces(void **state) {
+    (void)state;
+    char text[20000] = "vt 0 0\n";
+    mesh *m;
+    for (int i = 0; i < 200; i++)
+        sprintf(text + strlen(text), "v %g %g 0\n", (i % 2 ? 1 : 0.4) * cos(RENDER_PI * i / 100),
+                (i % 2 ? 1 : 0.4) * sin(RENDER_PI * i / 100));
+    strcat(text, "fo");
+    for (int i = 1; i <= 200; i++)
+        sprintf(text + strlen(text), " %d/1", i);
+    assert_int_equal(parse(text, strlen(text), &m), BTF_OK);
+    assert_int_equal(m->triangle_count, 198);
+    double sum = 0;
+    for (uint32_t i = 0; i < m->triangle_count; i++) {
+        vec3 p[3];
+        for (int k = 0; k < 3; k++)
+            p[k] = vec_from(m->vertices[m->triangles[3 * i + k]].position);
+        sum += vec_cross(vec_sub(p[1], p[0]), vec_sub(p[2], p[0])).z;
+        assert_true(vec_cross(vec_sub(p[1], p[0]), vec_sub(p[2], p[0])).z > 0);
+    }
+    assert_true(fabs(sum - 200 * 0.4 * sin(RENDER_PI / 100)) < 1e-5);
+    mesh_destroy(&m);
 }
 
 /* Every prefix, and every byte changed: an answer, no crash, and a mesh only of what is there. */
@@ -154,8 +302,11 @@ static void test_missing(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_quad),   cmocka_unit_test(test_references), cmocka_unit_test(test_seam),
-        cmocka_unit_test(test_broken), cmocka_unit_test(test_hostile),    cmocka_unit_test(test_missing),
+        cmocka_unit_test(test_quad),           cmocka_unit_test(test_references),
+        cmocka_unit_test(test_seam),           cmocka_unit_test(test_broken),
+        cmocka_unit_test(test_marks),          cmocka_unit_test(test_concave),
+        cmocka_unit_test(test_other_polygons), cmocka_unit_test(test_faces),
+        cmocka_unit_test(test_hostile),        cmocka_unit_test(test_missing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -192,7 +192,23 @@ static void test_mistakes(void **state) {
     bad(WORDS("a", "--size", "64"), "'64' is not WIDTHxHEIGHT");
     bad(WORDS("a", "--size", "0x4"), "'0x4' is not");
     bad(WORDS("a", "--size", "4x4x4"), "'4x4x4' is not");
+    static const struct {
+        const char *text;
+        uint64_t bytes;
+    } sizes[] = {{"2GB", 2000000000}, {"2GiB", 2147483648u}, {"2G", 2000000000},   {"2 GB", 2000000000},
+                 {"2gb", 2000000000}, {"2 g", 2000000000},   {"2gib", 2147483648u}, {"1.5kB", 1500},
+                 {"3KiB", 3072},      {"7B", 7},             {"7", 7},              {"1T", 1000000000000},
+                 {"1 TiB", 1099511627776}, {"5e3", 5000}};
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        good(WORDS("a", "--bytes", sizes[i].text));
+        if (values.bytes != sizes[i].bytes)
+            fail_msg("%s gave %llu", sizes[i].text, (unsigned long long)values.bytes);
+    }
     bad(WORDS("a", "--bytes", "5Q"), "'5Q' is not a number of bytes");
+    bad(WORDS("a", "--bytes", "5 "), "'5 ' is not a number of bytes");
+    bad(WORDS("a", "--bytes", "5iB"), "'5iB' is not a number of bytes");
+    bad(WORDS("a", "--bytes", "5GBs"), "'5GBs' is not a number of bytes");
+    bad(WORDS("a", "--bytes", "5G B"), "'5G B' is not a number of bytes");
     bad(WORDS("a", "--bytes", "-5"), "'-5' is not");
     bad(WORDS("a", "--angles", "91,0"), "'91,0' is not THETA,PHI");
     bad(WORDS("a", "--angles", "30"), "'30' is not");
