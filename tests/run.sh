@@ -27,7 +27,6 @@ for argument in "$@"; do
 done
 
 install_packages
-export OMP_WAIT_POLICY=passive # tests share the cores: threads that wait must not spin
 export BTF_SOURCE_ROOT=$root BTF_SHARED=${BTF_SHARED:-$root/../shared}
 logs=()
 
