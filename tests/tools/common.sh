@@ -73,17 +73,15 @@ least_memory() { btf-encode "$@" -o least.btf.exr -q --memory 1 2>&1 | grep -o '
 at() {
     local moment=$1 action=$2
     shift 2
-    hooked "BTF_MOMENT=$moment" "BTF_ACTION=$action" "$@"
+    env "$preload" "BTF_MOMENT=$moment" "BTF_ACTION=$action" "$@"
 }
-hooked() { # a sanitizer's runtime does not mind that it is not the first library
-    env "ASAN_OPTIONS=${ASAN_OPTIONS:-}:verify_asan_link_order=0" \
-        "LD_PRELOAD=$build/tests/support/libmoment.so${LD_PRELOAD:+:$LD_PRELOAD}" "$@"
-}
+preload=LD_PRELOAD=$build/tests/support/libmoment.so${LD_PRELOAD:+:$LD_PRELOAD}
+export ASAN_OPTIONS=${ASAN_OPTIONS:-}:verify_asan_link_order=0 # its runtime is not the first library then
 
 # calls COMMAND...: how often it makes or changes a file.
 calls() {
     rm -f calls
-    hooked BTF_CALLS=calls "$@" >/dev/null 2>&1
+    env "$preload" BTF_CALLS=calls "$@" >/dev/null 2>&1
     cat calls
 }
 
