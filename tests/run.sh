@@ -60,7 +60,7 @@ build "$root/build-sanitize" "${all[@]}" -Dbuildtype=debugoptimized -Db_sanitize
 export ASAN_OPTIONS=detect_leaks=1:abort_on_error=0:verify_asan_link_order=0 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
 export LSAN_OPTIONS=suppressions=$root/tests/lsan.supp:print_suppressions=0 BTF_TEST_LIGHT=1
 export LD_PRELOAD=$root/build-sanitize/tests/libkeep_modules.so
-run_suite "$root/build-sanitize" --no-suite long --no-suite plain --timeout-multiplier 5
+run_suite "$root/build-sanitize" --no-suite long --no-suite plain
 unset LD_PRELOAD
 
 exec python3 "$root/tests/summary.py" "${logs[@]}"
