@@ -8,6 +8,8 @@
 
 #include <openbtf/gl.h>
 
+#pragma GCC visibility push(hidden)
+
 #if defined(_WIN32)
 #define BTFI_GL_CALL __stdcall
 #else
@@ -67,11 +69,19 @@
     X(UseProgram, void, (uint32_t program))                                                                \
     X(Viewport, void, (int32_t x, int32_t y, int32_t width, int32_t height))
 
+/* What OpenGL ES lacks, and what core contexts lack too. */
+#define BTFI_GL_DESKTOP_FUNCTIONS(X) X(PolygonMode, void, (uint32_t face, uint32_t mode))
+#define BTFI_GL_COMPATIBILITY_FUNCTIONS(X)                                                                 \
+    X(GetFloatv, void, (uint32_t name, float *values))                                                     \
+    X(PixelTransferf, void, (uint32_t name, float value))
+
 typedef struct btfi_gl_functions {
 #define BTFI_GL_MEMBER(name, result, parameters) result(BTFI_GL_CALL *name) parameters;
     BTFI_GL_FUNCTIONS(BTFI_GL_MEMBER)
+    BTFI_GL_DESKTOP_FUNCTIONS(BTFI_GL_MEMBER)       /* NULL in OpenGL ES */
+    BTFI_GL_COMPATIBILITY_FUNCTIONS(BTFI_GL_MEMBER) /* NULL where is_compatibility is 0 */
 #undef BTFI_GL_MEMBER
-    int is_es, major, minor; /* of the context */
+    int is_es, is_compatibility, major, minor; /* of the context */
 } btfi_gl_functions;
 
 /* Numbers of the OpenGL registry. */
@@ -79,10 +89,17 @@ enum {
     GL_NO_ERROR = 0,
     GL_OUT_OF_MEMORY = 0x0505,
     GL_TRIANGLES = 0x0004,
+    GL_FRONT = 0x0404,
+    GL_BACK = 0x0405,
+    GL_FRONT_AND_BACK = 0x0408,
+    GL_POLYGON_MODE = 0x0B40,
+    GL_POLYGON_STIPPLE = 0x0B42,
     GL_CULL_FACE = 0x0B44,
     GL_DEPTH_TEST = 0x0B71,
     GL_STENCIL_TEST = 0x0B90,
     GL_VIEWPORT = 0x0BA2,
+    GL_ALPHA_TEST = 0x0BC0,
+    GL_COLOR_LOGIC_OP = 0x0BF2,
     GL_SCISSOR_TEST = 0x0C11,
     GL_COLOR_WRITEMASK = 0x0C23,
     GL_UNPACK_SWAP_BYTES = 0x0CF0,
@@ -94,6 +111,15 @@ enum {
     GL_PACK_ROW_LENGTH = 0x0D02,
     GL_PACK_SKIP_ROWS = 0x0D03,
     GL_PACK_SKIP_PIXELS = 0x0D04,
+    GL_MAP_COLOR = 0x0D10,
+    GL_RED_SCALE = 0x0D14,
+    GL_RED_BIAS = 0x0D15,
+    GL_GREEN_SCALE = 0x0D18,
+    GL_GREEN_BIAS = 0x0D19,
+    GL_BLUE_SCALE = 0x0D1A,
+    GL_BLUE_BIAS = 0x0D1B,
+    GL_ALPHA_SCALE = 0x0D1C,
+    GL_ALPHA_BIAS = 0x0D1D,
     GL_MAX_TEXTURE_SIZE = 0x0D33,
     GL_TEXTURE_2D = 0x0DE1,
     GL_BYTE = 0x1400,
@@ -103,18 +129,33 @@ enum {
     GL_FLOAT = 0x1406,
     GL_HALF_FLOAT = 0x140B,
     GL_RGBA = 0x1908,
+    GL_FILL = 0x1B02,
     GL_VERSION = 0x1F02,
+    GL_EXTENSIONS = 0x1F03,
     GL_NEAREST = 0x2600,
     GL_NEAREST_MIPMAP_NEAREST = 0x2700,
     GL_TEXTURE_MAG_FILTER = 0x2800,
     GL_TEXTURE_MIN_FILTER = 0x2801,
     GL_TEXTURE_WRAP_S = 0x2802,
     GL_TEXTURE_WRAP_T = 0x2803,
+    GL_CLIP_DISTANCE0 = 0x3000,
+    GL_CONVOLUTION_1D = 0x8010,
+    GL_CONVOLUTION_2D = 0x8011,
+    GL_SEPARABLE_2D = 0x8012,
+    GL_POST_CONVOLUTION_RED_SCALE = 0x801C,
+    GL_POST_CONVOLUTION_RED_BIAS = 0x8020,
+    GL_HISTOGRAM = 0x8024,
+    GL_MINMAX = 0x802E,
     GL_UNPACK_SKIP_IMAGES = 0x806D,
     GL_UNPACK_IMAGE_HEIGHT = 0x806E,
     GL_TEXTURE_BINDING_2D = 0x8069,
     GL_SAMPLE_ALPHA_TO_COVERAGE = 0x809E,
     GL_SAMPLE_COVERAGE = 0x80A0,
+    GL_POST_COLOR_MATRIX_RED_SCALE = 0x80B4,
+    GL_POST_COLOR_MATRIX_RED_BIAS = 0x80B8,
+    GL_COLOR_TABLE = 0x80D0,
+    GL_POST_CONVOLUTION_COLOR_TABLE = 0x80D1,
+    GL_POST_COLOR_MATRIX_COLOR_TABLE = 0x80D2,
     GL_CLAMP_TO_EDGE = 0x812F,
     GL_TEXTURE_BASE_LEVEL = 0x813C,
     GL_TEXTURE_MAX_LEVEL = 0x813D,
@@ -155,23 +196,31 @@ enum {
     GL_RGBA8I = 0x8D8E,
     GL_RED_INTEGER = 0x8D94,
     GL_RGBA_INTEGER = 0x8D99,
+    GL_CONTEXT_PROFILE_MASK = 0x9126,
+    GL_CONTEXT_CORE_PROFILE_BIT = 1,
 };
 
 /* Fills the table and the version. Errors, on log: BTF_ERROR_USAGE (no get_proc_address),
  * BTF_ERROR_UNSUPPORTED (a function is missing; GL below 3.3, GL ES below 3.0; no context). */
 btf_result btfi_gl_load(const btf_gl_options *options, const btf_log *log, btfi_gl_functions *out_gl);
 
-/* How GL reads texels from memory. */
-enum { BTFI_UNPACK_COUNT = 7 };
+/* How GL reads texels from memory, and what a compatibility context does to them on the way. */
+enum { BTFI_UNPACK_COUNT = 7, BTFI_TRANSFER_COUNT = 25, BTFI_IMAGING_COUNT = 8 };
 typedef struct btfi_gl_unpack {
     int32_t buffer, value[BTFI_UNPACK_COUNT];
+    int transfers, imagings; /* how many of the following exist in this context */
+    float transfer[BTFI_TRANSFER_COUNT];
+    uint8_t imaging[BTFI_IMAGING_COUNT];
 } btfi_gl_unpack;
 
-/* Keeps the state in *out and sets tight packing from the caller's memory; puts it back. */
+/* Keeps the state in *out and sets tight packing from the caller's memory, texels taken as they are; puts
+ * it back. Both leave no GL error behind; the first takes those off the queue that were there. */
 void btfi_gl_save_unpack(const btfi_gl_functions *gl, btfi_gl_unpack *out);
 void btfi_gl_restore_unpack(const btfi_gl_functions *gl, const btfi_gl_unpack *saved);
 
 /* Takes GL errors off the queue; returns the first, GL_NO_ERROR when there was none. */
 uint32_t btfi_gl_errors(const btfi_gl_functions *gl);
+
+#pragma GCC visibility pop
 
 #endif

@@ -9,28 +9,67 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What drawing touches. */
+/* What drawing touches: first what every context has, then what desktop ones add, then what compatibility
+ * ones add. */
 static const uint32_t capabilities[] = {
-    GL_CULL_FACE,       GL_DEPTH_TEST,         GL_STENCIL_TEST,
-    GL_SCISSOR_TEST,    GL_RASTERIZER_DISCARD, GL_SAMPLE_ALPHA_TO_COVERAGE,
+    GL_CULL_FACE,
+    GL_DEPTH_TEST,
+    GL_STENCIL_TEST,
+    GL_SCISSOR_TEST,
+    GL_RASTERIZER_DISCARD,
+    GL_SAMPLE_ALPHA_TO_COVERAGE,
     GL_SAMPLE_COVERAGE,
+    GL_COLOR_LOGIC_OP,
+    GL_CLIP_DISTANCE0,
+    GL_CLIP_DISTANCE0 + 1,
+    GL_CLIP_DISTANCE0 + 2,
+    GL_CLIP_DISTANCE0 + 3,
+    GL_CLIP_DISTANCE0 + 4,
+    GL_CLIP_DISTANCE0 + 5,
+    GL_CLIP_DISTANCE0 + 6,
+    GL_CLIP_DISTANCE0 + 7,
+    GL_POLYGON_STIPPLE,
+    GL_ALPHA_TEST,
 };
 enum { CAPABILITY_COUNT = sizeof capabilities / sizeof *capabilities, PACK_COUNT = 4 };
+enum { COMPATIBILITY_CAPABILITIES = 2, DESKTOP_CAPABILITIES = 9 }; /* so many of them, from the end */
 enum { SIDE = 2 }; /* of the framebuffer: pixels are drawn in such blocks */
 static const uint32_t pack_names[PACK_COUNT] = {GL_PACK_SWAP_BYTES, GL_PACK_ROW_LENGTH, GL_PACK_SKIP_ROWS,
                                                 GL_PACK_SKIP_PIXELS};
 
 typedef struct state {
     uint8_t enabled[CAPABILITY_COUNT], mask[4];
+    int32_t polygon_mode[2]; /* front, back; core contexts have one mode, and may fill in only the first */
     int32_t viewport[4], draw, read, array, program, texture, unit, sampler, pack_buffer, pack[PACK_COUNT];
     btfi_gl_unpack unpack;
 } state;
 
+static int capability_count(const btfi_gl_functions *gl) {
+    return CAPABILITY_COUNT - (gl->is_compatibility ? 0 : COMPATIBILITY_CAPABILITIES) -
+           (gl->is_es ? DESKTOP_CAPABILITIES : 0);
+}
+
+static void save_polygon_mode(const btfi_gl_functions *gl, state *s) {
+    if (gl->is_es)
+        return;
+    gl->GetIntegerv(GL_POLYGON_MODE, s->polygon_mode);
+    gl->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+}
+
+static void restore_polygon_mode(const btfi_gl_functions *gl, const state *s) {
+    if (gl->is_es)
+        return;
+    gl->PolygonMode(GL_FRONT_AND_BACK, (uint32_t)s->polygon_mode[0]);
+    if (gl->is_compatibility && s->polygon_mode[1] != s->polygon_mode[0])
+        gl->PolygonMode(GL_BACK, (uint32_t)s->polygon_mode[1]);
+}
+
 static void save_state(const btfi_gl_functions *gl, state *s) {
-    for (int i = 0; i < CAPABILITY_COUNT; ++i) {
+    for (int i = 0; i < capability_count(gl); ++i) {
         s->enabled[i] = gl->IsEnabled(capabilities[i]);
         gl->Disable(capabilities[i]);
     }
+    save_polygon_mode(gl, s);
     gl->GetBooleanv(GL_COLOR_WRITEMASK, s->mask);
     gl->ColorMask(1, 1, 1, 1);
     gl->GetIntegerv(GL_VIEWPORT, s->viewport);
@@ -65,7 +104,8 @@ static void restore_state(const btfi_gl_functions *gl, const state *s) {
     gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, (uint32_t)s->draw);
     gl->Viewport(s->viewport[0], s->viewport[1], s->viewport[2], s->viewport[3]);
     gl->ColorMask(s->mask[0], s->mask[1], s->mask[2], s->mask[3]);
-    for (int i = 0; i < CAPABILITY_COUNT; ++i)
+    restore_polygon_mode(gl, s);
+    for (int i = 0; i < capability_count(gl); ++i)
         if (s->enabled[i])
             gl->Enable(capabilities[i]);
 }

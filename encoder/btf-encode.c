@@ -2,455 +2,38 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "decoder/toolkit/progress.h"
+#include "encoder/base/ranks_mpi.h"
 #include "encoder/job/batch.h"
 #include "encoder/job/job.h"
-#include "decoder/toolkit/progress.h"
-#include "encoder/input/options.h"
+#include "encoder/job/options.h"
 #include "encoder/job/predict.h"
-#include "encoder/base/ranks_mpi.h"
 
-#include <assert.h>
 #include <fcntl.h>
-#include <inttypes.h>
 #include <omp.h>
-#include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
-
-static struct {
-    enc_job job;
-    uint32_t effects;
-    int method, layout, threads, centres, item;
-    bool layout_given, effects_given;
-    uint64_t memory, budget;
-    double hidden_threshold, error_threshold, btf_threshold;
-    int window[2];
-    double effect_tolerance[2]; /* dB; dB for each MB */
-    bool data_points, quiet;
-    const char *predict;
-} o = {.job = {.levels = 1}, .effects = UINT32_MAX, .hidden_threshold = 0.7};
-
-/* Whether options of one method were given, in the order of the table. */
-static bool given[14];
-
-static const cli_option table[] = {
-    {.short_name = 'o',
-     .name = "output",
-     .arg = "OUT",
-     .type = CLI_STRING,
-     .value = &o.job.output,
-     .help = "material to write, NAME.btf.exr, or the folder of a list's; needed"},
-    {.name = "method",
-     .type = CLI_CHOICE,
-     .value = &o.method,
-     .choices = "joint|paper",
-     .help =
-         "joint (default): everything found together, best quality;\npaper: stage after stage, as printed"},
-    {.name = "preset",
-     .type = CLI_CHOICE,
-     .value = &o.job.joint.preset,
-     .given = &given[0],
-     .choices = "fast|medium|thorough|exhaustive",
-     .only = "joint",
-     .help = "joint: fast tries one set of effects, then 5 rounds; medium\n(default) 3 and 18; thorough 6 "
-             "and 60; exhaustive all, until\nnothing is gained"},
-    {.name = "effects",
-     .type = CLI_EFFECTS,
-     .value = &o.effects,
-     .given = &o.effects_given,
-     .choices = "auto",
-     .help = "auto (default): those that pay (--effect-tolerance), and with\n--method paper the diffuse fit "
-             "alone where that is better;\nnone; or exactly these of shadow,shift,hidden,gain,residual"},
-    {.name = "effect-tolerance",
-     .arg = "DB[,DB]",
-     .type = CLI_CUSTOM,
-     .value = o.effect_tolerance,
-     .parse = enc_parse_tolerance,
-     .help = "--effects auto leaves out an effect that gains less than so\nmany dB (joint: in the fitted "
-             "domain; paper: linear), and so\nmany for each MB that it adds; default 0.05,0"},
-    {.name = "budget",
-     .type = CLI_BYTES,
-     .value = &o.budget,
-     .given = &given[1],
-     .minimum = 1,
-     .maximum = 0x1p62,
-     .only = "joint",
-     .help = "joint: bytes on the GPU at most; default what the paper's\nlayout takes (2.36 MB for 64x64 "
-             "and 81 directions)"},
-    {.name = "quality",
-     .arg = "DB",
-     .type = CLI_DOUBLE,
-     .value = &o.job.joint.quality,
-     .given = &given[2],
-     .minimum = 0,
-     .maximum = 100,
-     .only = "joint",
-     .help = "joint: the fewest bytes that reach this PSNR (sRGB-coded), at\nmost --budget"},
-    {.name = "metric",
-     .type = CLI_CHOICE,
-     .value = &o.job.joint.metric,
-     .given = &given[3],
-     .choices = "balanced|srgb|linear",
-     .only = "joint",
-     .help = "joint: linear fits radiance; balanced (default) and srgb fit its\nsquare root, which serves "
-             "both figures"},
-    {.name = "layout",
-     .type = CLI_CHOICE,
-     .value = &o.layout,
-     .given = &o.layout_given,
-     .choices = "paper|tight",
-     .help =
-         "one atlas, as in 3.1 (paper), or a texture an effect (tight); default\npaper for --method paper "
-         "without --levels, else tight"},
-    {.name = "levels",
-     .arg = "N|all",
-     .type = CLI_CUSTOM,
-     .value = &o.job.levels,
-     .parse = enc_parse_levels,
-     .help = "levels of detail, each of half the size; all: down to one texel;\ndefault 1. "
-             "Those beyond the first take about a third more bytes\nof texels, and time; layout tight"},
-    {.name = "half",
-     .type = CLI_FLAG,
-     .value = &o.job.half_float,
-     .help = "SBRDF parameters as half floats"},
-    ENC_INPUT_OPTIONS(o.job.read),
-    {.name = "lobes",
-     .type = CLI_INT,
-     .value = &o.job.paper.fit.lobes,
-     .given = &given[4],
-     .minimum = 1,
-     .maximum = 4,
-     .only = "paper",
-     .help = "paper: Lafortune lobes; default 3"},
-    {.name = "rounds",
-     .type = CLI_INT,
-     .value = &o.job.paper.fit.rounds,
-     .given = &given[5],
-     .minimum = 0,
-     .maximum = 16,
-     .only = "paper",
-     .help = "paper: shadow rejections of the fit; default 3"},
-    {.name = "starts",
-     .type = CLI_INT,
-     .value = &o.job.paper.fit.starts,
-     .given = &given[6],
-     .minimum = 1,
-     .maximum = ENC_FIT_MAX_STARTS,
-     .only = "paper",
-     .help = "paper: starts of a texel's first fit; default 4"},
-    {.name = "error-threshold",
-     .type = CLI_DOUBLE,
-     .value = &o.error_threshold,
-     .given = &given[7],
-     .minimum = 0,
-     .maximum = 1e6,
-     .only = "paper",
-     .help = "paper: relative error that means shadow; default 0.3"},
-    {.name = "btf-threshold",
-     .type = CLI_DOUBLE,
-     .value = &o.btf_threshold,
-     .given = &given[8],
-     .minimum = 0,
-     .maximum = 1e6,
-     .only = "paper",
-     .help = "paper: luminance below which shadow is possible; default 0.3"},
-    {.name = "flow-lights",
-     .type = CLI_INT,
-     .value = &o.job.paper.flow.lights,
-     .given = &given[9],
-     .minimum = 1,
-     .maximum = 256,
-     .only = "paper",
-     .help = "paper: lights that vote on shifts; default all"},
-    {.name = "hidden-threshold",
-     .type = CLI_DOUBLE,
-     .value = &o.hidden_threshold,
-     .given = &given[10],
-     .minimum = 0.001,
-     .maximum = 1,
-     .only = "paper",
-     .help = "paper: HiddenRatio above which a point is hidden; default 0.7"},
-    {.name = "window",
-     .type = CLI_SIZE,
-     .value = o.window,
-     .given = &given[11],
-     .minimum = 1,
-     .maximum = 16384,
-     .only = "paper",
-     .help = "paper: search window of the refinement; default 256x256, and\n64x64 around the voted shift "
-             "beyond 64x64 texels"},
-    {.name = "centres",
-     .type = CLI_INT,
-     .value = &o.centres,
-     .given = &given[12],
-     .minimum = 1,
-     .maximum = BTF_MAX_CENTRES,
-     .only = "paper",
-     .help = "paper: cluster centres; default what the atlas leaves room for"},
-    {.name = "data-points",
-     .type = CLI_FLAG,
-     .value = &o.data_points,
-     .given = &given[13],
-     .only = "paper",
-     .help = "paper: centres are data points nearest to the centroids"},
-    {.name = "report",
-     .arg = "FILE",
-     .type = CLI_STRING,
-     .value = &o.job.report,
-     .help = "write the report as JSON"},
-    {.name = "pictures",
-     .arg = "DIR",
-     .type = CLI_STRING,
-     .value = &o.job.pictures,
-     .help = "write pictures of the stages and a montage"},
-    {.name = "checkpoint",
-     .arg = "DIR",
-     .type = CLI_STRING,
-     .value = &o.job.checkpoint,
-     .help = "keep what stages find in DIR until the material is written, so\nthat --resume can go on "
-             "after a stop"},
-    {.name = "resume",
-     .type = CLI_FLAG,
-     .value = &o.job.resume,
-     .help = "go on from --checkpoint; the same bytes come out"},
-    {.name = "item",
-     .type = CLI_INT,
-     .value = &o.item,
-     .minimum = 1,
-     .maximum = 1e9,
-     .help = "only this input of a list, counted from 1 (for job arrays)"},
-    {.name = "predict",
-     .arg = "FROM",
-     .type = CLI_STRING,
-     .value = &o.predict,
-     .help =
-         "encode nothing: print what it would take in time by stage, memory\nand scratch files. FROM: self "
-         "(this machine is measured), or the\n--report of an encode with the same options, smaller say"},
-    {.name = "threads",
-     .type = CLI_INT,
-     .value = &o.threads,
-     .minimum = 1,
-     .maximum = 1024,
-     .help = "default: all cores; of a rank those it may use, divided by the\nranks that share them. The "
-             "output does not depend on it"},
-    {.name = "memory",
-     .type = CLI_BYTES,
-     .value = &o.memory,
-     .minimum = 1,
-     .maximum = 0x1p62,
-     .help = "bound of the working set of a process; default half of the\nmachine's, divided by its ranks. "
-             "Data beyond half of it go through "
-             "a scratch file in $TMPDIR;\nrefused where the data take more at the least"},
-    {.short_name = 'q',
-     .name = "quiet",
-     .type = CLI_FLAG,
-     .value = &o.quiet,
-     .help = "no progress, no tables"},
-    {.type = CLI_END},
-};
-
-static const cli_program program = {
-    .name = "btf-encode",
-    .usage = "INPUT -o OUT.btf.exr [OPTION...]",
-    .summary =
-        "Compresses a bidirectional texture function into a material of a few GPU textures.\n"
-        "INPUT is a folder or an archive (zip) of images whose names hold tl, pl, tv and pv, each\n"
-        "followed by an angle in degrees (UBO2003, ATRIUM, UTIA, Bonn spectral), or a .btf file of\n"
-        "Bonn (UBO2014: DFMF, FMF, PVF, BDI), or a list of inputs: a text file NAME.txt with one a line\n"
-        "(# begins a comment). For a list, OUT, the report and the pictures are folders.",
-    .details =
-        "The tables printed at the end, and the report, measure what the written material decodes to.\n"
-        "A list goes on after an input that fails, ends with a line an input, and with the exit code of "
-        "the\n"
-        "first failure.\n"
-        "mpirun -n N btf-encode ... splits one encode over N processes, of one machine or of several, "
-        "which write\n"
-        "the same bytes as one. Each reads its share of the images and leaves it in a scratch file: TMPDIR "
-        "names\n"
-        "a folder that all machines share. MPI is not touched where no launcher started the program.",
-    .example = "btf-encode UBO_IMPALLA256.zip --size 64x64 -o impalla.btf.exr --pictures pictures",
-    .options = table,
-    .min_arguments = 1,
-    .max_arguments = 1,
-};
 
 static uint64_t machine_memory(void) {
     return (uint64_t)sysconf(_SC_PHYS_PAGES) * (uint64_t)sysconf(_SC_PAGESIZE);
 }
 
-enum { MOST_OPTIONS = 32, VALUE_SIZE = 64 };
-
-/* Alternating names and values, NULL at the end. */
-static const char *described[2 * MOST_OPTIONS + 1];
-
-static void describe(const char *name, const char *format, ...) __attribute__((format(printf, 2, 3)));
-static void describe(const char *name, const char *format, ...) {
-    static char text[MOST_OPTIONS][VALUE_SIZE];
-    static int count;
-    va_list arguments;
-    assert(count < MOST_OPTIONS);
-    va_start(arguments, format);
-    vsnprintf(text[count], VALUE_SIZE, format, arguments);
-    va_end(arguments);
-    described[2 * count] = name;
-    described[2 * count + 1] = text[count];
-    count++;
-}
-
-static const char *yes_no(bool value) {
-    return value ? "yes" : "no";
-}
-
-static void describe_input(const enc_read_options *read) {
-    if (read->transfer == ENC_TRANSFER_GAMMA) {
-        describe("transfer", "gamma:%g", read->gamma);
-    } else {
-        describe("transfer", "%s",
-                 read->transfer == ENC_TRANSFER_SRGB     ? "srgb"
-                 : read->transfer == ENC_TRANSFER_LINEAR ? "linear"
-                                                         : "default");
-    }
-    describe("colour", "%s", read->colour == ENC_COLOUR_XYZ ? "xyz" : "rgb");
-    if (read->size[0] > 0) {
-        describe("size", "%dx%d", read->size[0], read->size[1]);
-    }
-    if (read->crop[2] > 0) {
-        describe("crop", "%d,%d,%d,%d", read->crop[0], read->crop[1], read->crop[2], read->crop[3]);
-    }
-    if (read->flip_v || read->azimuth_cw || read->azimuth_offset != 0) {
-        describe("flip-v", "%s", yes_no(read->flip_v));
-        describe("azimuth-cw", "%s", yes_no(read->azimuth_cw));
-        describe("azimuth-offset", "%g", read->azimuth_offset);
-    }
-}
-
-/* Names and values of what decides the result, for the material's provenance and the report. */
-static void describe_all(void) {
-    static const char *const presets[] = {"fast", "medium", "thorough", "exhaustive"};
-    static const char *const metrics[] = {"balanced", "srgb", "linear"};
-    const enc_paper_options *paper = &o.job.paper;
-    char effects[48];
-    describe_input(&o.job.read);
-    describe("effects", "%s", o.effects == UINT32_MAX ? "auto" : cli_effects_text(o.effects, effects));
-    if (o.effects == UINT32_MAX) {
-        describe("effect-tolerance", "%g,%g", o.effect_tolerance[0], o.effect_tolerance[1]);
-    }
-    describe("layout", "%s", o.job.layout == BTF_LAYOUT_PAPER ? "paper" : "tight");
-    describe("half", "%s", yes_no(o.job.half_float));
-    if (o.job.levels == 0) {
-        describe("levels", "all");
-    } else {
-        describe("levels", "%d", o.job.levels);
-    }
-    if (o.job.method == ENC_METHOD_PAPER) {
-        describe("lobes", "%d", paper->fit.lobes);
-        describe("rounds", "%d", paper->fit.rounds);
-        describe("starts", "%d", paper->fit.starts);
-        describe("error-threshold", "%g", (double)paper->fit.t_error);
-        describe("btf-threshold", "%g", (double)paper->fit.t_btf);
-        if (paper->flow.lights > 0) {
-            describe("flow-lights", "%d", paper->flow.lights);
-        } else {
-            describe("flow-lights", "all");
-        }
-        describe("hidden-threshold", "%g", o.hidden_threshold);
-        if (paper->refine.columns > 0) {
-            describe("window", "%dx%d", paper->refine.columns, paper->refine.rows);
-        } else {
-            describe("window", "default");
-        }
-        if (paper->centres > 0) {
-            describe("centres", "%u", paper->centres);
-        }
-        describe("data-points", "%s", yes_no(paper->cluster.data_points));
-    } else {
-        describe("preset", "%s", presets[o.job.joint.preset]);
-        describe("metric", "%s", metrics[o.job.joint.metric]);
-        if (o.budget > 0) {
-            describe("budget", "%" PRIu64, o.budget);
-        }
-        if (o.job.joint.quality > 0) {
-            describe("quality", "%g", o.job.joint.quality);
-        }
-    }
-}
-
-static btf_result refuse_other(const char *method, const char *other) {
-    for (const cli_option *option = table; option->type != CLI_END; option++) {
-        if (option->only && strcmp(option->only, other) == 0 && *option->given) {
-            return cli_error(&program, BTF_ERROR_USAGE, "option --%s: for --method %s only, not for %s",
-                             option->name, other, method);
-        }
-    }
-    return BTF_OK;
-}
-
-static btf_result prepare(void) {
-    enc_job *job = &o.job;
-    const uint32_t paper_effects = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN;
-    if (!job->output && !o.predict) {
-        return cli_error(&program, BTF_ERROR_USAGE, "option --output is missing: expected -o OUT.btf.exr");
-    }
-    if (job->resume && !job->checkpoint) {
-        return cli_error(&program, BTF_ERROR_USAGE, "option --resume: expected --checkpoint DIR as well");
-    }
-    job->method = o.method == 1 ? ENC_METHOD_PAPER : ENC_METHOD_JOINT;
-    if (job->method == ENC_METHOD_PAPER && o.effects_given && o.effects != UINT32_MAX &&
-        (o.effects & ~paper_effects)) {
-        return cli_error(&program, BTF_ERROR_USAGE,
-                         "option --effects: --method paper has shadow, shift and hidden only");
-    }
-    const bool paper = job->method == ENC_METHOD_PAPER;
-    const btf_result refused = refuse_other(paper ? "paper" : "joint", paper ? "joint" : "paper");
-    if (refused != BTF_OK) {
-        return refused;
-    }
-    job->layout = o.layout_given ? (o.layout == 1 ? BTF_LAYOUT_TIGHT : BTF_LAYOUT_PAPER)
-                  : job->method == ENC_METHOD_PAPER && job->levels == 1 ? BTF_LAYOUT_PAPER
-                                                                        : BTF_LAYOUT_TIGHT;
-    if (job->levels != 1 && job->layout == BTF_LAYOUT_PAPER) {
-        return cli_error(&program, BTF_ERROR_USAGE,
-                         "option --levels: --layout paper has one level; take --layout tight");
-    }
-    job->paper.effects = o.effects == UINT32_MAX ? paper_effects : o.effects;
-    job->paper.choose = job->paper.fallback = o.effects == UINT32_MAX;
-    job->paper.effect_tolerance = o.effect_tolerance[0];
-    job->paper.effect_tolerance_bytes = o.effect_tolerance[1];
-    job->paper.fit.t_error = (float)o.error_threshold;
-    job->paper.fit.t_btf = (float)o.btf_threshold;
-    job->paper.flow.hidden_threshold = (float)o.hidden_threshold;
-    job->paper.refine.columns = o.window[0];
-    job->paper.refine.rows = o.window[1];
-    job->paper.cluster.data_points = o.data_points;
-    job->paper.centres = (uint32_t)o.centres;
-    job->joint.effects = o.effects == UINT32_MAX ? BTF_EFFECT_ALL : o.effects;
-    job->joint.choose = o.effects == UINT32_MAX;
-    job->joint.effect_tolerance = o.effect_tolerance[0];
-    job->joint.effect_tolerance_bytes = o.effect_tolerance[1];
-    job->joint.budget = o.budget;
-    describe_all();
-    job->option_values = described;
-    job->quiet = o.quiet;
-    return BTF_OK;
-}
-
-static btf_result run(const enc_context *context) {
+static btf_result run(const enc_context *context, const enc_options *options) {
+    const enc_job *job = &options->job;
     enc_batch batch;
-    if (o.predict) {
-        return enc_batch_is(o.job.input)
-                   ? cli_error(&program, BTF_ERROR_USAGE, "option --predict: for one input, not for a list")
-                   : enc_predict(context, &o.job, o.predict, stdout);
+    if (options->predict) {
+        return enc_batch_is(job->input) ? cli_error(&enc_program, BTF_ERROR_USAGE,
+                                                    "option --predict: for one input, not for a list")
+                                        : enc_predict(context, job, options->predict, stdout);
     }
-    if (!enc_batch_is(o.job.input)) {
-        return o.item > 0
-                   ? cli_error(&program, BTF_ERROR_USAGE, "option --item: %s is not a list", o.job.input)
-                   : enc_job_run(context, &o.job);
+    if (!enc_batch_is(job->input)) {
+        return options->item > 0
+                   ? cli_error(&enc_program, BTF_ERROR_USAGE, "option --item: %s is not a list", job->input)
+                   : enc_job_run(context, job);
     }
-    btf_result result = enc_batch_read(context, o.job.input, &batch);
+    btf_result result = enc_batch_read(context, job->input, &batch);
     if (result == BTF_OK) {
-        result = enc_batch_run(context, &o.job, &batch, (size_t)o.item, o.quiet ? NULL : stdout);
+        result = enc_batch_run(context, job, &batch, (size_t)options->item, job->quiet ? NULL : stdout);
         enc_batch_clear(&batch);
     }
     return result;
@@ -466,63 +49,53 @@ static int silence(int stream) {
     return before;
 }
 
-/* Options and input; rank 0 alone tells what is wrong with them, since all ranks have the same. */
-static bool parse(int argc, char **argv, bool leads, cli_arguments *out_arguments, int *out_exit_code) {
-    int spoken = -1;
+/* Reads the command line; rank 0 alone tells what is wrong with it, since all ranks have the same. */
+static bool parse(int argc, char **argv, const enc_mpi_share *share, bool leads,
+                  const enc_options **out_options, int *out_exit_code) {
+    int errors = -1;
     if (!leads) {
         silence(STDOUT_FILENO);
-        spoken = silence(STDERR_FILENO);
+        errors = silence(STDERR_FILENO);
     }
-    bool good = cli_parse(&program, argc, argv, out_arguments, out_exit_code);
-    if (good) {
-        const btf_result result = prepare();
-        good = result == BTF_OK;
-        *out_exit_code = btf_result_exit_code(result);
-    }
-    if (spoken >= 0) {
-        dup2(spoken, STDERR_FILENO);
-        close(spoken);
+    const bool good =
+        enc_options_parse(argc, argv, share->threads, share->memory, out_options, out_exit_code);
+    if (errors >= 0) {
+        dup2(errors, STDERR_FILENO);
+        close(errors);
     }
     return good;
 }
 
-static int encode(enc_ranks *ranks, int argc, char **argv) {
-    cli_arguments arguments;
+static int encode(enc_ranks *ranks, const enc_mpi_share *share, int argc, char **argv) {
+    const enc_options *options;
     int exit_code;
     const enc_context alone = {.ranks = ranks};
     const bool leads = enc_ranks_leads(&alone);
-    if (!parse(argc, argv, leads, &arguments, &exit_code)) {
+    if (!parse(argc, argv, share, leads, &options, &exit_code)) {
         return exit_code;
     }
-    progress *shown = progress_create(o.quiet || !leads);
-    const btf_log log = cli_log(&program, o.quiet);
+    const bool quiet = options->job.quiet;
+    progress *shown = progress_create(quiet || !leads);
+    const btf_log log = cli_log(&enc_program, quiet);
     const enc_context context = {.log = ranks ? enc_ranks_log(ranks, log) : log,
                                  .progress = shown,
-                                 .threads = o.threads,
-                                 .memory = (size_t)o.memory,
+                                 .threads = options->threads,
+                                 .memory = (size_t)options->memory,
                                  .ranks = ranks};
-    o.job.input = arguments.values[0];
-    const btf_result result = run(&context);
+    const btf_result result = run(&context, options);
     if (result == BTF_ERROR_INTERRUPTED && leads) {
-        cli_error(&program, result, "interrupted; no material was written");
+        cli_error(&enc_program, result, "interrupted; no material was written");
     }
     progress_destroy(&shown);
-    return cli_finish(&program, result);
+    return cli_finish(&enc_program, result);
 }
 
 int main(int argc, char **argv) {
     enc_mpi_share share = {.threads = omp_get_num_procs(), .memory = machine_memory() / 2};
     enc_ranks *ranks;
-    o.job.paper = enc_paper_options_default();
-    o.error_threshold = o.job.paper.fit.t_error;
-    o.btf_threshold = o.job.paper.fit.t_btf;
-    o.job.joint = enc_joint_options_default();
-    o.effect_tolerance[0] = o.job.joint.effect_tolerance;
-    o.effect_tolerance[1] = o.job.joint.effect_tolerance_bytes;
-    const btf_result started = enc_mpi_start(cli_log(&program, false), &ranks, &share);
-    o.threads = share.threads;
-    o.memory = share.memory;
-    const int exit_code = started == BTF_OK ? encode(ranks, argc, argv) : btf_result_exit_code(started);
+    const btf_result started = enc_mpi_start(cli_log(&enc_program, false), &ranks, &share);
+    const int exit_code =
+        started == BTF_OK ? encode(ranks, &share, argc, argv) : btf_result_exit_code(started);
     enc_mpi_stop(&ranks);
     return exit_code;
 }

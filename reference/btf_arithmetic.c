@@ -1,7 +1,7 @@
 /* OpenBTF reference decoder: exact arithmetic (FORMAT.md, section 8).
  *
  * Additions, multiplications and integer steps alone, one rounding an operation, in the written order, so
- * that the same bits come from every machine. Errors against the true values: see btf_reference.h.
+ * that the same bits come from every machine. Errors against the true values: see openbtf/reference.h.
  *
  * SPDX-License-Identifier: MIT
  */

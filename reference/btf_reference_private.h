@@ -10,7 +10,7 @@
 #ifndef OPENBTF_REFERENCE_PRIVATE_H
 #define OPENBTF_REFERENCE_PRIVATE_H
 
-#include "btf_reference.h"
+#include <openbtf/reference.h>
 
 #include <float.h>
 #include <stdbool.h>
@@ -100,10 +100,16 @@ static inline bool btf_ref_probe(void) {
 #endif
 }
 
-/** btf_ref_probe() of each file. */
+/** btf_ref_probe() of each file; no symbols of the library. */
+#if defined __GNUC__
+#pragma GCC visibility push(hidden)
+#endif
 bool btf_ref_probe_arithmetic(void);
 bool btf_ref_probe_addressing(void);
 bool btf_ref_probe_directions(void);
 bool btf_ref_probe_evaluate(void);
+#if defined __GNUC__
+#pragma GCC visibility pop
+#endif
 
 #endif

@@ -11,6 +11,7 @@ import argparse
 import os
 import re
 import sys
+import textwrap
 
 
 def resolve_includes(path, seen=None):
@@ -116,6 +117,24 @@ def squeeze(lines):
     return out
 
 
+# What a variant asks of the program that takes it; options.glsl says what each is.
+VALUES = ("BTF_WIDTH", "BTF_HEIGHT", "BTF_N_LIGHTS", "BTF_VIEW_GRID", "BTF_LIGHT_GRID", "BTF_ATLAS_WIDTH",
+          "BTF_ATLAS_HEIGHT", "BTF_TILES", "BTF_CENTRE_ROWS", "BTF_RADIANCE_SCALE", "BTF_SHADOW_SCALE", "BTF_GAIN_SCALE",
+          "BTF_CENTRE_SCALE")
+
+
+def variant_head(macros, lines):
+    """The comment and the macros that open a variant's file."""
+    text = "\n".join(lines)
+    used = [name for name in VALUES if re.search(r"\b%s\b" % name, text)]
+    wrapped = textwrap.wrap("Define these values of the material first: " + ", ".join(used) + ".", 105)
+    return ["/* OpenBTF: decoder of one variant; put it behind your #version and in front of your own macros.",
+            *(" * " + line for line in wrapped),
+            " * openbtf.glsl, the decoder of every variant, explains these and other macros.", " *",
+            " * SPDX-License-Identifier: MIT", " */",
+            *("#define %s %s" % item for item in macros.items())]
+
+
 def embed(names):
     """C source of functions that return the texts, as byte arrays (string literals may be too long for C11)."""
     out = ["/* OpenBTF: the shader texts. Made by shaders/flatten.py.", " *",
@@ -144,11 +163,8 @@ def main():
         lines = resolve_includes(options.source)
         if options.macros:
             macros = dict(item.split("=", 1) for item in options.macros)
-            head = ["/* OpenBTF: decoder of one variant, made by flatten.py from shaders/; put it behind your #version.",
-                    " * Define the values of options.glsl (BTF_WIDTH, ...) first.", " *",
-                    " * SPDX-License-Identifier: MIT", " */"]
-            defines = ["#define %s %s" % item for item in macros.items()]
-            lines = head + defines + without_file_comments(resolve_conditions(lines, macros))
+            lines = without_file_comments(resolve_conditions(lines, macros))
+            lines = variant_head(macros, lines) + lines
         lines = squeeze(lines)
     else:
         parser.error("give a SOURCE or --embed")

@@ -1,6 +1,7 @@
-/* OpenBTF shaders: everything a shader needs to decode a material; see options.glsl for the macros.
+/* OpenBTF shaders: everything a shader needs to decode a material. The macros that it takes are
+ * explained below.
  *
- * No #version, no main, no uniform but those of interface.glsl; every global name begins with btf_ or BTF_.
+ * No #version, no main, no uniform but the samplers and the run-time zero; every global name begins with btf_ or BTF_.
  * In ESSL the default precision is highp from here on.
  *
  * SPDX-License-Identifier: MIT

@@ -1,6 +1,7 @@
 /* OpenBTF shaders: the macros that choose a variant, and what each is when nobody says.
  *
- * btf_shader_source() writes these lines for a material; by hand, define them before openbtf.glsl.
+ * btf_shader_source() writes these lines for a material; by hand, define them before this text. Other macros of
+ * yours go behind the whole text: one that is named like a parameter or a variable here would rewrite it.
  *
  *   structure (integer literals; they decide which code exists)
  *     BTF_LAYOUT_TIGHT   0 layout `paper` (one atlas), 1 layout `tight`

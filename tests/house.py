@@ -46,14 +46,13 @@ HOUSE = [
 MOST_FILES = 40
 
 # Installed headers are included as their users do.
-PUBLIC = {'btf_reference.h': 'reference/btf_reference.h'}
-PUBLIC_FOLDERS = {'openbtf/': 'decoder/include/openbtf/'}
+PUBLIC_FOLDERS = {'openbtf/reference.h': 'reference/include/openbtf/reference.h', 'openbtf/': 'decoder/include/openbtf/'}
 
 # Headers whose functions are defined in several files or one of another name, and why.
 HEADERS_OF_SEVERAL = {
     'decoder/include/openbtf/': 'the face of the library: what users call, not how its files are divided',
-    'reference/btf_reference': 'the reference decoder is read and copied as a whole, with one header to the outside '
-                               'and one within',
+    'reference/include/': 'the reference decoder is read and copied as a whole, with one header to the outside',
+    'reference/btf_reference': 'and one within',
     'tests/bench/bench.h': 'what the sections of the one program btf-bench share',
     'tests/bench/results.h': 'what the sections of the one program btf-bench share',
     'tests/bench/codecs/pca.h': 'one peer: its analysis and its codec',
@@ -103,7 +102,7 @@ def public(name):
     for prefix, folder in PUBLIC_FOLDERS.items():
         if name.startswith(prefix):
             return folder + name[len(prefix):]
-    return PUBLIC.get(name)
+    return None
 
 
 def target_of(path, name, quoted, files):
@@ -122,6 +121,7 @@ def statements(text):
     text = re.sub(r'#ifdef __cplusplus\n.*?#endif', '', text, flags=re.S)
     text = re.sub(r'/\*.*?\*/|//[^\n]*|"(\\.|[^"\\\n])*"|\'(\\.|[^\'\\\n])+\'|^[ \t]*#(\\\n|[^\n])*', ' ', text,
                   flags=re.S | re.M)
+    text = re.sub(r'^[A-Z][A-Z0-9_]*\([^()\n]*\)$', '', text, flags=re.M)  # a macro that makes functions
     text = re.sub(r'extern\s+\{', '', text)  # of a C++ file: extern "C" {
     flat, depth = '', 0
     for c in text:
@@ -138,6 +138,7 @@ def names(text):
     """(functions and objects declared, those defined) by a file, without what is static."""
     declared, defined = set(), set()
     for s in statements(text):
+        s = re.sub(r'^([A-Z][A-Z0-9_]*\s*\([^()]*\)\s*)+', '', s)  # macros that define something else
         is_extern = s.startswith('extern ')
         match = re.match(r'(?!typedef\b|static\b|_Static_assert\b|return\b)[\w\s*]*?\b(\w+)\s*\(', s)
         if match and '=' not in s[:match.end()]:

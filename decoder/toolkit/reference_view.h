@@ -5,7 +5,7 @@
 #ifndef OPENBTF_TOOLS_REFERENCE_VIEW_H
 #define OPENBTF_TOOLS_REFERENCE_VIEW_H
 
-#include "btf_reference.h"
+#include <openbtf/reference.h>
 #include <openbtf/material.h>
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-// The one door to OpenCV (C++): text drawing and DIS optical flow.
+// The one door to OpenCV (C++): DIS optical flow.
 //
 // SPDX-License-Identifier: MIT
 #include "opencv_bridge.h"
@@ -10,7 +10,6 @@
 #include <opencv2/core.hpp>
 #include <opencv2/core/ocl.hpp>
 #include <opencv2/core/utils/logger.hpp>
-#include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
 struct enc_cv_flow {
@@ -46,24 +45,7 @@ bool guarded(Work work) noexcept {
     }
 }
 
-// Hershey's capitals are 21 units high at scale 1.
-constexpr double capital_height = 21.0;
-
-int text_thickness(double size) {
-    return size >= 24.0 ? 2 : 1;
-}
-
 } // namespace
-
-void enc_cv_draw_text(unsigned char *rgb, int width, int height, int x, int y, const char *text,
-                      double size, const unsigned char colour[3]) {
-    guarded([&]() -> bool {
-        cv::Mat image(height, width, CV_8UC3, rgb);
-        cv::putText(image, text, cv::Point(x, y), cv::FONT_HERSHEY_SIMPLEX, size / capital_height,
-                    cv::Scalar(colour[0], colour[1], colour[2]), text_thickness(size), cv::LINE_AA);
-        return true;
-    });
-}
 
 enc_cv_flow *enc_cv_flow_create(void) {
     enc_cv_flow *flow = nullptr;

@@ -1,4 +1,4 @@
-/* The one door to OpenCV (C++): text drawing and DIS optical flow.
+/* The one door to OpenCV (C++): DIS optical flow.
  *
  * No C++ exception crosses it, OpenCV's own messages are silenced, and every call runs on the calling
  * thread alone. All functions may be called from several threads at once, a flow handle from one at a time.
@@ -11,11 +11,6 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/* Draws one line of text into rgb[row][column][3], clipped at the edges; (x, y) is the left end of the base
- * line, size the height of a capital letter in pixels. */
-void enc_cv_draw_text(unsigned char *rgb, int width, int height, int x, int y, const char *text,
-                      double size, const unsigned char colour[3]);
 
 /* DIS optical flow (Kroeger et al. 2016), preset medium: a reusable object, one for each thread. */
 typedef struct enc_cv_flow enc_cv_flow;

@@ -5,7 +5,7 @@
 #ifndef OPENBTF_ENCODER_IMAGES_H
 #define OPENBTF_ENCODER_IMAGES_H
 
-#include "btf_reference.h"
+#include <openbtf/reference.h>
 #include "data.h"
 
 /* Writes all images of one view: out[light][texel][channel], linear radiance. Thread-safe. */

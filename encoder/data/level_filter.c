@@ -18,6 +18,13 @@ int enc_level_count(int width, int height) {
     return count;
 }
 
+size_t enc_level_further_texels(int width, int height, int count) {
+    size_t texels = 0;
+    for (int level = 1; level < count; level++)
+        texels += (size_t)enc_level_side(width, level) * (size_t)enc_level_side(height, level);
+    return texels;
+}
+
 /* One texel; buffer and out take a texel each, sums likewise. */
 static btf_result filter_texel(const enc_context *context, const enc_data *from, const enc_data *to,
                                size_t texel, float *buffer, double *sums, float *out) {

@@ -19,6 +19,8 @@ static inline int enc_level_side(int side, int level) {
 
 /* Levels down to 1 x 1: 1 + floor(log2(larger side)). */
 int enc_level_count(int width, int height);
+/* Texels of levels 1 .. count - 1 together. */
+size_t enc_level_further_texels(int width, int height, int count);
 
 /* The box filter above, from `from` to width x height, neither larger than that of `from`; sums are in
  * double, texel by texel in row order. The same for any number of threads. Errors: BTF_ERROR_MEMORY,

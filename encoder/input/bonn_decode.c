@@ -7,6 +7,7 @@
  */
 #include "bonn_decode.h"
 
+#include "bonn_colour.h"
 #include "encoder/math/gemm.h"
 
 #include <archive.h>

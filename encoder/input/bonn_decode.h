@@ -32,8 +32,4 @@ void enc_bonn_decoder_destroy(enc_bonn_decoder **decoder);
 btf_result enc_bonn_decode(const enc_context *context, const enc_bonn_decoder *decoder, size_t count,
                            const size_t *texels, int first_view, int n_views, size_t pitch, float *out);
 
-/* The inverse of a colour model in place: three rows of `count` samples each, `pitch` floats apart. */
-void enc_bonn_colour(int32_t model, const float mean[3], const float matrix[9], size_t count, size_t pitch,
-                     float *samples);
-
 #endif

@@ -4,7 +4,7 @@
  */
 #include "bonn_file.h"
 
-#include "btf_reference.h"
+#include <openbtf/reference.h>
 
 #include <errno.h>
 #include <fcntl.h>

@@ -5,7 +5,8 @@
 #ifndef OPENBTF_ENCODER_BONN_READER_H
 #define OPENBTF_ENCODER_BONN_READER_H
 
-#include "reader.h"
+#include "encoder/data/data.h"
+#include "read_options.h"
 
 /* Predicted core seconds to make a sample from a factorisation of so many components, on the machine of
  * job/cost.h. */

@@ -6,7 +6,7 @@
 #define OPENBTF_ENCODER_GRID_H
 
 #include "encoder/data/data.h"
-#include "reader.h"
+#include "read_options.h"
 #include "source.h"
 
 /* Where one image of a source belongs. */

@@ -1,12 +1,13 @@
-/* Where the lights stood that cannot stand in the direction of the camera: laboratories move them aside, and
- * some list where to (UTIA), while file names keep the nominal angles.
+/* Where the lights stood that cannot stand in the direction of the camera: laboratories move them aside,
+ * and some list where to (UTIA), while file names keep the nominal angles.
  *
  * SPDX-License-Identifier: MIT
  */
 #ifndef OPENBTF_ENCODER_LIGHT_POSITIONS_H
 #define OPENBTF_ENCODER_LIGHT_POSITIONS_H
 
-#include "reader.h"
+#include "encoder/data/data.h"
+#include "read_options.h"
 
 /* Reads a table of where such lights stood, and keeps it with the data (enc_data_light). A line a
  * direction, in degrees: "theta phi theta_of_light phi_of_light", with a number before them or not; #

@@ -80,10 +80,5 @@ const char *enc_parse_transfer(const char *text, void *options);
 const char *enc_parse_colour(const char *text, void *options);
 const char *enc_parse_cosine(const char *text, void *options);
 const char *enc_parse_crop(const char *text, void *options);
-/* DB[,DB] into tolerance[2], of which the second is 0 where it is not given: see btf-encode
- * --effect-tolerance. */
-const char *enc_parse_tolerance(const char *text, void *tolerance);
-/* N or "all" into an int, 0 for all: see btf-encode --levels. */
-const char *enc_parse_levels(const char *text, void *levels);
 
 #endif

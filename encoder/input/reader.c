@@ -11,11 +11,15 @@
 #include "light_positions.h"
 #include "grid.h"
 #include "encoder/base/ranks.h"
+#include "source_archive.h"
+#include "source_folder.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 enum {
     MAX_SIDE = 16384,
@@ -407,6 +411,16 @@ static btf_result announce(const reader *r) {
     return enc_extent_announce(r->context, &extent);
 }
 
+/* Opens a directory or an archive by what the path is. */
+static btf_result open_source(const enc_context *context, const char *path, enc_source **out_source) {
+    struct stat status;
+    *out_source = NULL;
+    if (stat(path, &status) != 0)
+        return enc_fail(context, BTF_ERROR_IO, "%s: %s", path, strerror(errno));
+    return S_ISDIR(status.st_mode) ? enc_source_open_directory(context, path, out_source)
+                                   : enc_source_open_archive(context, path, out_source);
+}
+
 /* A directory or an archive. */
 static btf_result read_set(const enc_context *context, const char *input, const enc_read_options *options,
                            enc_data **out_data) {
@@ -417,7 +431,7 @@ static btf_result read_set(const enc_context *context, const char *input, const 
         result = enc_fail(context, BTF_ERROR_USAGE,
                           "%s: components are those of a Bonn .btf file, and this is none", input);
     if (result == BTF_OK)
-        result = enc_source_open(context, input, &r.source);
+        result = open_source(context, input, &r.source);
     if (result == BTF_OK)
         result = enc_grid_create(context, r.source, options, &r.grid);
     if (result == BTF_OK && !(r.decoder = enc_decoder_create(options->transfer, options->gamma)))

@@ -5,37 +5,8 @@
 #ifndef OPENBTF_ENCODER_READER_H
 #define OPENBTF_ENCODER_READER_H
 
-#include "colour.h"
+#include "read_options.h"
 #include "encoder/data/data.h"
-
-typedef enum enc_colour {
-    ENC_COLOUR_RGB = 0, /* linear Rec. 709 */
-    ENC_COLOUR_XYZ,     /* CIE XYZ, white point D65 (UTIA's EXR) */
-} enc_colour;
-
-/* Whether samples hold the cosine of the angle between light and normal. */
-typedef enum enc_cosine {
-    ENC_COSINE_AUTO = 0, /* as the file says; images do */
-    ENC_COSINE_INCLUDED,
-    ENC_COSINE_MISSING, /* samples are multiplied by it */
-} enc_cosine;
-
-/* How images and names are to be understood. Zero means default. Applied in this order: transfer, colour,
- * crop, flip_v, size, clamping of negative values. */
-typedef struct enc_read_options {
-    enc_transfer transfer;
-    double gamma; /* of ENC_TRANSFER_GAMMA, > 0 */
-    enc_colour colour;
-    int size[2];           /* width, height: area filter in linear light; 0, 0: as read */
-    int crop[4];           /* x, y, width, height in the file's pixels, y from the top; all 0: everything */
-    bool flip_v;           /* row 0 of the files is the bottom (-v) */
-    bool azimuth_cw;       /* azimuths of the names grow clockwise: phi becomes -phi */
-    double azimuth_offset; /* degrees, then added to every azimuth but those of theta 0 */
-    enc_cosine cosine;
-    int components;         /* of each factorisation of a Bonn file at most; 0: all */
-    const char *coincident; /* table of lights that stood elsewhere (light_positions.h); NULL: none */
-    bool strict;            /* refuse negative values instead of clamping them to 0 and counting them */
-} enc_read_options;
 
 /* Reads a Bonn .btf file (bonn_reader.h), or a directory or an archive of images whose names say tl, pl, tv
  * and pv (names.h, source.h) into a BTF. Directions are brought to paper order: theta ascending, then phi

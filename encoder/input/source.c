@@ -6,19 +6,8 @@
 
 #include "names.h"
 
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-
-btf_result enc_source_open(const enc_context *context, const char *path, enc_source **out_source) {
-    struct stat status;
-    *out_source = NULL;
-    if (stat(path, &status) != 0)
-        return enc_fail(context, BTF_ERROR_IO, "%s: %s", path, strerror(errno));
-    return S_ISDIR(status.st_mode) ? enc_source_open_directory(context, path, out_source)
-                                   : enc_source_open_archive(context, path, out_source);
-}
 
 void enc_source_close(enc_source **source) {
     if (!source || !*source)

@@ -31,20 +31,11 @@ struct enc_source {
     void (*close)(enc_source *source);
 };
 
-/* Opens a directory (searched recursively) or an archive by what the path is.
- * Errors, named on the log: BTF_ERROR_IO, BTF_ERROR_BAD_FILE, BTF_ERROR_UNSUPPORTED (too many files),
- * BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
-btf_result enc_source_open(const enc_context *context, const char *path, enc_source **out_source);
 void enc_source_close(enc_source **source);
 
-/* The two kinds, each in its own file. Links to folders are followed in a directory, to a depth of 32. An
- * archive is anything zip, tar or 7zip that libarchive reads; only its list of names is read here, and its
- * files then once, in order. Nothing is ever written to disk, so that names may point anywhere. */
-btf_result enc_source_open_directory(const enc_context *context, const char *path, enc_source **out_source);
-btf_result enc_source_open_archive(const enc_context *context, const char *path, enc_source **out_source);
-
-/* For the two kinds: keeps a copy of a path if it names an image, counts it otherwise. n_allocated is the
- * length of source->paths. Errors: BTF_ERROR_UNSUPPORTED (too many), BTF_ERROR_MEMORY. */
+/* For the kinds of source (source_folder.h, source_archive.h): keeps a copy of a path if it names an image,
+ * counts it otherwise. n_allocated is the length of source->paths. Errors: BTF_ERROR_UNSUPPORTED (too
+ * many), BTF_ERROR_MEMORY. */
 btf_result enc_source_add(enc_source *source, const char *path, size_t *n_allocated, bool *out_is_image);
 void enc_source_free_paths(enc_source *source);
 

@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "source.h"
+#include "source_archive.h"
 
 #include <archive.h>
 #include <archive_entry.h>

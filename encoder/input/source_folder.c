@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "source.h"
+#include "source_folder.h"
 
 #include <dirent.h>
 #include <errno.h>

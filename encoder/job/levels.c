@@ -90,14 +90,6 @@ static btf_result fit_level(void *user, int level, const enc_data *data) {
     return result;
 }
 
-/* Texels of the levels beyond the first: what their stages count. */
-static size_t further_texels(const enc_data *data, int count) {
-    size_t texels = 0;
-    for (int level = 1; level < count; level++)
-        texels += (size_t)enc_level_side(data->width, level) * (size_t)enc_level_side(data->height, level);
-    return texels;
-}
-
 btf_result enc_levels_fit(const enc_context *context, const enc_data *data, int count,
                           const enc_paper_options *paper, enc_solution *base, enc_levels *out_levels) {
     fit_pass pass = {
@@ -109,7 +101,7 @@ btf_result enc_levels_fit(const enc_context *context, const enc_data *data, int 
         *out_levels = (enc_levels){0};
         return enc_fail(context, BTF_ERROR_MEMORY, "levels: out of memory");
     }
-    enc_stage_begin(context, "levels", further_texels(data, count));
+    enc_stage_begin(context, "levels", enc_level_further_texels(data->width, data->height, count));
     const btf_result result = enc_level_each(context, data, count, fit_level, &pass);
     enc_stage_end(context);
     if (result != BTF_OK) {
@@ -121,36 +113,4 @@ btf_result enc_levels_fit(const enc_context *context, const enc_data *data, int 
         out_levels->level[i].n_centres = base->n_centres;
     }
     return BTF_OK;
-}
-
-typedef struct measure_pass {
-    enc_context quiet;
-    const enc_context *context;
-    const enc_levels *levels;
-    enc_metrics *metrics;
-} measure_pass;
-
-static btf_result measure_level(void *user, int level, const enc_data *data) {
-    measure_pass *pass = user;
-    enc_sample_decoder *decoder = NULL;
-    btf_result result =
-        enc_sample_decoder_create(&pass->quiet, data, &pass->levels->level[level - 1], &decoder);
-    if (result == BTF_OK) {
-        const enc_decoded_samples decoded = {.decoder = decoder, .effects = BTF_EFFECT_ALL};
-        result = enc_metrics_compare(&pass->quiet, data, enc_data_images(data),
-                                     enc_decoded_images(&decoded), false, &pass->metrics[level - 1]);
-    }
-    enc_sample_decoder_destroy(&decoder);
-    enc_stage_step(pass->context, enc_data_texel_count(data));
-    return result;
-}
-
-btf_result enc_levels_measure(const enc_context *context, const enc_data *data, const enc_levels *levels,
-                              enc_metrics *out_metrics) {
-    measure_pass pass = {.quiet = *context, .context = context, .levels = levels, .metrics = out_metrics};
-    pass.quiet.progress = NULL;
-    enc_stage_begin(context, "measure levels", further_texels(data, levels->count));
-    const btf_result result = enc_level_each(context, data, levels->count, measure_level, &pass);
-    enc_stage_end(context);
-    return result;
 }

@@ -10,7 +10,6 @@
 
 #include "encoder/data/level_filter.h"
 #include "encoder/paper/paper.h"
-#include "encoder/report/metrics.h"
 #include "encoder/model/solution.h"
 
 /* Analyses levels 1 .. count - 1 of `data` for `base`, the solution of level 0. `paper` is NULL for a base
@@ -19,10 +18,5 @@
  * has no room. Stage "levels". Errors: those of the stages; *out_levels is zeroed then. */
 btf_result enc_levels_fit(const enc_context *context, const enc_data *data, int count,
                           const enc_paper_options *paper, enc_solution *base, enc_levels *out_levels);
-
-/* Decodes each level and compares it with the filtered data: out_metrics [count - 1], without SSIM. Stage
- * "measure levels". */
-btf_result enc_levels_measure(const enc_context *context, const enc_data *data, const enc_levels *levels,
-                              enc_metrics *out_metrics);
 
 #endif

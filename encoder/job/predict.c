@@ -1,4 +1,4 @@
-/* What an encode will take, told without encoding. See predict.h.
+/* Predicts what an encode takes. See predict.h.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -8,110 +8,56 @@
 #include "cost.h"
 #include "decoder/toolkit/progress.h"
 #include "encoder/math/gemm.h"
+#include "encoder/report/stage_times.h"
 #include "memory.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { REPORT_BYTES = 8 << 20, NAME = 64, PRODUCT = 192, ROOTS = 1 << 22 };
+enum { PRODUCT = 192, ROOTS = 1 << 22 };
 
 /* Core seconds on the machine of the cost model: of a product of PRODUCT^3, of ROOTS square roots in
  * memory. */
 static const double product_seconds = 0.16e-3, root_seconds = 3.6e-3;
 
-/* Core seconds of a measured run by stage. */
-typedef struct times {
-    struct {
-        char stage[NAME];
-        double seconds;
-    } of[2 * ESTIMATE_PARTS];
-    size_t count;
-} times;
-
-static double time_of(const times *t, const char *stage) {
-    for (size_t i = 0; i < t->count; i++)
-        if (strcmp(t->of[i].stage, stage) == 0)
-            return t->of[i].seconds;
-    return NAN;
-}
-
-/* The whole file as text; the caller frees. NULL: not to be read, errno says why. */
-static char *read_text(const char *path) {
-    FILE *file = fopen(path, "r");
-    char *text = file ? malloc(REPORT_BYTES) : NULL;
-    if (text) {
-        text[fread(text, 1, REPORT_BYTES - 1, file)] = '\0';
-        if (ferror(file)) {
-            free(text);
-            text = NULL;
-        }
-    }
-    if (file)
-        fclose(file);
-    return text;
-}
-
-/* The members of the object called `name` in the text of a report; false where there is none, or one of
- * them is no number. */
-static bool take_times(const char *text, const char *name, times *out) {
-    char key[NAME];
-    snprintf(key, sizeof key, "\"%s\": {", name);
-    const char *at = strstr(text, key);
-    *out = (times){0};
-    if (!at)
-        return false;
-    at += strlen(key);
-    while (out->count < 2 * ESTIMATE_PARTS) {
-        int used = 0;
-        char *end;
-        if (sscanf(at, " \"%63[^\"]\": %n", out->of[out->count].stage, &used) != 1 || used == 0)
-            break;
-        out->of[out->count].seconds = strtod(at + used, &end);
-        if (end == at + used || !(out->of[out->count].seconds >= 0))
-            return false;
-        out->count++;
-        at = end + strspn(end, " ,\n\r\t");
-    }
-    return *at == '}' && out->count > 0;
-}
-
 /* How much more time a stage takes than the model says. */
 typedef struct scales {
-    times measured, predicted;
-    double all;
+    enc_report_times report; /* of the encode that the scales come from; empty for those of the machine */
+    double all;              /* for stages that the report does not list */
 } scales;
 
 static double scale_of(const scales *s, const char *stage) {
-    const double measured = time_of(&s->measured, stage), predicted = time_of(&s->predicted, stage);
-    if (predicted > 0 && isnan(measured))
-        return 0;                                               /* there, it was not needed */
-    const double least = 2e-3 * time_of(&s->measured, "total"); /* what is too short to be measured well */
-    return measured > least && predicted > 0 ? measured / predicted : s->all;
+    const enc_stage_times *measured = &s->report.measured;
+    const double took = enc_stage_time(measured, stage),
+                 predicted = enc_stage_time(&s->report.predicted, stage);
+    if (predicted > 0 && isnan(took))
+        return 0; /* there, it was not needed */
+    const double least =
+        2e-3 * enc_stage_time(measured, "total"); /* what is too short to be measured well */
+    return took > least && predicted > 0 ? took / predicted : s->all;
 }
 
 static btf_result scales_of_report(const enc_context *context, const enc_job *job, const char *path,
                                    scales *out) {
-    char *text = read_text(path), method[NAME];
-    btf_result result = text ? BTF_OK : enc_fail(context, BTF_ERROR_IO, "%s: %s", path, strerror(errno));
-    snprintf(method, sizeof method, "\"method\": \"%s\"",
-             job->method == ENC_METHOD_PAPER ? "paper" : "joint");
-    if (result == BTF_OK && (!take_times(text, "core_seconds", &out->measured) ||
-                             !take_times(text, "predicted_core_seconds", &out->predicted)))
-        result = enc_fail(context, BTF_ERROR_BAD_FILE,
-                          "%s: no report of btf-encode with core seconds by stage", path);
-    if (result == BTF_OK && !strstr(text, method))
-        result = enc_fail(context, BTF_ERROR_USAGE, "%s: of another method", path);
+    const char *method = job->method == ENC_METHOD_PAPER ? "paper" : "joint";
+    const enc_stage_times *measured = &out->report.measured, *predicted = &out->report.predicted;
+    const btf_result result = enc_report_times_read(context, path, &out->report);
+    if (result != BTF_OK)
+        return result;
+    if (strcmp(out->report.method, method) != 0)
+        return enc_fail(context, BTF_ERROR_USAGE,
+                        "%s: is the report of an encode by --method %s, and the prediction is for %s", path,
+                        out->report.method, method);
     double sum = 0;
-    for (size_t i = 0; i < out->predicted.count; i++)
-        if (!isnan(time_of(&out->measured, out->predicted.of[i].stage)))
-            sum += out->predicted.of[i].seconds;
-    out->all = time_of(&out->measured, "total") / sum;
-    if (result == BTF_OK && !(out->all > 0 && isfinite(out->all)))
-        result = enc_fail(context, BTF_ERROR_BAD_FILE, "%s: took no time", path);
-    free(text);
-    return result;
+    for (size_t i = 0; i < predicted->count; i++)
+        if (!isnan(enc_stage_time(measured, predicted->of[i].stage)))
+            sum += predicted->of[i].seconds;
+    out->all = enc_stage_time(measured, "total") / sum;
+    if (!(out->all > 0 && isfinite(out->all)))
+        return enc_fail(context, BTF_ERROR_BAD_FILE,
+                        "%s: core_seconds.total is 0, or no stage is both measured and predicted", path);
+    return BTF_OK;
 }
 
 /* The machine by a product that stays in the cache and roots that do not. */

@@ -1,4 +1,4 @@
-/* What an encode will take, told without encoding.
+/* Predicts what an encode takes, without encoding.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -13,8 +13,8 @@
  * files for job->input. The scale of the times is taken from `from`: "self" measures this machine for about
  * a second; else it is the report (--report) of an encode with the same options, of a smaller part of the
  * data say, and each stage is scaled by what it took there against what was predicted. Errors: those of
- * opening the input; BTF_ERROR_IO, BTF_ERROR_BAD_FILE (no such report), BTF_ERROR_USAGE (of the other
- * method). */
+ * opening the input; of the report, naming file and member: BTF_ERROR_IO, BTF_ERROR_BAD_FILE (not a
+ * report), BTF_ERROR_USAGE (of the other method). */
 btf_result enc_predict(const enc_context *context, const enc_job *job, const char *from, FILE *out);
 
 #endif

@@ -32,4 +32,21 @@ struct enc_job {
     bool quiet;         /* no tables on stdout */
 };
 
+/* Names and values of the options that decide the result. */
+typedef struct enc_option_values {
+    const char *list[2 * 32 + 1]; /* alternating, NULL at the end: enc_job.option_values */
+    char text[32][64];
+    size_t count;
+} enc_option_values;
+
+/* For the material's provenance and the report; every member of job but option_values is set. The list
+ * points to names that stay and into *out_values, which is not to be moved. */
+void enc_settings_describe(const enc_job *job, enc_option_values *out_values);
+
+/* Parsers of options, see cli_option.parse. DB[,DB] into tolerance[2], of which the second is 0 where it is
+ * not given: --effect-tolerance. */
+const char *enc_parse_tolerance(const char *text, void *tolerance);
+/* N or "all" into an int, 0 for all: --levels. */
+const char *enc_parse_levels(const char *text, void *levels);
+
 #endif

@@ -1,13 +1,45 @@
-/* The costs of the steps of the joint method, in core seconds on one core of an AMD EPYC (Zen 4) when it is
- * alone: sums over loops, whose constants were fitted to measured core times of 32x32 and 64x64 texels with
- * 25, 81 and 151 directions. Ratios hold elsewhere; the scale is what progress and prediction measure.
+/* The costs of a model of the joint method: bytes of layout `tight` (FORMAT.md section 3), with the model
+ * that a budget holds, and core seconds.
+ *
+ * Seconds are those of one core of an AMD EPYC (Zen 4) when it is alone: sums over loops, whose constants
+ * were fitted to measured core times of 32x32 and 64x64 texels with 25, 81 and 151 directions. Ratios hold
+ * elsewhere; the scale is what progress and prediction measure.
  *
  * SPDX-License-Identifier: MIT
  */
 #ifndef OPENBTF_ENCODER_JOINT_COST_H
 #define OPENBTF_ENCODER_JOINT_COST_H
 
-#include "budget.h"
+#include "encoder/data/data.h"
+#include "encoder/model/solution.h"
+
+enum { JOINT_LAYER = 4 }; /* components of a texture layer */
+
+/* A model, as far as costs go. */
+typedef struct joint_shape {
+    uint32_t effects; /* btf_effect bits */
+    size_t components, centres;
+    int lobes; /* 0: no SBRDF */
+    bool rgb, half;
+} joint_shape;
+
+joint_shape joint_solution_shape(const enc_solution *solution);
+
+/* GPU bytes of such a model. */
+uint64_t joint_bytes(const enc_data *data, const joint_shape *shape);
+
+/* Beyond 64x64 texels no more components than this, or than 64x64 texels get by the default budget: the
+ * time of solves grows with their cube. */
+enum { JOINT_MOST_BEYOND = 80 };
+
+/* Components that fit `budget` beside the rest of `shape`: a multiple of 4 (the texels of a texture), at
+ * most `limit`, and fewer beyond 64x64 texels (above). */
+size_t joint_components_for(const enc_data *data, const joint_shape *shape, uint64_t budget, size_t limit);
+
+/* The bytes that layout `paper` takes for this data: 64 W H + 4 AW AH, by the formula of FORMAT.md section
+ * 5; where it has no legal atlas, 64 W H + 4 * 1.6 * T W H; never less than maps and four components take.
+ */
+uint64_t joint_default_budget(const enc_data *data);
 
 /* A data set, as far as costs go. */
 typedef struct joint_extent {

@@ -2,9 +2,9 @@
  *
  * One round, given the per-view bases v of the sources:
  *   1. every point (texel, view) chooses source and gain anew       choose.c, search.c
- *   2. u: every source is solved for the points that chose it       sources.c
+ *   2. u: every source is solved for the points that chose it       solve.c
  *   3. gains are chosen again
- *   4. the front, in some rounds: every source's SBRDF and shadows  front.c
+ *   4. the front, in some rounds: every source's SBRDF and shadows  front_fit.c
  *   5. v: every view's basis is solved for all of its points, and gains chosen again
  * Each step minimises the one squared error over its unknowns and keeps the others, so that a round never
  * raises it.
@@ -14,7 +14,7 @@
 #ifndef OPENBTF_ENCODER_JOINT_FIT_H
 #define OPENBTF_ENCODER_JOINT_FIT_H
 
-#include "budget.h"
+#include "cost.h"
 #include "quantise.h"
 #include "encoder/model/solution.h"
 

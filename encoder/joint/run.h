@@ -5,7 +5,6 @@
 #ifndef OPENBTF_ENCODER_JOINT_RUN_H
 #define OPENBTF_ENCODER_JOINT_RUN_H
 
-#include "budget.h"
 #include "cost.h"
 #include "fit.h"
 #include "measure.h"

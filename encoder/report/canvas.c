@@ -4,9 +4,9 @@
  */
 #include "canvas.h"
 
+#include "decoder/toolkit/font.h"
 #include "decoder/toolkit/png_image.h"
 #include "encoder/math/srgb.h"
-#include "encoder/base/opencv_bridge.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -61,14 +61,27 @@ void enc_canvas_codes(enc_canvas *canvas, int x, int y, int zoom, int width, int
     }
 }
 
-void enc_canvas_text(enc_canvas *canvas, int x, int y, const char *format, ...) {
+static void letter(enc_canvas *canvas, int x, int y, char c) {
     static const unsigned char black[3] = {0, 0, 0};
+    enum { ZOOM = ENC_CANVAS_LETTER_WIDTH / FONT_WIDTH };
+    for (int v = 0; v < FONT_HEIGHT; v++) {
+        for (int u = 0; u < FONT_WIDTH; u++) {
+            if (font_pixel(c, u, v)) {
+                block(canvas, x + u * ZOOM, y + v * ZOOM, ZOOM, black);
+            }
+        }
+    }
+}
+
+void enc_canvas_text(enc_canvas *canvas, int x, int y, const char *format, ...) {
     char text[256];
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    enc_cv_draw_text(canvas->rgb, canvas->width, canvas->height, x, y, text, 9, black);
+    for (int i = 0; text[i]; i++) {
+        letter(canvas, x + i * ENC_CANVAS_LETTER_WIDTH, y - ENC_CANVAS_LETTER_HEIGHT, text[i]);
+    }
 }
 
 btf_result enc_canvas_write(const enc_context *context, const enc_canvas *canvas, const char *path) {

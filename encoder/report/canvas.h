@@ -25,7 +25,10 @@ void enc_canvas_image(enc_canvas *canvas, int x, int y, int zoom, int width, int
 void enc_canvas_codes(enc_canvas *canvas, int x, int y, int zoom, int width, int height,
                       const unsigned char *codes);
 
-/* A caption whose base line starts at (x, y). */
+/* Letters of captions, in pixels: how far apart they begin, and how high capitals are. */
+enum { ENC_CANVAS_LETTER_WIDTH = 12, ENC_CANVAS_LETTER_HEIGHT = 14 };
+
+/* A caption in black whose base line starts at (x, y); what lies outside is cut off. */
 void enc_canvas_text(enc_canvas *canvas, int x, int y, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 

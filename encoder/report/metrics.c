@@ -6,6 +6,8 @@
 
 #include "encoder/base/stage.h"
 #include "encoder/data/coincident.h"
+#include "encoder/data/level_filter.h"
+#include "encoder/model/decode_samples.h"
 #include "ssim.h"
 #include "encoder/base/ranks.h"
 #include "encoder/math/srgb.h"
@@ -150,6 +152,40 @@ btf_result enc_metrics_compare(const enc_context *context, const enc_data *shape
     free(ssim);
     free(error);
     return BTF_OK;
+}
+
+/* The comparison of levels with the filtered data. */
+typedef struct measure_pass {
+    enc_context quiet;
+    const enc_context *context;
+    const enc_levels *levels;
+    enc_metrics *metrics;
+} measure_pass;
+
+static btf_result measure_level(void *user, int level, const enc_data *data) {
+    measure_pass *pass = user;
+    enc_sample_decoder *decoder = NULL;
+    btf_result result =
+        enc_sample_decoder_create(&pass->quiet, data, &pass->levels->level[level - 1], &decoder);
+    if (result == BTF_OK) {
+        const enc_decoded_samples decoded = {.decoder = decoder, .effects = BTF_EFFECT_ALL};
+        result = enc_metrics_compare(&pass->quiet, data, enc_data_images(data),
+                                     enc_decoded_images(&decoded), false, &pass->metrics[level - 1]);
+    }
+    enc_sample_decoder_destroy(&decoder);
+    enc_stage_step(pass->context, enc_data_texel_count(data));
+    return result;
+}
+
+btf_result enc_levels_measure(const enc_context *context, const enc_data *data, const enc_levels *levels,
+                              enc_metrics *out_metrics) {
+    measure_pass pass = {.quiet = *context, .context = context, .levels = levels, .metrics = out_metrics};
+    pass.quiet.progress = NULL;
+    enc_stage_begin(context, "measure levels",
+                    enc_level_further_texels(data->width, data->height, levels->count));
+    const btf_result result = enc_level_each(context, data, levels->count, measure_level, &pass);
+    enc_stage_end(context);
+    return result;
 }
 
 void enc_metrics_json(json *j, const char *key, const enc_metrics *m, bool with_ssim) {

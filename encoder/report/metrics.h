@@ -8,6 +8,7 @@
 
 #include "decoder/toolkit/json.h"
 #include "encoder/data/images.h"
+#include "encoder/model/solution.h"
 
 /* Squared errors of values clipped to [0, 1]: linear, and after sRGB coding. */
 typedef struct enc_error_sum {
@@ -34,6 +35,11 @@ double enc_psnr_srgb(const enc_error_sum *sum);
  * those of the sources, BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
 btf_result enc_metrics_compare(const enc_context *context, const enc_data *shape, enc_image_source original,
                                enc_image_source other, bool with_ssim, enc_metrics *out_metrics);
+
+/* Decodes each level and compares it with the filtered data: out_metrics [count - 1], without SSIM. Stage
+ * "measure levels". */
+btf_result enc_levels_measure(const enc_context *context, const enc_data *data, const enc_levels *levels,
+                              enc_metrics *out_metrics);
 
 /* Distinct thetas, ascending; ring_of[i] is the ring of direction i. Returns the number of rings. */
 int enc_rings(const enc_direction *directions, int count, double *out_theta, int *out_ring_of);

@@ -9,6 +9,7 @@
 #include "encoder/math/srgb.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 int enc_nearest_direction(const enc_direction *directions, int count, double theta, double phi) {
@@ -28,7 +29,26 @@ int enc_nearest_direction(const enc_direction *directions, int count, double the
     return best;
 }
 
-enum { GAP = 6, HEADER = 22, MARGIN = 100, TITLE = 80 };
+/* Pixels. A column is at least as wide as the longest title, of 9 letters. */
+enum { GAP = 6, HEADER = ENC_CANVAS_LETTER_HEIGHT + 12, TITLE = 9 * ENC_CANVAS_LETTER_WIDTH, LABEL = 32 };
+
+/* What stands before a row: its view. Returns the number of letters. */
+static int row_label(const enc_data *shape, double theta, char text[LABEL], int *out_view) {
+    *out_view = enc_nearest_direction(shape->views, shape->n_views, theta, 120);
+    return snprintf(text, LABEL, "view %.4g,%.4g", shape->views[*out_view].theta,
+                    shape->views[*out_view].phi);
+}
+
+/* Pixels to the left of the pictures, for the labels. */
+static int margin_for(const enc_data *shape, int rings, const double *theta) {
+    char text[LABEL];
+    int letters = 0, view;
+    for (int r = 0; r < rings; r++) {
+        const int length = row_label(shape, theta[r], text, &view);
+        letters = length > letters ? length : letters;
+    }
+    return letters * ENC_CANVAS_LETTER_WIDTH + 2 * GAP;
+}
 
 static int zoom_for(const enc_data *shape) {
     const int zoom = 160 / (shape->width > shape->height ? shape->width : shape->height);
@@ -55,36 +75,39 @@ btf_result enc_montage_write(const enc_context *context, const enc_data *shape, 
     const int light = enc_nearest_direction(shape->lights, shape->n_lights, 45, 60);
     const int zoom = zoom_for(shape), cell_h = shape->height * zoom + GAP;
     const size_t image = enc_data_texel_count(shape) * 3, all = image * (size_t)shape->n_lights;
+    const int margin = margin_for(shape, rings, theta);
     const int image_w = shape->width * zoom, cell_w = (image_w > TITLE ? image_w : TITLE) + GAP;
     float *original = malloc(all * sizeof *original), *other = malloc(all * sizeof *other);
     float *work = malloc(image * sizeof *work);
     enc_canvas canvas = {0};
     btf_result result =
-        enc_canvas_create(context, MARGIN + (count + 1) * cell_w, HEADER + rings * cell_h, &canvas);
+        enc_canvas_create(context, margin + (count + 1) * cell_w, HEADER + rings * cell_h, &canvas);
     if (result == BTF_OK && (!original || !other || !work)) {
         result = BTF_ERROR_MEMORY;
     }
     for (int c = 0; result == BTF_OK && c < count; c++) {
-        enc_canvas_text(&canvas, MARGIN + c * cell_w, HEADER - 8, "%s", columns[c].title);
+        enc_canvas_text(&canvas, margin + c * cell_w, HEADER - 8, "%s", columns[c].title);
     }
     if (result == BTF_OK) {
-        enc_canvas_text(&canvas, MARGIN + count * cell_w, HEADER - 8, "error x %d", ENC_ERROR_GAIN);
+        enc_canvas_text(&canvas, margin + count * cell_w, HEADER - 8, "error x %d", ENC_ERROR_GAIN);
     }
     for (int r = 0; result == BTF_OK && r < rings; r++) {
-        const int view = enc_nearest_direction(shape->views, shape->n_views, theta[r], 120);
         const int y = HEADER + r * cell_h;
-        enc_canvas_text(&canvas, 4, y + cell_h / 2, "view %.4g,%.4g", shape->views[view].theta,
-                        shape->views[view].phi);
+        char label[LABEL];
+        int view;
+        row_label(shape, theta[r], label, &view);
+        enc_canvas_text(&canvas, GAP, y + (shape->height * zoom + ENC_CANVAS_LETTER_HEIGHT) / 2, "%s",
+                        label);
         for (int c = 0; result == BTF_OK && c < count; c++) {
             float *pixels = c == 0 ? original : other;
             result = columns[c].images.view(columns[c].images.user, view, pixels);
             if (result == BTF_OK) {
-                enc_canvas_image(&canvas, MARGIN + c * cell_w, y, zoom, shape->width, shape->height,
+                enc_canvas_image(&canvas, margin + c * cell_w, y, zoom, shape->width, shape->height,
                                  pixels + (size_t)light * image);
             }
         }
         if (result == BTF_OK) {
-            draw_error(&canvas, MARGIN + count * cell_w, y, zoom, shape, original + (size_t)light * image,
+            draw_error(&canvas, margin + count * cell_w, y, zoom, shape, original + (size_t)light * image,
                        other + (size_t)light * image, work);
         }
     }

@@ -13,7 +13,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { GAP = 8, HEADER = 22, CAPTION = 150 }; /* pixels; a cell is as wide as its caption */
+/* Pixels. A column is as wide as its cells, and at least as wide as 20 letters of caption. */
+enum {
+    GAP = 8,
+    HEADER = ENC_CANVAS_LETTER_HEIGHT + 14,
+    CAPTION = 20 * ENC_CANVAS_LETTER_WIDTH,
+    CELL = 192
+};
 
 static int pitch(int cell_w) {
     return (cell_w > CAPTION ? cell_w : CAPTION) + GAP;
@@ -49,7 +55,7 @@ static btf_result write_canvas(const enc_context *context, enc_canvas *canvas, b
 
 static int zoom_for(const enc_data *data) {
     const int size = data->width > data->height ? data->width : data->height;
-    return size < 128 ? 128 / size : 1;
+    return size < CELL ? CELL / size : 1;
 }
 
 /* The decode's steps that pictures compare with the original. */
@@ -95,7 +101,8 @@ static btf_result draw_abrdf(const enc_context *context, const enc_pictures *p, 
     const size_t at[4] = {texels / 8 + width / 5, texels / 4 + width / 2, texels / 2 + width / 3,
                           texels * 3 / 4 + width * 4 / 5};
     const int most = data->n_views > data->n_lights ? data->n_views : data->n_lights;
-    const int zoom = (most + 127) / most, cell_w = data->n_lights * zoom, cell_h = data->n_views * zoom;
+    const int zoom = (most + CELL - 1) / most, cell_w = data->n_lights * zoom,
+              cell_h = data->n_views * zoom;
     const char *names[3];
     uint32_t effects[3];
     const int steps = list_steps(p, names, effects);
@@ -123,7 +130,7 @@ static btf_result draw_abrdf(const enc_context *context, const enc_pictures *p, 
             const float *shown = (s < 0 ? original : model) + (size_t)i * block;
             enc_canvas_image(&canvas, x, y, zoom, data->n_lights, data->n_views, shown);
             if (s < 0) {
-                enc_canvas_text(&canvas, x, y - 6, "original, texel %zu,%zu", where[i] % width,
+                enc_canvas_text(&canvas, x, y - 6, "original at %zu,%zu", where[i] % width,
                                 where[i] / width);
                 continue;
             }
@@ -333,8 +340,8 @@ static btf_result draw_hidden(const enc_context *context, const enc_pictures *p,
 }
 
 static btf_result draw_atlas(const enc_context *context, const enc_pictures *p, const char *directory) {
-    static const char *const names[4] = {"R: shadow maps, centres", "G: gain or hidden",
-                                         "B: columns or index", "A: rows or index"};
+    static const char *const names[4] = {"R: shadow, centres", "G: gain or hidden", "B: columns or index",
+                                         "A: rows or index"};
     const btf_texture maps = btf_material_texture(p->material, BTF_TEXTURE_MAPS);
     const int width = (int)maps.width, height = (int)maps.height;
     const uint8_t *texels = maps.data;

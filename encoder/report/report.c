@@ -5,6 +5,7 @@
 #include "report.h"
 
 #include "encoder/base/stage.h"
+#include "encoder/data/level_filter.h"
 #include "encoder/model/decode_samples.h"
 #include "decoder/toolkit/cli.h"
 #include "decoder/toolkit/output.h"

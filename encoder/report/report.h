@@ -7,7 +7,6 @@
 #define OPENBTF_ENCODER_REPORT_H
 
 #include "decoder/toolkit/progress.h"
-#include "encoder/job/levels.h"
 #include "metrics.h"
 #include "encoder/model/solution.h"
 #include "encoder/base/ranks.h"

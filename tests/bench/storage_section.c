@@ -8,7 +8,7 @@
 #include "plots.h"
 
 #include "decoder/toolkit/reference_view.h"
-#include "encoder/joint/budget.h"
+#include "encoder/joint/cost.h"
 #include "encoder/model/pack.h"
 #include "encoder/report/report.h"
 

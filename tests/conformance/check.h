@@ -6,7 +6,7 @@
 #ifndef OPENBTF_CONFORMANCE_CHECK_H
 #define OPENBTF_CONFORMANCE_CHECK_H
 
-#include "btf_reference.h"
+#include <openbtf/reference.h>
 #include "gpu.h"
 #include <openbtf/material.h>
 

@@ -6,7 +6,7 @@
 #ifndef OPENBTF_CONFORMANCE_VARIANT_H
 #define OPENBTF_CONFORMANCE_VARIANT_H
 
-#include "btf_reference.h"
+#include <openbtf/reference.h>
 #include "synthetic.h"
 #include <openbtf/shader.h>
 

@@ -5,7 +5,7 @@
  */
 #include "fuzz.h"
 
-#include "encoder/input/source.h"
+#include "encoder/input/source_archive.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     const char *path = fuzz_file(data, size);

@@ -5,7 +5,7 @@
  */
 #include "fuzz.h"
 
-#include "btf_reference.h"
+#include <openbtf/reference.h>
 #include "decoder/toolkit/reference_view.h"
 
 #include <math.h>

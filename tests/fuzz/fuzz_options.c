@@ -10,6 +10,7 @@
 #include "decoder/tools/render/lights.h"
 #include "decoder/toolkit/scene_option.h"
 #include "encoder/input/options.h"
+#include "encoder/job/settings.h"
 #include "tests/sample/directions.h"
 
 #include <math.h>

@@ -8,7 +8,7 @@
 
 #include "tests/conformance/cases.h"
 #include "tests/support/exr_edit.h"
-#include "btf_reference.h"
+#include <openbtf/reference.h>
 #include "decoder/toolkit/reference_view.h"
 
 #include <math.h>

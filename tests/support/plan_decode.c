@@ -4,7 +4,7 @@
  */
 #include "plan_decode.h"
 
-#include "btf_reference.h"
+#include <openbtf/reference.h>
 #include "decoder/toolkit/reference_view.h"
 
 #include <math.h>

@@ -40,9 +40,19 @@ expect_text "what was not needed there is not counted" 'joint: rounds +0\.0 core
 
 expect "no such report" 2 btf-encode data --predict nowhere.json
 expect_text "it is named" 'nowhere.json: No such file' err
-echo '{"core_seconds": {"total": "x"}}' >odd.json
-expect "no report" 3 btf-encode data --predict odd.json
+python3 -c 'import json; print(json.dumps(dict(reversed(json.load(open("joint.json")).items()))))' >other.json
+expect "a report that another program wrote anew" 0 btf-encode data --predict joint.json
+mv out first
+expect "it says the same" 0 btf-encode data --predict other.json
+expect_that "to the digit" cmp first out
+echo '{"method": "joint", "core_seconds": {"total": "x"}}' >odd.json
+expect "a time that is text" 3 btf-encode data --predict odd.json
+expect_text "file and member are named" 'odd.json: is not a report of btf-encode: member core_seconds.total is not a number' err
+head -20 joint.json >half.json
+expect "half a report" 3 btf-encode data --predict half.json
+expect_text "file and line are named" 'half.json: line 2[01]: is not JSON' err
 expect "another method's report" 1 btf-encode data --predict paper.json
+expect_text "both methods are named" 'paper.json: is the report of an encode by --method paper, and the prediction is for joint' err
 echo data >list.txt
 expect "no prediction of lists" 1 btf-encode list.txt --predict self
 expect "no such input" 2 btf-encode nowhere --predict self

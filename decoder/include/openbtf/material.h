@@ -1,7 +1,12 @@
 /* OpenBTF: an encoded material in memory: open, save, look inside.
  *
  * The library reads and writes the format of FORMAT.md and nothing else: it makes no GL context, window or
- * thread, and does not decode. Everything here is plain data; textures come in the layout a GPU takes.
+ * thread, and does not decode. Everything here is plain data; textures come in the layout a GPU takes, in
+ * the byte order of the host. Directions are unit vectors of the tangent frame (x along +u, y along +v, z
+ * the normal), to the viewer and to the light. Colours are linear Rec. 709.
+ *
+ * A log may be NULL everywhere; other pointers only where that is said. Where a call fails, the pointer that
+ * it was to set is NULL.
  *
  * Thread rule: a btf_material is immutable once made; any number of threads may read it. Opening, saving
  * and closing different materials on different threads is safe.
@@ -30,7 +35,7 @@ extern "C" {
 #define BTF_MAX_LEVELS 15
 #define BTF_MAX_BANDS 16
 /** A white gain of the codes 1..255: 128 is 1. */
-#define BTF_GAIN_SCALE 0x1p-7f
+#define BTF_GAIN_SCALE 0.0078125f /* 2^-7 */
 #define BTF_GAIN_ONE 128
 
 typedef enum btf_layout {
@@ -89,7 +94,7 @@ typedef enum btf_texture_id {
     BTF_TEXTURE_COUNT
 } btf_texture_id;
 
-/** @return the texture's name in FORMAT.md, e.g. "residual_texels". */
+/** @return the texture's name in FORMAT.md, e.g. "residual_texels"; static. */
 const char *btf_texture_name(btf_texture_id id);
 
 /** One texture, ready to upload. data is [layer][row][column][channel], tightly packed, row 0 the top of
@@ -106,8 +111,8 @@ typedef struct btf_texture {
 /** What a material is. */
 typedef struct btf_material_info {
     size_t struct_size; /**< sizeof(btf_material_info), set by the caller */
-    uint32_t width, height;
-    uint32_t n_views, n_lights;
+    uint32_t width, height;     /**< texels, of level 0 */
+    uint32_t n_views, n_lights; /**< sampled directions */
     btf_layout layout;
     btf_domain domain;
     btf_colour colour;
@@ -117,7 +122,7 @@ typedef struct btf_material_info {
     uint32_t centres;                   /**< K */
     uint32_t components;                /**< k of the residual */
     uint32_t atlas_width, atlas_height; /**< layout paper, else 0 */
-    float radiance_scale, shadow_scale, gain_scale, centre_scale;
+    float radiance_scale, shadow_scale, gain_scale, centre_scale; /**< factors of FORMAT.md section 9 */
     size_t gpu_bytes;   /**< FORMAT.md section 3: without tables */
     size_t table_bytes; /**< direction tables and residual scales */
     const char *method; /**< provenance; "" when not given */
@@ -131,7 +136,7 @@ typedef struct btf_material_error {
     uint32_t effects;  /**< btf_effect bits decoded */
     float psnr_linear; /**< dB over all samples clipped to [0, 1] */
     float psnr_srgb;   /**< dB, likewise after sRGB coding */
-    float gpu_bytes;
+    float gpu_bytes;   /**< of the textures that decoding these effects reads, without tables */
 } btf_material_error;
 
 /** How well a level of detail shows the original, area-filtered to the level's size. */
@@ -141,6 +146,7 @@ typedef struct btf_level_error {
     float psnr_srgb;   /**< dB, likewise after sRGB coding */
     float gpu_bytes;   /**< btf_level_bytes() */
 } btf_level_error;
+
 /** What the encoder measured of the ways to decode, by bands of view and light elevation (FORMAT.md section
  * 7, openbtf.effectErrors). Row r has 5 + 2 * view_bands * light_bands numbers: btf_effect bits decoded,
  * residual components, 0 for interpolated directions, 1 for nearest ones, 2 for either at the samples, 3
@@ -157,33 +163,36 @@ typedef struct btf_effect_errors {
 
 typedef struct btf_material btf_material;
 
-/** A list of directions, triangulated and gridded as FORMAT.md section 6 says. */
+/** A list of directions, triangulated and gridded as FORMAT.md section 6 says. The arrays belong to the
+ * material. */
 typedef struct btf_directions {
     uint32_t count;
-    const float *xyz;         /**< [count][3] */
-    const uint16_t *vertices; /**< [count][2] */
+    const float *xyz;         /**< [count][3], unit, in paper order: theta ascending, then phi */
+    const uint16_t *vertices; /**< [count][2], projected, 0 .. 16384 */
     uint32_t triangle_count;
-    const uint8_t *triangles; /**< [triangle_count][3] */
+    const uint8_t *triangles; /**< [triangle_count][3], indices of directions */
     uint32_t hull_count;
-    const uint8_t *hull;   /**< [hull_count] */
+    const uint8_t *hull;   /**< [hull_count], indices of directions */
     uint32_t grid;         /**< G */
-    const uint16_t *cells; /**< for each of G * G cells: count, then record numbers */
+    const uint16_t *cells; /**< for each of G * G cells, row by row: count, then record numbers */
     size_t cells_length;   /**< entries of cells */
 } btf_directions;
 
 /** Opens a *.btf.exr file. Every rule of FORMAT.md section 2 is checked.
  *  Errors: BTF_ERROR_IO (cannot read), BTF_ERROR_BAD_FILE, BTF_ERROR_UNSUPPORTED (newer version),
- *  BTF_ERROR_MEMORY. @p log may be NULL. On error *out_material is NULL. */
+ *  BTF_ERROR_MEMORY. *out_material is closed with btf_material_close. */
 btf_result btf_material_open(const char *path, const btf_log *log, btf_material **out_material);
 
-/** The same from memory; the bytes are not needed after the call. */
+/** The same from the bytes of such a file in memory, with the same errors; they are not needed after the
+ * call. */
 btf_result btf_material_open_memory(const void *data, size_t size, const btf_log *log,
                                     btf_material **out_material);
 
 /** Frees *material and sets it to NULL. NULL and a pointer to NULL are accepted. */
 void btf_material_close(btf_material **material);
 
-/** Fills *out_info up to its struct_size. Strings belong to the material. */
+/** Fills *out_info up to its struct_size, which the caller sets. Strings belong to the material. Errors:
+ * BTF_ERROR_USAGE (a struct_size too small to be one). */
 btf_result btf_material_get_info(const btf_material *material, btf_material_info *out_info);
 
 /** @return the texture; format NONE when absent. Data belong to the material. */
@@ -194,6 +203,7 @@ btf_texture btf_material_texture(const btf_material *material, btf_texture_id id
  * level that the material does not have). */
 btf_texture btf_material_level_texture(const btf_material *material, uint32_t level, btf_texture_id id);
 
+/** @return the sampled directions to the viewer, and to the light. */
 btf_directions btf_material_views(const btf_material *material);
 btf_directions btf_material_lights(const btf_material *material);
 
@@ -204,6 +214,7 @@ const btf_material_error *btf_material_errors(const btf_material *material, size
 /** @return the measured errors of the levels, *out_count rows by rising level, owned by the material; NULL
  * when there are none. */
 const btf_level_error *btf_material_level_errors(const btf_material *material, size_t *out_count);
+
 /** @return what the encoder measured of the ways to decode; owned by the material. */
 btf_effect_errors btf_material_effect_errors(const btf_material *material);
 
@@ -249,7 +260,7 @@ uint32_t btf_level_size(uint32_t size, uint32_t level);
 btf_result btf_material_atlas(const btf_material_info *info, uint32_t *out_width, uint32_t *out_height,
                               uint32_t *out_room);
 
-/** The atlas column (*out_x) and first row (*out_y) of centre i in an atlas of info's size. */
+/** Sets the atlas column (*out_x) and first row (*out_y) of centre i in an atlas of info's size. */
 void btf_material_atlas_centre(const btf_material_info *info, uint32_t i, uint32_t *out_x, uint32_t *out_y);
 
 /** Makes a material from textures, copying them; triangulates the directions; checks everything that
@@ -267,11 +278,11 @@ btf_result btf_material_to_tight(const btf_material *material, const btf_log *lo
 /** Writes to a temporary name beside @p path, then renames. Errors: BTF_ERROR_IO, BTF_ERROR_MEMORY. */
 btf_result btf_material_save(const btf_material *material, const char *path, const btf_log *log);
 
-/** Writes to memory; *out_data is to be freed with btf_free. */
+/** Writes a file to memory; *out_data is to be freed with btf_free. Errors: BTF_ERROR_MEMORY. */
 btf_result btf_material_save_memory(const btf_material *material, const btf_log *log, void **out_data,
                                     size_t *out_size);
 
-/** Frees what the library handed over. */
+/** Frees what the library handed over; NULL is accepted. */
 void btf_free(void *pointer);
 
 #ifdef __cplusplus

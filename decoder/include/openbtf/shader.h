@@ -1,15 +1,23 @@
 /* OpenBTF: the GLSL that decodes a material.
  *
  * The text is a library: no #version, no main, no uniform but its samplers (and, without `precise`, one
- * uint that stays 0). Put it behind your #version and #extension lines and call
+ * uint that stays 0). Put it behind your #version and #extension lines and in front of everything else of
+ * yours, macros above all: one that is named like a parameter or a variable of the text, `#define l` say,
+ * would rewrite it. In front of it belong only the BTF_ macros that its opening comments explain. Then call
  *
  *     vec3 btf_evaluate(vec2 uv, vec3 l, vec3 v)
  *
- * or, where a surface is seen from afar and the material has levels of detail,
+ * uv: texture coordinates, (0, 0) the lower left corner of the image, repeated beyond [0, 1); l and v: unit
+ * vectors to the light and to the viewer in the tangent frame (x along +u, y along +v, z the normal). The
+ * result is linear radiance, Rec. 709, cosine included, where the light's irradiance at normal incidence is
+ * pi (a white Lambertian surface gives l.z); 0 where l or v is below the horizon.
+ *
+ * Or, where a surface is seen from afar and the material has levels of detail,
  *
  *     vec3 btf_evaluate_level(vec2 uv, vec3 l, vec3 v, int level)
  *
- * with, say, int(btf_level(dFdx(uv), dFdy(uv)) + 0.5) for the level.
+ * with, say, int(btf_level(dFdx(uv), dFdy(uv)) + 0.5) for the level: 0 is the finest, and a number beyond
+ * the last is the last.
  *
  * It works in GLSL 330 core to 460, ESSL 300 (WebGL2) to 320, and Vulkan GLSL. What a compiler finds unused
  * costs nothing: an effect that is left out leaves no code and no fetch behind.
@@ -66,8 +74,7 @@ typedef struct btf_shader_options {
     btf_filter filter;
     btf_math math;
     int have_precise; /**< 1: your shader enables GL_ARB_gpu_shader5 or GL_EXT_gpu_shader5, so that
-                         `precise` can be used below GLSL 400 and ESSL 320; default 0: told from __VERSION__
-                       */
+                         `precise` can be used below GLSL 400 and ESSL 320; default 0: as __VERSION__ says */
     btf_bindings bindings;
     uint32_t first_binding;  /**< binding of texture id i is first_binding + i */
     uint32_t descriptor_set; /**< for Vulkan */
@@ -79,15 +86,19 @@ typedef struct btf_shader_options {
     float fixed_light[3];
 } btf_shader_options;
 
-/** @return a bit (1 << btf_texture_id) for each texture that the shader of these options reads. */
+/** @return a bit (1 << btf_texture_id) for each texture that the shader of these options reads. @p options
+ * may be NULL. */
 uint32_t btf_shader_textures(const btf_material_info *info, const btf_shader_options *options);
 
-/** Assembles the text for a material. *out_text is to be freed with btf_free; NULL on error.
- *  Errors: BTF_ERROR_USAGE (prefix, enum values), BTF_ERROR_MEMORY. */
+/** Assembles the text for a material: its macros, then the library text, 0-terminated ASCII. *out_text is to
+ * be freed with btf_free; NULL on error. @p options and @p log may be NULL. Errors: BTF_ERROR_USAGE (the
+ * prefix, an enum value, a fixed direction that is not a unit vector above the horizon), BTF_ERROR_MEMORY.
+ */
 btf_result btf_shader_source(const btf_material *material, const btf_shader_options *options,
                              const btf_log *log, char **out_text);
 
-/** @return the library text (shaders/openbtf.glsl with its includes), for use with macros of your own. */
+/** @return the library text, static, for use behind BTF_ macros of your own, which its opening
+ * comments explain; installed as share/openbtf/openbtf.glsl. */
 const char *btf_shader_library(void);
 
 /** What a device can break. */
@@ -110,13 +121,13 @@ typedef enum btf_self_test {
 } btf_self_test;
 
 /** Writes the names of the bits in @p failures, comma-separated, "none" for 0, to a buffer of @p size
- * bytes. */
+ * bytes: 0-terminated, cut where it is too small; nothing where @p size is 0. */
 void btf_self_test_names(uint32_t failures, char *out_names, size_t size);
 
 /** @return text with `uint btf_self_test(uint zero)`, which gives the sum of the BTF_SELF_TEST bits that
  * fail when called with a zero that is known at run time only (LEVELS, which takes a texture, is tested by
- * btf_gl_self_test alone). Stands alone; for the same #version as the
- * decoder. */
+ * btf_gl_self_test alone). Static; needs no other text; for the same #version as the decoder, and like it
+ * in front of your own macros. */
 const char *btf_shader_self_test(void);
 
 #ifdef __cplusplus

@@ -4,7 +4,7 @@
  */
 #include "figure.h"
 
-#include "font.h"
+#include "decoder/toolkit/font.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

@@ -5,7 +5,7 @@
 #include "overlay.h"
 
 #include "decoder/toolkit/file.h"
-#include "decoder/tools/render/font.h"
+#include "decoder/toolkit/font.h"
 #include <stdlib.h>
 #include <string.h>
 

@@ -10,7 +10,7 @@
 
 #include "encoder/base/stage.h"
 #include "encoder/joint/joint.h"
-#include "encoder/joint/budget.h"
+#include "encoder/joint/cost.h"
 #include "encoder/model/decode_samples.h"
 #include "encoder/report/report.h"
 

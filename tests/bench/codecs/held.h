@@ -6,7 +6,7 @@
 #ifndef OPENBTF_TESTS_BENCH_HELD_H
 #define OPENBTF_TESTS_BENCH_HELD_H
 
-#include "btf_reference.h"
+#include <openbtf/reference.h>
 #include "encoder/data/images.h"
 
 enum { BENCH_HELD_SETS = 3 }; /* held view under a sampled light, sampled view under a held light, both */

@@ -12,7 +12,7 @@
 #include "decode_shaders.h"
 
 #include "decoder/toolkit/reference_view.h"
-#include "encoder/joint/budget.h"
+#include "encoder/joint/cost.h"
 #include "encoder/report/metrics.h"
 #include "encoder/math/srgb.h"
 #include "tests/bench/readme.h"

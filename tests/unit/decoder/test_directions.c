@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "btf_reference.h"
+#include <openbtf/reference.h>
 #include "tests/support/random_material.h"
 #include <math.h>
 #include <setjmp.h>

@@ -3,7 +3,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "btf_reference.h"
+#include <openbtf/reference.h>
 #include "decoder/toolkit/reference_view.h"
 #include "tests/support/exr_edit.h"
 #include "tests/support/random_material.h"

@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "btf_reference.h"
+#include <openbtf/reference.h>
 #include "decoder/toolkit/reference_view.h"
 #include "tests/support/plan_decode.h"
 #include "tests/support/random_material.h"

@@ -13,6 +13,7 @@
 #include <cmocka.h>
 
 #include "tests/support/bonn_files.h"
+#include "encoder/input/bonn_colour.h"
 #include "encoder/input/bonn_decode.h"
 #include "encoder/input/reader.h"
 #include "tests/support/image_files.h"

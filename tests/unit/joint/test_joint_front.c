@@ -4,7 +4,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "encoder/joint/joint.h"
-#include "encoder/joint/budget.h"
+#include "encoder/joint/cost.h"
 #include "encoder/joint/choose.h"
 #include "encoder/joint/fit.h"
 #include "encoder/joint/front_fit.h"

@@ -7,7 +7,7 @@
 #ifndef OPENBTF_TEST_REFERENCE_MATERIAL_H
 #define OPENBTF_TEST_REFERENCE_MATERIAL_H
 
-#include "btf_reference.h"
+#include <openbtf/reference.h>
 
 #include <stddef.h>
 

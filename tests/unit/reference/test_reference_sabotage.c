@@ -5,7 +5,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "btf_reference.h"
+#include <openbtf/reference.h>
 
 #include <stdio.h>
 

@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "decoder/tools/render/font.h"
+#include "decoder/toolkit/font.h"
 #include "decoder/tools/view/costs.h"
 #include "decoder/tools/view/state.h"
 #include <math.h>

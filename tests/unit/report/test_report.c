@@ -160,10 +160,47 @@ static void test_canvas(void **state) {
     assert_null(canvas.rgb);
 }
 
+/* The rows and columns that a caption at (2, 20) reaches. */
+static void caption_box(const char *text, int box[4]) {
+    enum { WIDTH = 40, HEIGHT = 30 };
+    enc_canvas canvas;
+    assert_int_equal(enc_canvas_create(&context, WIDTH, HEIGHT, &canvas), BTF_OK);
+    enc_canvas_text(&canvas, 2, 20, "%s", text);
+    memcpy(box, (int[4]){WIDTH, HEIGHT, -1, -1}, 4 * sizeof *box);
+    for (int y = 0; y < HEIGHT; y++) {
+        for (int x = 0; x < WIDTH; x++) {
+            if (canvas.rgb[3 * (y * WIDTH + x)] == 0) {
+                box[0] = x < box[0] ? x : box[0];
+                box[1] = y < box[1] ? y : box[1];
+                box[2] = x > box[2] ? x : box[2];
+                box[3] = y > box[3] ? y : box[3];
+            }
+        }
+    }
+    enc_canvas_clear(&canvas);
+}
+
+/* Capitals stand on the base line, tails of letters reach below it, letters follow each other. */
+static void test_caption(void **state) {
+    (void)state;
+    int box[4];
+    caption_box("A", box);
+    assert_int_equal(box[0], 2);
+    assert_int_equal(box[1], 20 - ENC_CANVAS_LETTER_HEIGHT);
+    assert_int_equal(box[2], 2 + ENC_CANVAS_LETTER_WIDTH - 3);
+    assert_int_equal(box[3], 19);
+    caption_box("g", box);
+    assert_int_equal(box[3], 21);
+    caption_box(" AA", box);
+    assert_int_equal(box[0], 2 + ENC_CANVAS_LETTER_WIDTH);
+    assert_int_equal(box[2], 2 + 3 * ENC_CANVAS_LETTER_WIDTH - 3);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_bytes),  cmocka_unit_test(test_rows),           cmocka_unit_test(test_memory),
-        cmocka_unit_test(test_canvas), cmocka_unit_test(test_failing_source),
+        cmocka_unit_test(test_caption), cmocka_unit_test(test_bytes),
+        cmocka_unit_test(test_rows),    cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_canvas),  cmocka_unit_test(test_failing_source),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

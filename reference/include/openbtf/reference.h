@@ -1,8 +1,9 @@
 /* OpenBTF reference decoder: what a decoder must give, bit for bit (decoder/FORMAT.md, sections 5 to 9).
  *
- * Plain C, no dependency, no thread, no allocation; clarity over speed. Compile with -ffp-contract=off and
- * never with fast-math; btf_ref_self_test() tells whether the build is sound. On 32-bit x86 add -msse2
- * -mfpmath=sse: where float operations are made in a wider type (x87), the sources refuse to compile.
+ * Plain C, no dependency, no thread, no allocation; clarity over speed. A program that takes the sources in
+ * puts reference/include on its include path and compiles them with -ffp-contract=off and never with
+ * fast-math; btf_ref_self_test() tells whether the build is sound. On 32-bit x86 add -msse2 -mfpmath=sse:
+ * where float operations are made in a wider type (x87), the sources refuse to compile.
  *
  * Thread rule: every function is pure; a btf_ref_material may be shared by any number of threads.
  *
@@ -34,14 +35,14 @@ enum { BTF_REF_MONO = 0, BTF_REF_RGB = 1, BTF_REF_NONE = 2 };
  * the rest (centre, residual_directions, residual_scales, tables, numbers) is that of level 0.
  */
 typedef struct btf_ref_material {
-    uint32_t width, height, n_views, n_lights;
+    uint32_t width, height, n_views, n_lights; /**< texels of the level, sampled directions */
     int layout_tight; /**< 0: `maps` is used; 1: shadow, shift, gain, centres are */
-    int domain_sqrt;
+    int domain_sqrt; /**< 1: the model gives the square root of radiance */
     int colour;     /**< BTF_REF_MONO, _RGB, _NONE */
     int half_float; /**< sbrdf holds 16-bit halves */
-    uint32_t lobes, effects, centres, components;
-    uint32_t atlas_width, atlas_height;
-    float radiance_scale, shadow_scale, gain_scale, centre_scale;
+    uint32_t lobes, effects, centres, components; /**< J, BTF_REF_ bits, K, k */
+    uint32_t atlas_width, atlas_height;           /**< texels; layout paper */
+    float radiance_scale, shadow_scale, gain_scale, centre_scale; /**< factors of section 9 */
     const void *sbrdf;                 /**< float or half bits */
     const uint8_t *maps;               /**< RGBA */
     const uint8_t *shadow;             /**< R */
@@ -73,12 +74,14 @@ typedef struct btf_ref_neighbours {
     uint32_t weight[3];
 } btf_ref_neighbours;
 
-/** Radiance of FORMAT.md section 9 at texture coordinates (u, v), light l, viewer v: linear Rec. 709,
- * cosine included, for unit irradiance / pi; 0 below the horizon. Finite and >= 0 for every argument. */
+/** Radiance of FORMAT.md section 9 at texture coordinates (u, v): (0, 0) is the lower left corner of the
+ * image, which repeats beyond [0, 1). @p light and @p view: unit vectors to the light and to the viewer in
+ * the tangent frame (x along +u, y along +v, z the normal). Linear Rec. 709, cosine included, for unit
+ * irradiance / pi; 0 below the horizon. Finite and >= 0 for every argument. */
 void btf_ref_evaluate(const btf_ref_material *material, const btf_ref_options *options, float u, float v,
                       const float light[3], const float view[3], float out_rgb[3]);
 
-/** The same at texel (column, row), without texture addressing. */
+/** The same at texel (column, row) of the level, row 0 the top, without texture addressing or filter. */
 void btf_ref_evaluate_texel(const btf_ref_material *material, const btf_ref_options *options,
                             uint32_t column, uint32_t row, const float light[3], const float view[3],
                             float out_rgb[3]);
@@ -91,18 +94,25 @@ void btf_ref_evaluate_neighbours(const btf_ref_material *material, const btf_ref
                                  const btf_ref_neighbours *views, const float light[3], const float view[3],
                                  float out_rgb[3]);
 
-/** Integer steps, each as FORMAT.md says. */
+/* Integer steps, each as FORMAT.md says. */
+
+/** Section 6: a direction to the plane of the tables, 0 .. 16384 in both. */
 void btf_ref_project(const float direction[3], int32_t out_q[2]);
+/** Section 6: @p table a direction table, @p grid its G. */
 btf_ref_neighbours btf_ref_lookup(const uint16_t *table, uint32_t grid, const int32_t q[2]);
+/** The neighbour of the greatest weight, alone. */
 btf_ref_neighbours btf_ref_nearest(btf_ref_neighbours neighbours);
-uint32_t btf_ref_coordinate(float c, uint32_t size); /**< t of section 9 */
+uint32_t btf_ref_coordinate(float c, uint32_t size); /**< t of section 9; t >> 18 is the texel */
+/** The two texels of t and the weight of the second, 0 .. 255 of 256. */
 void btf_ref_bilinear(uint32_t t, uint32_t size, uint32_t *out_c0, uint32_t *out_c1, uint32_t *out_weight1);
 void btf_ref_tile(const btf_ref_material *material, uint32_t tile, uint32_t column, uint32_t row,
                   uint32_t *out_x, uint32_t *out_y); /**< layout paper */
 void btf_ref_centre(const btf_ref_material *material, uint32_t centre, uint32_t light, uint32_t *out_x,
                     uint32_t *out_y); /**< texel of a centre in `maps` or `centres` */
+/** (position + shift) modulo size, of a position below size. */
 uint32_t btf_ref_wrap(uint32_t position, int32_t shift, uint32_t size);
 
+/* clang-format off */
 /* Exact arithmetic: the same bits everywhere. How far they are from the truth, at most (libm in double;
  * every float of the domain, of pow 2.5e8 random pairs; tests/unit/reference/test_reference.c):
  *
@@ -110,9 +120,13 @@ uint32_t btf_ref_wrap(uint32_t position, int32_t shift, uint32_t size);
  *  log2        2^-24 <= x < 2^30               1.05e-6     4.94e-7
  *  exp2        -60 <= x <= 40                              1.04e-7
  *  reciprocal  0.5 <= x <= 4                               9.94e-8
- *  pow         base >= 2^-24, |t| in exp2's                1.04e-7 + 3.84e-7 * |t|, t = exponent *
- * log2(base) base <= 1, exponent >= 0        1.75e-7 half        all                             0 0
+ *  pow         base >= 2^-24, -60 <= t <= 40               1.04e-7 + 3.84e-7 * |t|
+ *              base <= 1, exponent >= 0        1.75e-7
+ *  half        all                             0           0
+ *
+ * with t = exponent * log2(base).
  */
+/* clang-format on */
 
 /** @p x normal and positive. */
 float btf_ref_log2(float x);

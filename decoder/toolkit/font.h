@@ -1,9 +1,9 @@
-/* A small bitmap font: 5 x 7 pixels in cells of 6 x 9, ASCII 32..126.
+/* A small bitmap font: 5 x 7 pixels, and one row below the base line, in cells of 6 x 9; ASCII 32..126.
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_RENDER_FONT_H
-#define OPENBTF_RENDER_FONT_H
+#ifndef OPENBTF_TOOLKIT_FONT_H
+#define OPENBTF_TOOLKIT_FONT_H
 
 #include <stdbool.h>
 

@@ -1,0 +1,348 @@
+/* The command line of btf-encode. See options.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "options.h"
+
+#include "encoder/input/options.h"
+
+#include <string.h>
+
+static struct {
+    enc_options all;
+    enc_option_values values;
+    uint32_t effects; /* UINT32_MAX: auto */
+    int method, layout, centres;
+    bool layout_given, effects_given;
+    double hidden_threshold, error_threshold, btf_threshold;
+    int window[2];
+    double effect_tolerance[2]; /* dB; dB for each MB */
+    bool data_points;
+} o = {.all = {.job = {.levels = 1}}, .effects = UINT32_MAX, .hidden_threshold = 0.7};
+
+/* Whether options of one method were given, in the order of the table. */
+static bool given[14];
+
+static const cli_option table[] = {
+    {.short_name = 'o',
+     .name = "output",
+     .arg = "OUT",
+     .type = CLI_STRING,
+     .value = &o.all.job.output,
+     .help = "material to write, NAME.btf.exr, or the folder of a list's; needed"},
+    {.name = "method",
+     .type = CLI_CHOICE,
+     .value = &o.method,
+     .choices = "joint|paper",
+     .help =
+         "joint (default): everything found together, best quality;\npaper: stage after stage, as printed"},
+    {.name = "preset",
+     .type = CLI_CHOICE,
+     .value = &o.all.job.joint.preset,
+     .given = &given[0],
+     .choices = "fast|medium|thorough|exhaustive",
+     .only = "joint",
+     .help = "joint: fast tries one set of effects, then 5 rounds; medium\n(default) 3 and 18; thorough 6 "
+             "and 60; exhaustive all, until\nnothing is gained"},
+    {.name = "effects",
+     .type = CLI_EFFECTS,
+     .value = &o.effects,
+     .given = &o.effects_given,
+     .choices = "auto",
+     .help =
+         "auto (default): those that pay (--effect-tolerance), and with\n--method paper the diffuse fit "
+         "alone where that is better;\nnone; or exactly these of shadow,shift,hidden,gain,residual"},
+    {.name = "effect-tolerance",
+     .arg = "DB[,DB]",
+     .type = CLI_CUSTOM,
+     .value = o.effect_tolerance,
+     .parse = enc_parse_tolerance,
+     .help = "--effects auto leaves out an effect that gains less than so\nmany dB (joint: in the fitted "
+             "domain; paper: linear), and so\nmany for each MB that it adds; default 0.05,0"},
+    {.name = "budget",
+     .type = CLI_BYTES,
+     .value = &o.all.job.joint.budget,
+     .given = &given[1],
+     .minimum = 1,
+     .maximum = 0x1p62,
+     .only = "joint",
+     .help = "joint: bytes on the GPU at most; default what the paper's\nlayout takes (2.36 MB for 64x64 "
+             "and 81 directions)"},
+    {.name = "quality",
+     .arg = "DB",
+     .type = CLI_DOUBLE,
+     .value = &o.all.job.joint.quality,
+     .given = &given[2],
+     .minimum = 0,
+     .maximum = 100,
+     .only = "joint",
+     .help = "joint: the fewest bytes that reach this PSNR (sRGB-coded), at\nmost --budget"},
+    {.name = "metric",
+     .type = CLI_CHOICE,
+     .value = &o.all.job.joint.metric,
+     .given = &given[3],
+     .choices = "balanced|srgb|linear",
+     .only = "joint",
+     .help = "joint: linear fits radiance; balanced (default) and srgb fit its\nsquare root, which serves "
+             "both figures"},
+    {.name = "layout",
+     .type = CLI_CHOICE,
+     .value = &o.layout,
+     .given = &o.layout_given,
+     .choices = "paper|tight",
+     .help =
+         "one atlas, as in 3.1 (paper), or a texture an effect (tight); default\npaper for --method paper "
+         "without --levels, else tight"},
+    {.name = "levels",
+     .arg = "N|all",
+     .type = CLI_CUSTOM,
+     .value = &o.all.job.levels,
+     .parse = enc_parse_levels,
+     .help = "levels of detail, each of half the size; all: down to one texel;\ndefault 1. "
+             "Those beyond the first take about a third more bytes\nof texels, and time; layout tight"},
+    {.name = "half",
+     .type = CLI_FLAG,
+     .value = &o.all.job.half_float,
+     .help = "SBRDF parameters as half floats"},
+    ENC_INPUT_OPTIONS(o.all.job.read),
+    {.name = "lobes",
+     .type = CLI_INT,
+     .value = &o.all.job.paper.fit.lobes,
+     .given = &given[4],
+     .minimum = 1,
+     .maximum = 4,
+     .only = "paper",
+     .help = "paper: Lafortune lobes; default 3"},
+    {.name = "rounds",
+     .type = CLI_INT,
+     .value = &o.all.job.paper.fit.rounds,
+     .given = &given[5],
+     .minimum = 0,
+     .maximum = 16,
+     .only = "paper",
+     .help = "paper: shadow rejections of the fit; default 3"},
+    {.name = "starts",
+     .type = CLI_INT,
+     .value = &o.all.job.paper.fit.starts,
+     .given = &given[6],
+     .minimum = 1,
+     .maximum = ENC_FIT_MAX_STARTS,
+     .only = "paper",
+     .help = "paper: starts of a texel's first fit; default 4"},
+    {.name = "error-threshold",
+     .type = CLI_DOUBLE,
+     .value = &o.error_threshold,
+     .given = &given[7],
+     .minimum = 0,
+     .maximum = 1e6,
+     .only = "paper",
+     .help = "paper: relative error that means shadow; default 0.3"},
+    {.name = "btf-threshold",
+     .type = CLI_DOUBLE,
+     .value = &o.btf_threshold,
+     .given = &given[8],
+     .minimum = 0,
+     .maximum = 1e6,
+     .only = "paper",
+     .help = "paper: luminance below which shadow is possible; default 0.3"},
+    {.name = "flow-lights",
+     .type = CLI_INT,
+     .value = &o.all.job.paper.flow.lights,
+     .given = &given[9],
+     .minimum = 1,
+     .maximum = 256,
+     .only = "paper",
+     .help = "paper: lights that vote on shifts; default all"},
+    {.name = "hidden-threshold",
+     .type = CLI_DOUBLE,
+     .value = &o.hidden_threshold,
+     .given = &given[10],
+     .minimum = 0.001,
+     .maximum = 1,
+     .only = "paper",
+     .help = "paper: HiddenRatio above which a point is hidden; default 0.7"},
+    {.name = "window",
+     .type = CLI_SIZE,
+     .value = o.window,
+     .given = &given[11],
+     .minimum = 1,
+     .maximum = 16384,
+     .only = "paper",
+     .help = "paper: search window of the refinement; default 256x256, and\n64x64 around the voted shift "
+             "beyond 64x64 texels"},
+    {.name = "centres",
+     .type = CLI_INT,
+     .value = &o.centres,
+     .given = &given[12],
+     .minimum = 1,
+     .maximum = BTF_MAX_CENTRES,
+     .only = "paper",
+     .help = "paper: cluster centres; default what the atlas leaves room for"},
+    {.name = "data-points",
+     .type = CLI_FLAG,
+     .value = &o.data_points,
+     .given = &given[13],
+     .only = "paper",
+     .help = "paper: centres are data points nearest to the centroids"},
+    {.name = "report",
+     .arg = "FILE",
+     .type = CLI_STRING,
+     .value = &o.all.job.report,
+     .help = "write the report as JSON"},
+    {.name = "pictures",
+     .arg = "DIR",
+     .type = CLI_STRING,
+     .value = &o.all.job.pictures,
+     .help = "write pictures of the stages and a montage"},
+    {.name = "checkpoint",
+     .arg = "DIR",
+     .type = CLI_STRING,
+     .value = &o.all.job.checkpoint,
+     .help = "keep what stages find in DIR until the material is written, so\nthat --resume can go on "
+             "after a stop"},
+    {.name = "resume",
+     .type = CLI_FLAG,
+     .value = &o.all.job.resume,
+     .help = "go on from --checkpoint; the same bytes come out"},
+    {.name = "item",
+     .type = CLI_INT,
+     .value = &o.all.item,
+     .minimum = 1,
+     .maximum = 1e9,
+     .help = "only this input of a list, counted from 1 (for job arrays)"},
+    {.name = "predict",
+     .arg = "FROM",
+     .type = CLI_STRING,
+     .value = &o.all.predict,
+     .help =
+         "encode nothing: print what it would take in time by stage, memory\nand scratch files. FROM: self "
+         "(this machine is measured), or the\n--report of an encode with the same options, smaller say"},
+    {.name = "threads",
+     .type = CLI_INT,
+     .value = &o.all.threads,
+     .minimum = 1,
+     .maximum = 1024,
+     .help = "default: all cores; of a rank those it may use, divided by the\nranks that share them. The "
+             "output does not depend on it"},
+    {.name = "memory",
+     .type = CLI_BYTES,
+     .value = &o.all.memory,
+     .minimum = 1,
+     .maximum = 0x1p62,
+     .help = "bound of the working set of a process; default half of the\nmachine's, divided by its ranks. "
+             "Data beyond half of it go through "
+             "a scratch file in $TMPDIR;\nrefused where the data take more at the least"},
+    {.short_name = 'q',
+     .name = "quiet",
+     .type = CLI_FLAG,
+     .value = &o.all.job.quiet,
+     .help = "no progress, no tables"},
+    {.type = CLI_END},
+};
+
+const cli_program enc_program = {
+    .name = "btf-encode",
+    .usage = "INPUT -o OUT.btf.exr [OPTION...]",
+    .summary =
+        "Compresses a bidirectional texture function into a material of a few GPU textures.\n"
+        "INPUT is a folder or an archive (zip) of images whose names hold tl, pl, tv and pv, each\n"
+        "followed by an angle in degrees (UBO2003, ATRIUM, UTIA, Bonn spectral), or a .btf file of\n"
+        "Bonn (UBO2014: DFMF, FMF, PVF, BDI), or a list of inputs: a text file NAME.txt with one a line\n"
+        "(# begins a comment). For a list, OUT, the report and the pictures are folders.",
+    .details =
+        "The tables printed at the end, and the report, measure what the written material decodes to.\n"
+        "A list goes on after an input that fails, ends with a line an input, and with the exit code of "
+        "the\n"
+        "first failure.\n"
+        "mpirun -n N btf-encode ... splits one encode over N processes, of one machine or of several, "
+        "which write\n"
+        "the same bytes as one. Each reads its share of the images and leaves it in a scratch file: TMPDIR "
+        "names\n"
+        "a folder that all machines share. MPI is not touched where no launcher started the program.",
+    .example = "btf-encode UBO_IMPALLA256.zip --size 64x64 -o impalla.btf.exr --pictures pictures",
+    .options = table,
+    .min_arguments = 1,
+    .max_arguments = 1,
+};
+
+static btf_result refuse_other(const char *method, const char *other) {
+    for (const cli_option *option = table; option->type != CLI_END; option++) {
+        if (option->only && strcmp(option->only, other) == 0 && *option->given) {
+            return cli_error(&enc_program, BTF_ERROR_USAGE, "option --%s: for --method %s only, not for %s",
+                             option->name, other, method);
+        }
+    }
+    return BTF_OK;
+}
+
+/* Checks what depends on several options, and fills in the job. */
+static btf_result settle(void) {
+    enc_job *job = &o.all.job;
+    const uint32_t paper_effects = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN;
+    if (!job->output && !o.all.predict) {
+        return cli_error(&enc_program, BTF_ERROR_USAGE,
+                         "option --output is missing: expected -o OUT.btf.exr");
+    }
+    if (job->resume && !job->checkpoint) {
+        return cli_error(&enc_program, BTF_ERROR_USAGE,
+                         "option --resume: expected --checkpoint DIR as well");
+    }
+    job->method = o.method == 1 ? ENC_METHOD_PAPER : ENC_METHOD_JOINT;
+    if (job->method == ENC_METHOD_PAPER && o.effects_given && o.effects != UINT32_MAX &&
+        (o.effects & ~paper_effects)) {
+        return cli_error(&enc_program, BTF_ERROR_USAGE,
+                         "option --effects: --method paper has shadow, shift and hidden only");
+    }
+    const bool paper = job->method == ENC_METHOD_PAPER;
+    const btf_result refused = refuse_other(paper ? "paper" : "joint", paper ? "joint" : "paper");
+    if (refused != BTF_OK) {
+        return refused;
+    }
+    job->layout = o.layout_given ? (o.layout == 1 ? BTF_LAYOUT_TIGHT : BTF_LAYOUT_PAPER)
+                  : job->method == ENC_METHOD_PAPER && job->levels == 1 ? BTF_LAYOUT_PAPER
+                                                                        : BTF_LAYOUT_TIGHT;
+    if (job->levels != 1 && job->layout == BTF_LAYOUT_PAPER) {
+        return cli_error(&enc_program, BTF_ERROR_USAGE,
+                         "option --levels: --layout paper has one level; take --layout tight");
+    }
+    job->paper.effects = o.effects == UINT32_MAX ? paper_effects : o.effects;
+    job->paper.choose = job->paper.fallback = o.effects == UINT32_MAX;
+    job->paper.effect_tolerance = o.effect_tolerance[0];
+    job->paper.effect_tolerance_bytes = o.effect_tolerance[1];
+    job->paper.fit.t_error = (float)o.error_threshold;
+    job->paper.fit.t_btf = (float)o.btf_threshold;
+    job->paper.flow.hidden_threshold = (float)o.hidden_threshold;
+    job->paper.refine.columns = o.window[0];
+    job->paper.refine.rows = o.window[1];
+    job->paper.cluster.data_points = o.data_points;
+    job->paper.centres = (uint32_t)o.centres;
+    job->joint.effects = o.effects == UINT32_MAX ? BTF_EFFECT_ALL : o.effects;
+    job->joint.choose = o.effects == UINT32_MAX;
+    job->joint.effect_tolerance = o.effect_tolerance[0];
+    job->joint.effect_tolerance_bytes = o.effect_tolerance[1];
+    enc_settings_describe(job, &o.values);
+    job->option_values = o.values.list;
+    return BTF_OK;
+}
+
+bool enc_options_parse(int argc, char **argv, int threads, uint64_t memory, const enc_options **out_options,
+                       int *out_exit_code) {
+    enc_job *job = &o.all.job;
+    cli_arguments arguments;
+    job->paper = enc_paper_options_default();
+    job->joint = enc_joint_options_default();
+    o.error_threshold = job->paper.fit.t_error;
+    o.btf_threshold = job->paper.fit.t_btf;
+    o.effect_tolerance[0] = job->joint.effect_tolerance;
+    o.effect_tolerance[1] = job->joint.effect_tolerance_bytes;
+    o.all.threads = threads;
+    o.all.memory = memory;
+    *out_options = &o.all;
+    if (!cli_parse(&enc_program, argc, argv, &arguments, out_exit_code)) {
+        return false;
+    }
+    job->input = arguments.values[0];
+    const btf_result result = settle();
+    *out_exit_code = btf_result_exit_code(result);
+    return result == BTF_OK;
+}

@@ -1,0 +1,132 @@
+/* The settings of an encode as text. See settings.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "settings.h"
+
+#include "decoder/toolkit/cli.h"
+
+#include <assert.h>
+#include <inttypes.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+const char *enc_parse_tolerance(const char *text, void *tolerance) {
+    static const double most[2] = {100, 1e6};
+    double value[2] = {0, 0};
+    const int count = cli_parse_doubles(text, value, 2);
+    if (count == 0 || !(value[0] >= 0 && value[0] <= most[0] && value[1] >= 0 && value[1] <= most[1]))
+        return "one or two numbers of dB, 0 to 100 and 0 to 1e6 a MB, such as 0.1 or 0.05,0.2";
+    memcpy(tolerance, value, sizeof value);
+    return NULL;
+}
+
+const char *enc_parse_levels(const char *text, void *levels) {
+    int n = 0;
+    if (strcmp(text, "all") != 0 && (!cli_parse_int(text, "", &n, NULL) || n < 1 || n > BTF_MAX_LEVELS))
+        return "a number from 1 to 15, or all";
+    *(int *)levels = n;
+    return NULL;
+}
+
+static void describe(enc_option_values *values, const char *name, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+static void describe(enc_option_values *values, const char *name, const char *format, ...) {
+    va_list arguments;
+    assert(values->count < sizeof values->text / sizeof values->text[0]);
+    char *text = values->text[values->count];
+    va_start(arguments, format);
+    vsnprintf(text, sizeof values->text[0], format, arguments);
+    va_end(arguments);
+    values->list[2 * values->count] = name;
+    values->list[2 * values->count + 1] = text;
+    values->list[2 * ++values->count] = NULL;
+}
+
+static const char *yes_no(bool value) {
+    return value ? "yes" : "no";
+}
+
+static void describe_input(enc_option_values *values, const enc_read_options *read) {
+    if (read->transfer == ENC_TRANSFER_GAMMA) {
+        describe(values, "transfer", "gamma:%g", read->gamma);
+    } else {
+        describe(values, "transfer", "%s",
+                 read->transfer == ENC_TRANSFER_SRGB     ? "srgb"
+                 : read->transfer == ENC_TRANSFER_LINEAR ? "linear"
+                                                         : "default");
+    }
+    describe(values, "colour", "%s", read->colour == ENC_COLOUR_XYZ ? "xyz" : "rgb");
+    if (read->size[0] > 0) {
+        describe(values, "size", "%dx%d", read->size[0], read->size[1]);
+    }
+    if (read->crop[2] > 0) {
+        describe(values, "crop", "%d,%d,%d,%d", read->crop[0], read->crop[1], read->crop[2], read->crop[3]);
+    }
+    if (read->flip_v || read->azimuth_cw || read->azimuth_offset != 0) {
+        describe(values, "flip-v", "%s", yes_no(read->flip_v));
+        describe(values, "azimuth-cw", "%s", yes_no(read->azimuth_cw));
+        describe(values, "azimuth-offset", "%g", read->azimuth_offset);
+    }
+}
+
+static void describe_paper(enc_option_values *values, const enc_paper_options *paper) {
+    describe(values, "lobes", "%d", paper->fit.lobes);
+    describe(values, "rounds", "%d", paper->fit.rounds);
+    describe(values, "starts", "%d", paper->fit.starts);
+    describe(values, "error-threshold", "%g", (double)paper->fit.t_error);
+    describe(values, "btf-threshold", "%g", (double)paper->fit.t_btf);
+    if (paper->flow.lights > 0) {
+        describe(values, "flow-lights", "%d", paper->flow.lights);
+    } else {
+        describe(values, "flow-lights", "all");
+    }
+    describe(values, "hidden-threshold", "%g", (double)paper->flow.hidden_threshold);
+    if (paper->refine.columns > 0) {
+        describe(values, "window", "%dx%d", paper->refine.columns, paper->refine.rows);
+    } else {
+        describe(values, "window", "default");
+    }
+    if (paper->centres > 0) {
+        describe(values, "centres", "%u", paper->centres);
+    }
+    describe(values, "data-points", "%s", yes_no(paper->cluster.data_points));
+}
+
+static void describe_joint(enc_option_values *values, const enc_joint_options *joint) {
+    static const char *const presets[] = {"fast", "medium", "thorough", "exhaustive"};
+    static const char *const metrics[] = {"balanced", "srgb", "linear"};
+    describe(values, "preset", "%s", presets[joint->preset]);
+    describe(values, "metric", "%s", metrics[joint->metric]);
+    if (joint->budget > 0) {
+        describe(values, "budget", "%" PRIu64, joint->budget);
+    }
+    if (joint->quality > 0) {
+        describe(values, "quality", "%g", joint->quality);
+    }
+}
+
+void enc_settings_describe(const enc_job *job, enc_option_values *values) {
+    char effects[48];
+    values->count = 0;
+    describe_input(values, &job->read);
+    describe(values, "effects", "%s",
+             job->joint.choose ? "auto" : cli_effects_text(job->joint.effects, effects));
+    if (job->joint.choose) {
+        describe(values, "effect-tolerance", "%g,%g", job->joint.effect_tolerance,
+                 job->joint.effect_tolerance_bytes);
+    }
+    describe(values, "layout", "%s", job->layout == BTF_LAYOUT_PAPER ? "paper" : "tight");
+    describe(values, "half", "%s", yes_no(job->half_float));
+    if (job->levels == 0) {
+        describe(values, "levels", "all");
+    } else {
+        describe(values, "levels", "%d", job->levels);
+    }
+    if (job->method == ENC_METHOD_PAPER) {
+        describe_paper(values, &job->paper);
+    } else {
+        describe_joint(values, &job->joint);
+    }
+}
