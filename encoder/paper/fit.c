@@ -7,7 +7,6 @@
 #include "encoder/base/ranks.h"
 #include "encoder/base/stage.h"
 #include <math.h>
-#include <omp.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>

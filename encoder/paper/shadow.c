@@ -6,7 +6,6 @@
 #include "encoder/base/ranks.h"
 #include "encoder/base/stage.h"
 #include <math.h>
-#include <omp.h>
 #include <stdlib.h>
 
 /* Texels handed to a thread at once. */

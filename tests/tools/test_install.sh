@@ -1,6 +1,6 @@
 #!/bin/bash
-# An installation, as other people's programs see it: moved to another folder, its tools start, nothing but the documented
-# files is there, and the README's program builds against it with cc, c++, CMake and as a meson subproject.
+# An installation, as other people's programs see it: moved to another folder, its tools start, nothing but the
+# documented files is there, and the README's program builds against it with cc, c++, CMake and as a meson subproject.
 #
 # SPDX-License-Identifier: MIT
 . "$(dirname "$0")/common.sh"
@@ -73,8 +73,8 @@ expect_that 'libopenbtf exports btf_*' exports libopenbtf.so 'btf_[a-z]'
 expect_that 'libopenbtf_reference exports btf_ref_*' exports libopenbtf_reference.so 'btf_ref_[a-z]'
 declared() {
     local name
-    for name in $(nm -D --defined-only "$libdir"/libopenbtf.so "$libdir"/libopenbtf_reference.so | awk 'NF == 3 { print $3 }'); do
-        grep -qE "\b$name\(" "$prefix"/include/openbtf/*.h || { echo "$name is exported, and in no header" && return 1; }
+    for name in $(nm -D --defined-only "$libdir"/libopenbtf{,_reference}.so | awk 'NF == 3 { print $3 }'); do
+        grep -qE "\b$name\(" "$prefix"/include/openbtf/*.h || { echo "$name is in no header" && return 1; }
     done
 }
 expect_that 'what is exported is declared' declared
@@ -180,7 +180,8 @@ executable('in_c', 'program.c', dependencies: openbtf)
 executable('in_cpp', 'program.cc', dependencies: openbtf)
 executable('reference', 'reference.c', dependencies: dependency('openbtf-reference', fallback: 'openbtf'))
 TEXT
-    env -u PKG_CONFIG_LIBDIR meson setup "$folder/build" "$folder" --wrap-mode=forcefallback "$@" && ninja -C "$folder/build"
+    env -u PKG_CONFIG_LIBDIR meson setup "$folder/build" "$folder" --wrap-mode=forcefallback "$@" &&
+        ninja -C "$folder/build"
 }
 # Nothing is built but the two libraries.
 libraries_alone() {

@@ -149,7 +149,9 @@ static void write_script(const bench_run *run, const codec_table *table, const c
                   {"linear", "PCA 8 bit, linear", "PCA 8 bit, linear", "linespoints pt 4"},
                   {"srgb", "PCA 8 bit, sRGB", "PCA 8 bit, sRGB-coded", "linespoints pt 6"},
                   {"halves", "PCA half", "PCA half", "points pt 1"},
-                  {"clusters", "PCA in", "PCA in clusters", "points pt 2"}};
+                  {"clusters", "PCA in", "PCA in clusters", "points pt 2"},
+                  {"split", "split PCA", "split PCA 8 bit", "points pt 8"},
+                  {"lowbit", "low-bit split PCA", "low-bit split PCA", "points pt 9"}};
     enum { SERIES = sizeof series / sizeof series[0] };
     size_t points[SERIES];
     for (int i = 0; i < SERIES; i++) {

@@ -6,6 +6,7 @@
 #include "tests/bench/bench.h"
 #include "codec_table.h"
 #include "tests/bench/encodes.h"
+#include "lowbit.h"
 #include "pca.h"
 
 #include "encoder/base/stage.h"
@@ -274,6 +275,35 @@ static btf_result run_pca(const bench_run *run, pca_coding coding, uint64_t budg
     return result;
 }
 
+/* The axes of opponent colour apart, in 8 bits alone and in as few as pay. */
+static btf_result run_split(const bench_run *run, uint64_t budget, codec_table *table) {
+    static const char *const names[] = {"low-bit split PCA, square root", "split PCA 8 bit, square root"};
+    enum { SWEEPS = 6 };
+    btf_result result = BTF_OK;
+    for (int eight_only = 0; eight_only < 2 && result == BTF_OK; eight_only++) {
+        const lowbit_options options = {(size_t)budget, eight_only != 0, SWEEPS};
+        const bench_clock start = bench_now();
+        lowbit_codec codec;
+        result = lowbit_encode(run->context, run->data, &options, &codec);
+        const bench_clock end = bench_now();
+        if (result != BTF_OK) {
+            return result;
+        }
+        codec_row row = {.kind = CODEC_PEER,
+                         .rank = lowbit_rank(&codec, PCA_RGB),
+                         .bytes = codec.bytes,
+                         .wall = end.wall - start.wall,
+                         .core = end.core - start.core};
+        snprintf(row.name, sizeof row.name, "%s", names[eight_only]);
+        result = measure(run, lowbit_images(&codec), true, &row);
+        lowbit_codec_clear(&codec);
+        if (result == BTF_OK) {
+            result = codec_table_add(run->context, table, &row);
+        }
+    }
+    return result;
+}
+
 btf_result bench_section_codecs(const bench_run *run) {
     const uint64_t budget = run->budget ? run->budget : joint_default_budget(run->data);
     codec_table table = {.budget = budget};
@@ -286,7 +316,11 @@ btf_result bench_section_codecs(const bench_run *run) {
     if (result == BTF_OK) {
         result = run_paper(run, &table);
     }
-    enc_stage_begin(run->context, "peers", 3);
+    enc_stage_begin(run->context, "peers", 4);
+    if (result == BTF_OK) {
+        result = run_split(run, budget, &table);
+        enc_stage_step(run->context, 1);
+    }
     for (int coding = PCA_LINEAR; coding <= PCA_SQRT && result == BTF_OK; coding++) {
         result = run_pca(run, (pca_coding)coding, budget, &table);
         enc_stage_step(run->context, 1);

@@ -25,10 +25,32 @@ static btf_result no_memory(const enc_context *context, size_t rank) {
     return enc_fail(context, BTF_ERROR_MEMORY, "pca: out of memory for %zu components", rank);
 }
 
-static void encode_values(pca_coding coding, size_t count, const float *from, float *to) {
-    for (size_t i = 0; i < count; i++) {
-        const float x = from[i] < 1 ? from[i] : 1.0f;
-        to[i] = coding == PCA_LINEAR ? x : coding == PCA_SQRT ? sqrtf(x) : enc_srgb_encode(x);
+const float pca_axes[3][3] = {{0.57735027f, 0.57735027f, 0.57735027f},
+                              {0.70710678f, 0, -0.70710678f},
+                              {0.40824829f, -0.81649658f, 0.40824829f}};
+
+static float encode_value(pca_coding coding, float value) {
+    const float x = value < 1 ? value : 1.0f;
+    return coding == PCA_LINEAR ? x : coding == PCA_SQRT ? sqrtf(x) : enc_srgb_encode(x);
+}
+
+void pca_encode_samples(const enc_data *data, pca_coding coding, pca_plane plane, const float *samples,
+                        float *out) {
+    const size_t lights = (size_t)data->n_lights, views = (size_t)data->n_views;
+    if (plane == PCA_RGB) {
+        for (size_t i = 0; i < 3 * views * lights; i++) {
+            out[i] = encode_value(coding, samples[i]);
+        }
+        return;
+    }
+    const float *axis = pca_axes[plane];
+    for (size_t view = 0; view < views; view++) {
+        const float *channel = samples + view * 3 * lights;
+        for (size_t light = 0; light < lights; light++) {
+            out[view * lights + light] = axis[0] * encode_value(coding, channel[light]) +
+                                         axis[1] * encode_value(coding, channel[lights + light]) +
+                                         axis[2] * encode_value(coding, channel[2 * lights + light]);
+        }
     }
 }
 
@@ -38,6 +60,7 @@ typedef struct matrix {
     const enc_data *data;
     const uint32_t *list;
     pca_coding coding;
+    pca_plane plane;
     size_t texels, columns, width; /* width of the subspace */
     enc_gemm_tile tile;
     float *buffer, *block, *packed_block, *packed_small, *packed_large;
@@ -53,7 +76,7 @@ static void matrix_clear(matrix *m) {
 
 static bool matrix_init(matrix *m) {
     const size_t lanes = enc_gemm_panels(m->width, ENC_GEMM_N) * ENC_GEMM_N;
-    m->buffer = enc_gemm_alloc(m->data->samples ? 1 : BLOCK * m->columns);
+    m->buffer = enc_gemm_alloc(m->data->samples ? 1 : BLOCK * enc_data_texel_stride(m->data));
     m->block = enc_gemm_alloc(BLOCK * m->columns);
     m->packed_block = enc_gemm_alloc(BLOCK * (m->columns + ENC_GEMM_M));
     m->packed_small = enc_gemm_alloc(BLOCK * lanes);
@@ -68,11 +91,11 @@ static btf_result matrix_load(matrix *m, size_t first, size_t *out_count) {
 #pragma omp parallel for num_threads(m->context->threads)
     for (size_t i = 0; i < count; i++) {
         const size_t texel = m->list ? m->list[first + i] : first + i;
-        float *buffer = m->buffer + (m->data->samples ? 0 : i * m->columns);
+        float *buffer = m->buffer + (m->data->samples ? 0 : i * enc_data_texel_stride(m->data));
         const float *samples;
         const btf_result got = enc_data_texels(m->context, m->data, texel, 1, buffer, &samples);
         if (got == BTF_OK) {
-            encode_values(m->coding, m->columns, samples, m->block + i * m->columns);
+            pca_encode_samples(m->data, m->coding, m->plane, samples, m->block + i * m->columns);
         } else {
 #pragma omp critical(pca_load)
             result = got;
@@ -236,9 +259,12 @@ static void fill_random(size_t count, float *out) {
     }
 }
 
-btf_result pca_factorise_texels(const enc_context *context, const enc_data *data, const uint32_t *list,
-                                size_t count, pca_coding coding, size_t rank, pca_factors *out_factors) {
-    const size_t texels = list ? count : enc_data_texel_count(data), columns = enc_data_texel_stride(data);
+/* Texels of `list`, all where it is NULL, on the columns of `plane`. */
+static btf_result factorise(const enc_context *context, const enc_data *data, const uint32_t *list,
+                            size_t count, pca_plane plane, pca_coding coding, size_t rank,
+                            pca_factors *out_factors) {
+    const size_t texels = list ? count : enc_data_texel_count(data),
+                 columns = enc_data_texel_stride(data) / (plane == PCA_RGB ? 1 : 3);
     const size_t most = texels < columns ? texels : columns;
     const int threads = context->threads;
     rank = rank < most ? rank : most;
@@ -247,11 +273,12 @@ btf_result pca_factorise_texels(const enc_context *context, const enc_data *data
                 .data = data,
                 .list = list,
                 .coding = coding,
+                .plane = plane,
                 .texels = texels,
                 .columns = columns,
                 .width = width,
                 .tile = enc_gemm_select()};
-    *out_factors = (pca_factors){data, coding, texels, columns, rank, NULL, NULL};
+    *out_factors = (pca_factors){data, coding, plane, texels, columns, rank, NULL, NULL};
     float *y = enc_gemm_alloc(texels * width), *z = enc_gemm_alloc(columns * width);
     double *a = malloc((2 * width + 1 + SOLVE_ROWS * (size_t)threads) * width * sizeof *a);
     double *values = a + 2 * width * width, *x = values + width;
@@ -288,7 +315,17 @@ btf_result pca_factorise_texels(const enc_context *context, const enc_data *data
 
 btf_result pca_factorise(const enc_context *context, const enc_data *data, pca_coding coding, size_t rank,
                          pca_factors *out_factors) {
-    return pca_factorise_texels(context, data, NULL, 0, coding, rank, out_factors);
+    return factorise(context, data, NULL, 0, PCA_RGB, coding, rank, out_factors);
+}
+
+btf_result pca_factorise_texels(const enc_context *context, const enc_data *data, const uint32_t *list,
+                                size_t count, pca_coding coding, size_t rank, pca_factors *out_factors) {
+    return factorise(context, data, list, count, PCA_RGB, coding, rank, out_factors);
+}
+
+btf_result pca_factorise_plane(const enc_context *context, const enc_data *data, pca_plane plane,
+                               pca_coding coding, size_t rank, pca_factors *out_factors) {
+    return factorise(context, data, NULL, 0, plane, coding, rank, out_factors);
 }
 
 void pca_factors_clear(pca_factors *factors) {

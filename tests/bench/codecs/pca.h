@@ -12,13 +12,20 @@
 typedef enum pca_coding { PCA_LINEAR = 0, PCA_SRGB = 1, PCA_SQRT = 2 } pca_coding;
 typedef enum pca_number { PCA_HALF = 0, PCA_BYTE = 1 } pca_number;
 
+/* Which columns a factorisation has: all three colour channels, or one axis of opponent colour, on which
+ * channels are turned by the orthonormal matrix pca_axes: brightness, red against blue, green against both. */
+typedef enum pca_plane { PCA_RGB = -1, PCA_LUMA = 0, PCA_RED_BLUE = 1, PCA_GREEN = 2 } pca_plane;
+extern const float pca_axes[3][3]; /* [axis][R, G, B] */
+
 /* The best `rank` components of the data clipped to [0, 1] and coded: coded value = u * v. */
 typedef struct pca_factors {
     const enc_data *data;
     pca_coding coding;
+    pca_plane plane;
     size_t texels, columns, rank;
     float *u; /* [texel][rank], columns of falling norm */
-    float *v; /* [rank][column], orthonormal rows; column = (view * 3 + channel) * n_lights + light */
+    float *v; /* [rank][column], orthonormal rows; column = (view * 3 + channel) * n_lights + light, of one
+                 axis view * n_lights + light */
 } pca_factors;
 
 /* By randomised subspace iteration with 3 power steps and a fixed seed (Halko, Martinsson and Tropp 2011,
@@ -29,7 +36,14 @@ btf_result pca_factorise(const enc_context *context, const enc_data *data, pca_c
 /* The same of some texels only: u[i] belongs to list[i], `data` texels in any order; NULL: all. */
 btf_result pca_factorise_texels(const enc_context *context, const enc_data *data, const uint32_t *list,
                                 size_t count, pca_coding coding, size_t rank, pca_factors *out_factors);
+/* The same of all texels on one axis of opponent colour. */
+btf_result pca_factorise_plane(const enc_context *context, const enc_data *data, pca_plane plane,
+                               pca_coding coding, size_t rank, pca_factors *out_factors);
 void pca_factors_clear(pca_factors *factors);
+
+/* One texel's samples, coded: out has the columns of `plane`. */
+void pca_encode_samples(const enc_data *data, pca_coding coding, pca_plane plane, const float *samples,
+                        float *out);
 
 /* Rounded factors, one v a cluster: what a decoder would hold. */
 typedef struct pca_codec {
