@@ -17,8 +17,8 @@ case ${1:-} in
     ;;
 esac
 
-install_packages
-build "$root/build"
+install_packages build
+build "$root/build" -- encoder/btf-encode decoder/tools/btf-info tests/sample/btf-sample
 
 demo=$root/build/demo
 tools=$root/build

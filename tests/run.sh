@@ -5,6 +5,7 @@
 #   tests/run.sh          all tests of the release build, then all under AddressSanitizer and UBSan but those that have
 #                         nothing for them to see (tests/meson.build: suite plain)
 #   tests/run.sh --long   the same with the long conformance, variant and exhaustive runs
+#   tests/run.sh --core   without the tests that need browsers or Blender. There are none so far: the same as without
 #
 # SPDX-License-Identifier: MIT
 set -u
@@ -15,19 +16,19 @@ long=0
 for argument in "$@"; do
     case $argument in
     --long) long=1 ;;
+    --core) ;;
     -h | --help)
-        sed -n '2,7s/^# \{0,1\}//p' "$0"
+        sed -n '2,8s/^# \{0,1\}//p' "$0"
         exit 0
         ;;
     *)
-        echo "tests/run.sh: unknown argument '$argument' (expected --long)" >&2
+        echo "tests/run.sh: unknown argument '$argument' (expected --long, --core or --help)" >&2
         exit 1
         ;;
     esac
 done
 
-install_packages
-export OMP_WAIT_POLICY=passive # tests share the cores: threads that wait must not spin
+install_packages build test
 export BTF_SOURCE_ROOT=$root BTF_SHARED=${BTF_SHARED:-$root/../shared}
 logs=()
 
@@ -39,7 +40,9 @@ run_suite() {
     logs+=("$folder/meson-logs/testlog.json")
 }
 
-build "$root/build" -Dwerror=true
+# With these a package that is missing is an error, not tests that are left out.
+all=(-Dwerror=true -Dtests=enabled -Dmpi=enabled)
+build "$root/build" "${all[@]}"
 if [ "$long" = 1 ]; then
     run_suite "$root/build" --timeout-multiplier 10
 else
@@ -52,12 +55,12 @@ unchecked=-fno-sanitize=null,object-size
 # Line numbers are all that a report shows: without the rest of the debug information the build takes a third less time.
 lines=-g1
 # The alignment of what templates of Eigen load is not looked at: the Ceres bridge compiles in 26 s instead of 43.
-build "$root/build-sanitize" -Dwerror=true -Dbuildtype=debugoptimized -Db_sanitize=address,undefined -Db_lundef=false \
+build "$root/build-sanitize" "${all[@]}" -Dbuildtype=debugoptimized -Db_sanitize=address,undefined -Db_lundef=false \
     "-Dc_args=$unchecked $lines" "-Dcpp_args=$unchecked,alignment $lines"
 export ASAN_OPTIONS=detect_leaks=1:abort_on_error=0:verify_asan_link_order=0 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
 export LSAN_OPTIONS=suppressions=$root/tests/lsan.supp:print_suppressions=0 BTF_TEST_LIGHT=1
 export LD_PRELOAD=$root/build-sanitize/tests/libkeep_modules.so
-run_suite "$root/build-sanitize" --no-suite long --no-suite plain --timeout-multiplier 5
+run_suite "$root/build-sanitize" --no-suite long --no-suite plain
 unset LD_PRELOAD
 
 exec python3 "$root/tests/summary.py" "${logs[@]}"

@@ -136,7 +136,7 @@ CHANGES = [
 ]
 
 TOOLS = ['encoder/btf-encode', 'encoder/btf-compare', 'decoder/tools/btf-info', 'decoder/tools/btf-decode',
-         'tests/sample/btf-sample']
+         'tests/sample/btf-sample', 'tests/support/libmoment.so']
 
 
 class NotBuilt(Exception):
@@ -177,7 +177,7 @@ def run_test(tree, test):
         raise NotBuilt
     try:
         ran = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors='replace',
-                             timeout=600, env={**os.environ, 'BTF_SOURCE_ROOT': tree,
+                             timeout=7200, env={**os.environ, 'BTF_SOURCE_ROOT': tree,
                                                'BTF_BUILD_ROOT': f'{tree}/build'})
         return ran.returncode, ran.stdout
     except subprocess.TimeoutExpired:

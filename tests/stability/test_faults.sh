@@ -13,16 +13,9 @@ joint() { btf-encode "$1" -o "$2" --preset fast -q "${@:3}"; }
 paper data paper.btf.exr && joint data joint.btf.exr && paper other other.btf.exr || exit 99
 echo "not a material, but not to be lost either" >old
 
-# moments N SECONDS: N moments (two where all is slow) from 0 to 1.2 times SECONDS, rising.
-most=1000
-sanitized && most=2
-moments() { awk -v n="$(($1 < most ? $1 : most))" -v s="$2" 'BEGIN { for (i = 0; i < n; i++) printf "%.4f\n", 0.001 + 1.2 * s * i / n }'; }
-seconds_of() {
-    local start
-    start=$(date +%s.%N)
-    "$@" || exit 99
-    echo "$(date +%s.%N) $start" | awk '{ print $1 - $2 }'
-}
+# The moments that are tried, at most (tests/tools/common.sh: moments).
+most=1000 some=10
+sanitized && most=2 some=2
 
 # whole FILE GOOD: FILE is the old one or GOOD, to the byte.
 whole() { cmp -s "$1" old || cmp -s "$1" "$2" || complain "$1 is neither the old file nor a whole new one"; }
@@ -33,64 +26,65 @@ same_files() {
     while IFS= read -r file; do must cmp "$1/$file" "$2/$file"; done < <(find "$1" -type f -name '[!.]*' -printf '%P\n' 2>/dev/null)
 }
 
-# signals METHOD SIGNAL MOMENTS CODES
-signals() {
-    local method=$1 signal=$2 died=0 ended=0 left moment
-    for moment in $(moments "$3" "$(seconds_of "$method" data timed.btf.exr)"); do
-        cp old x.btf.exr
-        try timeout --preserve-status -s "$signal" "$moment" btf-encode data -o x.btf.exr -q \
-            $([ "$method" = paper ] && echo --method paper || echo --preset fast)
-        one_of 0 $4
-        [ "$code" = 0 ] && must cmp x.btf.exr "$method.btf.exr"
-        whole x.btf.exr "$method.btf.exr"
-        [ "$code" = 0 ] && ended=$((ended + 1)) || died=$((died + 1))
-        [ "$signal" = INT ] && [ "$(temporaries .)" != 0 ] && complain "a temporary file is left"
-    done
-    left=$(temporaries .)
-    must "$method" data x.btf.exr
-    must test "$(temporaries .)" = 0
-    must test $died -gt 0
-    verdict "$signal at any moment, $method" \
-        "exit code 0 or ${4/ / or }; the output old or whole; no temporary file after the next run" \
-        "$died ended early, $ended finished, $left temporary files before the next run"
+encode() { # METHOD: what `at` and `calls` run
+    if [ "$1" = paper ]; then echo btf-encode data -o x.btf.exr --method paper; else echo btf-encode data -o x.btf.exr --preset fast; fi
 }
-signals paper INT 10 130
-signals paper TERM 6 "130 143"
-signals paper KILL 10 137
-signals joint INT 6 130
-signals joint KILL 6 137
 
-# at_stages METHOD SIGNAL CODE: the signal when a stage is done, so that the next one has begun.
-at_stages() {
-    local how died=0 n=0 stage line
-    [ "$1" = paper ] && how="--method paper" || how="--preset fast"
-    btf-encode data -o timed.btf.exr $how 2>&1 >/dev/null | sed -n 's/: done after.*//p' >stages
-    while IFS= read -r stage; do
-        cp old x.btf.exr
-        {
-            btf-encode data -o x.btf.exr $how >/dev/null &
-            echo $! >encoder
-            wait $!
-            echo $? >code
-        } 2>&1 | while IFS= read -r line; do
-            case $line in "$stage: done "*) kill -"$2" "$(cat encoder)" 2>/dev/null ;; esac
-        done
-        code=$(cat code) n=$((n + 1))
-        one_of 0 "$3"
-        [ "$code" = 0 ] && must cmp x.btf.exr "$1.btf.exr" || died=$((died + 1))
-        whole x.btf.exr "$1.btf.exr"
-        [ "$2" = INT ] && [ "$(temporaries .)" != 0 ] && complain "a temporary file is left"
-    done <stages
-    must test $died -ge $((n / 2))
+# signalled METHOD SIGNAL CODES MOMENT: the output is the old one or whole, the code as documented; counts what died.
+signalled() {
+    cp old x.btf.exr
+    try at "$4" "$2" $(encode "$1")
+    one_of 0 $3
+    [ "$code" = 0 ] && must cmp x.btf.exr "$1.btf.exr" || died=$((died + 1))
+    whole x.btf.exr "$1.btf.exr"
+    [ "$2" = INT ] && [ "$(temporaries .)" != 0 ] && complain "a temporary file is left"
+    tried=$((tried + 1))
+}
+
+# The next run succeeds and removes what a killed one left.
+next_run() {
     must "$1" data x.btf.exr
     must test "$(temporaries .)" = 0
-    verdict "$2 in each stage, $1" \
-        "exit code $3, or 0 where the rest was quicker; the output old or whole; no temporary file after the next run" \
-        "$died of $n ended early"
+}
+
+# signals METHOD SIGNAL CODES: while images are opened, and at each call that changes a file.
+signals() {
+    local died=0 tried=0 left n
+    for n in $(moments $((some / 2)) "$(find data -name '*.png' | wc -l)"); do
+        signalled "$1" "$2" "$3" "$n open data/"
+    done
+    must test $died = $tried # nothing is written before all is read
+    for n in $(moments $most "$(calls $(encode "$1"))"); do
+        signalled "$1" "$2" "$3" "$n call"
+    done
+    left=$(temporaries .)
+    next_run "$1"
+    verdict "$2 while files are read and written, $1" \
+        "exit code ${3/ / or }, or 0 where nothing was left to do; the output old or whole; no temporary file after the next run" \
+        "$died of $tried ended early, $left temporary files before the next run"
+}
+signals paper INT 130
+signals paper TERM "130 143"
+signals paper KILL 137
+signals joint INT 130
+signals joint KILL 137
+
+# at_stages METHOD SIGNAL CODE: the signal when the program has printed that a stage is done, before the next one begins.
+# (SIGKILL needs no such moments: what it leaves differs by the calls that change files alone.)
+at_stages() {
+    local died=0 tried=0 stage
+    $(encode "$1") 2>&1 >/dev/null | sed -n 's/: done after.*//p' >stages
+    while IFS= read -r stage; do
+        signalled "$1" "$2" "$3" "1 print $stage: done after"
+    done <stages
+    must test $tried -gt 5
+    must test $died = $((tried - 1)) # once all is saved there is nothing to give up
+    next_run "$1"
+    verdict "$2 after each stage, $1" \
+        "exit code $3, or 0 where nothing was left to do; the output old or whole; no temporary file after the next run" \
+        "$died of $tried ended early"
 }
 at_stages paper INT 130
-sanitized || at_stages joint KILL 137
-sanitized || at_stages paper KILL 137
 sanitized || at_stages joint INT 130
 
 cp old x.btf.exr
@@ -148,7 +142,7 @@ verdict "an output that is the input, or another output" "exit code 1, the file 
 cp -r data piped
 image=$(find piped -name '*.png' | head -1)
 rm "$image" && mkfifo "$image"
-try timeout -s KILL 60 btf-encode piped -o v.btf.exr --method paper -q
+try timeout -s KILL 1000 btf-encode piped -o v.btf.exr --method paper -q
 one_of 5
 must grep -q "${image##*/}: not a regular file" err
 must test ! -e v.btf.exr
@@ -156,44 +150,44 @@ verdict "a pipe with an image's name" "exit code 5, the image is named" "$(messa
 
 mkdir drawn
 paper data y.btf.exr --pictures drawn/good --report good.json
-long_way() { TMPDIR=$PWD paper data y.btf.exr --memory "$least" --pictures drawn/timed --report good.json; }
-for moment in $(moments 6 "$(seconds_of long_way)"); do
-    mkdir -p scratch
-    TMPDIR=$PWD/scratch timeout -s KILL "$moment" btf-encode data -o y.btf.exr --method paper -q --memory "$least" \
-        --pictures drawn/x --report y.json 2>err
+long_way=(btf-encode data -o y.btf.exr --method paper -q --memory "$least" --pictures drawn/x --report y.json)
+mkdir scratch
+count=$(TMPDIR=$PWD/scratch calls "${long_way[@]}")
+must test "$count" -gt 50
+rm -rf drawn/x y.json
+for n in $(moments $some "$count"); do
+    TMPDIR=$PWD/scratch try at "$n call" KILL "${long_way[@]}"
+    one_of 137
     same_files drawn/x drawn/good
     [ -e y.json ] && must python3 -m json.tool y.json
     [ -z "$(ls -A scratch)" ] || complain "left in TMPDIR: $(ls -A scratch)"
 done
-sanitized || must test -n "$(ls drawn/x)" # else no kill came late enough to show anything
+must test -n "$(ls drawn/x)"
 must paper data y.btf.exr --pictures drawn/x --report y.json
 must test "$(temporaries .)" = 0
-verdict "KILL at any moment while pictures and report are written, samples in a scratch file" \
+verdict "KILL while pictures and report are written, samples in a scratch file" \
     "each picture and the report whole or absent; nothing left in TMPDIR, nor beside the outputs after the next run" "as expected"
 
 mkdir images
 btf-decode paper.btf.exr -o good-images --all >/dev/null 2>&1 || exit 99
-decode() { btf-decode paper.btf.exr -o timed-images --all >/dev/null; }
-for moment in $(moments 8 "$(seconds_of decode)"); do
-    timeout -s KILL "$moment" btf-decode paper.btf.exr -o images --all >/dev/null 2>&1
+for n in $(moments $some "$(calls btf-decode paper.btf.exr -o images --all)"); do
+    rm -rf images && mkdir images
+    try at "$n call" KILL btf-decode paper.btf.exr -o images --all
+    one_of 137
     same_files images good-images
 done
 must btf-decode paper.btf.exr -o images --all
 must test "$(temporaries images)" = 0
-verdict "KILL at any moment while images are decoded" "each image whole or absent, no temporary file after the next run" \
+verdict "KILL while images are decoded" "each image whole or absent, no temporary file after the next run" \
     "$(find images -name '*.png' | wc -l) images in the end"
 
 lost=0 read=0
-for moment in $(moments 12 0.05); do
+while IFS= read -r moment; do
     cp -r data gone
     rm -f z.btf.exr
-    btf-encode gone -o z.btf.exr --method paper -q 2>err &
-    encoder=$!
-    sleep "$moment"
-    rm -rf gone
-    wait $encoder
-    code=$?
+    try at "$moment" "rm -rf gone" btf-encode gone -o z.btf.exr --method paper
     one_of 0 2 3
+    must test ! -e gone
     if [ "$code" = 0 ]; then
         read=$((read + 1))
         must btf-info z.btf.exr
@@ -202,10 +196,10 @@ for moment in $(moments 12 0.05); do
         must test ! -e z.btf.exr
         must test -s err
     fi
-done
-must test $lost -gt 0
-verdict "the input removed at any moment" "exit code 2 or 3 with a message and no output, or, all being read, 0" \
-    "$lost refused, $read read in time"
+done < <(moments $some "$(find data -name '*.png' | wc -l)" | sed 's#$# open gone/#'; printf '1 print %s: done\n' read fit measure)
+must test "$lost $read" = "$some 3" # once all is read, the input is not missed
+verdict "the input removed while it is read, and afterwards" "exit code 2 or 3 with a message and no output, or, all being read, 0" \
+    "$lost refused, $read read before"
 
 first=0
 for round in 1 2 3; do

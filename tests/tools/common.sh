@@ -63,3 +63,27 @@ small_data() { btf-sample -o data --relief bricks --size 16 --directions 0:1,40:
 
 # The least --memory that btf-encode takes with these arguments: samples then lie in a scratch file.
 least_memory() { btf-encode "$@" -o least.btf.exr -q --memory 1 2>&1 | grep -o 'at least [0-9]*K' | grep -o '[0-9]*K'; }
+
+# at MOMENT ACTION COMMAND...: does something to the tool at a moment that is no matter of time (tests/support/moment.c):
+# ACTION is INT, TERM, KILL or a shell command; MOMENT is one of
+#     N call             before the N-th call that makes or changes a file: `calls` says how many there are
+#     N open TEXT        before the N-th file is opened whose path holds TEXT
+#     N rename TEXT      after the N-th file got a final name that holds TEXT
+#     N print TEXT       after the N-th line on stderr that holds TEXT, such as "read: done"
+at() {
+    local moment=$1 action=$2
+    shift 2
+    env "$preload" "BTF_MOMENT=$moment" "BTF_ACTION=$action" "$@"
+}
+preload=LD_PRELOAD=$build/tests/support/libmoment.so${LD_PRELOAD:+:$LD_PRELOAD}
+export ASAN_OPTIONS=${ASAN_OPTIONS:-}:verify_asan_link_order=0 # its runtime is not the first library then
+
+# calls COMMAND...: how often it makes or changes a file.
+calls() {
+    rm -f calls
+    env "$preload" BTF_CALLS=calls "$@" >/dev/null 2>&1
+    cat calls
+}
+
+# moments N CALLS: N numbers from 1 to CALLS, the same distance apart; all of them where there are fewer.
+moments() { awk -v n="$1" -v c="$2" 'BEGIN { n = n < c ? n : c; for (i = 0; i < n; i++) print 1 + int(i * (c - 1) / (n > 1 ? n - 1 : 1)) }'; }

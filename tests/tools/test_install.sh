@@ -202,7 +202,7 @@ expect_that 'subproject: the libraries alone' libraries_alone sub-static
 
 static_install() {
     env -u PKG_CONFIG_LIBDIR meson setup static "$root" --prefix "$work/p" --libdir lib64/btf --includedir headers \
-        -Dtests=false -Ddefault_library=static -Doptimization=0 &&
+        -Dtests=disabled -Ddefault_library=static -Doptimization=0 &&
         ninja -C static decoder/libopenbtf.a reference/libopenbtf_reference.a &&
         meson install -C static --no-rebuild --tags devel
 }

@@ -23,20 +23,20 @@ export ASAN_OPTIONS=${ASAN_OPTIONS:-}:fast_unwind_on_malloc=0
 mkdir tmp
 export TMPDIR=$work/tmp
 
-ranks() { # N ARGUMENT...: btf-encode on N ranks of one thread
+on_ranks() { # N ARGUMENT...: btf-encode on N ranks of one thread
     local n=$1
     shift
-    timeout 120 mpirun -n "$n" btf-encode "$@" --threads 1
+    mpirun -n "$n" btf-encode "$@" --threads 1
 }
 nothing_left() { [ ! -e "$1" ] && [ -z "$(find . -name '.*.tmp' -o -name 'btf-scratch-*')" ]; }
 # Where the job was done before the signal came, a whole file is right.
 nothing_half() { if [ -e "$1" ]; then cmp whole.btf.exr "$1" && rm "$1"; fi && nothing_left "$1"; }
 
 # The numbers of ranks to try: all, or the last of them.
-ranks() { [ -n "$light" ] && echo "${1##* }" || echo "$1"; }
+numbers() { [ -n "$light" ] && echo "${1##* }" || echo "$1"; }
 
-for n in $(ranks "2 3 5"); do
-    expect "transfers between $n ranks, whole and in pieces" 0 timeout 120 mpirun -n $n mpi_transfers
+for n in $(numbers "2 3 5"); do
+    expect "transfers between $n ranks, whole and in pieces" 0 mpirun -n $n mpi_transfers
 done
 
 small_data ${light:+--size 8}
@@ -48,9 +48,9 @@ same() { # NAME RANKS ARGUMENT...
     local name=$1 ranks=$2 n
     shift 2
     expect "$name: alone" 0 btf-encode "$@" -o one.btf.exr -q --threads 2
-    for n in $(ranks "$ranks"); do
+    for n in $(numbers "$ranks"); do
         rm -f many.btf.exr
-        expect "$name: $n ranks" 0 ranks "$n" "$@" -o many.btf.exr -q
+        expect "$name: $n ranks" 0 on_ranks "$n" "$@" -o many.btf.exr -q
         expect_that "$name: $n ranks write the same bytes" cmp one.btf.exr many.btf.exr
     done
 }
@@ -68,7 +68,7 @@ same "paper, Bonn" 2 small.btf --method paper
 expect_that "no scratch file stays" nothing_left none
 
 # The report knows of the ranks; the tables come once.
-expect "a report" 0 ranks 2 data -o r.btf.exr --preset fast --report r.json
+expect "a report" 0 on_ranks 2 data -o r.btf.exr --preset fast --report r.json
 expect_that "its numbers" python3 -c '
 import json
 r = json.load(open("r.json"))
@@ -81,7 +81,7 @@ expect_that "one table" test "$(grep -c 'Table 2' out)" = 1
 
 # A list, each input by all ranks; a bad one does not stop the rest.
 printf 'data\nnowhere\nsmall.btf\n' >list.txt
-expect "a list with a bad input" 2 ranks 2 list.txt -o many -q --preset fast
+expect "a list with a bad input" 2 on_ranks 2 list.txt -o many -q --preset fast
 btf-encode data -o one.btf.exr -q --preset fast
 expect_that "the first of it" cmp one.btf.exr many/data.btf.exr
 btf-encode small.btf -o one.btf.exr -q --preset fast
@@ -89,18 +89,18 @@ expect_that "the last of it" cmp one.btf.exr many/small.btf.exr
 expect_that "the bad input is named once" test "$(grep -c 'error: nowhere' err)" = 1
 
 # Errors: one message, the documented code, nothing left.
-expect "a bad option" 1 ranks 3 data -o x.btf.exr --nonsense
+expect "a bad option" 1 on_ranks 3 data -o x.btf.exr --nonsense
 expect_that "it is named once" test "$(grep -c 'unknown option --nonsense' err)" = 1
-expect "help" 0 ranks 2 --help
+expect "help" 0 on_ranks 2 --help
 expect_that "help comes once" test "$(grep -c 'mpirun -n N' out)" = 1
 cp -r data bad
 last=$(find bad -name '*.png' | sort | tail -1)
 head -c 40 "$last" >cut && mv cut "$last"
-expect "an image that rank 1 finds bad" 3 ranks 2 bad -o x.btf.exr -q
+expect "an image that rank 1 finds bad" 3 on_ranks 2 bad -o x.btf.exr -q
 expect_that "it is named once" test "$(grep -c "rank [0-9]*: .*$(basename "$last")" err)" = 1
 expect_that "nothing is written" nothing_left x.btf.exr
 mkdir full
-expect "an output that cannot be made" 2 ranks 2 data -o nowhere/x.btf.exr -q
+expect "an output that cannot be made" 2 on_ranks 2 data -o nowhere/x.btf.exr -q
 expect_that "it is said once" test "$(grep -c 'nowhere' err)" = 1
 expect "no folder for scratch files" 2 mpirun -n 2 env TMPDIR=/nonexistent btf-encode data -o x.btf.exr -q
 expect_text "it is named" "/nonexistent" err
@@ -111,22 +111,18 @@ expect "a folder that the ranks do not share" 2 \
 expect_text "the advice" "rank 1: scratch file: .*set TMPDIR to a folder that all nodes share" err
 expect_that "nothing is written then" nothing_left x.btf.exr
 
-# Killed: with SIGKILL one of the ranks, with SIGTERM all. Slow enough to be met.
-slow=(data --preset exhaustive --effects shift,gain,residual -o x.btf.exr -q --checkpoint steps)
-wait_for_steps() { # N PID: until so many steps are kept
-    while kill -0 "$2" 2>/dev/null && [ "$(find steps -name '*.btf-step' 2>/dev/null | wc -l)" -lt "$1" ]; do
-        sleep 0.05
-    done
-}
+# Killed: with SIGKILL one of the ranks, with SIGTERM all. Rank 0 has it done once it has kept a step: it is a child of
+# mpirun, and so is rank 1.
+kept=(data --preset fast --effects shift,gain,residual -o x.btf.exr -q --checkpoint steps)
+cat >kill_ranks <<'S'
+mpirun=$(awk '/^PPid/ { print $2 }' /proc/$PPID/status)
+ranks=$(cat /proc/$mpirun/task/$mpirun/children)
+[ $who = all ] && victims="$mpirun $ranks" || victims=$(echo $ranks | awk '{ print $NF }')
+kill -$signal $victims
+S
 kill_one() { # SIGNAL WHO: of the encode of two ranks, once it has kept a step
-    mpirun -n 2 btf-encode "${slow[@]}" --threads 1 2>err >out &
-    local run=$! victim=$!
-    wait_for_steps 1 $run
-    if [ "$2" = rank ]; then
-        victim=$(awk '{print $NF}' /proc/$run/task/$run/children)
-    fi
-    kill -"$1" "$victim"
-    wait $run
+    local rank=(btf-encode "${kept[@]}" --threads 1)
+    mpirun -n 1 env "$preload" "BTF_MOMENT=1 rename .btf-step" "BTF_ACTION=signal=$1 who=$2; . ./kill_ranks" "${rank[@]}" : -n 1 "${rank[@]}" 2>err >out
     code=$?
 }
 kill_one KILL rank
@@ -135,9 +131,9 @@ expect_text "a message tells of it" "signal 9|[Kk]illed|exited" err
 expect_that "no half file after it" test ! -e x.btf.exr
 expect_that "no scratch file after it" test -z "$(find tmp -name 'btf-scratch-*')"
 expect_that "the checkpoint is there" test -n "$(ls steps)"
-btf-encode "${slow[@]}" --resume && mv x.btf.exr alone.btf.exr
+btf-encode "${kept[@]}" --resume && mv x.btf.exr alone.btf.exr
 expect_that "one process goes on from there, nothing half stays" nothing_left x.btf.exr
-btf-encode data --preset exhaustive --effects shift,gain,residual -o whole.btf.exr -q
+btf-encode data --preset fast --effects shift,gain,residual -o whole.btf.exr -q
 expect_that "with the bytes of an uninterrupted run" cmp whole.btf.exr alone.btf.exr
 kill_one TERM rank
 expect_that "SIGTERM to one rank ends the job with 130 ($code)" test "$code" = 130
@@ -147,7 +143,7 @@ rm -rf steps
 kill_one TERM all
 expect_that "SIGTERM to all ends the job with a code ($code)" test "$code" != 0
 expect_that "nothing half after it" nothing_half x.btf.exr
-expect "three ranks go on from two" 0 ranks 3 "${slow[@]}" --resume
+expect "three ranks go on from two" 0 on_ranks 3 "${kept[@]}" --resume
 expect_that "with the same bytes" cmp whole.btf.exr x.btf.exr
 expect_that "the checkpoint is gone" test ! -e steps
 finish

@@ -49,15 +49,21 @@ expect "original without a file" 1 btf-view --original data
 expect "a plan that is none" 1 btf-view m.btf.exr --plan all
 expect "a wrong size" 1 btf-view --size 1x1
 
+# until_it COMMAND...: waits until it succeeds. Nothing is decided by how long that takes: the limit of minutes is there
+# for a viewer that hangs.
+until_it() {
+    for i in $(seq 3000); do
+        "$@" && return
+        sleep 0.1
+    done
+}
+
 # A display of our own.
 Xvfb -displayfd 3 -screen 0 800x600x24 3>display 2>xvfb.log &
 xvfb=$!
 trap 'kill $viewer $xvfb 2>/dev/null; rm -rf "$work"' EXIT
 viewer=
-for i in $(seq 100); do
-    [ -s display ] && break
-    sleep 0.1
-done
+until_it test -s display
 export DISPLAY=:$(cat display)
 unset WAYLAND_DISPLAY
 
@@ -68,20 +74,14 @@ start() { # OPTIONS...: in the background, until the window is ready
     : >log
     btf-view "$@" --size 320x240 --verbose --quiet --screenshots shot >log 2>view.err &
     viewer=$!
-    for i in $(seq 150); do
-        grep -q '^ready' log && break
-        sleep 0.1
-    done
-    window=$(xdotool search --name '^btf-view$' | head -1)
-    xdotool windowfocus "$window"
-    sleep 0.3
+    until_it grep -q '^ready' log
+    window=$(xdotool search --sync --name '^btf-view$' | head -1)
+    xdotool windowfocus --sync "$window"
 }
-# said NAME LINE: the line comes, within some seconds
+# said NAME LINE: the line comes
+is_said() { tail -n +$((seen + 1)) log | grep -Eq -- "$1"; }
 said() {
-    for i in $(seq 100); do
-        tail -n +$((seen + 1)) log | grep -Eq -- "$2" && break
-        sleep 0.1
-    done
+    until_it is_said "$2"
     tail -n +$((seen + 1)) log >new
     seen=$(wc -l <log)
     expect_text "$1" "$2" new
@@ -93,7 +93,6 @@ press() { # KEY LINE
 }
 drag() { # BUTTON LINE [with shift]
     xdotool mousemove --window "$window" 160 120
-    sleep 0.2
     [ -n "${3:-}" ] && xdotool keydown shift
     xdotool mousedown "$1"
     xdotool mousemove --window "$window" 200 150
@@ -180,7 +179,11 @@ shoot reset
 press i '^panel off'
 press c '^measured: [0-9.]+ ms a frame'
 press a '^animation on'
-sleep 1
+has_moved() { # a picture a call, until one differs
+    shoot moved >moves && ! cmp -s start.png moved.png
+}
+until_it has_moved
+cat moves
 press a '^animation off'
 shoot moved
 differ "animation is seen" start.png moved.png
@@ -238,12 +241,10 @@ expect_that "Q quits with 0" test $? = 0
 
 # A plan, then one with the light folded in, then the light moves, then the camera leaves the plan's range, then
 # what is seen again: whatever runs, the pictures are those of the viewer that decodes everything.
-# logged NAME N LINE: N such lines come, within some seconds
+# logged NAME N LINE: N such lines come
+has_logged() { [ "$(grep -Ec -- "$2" log)" -ge "$1" ]; }
 logged() {
-    for i in $(seq 200); do
-        [ "$(grep -Ec -- "$3" log)" -ge $2 ] && break
-        sleep 0.1
-    done
+    until_it has_logged "$2" "$3"
     expect_that "$1" test "$(grep -Ec -- "$3" log)" -ge $2
 }
 tour() { # NAME, planned or not: pictures NAME-0.png to 3

@@ -53,7 +53,7 @@ static void answer(const drop *d, const XSelectionRequestEvent *request) {
 static int wait_for(const drop *d, const char *type) {
     const struct timespec pause = {0, 20000000};
     const Atom wanted = atom(d, type);
-    for (int i = 0; i < 250; i++) {
+    for (int i = 0; i < 15000; i++) { /* five minutes, for a window that hangs */
         while (XPending(d->display)) {
             XEvent event;
             XNextEvent(d->display, &event);

@@ -326,7 +326,7 @@ static void test_stages(void **state) {
     assert_string_equal(stages[0].name, "read");
     assert_string_equal(stages[1].name, "fit");
     assert_true(stages[0].seconds >= 0.0);
-    assert_true(stages[1].seconds >= 0.02 && stages[1].seconds < 5.0);
+    assert_true(stages[1].seconds >= 0.02);
     progress_destroy(&p);
     assert_null(p);
     progress_destroy(&p);
