@@ -12,6 +12,7 @@
 #include "encoder/input/bonn_file.h"
 #include "encoder/input/options.h"
 #include "encoder/report/between.h"
+#include "encoder/report/leave_one_out.h"
 #include "encoder/report/metrics.h"
 
 #include <math.h>
@@ -25,7 +26,7 @@ static struct {
     const char *pictures;
     uint32_t effects;
     int interpolation, worst, threads;
-    bool json, no_ssim, pairs, quiet;
+    bool json, no_ssim, pairs, leave_one_out, quiet;
 } o = {.effects = BTF_EFFECT_ALL, .interpolation = ENC_INTERPOLATE_LINEAR, .worst = 8};
 
 static const cli_option table[] = {
@@ -46,6 +47,11 @@ static const cli_option table[] = {
      .value = &o.pairs,
      .help = "take the images of B one by one at their own directions, even where\n"
              "they form a grid of views and lights"},
+    {.name = "leave-one-out",
+     .type = CLI_FLAG,
+     .value = &o.leave_one_out,
+     .help = "estimate the error between the samples of a data set A, and of its material\n"
+             "B where that is given: views and lights predicted from the others"},
     {.name = "pictures",
      .arg = "FILE",
      .type = CLI_STRING,
@@ -72,7 +78,7 @@ static const cli_option table[] = {
 
 static const cli_program program = {
     .name = "btf-compare",
-    .usage = "A B [OPTION...]",
+    .usage = "A B [OPTION...]\n       btf-compare --leave-one-out DATA [MATERIAL] [OPTION...]",
     .summary =
         "Compares two BTFs image by image: PSNR (linear and sRGB-coded, values clipped to [0, 1]), SSIM,\n"
         "by view ring and light ring. A and B are data sets (folder, zip) or materials (OpenEXR), which\n"
@@ -85,11 +91,15 @@ static const cli_program program = {
         "decoder, a data set by interpolation of its images. Errors are then told by theta of view and\n"
         "light, and by the angle to the nearest sample.\n\n"
         "What A and B are is told by their content: a file that begins as OpenEXR is a material; a grid of\n"
-        "images under a view from the top, of which at most half is missing, is a data set; other images are pairs.",
+        "images under a view from the top, of which at most half is missing, is a data set; other images are pairs.\n\n"
+        "--leave-one-out needs no truth between the samples. It predicts samples from others that lie twice as\n"
+        "far away as the samples around a direction between them, so it overstates the error there: most where\n"
+        "relief, shadows or highlights move from sample to sample.",
     .example = "btf-compare BRICKS64.zip bricks.btf.exr --json\n"
-               "btf-compare bricks.btf.exr BRICKS64_between.zip --pictures worst.png",
+               "btf-compare bricks.btf.exr BRICKS64_between.zip --pictures worst.png\n"
+               "btf-compare --leave-one-out BRICKS64.zip bricks.btf.exr",
     .options = table,
-    .min_arguments = 2,
+    .min_arguments = 1,
     .max_arguments = 2,
 };
 
@@ -345,6 +355,63 @@ static btf_result compare_pairs(const enc_context *context, const side *a, const
     return result;
 }
 
+static btf_result print_leave_one_out(const side *a, const side *b, const enc_leave_one_out *measured) {
+    json j = {0};
+    if (!o.json) {
+        enc_leave_one_out_print(measured, stdout);
+        return BTF_OK;
+    }
+    json_object(&j, NULL);
+    json_string(&j, "a", a->path);
+    json_string(&j, "b", b->path);
+    enc_leave_one_out_json(&j, "leave_one_out", measured);
+    json_end(&j);
+    const char *text = json_text(&j);
+    if (text) {
+        fputs(text, stdout);
+    }
+    json_free(&j);
+    return text ? BTF_OK : BTF_ERROR_MEMORY;
+}
+
+/* A material has to have the samples of the data: they are what is left out of it. */
+static btf_result check_same_samples(const enc_context *context, const side *data, const side *material) {
+    enc_direction views[BTF_MAX_DIRECTIONS], lights[BTF_MAX_DIRECTIONS];
+    enc_data shape;
+    shape_of(material->material, &shape, views, lights);
+    const side other = {.path = material->path, .data = &shape};
+    return check_same_grid(context, data, &other);
+}
+
+static btf_result leave_one_out(const enc_context *context, side *a, side *b) {
+    enc_leave_one_out measured;
+    btf_result result = open_side(context, a, false);
+    if (result == BTF_OK && b->path) {
+        result = open_side(context, b, false);
+    }
+    if (result == BTF_OK && a->material && b->data) {
+        side *swap = a;
+        a = b;
+        b = swap;
+    }
+    if (result == BTF_OK && (!a->data || (b->path && !b->material))) {
+        result = enc_fail(context, BTF_ERROR_USAGE,
+                          "--leave-one-out: needs a data set, and beside it at most its material");
+    }
+    if (result == BTF_OK && b->material) {
+        result = check_same_samples(context, a, b);
+    }
+    if (result == BTF_OK) {
+        result = enc_leave_one_out_measure(context, a->data, b->material, &measured);
+    }
+    if (result == BTF_OK && measured.views == 0 && measured.lights == 0) {
+        result = enc_fail(context, BTF_ERROR_BAD_FILE,
+                          "%s: none of %d views and %d lights lies among others that could predict it", a->path,
+                          a->data->n_views, a->data->n_lights);
+    }
+    return result == BTF_OK ? print_leave_one_out(a, b, &measured) : result;
+}
+
 static btf_result compare(const enc_context *context, side *a, side *b) {
     btf_result result = open_side(context, a, false);
     if (result == BTF_OK) {
@@ -375,8 +442,10 @@ int main(int argc, char **argv) {
     progress *shown = progress_create(o.quiet);
     const enc_context context = {
         .log = cli_log(&program, o.quiet), .progress = shown, .threads = o.threads};
-    side a = {.path = arguments.values[0]}, b = {.path = arguments.values[1]};
-    const btf_result result = compare(&context, &a, &b);
+    side a = {.path = arguments.values[0]}, b = {.path = arguments.count > 1 ? arguments.values[1] : NULL};
+    const btf_result result = o.leave_one_out ? leave_one_out(&context, &a, &b)
+                              : b.path        ? compare(&context, &a, &b)
+                                              : cli_error(&program, BTF_ERROR_USAGE, "B is missing (see --help)");
     if (result == BTF_ERROR_INTERRUPTED) {
         cli_error(&program, result, "interrupted");
     }

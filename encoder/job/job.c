@@ -177,6 +177,9 @@ static btf_result pack_and_measure(const enc_context *context, const enc_job *jo
             enc_effect_errors(context, s->data, s->material, &effect_errors, &options.effect_error_count);
     }
     if (result == BTF_OK) {
+        result = enc_leave_one_out_measure(context, s->data, s->material, &report->between);
+    }
+    if (result == BTF_OK) {
         result = enc_levels_unpack(context, s->material, &s->stored, &s->stored_levels);
     }
     if (result == BTF_OK) {

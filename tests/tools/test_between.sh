@@ -15,7 +15,29 @@ expect "other pairs" 0 btf-sample -o others --between 30 --pair-seed 1 "${relief
 expect_that "have other names" test -z "$(comm -12 <(ls pairs) <(ls others))"
 expect "as JPEG" 0 btf-sample -o jpeg --between 2 --format jpeg "${relief[@]}"
 expect_that "where that is asked for" bash -c 'ls jpeg | grep -c jpg | grep -qx 2'
-expect "a material" 0 btf-encode data -o m.btf.exr --preset fast -q
+expect "a material" 0 btf-encode data -o m.btf.exr --preset fast --report report.json
+expect_text "with an estimate between the samples" "^Between the samples, estimated: 37 views and 37 lights left out" out
+expect_text "of views and lights together" "^  both +[0-9.]+ / [0-9.]+ +[0-9.]+ / [0-9.]+$" out
+expect "the same by itself" 0 btf-compare --leave-one-out data m.btf.exr --json -q
+expect_that "is that of the report" python3 - <<'P'
+import json
+report, found = json.load(open("report.json"))["between"], json.load(open("out"))["leave_one_out"]
+assert report == found, (report, found)
+for left in ("view", "light", "both"):
+    assert 5 < found[left]["linear"] < 60 and 5 < found[left]["data_srgb"] < 60
+P
+expect "of data alone" 0 btf-compare --leave-one-out data --json -q --threads 1
+expect_that "is the data's part of it" python3 - <<'P'
+import json
+report, found = json.load(open("report.json"))["between"], json.load(open("out"))["leave_one_out"]
+assert found["both"]["data_linear"] == report["both"]["data_linear"] and found["both"]["linear"] is None
+P
+expect "leave-one-out of pairs" 1 btf-compare --leave-one-out pairs -q
+expect "of a material alone" 1 btf-compare --leave-one-out m.btf.exr -q
+btf-sample -o few --directions tiny --size 8 -q
+expect "of another data set's material" 3 btf-compare --leave-one-out few m.btf.exr -q
+expect "one side alone" 1 btf-compare data
+expect_text "needs another" "B is missing" err
 
 expect "data against pairs" 0 btf-compare data pairs --json -q
 expect_that "bands, pairs and totals agree" python3 - <<'P'
