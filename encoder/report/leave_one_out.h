@@ -11,6 +11,7 @@
 #ifndef OPENBTF_ENCODER_LEAVE_ONE_OUT_H
 #define OPENBTF_ENCODER_LEAVE_ONE_OUT_H
 
+#include "bands.h"
 #include "decoder/toolkit/json.h"
 #include "metrics.h"
 
@@ -20,19 +21,24 @@
 /* What is left out: bits. */
 enum { ENC_LEFT_VIEW = 1, ENC_LEFT_LIGHT = 2, ENC_LEFT_BOTH = 3 };
 
+/* Means of squared errors: count is 1, or 0 for what was not measured. */
 typedef struct enc_left_out_errors {
-    enc_error_sum material; /* decoded without the sample; count 0 without a material */
+    enc_error_sum material; /* decoded without the sample; not measured without a material */
     enc_error_sum data;     /* the data themselves, interpolated without it */
 } enc_left_out_errors;
 
 typedef struct enc_leave_one_out {
-    int views, lights;              /* that can be left out (left_out.h) */
-    enc_left_out_errors error[1 + ENC_LEFT_BOTH]; /* by what is left out; entry 0 is not used */
+    int views, lights; /* that can be left out (left_out.h) */
+    /* By what is left out, entry 0 not used: over all pairs of view and light, and over those of which the view
+     * lies in a band of views and the light in one of lights, at [view band * light_bands.count + light band]. */
+    enc_left_out_errors error[1 + ENC_LEFT_BOTH];
+    enc_left_out_errors band_error[1 + ENC_LEFT_BOTH][BTF_MAX_BANDS * BTF_MAX_BANDS];
+    enc_bands view_bands, light_bands;
 } enc_leave_one_out;
 
 /* Level 0 of `material` (NULL: the data alone), which must have the data's size and directions, at a subset of
- * texels and of pairs of view and light that depends on nothing but the data's extent: about a second of one core.
- * A kind of which nothing can be left out has count 0. Deterministic for any number of threads and ranks. Stage
+ * texels and of pairs of view and light, spread evenly over the bands, that depends on nothing but the data's extent:
+ * about a second of one core. Deterministic for any number of threads and ranks. Stage
  * "leave one out". Errors: those of the data, BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
 btf_result enc_leave_one_out_measure(const enc_context *context, const enc_data *data,
                                      const btf_material *material, enc_leave_one_out *out);

@@ -15,7 +15,7 @@ expect "other pairs" 0 btf-sample -o others --between 30 --pair-seed 1 "${relief
 expect_that "have other names" test -z "$(comm -12 <(ls pairs) <(ls others))"
 expect "as JPEG" 0 btf-sample -o jpeg --between 2 --format jpeg "${relief[@]}"
 expect_that "where that is asked for" bash -c 'ls jpeg | grep -c jpg | grep -qx 2'
-expect "a material" 0 btf-encode data -o m.btf.exr --preset fast --report report.json
+expect "a material" 0 btf-encode data -o m.btf.exr --method paper --starts 1 --report report.json
 expect_text "with an estimate between the samples" "^Between the samples, estimated: 37 views and 37 lights left out" out
 expect_text "of views and lights together" "^  both +[0-9.]+ / [0-9.]+ +[0-9.]+ / [0-9.]+$" out
 expect "the same by itself" 0 btf-compare --leave-one-out data m.btf.exr --json -q
