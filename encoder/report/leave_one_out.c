@@ -301,6 +301,30 @@ btf_result enc_leave_one_out_measure(const enc_context *context, const enc_data 
     return result == BTF_ERROR_MEMORY ? enc_fail(context, result, "leave one out: out of memory") : result;
 }
 
+static float *write_error(const enc_error_sum *error, float *out) {
+    *out++ = error->count > 0 ? fminf((float)error->linear, 1.0f) : -1.0f;
+    *out++ = error->count > 0 ? fminf((float)error->srgb, 1.0f) : -1.0f;
+    return out;
+}
+
+size_t enc_leave_one_out_numbers(const enc_leave_one_out *measured, float *out) {
+    const float *const begin = out;
+    const int cells = measured->view_bands.count * measured->light_bands.count;
+    if (measured->views == 0 && measured->lights == 0)
+        return 0;
+    out = enc_bands_write(&measured->view_bands, &measured->light_bands, out);
+    for (int left = ENC_LEFT_VIEW; left <= ENC_LEFT_BOTH; left++) {
+        const enc_left_out_errors *e = &measured->error[left];
+        if (e->material.count == 0)
+            continue;
+        *out++ = (float)left;
+        out = write_error(&e->data, write_error(&e->material, out));
+        for (int cell = 0; cell < cells; cell++)
+            out = write_error(&measured->band_error[left][cell].material, out);
+    }
+    return (size_t)(out - begin);
+}
+
 static const char *const left_names[] = {"", "view", "light", "both"};
 
 static const char *errors_text(const enc_error_sum *sum, char text[32]) {

@@ -3,7 +3,8 @@
  *
  * The others stand twice as far away as the samples around a direction between them do, so errors come out larger
  * than they are there, and all the more where little changes from one sample to the next: relief that shifts,
- * shadows and highlights that move are overstated most. Truth between the samples, where there is any, is measured
+ * shadows and highlights that move are overstated most. Only neighbours are left out: what a material was fitted to
+ * holds the samples still, so that a model of few parameters comes out better than data. Truth between the samples, where there is any, is measured
  * by between.h.
  *
  * SPDX-License-Identifier: MIT
@@ -42,6 +43,11 @@ typedef struct enc_leave_one_out {
  * "leave one out". Errors: those of the data, BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
 btf_result enc_leave_one_out_measure(const enc_context *context, const enc_data *data,
                                      const btf_material *material, enc_leave_one_out *out);
+
+/* Numbers of the attribute openbtf.betweenErrors (FORMAT.md section 7) in `out`, which has room for
+ * ENC_BETWEEN_NUMBERS; of a measurement with a material. Returns how many: 0 where nothing could be left out. */
+enum { ENC_BETWEEN_NUMBERS = 4 + 2 * BTF_MAX_BANDS + 3 * (5 + 2 * BTF_MAX_BANDS * BTF_MAX_BANDS) };
+size_t enc_leave_one_out_numbers(const enc_leave_one_out *measured, float *out);
 
 /* A table for people, with what it overstates. Nothing where nothing could be left out. */
 void enc_leave_one_out_print(const enc_leave_one_out *measured, FILE *out);

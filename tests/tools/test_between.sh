@@ -26,6 +26,16 @@ assert report == found, (report, found)
 for left in ("view", "light", "both"):
     assert 5 < found[left]["linear"] < 60 and 5 < found[left]["data_srgb"] < 60
 P
+expect "the file" 0 btf-info m.btf.exr --json
+expect_that "holds it" python3 - <<'P'
+import json
+report, found = json.load(open("report.json"))["between"], json.load(open("out"))["between"]
+for left in ("view", "light", "both"):
+    for key, value in found[left].items():
+        assert abs(value - report[left][key]) < 1e-3, (left, key)
+P
+expect "told" 0 btf-info m.btf.exr
+expect_text "to people" "^Between the samples, estimated by leaving samples out" out
 expect "of data alone" 0 btf-compare --leave-one-out data --json -q --threads 1
 expect_that "is the data's part of it" python3 - <<'P'
 import json

@@ -174,6 +174,14 @@ static void test_an_exact_material(void **state) {
      * decoder takes for 0 view by view as the data do. */
     assert_true(view->data.linear > 0 && fabs(view->material.linear / view->data.linear - 1) < 1e-4);
     assert_true(view->material.count == view->data.count && both->data.linear > 0);
+    float numbers[ENC_BETWEEN_NUMBERS];
+    const int v_bands = measured.view_bands.count, l_bands = measured.light_bands.count;
+    assert_int_equal(enc_leave_one_out_numbers(&measured, numbers),
+                     4 + v_bands + l_bands + 3 * (5 + 2 * v_bands * l_bands));
+    const float *row = numbers + 4 + v_bands + l_bands;
+    assert_true(row[0] == ENC_LEFT_VIEW && row[1] == fminf((float)view->material.linear, 1) &&
+                row[4] == fminf((float)view->data.srgb, 1));
+    assert_true(row[5 + 2 * v_bands * l_bands] == ENC_LEFT_LIGHT);
     enc_data_destroy(&data);
     btf_material_close(&material);
     random_material_free(&desc);
@@ -213,6 +221,8 @@ static void test_bands(void **state) {
         }
         assert_true(fabs(measured.error[left].data.linear - sum / weight) < 1e-9);
     }
+    float numbers[ENC_BETWEEN_NUMBERS];
+    assert_int_equal(enc_leave_one_out_numbers(&measured, numbers), 2 + 4 + 3); /* no material: no row */
     enc_data_destroy(&data);
 }
 
