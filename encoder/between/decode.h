@@ -5,7 +5,7 @@
 #ifndef OPENBTF_ENCODER_DECODE_H
 #define OPENBTF_ENCODER_DECODE_H
 
-#include "btf_reference.h"
+#include <openbtf/reference.h>
 #include "pairs.h"
 
 /* Level 0 of a material at `count` pairs: out[pair][texel][3], exact (FORMAT.md, 9). Errors:

@@ -4,7 +4,7 @@
  */
 #include "interpolate.h"
 
-#include "btf_reference.h"
+#include <openbtf/reference.h>
 
 #include <math.h>
 #include <openbtf/material.h>

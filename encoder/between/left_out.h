@@ -6,7 +6,7 @@
 #ifndef OPENBTF_ENCODER_LEFT_OUT_H
 #define OPENBTF_ENCODER_LEFT_OUT_H
 
-#include "btf_reference.h"
+#include <openbtf/reference.h>
 #include "encoder/data/data.h"
 
 typedef struct enc_left_out {

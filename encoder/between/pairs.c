@@ -67,7 +67,7 @@ btf_result enc_pairs_classify(const enc_context *context, const char *path, cons
     size_t count = 0, views = 0, lights = 0;
     double top = 0, unused;
     *out_set = ENC_SET_GRID;
-    btf_result result = enc_source_open(context, path, &source);
+    btf_result result = enc_read_source(context, path, &source);
     enc_pair *pair = result == BTF_OK ? malloc((source->count + 1) * sizeof *pair) : NULL;
     if (result == BTF_OK && !pair)
         result = BTF_ERROR_MEMORY;
@@ -201,7 +201,7 @@ btf_result enc_pairs_open(const enc_context *context, const char *path, const en
         result = enc_fail(context, BTF_ERROR_USAGE,
                           "%s: coincident lights are those of a data set, and these are single images", path);
     if (result == BTF_OK)
-        result = enc_source_open(context, path, &pairs->source->source);
+        result = enc_read_source(context, path, &pairs->source->source);
     if (result == BTF_OK)
         result = parse_names(context, pairs);
     if (result == BTF_OK)

@@ -30,13 +30,13 @@ typedef enum enc_image_set {
 } enc_image_set;
 
 /* Tells the two apart without reading an image. Names that cannot be understood are left to the reader that
- * the answer leads to. Errors, on the log: those of enc_source_open, BTF_ERROR_MEMORY. */
+ * the answer leads to. Errors, on the log: those of enc_read_source, BTF_ERROR_MEMORY. */
 btf_result enc_pairs_classify(const enc_context *context, const char *path, const enc_read_options *options,
                               enc_image_set *out_set);
 
 /* Opens a folder or an archive: parses all names and reads the first image, which settles the size; the
  * others are read when asked for. Names and options are those of enc_read. Errors, on the log with the
- * file's name: those of enc_source_open; BTF_ERROR_USAGE (options that have no meaning for pairs),
+ * file's name: those of enc_read_source; BTF_ERROR_USAGE (options that have no meaning for pairs),
  * BTF_ERROR_BAD_FILE (a name without directions, a theta not in 0..90, one pair twice, a damaged image),
  * BTF_ERROR_UNSUPPORTED, BTF_ERROR_MEMORY. */
 btf_result enc_pairs_open(const enc_context *context, const char *path, const enc_read_options *options,
