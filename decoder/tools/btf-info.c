@@ -473,6 +473,10 @@ static btf_result print_json_plan(const char *path, const btf_plan *plan) {
     json_float(&j, "srgb", plan->psnr_srgb);
     json_float(&j, "full_linear", plan->full_psnr_linear);
     json_float(&j, "full_srgb", plan->full_psnr_srgb);
+    json_float(&j, "between_linear", plan->between_psnr_linear);
+    json_float(&j, "between_srgb", plan->between_psnr_srgb);
+    json_float(&j, "full_between_linear", plan->full_between_psnr_linear);
+    json_float(&j, "full_between_srgb", plan->full_between_psnr_srgb);
     json_end(&j);
     return put_json(&j);
 }
