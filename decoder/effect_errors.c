@@ -1,4 +1,5 @@
-/* OpenBTF: the measured errors of each way to decode (FORMAT.md section 7, openbtf.effectErrors).
+/* OpenBTF: tables of measured errors by bands of view and light (FORMAT.md section 7): of each way to decode
+ * (openbtf.effectErrors), and between the samples (openbtf.betweenErrors).
  *
  * SPDX-License-Identifier: MIT
  */
@@ -12,17 +13,25 @@ static bool is_integer(float value, uint32_t low, uint32_t high) {
     return value >= (float)low && value <= (float)high && value == floorf(value);
 }
 
-static btf_result check_limits(const btfi_check *check, const char *name, const float *limits,
-                               size_t bands) {
+/* What differs between the tables. */
+typedef struct table_kind {
+    const char *name; /* in messages */
+    size_t most;      /* rows */
+    btf_result (*check_row)(const btfi_check *check, const btf_material_info *info, const float *row,
+                            size_t index, size_t length);
+} table_kind;
+
+static btf_result check_limits(const btfi_check *check, const char *table, const char *name,
+                               const float *limits, size_t bands) {
     for (size_t i = 0; i <= bands; i++)
         if (!(limits[i] >= 0 && limits[i] <= 90) || (i > 0 && !(limits[i] > limits[i - 1])))
             return btfi_fail(check->log, check->code,
-                             "effect errors: limit %zu of the %s bands is %g, not ascending within 0 to 90",
-                             i, name, (double)limits[i]);
+                             "%s: limit %zu of the %s bands is %g, not ascending within 0 to 90", table, i,
+                             name, (double)limits[i]);
     return BTF_OK;
 }
 
-static btf_result check_row(const btfi_check *check, const btf_material_info *info, const float *row,
+static btf_result check_effect_row(const btfi_check *check, const btf_material_info *info, const float *row,
                             size_t index, size_t length) {
     if (!is_integer(row[0], 0, BTF_EFFECT_ALL) || ((uint32_t)row[0] & ~info->effects) != 0)
         return btfi_fail(check->log, check->code, "effect errors: row %zu has effects %g", index,
@@ -44,27 +53,62 @@ static btf_result check_row(const btfi_check *check, const btf_material_info *in
     return BTF_OK;
 }
 
-btf_result btfi_check_effect_errors(const btfi_check *check, const btf_material_info *info,
-                                    const float *values, size_t count) {
+static btf_result check_between_row(const btfi_check *check, const btf_material_info *info, const float *row,
+                                    size_t index, size_t length) {
+    (void)info;
+    if (!is_integer(row[0], 1, 3))
+        return btfi_fail(check->log, check->code, "between errors: row %zu leaves out %g, not 1, 2 or 3", index,
+                         (double)row[0]);
+    for (size_t i = 1; i < length; i++)
+        if (!(row[i] >= 0 && row[i] <= 1) && !(row[i] == -1 && i >= ROW_HEAD))
+            return btfi_fail(check->log, check->code,
+                             "between errors: row %zu, number %zu is %g, not within 0 to 1", index, i,
+                             (double)row[i]);
+    return BTF_OK;
+}
+
+static btf_result check_table(const btfi_check *check, const table_kind *kind, const btf_material_info *info,
+                              const float *values, size_t count) {
     if (count == 0)
         return BTF_OK;
     if (count < 6 || !is_integer(values[0], 1, BTF_MAX_BANDS) || !is_integer(values[1], 1, BTF_MAX_BANDS))
-        return btfi_fail(check->log, check->code, "effect errors: %zu numbers that begin with %g bands",
+        return btfi_fail(check->log, check->code, "%s: %zu numbers that begin with %g bands", kind->name,
                          count, (double)values[0]);
     const size_t views = (size_t)values[0], lights = (size_t)values[1], head = 4 + views + lights;
     const size_t length = ROW_HEAD + 2 * views * lights;
-    if (count < head || (count - head) % length != 0 || (count - head) / length > MAX_ROWS)
-        return btfi_fail(check->log, check->code,
-                         "effect errors: %zu numbers are not %zu and up to %d rows of %zu", count, head,
-                         MAX_ROWS, length);
+    if (count < head || (count - head) % length != 0 || (count - head) / length > kind->most)
+        return btfi_fail(check->log, check->code, "%s: %zu numbers are not %zu and up to %zu rows of %zu",
+                         kind->name, count, head, kind->most, length);
     btf_result result;
-    if ((result = check_limits(check, "view", values + 2, views)) ||
-        (result = check_limits(check, "light", values + 3 + views, lights)))
+    if ((result = check_limits(check, kind->name, "view", values + 2, views)) ||
+        (result = check_limits(check, kind->name, "light", values + 3 + views, lights)))
         return result;
     for (size_t i = 0; i < (count - head) / length; i++)
-        if ((result = check_row(check, info, values + head + i * length, i, length)))
+        if ((result = kind->check_row(check, info, values + head + i * length, i, length)))
             return result;
     return BTF_OK;
+}
+
+btf_result btfi_check_effect_errors(const btfi_check *check, const btf_material_info *info,
+                                    const float *values, size_t count) {
+    static const table_kind kind = {"effect errors", MAX_ROWS, check_effect_row};
+    return check_table(check, &kind, info, values, count);
+}
+
+btf_result btfi_check_between_errors(const btfi_check *check, const float *values, size_t count) {
+    static const table_kind kind = {"between errors", 3, check_between_row};
+    return check_table(check, &kind, NULL, values, count);
+}
+
+btf_between_errors btfi_between_errors_of(const float *values, size_t count) {
+    const btf_effect_errors table = btfi_effect_errors_of(values, count);
+    return (btf_between_errors){.view_bands = table.view_bands,
+                                .light_bands = table.light_bands,
+                                .view_limits = table.view_limits,
+                                .light_limits = table.light_limits,
+                                .row_count = table.row_count,
+                                .row_stride = table.row_stride,
+                                .rows = table.rows};
 }
 
 btf_effect_errors btfi_effect_errors_of(const float *values, size_t count) {

@@ -1,4 +1,4 @@
-/* OpenBTF: the error table of an encoder's measurements (attribute openbtf.effectErrors).
+/* OpenBTF: the error tables of an encoder's measurements (attributes openbtf.effectErrors, openbtf.betweenErrors).
  *
  * SPDX-License-Identifier: MIT
  */
@@ -15,6 +15,10 @@ btf_result btfi_check_effect_errors(const btfi_check *check, const btf_material_
                                     const float *values, size_t count);
 /* The table in numbers that were checked; one without rows for NULL. */
 btf_effect_errors btfi_effect_errors_of(const float *values, size_t count);
+
+/* The same of the attribute openbtf.betweenErrors. */
+btf_result btfi_check_between_errors(const btfi_check *check, const float *values, size_t count);
+btf_between_errors btfi_between_errors_of(const float *values, size_t count);
 
 #pragma GCC visibility pop
 

@@ -263,6 +263,18 @@ static void get_level_errors(reader *r, btf_material *m) {
                                         m->level_errors, m->level_error_count);
 }
 
+/* A copy of numbers that were checked: into *out and *out_count. */
+static void keep_floats(reader *r, const char *name, const float *values, size_t count, float **out,
+                        size_t *out_count) {
+    *out = malloc(count * sizeof *values);
+    if (!*out) {
+        out_of_memory(r, name);
+        return;
+    }
+    memcpy(*out, values, count * sizeof *values);
+    *out_count = count;
+}
+
 static void get_effect_errors(reader *r, btf_material *m) {
     const char *const name = "openbtf.effectErrors";
     size_t count;
@@ -271,15 +283,19 @@ static void get_effect_errors(reader *r, btf_material *m) {
         return;
     r->result =
         btfi_check_effect_errors(&(btfi_check){r->log, BTF_ERROR_BAD_FILE}, &m->info, values, count);
-    if (r->result)
+    if (!r->result)
+        keep_floats(r, name, values, count, &m->effect_errors, &m->effect_error_count);
+}
+
+static void get_between_errors(reader *r, btf_material *m) {
+    const char *const name = "openbtf.betweenErrors";
+    size_t count;
+    const float *values = get_floats(r, name, false, 1, 1 << 20, &count);
+    if (!values)
         return;
-    m->effect_errors = malloc(count * sizeof *values);
-    if (!m->effect_errors) {
-        out_of_memory(r, name);
-        return;
-    }
-    memcpy(m->effect_errors, values, count * sizeof *values);
-    m->effect_error_count = count;
+    r->result = btfi_check_between_errors(&(btfi_check){r->log, BTF_ERROR_BAD_FILE}, values, count);
+    if (!r->result)
+        keep_floats(r, name, values, count, &m->between_errors, &m->between_error_count);
 }
 
 static void get_scales(reader *r, uint32_t components, float **out_scales) {
@@ -354,5 +370,6 @@ btf_result btfi_header_read(exr_const_context_t context, const btf_log *log, btf
     get_errors(&r, m);
     get_level_errors(&r, m);
     get_effect_errors(&r, m);
+    get_between_errors(&r, m);
     return r.result;
 }

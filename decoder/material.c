@@ -40,6 +40,7 @@ void btf_material_close(btf_material **material) {
     free(m->errors);
     free(m->level_errors);
     free(m->effect_errors);
+    free(m->between_errors);
     free(m->method);
     free(m->options);
     free(m->source);
@@ -149,6 +150,10 @@ btf_effect_errors btf_material_effect_errors(const btf_material *material) {
     return btfi_effect_errors_of(material->effect_errors, material->effect_error_count);
 }
 
+btf_between_errors btf_material_between_errors(const btf_material *material) {
+    return btfi_between_errors_of(material->between_errors, material->between_error_count);
+}
+
 /* The caller's textures of a level. */
 static const void *const *level_textures(const btf_material_desc *desc, uint32_t level) {
     return level ? desc->level_texture[level] : desc->texture;
@@ -203,6 +208,9 @@ static btf_result copy_provenance(const btf_material_desc *desc, const btf_log *
     m->effect_errors =
         copy_rows(desc->effect_errors, desc->effect_error_count, sizeof *m->effect_errors, &good);
     m->effect_error_count = desc->effect_error_count;
+    m->between_errors =
+        copy_rows(desc->between_errors, desc->between_error_count, sizeof *m->between_errors, &good);
+    m->between_error_count = desc->between_error_count;
     if (!good)
         return btfi_fail(log, BTF_ERROR_MEMORY, "out of memory for the material's provenance");
     return BTF_OK;
@@ -225,6 +233,9 @@ btf_result btf_material_create(const btf_material_desc *desc, const btf_log *log
     if (desc->effect_error_count && !desc->effect_errors)
         return btfi_fail(log, BTF_ERROR_USAGE, "effect errors: %zu numbers, but no data",
                          desc->effect_error_count);
+    if (desc->between_error_count && !desc->between_errors)
+        return btfi_fail(log, BTF_ERROR_USAGE, "between errors: %zu numbers, but no data",
+                         desc->between_error_count);
     btf_material_info info = desc->info;
     info.levels = info.levels ? info.levels : 1;
     info.half_float = info.half_float && info.colour != BTF_COLOUR_NONE;
@@ -245,6 +256,7 @@ btf_result btf_material_create(const btf_material_desc *desc, const btf_log *log
                                           desc->level_error_count)) ||
         (result =
              btfi_check_effect_errors(&check, &m->info, desc->effect_errors, desc->effect_error_count)) ||
+        (result = btfi_check_between_errors(&check, desc->between_errors, desc->between_error_count)) ||
         (result = copy_provenance(desc, log, m))) {
         btf_material_close(&m);
         return result;

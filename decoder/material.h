@@ -21,6 +21,8 @@ struct btf_material {
     size_t level_error_count;
     float *effect_errors; /* attribute openbtf.effectErrors */
     size_t effect_error_count;
+    float *between_errors; /* attribute openbtf.betweenErrors */
+    size_t between_error_count;
 };
 
 /* A copy of a string ("" for NULL), NULL when out of memory. */

@@ -259,6 +259,47 @@ static bool find_candidate(const error_table *t, uint32_t level, uint32_t effect
     return false;
 }
 
+/* What the table of errors between the samples says of a scene; false where it says nothing. View or light that
+ * are samples are not left out. */
+static bool find_between(const btf_material *material, const btf_scene *scene, const error_table *t,
+                         double mse[2]) {
+    const btf_between_errors b = btf_material_between_errors(material);
+    const float left_out = (t->at_view < 1 ? 1.0f : 0.0f) + (t->at_light < 1 ? 2.0f : 0.0f);
+    double view[BTF_MAX_BANDS], light[BTF_MAX_BANDS], sum[2] = {0, 0}, weight = 0;
+    uint32_t r = 0;
+    while (r < b.row_count && b.rows[(size_t)r * b.row_stride] != left_out)
+        r++;
+    if (r == b.row_count)
+        return false;
+    band_weights(&scene->view, b.view_bands, b.view_limits, view);
+    band_weights(&scene->light, b.light_bands, b.light_limits, light);
+    const float *cell = b.rows + (size_t)r * b.row_stride + 5;
+    for (uint32_t v = 0; v < b.view_bands; v++)
+        for (uint32_t l = 0; l < b.light_bands; l++, cell += 2)
+            if (cell[0] >= 0) {
+                weight += view[v] * light[l];
+                for (int i = 0; i < 2; i++)
+                    sum[i] += view[v] * light[l] * (double)cell[i];
+            }
+    for (int i = 0; i < 2 && weight > 0; i++)
+        mse[i] = sum[i] / weight;
+    return weight > 0;
+}
+
+/* Errors of the decode and of the interpolation add up: what a plan adds to the first stays what it is. */
+static void fill_between(const btf_material *material, const error_table *t, const candidate *full,
+                         const candidate *chosen, btf_plan *plan) {
+    double mse[2], of_plan[2];
+    if (plan->level > 0 || !find_between(material, &plan->scene, t, mse))
+        return;
+    for (int i = 0; i < 2; i++)
+        of_plan[i] = mse[i] + fmax(chosen->mse[i] - full->mse[i], 0);
+    plan->full_between_psnr_linear = (float)psnr(mse[0]);
+    plan->full_between_psnr_srgb = (float)psnr(mse[1]);
+    plan->between_psnr_linear = (float)psnr(of_plan[0]);
+    plan->between_psnr_srgb = (float)psnr(of_plan[1]);
+}
+
 btf_result btf_plan_predict(const btf_material *material, const btf_plan *plan, uint32_t effects,
                             uint32_t components, float *out_linear, float *out_srgb) {
     const error_table t = open_table(material, &plan->scene);
@@ -286,13 +327,14 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *given
     plan_all(material, &scene, views.count, lights.count, plan);
 
     const error_table t = open_table(material, &scene);
-    candidate full;
+    candidate full, chosen;
     if (!find_candidate(&t, plan->level, info->effects, info->components, BTF_INTERPOLATION_LINEAR, &full))
         return BTF_OK;
     plan->measured = 1;
     plan->psnr_linear = plan->full_psnr_linear = (float)psnr(full.mse[0]);
     plan->psnr_srgb = plan->full_psnr_srgb = (float)psnr(full.mse[1]);
     btf_plan best = *plan;
+    chosen = full;
     for (uint32_t r = 0; r < t.rows.row_count; r++) {
         if (is_at_samples(&t, r) || level_of(&t, r) != plan->level)
             continue;
@@ -310,9 +352,12 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *given
         fill_costs(material, views.count, lights.count, &tried);
         const float bytes = (float)plan->full_gpu_bytes;
         if (tried.cost / plan->full_cost + (float)tried.gpu_bytes / bytes <
-            best.cost / plan->full_cost + (float)best.gpu_bytes / bytes)
+            best.cost / plan->full_cost + (float)best.gpu_bytes / bytes) {
             best = tried;
+            chosen = c;
+        }
     }
     *plan = best;
+    fill_between(material, &t, &full, &chosen, plan);
     return BTF_OK;
 }

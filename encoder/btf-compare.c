@@ -6,9 +6,14 @@
 #include "decoder/toolkit/progress.h"
 #include "decoder/toolkit/reference_view.h"
 #include "encoder/base/stage.h"
-#include "encoder/input/options.h"
-#include "encoder/report/metrics.h"
+#include "encoder/between/blend.h"
+#include "encoder/between/decode.h"
 #include "encoder/data/images.h"
+#include "encoder/input/bonn_file.h"
+#include "encoder/input/options.h"
+#include "encoder/report/between.h"
+#include "encoder/report/leave_one_out.h"
+#include "encoder/report/metrics.h"
 
 #include <math.h>
 #include <omp.h>
@@ -18,10 +23,11 @@
 
 static struct {
     enc_read_options read;
+    const char *pictures;
     uint32_t effects;
-    int interpolation, threads;
-    bool json, no_ssim, quiet;
-} o = {.effects = BTF_EFFECT_ALL, .interpolation = 1};
+    int interpolation, worst, threads;
+    bool json, no_ssim, pairs, leave_one_out, quiet;
+} o = {.effects = BTF_EFFECT_ALL, .interpolation = ENC_INTERPOLATE_LINEAR, .worst = 8};
 
 static const cli_option table[] = {
     {.name = "json", .type = CLI_FLAG, .value = &o.json, .help = "print JSON"},
@@ -32,8 +38,32 @@ static const cli_option table[] = {
     {.name = "interpolation",
      .type = CLI_CHOICE,
      .value = &o.interpolation,
-     .choices = "nearest|linear",
-     .help = "between a material's sampled directions; default linear"},
+     .choices = "nearest|linear|spline",
+     .help = "between sampled directions: the nearest one, the decoder's barycentric\n"
+             "weights, or, of a data set, thin-plate splines through the square roots\n"
+             "of all its images; default linear"},
+    {.name = "pairs",
+     .type = CLI_FLAG,
+     .value = &o.pairs,
+     .help = "take the images of B one by one at their own directions, even where\n"
+             "they form a grid of views and lights"},
+    {.name = "leave-one-out",
+     .type = CLI_FLAG,
+     .value = &o.leave_one_out,
+     .help = "estimate the error between the samples of a data set A, and of its material\n"
+             "B where that is given: views and lights predicted from the others"},
+    {.name = "pictures",
+     .arg = "FILE",
+     .type = CLI_STRING,
+     .value = &o.pictures,
+     .help = "of pairs: write the worst as a PNG, a row each: truth, model, and\n"
+             "four times their error"},
+    {.name = "worst",
+     .type = CLI_INT,
+     .value = &o.worst,
+     .minimum = 1,
+     .maximum = 64,
+     .help = "how many pairs are the worst; default 8"},
     {.name = "no-ssim", .type = CLI_FLAG, .value = &o.no_ssim, .help = "leave SSIM out (faster)"},
     ENC_INPUT_OPTIONS(o.read),
     {.name = "threads",
@@ -48,28 +78,53 @@ static const cli_option table[] = {
 
 static const cli_program program = {
     .name = "btf-compare",
-    .usage = "A B [OPTION...]",
+    .usage = "A B [OPTION...]\n       btf-compare --leave-one-out DATA [MATERIAL] [OPTION...]",
     .summary =
         "Compares two BTFs image by image: PSNR (linear and sRGB-coded, values clipped to [0, 1]), SSIM,\n"
         "by view ring and light ring. A and B are data sets (folder, zip) or materials (OpenEXR), which\n"
         "the reference decoder evaluates at the directions of the other; two materials are compared at\n"
         "those of A.",
-    .example = "btf-compare BRICKS64.zip bricks.btf.exr --json",
+    .details =
+        "Between the samples: one of A and B may hold single images at any directions, which their names\n"
+        "say (tl12.5_pl30_tv40.25_pv110.exr) and which need not form a grid: pairs of a view and a light,\n"
+        "such as btf-sample --between writes. The other is evaluated there: a material by the reference\n"
+        "decoder, a data set by interpolation of its images. Errors are then told by theta of view and\n"
+        "light, and by the angle to the nearest sample.\n\n"
+        "What A and B are is told by their content: a file that begins as OpenEXR is a material; a grid of\n"
+        "images under a view from the top, of which at most half is missing, is a data set; other images are pairs.\n\n"
+        "--leave-one-out needs no truth between the samples. It predicts samples from others that lie twice as\n"
+        "far away as the samples around a direction between them, so it overstates the error there: most where\n"
+        "relief, shadows or highlights move from sample to sample.",
+    .example = "btf-compare BRICKS64.zip bricks.btf.exr --json\n"
+               "btf-compare bricks.btf.exr BRICKS64_between.zip --pictures worst.png\n"
+               "btf-compare --leave-one-out BRICKS64.zip bricks.btf.exr",
     .options = table,
-    .min_arguments = 2,
+    .min_arguments = 1,
     .max_arguments = 2,
 };
 
-/* One of the two sides. */
+/* One of the two sides: one of the three pointers is set. */
 typedef struct side {
     const char *path;
-    btf_material *material; /* NULL: a data set */
+    btf_material *material;
     enc_data *data;
+    enc_pairs *pairs;
     enc_reference_images reference;
 } side;
 
-static btf_result open_side(const enc_context *context, side *s) {
-    return file_is_exr(s->path) ? btf_material_open(s->path, &context->log, &s->material)
+static btf_result open_side(const enc_context *context, side *s, bool as_pairs) {
+    enc_image_set set = as_pairs ? ENC_SET_PAIRS : ENC_SET_GRID;
+    btf_result result = BTF_OK;
+    if (file_is_exr(s->path)) {
+        return btf_material_open(s->path, &context->log, &s->material);
+    }
+    if (!as_pairs && !enc_bonn_is(s->path)) {
+        result = enc_pairs_classify(context, s->path, &o.read, &set);
+    }
+    if (result != BTF_OK) {
+        return result;
+    }
+    return set == ENC_SET_PAIRS ? enc_pairs_open(context, s->path, &o.read, &s->pairs)
                                 : enc_read(context, s->path, &o.read, &s->data);
 }
 
@@ -114,7 +169,8 @@ static btf_result images_of(const enc_context *context, side *s, const side *oth
     s->reference.options =
         (btf_ref_options){.effects = o.effects,
                           .components = UINT32_MAX,
-                          .interpolation = o.interpolation ? BTF_REF_LINEAR : BTF_REF_NEAREST};
+                          .interpolation = o.interpolation == ENC_INTERPOLATE_NEAREST ? BTF_REF_NEAREST
+                                                                                          : BTF_REF_LINEAR};
     reference_view(s->material, 0, &s->reference.material);
     *out = enc_reference_image_source(&s->reference);
     return BTF_OK;
@@ -165,12 +221,17 @@ static void print_text(const enc_metrics *m, bool with_ssim) {
     }
 }
 
-static btf_result print_json(const side *a, const side *b, const enc_metrics *m, bool with_ssim) {
+static btf_result print_json(const side *a, const side *b, const enc_metrics *m, const enc_between *between,
+                             const enc_pairs *pairs) {
     json j = {0};
     json_object(&j, NULL);
     json_string(&j, "a", a->path);
     json_string(&j, "b", b->path);
-    enc_metrics_json(&j, "psnr", m, with_ssim);
+    if (between) {
+        enc_between_json(&j, "between", between, pairs);
+    } else {
+        enc_metrics_json(&j, "psnr", m, !o.no_ssim);
+    }
     json_end(&j);
     const char *text = json_text(&j);
     if (text) {
@@ -180,21 +241,18 @@ static btf_result print_json(const side *a, const side *b, const enc_metrics *m,
     return text ? BTF_OK : BTF_ERROR_MEMORY;
 }
 
-static btf_result compare(const enc_context *context, side *a, side *b) {
+static btf_result compare_grids(const enc_context *context, side *a, side *b) {
     enc_direction views[BTF_MAX_DIRECTIONS], lights[BTF_MAX_DIRECTIONS];
     enc_data material_shape;
     enc_image_source images[2];
     enc_metrics metrics;
-    btf_result result = open_side(context, a);
-    if (result == BTF_OK) {
-        result = open_side(context, b);
-    }
+    btf_result result = BTF_OK;
     const enc_data *shape = a->data ? a->data : b->data;
-    if (result == BTF_OK && !shape) {
+    if (!shape) {
         shape_of(a->material, &material_shape, views, lights);
         shape = &material_shape;
     }
-    if (result == BTF_OK && a->data && b->data) {
+    if (a->data && b->data) {
         result = check_same_grid(context, a, b);
     }
     if (result == BTF_OK) {
@@ -210,12 +268,168 @@ static btf_result compare(const enc_context *context, side *a, side *b) {
     }
     if (result == BTF_OK) {
         if (o.json) {
-            result = print_json(a, b, &metrics, !o.no_ssim);
+            result = print_json(a, b, &metrics, NULL, NULL);
         } else {
             print_text(&metrics, !o.no_ssim);
         }
     }
     return result;
+}
+
+/* A material at pairs. */
+typedef struct decoded {
+    btf_ref_material material;
+    btf_ref_options options;
+} decoded;
+
+static btf_result decoded_pairs(const enc_context *context, const void *user, const enc_pair *pairs,
+                                size_t count, float *out) {
+    const decoded *d = user;
+    return enc_decode_pairs(context, &d->material, &d->options, pairs, count, out);
+}
+
+static btf_result blended_pairs(const enc_context *context, const void *user, const enc_pair *pairs,
+                                size_t count, float *out) {
+    return enc_blend_images(context, user, pairs, count, out);
+}
+
+static btf_result check_sizes(const enc_context *context, const side *model, const side *truth,
+                              const enc_data *shape) {
+    const enc_pairs *pairs = truth->pairs;
+    return shape->width == pairs->width && shape->height == pairs->height
+               ? BTF_OK
+               : enc_fail(context, BTF_ERROR_BAD_FILE, "%s has %d x %d texels, %s has %d x %d", model->path,
+                          shape->width, shape->height, truth->path, pairs->width, pairs->height);
+}
+
+static btf_result measure_pairs(const enc_context *context, const side *a, const side *b,
+                                enc_pair_images images, const side *truth) {
+    enc_between *between = NULL;
+    btf_result result = enc_between_measure(context, truth->pairs, images, !o.no_ssim, &between);
+    if (result == BTF_OK && o.pictures) {
+        result = enc_between_picture(context, truth->path, &o.read, between, images, (size_t)o.worst,
+                                     o.pictures);
+    }
+    if (result == BTF_OK && o.json) {
+        result = print_json(a, b, NULL, between, truth->pairs);
+    } else if (result == BTF_OK) {
+        enc_between_print(between, truth->pairs, (size_t)o.worst, stdout);
+    }
+    enc_between_destroy(&between);
+    return result;
+}
+
+static btf_result compare_pairs(const enc_context *context, const side *a, const side *b) {
+    const side *truth = b->pairs ? b : a, *model = b->pairs ? a : b;
+    enc_direction views[BTF_MAX_DIRECTIONS], lights[BTF_MAX_DIRECTIONS];
+    enc_data material_shape;
+    const enc_data *shape = model->data ? model->data : &material_shape;
+    enc_blend *blend = NULL;
+    decoded d = {.options = {.effects = o.effects,
+                             .components = UINT32_MAX,
+                             .interpolation = o.interpolation == ENC_INTERPOLATE_NEAREST ? BTF_REF_NEAREST
+                                                                                         : BTF_REF_LINEAR}};
+    if (model->pairs) {
+        return enc_fail(context, BTF_ERROR_USAGE,
+                        "%s and %s are both single images: one of the two has to be a data set or a material",
+                        a->path, b->path);
+    }
+    if (model->material) {
+        shape_of(model->material, &material_shape, views, lights);
+        reference_view(model->material, 0, &d.material);
+    }
+    btf_result result = check_sizes(context, model, truth, shape);
+    if (result == BTF_OK && model->data) {
+        result = enc_blend_create(context, model->data, (enc_interpolation)o.interpolation, &blend);
+    }
+    if (result == BTF_OK) {
+        const enc_pair_images images = {.images = model->data ? blended_pairs : decoded_pairs,
+                                        .user = model->data ? (const void *)blend : &d,
+                                        .views = shape->views,
+                                        .lights = shape->lights,
+                                        .n_views = shape->n_views,
+                                        .n_lights = shape->n_lights};
+        result = measure_pairs(context, a, b, images, truth);
+    }
+    enc_blend_destroy(&blend);
+    return result;
+}
+
+static btf_result print_leave_one_out(const side *a, const side *b, const enc_leave_one_out *measured) {
+    json j = {0};
+    if (!o.json) {
+        enc_leave_one_out_print(measured, stdout);
+        return BTF_OK;
+    }
+    json_object(&j, NULL);
+    json_string(&j, "a", a->path);
+    json_string(&j, "b", b->path);
+    enc_leave_one_out_json(&j, "leave_one_out", measured);
+    json_end(&j);
+    const char *text = json_text(&j);
+    if (text) {
+        fputs(text, stdout);
+    }
+    json_free(&j);
+    return text ? BTF_OK : BTF_ERROR_MEMORY;
+}
+
+/* A material has to have the samples of the data: they are what is left out of it. */
+static btf_result check_same_samples(const enc_context *context, const side *data, const side *material) {
+    enc_direction views[BTF_MAX_DIRECTIONS], lights[BTF_MAX_DIRECTIONS];
+    enc_data shape;
+    shape_of(material->material, &shape, views, lights);
+    const side other = {.path = material->path, .data = &shape};
+    return check_same_grid(context, data, &other);
+}
+
+static btf_result leave_one_out(const enc_context *context, side *a, side *b) {
+    enc_leave_one_out measured;
+    btf_result result = open_side(context, a, false);
+    if (result == BTF_OK && b->path) {
+        result = open_side(context, b, false);
+    }
+    if (result == BTF_OK && a->material && b->data) {
+        side *swap = a;
+        a = b;
+        b = swap;
+    }
+    if (result == BTF_OK && (!a->data || (b->path && !b->material))) {
+        result = enc_fail(context, BTF_ERROR_USAGE,
+                          "--leave-one-out: needs a data set, and beside it at most its material");
+    }
+    if (result == BTF_OK && b->material) {
+        result = check_same_samples(context, a, b);
+    }
+    if (result == BTF_OK) {
+        result = enc_leave_one_out_measure(context, a->data, b->material, &measured);
+    }
+    if (result == BTF_OK && measured.views == 0 && measured.lights == 0) {
+        result = enc_fail(context, BTF_ERROR_BAD_FILE,
+                          "%s: none of %d views and %d lights lies among others that could predict it", a->path,
+                          a->data->n_views, a->data->n_lights);
+    }
+    return result == BTF_OK ? print_leave_one_out(a, b, &measured) : result;
+}
+
+static btf_result compare(const enc_context *context, side *a, side *b) {
+    btf_result result = open_side(context, a, false);
+    if (result == BTF_OK) {
+        result = open_side(context, b, o.pairs);
+    }
+    if (result != BTF_OK) {
+        return result;
+    }
+    const bool pairs = a->pairs || b->pairs;
+    if (o.interpolation == ENC_INTERPOLATE_SPLINE && !(pairs && (a->data || b->data))) {
+        return enc_fail(context, BTF_ERROR_USAGE,
+                        "--interpolation spline: is for a data set against pairs, see --help");
+    }
+    if (!pairs && (o.pictures || o.pairs)) {
+        return enc_fail(context, BTF_ERROR_USAGE, "--%s: neither %s nor %s holds single images",
+                        o.pictures ? "pictures" : "pairs", a->path, b->path);
+    }
+    return pairs ? compare_pairs(context, a, b) : compare_grids(context, a, b);
 }
 
 int main(int argc, char **argv) {
@@ -228,8 +442,10 @@ int main(int argc, char **argv) {
     progress *shown = progress_create(o.quiet);
     const enc_context context = {
         .log = cli_log(&program, o.quiet), .progress = shown, .threads = o.threads};
-    side a = {.path = arguments.values[0]}, b = {.path = arguments.values[1]};
-    const btf_result result = compare(&context, &a, &b);
+    side a = {.path = arguments.values[0]}, b = {.path = arguments.count > 1 ? arguments.values[1] : NULL};
+    const btf_result result = o.leave_one_out ? leave_one_out(&context, &a, &b)
+                              : b.path        ? compare(&context, &a, &b)
+                                              : cli_error(&program, BTF_ERROR_USAGE, "B is missing (see --help)");
     if (result == BTF_ERROR_INTERRUPTED) {
         cli_error(&program, result, "interrupted");
     }
@@ -237,6 +453,8 @@ int main(int argc, char **argv) {
     btf_material_close(&b.material);
     enc_data_destroy(&a.data);
     enc_data_destroy(&b.data);
+    enc_pairs_close(&a.pairs);
+    enc_pairs_close(&b.pairs);
     progress_destroy(&shown);
     return cli_finish(&program, result);
 }

@@ -31,6 +31,7 @@ HOUSE = [
       'decoder/tools/original']],
     [['encoder/job',
       'encoder/report',
+      'encoder/between',
       'encoder/paper encoder/joint',
       'encoder/lafortune',
       'encoder/input encoder/model',

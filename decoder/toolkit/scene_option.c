@@ -156,6 +156,10 @@ void scene_plan_print(FILE *out, const char *indent, const btf_material *materia
         fprintf(out, "%spredicted PSNR %.2f dB linear, %.2f sRGB; full decode %.2f, %.2f\n", indent,
                 (double)plan->psnr_linear, (double)plan->psnr_srgb, (double)plan->full_psnr_linear,
                 (double)plan->full_psnr_srgb);
-    else
+    if (plan->full_between_psnr_linear > 0)
+        fprintf(out, "%sbetween the samples, estimated: %.2f dB linear, %.2f sRGB; full decode %.2f, %.2f\n", indent,
+                (double)plan->between_psnr_linear, (double)plan->between_psnr_srgb,
+                (double)plan->full_between_psnr_linear, (double)plan->full_between_psnr_srgb);
+    if (!plan->measured)
         fprintf(out, "%sthe file has no effect errors: everything is decoded\n", indent);
 }

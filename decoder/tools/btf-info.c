@@ -164,6 +164,26 @@ static void print_effects(const btf_material *material, const btf_material_info 
                cli_effects_text(errors[i].effects, words));
 }
 
+static const char *const left_out_names[] = {"", "view", "light", "both"};
+
+static double decibels(float mse) {
+    return mse > 1e-10f ? -10 * log10((double)mse) : 100;
+}
+
+static void print_between(const btf_material *material) {
+    const btf_between_errors e = btf_material_between_errors(material);
+    if (e.row_count == 0)
+        return;
+    printf("\nBetween the samples, estimated by leaving samples out, at double the gap (which overstates the error;\n"
+           "PSNR in dB, linear / sRGB):\n  %-14s%16s%22s\n",
+           "left out", "material", "data, interpolated");
+    for (uint32_t i = 0; i < e.row_count; i++) {
+        const float *row = e.rows + (size_t)i * e.row_stride;
+        printf("  %-14s%7.2f / %6.2f%13.2f / %6.2f\n", left_out_names[(int)row[0]], decibels(row[1]),
+               decibels(row[2]), decibels(row[3]), decibels(row[4]));
+    }
+}
+
 /* What was measured of a level; NULL when nothing was. */
 static const btf_level_error *find_level_error(const btf_material *material, uint32_t level) {
     size_t count;
@@ -243,6 +263,7 @@ static void print_text(const char *path, uint64_t file_bytes, const btf_material
     if (*info->source)
         print_wrapped("source", info->source);
     print_effects(material, info);
+    print_between(material);
     print_levels(material, info);
     print_textures(material);
 }
@@ -309,6 +330,21 @@ static void json_effects(json *j, const btf_material *material, const btf_materi
         json_float(j, "linear", errors[i].psnr_linear);
         json_float(j, "srgb", errors[i].psnr_srgb);
         json_float(j, "gpu", errors[i].gpu_bytes);
+        json_end(j);
+    }
+    json_end(j);
+}
+
+static void json_between(json *j, const btf_material *material) {
+    const btf_between_errors e = btf_material_between_errors(material);
+    json_object(j, "between");
+    for (uint32_t i = 0; i < e.row_count; i++) {
+        const float *row = e.rows + (size_t)i * e.row_stride;
+        json_object(j, left_out_names[(int)row[0]]);
+        json_number(j, "linear", decibels(row[1]));
+        json_number(j, "srgb", decibels(row[2]));
+        json_number(j, "data_linear", decibels(row[3]));
+        json_number(j, "data_srgb", decibels(row[4]));
         json_end(j);
     }
     json_end(j);
@@ -381,6 +417,7 @@ static btf_result print_json(const char *path, uint64_t file_bytes, const btf_ma
     json_integer(&j, "tables", (int64_t)info->table_bytes);
     json_end(&j);
     json_effects(&j, material, info);
+    json_between(&j, material);
     json_levels(&j, material, info);
     json_textures(&j, material);
     json_directions(&j, "views", &views);
@@ -436,6 +473,10 @@ static btf_result print_json_plan(const char *path, const btf_plan *plan) {
     json_float(&j, "srgb", plan->psnr_srgb);
     json_float(&j, "full_linear", plan->full_psnr_linear);
     json_float(&j, "full_srgb", plan->full_psnr_srgb);
+    json_float(&j, "between_linear", plan->between_psnr_linear);
+    json_float(&j, "between_srgb", plan->between_psnr_srgb);
+    json_float(&j, "full_between_linear", plan->full_between_psnr_linear);
+    json_float(&j, "full_between_srgb", plan->full_between_psnr_srgb);
     json_end(&j);
     return put_json(&j);
 }

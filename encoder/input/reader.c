@@ -473,8 +473,7 @@ static btf_result announce(const reader *r) {
     return enc_extent_announce(r->context, &extent);
 }
 
-/* Opens a directory or an archive by what the path is. */
-static btf_result open_source(const enc_context *context, const char *path, enc_source **out_source) {
+btf_result enc_read_source(const enc_context *context, const char *path, enc_source **out_source) {
     struct stat status;
     *out_source = NULL;
     if (stat(path, &status) != 0)
@@ -499,7 +498,7 @@ static btf_result read_set(const enc_context *context, const char *input, const 
         result = enc_fail(context, BTF_ERROR_USAGE,
                           "%s: components are those of a Bonn .btf file, and this is none", input);
     if (result == BTF_OK)
-        result = open_source(context, input, &r.source);
+        result = enc_read_source(context, input, &r.source);
     if (result == BTF_OK)
         result = enc_grid_create(context, r.source, options, &r.grid);
     if (result == BTF_OK && !(r.notices = enc_notices_create()))

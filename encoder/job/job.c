@@ -152,7 +152,7 @@ static btf_result analyse_levels(const enc_context *context, const enc_job *job,
 static btf_result pack_and_measure(const enc_context *context, const enc_job *job, job_state *s,
                                    enc_report *report) {
     btf_material_error rows[2 * ENC_REPORT_STEPS];
-    float *effect_errors = NULL;
+    float *effect_errors = NULL, between[ENC_BETWEEN_NUMBERS];
     enc_pack_options options = {.layout = job->layout,
                                 .half_float = job->half_float,
                                 .method = report->method,
@@ -177,6 +177,9 @@ static btf_result pack_and_measure(const enc_context *context, const enc_job *jo
             enc_effect_errors(context, s->data, s->material, &effect_errors, &options.effect_error_count);
     }
     if (result == BTF_OK) {
+        result = enc_leave_one_out_measure(context, s->data, s->material, &report->between);
+    }
+    if (result == BTF_OK) {
         result = enc_levels_unpack(context, s->material, &s->stored, &s->stored_levels);
     }
     if (result == BTF_OK) {
@@ -184,6 +187,8 @@ static btf_result pack_and_measure(const enc_context *context, const enc_job *jo
     }
     if (result == BTF_OK) {
         options.effect_errors = effect_errors;
+        options.between_errors = between;
+        options.between_error_count = enc_leave_one_out_numbers(&report->between, between);
         options.errors = rows;
         options.error_count = enc_report_errors(report, rows);
         options.level_errors = level_rows;

@@ -4,6 +4,7 @@
  */
 #include "effect_errors.h"
 
+#include "bands.h"
 #include "decoder/toolkit/reference_view.h"
 #include "encoder/base/stage.h"
 #include "encoder/data/level_filter.h"
@@ -29,12 +30,6 @@ enum {
 
 #define DEGREE (3.14159265358979323846 / 180)
 
-/* Bands of elevation: limits[0 .. count], in degrees. */
-typedef struct bands {
-    int count;
-    double limit[BTF_MAX_BANDS + 1];
-} bands;
-
 /* Column 3 of a row. */
 typedef enum kind { INTERPOLATED, NEAREST, AT_SAMPLES, VIEW_AT_SAMPLE, LIGHT_AT_SAMPLE, KINDS } kind;
 
@@ -49,7 +44,7 @@ typedef struct job {
     const enc_context *context;
     const enc_data *data;
     btf_ref_material material;
-    bands views, lights;
+    enc_bands views, lights;
     variant *variants;
     size_t n_variants, cells;
     btf_ref_options full; /* everything: effects and components of the file */
@@ -57,21 +52,6 @@ typedef struct job {
     const btf_material *packed;
     float *rows; /* of the levels so far */
 } job;
-
-/* One band a ring, consecutive rings together where there are more than BTF_MAX_BANDS; limits lie midway
- * between rings, the first at the pole, the last on the outermost ring. */
-static bands make_bands(const enc_direction *directions, int count) {
-    double theta[256];
-    int ring_of[256];
-    const int rings = enc_rings(directions, count, theta, ring_of);
-    bands b = {.count = rings < BTF_MAX_BANDS ? rings : BTF_MAX_BANDS};
-    for (int i = 1; i < b.count; i++) {
-        const int first = i * rings / b.count;
-        b.limit[i] = (theta[first - 1] + theta[first]) / 2;
-    }
-    b.limit[b.count] = fmin(fmax(theta[rings - 1], b.limit[b.count - 1] + 1), 90);
-    return b;
-}
 
 /* Effects that change anything: without an SBRDF and without a residual, sources are black. */
 static uint32_t effective(const btf_material_info *info, uint32_t effects) {
@@ -137,7 +117,7 @@ static double unit(uint64_t seed) {
 }
 
 /* Uniform over the solid angle of a band. */
-static void pick(const bands *b, int band, uint64_t seed, float out[3]) {
+static void pick(const enc_bands *b, int band, uint64_t seed, float out[3]) {
     const double low = cos(b->limit[band] * DEGREE), high = cos(b->limit[band + 1] * DEGREE);
     const double z = low + (high - low) * unit(seed), phi = 360 * DEGREE * unit(seed + 1),
                  s = sqrt(1 - z * z);
@@ -147,15 +127,10 @@ static void pick(const bands *b, int band, uint64_t seed, float out[3]) {
 }
 
 /* One of the sampled directions of a band. */
-static void pick_sample(const bands *b, int band, const enc_direction *directions, int count, uint64_t seed,
+static void pick_sample(const enc_bands *b, int band, const enc_direction *directions, int count, uint64_t seed,
                         float out[3]) {
-    int inside[256], n = 0;
-    for (int i = 0; i < count; i++) {
-        if (directions[i].theta >= b->limit[band] - 1e-3 &&
-            directions[i].theta <= b->limit[band + 1] + 1e-3) {
-            inside[n++] = i;
-        }
-    }
+    int inside[256];
+    const int n = enc_bands_members(b, band, directions, count, inside);
     memcpy(out, directions[n > 0 ? inside[mix(seed) % (uint64_t)n] : 0].xyz, 3 * sizeof *out);
 }
 
@@ -386,19 +361,6 @@ static btf_result measure_level(void *user, int level, const enc_data *data) {
     return result;
 }
 
-/* The numbers before the rows; returns where these begin. */
-static float *write_bands(const job *j, float *out) {
-    *out++ = (float)j->views.count;
-    *out++ = (float)j->lights.count;
-    for (int i = 0; i <= j->views.count; i++) {
-        *out++ = (float)j->views.limit[i];
-    }
-    for (int i = 0; i <= j->lights.count; i++) {
-        *out++ = (float)j->lights.limit[i];
-    }
-    return out;
-}
-
 btf_result enc_effect_errors(const enc_context *context, const enc_data *data, const btf_material *material,
                              float **out_values, size_t *out_count) {
     btf_material_info info = {.struct_size = sizeof info};
@@ -410,8 +372,8 @@ btf_result enc_effect_errors(const enc_context *context, const enc_data *data, c
     }
     job j = {.context = context,
              .packed = material,
-             .views = make_bands(data->views, data->n_views),
-             .lights = make_bands(data->lights, data->n_lights)};
+             .views = enc_bands_make(data->views, data->n_views),
+             .lights = enc_bands_make(data->lights, data->n_lights)};
     j.cells = (size_t)j.views.count * (size_t)j.lights.count;
     j.full = (btf_ref_options){.effects = info.effects, .components = info.components};
     j.variants = calloc(MOST_VARIANTS, sizeof *j.variants);
@@ -426,7 +388,7 @@ btf_result enc_effect_errors(const enc_context *context, const enc_data *data, c
     if (!values) {
         result = BTF_ERROR_MEMORY;
     } else {
-        j.rows = write_bands(&j, values);
+        j.rows = enc_bands_write(&j.views, &j.lights, values);
         size_t steps = 0;
         for (int level = 0; level < (int)info.levels; level++) {
             steps += steps_of(level);

@@ -283,6 +283,8 @@ void enc_report_print(const enc_report *report, FILE *out) {
     fprintf(out, "\n");
     print_rings(out, "by light theta", first->n_light_rings, first->light_ring_theta, report, true);
     print_coincident(report, out);
+    fprintf(out, "\n");
+    enc_leave_one_out_print(&report->between, out);
     print_levels(report, out);
     print_volumes(report, out);
     fprintf(out, "\nSeconds:");
@@ -447,6 +449,7 @@ btf_result enc_report_write(const enc_context *context, const enc_report *report
     } else {
         json_null(&j, "hidden");
     }
+    enc_leave_one_out_json(&j, "between", &report->between);
     write_effects(&j, report);
     write_trials(&j, report);
     write_levels(&j, report);

@@ -7,6 +7,7 @@
 #define OPENBTF_ENCODER_REPORT_H
 
 #include "decoder/toolkit/progress.h"
+#include "leave_one_out.h"
 #include "metrics.h"
 #include "encoder/model/solution.h"
 #include "encoder/base/ranks.h"
@@ -43,6 +44,7 @@ typedef struct enc_report {
     enc_report_level
         level[BTF_MAX_LEVELS]; /* of a material with several; level 0 is the last of the ladder */
     int n_levels;              /* 0 or 1: no table of them */
+    enc_leave_one_out between; /* an estimate of the accuracy between the samples */
     bool has_hidden;           /* table 1 applies */
     size_t hidden_before, hidden_after, hidden_total;
     size_t file_bytes;

@@ -8,6 +8,7 @@
 #include "decoder/toolkit/png_image.h"
 #include "decoder/toolkit/progress.h"
 #include "directions.h"
+#include "pairs.h"
 #include "sample.h"
 #include "truth_files.h"
 #include "encoder/base/stage.h"
@@ -25,11 +26,20 @@ enum { FORMAT_PNG, FORMAT_PNG16, FORMAT_JPEG, FORMAT_EXR, FORMAT_COUNT };
 static const char *const EXTENSIONS[FORMAT_COUNT] = {"png", "png", "jpg", "exr"};
 
 static struct {
-    const char *out, *truth, *directions, *views, *lights;
+    const char *out, *truth, *directions, *views, *lights, *pairs;
     int relief, format, quality, seed, supersample, grid, threads;
+    int between, pair_seed, frames;
+    pairs_orbit orbit;
+    double orbit_theta, fixed[2];
     int size[2];
-    bool quiet;
-} options = {.directions = "ubo", .quality = 95, .supersample = 2, .grid = 1024, .size = {64, 64}};
+    bool has_format, quiet;
+} options = {.directions = "ubo",
+             .quality = 95,
+             .supersample = 2,
+             .grid = 1024,
+             .orbit_theta = 45,
+             .fixed = {30, 45},
+             .size = {64, 64}};
 
 static const char *parse_relief(const char *text, void *value) {
     relief_kind kind = relief_kind_from_name(text);
@@ -37,6 +47,25 @@ static const char *parse_relief(const char *text, void *value) {
 #define RELIEF_WORD(id, name, help) " " name
     return kind < RELIEF_COUNT ? NULL : "one of" RELIEF_LIST(RELIEF_WORD);
 #undef RELIEF_WORD
+}
+
+/* "view:FRAMES" or "light:FRAMES", and the theta of what moves where another than 45 is wanted. */
+static const char *parse_orbit(const char *text, void *value) {
+    static const char expected[] = "view or light, then :FRAMES (1 to 100000) and, if need be, :THETA (above 0, at most 85)";
+    const char *colon = strchr(text, ':');
+    const size_t length = colon ? (size_t)(colon - text) : 0;
+    pairs_orbit *orbit = value;
+    *orbit = length == 4 && strncmp(text, "view", 4) == 0    ? PAIRS_ORBIT_VIEW
+             : length == 5 && strncmp(text, "light", 5) == 0 ? PAIRS_ORBIT_LIGHT
+                                                             : PAIRS_NO_ORBIT;
+    const char *end = NULL;
+    if (*orbit == PAIRS_NO_ORBIT || !cli_parse_int(colon + 1, ":", &options.frames, &end) ||
+        options.frames < 1 || options.frames > PAIRS_MAX)
+        return expected;
+    if (*end == ':' && (!cli_parse_double(end + 1, "", &options.orbit_theta, NULL) ||
+                        !(options.orbit_theta > 0 && options.orbit_theta <= 85)))
+        return expected;
+    return NULL;
 }
 
 /* "64" or "64x48". */
@@ -79,8 +108,9 @@ static const cli_option table[] = {
      .type = CLI_CHOICE,
      .value = &options.format,
      .choices = "png|png16|jpeg|exr",
-     .help =
-         "8-bit sRGB PNG, 16-bit sRGB PNG, JPEG, or float OpenEXR, linear and not\nclipped (default png)"},
+     .given = &options.has_format,
+     .help = "8-bit sRGB PNG, 16-bit sRGB PNG, JPEG, or float OpenEXR, linear and not\n"
+             "clipped (default png, between the samples exr)"},
     {.name = "quality",
      .type = CLI_INT,
      .value = &options.quality,
@@ -103,6 +133,37 @@ static const cli_option table[] = {
      .type = CLI_STRING,
      .value = &options.lights,
      .help = "lights, where they differ from --directions"},
+    {.name = "between",
+     .arg = "N",
+     .type = CLI_INT,
+     .value = &options.between,
+     .minimum = 1,
+     .maximum = PAIRS_MAX,
+     .help = "instead of a grid: N random pairs of view and light, each uniform over the\n"
+             "solid angle up to theta 74"},
+    {.name = "pair-seed",
+     .type = CLI_INT,
+     .value = &options.pair_seed,
+     .minimum = 0,
+     .maximum = INT_MAX,
+     .help = "of --between: another seed, other pairs of the same material (default 0)"},
+    {.name = "pairs",
+     .arg = "LIST",
+     .type = CLI_STRING,
+     .value = &options.pairs,
+     .help = "instead of a grid: the pairs of a text file, theta and phi of the view,\n"
+             "theta and phi of the light a line"},
+    {.name = "orbit",
+     .arg = "WHAT:FRAMES[:THETA]",
+     .type = CLI_CUSTOM,
+     .value = &options.orbit,
+     .parse = parse_orbit,
+     .help = "instead of a grid: one turn of the view or the light at THETA (default 45)\n"
+             "in numbered frames, with DIR/directions.csv beside them"},
+    {.name = "fixed",
+     .type = CLI_ANGLES,
+     .value = options.fixed,
+     .help = "where that stays which does not move in an orbit (default 30,45)"},
     {.name = "seed",
      .type = CLI_INT,
      .value = &options.seed,
@@ -143,13 +204,17 @@ static const cli_program program = {
     .summary =
         "Renders a BTF with known truth: a periodic relief with hard shadows, seen from every view under\n"
         "every light, as images in the UBO2003 layout:\n"
-        "DIR/tvTTT_pvPPP/NNNNN tlTTT plPPP tvTTT pvPPP.png, NNNNN = views * light + view.",
+        "DIR/tvTTT_pvPPP/NNNNN tlTTT plPPP tvTTT pvPPP.png, NNNNN = views * light + view. With --between,\n"
+        "--pairs or --orbit: the same relief between the samples, DIR/tlTT.TTTT_plPPP.PPPP_tv..._pv....exr,\n"
+        "the truth that btf-compare measures against.",
     .details = "Reliefs:" RELIEF_LIST(
         RELIEF_LINE) "\n\n"
                      "Values are radiance over (normal-incidence irradiance / pi), cosine included: a "
                      "white Lambertian\n"
                      "lit from l holds l.z. 8-bit and 16-bit images clip at 1.",
     .example = "btf-sample -o bricks --truth bricks-truth\n"
+               "btf-sample -o bricks-between --between 200\n"
+               "btf-sample -o bricks-orbit --orbit light:360:60 --fixed 20,0\n"
                "btf-sample -o tiny --relief axes --size 32 --views 0:1,45:4 --lights small --format exr",
     .options = table,
 };
@@ -283,7 +348,111 @@ static btf_result write_views(const job *j, const enc_context *context) {
     return result;
 }
 
+/* All pairs of a scene, as single images. */
+static btf_result write_pairs(const job *j, const enc_context *context, const sample_pair *pairs, int count) {
+    const sample_options *o = sample_scene_options(j->scene);
+    const size_t values = 3 * (size_t)o->width * o->height;
+    btf_result result = BTF_OK;
+    enc_stage_begin(context, "render", (size_t)count);
+#pragma omp parallel num_threads(context->threads)
+    {
+        float *image = malloc(values * sizeof *image);
+        void *codes = malloc(values * sizeof(unsigned short));
+#pragma omp for schedule(dynamic)
+        for (int i = 0; i < count; ++i) {
+            btf_result one;
+            char name[PAIRS_NAME], path[PATH_MAX];
+#pragma omp critical(sample_write)
+            one = result;
+            if (one == BTF_OK)
+                one = !image || !codes         ? BTF_ERROR_MEMORY
+                      : enc_cancelled(context) ? BTF_ERROR_INTERRUPTED
+                                               : sample_scene_pair(j->scene, &pairs[i].view, &pairs[i].light, image);
+            pairs_name(&pairs[i], options.orbit ? i : -1, name);
+            snprintf(path, sizeof path, "%s/%s.%s", options.out, name, EXTENSIONS[options.format]);
+            if (one == BTF_OK)
+                one = write_image(j, path, image, codes);
+            if (one != BTF_OK) {
+#pragma omp critical(sample_write)
+                result = one;
+            }
+            enc_stage_step(context, 1);
+        }
+        free(image);
+        free(codes);
+    }
+    enc_stage_end(context);
+    return result == BTF_ERROR_MEMORY ? enc_fail(context, result, "out of memory for an image") : result;
+}
+
+static bool is_between(void) {
+    return options.between || options.pairs || options.orbit;
+}
+
+/* Options that do not go together. */
+static btf_result check_between(const enc_context *context) {
+    if ((options.between != 0) + (options.pairs != NULL) + (options.orbit != PAIRS_NO_ORBIT) > 1)
+        return enc_fail(context, BTF_ERROR_USAGE, "one of --between, --pairs and --orbit is enough");
+    if (is_between() && (options.truth || options.views || options.lights))
+        return enc_fail(context, BTF_ERROR_USAGE, "--%s is for a grid, not for single pairs",
+                        options.truth   ? "truth"
+                        : options.views ? "views"
+                                        : "lights");
+    if (options.fixed[0] > 85)
+        return enc_fail(context, BTF_ERROR_USAGE, "--fixed: theta %g is not in 0..85", options.fixed[0]);
+    return BTF_OK;
+}
+
+static btf_result make_pairs(const enc_context *context, sample_pair **out_pairs, int *out_count) {
+    if (options.pairs)
+        return pairs_read(context, options.pairs, out_pairs, out_count);
+    *out_count = options.orbit ? options.frames : options.between;
+    return options.orbit ? pairs_turn(context, options.orbit, options.frames, options.orbit_theta,
+                                      enc_direction_from_angles(options.fixed[0], options.fixed[1]), out_pairs)
+                         : pairs_random(context, options.between, (uint32_t)options.pair_seed, out_pairs);
+}
+
+/* Single images between the samples. */
+static btf_result run_pairs(job *j, const enc_context *context) {
+    sample_pair *pairs = NULL;
+    int count = 0;
+    btf_result result = make_pairs(context, &pairs, &count);
+    if (result == BTF_OK)
+        result = make_folder(options.out, context->log);
+    if (result == BTF_OK && options.orbit)
+        result = pairs_write_table(context, options.out, EXTENSIONS[options.format], pairs, count);
+    if (result == BTF_OK)
+        result = write_pairs(j, context, pairs, count);
+    if (result == BTF_OK && !options.quiet)
+        printf("%s: %s, %dx%d texels, %d pairs of view and light\n", options.out,
+               relief_kind_name((relief_kind)options.relief), options.size[0], options.size[1], count);
+    free(pairs);
+    return result;
+}
+
+/* A grid of views and lights. */
+static btf_result run_grid(job *j, const enc_context *context) {
+    const sample_options *o = sample_scene_options(j->scene);
+    btf_result result = make_folder(options.out, context->log);
+    if (result == BTF_OK && options.truth)
+        result = make_folder(options.truth, context->log);
+    if (result == BTF_OK && options.truth)
+        result = sample_truth_create(j->scene, &j->truth);
+    if (result == BTF_OK)
+        result = write_views(j, context);
+    if (result == BTF_OK && j->truth)
+        result = truth_files_write(j->scene, j->truth, options.truth);
+    if (result == BTF_OK && !options.quiet)
+        printf("%s: %s, %dx%d texels, %d views, %d lights, depth %.4f%s%s\n", options.out,
+               relief_kind_name(o->relief), o->width, o->height, o->n_views, o->n_lights,
+               sample_scene_relief(j->scene)->depth, options.truth ? ", truth in " : "",
+               options.truth ? options.truth : "");
+    return result;
+}
+
 static btf_result run(const enc_context *context) {
+    if (is_between() && !options.has_format)
+        options.format = FORMAT_EXR;
     job j = {.log = context->log, .levels = options.format == FORMAT_PNG16 ? 65536 : 256};
     sample_scene *scene = NULL;
     enc_direction *views = NULL, *lights = NULL;
@@ -294,23 +463,18 @@ static btf_result run(const enc_context *context) {
                         .height = options.size[1],
                         .supersample = options.supersample,
                         .grid = options.grid};
-    btf_result result =
-        directions_parse(context, options.views ? options.views : options.directions, &views, &o.n_views);
+    const char *list = is_between() ? "0:1" : options.directions; /* pairs have directions of their own */
+    btf_result result = check_between(context);
     if (result == BTF_OK)
-        result = directions_parse(context, options.lights ? options.lights : options.directions, &lights,
-                                  &o.n_lights);
+        result = directions_parse(context, options.views ? options.views : list, &views, &o.n_views);
+    if (result == BTF_OK)
+        result = directions_parse(context, options.lights ? options.lights : list, &lights, &o.n_lights);
     o.views = views;
     o.lights = lights;
     if (result == BTF_OK && strlen(options.out) > PATH_MAX - 128)
         result = enc_fail(context, BTF_ERROR_USAGE, "-o: the path is longer than %d", PATH_MAX - 128);
     if (result == BTF_OK)
         result = sample_scene_create(&o, &scene);
-    if (result == BTF_OK)
-        result = make_folder(options.out, context->log);
-    if (result == BTF_OK && options.truth)
-        result = make_folder(options.truth, context->log);
-    if (result == BTF_OK && options.truth)
-        result = sample_truth_create(scene, &j.truth);
     if (result == BTF_OK) {
         j.scene = scene;
         j.thresholds = malloc((size_t)j.levels * sizeof *j.thresholds);
@@ -318,15 +482,8 @@ static btf_result run(const enc_context *context) {
     }
     if (result == BTF_OK) {
         make_thresholds(j.levels, j.thresholds);
-        result = write_views(&j, context);
+        result = is_between() ? run_pairs(&j, context) : run_grid(&j, context);
     }
-    if (result == BTF_OK && j.truth)
-        result = truth_files_write(scene, j.truth, options.truth);
-    if (result == BTF_OK && !options.quiet)
-        printf("%s: %s, %dx%d texels, %d views, %d lights, depth %.4f%s%s\n", options.out,
-               relief_kind_name(o.relief), o.width, o.height, o.n_views, o.n_lights,
-               sample_scene_relief(scene)->depth, options.truth ? ", truth in " : "",
-               options.truth ? options.truth : "");
     free(j.thresholds);
     sample_truth_destroy(&j.truth);
     sample_scene_destroy(&scene);

@@ -51,16 +51,16 @@ static double integer_power(double base, int exponent) {
     return result;
 }
 
-/* The equation of relief_material. */
-static bool shade_point(const sample_scene *scene, const shading_point *point, const double v[3], int light,
-                        double out_rgb[3]) {
-    const double *l = scene->light_xyz[light], *n = point->hit.normal;
+/* The equation of relief_material, for a light at l that casts `shadow`. */
+static bool shade_point(const sample_scene *scene, const shading_point *point, const double v[3],
+                        const double l[3], const raycast_shadow *shadow, double out_rgb[3]) {
+    const double *n = point->hit.normal;
     const relief_material *m = &point->material;
     double ambient = scene->surface->ambient * l[2];
     for (int c = 0; c < 3; ++c)
         out_rgb[c] = ambient * m->albedo[c];
     double cosine = dot(n, l);
-    if (cosine <= 0 || !raycast_lit(&scene->shadows[light], point->hit.position))
+    if (cosine <= 0 || !raycast_lit(shadow, point->hit.position))
         return false;
     double mirrored = 2 * cosine * point->facing - dot(l, v); /* r.v */
     double lobe = mirrored > 0 ? integer_power(mirrored, m->exponent) : 0;
@@ -78,7 +78,7 @@ static shading_point prepare_point(const sample_scene *scene, const raycast_hit 
 bool sample_shade(const sample_scene *scene, const raycast_hit *hit, const double v[3], int light,
                   double out_rgb[3]) {
     shading_point point = prepare_point(scene, hit, v);
-    return shade_point(scene, &point, v, light, out_rgb);
+    return shade_point(scene, &point, v, scene->light_xyz[light], &scene->shadows[light], out_rgb);
 }
 
 const relief *sample_scene_relief(const sample_scene *scene) {
@@ -223,6 +223,42 @@ static void record_geometry(const sample_scene *scene, int view, int row, int co
     truth->hidden[index] = 0;
 }
 
+/* What ray k of a texel sees. */
+static shading_point ray_point(const sample_scene *scene, int row, int column, int k, const double v[3]) {
+    const sample_options *o = &scene->options;
+    const int s = o->supersample;
+    double x = (column + (k % s + 0.5) / s) / o->width;
+    double y = 1 - (row + (k / s + 0.5) / s) / o->height;
+    raycast_hit hit = raycast_view(scene->surface, x, y, v);
+    return prepare_point(scene, &hit, v);
+}
+
+btf_result sample_scene_pair(const sample_scene *scene, const enc_direction *view, const enc_direction *light,
+                             float *image) {
+    const sample_options *o = &scene->options;
+    const int rays = o->supersample * o->supersample;
+    double v[3], l[3];
+    raycast_shadow shadow;
+    direction_vector(view, v);
+    direction_vector(light, l);
+    btf_result result = raycast_shadow_create(scene->surface, l, &shadow);
+    for (int texel = 0; result == BTF_OK && texel < o->width * o->height; ++texel) {
+        double sum[3] = {0, 0, 0};
+        for (int k = 0; k < rays; ++k) {
+            const shading_point point = ray_point(scene, texel / o->width, texel % o->width, k, v);
+            double rgb[3];
+            shade_point(scene, &point, v, l, &shadow, rgb);
+            for (int c = 0; c < 3; ++c)
+                sum[c] += rgb[c];
+        }
+        for (int c = 0; c < 3; ++c)
+            image[3 * (size_t)texel + (size_t)c] = (float)(sum[c] / rays);
+    }
+    if (result == BTF_OK)
+        raycast_shadow_destroy(&shadow);
+    return result;
+}
+
 btf_result sample_scene_view(const sample_scene *scene, int view, float *images, sample_truth *truth) {
     const sample_options *o = &scene->options;
     assert(view >= 0 && view <= o->n_views);
@@ -246,12 +282,8 @@ btf_result sample_scene_view(const sample_scene *scene, int view, float *images,
         for (int row = first; row < first + rows; ++row)
             for (int column = 0; column < o->width; ++column) {
                 shading_point *out = points + (row - first) * row_points + (size_t)column * rays;
-                for (int k = 0; k < rays; ++k) {
-                    double x = (column + (k % s + 0.5) / s) / o->width;
-                    double y = 1 - (row + (k / s + 0.5) / s) / o->height;
-                    raycast_hit hit = raycast_view(scene->surface, x, y, v);
-                    out[k] = prepare_point(scene, &hit, v);
-                }
+                for (int k = 0; k < rays; ++k)
+                    out[k] = ray_point(scene, row, column, k, v);
                 if (truth && !pole)
                     record_geometry(scene, view, row, column, v, truth);
             }
@@ -263,7 +295,8 @@ btf_result sample_scene_view(const sample_scene *scene, int view, float *images,
                 int unlit = 0;
                 for (int k = 0; k < rays; ++k) {
                     double rgb[3];
-                    unlit += !shade_point(scene, &points[i * rays + k], v, light, rgb);
+                    unlit += !shade_point(scene, &points[i * rays + k], v, scene->light_xyz[light],
+                                          &scene->shadows[light], rgb);
                     for (int c = 0; c < 3; ++c)
                         sum[c] += rgb[c];
                 }

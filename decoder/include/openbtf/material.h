@@ -161,6 +161,21 @@ typedef struct btf_effect_errors {
     const float *rows;
 } btf_effect_errors;
 
+/** How well the samples are predicted where view (row's first number 1), light (2) or both (3) are left out and
+ * the decoder takes their neighbours instead: the encoder's estimate of the error between the samples (FORMAT.md
+ * section 7, openbtf.betweenErrors). Neighbours are then twice as far away as for a direction between samples, so it
+ * overstates the error. Row r has 5 + 2 * view_bands * light_bands numbers, mean squared errors of values clipped to
+ * [0, 1]: what is left out; of the material, linear and sRGB-coded; of the data themselves, interpolated likewise;
+ * then, [view band][light band], of the material, -1 where nothing can be left out. All 0 and NULL when there is
+ * none. */
+typedef struct btf_between_errors {
+    uint32_t view_bands, light_bands;        /**< 1 .. BTF_MAX_BANDS */
+    const float *view_limits, *light_limits; /**< [bands + 1] theta in degrees, ascending */
+    uint32_t row_count;                      /**< at most 3 */
+    uint32_t row_stride;                     /**< floats of a row */
+    const float *rows;
+} btf_between_errors;
+
 typedef struct btf_material btf_material;
 
 /** A list of directions, triangulated and gridded as FORMAT.md section 6 says. The arrays belong to the
@@ -218,6 +233,9 @@ const btf_level_error *btf_material_level_errors(const btf_material *material, s
 /** @return what the encoder measured of the ways to decode; owned by the material. */
 btf_effect_errors btf_material_effect_errors(const btf_material *material);
 
+/** @return what the encoder estimated of the error between the samples; owned by the material. */
+btf_between_errors btf_material_between_errors(const btf_material *material);
+
 /** What an encoder hands over to make a material. Textures as in btf_texture, of which only `data` is read
  *  (sizes and formats follow from the rest; see btf_material_texture_shape); entries that the effects do
  * not call for must be NULL. residual_scales is BTF_TEXTURE_RESIDUAL_SCALES; the two tables are made here.
@@ -237,6 +255,8 @@ typedef struct btf_material_desc {
     size_t level_error_count;
     const float *effect_errors; /**< as the attribute openbtf.effectErrors holds them; NULL: none */
     size_t effect_error_count;  /**< floats */
+    const float *between_errors; /**< as the attribute openbtf.betweenErrors holds them; NULL: none */
+    size_t between_error_count;  /**< floats */
 } btf_material_desc;
 
 /** The shape (format, is_array, width, height, layers, size; data NULL) that a texture of a material with

@@ -60,6 +60,12 @@ typedef struct btf_plan {
     int measured;                 /**< 0: the file has no effect errors; everything is decoded, PSNR is 0 */
     float psnr_linear, psnr_srgb; /**< predicted */
     float full_psnr_linear, full_psnr_srgb; /**< predicted for the full decode of the same level */
+    /** Estimated against the truth between the samples, of this plan and of the full decode: what the bands of
+     * btf_between_errors say that the scene meets, and what the plan adds to the full decode's error. The
+     * table overstates, so that this is a bound rather than a figure. 0 where the file has no such table, the
+     * level is not 0, or view and light are samples, which have nothing between them. */
+    float between_psnr_linear, between_psnr_srgb;
+    float full_between_psnr_linear, full_between_psnr_srgb;
 } btf_plan;
 
 /** Finds the plan whose PSNR, linear and sRGB-coded, is at most @p tolerance dB below the full decode's and

@@ -82,7 +82,8 @@ static enc_data *make_data(const enc_context *context, const enc_direction *dire
 }
 
 /* A material with the values that the encoder measured of it. */
-static btf_material *with_errors(const float *values, size_t count, btf_result expected) {
+static btf_material *with_tables(const float *values, size_t count, const float *between, size_t between_count,
+                                 btf_result expected) {
     enc_direction directions[DIRECTIONS];
     make_directions(directions);
     btf_material *plain = make_material(directions), *made = NULL;
@@ -94,7 +95,9 @@ static btf_material *with_errors(const float *values, size_t count, btf_result e
                               .views = xyz[0],
                               .lights = xyz[0],
                               .effect_errors = values,
-                              .effect_error_count = count};
+                              .effect_error_count = count,
+                              .between_errors = between,
+                              .between_error_count = between_count};
     desc.info = (btf_material_info){.struct_size = sizeof desc.info};
     assert_int_equal(btf_material_get_info(plain, &desc.info), BTF_OK);
     desc.texture[BTF_TEXTURE_SBRDF] = btf_material_texture(plain, BTF_TEXTURE_SBRDF).data;
@@ -102,6 +105,10 @@ static btf_material *with_errors(const float *values, size_t count, btf_result e
     assert_int_equal(btf_material_create(&desc, NULL, &made), expected);
     btf_material_close(&plain);
     return made;
+}
+
+static btf_material *with_errors(const float *values, size_t count, btf_result expected) {
+    return with_tables(values, count, NULL, 0, expected);
 }
 
 static const float *find_row(const btf_effect_errors *e, uint32_t effects, int nearest) {
@@ -274,11 +281,50 @@ static void wrong_tables_are_refused(void **state) {
     }
 }
 
+/* The table of errors between the samples: kept by a file, and refused where it cannot be. */
+static void between_errors_are_checked(void **state) {
+    (void)state;
+    const float good[] = {2,    1,    0,    20,   50,   0,    70,   1,    0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f,
+                          0.7f, 0.8f, 3,    0.1f, 0.2f, 0.3f, 0.4f, -1,   -1,   0,    1};
+    enum { COUNT = sizeof good / sizeof *good };
+    btf_material *made = with_tables(NULL, 0, good, COUNT, BTF_OK), *opened = NULL;
+    void *bytes;
+    size_t size;
+    assert_int_equal(btf_material_save_memory(made, NULL, &bytes, &size), BTF_OK);
+    assert_int_equal(btf_material_open_memory(bytes, size, NULL, &opened), BTF_OK);
+    const btf_between_errors e = btf_material_between_errors(opened);
+    assert_true(e.view_bands == 2 && e.light_bands == 1 && e.row_count == 2 && e.row_stride == 9);
+    assert_true(e.view_limits[2] == 50 && e.light_limits[1] == 70 && e.rows[5] == 0.5f && e.rows[9] == 3);
+    assert_memory_equal(e.rows, good + 7, 18 * sizeof *good);
+    btf_free(bytes);
+    btf_material_close(&opened);
+    btf_material_close(&made);
+    made = with_errors(NULL, 0, BTF_OK);
+    assert_int_equal(btf_material_between_errors(made).row_count, 0);
+    btf_material_close(&made);
+    const struct {
+        size_t index;
+        float value;
+    } wrong[] = {{0, 0},     {0, 17},    {1, NAN},   {3, 60},   {6, 91},   {7, 0},        {7, 4},
+                 {7, 1.5f},  {8, -1},    {9, 1.5f},  {11, NAN}, {12, -2},  {13, INFINITY}, {14, NAN}};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        float values[COUNT];
+        memcpy(values, good, sizeof good);
+        values[wrong[i].index] = wrong[i].value;
+        assert_null(with_tables(NULL, 0, values, COUNT, BTF_ERROR_USAGE));
+    }
+    for (size_t count = 1; count < COUNT; count++) {
+        made = with_tables(NULL, 0, good, count, count == 7 || count == 16 ? BTF_OK : BTF_ERROR_USAGE);
+        btf_material_close(&made);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(errors_are_the_integrals),
         cmocka_unit_test(full_decodes_are_measured_finely),
         cmocka_unit_test(wrong_tables_are_refused),
+        cmocka_unit_test(between_errors_are_checked),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -103,6 +103,9 @@ static fixture make(btf_layout layout) {
     f.desc.info.levels = layout == BTF_LAYOUT_TIGHT ? 2 : 1;
     f.desc.level_errors = level_errors;
     f.desc.level_error_count = 1;
+    static const float between[13] = {1, 1, 0, 60, 0, 60, 3, 0.1f, 0.2f, 0.1f, 0.2f, 0.1f, 0.2f};
+    f.desc.between_errors = between;
+    f.desc.between_error_count = 13;
     random_material_fill(&r, &f.desc);
     assert_int_equal(btf_material_create(&f.desc, NULL, &f.material), BTF_OK);
     assert_int_equal(btf_material_save_memory(f.material, NULL, &f.data, &f.size), BTF_OK);

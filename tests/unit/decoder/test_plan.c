@@ -248,8 +248,22 @@ static const float known_table[] = {
 };
 /* clang-format on */
 
-static void plans_follow_the_table(void **state) {
-    (void)state;
+/* Bands of views 0..30 and 30..75, one of lights. Rows: what is left out, four means, then each band. */
+/* clang-format off */
+static const float between_table[] = {
+    2, 1, 0, 30, 75, 0, 75,
+    1, 0.1f, 0.1f, 0.1f, 0.1f, 0.004f, 0.005f, 0.006f, 0.007f,
+    2, 0.1f, 0.1f, 0.1f, 0.1f, 0.002f, 0.003f, 0.008f, 0.009f,
+    3, 0.1f, 0.1f, 0.1f, 0.1f, 0.01f, 0.02f, -1, -1,
+};
+/* clang-format on */
+
+static bool is_near(float psnr, double mse) {
+    return fabs((double)psnr + 10 * log10(mse)) < 1e-3;
+}
+
+/* The material of the known table, and with `between` of the other as well. */
+static btf_material *make_known(bool between) {
     random_state r = {5};
     btf_material_desc desc = random_material_desc(16, 16, 81, 81, BTF_LAYOUT_TIGHT, EFFECTS);
     desc.info.colour = BTF_COLOUR_NONE;
@@ -258,7 +272,41 @@ static void plans_follow_the_table(void **state) {
     desc.info.levels = 2;
     desc.effect_errors = known_table;
     desc.effect_error_count = sizeof known_table / sizeof *known_table;
-    btf_material *material = make(&desc, &r);
+    desc.between_errors = between ? between_table : NULL;
+    desc.between_error_count = between ? sizeof between_table / sizeof *between_table : 0;
+    return make(&desc, &r);
+}
+
+static void plans_tell_of_what_lies_between(void **state) {
+    (void)state;
+    btf_material *plain = make_known(false), *material = make_known(true);
+    btf_scene scene = {.struct_size = sizeof scene, .view.theta = {0, 30}};
+    btf_plan plan;
+    assert_int_equal(btf_plan_effects(plain, &scene, 0.7f, &plan), BTF_OK); /* a file without the table */
+    assert_true(plan.measured && plan.between_psnr_linear == 0 && plan.full_between_psnr_srgb == 0);
+    assert_int_equal(btf_plan_effects(material, &scene, 0.7f, &plan), BTF_OK); /* gains, four components */
+    assert_true(is_near(plan.full_between_psnr_linear, 0.01) && is_near(plan.full_between_psnr_srgb, 0.02));
+    assert_true(is_near(plan.between_psnr_linear, 0.01 + 0.00015) &&
+                is_near(plan.between_psnr_srgb, 0.02 + 0.0002));
+    scene.view.theta[1] = 60; /* where nothing is known does not count */
+    assert_int_equal(btf_plan_effects(material, &scene, 0, &plan), BTF_OK);
+    assert_true(is_near(plan.full_between_psnr_linear, 0.01));
+    scene.view = (btf_range){.fixed = 1, .direction = {0, 0, 1}}; /* a sample: the lights alone lie between */
+    assert_int_equal(btf_plan_effects(material, &scene, 0, &plan), BTF_OK);
+    assert_true(is_near(plan.full_between_psnr_linear, 0.002) && plan.level == 0);
+    scene.light = scene.view; /* both are samples */
+    assert_int_equal(btf_plan_effects(material, &scene, 0, &plan), BTF_OK);
+    assert_true(plan.between_psnr_linear == 0);
+    scene = (btf_scene){.struct_size = sizeof scene, .pixels = 0.5f};
+    assert_int_equal(btf_plan_effects(material, &scene, 0.5f, &plan), BTF_OK); /* level 1 is not measured */
+    assert_true(plan.level == 1 && plan.between_psnr_linear == 0);
+    btf_material_close(&plain);
+    btf_material_close(&material);
+}
+
+static void plans_follow_the_table(void **state) {
+    (void)state;
+    btf_material *material = make_known(false);
     btf_scene scene = {.struct_size = sizeof scene};
     btf_plan plan;
 
@@ -388,7 +436,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(tight_decodes_like_paper), cmocka_unit_test(restrictions_decode_alike),
         cmocka_unit_test(restrictions_are_small),   cmocka_unit_test(fixed_neighbours_are_the_reference_s),
-        cmocka_unit_test(plans_follow_the_table),   cmocka_unit_test(costs_follow_the_model),
+        cmocka_unit_test(plans_follow_the_table), cmocka_unit_test(plans_tell_of_what_lies_between),   cmocka_unit_test(costs_follow_the_model),
         cmocka_unit_test(wrong_scenes_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

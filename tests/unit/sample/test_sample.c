@@ -4,6 +4,7 @@
  */
 #include "tests/sample/directions.h"
 #include "tests/sample/noise.h"
+#include "tests/sample/pairs.h"
 #include "tests/sample/sample.h"
 #include "tests/sample/truth_files.h"
 
@@ -543,6 +544,109 @@ static void test_truth_files(void **state) {
     sample_scene_destroy(&scene);
 }
 
+/* A single image has the bits of the same image among those of a view. */
+static void test_a_pair_is_as_in_the_grid(void **state) {
+    (void)state;
+    enum { FLOATS = 3 * 64 * 64 };
+    static float images[5][FLOATS], image[FLOATS];
+    sample_scene *scene = make_scene(RELIEF_BRICKS, "tiny", "tiny");
+    const sample_options *o = sample_scene_options(scene);
+    for (int view = 0; view < 5; view += 2) {
+        assert_int_equal(sample_scene_view(scene, view, images[0], NULL), BTF_OK);
+        for (int light = 0; light < 5; ++light) {
+            assert_int_equal(sample_scene_pair(scene, &o->views[view], &o->lights[light], image), BTF_OK);
+            assert_memory_equal(image, images[light], sizeof image);
+        }
+    }
+    sample_scene_destroy(&scene);
+}
+
+/* A third of the solid angle up to 74 degrees lies within acos(1 - (1 - cos 74) / 3), and a quarter of all
+ * azimuths in a quadrant; names and pairs agree. */
+static void test_random_pairs(void **state) {
+    (void)state;
+    enum { N = 6000 };
+    sample_pair *pairs = NULL, *fewer = NULL, *others = NULL;
+    assert_int_equal(pairs_random(NULL, N, 0, &pairs), BTF_OK);
+    assert_int_equal(pairs_random(NULL, 10, 0, &fewer), BTF_OK);
+    assert_int_equal(pairs_random(NULL, 10, 1, &others), BTF_OK);
+    const double third = acos(1 - (1 - cos(74 * PI / 180)) / 3) * 180 / PI;
+    int inner[2] = {0, 0}, quadrant[2] = {0, 0}, both = 0;
+    for (int i = 0; i < N; ++i) {
+        const enc_direction *d[2] = {&pairs[i].view, &pairs[i].light};
+        for (int k = 0; k < 2; ++k) {
+            assert_true(d[k]->theta >= 0 && d[k]->theta <= 74 && d[k]->phi >= 0 && d[k]->phi < 360);
+            assert_true(fabs(d[k]->theta * 1e4 - nearbyint(d[k]->theta * 1e4)) < 1e-6);
+            inner[k] += d[k]->theta < third;
+            quadrant[k] += d[k]->phi >= 90 && d[k]->phi < 180;
+        }
+        both += pairs[i].view.theta < third && pairs[i].light.theta < third;
+    }
+    /* five standard deviations and a half of 6000 draws: 200 of a third, 180 of a quarter, 135 of a ninth */
+    for (int k = 0; k < 2; ++k)
+        assert_true(abs(inner[k] - N / 3) < 200 && abs(quadrant[k] - N / 4) < 185);
+    assert_true(abs(both - N / 9) < 135);
+    assert_memory_equal(fewer, pairs, 10 * sizeof *pairs);
+    assert_true(memcmp(others, pairs, 10 * sizeof *pairs) != 0);
+    char name[PAIRS_NAME], expected[PAIRS_NAME];
+    pairs_name(&pairs[3], -1, name);
+    snprintf(expected, sizeof expected, "tl%07.4f_pl%08.4f_tv%07.4f_pv%08.4f", pairs[3].light.theta,
+             pairs[3].light.phi, pairs[3].view.theta, pairs[3].view.phi);
+    assert_string_equal(name, expected);
+    free(pairs);
+    free(fewer);
+    free(others);
+}
+
+static void test_an_orbit(void **state) {
+    (void)state;
+    sample_pair *pairs = NULL;
+    assert_int_equal(
+        pairs_turn(NULL, PAIRS_ORBIT_VIEW, 8, 60, enc_direction_from_angles(20, -90), &pairs), BTF_OK);
+    for (int i = 0; i < 8; ++i)
+        assert_true(pairs[i].view.theta == 60 && pairs[i].view.phi == 45 * i && pairs[i].light.theta == 20 &&
+                    pairs[i].light.phi == 270);
+    free(pairs);
+}
+
+/* Writes a list, reads it, and returns what came of it. */
+static btf_result read_list(const char *text, sample_pair **pairs, int *count) {
+    char path[] = "/tmp/btf-pairs-XXXXXX";
+    const int file = mkstemp(path);
+    assert_true(file >= 0 && write(file, text, strlen(text)) == (ssize_t)strlen(text));
+    close(file);
+    const btf_result result = pairs_read(NULL, path, pairs, count);
+    remove(path);
+    return result;
+}
+
+static void test_lists(void **state) {
+    (void)state;
+    static const char *const wrong[] = {"",
+                                        "# nothing\n",
+                                        "1 2 3\n",
+                                        "1 2 3 x\n",
+                                        "1 2 3 4\n1 2 3 4\n",
+                                        "1 2 86 4\n",
+                                        "-1 2 3 4\n",
+                                        "1 2 3 nan\n",
+                                        "a b 1 2 3 4\n",
+                                        "1 2 3 4\nfile,theta_v,phi_v,theta_l,phi_l\n"};
+    sample_pair *pairs = NULL;
+    int count = 0;
+    assert_int_equal(read_list("file,theta_v,phi_v,theta_l,phi_l\na.exr,1,2,30,400\n\n5 -90\t0 77 # c\n",
+                               &pairs, &count),
+                     BTF_OK);
+    assert_int_equal(count, 2);
+    assert_true(pairs[0].view.theta == 1 && pairs[0].view.phi == 2 && pairs[0].light.theta == 30 &&
+                pairs[0].light.phi == 40);
+    assert_true(pairs[1].view.phi == 270 && pairs[1].light.theta == 0 && pairs[1].light.phi == 0);
+    free(pairs);
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i)
+        assert_int_equal(read_list(wrong[i], &pairs, &count), BTF_ERROR_BAD_FILE);
+    assert_int_equal(pairs_read(NULL, "/nowhere/list", &pairs, &count), BTF_ERROR_IO);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_white_is_the_cosine),
@@ -559,6 +663,10 @@ int main(void) {
         cmocka_unit_test(test_directions),
         cmocka_unit_test(test_bad_options),
         cmocka_unit_test(test_truth_files),
+        cmocka_unit_test(test_a_pair_is_as_in_the_grid),
+        cmocka_unit_test(test_random_pairs),
+        cmocka_unit_test(test_an_orbit),
+        cmocka_unit_test(test_lists),
     };
     return cmocka_run_group_tests_name("sample", tests, NULL, NULL);
 }

@@ -1,0 +1,29 @@
+/* Bands of elevation: what tables of errors are divided into (FORMAT.md section 7).
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_BANDS_H
+#define OPENBTF_ENCODER_BANDS_H
+
+#include "encoder/data/data.h"
+
+#include <openbtf/material.h>
+
+/* Band i reaches from limit[i] to limit[i + 1], degrees. */
+typedef struct enc_bands {
+    int count;
+    double limit[BTF_MAX_BANDS + 1];
+} enc_bands;
+
+/* One band a ring, consecutive rings together where there are more than BTF_MAX_BANDS; limits lie midway between
+ * rings, the first at the pole, the last on the outermost ring. */
+enc_bands enc_bands_make(const enc_direction *directions, int count);
+
+/* The directions of a band, indices in rising order; returns how many. */
+int enc_bands_members(const enc_bands *bands, int band, const enc_direction *directions, int count,
+                      int out_members[256]);
+
+/* The numbers that a table begins with: counts and limits of both. Returns where its rows begin. */
+float *enc_bands_write(const enc_bands *views, const enc_bands *lights, float *out);
+
+#endif

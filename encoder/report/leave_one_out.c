@@ -1,0 +1,375 @@
+/* Each view and light predicted from the others. See leave_one_out.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "leave_one_out.h"
+
+#include "decoder/toolkit/reference_view.h"
+#include "encoder/base/ranks.h"
+#include "encoder/base/stage.h"
+#include "encoder/between/left_out.h"
+#include "encoder/math/srgb.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST_TEXELS = 1024, PAIRS = 256, BATCH = 16, SUMS = 4 };
+
+/* The directions of a band that are drawn from: those that can be left out, or where there are none, all. */
+typedef struct pool {
+    int count, member[256];        /* in the list */
+    bool can_leave;                /* `near` says what the others have in their place */
+    btf_ref_neighbours near[256];
+} pool;
+
+typedef struct job {
+    const enc_context *context;
+    const enc_data *data;
+    const btf_ref_material *material; /* or NULL */
+    int view_bands, light_bands;
+    size_t cells;                       /* pairs of bands */
+    pool views[BTF_MAX_BANDS], lights[BTF_MAX_BANDS];
+    size_t texels, pairs;               /* pairs: of a texel in a cell */
+} job;
+
+/* One pair of sampled directions. */
+typedef struct pair {
+    int view, light;                   /* of the data */
+    btf_ref_neighbours views, lights; /* without what is left out */
+} pair;
+
+/* A well-mixed number of 64 bits (SplitMix64). */
+static uint64_t mix(uint64_t x) {
+    x += 0x9E3779B97F4A7C15u;
+    x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
+    x = (x ^ (x >> 27)) * 0x94D049BB133111EBu;
+    return x ^ (x >> 31);
+}
+
+static int pick(const pool *from, uint64_t seed, btf_ref_neighbours *out_near) {
+    const size_t at = (size_t)(mix(seed) % (uint64_t)from->count);
+    *out_near = from->near[at];
+    return from->member[at];
+}
+
+static btf_ref_neighbours only(int index) {
+    const uint32_t i = (uint32_t)index;
+    return (btf_ref_neighbours){.index = {i, i, i}, .weight = {4096, 0, 0}};
+}
+
+static bool can_leave(const pool *views, const pool *lights, int left) {
+    return (!(left & ENC_LEFT_VIEW) || views->can_leave) && (!(left & ENC_LEFT_LIGHT) || lights->can_leave);
+}
+
+static float clip(float x) {
+    return x > 0 ? (x < 1 ? x : 1.0f) : 0.0f;
+}
+
+/* Adds squared errors, linear and sRGB-coded. */
+static void add_error(const float truth[3], const float found[3], double sum[2]) {
+    for (int c = 0; c < 3; c++) {
+        const double linear = (double)clip(truth[c]) - clip(found[c]);
+        const double srgb = (double)enc_srgb_encode(truth[c]) - enc_srgb_encode(found[c]);
+        sum[0] += linear * linear;
+        sum[1] += srgb * srgb;
+    }
+}
+
+/* Samples of a texel, [view][channel][light], weighted. */
+static void interpolate(const enc_data *data, const float *samples, const pair *p, float out[3]) {
+    const size_t lights = (size_t)data->n_lights;
+    for (size_t c = 0; c < 3; c++) {
+        double sum = 0;
+        for (int a = 0; a < 3; a++)
+            for (int b = 0; b < 3; b++)
+                sum += (double)p->views.weight[a] * p->lights.weight[b] *
+                       samples[(p->views.index[a] * 3 + c) * lights + p->lights.index[b]];
+        out[c] = (float)(sum * 0x1p-24);
+    }
+}
+
+/* One sample, predicted: sum[0..1] of the data, sum[2..3] of the material. */
+static void measure_pair(const job *j, uint32_t texel, const float *samples, const pair *p, double *sum) {
+    static const btf_ref_options everything = {.effects = BTF_EFFECT_ALL,
+                                               .components = UINT32_MAX,
+                                               .interpolation = BTF_REF_LINEAR,
+                                               .filter = BTF_REF_TEXEL};
+    const enc_data *data = j->data;
+    const pair at = {.views = only(p->view), .lights = only(p->light)};
+    float truth[3], found[3];
+    interpolate(data, samples, &at, truth);
+    interpolate(data, samples, p, found);
+    add_error(truth, found, sum);
+    if (j->material) {
+        const uint32_t width = j->material->width;
+        btf_ref_evaluate_neighbours(j->material, &everything, texel % width, texel / width, &p->lights,
+                                    &p->views, data->lights[p->light].xyz, data->views[p->view].xyz, found);
+        add_error(truth, found, sum + 2);
+    }
+}
+
+/* A pair and what the others have in its place. A light that stood elsewhere than its direction says shows no truth
+ * of it: another is taken, unless chance will have none. */
+static pair pick_pair(const job *j, size_t cell, uint64_t seed) {
+    const enc_moved_light *moved = j->data->moved_light;
+    pair p;
+    p.view = pick(&j->views[cell / (size_t)j->light_bands], seed, &p.views);
+    for (uint64_t try = 0; try < 8; try++) {
+        p.light = pick(&j->lights[cell % (size_t)j->light_bands], mix(seed + 1) + try, &p.lights);
+        if (!moved || moved[p.view].index != p.light)
+            break;
+    }
+    return p;
+}
+
+/* One texel in one pair of bands: sums[left out][SUMS]. */
+static void measure_cell(const job *j, uint32_t texel, const float *samples, size_t cell, uint64_t seed,
+                         double *sums, size_t stride) {
+    const pool *views = &j->views[cell / (size_t)j->light_bands];
+    const pool *lights = &j->lights[cell % (size_t)j->light_bands];
+    for (size_t n = 0; n < j->pairs; n++) {
+        const pair both = pick_pair(j, cell, 2 * (seed + n));
+        for (int left = ENC_LEFT_VIEW; left <= ENC_LEFT_BOTH; left++) {
+            const pair p = {.view = both.view,
+                            .light = both.light,
+                            .views = left & ENC_LEFT_VIEW ? both.views : only(both.view),
+                            .lights = left & ENC_LEFT_LIGHT ? both.lights : only(both.light)};
+            if (can_leave(views, lights, left))
+                measure_pair(j, texel, samples, &p, sums + (size_t)left * stride);
+        }
+    }
+}
+
+/* All pairs of one texel: sums[left out][cell][SUMS]. */
+static btf_result measure_texel(const job *j, size_t index, float *buffer, double *sums) {
+    const size_t count = enc_data_texel_count(j->data), first = index * count / j->texels;
+    const size_t texel = first + mix(index) % ((index + 1) * count / j->texels - first);
+    const float *samples;
+    const btf_result result = enc_data_texels(j->context, j->data, texel, 1, buffer, &samples);
+    for (size_t cell = 0; result == BTF_OK && cell < j->cells; cell++)
+        measure_cell(j, (uint32_t)texel, samples, cell, (index * j->cells + cell) * j->pairs,
+                     sums + cell * SUMS, j->cells * SUMS);
+    return result;
+}
+
+/* Texels first .. first + n - 1, of which each rank fills its own: sums[texel][left out][cell][SUMS]. */
+static btf_result measure_batch(const job *j, size_t first, size_t n, double *sums) {
+    const size_t length = (1 + ENC_LEFT_BOTH) * j->cells * SUMS;
+    btf_result result = BTF_OK;
+    size_t begin, end;
+    enc_ranks_range(j->context, n, &begin, &end);
+    memset(sums, 0, n * length * sizeof *sums);
+#pragma omp parallel for schedule(dynamic) num_threads(j->context->threads)
+    for (size_t i = begin; i < end; i++) {
+        float *buffer = malloc(enc_data_texel_stride(j->data) * sizeof *buffer);
+        const btf_result mine = !buffer ? BTF_ERROR_MEMORY
+                                : enc_cancelled(j->context)
+                                    ? BTF_ERROR_INTERRUPTED
+                                    : measure_texel(j, first + i, buffer, sums + i * length);
+        free(buffer);
+        enc_stage_step(j->context, 1);
+        if (mine != BTF_OK) {
+#pragma omp atomic write
+            result = mine;
+        }
+    }
+    return enc_ranks_gather(j->context, result, sums, length * sizeof *sums, n);
+}
+
+/* total[left out][cell][SUMS], added up in the order of texels whatever thread or rank made them. */
+static btf_result measure(const job *j, double *total) {
+    const size_t length = (1 + ENC_LEFT_BOTH) * j->cells * SUMS;
+    const size_t batch = BATCH * (size_t)enc_ranks_count(j->context);
+    double *sums = malloc(batch * length * sizeof *sums);
+    btf_result result = enc_ranks_agree(j->context, sums ? BTF_OK : BTF_ERROR_MEMORY);
+    for (size_t first = 0; result == BTF_OK && first < j->texels; first += batch) {
+        const size_t n = j->texels - first < batch ? j->texels - first : batch;
+        result = measure_batch(j, first, n, sums);
+        for (size_t i = 0; result == BTF_OK && i < n * length; i++)
+            total[i % length] += sums[i];
+    }
+    free(sums);
+    return result;
+}
+
+static void add_mean(enc_left_out_errors *to, const enc_left_out_errors *from, double share) {
+    to->data.linear += share * from->data.linear;
+    to->data.srgb += share * from->data.srgb;
+    to->material.linear += share * from->material.linear;
+    to->material.srgb += share * from->material.srgb;
+}
+
+/* Means of one cell of the sums over all texels. */
+static enc_left_out_errors cell_errors(const job *j, const double *sums, int left, size_t cell) {
+    const double *all = sums + ((size_t)left * j->cells + cell) * SUMS;
+    const double count = 3.0 * (double)(j->texels * j->pairs);
+    enc_left_out_errors e = {.data = {all[0] / count, all[1] / count, 1}};
+    if (j->material)
+        e.material = (enc_error_sum){all[2] / count, all[3] / count, 1};
+    return e;
+}
+
+/* The cells, and their mean: each counts by the pairs that it has. */
+static void sum_up(const job *j, const double *sums, enc_leave_one_out *out) {
+    for (int left = ENC_LEFT_VIEW; left <= ENC_LEFT_BOTH; left++) {
+        double pairs = 0;
+        enc_left_out_errors all = {.data = {0}};
+        for (size_t cell = 0; cell < j->cells; cell++) {
+            const pool *views = &j->views[cell / (size_t)j->light_bands];
+            const pool *lights = &j->lights[cell % (size_t)j->light_bands];
+            if (!can_leave(views, lights, left))
+                continue;
+            out->band_error[left][cell] = cell_errors(j, sums, left, cell);
+            add_mean(&all, &out->band_error[left][cell], (double)views->count * lights->count);
+            pairs += (double)views->count * lights->count;
+        }
+        if (pairs > 0)
+            add_mean(&out->error[left], &all, 1 / pairs);
+        out->error[left].data.count = pairs > 0;
+        out->error[left].material.count = pairs > 0 && j->material;
+    }
+}
+
+/* What each band is drawn from. *out_count: directions that can be left out. */
+static btf_result make_pools(const enc_context *context, const enc_direction *directions, int count,
+                             const enc_bands *bands, pool *pools, int *out_count) {
+    enc_left_out *left = malloc(sizeof *left);
+    btf_result result =
+        left ? enc_left_out_make(context, directions, count, left) : BTF_ERROR_MEMORY;
+    for (int b = 0; result == BTF_OK && b < bands->count; b++) {
+        pool *p = &pools[b];
+        int member[256], n = enc_bands_members(bands, b, directions, count, member);
+        for (int i = 0; i < left->count; i++) {
+            for (int k = 0; k < n; k++) {
+                if (member[k] == left->index[i]) {
+                    p->near[p->count] = left->near[i];
+                    p->member[p->count++] = member[k];
+                }
+            }
+        }
+        p->can_leave = p->count > 0;
+        for (int k = 0; k < n && !p->can_leave; k++)
+            p->member[p->count++] = member[k];
+    }
+    *out_count = result == BTF_OK ? left->count : 0;
+    free(left);
+    return result;
+}
+
+static btf_result measure_all(job *j, enc_leave_one_out *out) {
+    const enc_data *data = j->data;
+    const size_t count = enc_data_texel_count(data);
+    btf_result result = make_pools(j->context, data->views, data->n_views, &out->view_bands, j->views,
+                                   &out->views);
+    if (result == BTF_OK)
+        result =
+            make_pools(j->context, data->lights, data->n_lights, &out->light_bands, j->lights, &out->lights);
+    j->view_bands = out->view_bands.count;
+    j->light_bands = out->light_bands.count;
+    j->cells = (size_t)j->view_bands * (size_t)j->light_bands;
+    j->texels = count < MOST_TEXELS ? count : MOST_TEXELS;
+    j->pairs = PAIRS / j->cells;
+    double *sums = calloc((1 + ENC_LEFT_BOTH) * j->cells * SUMS, sizeof *sums);
+    result = enc_ranks_agree(j->context, result == BTF_OK && !sums ? BTF_ERROR_MEMORY : result);
+    enc_stage_begin(j->context, "leave one out", j->texels);
+    if (result == BTF_OK)
+        result = measure(j, sums);
+    enc_stage_end(j->context);
+    if (result == BTF_OK)
+        sum_up(j, sums, out);
+    free(sums);
+    return result;
+}
+
+btf_result enc_leave_one_out_measure(const enc_context *context, const enc_data *data,
+                                     const btf_material *material, enc_leave_one_out *out) {
+    btf_ref_material reference;
+    btf_result result = BTF_ERROR_MEMORY;
+    job *j = calloc(1, sizeof *j);
+    *out = (enc_leave_one_out){.view_bands = enc_bands_make(data->views, data->n_views),
+                               .light_bands = enc_bands_make(data->lights, data->n_lights)};
+    if (material)
+        reference_view(material, 0, &reference);
+    if (j) {
+        j->context = context;
+        j->data = data;
+        j->material = material ? &reference : NULL;
+        result = measure_all(j, out);
+    }
+    free(j);
+    return result == BTF_ERROR_MEMORY ? enc_fail(context, result, "leave one out: out of memory") : result;
+}
+
+static float *write_error(const enc_error_sum *error, float *out) {
+    *out++ = error->count > 0 ? fminf((float)error->linear, 1.0f) : -1.0f;
+    *out++ = error->count > 0 ? fminf((float)error->srgb, 1.0f) : -1.0f;
+    return out;
+}
+
+size_t enc_leave_one_out_numbers(const enc_leave_one_out *measured, float *out) {
+    const float *const begin = out;
+    const int cells = measured->view_bands.count * measured->light_bands.count;
+    if (measured->views == 0 && measured->lights == 0)
+        return 0;
+    out = enc_bands_write(&measured->view_bands, &measured->light_bands, out);
+    for (int left = ENC_LEFT_VIEW; left <= ENC_LEFT_BOTH; left++) {
+        const enc_left_out_errors *e = &measured->error[left];
+        if (e->material.count == 0)
+            continue;
+        *out++ = (float)left;
+        out = write_error(&e->data, write_error(&e->material, out));
+        for (int cell = 0; cell < cells; cell++)
+            out = write_error(&measured->band_error[left][cell].material, out);
+    }
+    return (size_t)(out - begin);
+}
+
+static const char *const left_names[] = {"", "view", "light", "both"};
+
+static const char *errors_text(const enc_error_sum *sum, char text[32]) {
+    if (sum->count > 0)
+        snprintf(text, 32, "%.2f / %.2f", enc_psnr_linear(sum), enc_psnr_srgb(sum));
+    else
+        text[0] = '\0';
+    return text;
+}
+
+void enc_leave_one_out_print(const enc_leave_one_out *measured, FILE *out) {
+    char first[32], second[32];
+    if (measured->views == 0 && measured->lights == 0)
+        return;
+    fprintf(out,
+            "Between the samples, estimated: %d views and %d lights left out, each predicted from the others\n"
+            "(PSNR in dB, linear / sRGB; they lie twice as far away as for a direction between samples, which\n"
+            "overstates the error, most where relief, shadows or highlights move)\n",
+            measured->views, measured->lights);
+    fprintf(out, "  %-20s %18s %18s\n", "left out", "data, interpolated", "material");
+    for (int left = ENC_LEFT_VIEW; left <= ENC_LEFT_BOTH; left++) {
+        const enc_left_out_errors *e = &measured->error[left];
+        if (e->data.count > 0)
+            fprintf(out, "  %-20s %18s %18s\n", left_names[left], errors_text(&e->data, first),
+                    errors_text(&e->material, second));
+    }
+}
+
+void enc_leave_one_out_json(json *j, const char *key, const enc_leave_one_out *measured) {
+    json_object(j, key);
+    json_integer(j, "views", measured->views);
+    json_integer(j, "lights", measured->lights);
+    for (int left = ENC_LEFT_VIEW; left <= ENC_LEFT_BOTH; left++) {
+        const enc_left_out_errors *e = &measured->error[left];
+        if (e->data.count == 0) {
+            json_null(j, left_names[left]);
+            continue;
+        }
+        const bool material = e->material.count > 0;
+        json_object(j, left_names[left]);
+        json_number(j, "linear", material ? enc_psnr_linear(&e->material) : NAN);
+        json_number(j, "srgb", material ? enc_psnr_srgb(&e->material) : NAN);
+        json_number(j, "data_linear", enc_psnr_linear(&e->data));
+        json_number(j, "data_srgb", enc_psnr_srgb(&e->data));
+        json_end(j);
+    }
+    json_end(j);
+}

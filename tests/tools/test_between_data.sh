@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# Published figures between the samples of BRICKS64: skipped without ../shared. With --long also of the material
+# that btf-encode makes of it.
+#
+# SPDX-License-Identifier: MIT
+. "$(dirname "$0")/common.sh"
+shared=${BTF_SHARED:-$BTF_SOURCE_ROOT/../shared}/data
+data=$shared/BRICKS64.zip pairs=$shared/BRICKS64_between.zip
+if [ ! -r "$data" ] || [ ! -r "$pairs" ]; then
+    echo "skipped: needs $data and $pairs"
+    exit 77
+fi
+
+# figures NAME LINEAR SRGB: of the JSON in out, to the two decimals that are published.
+figures() {
+    expect_that "$1: $2 / $3" python3 - "$2" "$3" <<'P'
+import json, sys
+r = json.load(open("out"))["between"]
+print("%.3f / %.3f" % (r["linear"], r["srgb"]))
+assert r["pairs"] == 200 and "%.2f" % r["linear"] == sys.argv[1] and "%.2f" % r["srgb"] == sys.argv[2]
+P
+}
+if [ "${1:-}" != --long ]; then
+    expect "uncompressed" 0 btf-compare "$data" "$pairs" --no-ssim --json -q
+    figures barycentric 26.36 24.78
+    expect "splines" 0 btf-compare "$data" "$pairs" --interpolation spline --no-ssim --json -q
+    figures "thin-plate splines" 27.78 26.36
+else
+    expect "encode" 0 btf-encode "$data" -o m.btf.exr -q
+    expect "the material" 0 btf-compare m.btf.exr "$pairs" --no-ssim --json -q
+    figures joint 26.29 24.97
+fi
+finish

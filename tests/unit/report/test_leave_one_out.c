@@ -1,0 +1,249 @@
+/* The estimate between the samples: against the same predictions made the long way, and against what must hold.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "decoder/toolkit/reference_view.h"
+#include "encoder/between/blend.h"
+#include "encoder/between/left_out.h"
+#include "encoder/report/leave_one_out.h"
+#include "tests/sample/directions.h"
+#include "tests/sample/sample.h"
+#include "tests/support/random_material.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const enc_context context = {.threads = 2};
+
+static enc_direction *directions(const char *list, int *count) {
+    enc_direction *made = NULL;
+    assert_int_equal(directions_parse(NULL, list, &made, count), BTF_OK);
+    return made;
+}
+
+static enc_left_out left_out(const char *list) {
+    int count;
+    enc_direction *made = directions(list, &count);
+    enc_left_out out;
+    assert_int_equal(enc_left_out_make(&context, made, count, &out), BTF_OK);
+    free(made);
+    return out;
+}
+
+static void test_which_can_be_left_out(void **state) {
+    (void)state;
+    assert_int_equal(left_out("ubo").count, 81);  /* a ring bridges the gap at its rim */
+    assert_int_equal(left_out("tiny").count, 1);  /* the pole; nothing is near the four around it */
+    assert_int_equal(left_out("tiny").index[0], 0);
+    assert_int_equal(left_out("0:1").count, 0);
+    const enc_left_out out = left_out("ubo");
+    for (int i = 0; i < out.count; i++) {
+        uint32_t sum = 0;
+        for (int k = 0; k < 3; k++) {
+            sum += out.near[i].weight[k];
+            assert_true(out.near[i].weight[k] == 0 || out.near[i].index[k] != (uint32_t)out.index[i]);
+        }
+        assert_int_equal(sum, 4096);
+    }
+}
+
+static enc_data *render(relief_kind kind, const char *views, const char *lights, int size) {
+    sample_options o = {.context = &context, .relief = kind, .width = size, .height = size, .supersample = 1,
+                        .grid = 256};
+    enc_direction *v = directions(views, &o.n_views), *l = directions(lights, &o.n_lights);
+    enc_data *data = NULL;
+    o.views = v;
+    o.lights = l;
+    assert_int_equal(sample_render(&o, &data, NULL), BTF_OK);
+    free(v);
+    free(l);
+    return data;
+}
+
+/* The data without some views and lights. */
+static enc_data *without(const enc_data *data, int view, int light) {
+    enc_direction views[256], lights[256];
+    int v = 0, l = 0;
+    for (int i = 0; i < data->n_views; i++)
+        if (i != view)
+            views[v++] = data->views[i];
+    for (int i = 0; i < data->n_lights; i++)
+        if (i != light)
+            lights[l++] = data->lights[i];
+    enc_data *out = NULL;
+    assert_int_equal(enc_data_create(&context, data->width, data->height, v, views, l, lights, &out), BTF_OK);
+    float *to = out->samples;
+    for (size_t t = 0; t < enc_data_texel_count(data); t++)
+        for (int i = 0; i < data->n_views; i++)
+            for (int c = 0; c < 3; c++)
+                for (int k = 0; k < data->n_lights; k++)
+                    if (i != view && k != light)
+                        *to++ = data->samples[t * enc_data_texel_stride(data) +
+                                              (size_t)((i * 3 + c) * data->n_lights + k)];
+    return out;
+}
+
+/* Mean squared error, linear, of the samples (view, light), predicted from the data without what is left out. */
+static double error_without(const enc_data *data, int view, int light, int left) {
+    enc_data *rest =
+        without(data, left & ENC_LEFT_VIEW ? view : -1, left & ENC_LEFT_LIGHT ? light : -1);
+    const size_t texels = enc_data_texel_count(data);
+    float *image = malloc(3 * texels * sizeof *image);
+    enc_blend *blend = NULL;
+    const enc_pair pair = {.view = data->views[view], .light = data->lights[light]};
+    assert_int_equal(enc_blend_create(&context, rest, ENC_INTERPOLATE_LINEAR, &blend), BTF_OK);
+    assert_int_equal(enc_blend_images(&context, blend, &pair, 1, image), BTF_OK);
+    double sum = 0;
+    for (size_t t = 0; t < texels; t++)
+        for (int c = 0; c < 3; c++) {
+            const float truth = data->samples[t * enc_data_texel_stride(data) +
+                                              (size_t)((view * 3 + c) * data->n_lights + light)];
+            const double step = fmin(truth, 1) - fmin(image[3 * t + (size_t)c], 1);
+            sum += step * step;
+        }
+    enc_blend_destroy(&blend);
+    enc_data_destroy(&rest);
+    free(image);
+    return sum / (3 * (double)texels);
+}
+
+/* All predictions, one data set for each: the estimate draws 65,536 of their texels and pairs. */
+static void test_against_the_long_way(void **state) {
+    (void)state;
+    enc_data *data = render(RELIEF_BUMPS, "0:1,50:8", "0:1,55:7", 16);
+    enc_leave_one_out measured;
+    assert_int_equal(enc_leave_one_out_measure(&context, data, NULL, &measured), BTF_OK);
+    assert_true(measured.views == 9 && measured.lights == 8);
+    for (int left = ENC_LEFT_VIEW; left <= ENC_LEFT_BOTH; left++) {
+        double sum = 0;
+        for (int v = 0; v < data->n_views; v++)
+            for (int l = 0; l < data->n_lights; l++)
+                sum += error_without(data, v, l, left) / (data->n_views * data->n_lights);
+        const enc_error_sum *found = &measured.error[left].data;
+        assert_true(measured.error[left].material.count == 0);
+        if (fabs(enc_psnr_linear(found) + 10 * log10(sum)) > 0.1)
+            fail_msg("left out %d: %f dB, the long way %f dB", left, enc_psnr_linear(found), -10 * log10(sum));
+    }
+    enc_data_destroy(&data);
+}
+
+/* A material that decodes to the data has the data's own errors. */
+static void test_an_exact_material(void **state) {
+    (void)state;
+    random_state r = {5};
+    btf_material_desc desc = random_material_desc(6, 5, 19, 19, BTF_LAYOUT_TIGHT, BTF_EFFECT_RESIDUAL);
+    desc.info.colour = BTF_COLOUR_NONE;
+    desc.info.lobes = 0;
+    desc.info.domain = BTF_DOMAIN_LINEAR;
+    desc.info.components = 4;
+    random_material_fill(&r, &desc);
+    btf_material *material = NULL;
+    assert_int_equal(btf_material_create(&desc, NULL, &material), BTF_OK);
+    enc_direction v[19], l[19];
+    for (int i = 0; i < 19; i++) {
+        const float *p = desc.views + 3 * i, *q = desc.lights + 3 * i;
+        v[i] = enc_direction_from_angles(acos(p[2]) * 180 / M_PI, atan2(p[1], p[0]) * 180 / M_PI);
+        l[i] = enc_direction_from_angles(acos(q[2]) * 180 / M_PI, atan2(q[1], q[0]) * 180 / M_PI);
+    }
+    enc_data *data = NULL;
+    assert_int_equal(enc_data_create(&context, 6, 5, 19, v, 19, l, &data), BTF_OK);
+    btf_ref_material reference;
+    reference_view(material, 0, &reference);
+    const btf_ref_options options = {.effects = BTF_EFFECT_ALL, .components = UINT32_MAX,
+                                     .interpolation = BTF_REF_NEAREST};
+    for (uint32_t t = 0; t < 30; t++)
+        for (int i = 0; i < 19; i++)
+            for (int k = 0; k < 19; k++) {
+                float rgb[3];
+                btf_ref_evaluate_texel(&reference, &options, t % 6, t / 6, desc.lights + 3 * k,
+                                       desc.views + 3 * i, rgb);
+                for (int c = 0; c < 3; c++)
+                    data->samples[t * enc_data_texel_stride(data) + (size_t)((i * 3 + c) * 19 + k)] = rgb[c];
+            }
+    enc_leave_one_out measured;
+    assert_int_equal(enc_leave_one_out_measure(&context, data, material, &measured), BTF_OK);
+    const enc_left_out_errors *view = &measured.error[ENC_LEFT_VIEW], *both = &measured.error[ENC_LEFT_BOTH];
+    /* The same views are blended, in radiance: rounding alone differs, and where the sum is below 0, which the
+     * decoder takes for 0 view by view as the data do. */
+    assert_true(view->data.linear > 0 && fabs(view->material.linear / view->data.linear - 1) < 1e-4);
+    assert_true(view->material.count == view->data.count && both->data.linear > 0);
+    float numbers[ENC_BETWEEN_NUMBERS];
+    const int v_bands = measured.view_bands.count, l_bands = measured.light_bands.count;
+    assert_int_equal(enc_leave_one_out_numbers(&measured, numbers),
+                     4 + v_bands + l_bands + 3 * (5 + 2 * v_bands * l_bands));
+    const float *row = numbers + 4 + v_bands + l_bands;
+    assert_true(row[0] == ENC_LEFT_VIEW && row[1] == fminf((float)view->material.linear, 1) &&
+                row[4] == fminf((float)view->data.srgb, 1));
+    assert_true(row[5 + 2 * v_bands * l_bands] == ENC_LEFT_LIGHT);
+    enc_data_destroy(&data);
+    btf_material_close(&material);
+    random_material_free(&desc);
+}
+
+static void test_threads_and_memory(void **state) {
+    (void)state;
+    enc_data *data = render(RELIEF_BRICKS, "small", "small", 8);
+    const enc_context alone = {.threads = 1};
+    enc_leave_one_out two, one;
+    assert_int_equal(enc_leave_one_out_measure(&context, data, NULL, &two), BTF_OK);
+    assert_int_equal(enc_leave_one_out_measure(&alone, data, NULL, &one), BTF_OK);
+    assert_memory_equal(&one, &two, sizeof one);
+    enc_data_destroy(&data);
+}
+
+/* Bands are of rings, and all together their mean, weighted by the pairs that they have. */
+static void test_bands(void **state) {
+    (void)state;
+    enc_data *data = render(RELIEF_BUMPS, "0:1,30:6,60:12", "0:1,45:5", 8);
+    enc_leave_one_out measured;
+    static const int views[3] = {1, 6, 12}, lights[2] = {1, 5};
+    assert_int_equal(enc_leave_one_out_measure(&context, data, NULL, &measured), BTF_OK);
+    assert_true(measured.view_bands.count == 3 && measured.light_bands.count == 2);
+    for (int left = ENC_LEFT_VIEW; left <= ENC_LEFT_BOTH; left++) {
+        double sum = 0, weight = 0;
+        for (int cell = 0; cell < 6; cell++) {
+            const enc_error_sum *e = &measured.band_error[left][cell].data;
+            const bool rim = cell % 2 == 1; /* five lights at 45 are too far apart to stand for one another */
+            if (left & ENC_LEFT_LIGHT && rim) {
+                assert_true(e->count == 0);
+                continue;
+            }
+            assert_true(e->count == 1 && e->linear > 0 && e->srgb > 0);
+            sum += views[cell / 2] * lights[cell % 2] * e->linear;
+            weight += views[cell / 2] * lights[cell % 2];
+        }
+        assert_true(fabs(measured.error[left].data.linear - sum / weight) < 1e-9);
+    }
+    float numbers[ENC_BETWEEN_NUMBERS];
+    assert_int_equal(enc_leave_one_out_numbers(&measured, numbers), 2 + 4 + 3); /* no material: no row */
+    enc_data_destroy(&data);
+}
+
+/* One light cannot be left out: the views are, alone. */
+static void test_one_light(void **state) {
+    (void)state;
+    enc_data *data = render(RELIEF_FLAT, "small", "0:1", 8);
+    enc_leave_one_out measured;
+    assert_int_equal(enc_leave_one_out_measure(&context, data, NULL, &measured), BTF_OK);
+    assert_true(measured.views > 0 && measured.lights == 0);
+    assert_true(measured.error[ENC_LEFT_VIEW].data.count > 0 && measured.error[ENC_LEFT_LIGHT].data.count == 0 &&
+                measured.error[ENC_LEFT_BOTH].data.count == 0);
+    enc_data_destroy(&data);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_which_can_be_left_out), cmocka_unit_test(test_against_the_long_way),
+        cmocka_unit_test(test_an_exact_material),     cmocka_unit_test(test_threads_and_memory),
+        cmocka_unit_test(test_bands),
+        cmocka_unit_test(test_one_light),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
