@@ -25,8 +25,7 @@ btf_result enc_blend_create(const enc_context *context, const enc_data *data, en
     if (result == BTF_OK) {
         blend->data = data;
         blend->roots = kind == ENC_INTERPOLATE_SPLINE;
-        result =
-            enc_interpolator_create(context, "views", data->views, data->n_views, kind, &blend->views);
+        result = enc_interpolator_create(context, "views", data->views, data->n_views, kind, &blend->views);
     }
     if (result == BTF_OK)
         result =
@@ -66,15 +65,15 @@ static void blend_texel(const enc_blend *b, const pair_weights *w, const float *
     for (size_t c = 0; c < 3; c++) {
         float sum = 0;
         for (int a = 0; a < w->view.count; a++)
-            sum += w->view.weight[a] * weigh(samples + (w->view.index[a] * 3 + c) * lights, &w->light,
-                                             all && b->roots);
+            sum += w->view.weight[a] *
+                   weigh(samples + (w->view.index[a] * 3 + c) * lights, &w->light, all && b->roots);
         out[c] = !b->roots ? sum : sum > 0 ? sum * sum : 0.0f;
     }
 }
 
 /* One texel of the images of all pairs: out[pair][texel][3]. */
 static btf_result blend_all(const enc_context *context, const enc_blend *b, const pair_weights *weights,
-                               size_t count, size_t texel, float *buffer, float *roots, float *out) {
+                            size_t count, size_t texel, float *buffer, float *roots, float *out) {
     const size_t texels = enc_data_texel_count(b->data), stride = enc_data_texel_stride(b->data);
     const float *samples;
     const btf_result result = enc_data_texels(context, b->data, texel, 1, buffer, &samples);

@@ -20,7 +20,8 @@ static void decode_row(const btf_ref_material *m, const btf_ref_options *options
 }
 
 btf_result enc_decode_pairs(const enc_context *context, const btf_ref_material *material,
-                            const btf_ref_options *options, const enc_pair *pairs, size_t count, float *out) {
+                            const btf_ref_options *options, const enc_pair *pairs, size_t count,
+                            float *out) {
     const size_t rows = count * material->height;
     btf_result result = BTF_OK;
 #pragma omp parallel for schedule(dynamic, 8) num_threads(context->threads)

@@ -17,10 +17,10 @@ struct enc_interpolator {
     btf_material *tables; /* of one texel: what holds the decoder's table of these directions */
     const uint16_t *table;
     uint32_t grid;
-    int size;            /* of the spline's system: count + 3, or 0 */
-    double (*place)[2];  /* [count] in the stereographic plane */
-    double *factors;     /* [size][size]: L and U of the system, rows as `row` has them */
-    int *row;            /* [size] */
+    int size;           /* of the spline's system: count + 3, or 0 */
+    double (*place)[2]; /* [count] in the stereographic plane */
+    double *factors;    /* [size][size]: L and U of the system, rows as `row` has them */
+    int *row;           /* [size] */
 };
 
 /* A material of one texel with these directions as views: the decoder's own triangulation and table. */
@@ -141,10 +141,11 @@ static btf_result make_spline(const enc_context *context, const char *name, cons
     }
     out->size = n;
     if (!factorise(n, out->factors, out->row))
-        return enc_fail(context, BTF_ERROR_UNSUPPORTED,
-                        "%d %s are too few for a thin-plate spline, or lie in one line: three that do not are "
-                        "needed",
-                        out->count, name);
+        return enc_fail(
+            context, BTF_ERROR_UNSUPPORTED,
+            "%d %s are too few for a thin-plate spline, or lie in one line: three that do not are "
+            "needed",
+            out->count, name);
     return BTF_OK;
 }
 

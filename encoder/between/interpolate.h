@@ -9,8 +9,8 @@
 
 typedef enum enc_interpolation {
     ENC_INTERPOLATE_NEAREST = 0, /* the decoder's nearest mode */
-    ENC_INTERPOLATE_LINEAR,      /* barycentric: the decoder's triangles and integer weights (FORMAT.md, 6) */
-    ENC_INTERPOLATE_SPLINE,      /* a thin-plate spline through all samples, in the stereographic plane */
+    ENC_INTERPOLATE_LINEAR, /* barycentric: the decoder's triangles and integer weights (FORMAT.md, 6) */
+    ENC_INTERPOLATE_SPLINE, /* a thin-plate spline through all samples, in the stereographic plane */
 } enc_interpolation;
 
 /* Samples and their weights, which sum to 1. */

@@ -15,7 +15,8 @@ static void place(const float xyz[3], double out[2]) {
     out[1] = xyz[1] / (1.0 + xyz[2]);
 }
 
-/* Whether the point that the weights stand for, in the stereographic plane, is near enough to direction i. */
+/* Whether the point that the weights stand for, in the stereographic plane, is near enough to direction i.
+ */
 static bool reaches(const enc_direction *directions, int count, int i, const enc_weights *w) {
     double own[2], other[2], found[2] = {0, 0}, least = HUGE_VAL;
     place(directions[i].xyz, own);

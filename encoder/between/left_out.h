@@ -1,5 +1,5 @@
-/* Each direction of a list seen by the others: the decoder's triangles and weights, as they would be had it not
- * been sampled.
+/* Each direction of a list seen by the others: the decoder's triangles and weights, as they would be had it
+ * not been sampled.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -10,14 +10,14 @@
 #include "encoder/data/data.h"
 
 typedef struct enc_left_out {
-    int count;                      /* directions that can be left out, of which the others have something to say */
-    int index[256];                 /* [count] in the list, ascending */
-    btf_ref_neighbours near[256];   /* [count]: indices in the list */
+    int count;      /* directions that can be left out, of which the others have something to say */
+    int index[256]; /* [count] in the list, ascending */
+    btf_ref_neighbours near[256]; /* [count]: indices in the list */
 } enc_left_out;
 
-/* A direction at the rim can be left out only where the hull of the others ends close to it: nearer than half of
- * the way to the nearest other direction, which holds of rings but not of a single direction that is farthest out.
- * A list of one has none. Errors: those of btf_material_create, BTF_ERROR_MEMORY. */
+/* A direction at the rim can be left out only where the hull of the others ends close to it: nearer than
+ * half of the way to the nearest other direction, which holds of rings but not of a single direction that
+ * is farthest out. A list of one has none. Errors: those of btf_material_create, BTF_ERROR_MEMORY. */
 btf_result enc_left_out_make(const enc_context *context, const enc_direction *directions, int count,
                              enc_left_out *out);
 

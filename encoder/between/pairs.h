@@ -34,11 +34,12 @@ typedef enum enc_image_set {
 btf_result enc_pairs_classify(const enc_context *context, const char *path, const enc_read_options *options,
                               enc_image_set *out_set);
 
-/* Opens a folder or an archive: parses all names and reads the first image, which settles the size; the
- * others are read when asked for. Names and options are those of enc_read. Errors, on the log with the
- * file's name: those of enc_read_source; BTF_ERROR_USAGE (options that have no meaning for pairs),
- * BTF_ERROR_BAD_FILE (a name without directions, a theta not in 0..90, one pair twice, a damaged image),
- * BTF_ERROR_UNSUPPORTED, BTF_ERROR_MEMORY. */
+/* Opens a folder or an archive: understands all names and reads the first image, which settles the size;
+ * the others are read when asked for. Names and options are those of enc_read; where the names of a
+ * folder's images do not tell directions and options have no table, one called directions.csv that lies in
+ * it does. Errors, on the log with the file's name: those of enc_read_source; BTF_ERROR_USAGE (options that
+ * have no meaning for pairs), BTF_ERROR_BAD_FILE (no name with directions, a theta not in 0..90, one pair
+ * twice, a damaged image), BTF_ERROR_UNSUPPORTED, BTF_ERROR_MEMORY. */
 btf_result enc_pairs_open(const enc_context *context, const char *path, const enc_read_options *options,
                           enc_pairs **out_pairs);
 void enc_pairs_close(enc_pairs **pairs);

@@ -325,6 +325,22 @@ static btf_result find_images(const enc_context *context, const enc_source *sour
     return result;
 }
 
+btf_result enc_grid_list(const enc_context *context, const enc_source *source,
+                         const enc_read_options *options, enc_grid_image **out_images, size_t *out_count) {
+    named_image *images = NULL;
+    *out_images = NULL;
+    btf_result result = find_images(context, source, options, &images, out_count);
+    if (result == BTF_OK && !(*out_images = malloc(*out_count * sizeof **out_images)))
+        result = BTF_ERROR_MEMORY;
+    for (size_t i = 0; result == BTF_OK && i < *out_count; i++)
+        (*out_images)[i] = (enc_grid_image){
+            .source = images[i].source,
+            .view = enc_direction_from_angles(images[i].view.theta, images[i].view.phi),
+            .light = enc_direction_from_angles(images[i].light.theta, images[i].light.phi)};
+    free(images);
+    return result;
+}
+
 /* Collects the directions of one kind (views or lights) in paper order. */
 static btf_result collect(const enc_context *context, const enc_source *source, const named_image *images,
                           size_t count, bool lights, named_direction **out_list, size_t *out_count) {

@@ -30,6 +30,18 @@ btf_result enc_grid_create(const enc_context *context, const enc_source *source,
                            const enc_read_options *options, enc_grid **out_grid);
 void enc_grid_destroy(enc_grid **grid);
 
+/* An image and the directions that its name, or the table of the options, gives. */
+typedef struct enc_grid_image {
+    size_t source; /* index into the source's paths */
+    enc_direction view, light;
+} enc_grid_image;
+
+/* The images of a source, whether they form a grid or not, in its order; names are understood and
+ * complained of as enc_grid_create does. *out_images is malloc'ed. Errors: BTF_ERROR_BAD_FILE,
+ * BTF_ERROR_MEMORY. */
+btf_result enc_grid_list(const enc_context *context, const enc_source *source,
+                         const enc_read_options *options, enc_grid_image **out_images, size_t *out_count);
+
 /* The azimuth that options make of a given one, degrees in [0, 360), on a grid of 1e-9 degrees so that 360
  * - tiny does not differ from 0. */
 double enc_grid_azimuth(const enc_read_options *options, double theta, double phi);

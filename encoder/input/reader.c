@@ -12,6 +12,7 @@
 #include "light_positions.h"
 #include "grid.h"
 #include "notices.h"
+#include "radiance.h"
 #include "encoder/base/ranks.h"
 #include "source_archive.h"
 #include "source_folder.h"
@@ -24,12 +25,11 @@
 #include <sys/stat.h>
 
 enum {
-    MAX_SIDE = 16384,
     BATCH_FILES = 64,        /* files in memory at once, as they are on disk ... */
     BATCH_BYTES = 64 << 20,  /* ... and when to take no more of them */
     BLOCK_BYTES = 128 << 20, /* linear images of a block, when memory is unbounded */
     CHUNK = 16,              /* texels transposed together: one cache line of each plane */
-    MESSAGE_SIZE = 480, /* the channels of an OpenEXR file among them */
+    MESSAGE_SIZE = 480,      /* the channels of an OpenEXR file among them */
 };
 
 /* A file of a batch, and what became of it. */
@@ -48,12 +48,9 @@ typedef struct reader {
     enc_source *source;
     enc_grid *grid;
     size_t *mine, n_mine; /* items of the grid that this process reads, ascending: its share of the views */
-    enc_decoder *decoder; /* of the first image, which every other one is expected to be like */
     enc_data *data;
     int threads;
-    int file_width, file_height; /* of every image, as in the files */
-    enc_rectangle area;          /* the part that is used */
-    int width, height;           /* of the BTF */
+    enc_radiance radiance; /* how images are converted; their size */
 
     void *first_file; /* the first image's file, read to learn the size */
     size_t first_size;
@@ -81,9 +78,9 @@ static btf_result check_options(const enc_context *context, const enc_read_optio
     if (!isfinite(o->azimuth_offset))
         return enc_fail(context, BTF_ERROR_USAGE, "azimuth offset %g is not finite", o->azimuth_offset);
     if ((o->size[0] != 0 || o->size[1] != 0) &&
-        (o->size[0] < 1 || o->size[1] < 1 || o->size[0] > MAX_SIDE || o->size[1] > MAX_SIDE))
+        (o->size[0] < 1 || o->size[1] < 1 || o->size[0] > ENC_MAX_SIDE || o->size[1] > ENC_MAX_SIDE))
         return enc_fail(context, BTF_ERROR_USAGE, "size %dx%d is not usable: each side is 1 to %d",
-                        o->size[0], o->size[1], MAX_SIDE);
+                        o->size[0], o->size[1], ENC_MAX_SIDE);
     const bool no_crop = o->crop[0] == 0 && o->crop[1] == 0 && o->crop[2] == 0 && o->crop[3] == 0;
     if (!no_crop && (o->crop[0] < 0 || o->crop[1] < 0 || o->crop[2] < 1 || o->crop[3] < 1))
         return enc_fail(context, BTF_ERROR_USAGE, "crop %d,%d,%d,%d is not usable", o->crop[0], o->crop[1],
@@ -91,73 +88,21 @@ static btf_result check_options(const enc_context *context, const enc_read_optio
     return BTF_OK;
 }
 
-/* How an image's samples are coded: as the options say, else as the file does. */
-static enc_transfer transfer_of(const reader *r, const enc_image *image, double *out_gamma) {
-    *out_gamma = r->options->gamma;
-    if (r->options->transfer != ENC_TRANSFER_AUTO || image->depth == 32)
-        return r->options->transfer;
-    return enc_transfer_of(image, out_gamma);
-}
-
-/* Reads the first image to learn the size of all, and settles what becomes of it. */
+/* Reads the first image to learn what all are like. */
 static btf_result settle_size(reader *r) {
     char message[MESSAGE_SIZE] = "";
-    enc_image image = {0};
-    btf_result result = r->source->read(r->source, r->grid->items[0].source, &r->first_file, &r->first_size,
-                                        message, sizeof message);
-    if (result == BTF_OK)
-        result = enc_image_decode_layer(r->first_file, r->first_size, r->options->layer, &image, message,
-                                        sizeof message);
+    const btf_result result = r->source->read(r->source, r->grid->items[0].source, &r->first_file,
+                                              &r->first_size, message, sizeof message);
     if (result != BTF_OK)
         return report(r, 0, result, message);
-    double gamma;
-    const enc_transfer transfer = transfer_of(r, &image, &gamma);
-    if (!(r->decoder = enc_decoder_create(transfer, gamma))) {
-        enc_image_clear(&image);
-        return BTF_ERROR_MEMORY;
-    }
-    r->file_width = image.width;
-    r->file_height = image.height;
-    enc_image_clear(&image);
-
-    const int *crop = r->options->crop, *size = r->options->size;
-    r->area = crop[2] ? (enc_rectangle){crop[0], crop[1], crop[2], crop[3]}
-                      : (enc_rectangle){0, 0, r->file_width, r->file_height};
-    if (r->area.x > r->file_width - r->area.width || r->area.y > r->file_height - r->area.height)
-        return enc_fail(r->context, BTF_ERROR_USAGE,
-                        "crop %d,%d,%d,%d does not lie within images of %dx%d pixels", crop[0], crop[1],
-                        crop[2], crop[3], r->file_width, r->file_height);
-    r->width = size[0] ? size[0] : r->area.width;
-    r->height = size[1] ? size[1] : r->area.height;
-    if (r->width > MAX_SIDE || r->height > MAX_SIDE)
-        return enc_fail(r->context, BTF_ERROR_UNSUPPORTED,
-                        "%s: size %dx%d is not usable: each side is 1 to %d (see --size and --crop)",
-                        r->source->location, r->width, r->height, MAX_SIDE);
-    return BTF_OK;
-}
-
-/* Names the first sample that is no number, or below 0 when that is refused; names[channel] in the message.
- */
-static btf_result check_values(const reader *r, const float *pixels, const char *names,
-                               bool refuse_negative, batch_file *file) {
-    const size_t count = (size_t)r->area.width * (size_t)r->area.height * 3;
-    for (size_t i = 0; i < count; i++) {
-        const bool finite = isfinite(pixels[i]);
-        if (finite && !(refuse_negative && pixels[i] < 0.0f))
-            continue;
-        const size_t texel = i / 3, width = (size_t)r->area.width;
-        snprintf(file->message, sizeof file->message, "column %zu, row %zu, channel %c is %s (%g)",
-                 (size_t)r->area.x + texel % width, (size_t)r->area.y + texel / width, names[i % 3],
-                 finite ? "below 0" : "not a finite number", (double)pixels[i]);
-        return BTF_ERROR_BAD_FILE;
-    }
-    return BTF_OK;
+    return enc_radiance_settle(r->context, r->options, r->source->location, path_of(r, 0), r->first_file,
+                               r->first_size, &r->radiance);
 }
 
 /* Interleaved linear pixels times `factor` to three planes, negative samples clamped and counted. */
 static void store_planes(const reader *r, const float *pixels, float factor, float *planes,
                          batch_file *file) {
-    const size_t texels = (size_t)r->width * (size_t)r->height;
+    const size_t texels = (size_t)r->radiance.width * (size_t)r->radiance.height;
     uint64_t negative = 0;
     for (size_t c = 0; c < 3; c++) {
         for (size_t t = 0; t < texels; t++) {
@@ -169,86 +114,18 @@ static void store_planes(const reader *r, const float *pixels, float factor, flo
     file->negative = negative;
 }
 
-/* Decodes the part that is used to linear Rec. 709, or the space that --colour names. */
-static btf_result decode_area(const reader *r, enc_image *image, float *pixels, batch_file *file) {
-    double gamma;
-    const enc_transfer transfer = transfer_of(r, image, &gamma);
-    if (r->options->transfer == ENC_TRANSFER_AUTO && image->info.transfer == IMAGE_TRANSFER_OTHER) {
-        snprintf(file->message, sizeof file->message, "%s is not read: --transfer says how values are coded",
-                 image->info.transfer_name);
-        return BTF_ERROR_UNSUPPORTED;
-    }
-    if (enc_decoder_is(r->decoder, transfer, gamma)) {
-        enc_decode_pixels(r->decoder, image, r->area, pixels);
-    } else {
-        enc_decoder *own = enc_decoder_create(transfer, gamma);
-        if (!own)
-            return BTF_ERROR_MEMORY;
-        enc_decode_pixels(own, image, r->area, pixels);
-        enc_decoder_destroy(&own);
-    }
-    if (r->options->transfer == ENC_TRANSFER_AUTO && image->info.transfer_name[0])
-        image_note(&image->info, IMAGE_NOTE_TRANSFER, "%s is followed", image->info.transfer_name);
-    if (r->options->colour == ENC_COLOUR_AUTO && image->info.converts && image->channels == 3) {
-        primaries_apply(image->info.to_rec709, (size_t)r->area.width * (size_t)r->area.height, pixels);
-        image_note(&image->info, IMAGE_NOTE_PRIMARIES, "%s: converted to Rec. 709", image->info.primaries_name);
-    }
-    file->notes = image->info.notes;
-    return BTF_OK;
-}
-
 /* One file from bytes to planes[channel][texel]. Runs on any thread; does not log. */
 static btf_result convert(const reader *r, size_t item, batch_file *file, float *planes) {
-    enc_image image = {0};
-    float *pixels = NULL, *resized = NULL;
     const enc_direction *light = &r->grid->lights[r->grid->items[item].light];
     const float factor = r->options->cosine == ENC_COSINE_MISSING ? light->xyz[2] : 1.0f;
-    const bool resize = r->width != r->area.width || r->height != r->area.height;
-    btf_result result =
-        enc_image_decode_layer(file->data, file->size, r->options->layer, &image, file->message,
-                               sizeof file->message);
-    if (result != BTF_OK)
-        return result;
-    if (image.width != r->file_width || image.height != r->file_height) {
-        snprintf(file->message, sizeof file->message, "%dx%d pixels, but the first image has %dx%d",
-                 image.width, image.height, r->file_width, r->file_height);
-        result = BTF_ERROR_BAD_FILE;
-        goto done;
-    }
-    if (image.xyz && r->options->colour != ENC_COLOUR_XYZ) {
-        snprintf(file->message, sizeof file->message, "the channels are X, Y, Z: use --colour xyz");
-        result = BTF_ERROR_BAD_FILE;
-        goto done;
-    }
-    result = BTF_ERROR_MEMORY;
-    const size_t count = (size_t)r->area.width * (size_t)r->area.height;
-    pixels = malloc(count * 3 * sizeof *pixels);
-    resized = resize ? malloc((size_t)r->width * (size_t)r->height * 3 * sizeof *resized) : NULL;
-    if (!pixels || (resize && !resized))
-        goto done;
-    result = decode_area(r, &image, pixels, file);
-    if (result != BTF_OK)
-        goto done;
-    enc_image_clear(&image);
-    if (r->options->colour == ENC_COLOUR_XYZ) {
-        result = check_values(r, pixels, "XYZ", false, file);
-        if (result != BTF_OK)
-            goto done;
-        enc_xyz_to_rgb(pixels, count);
-    }
-    result = check_values(r, pixels, "RGB", r->options->strict, file);
-    if (result != BTF_OK)
-        goto done;
-    if (r->options->flip_v)
-        enc_flip_rows(pixels, r->area.width, r->area.height);
-    if (resize)
-        result = enc_resize_area(pixels, r->area.width, r->area.height, resized, r->width, r->height);
+    float *pixels = malloc((size_t)r->radiance.width * (size_t)r->radiance.height * 3 * sizeof *pixels);
+    if (!pixels)
+        return BTF_ERROR_MEMORY;
+    const btf_result result = enc_radiance_convert(&r->radiance, file->data, file->size, pixels,
+                                                   &file->notes, file->message, sizeof file->message);
     if (result == BTF_OK)
-        store_planes(r, resize ? resized : pixels, factor, planes, file);
-done:
-    enc_image_clear(&image);
+        store_planes(r, pixels, factor, planes, file);
     free(pixels);
-    free(resized);
     return result;
 }
 
@@ -282,7 +159,7 @@ static void note(reader *r, size_t item, const image_notes *notes) {
 /* Reads up to `count` images from mine[first] on into the planes; *out_done says how many it was. A
  * sequential source is read by one thread ahead of the decoding. */
 static btf_result read_batch(reader *r, size_t first, size_t count, float *planes, size_t *out_done) {
-    const size_t plane = (size_t)r->width * (size_t)r->height * 3;
+    const size_t plane = (size_t)r->radiance.width * (size_t)r->radiance.height * 3;
     batch_file *files = calloc(BATCH_FILES, sizeof *files);
     if (!files)
         return BTF_ERROR_MEMORY;
@@ -333,7 +210,8 @@ static int by_place(const void *a, const void *b) {
 
 /* Turns a block of images to texel-major order. Neighbouring places are stored as one run. */
 static btf_result scatter(reader *r, size_t first, size_t count) {
-    const size_t texels = (size_t)r->width * (size_t)r->height, lights = (size_t)r->grid->n_lights;
+    const size_t texels = (size_t)r->radiance.width * (size_t)r->radiance.height,
+                 lights = (size_t)r->grid->n_lights;
     const size_t n = 3 * count;
     plane_place *places = malloc(n * sizeof *places);
     if (!places)
@@ -378,7 +256,7 @@ static btf_result scatter(reader *r, size_t first, size_t count) {
 
 /* How many images a block holds: whole views where that is possible, so that runs are long. */
 static size_t block_size(const reader *r) {
-    const size_t image = (size_t)r->width * (size_t)r->height * 3 * sizeof(float);
+    const size_t image = (size_t)r->radiance.width * (size_t)r->radiance.height * 3 * sizeof(float);
     size_t bytes = BLOCK_BYTES;
     if (r->context->memory > 0 && !r->data->samples)
         bytes = r->context->memory / 2;
@@ -405,12 +283,12 @@ static btf_result settle_share(reader *r) {
 }
 
 static btf_result read_mine(reader *r) {
-    const size_t plane = (size_t)r->width * (size_t)r->height * 3;
+    const size_t plane = (size_t)r->radiance.width * (size_t)r->radiance.height * 3;
     r->block = block_size(r);
     r->planes = malloc(r->block * plane * sizeof *r->planes);
     if (!r->planes)
         return enc_fail(r->context, BTF_ERROR_MEMORY, "no memory for %zu images of %dx%d", r->block,
-                        r->width, r->height);
+                        r->radiance.width, r->radiance.height);
     btf_result result = BTF_OK;
     for (size_t first = 0; first < r->n_mine && result == BTF_OK; first += r->block) {
         const size_t count = r->n_mine - first < r->block ? r->n_mine - first : r->block;
@@ -463,13 +341,13 @@ static btf_result read_images(reader *r) {
 static btf_result announce(const reader *r) {
     const unsigned char *file = r->first_file;
     const bool jpeg = r->first_size > 2 && file[0] == 0xFF && file[1] == 0xD8;
-    const enc_extent extent = {.width = r->width,
-                               .height = r->height,
+    const enc_extent extent = {.width = r->radiance.width,
+                               .height = r->radiance.height,
                                .n_views = r->grid->n_views,
                                .n_lights = r->grid->n_lights,
                                .origin = jpeg ? ENC_ORIGIN_JPEG : ENC_ORIGIN_IMAGES,
-                               .pixels = (uint64_t)r->grid->count * (uint64_t)r->file_width *
-                                         (uint64_t)r->file_height};
+                               .pixels = (uint64_t)r->grid->count * (uint64_t)r->radiance.file_width *
+                                         (uint64_t)r->radiance.file_height};
     return enc_extent_announce(r->context, &extent);
 }
 
@@ -508,8 +386,8 @@ static btf_result read_set(const enc_context *context, const char *input, const 
     if (result == BTF_OK)
         result = announce(&r);
     if (result == BTF_OK)
-        result = enc_data_create(context, r.width, r.height, r.grid->n_views, r.grid->views,
-                                 r.grid->n_lights, r.grid->lights, &r.data);
+        result = enc_data_create(context, r.radiance.width, r.radiance.height, r.grid->n_views,
+                                 r.grid->views, r.grid->n_lights, r.grid->lights, &r.data);
     if (result == BTF_OK && !(r.data->source = strdup(input)))
         result = BTF_ERROR_MEMORY;
     if (result == BTF_OK)
@@ -527,7 +405,7 @@ static btf_result read_set(const enc_context *context, const char *input, const 
     free(r.planes);
     free(r.mine);
     enc_data_destroy(&r.data);
-    enc_decoder_destroy(&r.decoder);
+    enc_radiance_clear(&r.radiance);
     enc_notices_destroy(&r.notices);
     enc_grid_destroy(&r.grid);
     enc_source_close(&r.source);

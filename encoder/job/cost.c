@@ -11,6 +11,7 @@
 #include "memory.h"
 #include "encoder/model/pack.h"
 #include "encoder/paper/choose_effects.h"
+#include "encoder/report/leave_one_out.h"
 
 #include <math.h>
 #include <openbtf/material.h>
@@ -25,8 +26,8 @@ static const double per_fit = 110e-9, per_shadow = 20e-9, per_flow = 1.2e-6, per
                     per_refine = 0.05e-9, per_cluster = 0.1e-9, hidden_share = 0.25;
 /* of what comes after the analysis. */
 static const double per_measured = 8e-9, per_measured_component = 0.17e-9, per_measured_lobe = 6e-9,
-                    per_ssim = 8e-9, per_evaluation = 0.25e-6, per_packed = 30e-9, per_saved = 800e-9,
-                    per_filtered = 2e-9;
+                    per_ssim = 8e-9, per_evaluation = 0.25e-6, per_left_out = 0.4e-6, per_packed = 30e-9,
+                    per_saved = 800e-9, per_filtered = 2e-9;
 
 /* A list under construction. */
 typedef struct list {
@@ -176,6 +177,10 @@ size_t enc_cost_parts(const enc_context *context, const enc_job *job, const enc_
     add(&l, "measure", c.samples * (steps * sample + per_ssim));
     add(&l, "effect errors",
         fmin(c.samples / 6, EFFECT_ERROR_SAMPLES) * per_evaluation * (1 + 0.02 * found.components));
+    add(&l, "leave one out",
+        fmin(c.texels, ENC_LEFT_OUT_TEXELS) *
+            (3 * ENC_LEFT_OUT_PAIRS * per_left_out * (1 + 0.02 * found.components) +
+             3 * c.views * c.lights * fetch));
     if (levels > 1)
         add(&l, "measure levels", further(levels) * c.samples * (sample + per_filtered + fetch));
     if (job->pictures)

@@ -15,8 +15,8 @@ typedef struct enc_bands {
     double limit[BTF_MAX_BANDS + 1];
 } enc_bands;
 
-/* One band a ring, consecutive rings together where there are more than BTF_MAX_BANDS; limits lie midway between
- * rings, the first at the pole, the last on the outermost ring. */
+/* One band a ring, consecutive rings together where there are more than BTF_MAX_BANDS; limits lie midway
+ * between rings, the first at the pole, the last on the outermost ring. */
 enc_bands enc_bands_make(const enc_direction *directions, int count);
 
 /* The directions of a band, indices in rising order; returns how many. */

@@ -197,9 +197,9 @@ btf_result enc_between_measure(const enc_context *context, const enc_pairs *pair
         return BTF_OK;
     }
     enc_between_destroy(&b);
-    return result == BTF_ERROR_MEMORY ? enc_fail(context, result, "comparing %zu images: out of memory",
-                                                 pairs->count)
-                                      : result;
+    return result == BTF_ERROR_MEMORY
+               ? enc_fail(context, result, "comparing %zu images: out of memory", pairs->count)
+               : result;
 }
 
 void enc_between_destroy(enc_between **between) {
@@ -241,7 +241,8 @@ void enc_between_print(const enc_between *b, const enc_pairs *pairs, size_t wors
         char view[32], light[32];
         snprintf(view, sizeof view, "%.5g,%.5g", pair->view.theta, pair->view.phi);
         snprintf(light, sizeof light, "%.5g,%.5g", pair->light.theta, pair->light.phi);
-        fprintf(out, "%-16s %-16s %8.3f %8.3f\n", view, light, enc_psnr_linear(error), enc_psnr_srgb(error));
+        fprintf(out, "%-16s %-16s %8.3f %8.3f\n", view, light, enc_psnr_linear(error),
+                enc_psnr_srgb(error));
     }
 }
 
@@ -325,8 +326,8 @@ static void make_error(size_t n, float *a, const float *b) {
     }
 }
 
-static void draw_row(sheet *s, size_t row, const enc_pairs *pairs, size_t p, const enc_between_pair *measured,
-                     float *truth, const float *model) {
+static void draw_row(sheet *s, size_t row, const enc_pairs *pairs, size_t p,
+                     const enc_between_pair *measured, float *truth, const float *model) {
     const int y = HEADER + (int)row * s->cell_height, w = pairs->width, h = pairs->height;
     const enc_pair *pair = &pairs->pair[p];
     enc_canvas_text(&s->canvas, 4, y + 16, "view %.5g,%.5g", pair->view.theta, pair->view.phi);

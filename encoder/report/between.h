@@ -14,8 +14,8 @@
 
 /* What is measured: its images at pairs first .. first + count - 1, out[pair][texel][3]. Called from one
  * thread, which it may multiply. */
-typedef btf_result (*enc_pair_images_fn)(const enc_context *context, const void *user, const enc_pair *pairs,
-                                         size_t count, float *out);
+typedef btf_result (*enc_pair_images_fn)(const enc_context *context, const void *user,
+                                         const enc_pair *pairs, size_t count, float *out);
 typedef struct enc_pair_images {
     enc_pair_images_fn images;
     const void *user;
@@ -60,8 +60,8 @@ typedef struct enc_between {
 } enc_between;
 
 /* Compares all pairs with the truth, a block of images at a time (at most a quarter of context->memory, 256
- * MB where it is unbounded, but at least one pair). Deterministic for any number of threads. Stage "between".
- * Errors: those of the images and of the pairs, BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
+ * MB where it is unbounded, but at least one pair). Deterministic for any number of threads. Stage
+ * "between". Errors: those of the images and of the pairs, BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
 btf_result enc_between_measure(const enc_context *context, const enc_pairs *pairs, enc_pair_images model,
                                bool with_ssim, enc_between **out_between);
 void enc_between_destroy(enc_between **between);
@@ -75,8 +75,8 @@ void enc_between_print(const enc_between *between, const enc_pairs *pairs, size_
 void enc_between_json(json *j, const char *key, const enc_between *between, const enc_pairs *pairs);
 
 /* The `worst` worst pairs as a PNG, a row each: the truth, the model, their error (ENC_ERROR_GAIN times, of
- * sRGB-coded values). Reads these images again: `path_of_pairs` and `options` are what the pairs were opened
- * with. Errors: as enc_between_measure, BTF_ERROR_IO. */
+ * sRGB-coded values). Reads these images again: `path_of_pairs` and `options` are what the pairs were
+ * opened with. Errors: as enc_between_measure, BTF_ERROR_IO. */
 btf_result enc_between_picture(const enc_context *context, const char *path_of_pairs,
                                const enc_read_options *options, const enc_between *between,
                                enc_pair_images model, size_t worst, const char *path);

@@ -14,12 +14,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_TEXELS = 1024, PAIRS = 256, BATCH = 16, SUMS = 4 };
+enum { BATCH = 16, SUMS = 4 };
 
-/* The directions of a band that are drawn from: those that can be left out, or where there are none, all. */
+/* The directions of a band that are drawn from: those that can be left out, or where there are none, all.
+ */
 typedef struct pool {
-    int count, member[256];        /* in the list */
-    bool can_leave;                /* `near` says what the others have in their place */
+    int count, member[256]; /* in the list */
+    bool can_leave;         /* `near` says what the others have in their place */
     btf_ref_neighbours near[256];
 } pool;
 
@@ -28,14 +29,14 @@ typedef struct job {
     const enc_data *data;
     const btf_ref_material *material; /* or NULL */
     int view_bands, light_bands;
-    size_t cells;                       /* pairs of bands */
+    size_t cells; /* pairs of bands */
     pool views[BTF_MAX_BANDS], lights[BTF_MAX_BANDS];
-    size_t texels, pairs;               /* pairs: of a texel in a cell */
+    size_t texels, pairs; /* pairs: of a texel in a cell */
 } job;
 
 /* One pair of sampled directions. */
 typedef struct pair {
-    int view, light;                   /* of the data */
+    int view, light;                  /* of the data */
     btf_ref_neighbours views, lights; /* without what is left out */
 } pair;
 
@@ -109,8 +110,8 @@ static void measure_pair(const job *j, uint32_t texel, const float *samples, con
     }
 }
 
-/* A pair and what the others have in its place. A light that stood elsewhere than its direction says shows no truth
- * of it: another is taken, unless chance will have none. */
+/* A pair and what the others have in its place. A light that stood elsewhere than its direction says shows
+ * no truth of it: another is taken, unless chance will have none. */
 static pair pick_pair(const job *j, size_t cell, uint64_t seed) {
     const enc_moved_light *moved = j->data->moved_light;
     pair p;
@@ -235,8 +236,7 @@ static void sum_up(const job *j, const double *sums, enc_leave_one_out *out) {
 static btf_result make_pools(const enc_context *context, const enc_direction *directions, int count,
                              const enc_bands *bands, pool *pools, int *out_count) {
     enc_left_out *left = malloc(sizeof *left);
-    btf_result result =
-        left ? enc_left_out_make(context, directions, count, left) : BTF_ERROR_MEMORY;
+    btf_result result = left ? enc_left_out_make(context, directions, count, left) : BTF_ERROR_MEMORY;
     for (int b = 0; result == BTF_OK && b < bands->count; b++) {
         pool *p = &pools[b];
         int member[256], n = enc_bands_members(bands, b, directions, count, member);
@@ -260,16 +260,16 @@ static btf_result make_pools(const enc_context *context, const enc_direction *di
 static btf_result measure_all(job *j, enc_leave_one_out *out) {
     const enc_data *data = j->data;
     const size_t count = enc_data_texel_count(data);
-    btf_result result = make_pools(j->context, data->views, data->n_views, &out->view_bands, j->views,
-                                   &out->views);
+    btf_result result =
+        make_pools(j->context, data->views, data->n_views, &out->view_bands, j->views, &out->views);
     if (result == BTF_OK)
-        result =
-            make_pools(j->context, data->lights, data->n_lights, &out->light_bands, j->lights, &out->lights);
+        result = make_pools(j->context, data->lights, data->n_lights, &out->light_bands, j->lights,
+                            &out->lights);
     j->view_bands = out->view_bands.count;
     j->light_bands = out->light_bands.count;
     j->cells = (size_t)j->view_bands * (size_t)j->light_bands;
-    j->texels = count < MOST_TEXELS ? count : MOST_TEXELS;
-    j->pairs = PAIRS / j->cells;
+    j->texels = count < ENC_LEFT_OUT_TEXELS ? count : ENC_LEFT_OUT_TEXELS;
+    j->pairs = ENC_LEFT_OUT_PAIRS / j->cells;
     double *sums = calloc((1 + ENC_LEFT_BOTH) * j->cells * SUMS, sizeof *sums);
     result = enc_ranks_agree(j->context, result == BTF_OK && !sums ? BTF_ERROR_MEMORY : result);
     enc_stage_begin(j->context, "leave one out", j->texels);
@@ -339,11 +339,12 @@ void enc_leave_one_out_print(const enc_leave_one_out *measured, FILE *out) {
     char first[32], second[32];
     if (measured->views == 0 && measured->lights == 0)
         return;
-    fprintf(out,
-            "Between the samples, estimated: %d views and %d lights left out, each predicted from the others\n"
-            "(PSNR in dB, linear / sRGB; they lie twice as far away as for a direction between samples, which\n"
-            "overstates the error, most where relief, shadows or highlights move)\n",
-            measured->views, measured->lights);
+    fprintf(
+        out,
+        "Between the samples, estimated: %d views and %d lights left out, each predicted from the others\n"
+        "(PSNR in dB, linear / sRGB; they lie twice as far away as for a direction between samples, which\n"
+        "overstates the error, most where relief, shadows or highlights move)\n",
+        measured->views, measured->lights);
     fprintf(out, "  %-20s %18s %18s\n", "left out", "data, interpolated", "material");
     for (int left = ENC_LEFT_VIEW; left <= ENC_LEFT_BOTH; left++) {
         const enc_left_out_errors *e = &measured->error[left];

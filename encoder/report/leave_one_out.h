@@ -1,11 +1,11 @@
-/* An estimate of the accuracy between the samples from the samples alone: each view, each light, and both at once,
- * predicted from the others as if it had not been sampled.
+/* An estimate of the accuracy between the samples from the samples alone: each view, each light, and both
+ * at once, predicted from the others as if it had not been sampled.
  *
- * The others stand twice as far away as the samples around a direction between them do, so errors come out larger
- * than they are there, and all the more where little changes from one sample to the next: relief that shifts,
- * shadows and highlights that move are overstated most. Only neighbours are left out: what a material was fitted to
- * holds the samples still, so that a model of few parameters comes out better than data. Truth between the samples, where there is any, is measured
- * by between.h.
+ * The others stand twice as far away as the samples around a direction between them do, so errors come out
+ * larger than they are there, and all the more where little changes from one sample to the next: relief
+ * that shifts, shadows and highlights that move are overstated most. Only neighbours are left out: what a
+ * material was fitted to holds the samples still, so that a model of few parameters comes out better than
+ * data. Truth between the samples, where there is any, is measured by between.h.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -28,32 +28,36 @@ typedef struct enc_left_out_errors {
     enc_error_sum data;     /* the data themselves, interpolated without it */
 } enc_left_out_errors;
 
+enum { ENC_LEFT_OUT_TEXELS = 1024, ENC_LEFT_OUT_PAIRS = 256 }; /* that are drawn at most, pairs a texel */
+
 typedef struct enc_leave_one_out {
     int views, lights; /* that can be left out (left_out.h) */
-    /* By what is left out, entry 0 not used: over all pairs of view and light, and over those of which the view
-     * lies in a band of views and the light in one of lights, at [view band * light_bands.count + light band]. */
+    /* By what is left out, entry 0 not used: over all pairs of view and light, and over those of which the
+     * view lies in a band of views and the light in one of lights, at [view band * light_bands.count +
+     * light band]. */
     enc_left_out_errors error[1 + ENC_LEFT_BOTH];
     enc_left_out_errors band_error[1 + ENC_LEFT_BOTH][BTF_MAX_BANDS * BTF_MAX_BANDS];
     enc_bands view_bands, light_bands;
 } enc_leave_one_out;
 
-/* Level 0 of `material` (NULL: the data alone), which must have the data's size and directions, at a subset of
- * texels and of pairs of view and light, spread evenly over the bands, that depends on nothing but the data's extent:
- * about a second of one core. Deterministic for any number of threads and ranks. Stage
+/* Level 0 of `material` (NULL: the data alone), which must have the data's size and directions, at a subset
+ * of texels and of pairs of view and light, spread evenly over the bands, that depends on nothing but the
+ * data's extent: about a second of one core. Deterministic for any number of threads and ranks. Stage
  * "leave one out". Errors: those of the data, BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
 btf_result enc_leave_one_out_measure(const enc_context *context, const enc_data *data,
                                      const btf_material *material, enc_leave_one_out *out);
 
 /* Numbers of the attribute openbtf.betweenErrors (FORMAT.md section 7) in `out`, which has room for
- * ENC_BETWEEN_NUMBERS; of a measurement with a material. Returns how many: 0 where nothing could be left out. */
+ * ENC_BETWEEN_NUMBERS; of a measurement with a material. Returns how many: 0 where nothing could be left
+ * out. */
 enum { ENC_BETWEEN_NUMBERS = 4 + 2 * BTF_MAX_BANDS + 3 * (5 + 2 * BTF_MAX_BANDS * BTF_MAX_BANDS) };
 size_t enc_leave_one_out_numbers(const enc_leave_one_out *measured, float *out);
 
 /* A table for people, with what it overstates. Nothing where nothing could be left out. */
 void enc_leave_one_out_print(const enc_leave_one_out *measured, FILE *out);
 
-/* {"views", "lights": how many can be left out, "view": {"linear", "srgb", "data_linear", "data_srgb"}, "light",
- * "both"} under `key`; null for what is not measured. */
+/* {"views", "lights": how many can be left out, "view": {"linear", "srgb", "data_linear", "data_srgb"},
+ * "light", "both"} under `key`; null for what is not measured. */
 void enc_leave_one_out_json(json *j, const char *key, const enc_leave_one_out *measured);
 
 #endif

@@ -27,8 +27,8 @@ static enc_direction rounded(double theta, double phi) {
 }
 
 static bool same(const sample_pair *a, const sample_pair *b) {
-    return a->view.theta == b->view.theta && a->view.phi == b->view.phi && a->light.theta == b->light.theta &&
-           a->light.phi == b->light.phi;
+    return a->view.theta == b->view.theta && a->view.phi == b->view.phi &&
+           a->light.theta == b->light.theta && a->light.phi == b->light.phi;
 }
 
 static enc_direction random_direction(uint32_t seed, int i, int which) {
@@ -41,7 +41,8 @@ btf_result pairs_random(const enc_context *context, int count, uint32_t seed, sa
     if (!pairs)
         return enc_fail(context, BTF_ERROR_MEMORY, "out of memory for %d pairs", count);
     for (int i = 0; i < count; ++i)
-        pairs[i] = (sample_pair){.view = random_direction(seed, i, 1), .light = random_direction(seed, i, 2)};
+        pairs[i] =
+            (sample_pair){.view = random_direction(seed, i, 1), .light = random_direction(seed, i, 2)};
     *out_pairs = pairs;
     return BTF_OK;
 }
@@ -86,8 +87,8 @@ static btf_result append(const enc_context *context, const char *path, int numbe
                          sample_pair **pairs, int *count) {
     for (int i = 0; i < *count; ++i)
         if (same(&(*pairs)[i], pair))
-            return enc_fail(context, BTF_ERROR_BAD_FILE, "%s: line %d: the pair of an earlier line again", path,
-                            number);
+            return enc_fail(context, BTF_ERROR_BAD_FILE, "%s: line %d: the pair of an earlier line again",
+                            path, number);
     if (*count == PAIRS_MAX)
         return enc_fail(context, BTF_ERROR_BAD_FILE, "%s: more than %d pairs", path, PAIRS_MAX);
     sample_pair *more = realloc(*pairs, (size_t)(*count + 1) * sizeof *more);
@@ -98,7 +99,8 @@ static btf_result append(const enc_context *context, const char *path, int numbe
     return BTF_OK;
 }
 
-btf_result pairs_read(const enc_context *context, const char *path, sample_pair **out_pairs, int *out_count) {
+btf_result pairs_read(const enc_context *context, const char *path, sample_pair **out_pairs,
+                      int *out_count) {
     char line[4096];
     btf_result result = BTF_OK;
     FILE *file = fopen(path, "r");
@@ -110,8 +112,8 @@ btf_result pairs_read(const enc_context *context, const char *path, sample_pair 
         sample_pair pair;
         bool taken = false;
         if (strlen(line) + 1 == sizeof line)
-            result = enc_fail(context, BTF_ERROR_BAD_FILE, "%s: line %d is longer than %zu bytes", path, number,
-                              sizeof line - 2);
+            result = enc_fail(context, BTF_ERROR_BAD_FILE, "%s: line %d is longer than %zu bytes", path,
+                              number, sizeof line - 2);
         line[strcspn(line, "#\r\n")] = '\0';
         if (result == BTF_OK && line[strspn(line, " \t")])
             result = take_line(context, path, number, line, &pair, &taken);

@@ -16,22 +16,23 @@ typedef struct sample_pair {
 /* What moves in an orbit. */
 typedef enum pairs_orbit { PAIRS_NO_ORBIT, PAIRS_ORBIT_VIEW, PAIRS_ORBIT_LIGHT } pairs_orbit;
 
-/* Each fills *out_pairs (malloc'd). Angles are rounded to 1e-4 degrees, which is what file names hold, and no
- * two pairs are alike. */
+/* Each fills *out_pairs (malloc'd). Angles are rounded to 1e-4 degrees, which is what file names hold, and
+ * no two pairs are alike. */
 
 /* `count` pairs of 1..PAIRS_MAX, both directions uniform over the solid angle from the pole to 74 degrees:
- * within the hull of rings that reach 75. Another seed, other pairs; the first pairs of a seed do not depend
- * on the count. Errors: BTF_ERROR_MEMORY. */
+ * within the hull of rings that reach 75. Another seed, other pairs; the first pairs of a seed do not
+ * depend on the count. Errors: BTF_ERROR_MEMORY. */
 btf_result pairs_random(const enc_context *context, int count, uint32_t seed, sample_pair **out_pairs);
 
 /* A text file: a line a pair with theta and phi of the view, theta and phi of the light, degrees, between
  * blanks or commas; a name may stand before them, what follows # is left out, and so is a first line of
  * titles. So the table of an orbit is a list, too. Theta is 0..85. Errors, on the log with the line:
  * BTF_ERROR_IO, BTF_ERROR_BAD_FILE, BTF_ERROR_MEMORY. */
-btf_result pairs_read(const enc_context *context, const char *path, sample_pair **out_pairs, int *out_count);
+btf_result pairs_read(const enc_context *context, const char *path, sample_pair **out_pairs,
+                      int *out_count);
 
-/* `frames` steps of one turn of the view or the light at `theta`, from azimuth 0 counter-clockwise, while the
- * other stays at `fixed`. Errors: BTF_ERROR_MEMORY. */
+/* `frames` steps of one turn of the view or the light at `theta`, from azimuth 0 counter-clockwise, while
+ * the other stays at `fixed`. Errors: BTF_ERROR_MEMORY. */
 btf_result pairs_turn(const enc_context *context, pairs_orbit orbit, int frames, double theta,
                       enc_direction fixed, sample_pair **out_pairs);
 

@@ -55,7 +55,7 @@ CHANGES = [
     ("the diffuse fit never taken in place of what is worse", "stability_joint", [
         ("encoder/paper/paper.c", "if (result == BTF_OK && options->fallback) {", "if (result != BTF_OK && options->fallback) {")]),
     ("samples that are no numbers read", "stability_input", [
-        ("encoder/input/reader.c", "if (finite && ", "if (finite || ")]),
+        ("encoder/input/radiance.c", "if (finite && ", "if (finite || ")]),
     ("the square root of the cosine forgotten in playback", "precision", [
         ("encoder/model/decode_samples.c", "solution->domain == BTF_DOMAIN_SQRT ? sqrtf(xyz[2]) : xyz[2]", "xyz[2]")]),
     ("the derivative by n wrong", "precision", [

@@ -27,8 +27,8 @@ static void plane(const float xyz[3], double q[2]) {
 }
 
 static enc_direction somewhere(random_state *r, double most) {
-    return enc_direction_from_angles(acos(1 - random_unit(r) * (1 - cos(most * 3.14159265358979 / 180))) * 180 /
-                                         3.14159265358979,
+    return enc_direction_from_angles(acos(1 - random_unit(r) * (1 - cos(most * 3.14159265358979 / 180))) *
+                                         180 / 3.14159265358979,
                                      random_unit(r) * 360);
 }
 
@@ -101,8 +101,8 @@ static void test_samples_are_kept(void **state) {
     free(list);
 }
 
-/* Four samples on a square and one in its middle: by symmetry the spline that is 1 in the middle and 0 at the
- * corners has a closed form, and it is the weight of the middle. */
+/* Four samples on a square and one in its middle: by symmetry the spline that is 1 in the middle and 0 at
+ * the corners has a closed form, and it is the weight of the middle. */
 static void test_a_spline_of_five(void **state) {
     (void)state;
     const double side = 0.4;
@@ -112,8 +112,9 @@ static void test_a_spline_of_five(void **state) {
     for (int i = 0; i < 4; i++)
         list[i + 1] = enc_direction_from_angles(theta, 45 + 90 * i);
     enc_interpolator *made = make(list, 5, ENC_INTERPOLATE_SPLINE);
-    /* It is c (4 k(d) - sum over corners of k(d - corner)) + constant with k(r) = r^2 log r: the coefficients of
-     * the kernels sum to zero, and so do their moments. The bracket in the middle and at a corner: */
+    /* It is c (4 k(d) - sum over corners of k(d - corner)) + constant with k(r) = r^2 log r: the
+     * coefficients of the kernels sum to zero, and so do their moments. The bracket in the middle and at a
+     * corner: */
     const double s2 = side * side, corner = 2 * s2, edge = 4 * s2, across = 8 * s2;
     const double k_corner = 0.5 * corner * log(corner), k_edge = 0.5 * edge * log(edge),
                  k_across = 0.5 * across * log(across);
@@ -275,10 +276,14 @@ static void test_scratch(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_affine_functions_are_kept), cmocka_unit_test(test_samples_are_kept),
-        cmocka_unit_test(test_a_spline_of_five),          cmocka_unit_test(test_a_line_has_no_spline),
-        cmocka_unit_test(test_nearest_angle),             cmocka_unit_test(test_blends_of_known_truth),
-        cmocka_unit_test(test_nearest_takes_one_sample),  cmocka_unit_test(test_scratch),
+        cmocka_unit_test(test_affine_functions_are_kept),
+        cmocka_unit_test(test_samples_are_kept),
+        cmocka_unit_test(test_a_spline_of_five),
+        cmocka_unit_test(test_a_line_has_no_spline),
+        cmocka_unit_test(test_nearest_angle),
+        cmocka_unit_test(test_blends_of_known_truth),
+        cmocka_unit_test(test_nearest_takes_one_sample),
+        cmocka_unit_test(test_scratch),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

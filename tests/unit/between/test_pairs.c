@@ -1,5 +1,5 @@
-/* Images at any directions: what a set of them is taken for, how it is read, what is refused, and the errors
- * that are measured against it.
+/* Images at any directions: what a set of them is taken for, how it is read, what is refused, and the
+ * errors that are measured against it.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -25,8 +25,9 @@
 
 enum { COUNT = 6 };
 static const enc_read_options defaults;
-static const double angles[COUNT][4] = {{12.5, 30, 40.25, 110}, {3.14, 359.9, 71.5, 0.5},  {60, 10, 0, 0},
-                                        {22, 200, 33.75, 45},   {74, 123.4, 10.01, 300},   {45, 45, 50, 250}};
+static const double angles[COUNT][4] = {{12.5, 30, 40.25, 110},  {3.14, 359.9, 71.5, 0.5},
+                                        {60, 10, 0, 0},          {22, 200, 33.75, 45},
+                                        {74, 123.4, 10.01, 300}, {45, 45, 50, 250}};
 
 /* An image of one value. */
 static void write_image(const char *name, int width, int height, float value) {
@@ -73,7 +74,8 @@ static void test_a_grid_is_a_grid(void **state) {
     expect_set(ENC_SET_GRID);
 }
 
-/* A slow orbit of the light under one view is a grid of 1 x 4, but without a view from the top no data set. */
+/* A slow orbit of the light under one view is a grid of 1 x 4, but without a view from the top no data set.
+ */
 static void test_an_orbit_is_pairs(void **state) {
     (void)state;
     for (int i = 0; i < 4; i++)
@@ -104,7 +106,8 @@ static void test_names_and_values(void **state) {
                 found = i;
         assert_true(found >= 0);
         assert_string_equal(pairs->pair[p].name, name_of(angles[found]));
-        assert_true(fabs(pairs->pair[p].view.xyz[2] - cos(angles[found][2] * 3.14159265358979 / 180)) < 1e-6);
+        assert_true(fabs(pairs->pair[p].view.xyz[2] - cos(angles[found][2] * 3.14159265358979 / 180)) <
+                    1e-6);
         assert_int_equal(enc_pairs_read(&set_context, pairs, p, image), BTF_OK);
         for (int i = 0; i < 3 * W * H; i++)
             assert_true(image[i] == 0.1f * (float)(found + 1));
@@ -115,9 +118,11 @@ static void test_names_and_values(void **state) {
 /* Options of data sets hold for pairs, too. */
 static void test_options(void **state) {
     (void)state;
-    const enc_read_options options = {
-        .azimuth_cw = true, .azimuth_offset = 90, .crop = {1, 0, 4, 4}, .size = {2, 2},
-        .cosine = ENC_COSINE_MISSING};
+    const enc_read_options options = {.azimuth_cw = true,
+                                      .azimuth_offset = 90,
+                                      .crop = {1, 0, 4, 4},
+                                      .size = {2, 2},
+                                      .cosine = ENC_COSINE_MISSING};
     float image[3 * 2 * 2];
     write_image("tl60_pl30_tv20_pv200.exr", W, H, 0.5f);
     enc_pairs *pairs = open_pairs(&options);
@@ -129,7 +134,7 @@ static void test_options(void **state) {
     enc_pairs_close(&pairs);
 }
 
-/* The pairs cannot be opened, or the last of them not read, and a message has all of the words. */
+/* The pairs cannot be opened, or one of them not read (or all can), and a message has all of the words. */
 static void expect_refused(const enc_read_options *options, btf_result expected, const char *word,
                            const char *other) {
     enc_pairs *pairs = NULL;
@@ -150,8 +155,31 @@ static void test_refusals(void **state) {
     const enc_read_options components = {.components = 3};
     write_pairs();
     expect_refused(&components, BTF_ERROR_USAGE, "components", set_folder);
+}
+
+/* An image whose name says nothing is told of and left out, as in a data set; a set of such images is
+ * refused, unless a table lies beside them. */
+static void test_names_that_say_nothing(void **state) {
+    (void)state;
     write_image("frame7.exr", W, H, 0.5f);
     expect_refused(&defaults, BTF_ERROR_BAD_FILE, "frame7.exr", "tl, pl, tv and pv");
+    char path[2 * PATH];
+    snprintf(path, sizeof path, "%s/directions.csv", set_folder);
+    FILE *table = fopen(path, "w");
+    assert_non_null(table);
+    fputs("file,theta_v,phi_v,theta_l,phi_l\nframe7.exr,20.5,40,60,350\n", table);
+    fclose(table);
+    enc_pairs *pairs = open_pairs(&defaults);
+    assert_int_equal(pairs->count, 1);
+    assert_true(pairs->pair[0].view.theta == 20.5 && pairs->pair[0].light.phi == 350);
+    enc_pairs_close(&pairs);
+    expect_set(ENC_SET_PAIRS);
+    write_pairs();
+    set_messages[0] = '\0';
+    pairs = open_pairs(&defaults);
+    assert_int_equal(pairs->count, COUNT);
+    assert_non_null(strstr(set_messages, "1 images are left out"));
+    enc_pairs_close(&pairs);
 }
 
 static void test_refused_values(void **state) {
@@ -160,6 +188,7 @@ static void test_refused_values(void **state) {
     write_pairs();
     write_image("tl1_pl2_tv3_pv4.exr", W, H, -0.5f);
     expect_refused(&strict, BTF_ERROR_BAD_FILE, "tl1_pl2_tv3_pv4.exr", "below 0 (-0.5)");
+    expect_refused(&defaults, BTF_OK, "tl1_pl2_tv3_pv4.exr", "60 samples below 0 were set to 0");
     write_image("tl1_pl2_tv3_pv4.exr", W, H, NAN);
     expect_refused(&defaults, BTF_ERROR_BAD_FILE, "tl1_pl2_tv3_pv4.exr", "not a finite number");
     write_image("tl1_pl2_tv3_pv4.exr", W + 1, H, 0.5f);
@@ -185,7 +214,8 @@ static btf_result shifted(const enc_context *context, const void *user, const en
         while (angles[i][0] != pairs[p].light.theta)
             i++;
         for (int k = 0; k < 3 * W * H; k++)
-            out[p * 3 * W * H + (size_t)k] = 0.1f * (float)(i + 1) + 0.01f * (float)(&pairs[p] - all->pair + 1);
+            out[p * 3 * W * H + (size_t)k] =
+                0.1f * (float)(i + 1) + 0.01f * (float)(&pairs[p] - all->pair + 1);
     }
     return BTF_OK;
 }
@@ -271,7 +301,8 @@ static void test_decoded_pairs(void **state) {
     for (int i = 0; i < COUNT; i++)
         for (uint32_t t = 0; t < W * H; t++) {
             float rgb[3];
-            btf_ref_evaluate_texel(&reference, &options, t % W, t / W, pair[i].light.xyz, pair[i].view.xyz, rgb);
+            btf_ref_evaluate_texel(&reference, &options, t % W, t / W, pair[i].light.xyz, pair[i].view.xyz,
+                                   rgb);
             assert_memory_equal(rgb, images[i] + 3 * t, sizeof rgb);
             bright = bright || rgb[0] > 0;
         }
@@ -284,11 +315,17 @@ static void test_decoded_pairs(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        WITH_FOLDER(test_what_a_set_is),      WITH_FOLDER(test_a_grid_is_a_grid),
-        WITH_FOLDER(test_an_orbit_is_pairs),  WITH_FOLDER(test_names_and_values),
-        WITH_FOLDER(test_options),            WITH_FOLDER(test_refusals),
-        WITH_FOLDER(test_refused_values),     WITH_FOLDER(test_refused_directions),
-        WITH_FOLDER(test_measured_errors),    WITH_FOLDER(test_blocks),
+        WITH_FOLDER(test_what_a_set_is),
+        WITH_FOLDER(test_a_grid_is_a_grid),
+        WITH_FOLDER(test_an_orbit_is_pairs),
+        WITH_FOLDER(test_names_and_values),
+        WITH_FOLDER(test_names_that_say_nothing),
+        WITH_FOLDER(test_options),
+        WITH_FOLDER(test_refusals),
+        WITH_FOLDER(test_refused_values),
+        WITH_FOLDER(test_refused_directions),
+        WITH_FOLDER(test_measured_errors),
+        WITH_FOLDER(test_blocks),
         cmocka_unit_test(test_decoded_pairs),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

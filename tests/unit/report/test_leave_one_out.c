@@ -1,4 +1,5 @@
-/* The estimate between the samples: against the same predictions made the long way, and against what must hold.
+/* The estimate between the samples: against the same predictions made the long way, and against what must
+ * hold.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -39,8 +40,8 @@ static enc_left_out left_out(const char *list) {
 
 static void test_which_can_be_left_out(void **state) {
     (void)state;
-    assert_int_equal(left_out("ubo").count, 81);  /* a ring bridges the gap at its rim */
-    assert_int_equal(left_out("tiny").count, 1);  /* the pole; nothing is near the four around it */
+    assert_int_equal(left_out("ubo").count, 81); /* a ring bridges the gap at its rim */
+    assert_int_equal(left_out("tiny").count, 1); /* the pole; nothing is near the four around it */
     assert_int_equal(left_out("tiny").index[0], 0);
     assert_int_equal(left_out("0:1").count, 0);
     const enc_left_out out = left_out("ubo");
@@ -55,8 +56,8 @@ static void test_which_can_be_left_out(void **state) {
 }
 
 static enc_data *render(relief_kind kind, const char *views, const char *lights, int size) {
-    sample_options o = {.context = &context, .relief = kind, .width = size, .height = size, .supersample = 1,
-                        .grid = 256};
+    sample_options o = {
+        .context = &context, .relief = kind, .width = size, .height = size, .supersample = 1, .grid = 256};
     enc_direction *v = directions(views, &o.n_views), *l = directions(lights, &o.n_lights);
     enc_data *data = NULL;
     o.views = v;
@@ -78,7 +79,8 @@ static enc_data *without(const enc_data *data, int view, int light) {
         if (i != light)
             lights[l++] = data->lights[i];
     enc_data *out = NULL;
-    assert_int_equal(enc_data_create(&context, data->width, data->height, v, views, l, lights, &out), BTF_OK);
+    assert_int_equal(enc_data_create(&context, data->width, data->height, v, views, l, lights, &out),
+                     BTF_OK);
     float *to = out->samples;
     for (size_t t = 0; t < enc_data_texel_count(data); t++)
         for (int i = 0; i < data->n_views; i++)
@@ -90,10 +92,10 @@ static enc_data *without(const enc_data *data, int view, int light) {
     return out;
 }
 
-/* Mean squared error, linear, of the samples (view, light), predicted from the data without what is left out. */
+/* Mean squared error, linear, of the samples (view, light), predicted from the data without what is left
+ * out. */
 static double error_without(const enc_data *data, int view, int light, int left) {
-    enc_data *rest =
-        without(data, left & ENC_LEFT_VIEW ? view : -1, left & ENC_LEFT_LIGHT ? light : -1);
+    enc_data *rest = without(data, left & ENC_LEFT_VIEW ? view : -1, left & ENC_LEFT_LIGHT ? light : -1);
     const size_t texels = enc_data_texel_count(data);
     float *image = malloc(3 * texels * sizeof *image);
     enc_blend *blend = NULL;
@@ -129,7 +131,8 @@ static void test_against_the_long_way(void **state) {
         const enc_error_sum *found = &measured.error[left].data;
         assert_true(measured.error[left].material.count == 0);
         if (fabs(enc_psnr_linear(found) + 10 * log10(sum)) > 0.1)
-            fail_msg("left out %d: %f dB, the long way %f dB", left, enc_psnr_linear(found), -10 * log10(sum));
+            fail_msg("left out %d: %f dB, the long way %f dB", left, enc_psnr_linear(found),
+                     -10 * log10(sum));
     }
     enc_data_destroy(&data);
 }
@@ -156,8 +159,8 @@ static void test_an_exact_material(void **state) {
     assert_int_equal(enc_data_create(&context, 6, 5, 19, v, 19, l, &data), BTF_OK);
     btf_ref_material reference;
     reference_view(material, 0, &reference);
-    const btf_ref_options options = {.effects = BTF_EFFECT_ALL, .components = UINT32_MAX,
-                                     .interpolation = BTF_REF_NEAREST};
+    const btf_ref_options options = {
+        .effects = BTF_EFFECT_ALL, .components = UINT32_MAX, .interpolation = BTF_REF_NEAREST};
     for (uint32_t t = 0; t < 30; t++)
         for (int i = 0; i < 19; i++)
             for (int k = 0; k < 19; k++) {
@@ -165,13 +168,15 @@ static void test_an_exact_material(void **state) {
                 btf_ref_evaluate_texel(&reference, &options, t % 6, t / 6, desc.lights + 3 * k,
                                        desc.views + 3 * i, rgb);
                 for (int c = 0; c < 3; c++)
-                    data->samples[t * enc_data_texel_stride(data) + (size_t)((i * 3 + c) * 19 + k)] = rgb[c];
+                    data->samples[t * enc_data_texel_stride(data) + (size_t)((i * 3 + c) * 19 + k)] =
+                        rgb[c];
             }
     enc_leave_one_out measured;
     assert_int_equal(enc_leave_one_out_measure(&context, data, material, &measured), BTF_OK);
-    const enc_left_out_errors *view = &measured.error[ENC_LEFT_VIEW], *both = &measured.error[ENC_LEFT_BOTH];
-    /* The same views are blended, in radiance: rounding alone differs, and where the sum is below 0, which the
-     * decoder takes for 0 view by view as the data do. */
+    const enc_left_out_errors *view = &measured.error[ENC_LEFT_VIEW],
+                              *both = &measured.error[ENC_LEFT_BOTH];
+    /* The same views are blended, in radiance: rounding alone differs, and where the sum is below 0, which
+     * the decoder takes for 0 view by view as the data do. */
     assert_true(view->data.linear > 0 && fabs(view->material.linear / view->data.linear - 1) < 1e-4);
     assert_true(view->material.count == view->data.count && both->data.linear > 0);
     float numbers[ENC_BETWEEN_NUMBERS];
@@ -210,7 +215,8 @@ static void test_bands(void **state) {
         double sum = 0, weight = 0;
         for (int cell = 0; cell < 6; cell++) {
             const enc_error_sum *e = &measured.band_error[left][cell].data;
-            const bool rim = cell % 2 == 1; /* five lights at 45 are too far apart to stand for one another */
+            const bool rim =
+                cell % 2 == 1; /* five lights at 45 are too far apart to stand for one another */
             if (left & ENC_LEFT_LIGHT && rim) {
                 assert_true(e->count == 0);
                 continue;
@@ -233,15 +239,18 @@ static void test_one_light(void **state) {
     enc_leave_one_out measured;
     assert_int_equal(enc_leave_one_out_measure(&context, data, NULL, &measured), BTF_OK);
     assert_true(measured.views > 0 && measured.lights == 0);
-    assert_true(measured.error[ENC_LEFT_VIEW].data.count > 0 && measured.error[ENC_LEFT_LIGHT].data.count == 0 &&
+    assert_true(measured.error[ENC_LEFT_VIEW].data.count > 0 &&
+                measured.error[ENC_LEFT_LIGHT].data.count == 0 &&
                 measured.error[ENC_LEFT_BOTH].data.count == 0);
     enc_data_destroy(&data);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_which_can_be_left_out), cmocka_unit_test(test_against_the_long_way),
-        cmocka_unit_test(test_an_exact_material),     cmocka_unit_test(test_threads_and_memory),
+        cmocka_unit_test(test_which_can_be_left_out),
+        cmocka_unit_test(test_against_the_long_way),
+        cmocka_unit_test(test_an_exact_material),
+        cmocka_unit_test(test_threads_and_memory),
         cmocka_unit_test(test_bands),
         cmocka_unit_test(test_one_light),
     };

@@ -1,0 +1,39 @@
+/* From the file of one image to linear radiance, as the options and the file itself say.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_RADIANCE_H
+#define OPENBTF_ENCODER_RADIANCE_H
+
+#include "encoder/base/context.h"
+#include "image.h"
+#include "read_options.h"
+
+enum { ENC_MAX_SIDE = 16384 }; /* texels */
+
+/* How the images of a set are converted: settled by the first, and the same for all. */
+typedef struct enc_radiance {
+    const enc_read_options *options;
+    enc_decoder *decoder;        /* of the first image, which every other one is expected to be like */
+    int file_width, file_height; /* of every image, as in the files */
+    enc_rectangle area;          /* the part that is used */
+    int width, height;           /* of what comes out */
+} enc_radiance;
+
+/* Learns from the first image's file; `options` must outlive *out. Errors, on the log with location and
+ * name, or with the option: those of enc_image_decode_layer, BTF_ERROR_USAGE, BTF_ERROR_UNSUPPORTED,
+ * BTF_ERROR_MEMORY. */
+btf_result enc_radiance_settle(const enc_context *context, const enc_read_options *options,
+                               const char *location, const char *name, const void *file, size_t size,
+                               enc_radiance *out);
+void enc_radiance_clear(enc_radiance *radiance);
+
+/* One file to out[row][column][3] of width x height, linear Rec. 709: transfer, colour, crop, flip and
+ * size; values may be below 0 unless options refuse that. *out_notes: what the image says of its pixels.
+ * Runs on any thread; does not log: message[message_size] says what failed. Errors: those of
+ * enc_image_decode_layer, BTF_ERROR_BAD_FILE (another size than the first image's, a value that is no
+ * number), BTF_ERROR_UNSUPPORTED (the coding), BTF_ERROR_MEMORY. */
+btf_result enc_radiance_convert(const enc_radiance *radiance, const void *file, size_t size, float *out,
+                                image_notes *out_notes, char *message, size_t message_size);
+
+#endif
