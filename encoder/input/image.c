@@ -27,6 +27,10 @@ btf_result enc_image_decode_layer(const void *data, size_t size, const char *lay
     enc_image image = {.depth = 8, .channels = 3};
     btf_result result;
     message[0] = '\0';
+    if (layer && !begins_with(data, size, "\x76\x2f\x31\x01", 4)) {
+        snprintf(message, message_size, "--layer %s: not an OpenEXR file, and no other has layers", layer);
+        return BTF_ERROR_UNSUPPORTED;
+    }
     if (begins_with(data, size, "\xff\xd8", 2)) {
         unsigned char *pixels = NULL;
         result = jpeg_image_read(data, size, ENC_IMAGE_MAX_PIXELS, &image.width, &image.height,

@@ -145,7 +145,10 @@ btf_result light_list_read_environment(light_list *list, const char *path, const
     btf_result result = file_read(path, (size_t)1 << 31, log, &data, &size);
     if (result)
         return result;
-    if (size >= 2 && !memcmp(data, "#?", 2)) {
+    if (size >= 2 && !memcmp(data, "#?", 2) && layer) {
+        result = BTF_ERROR_UNSUPPORTED;
+        snprintf(message, sizeof message, "--layer %s: a Radiance map has no layers", layer);
+    } else if (size >= 2 && !memcmp(data, "#?", 2)) {
         bool xyz = false;
         result = enc_image_hdr_read(data, size, MAX_PIXELS, &width, &height, &xyz, &pixels, &info,
                                     message, sizeof message);

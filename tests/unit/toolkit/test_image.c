@@ -421,6 +421,18 @@ static void test_no_image(void **state) {
     expect_error(BTF_ERROR_BAD_FILE, "JPEG");
 }
 
+/* A layer is asked of a file that has none. */
+static void test_layer_of_png(void **state) {
+    (void)state;
+    static const char png[] = "\x89PNG\r\n\x1a\n";
+    char message[700];
+    enc_image image = {0};
+    assert_int_equal(enc_image_decode_layer(png, sizeof png, "diffuse", &image, message, sizeof message),
+                     BTF_ERROR_UNSUPPORTED);
+    assert_non_null(strstr(message, "--layer diffuse"));
+    assert_null(image.pixels);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_png_rgb),   cmocka_unit_test(test_png_16),
@@ -429,6 +441,7 @@ int main(void) {
         cmocka_unit_test(test_hdr),       cmocka_unit_test(test_hdr_of_atrium),
         cmocka_unit_test(test_exr),       cmocka_unit_test(test_exr_noise),
         cmocka_unit_test(test_exr_tiled), cmocka_unit_test(test_no_image),
+        cmocka_unit_test(test_layer_of_png),
     };
     return cmocka_run_group_tests(tests, make_file, remove_file);
 }
