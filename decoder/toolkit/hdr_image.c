@@ -230,9 +230,9 @@ static btf_result read_header(cursor *c, size_t max_pixels, header *h, image_inf
     return BTF_OK;
 }
 
-btf_result enc_image_hdr_read(const void *data, size_t size, size_t max_pixels, int *out_width,
-                              int *out_height, bool *out_xyz, float **out_pixels, image_info *info,
-                              char *message, size_t message_size) {
+btf_result hdr_image_read(const void *data, size_t size, size_t max_pixels, int *out_width, int *out_height,
+                          bool *out_xyz, float **out_pixels, image_info *info, char *message,
+                          size_t message_size) {
     cursor c = {data, (const unsigned char *)data + size};
     header h = {.scale = {1.0, 1.0, 1.0}};
     btf_result result = read_header(&c, max_pixels, &h, info, message, message_size);

@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_IMAGE_HDR_H
-#define OPENBTF_ENCODER_IMAGE_HDR_H
+#ifndef OPENBTF_TOOLS_HDR_IMAGE_H
+#define OPENBTF_TOOLS_HDR_IMAGE_H
 
 #include "decoder/pixels/image_info.h"
 
@@ -19,8 +19,8 @@
  * in *info, with notes of GAMMA, PIXASPECT and what else was met. At most max_pixels pixels. *out_pixels is
  * malloc'ed, the caller frees. On failure message[message_size] says what was wrong, and in which line.
  * Errors: BTF_ERROR_BAD_FILE, BTF_ERROR_UNSUPPORTED (resolution line, size), BTF_ERROR_MEMORY. */
-btf_result enc_image_hdr_read(const void *data, size_t size, size_t max_pixels, int *out_width,
-                              int *out_height, bool *out_xyz, float **out_pixels, image_info *info,
-                              char *message, size_t message_size);
+btf_result hdr_image_read(const void *data, size_t size, size_t max_pixels, int *out_width, int *out_height,
+                          bool *out_xyz, float **out_pixels, image_info *info, char *message,
+                          size_t message_size);
 
 #endif

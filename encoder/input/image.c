@@ -41,8 +41,8 @@ btf_result enc_image_decode_layer(const void *data, size_t size, const char *lay
                                 &image.channels, &image.depth, &image.pixels, &image.info, message, message_size);
     } else if (begins_with(data, size, "#?", 2)) {
         float *pixels = NULL;
-        result = enc_image_hdr_read(data, size, ENC_IMAGE_MAX_PIXELS, &image.width, &image.height,
-                                    &image.xyz, &pixels, &image.info, message, message_size);
+        result = hdr_image_read(data, size, ENC_IMAGE_MAX_PIXELS, &image.width, &image.height, &image.xyz,
+                                &pixels, &image.info, message, message_size);
         image.depth = 32;
         image.pixels = pixels;
     } else if (begins_with(data, size, "\x76\x2f\x31\x01", 4)) {

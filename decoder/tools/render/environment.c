@@ -150,8 +150,8 @@ btf_result light_list_read_environment(light_list *list, const char *path, const
         snprintf(message, sizeof message, "--layer %s: a Radiance map has no layers", layer);
     } else if (size >= 2 && !memcmp(data, "#?", 2)) {
         bool xyz = false;
-        result = enc_image_hdr_read(data, size, MAX_PIXELS, &width, &height, &xyz, &pixels, &info,
-                                    message, sizeof message);
+        result = hdr_image_read(data, size, MAX_PIXELS, &width, &height, &xyz, &pixels, &info, message,
+                                sizeof message);
         if (!result && xyz) {
             result = BTF_ERROR_UNSUPPORTED;
             snprintf(message, sizeof message, "colours are XYZ, expected RGB");
