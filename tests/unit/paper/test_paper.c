@@ -74,8 +74,7 @@ static double printed_sign_f1(const enc_data *data, const enc_solution *s, const
 
 static void test_bricks(void **state) {
     (void)state;
-    const bool light = getenv("BTF_TEST_LIGHT") != NULL; /* too few texels for the figures */
-    const int side = light ? 12 : is_long ? 64 : 48;
+    const int side = is_long ? 64 : 48;
     const sample_options options = {.context = &context, .width = side, .height = side};
     enc_data *data = NULL;
     sample_truth *truth = NULL;
@@ -90,7 +89,7 @@ static void test_bricks(void **state) {
     const double f1 = shadow_f1(solution.shadow, truth->top_shadow, count);
     const double printed = printed_sign_f1(data, &solution, truth->top_shadow);
     print_message("shadow masks of the top view: F1 %.3f; with the printed sign %.3f\n", f1, printed);
-    assert_true(light || (f1 >= 0.8 && printed < 0.5));
+    assert_true(f1 >= 0.8 && printed < 0.5);
 
     /* shifts as voted: refinement overwrites those of hidden points, so vote again */
     enc_occlusion *voted = NULL;
@@ -103,7 +102,7 @@ static void test_bricks(void **state) {
             "%.2f), over all %.2f (%.2f)\n",
             rings[r].theta, rings[r].moved, rings[r].moved_error, rings[r].moved_zero, rings[r].error,
             rings[r].zero);
-        if (rings[r].theta == 30 && !light) {
+        if (rings[r].theta == 30) {
             assert_true(rings[r].moved > 1000 && rings[r].moved_error <= 2.0);
         }
     }
@@ -123,9 +122,7 @@ static void test_bricks(void **state) {
 
 static void test_flat(void **state) {
     (void)state;
-    const int side = getenv("BTF_TEST_LIGHT") ? 8 : 32;
-    const sample_options options = {
-        .context = &context, .relief = RELIEF_FLAT, .width = side, .height = side};
+    const sample_options options = {.context = &context, .relief = RELIEF_FLAT, .width = 32, .height = 32};
     enc_data *data = NULL;
     enc_solution solution;
     enc_paper_stats stats;
