@@ -6,12 +6,13 @@
 
 #include "bands.h"
 #include "decoder/toolkit/reference_view.h"
+#include "drawn_texels.h"
+#include "encoder/base/ranks.h"
 #include "encoder/base/stage.h"
 #include "encoder/data/level_filter.h"
-#include "metrics.h"
 #include "encoder/math/srgb.h"
+#include "metrics.h"
 #include "report.h"
-#include "encoder/base/ranks.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -104,16 +105,8 @@ static void make_ways(job *j, const btf_material_info *info) {
     }
 }
 
-/* A well-mixed number of 64 bits (SplitMix64). */
-static uint64_t mix(uint64_t x) {
-    x += 0x9E3779B97F4A7C15u;
-    x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
-    x = (x ^ (x >> 27)) * 0x94D049BB133111EBu;
-    return x ^ (x >> 31);
-}
-
 static double unit(uint64_t seed) {
-    return (double)(mix(seed) >> 11) * 0x1p-53;
+    return (double)(enc_mix(seed) >> 11) * 0x1p-53;
 }
 
 /* Uniform over the solid angle of a band. */
@@ -131,7 +124,7 @@ static void pick_sample(const enc_bands *b, int band, const enc_direction *direc
                         float out[3]) {
     int inside[256];
     const int n = enc_bands_members(b, band, directions, count, inside);
-    memcpy(out, directions[n > 0 ? inside[mix(seed) % (uint64_t)n] : 0].xyz, 3 * sizeof *out);
+    memcpy(out, directions[n > 0 ? inside[enc_mix(seed) % (uint64_t)n] : 0].xyz, 3 * sizeof *out);
 }
 
 static btf_ref_neighbours look_up(const uint16_t *table, uint32_t grid, const float direction[3]) {
@@ -191,16 +184,13 @@ static void measure_pair(const job *j, size_t texel, const pair pairs[KINDS], do
     }
 }
 
-/* All of a texel's samples: sum[variant][cell][2]. */
-static btf_result measure_texel(const job *j, size_t index, float *buffer, double *sum) {
-    const size_t count = enc_data_texel_count(j->data);
-    const size_t texel = index * count / j->texels +
-                         mix(index) % ((index + 1) * count / j->texels - index * count / j->texels);
-    const float *profiles;
-    const btf_result result = enc_data_texels(j->context, j->data, texel, 1, buffer, &profiles);
-    for (size_t cell = 0; result == BTF_OK && cell < j->cells; cell++) {
+/* All pairs of directions of one texel: sum[variant][cell][2]. */
+static void measure_texel(const void *user, size_t index, size_t texel, const float *profiles,
+                          double *sum) {
+    const job *j = user;
+    for (size_t cell = 0; cell < j->cells; cell++) {
         for (size_t p = 0; p < j->pairs; p++) {
-            const uint64_t seed = mix((index * j->cells + cell) * j->pairs + p);
+            const uint64_t seed = enc_mix((index * j->cells + cell) * j->pairs + p);
             const int view_band = (int)(cell / (size_t)j->lights.count);
             const int light_band = (int)(cell % (size_t)j->lights.count);
             pair between, at, pairs[KINDS];
@@ -218,7 +208,6 @@ static btf_result measure_texel(const job *j, size_t index, float *buffer, doubl
             measure_pair(j, texel, pairs, sum + 2 * cell);
         }
     }
-    return result;
 }
 
 /* Texels and pairs of directions so that all variants take at most `evaluations`; halved so many times. */
@@ -239,49 +228,14 @@ static void choose_samples(job *j, size_t evaluations, int halvings) {
     }
 }
 
-/* sums[texel][variant][cell][2], added up in the order of texels whatever thread made them. */
-static btf_result measure(const job *j, double *total) {
-    const size_t length = 2 * j->n_variants * j->cells;
-    enum { BATCH = 16 }; /* of each rank */
-    const size_t batch = BATCH * (size_t)enc_ranks_count(j->context);
-    double *sums = malloc(batch * length * sizeof *sums);
-    if (!sums) {
-        return BTF_ERROR_MEMORY;
-    }
-    btf_result result = BTF_OK;
-    for (size_t first = 0; first < j->texels && result == BTF_OK; first += batch) {
-        const size_t n = j->texels - first < batch ? j->texels - first : batch;
-        size_t begin, end;
-        enc_ranks_range(j->context, n, &begin, &end);
-        memset(sums, 0, n * length * sizeof *sums);
-#pragma omp parallel for schedule(dynamic) num_threads(j->context->threads)
-        for (size_t i = begin; i < end; i++) {
-            float *buffer = malloc(enc_data_texel_stride(j->data) * sizeof *buffer);
-            const btf_result mine = !buffer ? BTF_ERROR_MEMORY
-                                    : enc_cancelled(j->context)
-                                        ? BTF_ERROR_INTERRUPTED
-                                        : measure_texel(j, first + i, buffer, sums + i * length);
-            free(buffer);
-            if (mine != BTF_OK) {
-#pragma omp atomic write
-                result = mine;
-            }
-        }
-        result = enc_ranks_gather(j->context, result, sums, length * sizeof *sums, n);
-        for (size_t i = 0; i < n * length && result == BTF_OK; i++) {
-            total[i % length] += sums[i];
-        }
-    }
-    free(sums);
-    return result;
-}
-
 /* Mean squared errors of some variants: out[variant][cell][2]. Errors: BTF_ERROR_MEMORY, those of the data.
  */
 static btf_result measure_means(const job *j, double **out) {
     const size_t length = 2 * j->n_variants * j->cells;
     *out = calloc(length, sizeof **out);
-    const btf_result result = *out ? measure(j, *out) : BTF_ERROR_MEMORY;
+    btf_result result = enc_ranks_agree(j->context, *out ? BTF_OK : BTF_ERROR_MEMORY);
+    if (result == BTF_OK)
+        result = enc_drawn_texels_sum(j->context, j->data, j->texels, length, measure_texel, j, *out);
     for (size_t i = 0; result == BTF_OK && i < length; i++) {
         (*out)[i] /= 3.0 * (double)(j->texels * j->pairs);
     }

@@ -5,6 +5,7 @@
 #include "leave_one_out.h"
 
 #include "decoder/toolkit/reference_view.h"
+#include "drawn_texels.h"
 #include "encoder/base/ranks.h"
 #include "encoder/base/stage.h"
 #include "encoder/between/left_out.h"
@@ -14,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BATCH = 16, SUMS = 4 };
+enum { SUMS = 4 };
 
 /* The directions of a band that are drawn from: those that can be left out, or where there are none, all.
  */
@@ -40,16 +41,8 @@ typedef struct pair {
     btf_ref_neighbours views, lights; /* without what is left out */
 } pair;
 
-/* A well-mixed number of 64 bits (SplitMix64). */
-static uint64_t mix(uint64_t x) {
-    x += 0x9E3779B97F4A7C15u;
-    x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
-    x = (x ^ (x >> 27)) * 0x94D049BB133111EBu;
-    return x ^ (x >> 31);
-}
-
 static int pick(const pool *from, uint64_t seed, btf_ref_neighbours *out_near) {
-    const size_t at = (size_t)(mix(seed) % (uint64_t)from->count);
+    const size_t at = (size_t)(enc_mix(seed) % (uint64_t)from->count);
     *out_near = from->near[at];
     return from->member[at];
 }
@@ -117,7 +110,7 @@ static pair pick_pair(const job *j, size_t cell, uint64_t seed) {
     pair p;
     p.view = pick(&j->views[cell / (size_t)j->light_bands], seed, &p.views);
     for (uint64_t try = 0; try < 8; try++) {
-        p.light = pick(&j->lights[cell % (size_t)j->light_bands], mix(seed + 1) + try, &p.lights);
+        p.light = pick(&j->lights[cell % (size_t)j->light_bands], enc_mix(seed + 1) + try, &p.lights);
         if (!moved || moved[p.view].index != p.light)
             break;
     }
@@ -143,55 +136,13 @@ static void measure_cell(const job *j, uint32_t texel, const float *samples, siz
 }
 
 /* All pairs of one texel: sums[left out][cell][SUMS]. */
-static btf_result measure_texel(const job *j, size_t index, float *buffer, double *sums) {
-    const size_t count = enc_data_texel_count(j->data), first = index * count / j->texels;
-    const size_t texel = first + mix(index) % ((index + 1) * count / j->texels - first);
-    const float *samples;
-    const btf_result result = enc_data_texels(j->context, j->data, texel, 1, buffer, &samples);
-    for (size_t cell = 0; result == BTF_OK && cell < j->cells; cell++)
+static void measure_texel(const void *user, size_t index, size_t texel, const float *samples,
+                          double *sums) {
+    const job *j = user;
+    for (size_t cell = 0; cell < j->cells; cell++)
         measure_cell(j, (uint32_t)texel, samples, cell, (index * j->cells + cell) * j->pairs,
                      sums + cell * SUMS, j->cells * SUMS);
-    return result;
-}
-
-/* Texels first .. first + n - 1, of which each rank fills its own: sums[texel][left out][cell][SUMS]. */
-static btf_result measure_batch(const job *j, size_t first, size_t n, double *sums) {
-    const size_t length = (1 + ENC_LEFT_BOTH) * j->cells * SUMS;
-    btf_result result = BTF_OK;
-    size_t begin, end;
-    enc_ranks_range(j->context, n, &begin, &end);
-    memset(sums, 0, n * length * sizeof *sums);
-#pragma omp parallel for schedule(dynamic) num_threads(j->context->threads)
-    for (size_t i = begin; i < end; i++) {
-        float *buffer = malloc(enc_data_texel_stride(j->data) * sizeof *buffer);
-        const btf_result mine = !buffer ? BTF_ERROR_MEMORY
-                                : enc_cancelled(j->context)
-                                    ? BTF_ERROR_INTERRUPTED
-                                    : measure_texel(j, first + i, buffer, sums + i * length);
-        free(buffer);
-        enc_stage_step(j->context, 1);
-        if (mine != BTF_OK) {
-#pragma omp atomic write
-            result = mine;
-        }
-    }
-    return enc_ranks_gather(j->context, result, sums, length * sizeof *sums, n);
-}
-
-/* total[left out][cell][SUMS], added up in the order of texels whatever thread or rank made them. */
-static btf_result measure(const job *j, double *total) {
-    const size_t length = (1 + ENC_LEFT_BOTH) * j->cells * SUMS;
-    const size_t batch = BATCH * (size_t)enc_ranks_count(j->context);
-    double *sums = malloc(batch * length * sizeof *sums);
-    btf_result result = enc_ranks_agree(j->context, sums ? BTF_OK : BTF_ERROR_MEMORY);
-    for (size_t first = 0; result == BTF_OK && first < j->texels; first += batch) {
-        const size_t n = j->texels - first < batch ? j->texels - first : batch;
-        result = measure_batch(j, first, n, sums);
-        for (size_t i = 0; result == BTF_OK && i < n * length; i++)
-            total[i % length] += sums[i];
-    }
-    free(sums);
-    return result;
+    enc_stage_step(j->context, 1);
 }
 
 static void add_mean(enc_left_out_errors *to, const enc_left_out_errors *from, double share) {
@@ -270,11 +221,12 @@ static btf_result measure_all(job *j, enc_leave_one_out *out) {
     j->cells = (size_t)j->view_bands * (size_t)j->light_bands;
     j->texels = count < ENC_LEFT_OUT_TEXELS ? count : ENC_LEFT_OUT_TEXELS;
     j->pairs = ENC_LEFT_OUT_PAIRS / j->cells;
-    double *sums = calloc((1 + ENC_LEFT_BOTH) * j->cells * SUMS, sizeof *sums);
+    const size_t length = (1 + ENC_LEFT_BOTH) * j->cells * SUMS;
+    double *sums = calloc(length, sizeof *sums);
     result = enc_ranks_agree(j->context, result == BTF_OK && !sums ? BTF_ERROR_MEMORY : result);
     enc_stage_begin(j->context, "leave one out", j->texels);
     if (result == BTF_OK)
-        result = measure(j, sums);
+        result = enc_drawn_texels_sum(j->context, data, j->texels, length, measure_texel, j, sums);
     enc_stage_end(j->context);
     if (result == BTF_OK)
         sum_up(j, sums, out);
