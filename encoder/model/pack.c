@@ -36,12 +36,9 @@ static btf_material_info describe(const enc_data *data, const enc_solution *s, c
 /* Section 4: the parameter blocks of enc_sbrdf spread over RGBA layers. */
 static void pack_sbrdf(const enc_sbrdf *sbrdf, bool half, void *out) {
     const size_t stride = enc_sbrdf_stride(sbrdf->lobes, sbrdf->rgb);
-    const size_t head = sbrdf->rgb ? 3 + 3 * (size_t)sbrdf->lobes : 4;
-    const size_t head_layers = (head + 3) / 4;
     for (size_t t = 0; t < sbrdf->n_texels; t++) {
         for (size_t i = 0; i < stride; i++) {
-            const size_t slot = i < head ? i : head_layers * 4 + (i - head);
-            const size_t at = ((slot / 4) * sbrdf->n_texels + t) * 4 + slot % 4;
+            const size_t at = enc_sbrdf_texture_index(sbrdf, t, i);
             const float value = sbrdf->values[t * stride + i];
             if (half) {
                 ((uint16_t *)out)[at] = enc_half_from_float(value);

@@ -30,6 +30,14 @@ static inline size_t enc_sbrdf_stride(int lobes, bool rgb) {
     return rgb ? 3 + 7 * (size_t)lobes : 4 + 4 * (size_t)lobes;
 }
 
+/* The index of parameter `i` of a texel among the numbers of the file's texture: RGBA layers, of which the
+ * lobes' (Cx, Cy, Cz, n) begin a new one (FORMAT.md section 4). */
+static inline size_t enc_sbrdf_texture_index(const enc_sbrdf *sbrdf, size_t texel, size_t i) {
+    const size_t head = sbrdf->rgb ? 3 + 3 * (size_t)sbrdf->lobes : 4, head_layers = (head + 3) / 4;
+    const size_t slot = i < head ? i : head_layers * 4 + (i - head);
+    return ((slot / 4) * sbrdf->n_texels + texel) * 4 + slot % 4;
+}
+
 /* All zeros. Errors: BTF_ERROR_USAGE, BTF_ERROR_MEMORY. */
 btf_result enc_sbrdf_create(size_t n_texels, int lobes, bool rgb, enc_sbrdf **out_sbrdf);
 void enc_sbrdf_destroy(enc_sbrdf **sbrdf);

@@ -22,12 +22,9 @@ static float half_to_float(uint16_t bits) {
 
 static void unpack_sbrdf(const btf_material_info *info, const void *texture, enc_sbrdf *sbrdf) {
     const size_t stride = enc_sbrdf_stride(sbrdf->lobes, sbrdf->rgb);
-    const size_t head = sbrdf->rgb ? 3 + 3 * (size_t)sbrdf->lobes : 4;
-    const size_t head_layers = (head + 3) / 4;
     for (size_t t = 0; t < sbrdf->n_texels; t++) {
         for (size_t i = 0; i < stride; i++) {
-            const size_t slot = i < head ? i : head_layers * 4 + (i - head);
-            const size_t at = ((slot / 4) * sbrdf->n_texels + t) * 4 + slot % 4;
+            const size_t at = enc_sbrdf_texture_index(sbrdf, t, i);
             sbrdf->values[t * stride + i] = info->half_float
                                                 ? half_to_float(((const uint16_t *)texture)[at])
                                                 : ((const float *)texture)[at];
