@@ -20,7 +20,7 @@ shown() {
     if [ -t 1 ]; then printf '\r\033[K'; fi
 }
 
-# What apt tells of its stages: "dlstatus:3:41.2:text", "pmstatus:package:7.5:text".
+# apt reports its stages as "dlstatus:3:41.2:text", "pmstatus:package:7.5:text".
 apt_stages() {
     local kind name percent
     while IFS=: read -r kind name percent _; do

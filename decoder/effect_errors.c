@@ -13,7 +13,7 @@ static bool is_integer(float value, uint32_t low, uint32_t high) {
     return value >= (float)low && value <= (float)high && value == floorf(value);
 }
 
-/* What differs between the tables. */
+/* The differences between the tables. */
 typedef struct table_kind {
     const char *name; /* in messages */
     size_t most;      /* rows */

@@ -60,7 +60,7 @@ static const uint32_t unpack_names[BTFI_UNPACK_COUNT] = {
     GL_UNPACK_SWAP_BYTES,  GL_UNPACK_ALIGNMENT,   GL_UNPACK_ROW_LENGTH,  GL_UNPACK_SKIP_ROWS,
     GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_IMAGES, GL_UNPACK_IMAGE_HEIGHT};
 
-/* What a compatibility context may do to the texels of an upload, and the value with which it does nothing;
+/* A compatibility context may change the texels of an upload by these, and does nothing with these values;
  * those behind the first nine belong to GL_ARB_imaging. */
 enum { TRANSFERS_ALWAYS = 9 };
 #define FOUR(name, neutral) {name, neutral}, {name + 1, neutral}, {name + 2, neutral}, {name + 3, neutral}

@@ -69,7 +69,7 @@
     X(UseProgram, void, (uint32_t program))                                                                \
     X(Viewport, void, (int32_t x, int32_t y, int32_t width, int32_t height))
 
-/* What OpenGL ES lacks, and what core contexts lack too. */
+/* Functions that OpenGL ES lacks, and that core contexts lack too. */
 #define BTFI_GL_DESKTOP_FUNCTIONS(X) X(PolygonMode, void, (uint32_t face, uint32_t mode))
 #define BTFI_GL_COMPATIBILITY_FUNCTIONS(X)                                                                 \
     X(GetFloatv, void, (uint32_t name, float *values))                                                     \

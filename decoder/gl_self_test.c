@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What drawing touches: first what every context has, then what desktop ones add, then what compatibility
- * ones add. */
+/* The state that drawing touches: first that of every context, then what desktop ones add, then what
+ * compatibility ones add. */
 static const uint32_t capabilities[] = {
     GL_CULL_FACE,
     GL_DEPTH_TEST,

@@ -259,8 +259,8 @@ static bool find_candidate(const error_table *t, uint32_t level, uint32_t effect
     return false;
 }
 
-/* What the table of errors between the samples says of a scene; false where it says nothing. View or light that
- * are samples are not left out. */
+/* The error of a scene by the table of errors between the samples; false where it says nothing. View or
+ * light that are samples are not left out. */
 static bool find_between(const btf_material *material, const btf_scene *scene, const error_table *t,
                          double mse[2]) {
     const btf_between_errors b = btf_material_between_errors(material);

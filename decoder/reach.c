@@ -178,8 +178,8 @@ static void reach_records(const btfi_directions *d, const region *r, btfi_reach 
     }
 }
 
-/* What one direction's record names: the one direction that has all the weight, an edge's two, or the
- * triangle, whose weights follow from all three. */
+/* Directions that one direction's record names: the one direction that has all the weight, an edge's two,
+ * or the triangle, whose weights follow from all three. */
 static void reach_direction(const btfi_directions *d, const float direction[3], btfi_reach *out) {
     uint32_t index[3], weight[3];
     const uint32_t record = btfi_lookup(d, direction, index, weight);

@@ -10,7 +10,7 @@
 
 #pragma GCC visibility push(hidden)
 
-/* What a record of FORMAT.md section 6 is needed for. */
+/* The uses of a record of FORMAT.md section 6, as bits. */
 enum {
     BTFI_REACH_RECORD = 1,
     BTFI_REACH_CORNER = 2

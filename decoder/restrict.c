@@ -139,7 +139,7 @@ static btf_result choose_directions(const btfi_directions *whole, const btf_rang
     return result;
 }
 
-/* What a restriction is made from and into. */
+/* A restriction in the making: its source, its plan and its result. */
 typedef struct work {
     const btf_material *whole;
     uint32_t level; /* of the whole that becomes level 0 */

@@ -80,7 +80,7 @@ static btf_shader_options read_options(const btf_shader_options *options) {
     return all;
 }
 
-/* What is decoded of a material. */
+/* The part of a material that a shader decodes. */
 typedef struct variant {
     uint32_t effects;    /* without the residual */
     uint32_t components; /* 0: no residual */

@@ -15,7 +15,7 @@ typedef struct light_weights {
     int32_t weight[3];
 } light_weights;
 
-/** What all texels share under one light and one view. */
+/** The part of an evaluation that all texels share under one light and one view. */
 typedef struct situation {
     const btf_ref_material *material;
     uint32_t effects;    /**< decoded */

@@ -4,7 +4,7 @@
  * SPDX-License-Identifier: MIT
  */
 
-/* What does not depend on the texel. */
+/* The part that does not depend on the texel. */
 struct btf_setting {
     btf_neighbours views, lights;
     int n;        /* lights in use: 1 to 3 */

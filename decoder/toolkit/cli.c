@@ -164,7 +164,7 @@ static void print_help(const cli_program *program) {
 /* Values
  * --------------------------------------------------------------------------------------------------- */
 
-/* What an option wants, for messages. */
+/* The kind of argument that an option takes, in words for messages. */
 typedef struct wanted {
     char text[200];
 } wanted;

@@ -1,4 +1,4 @@
-/* What every tool's command line has in common: a table of options, messages that name option, value and
+/* Command lines of all tools: a table of options, messages that name option, value and
  * expectation, --help, --version, exit codes, and where messages go.
  *
  *     static struct { const char *out; bool json; } options;
@@ -33,7 +33,7 @@
 extern "C" {
 #endif
 
-/* What an option's argument is, and what `value` points to. */
+/* The kind of an option's argument, and the type that `value` points to. */
 typedef enum cli_type {
     CLI_END = 0, /* ends the table */
     CLI_FLAG,    /* no argument; bool, set to true */

@@ -82,7 +82,7 @@ static void append_quoted(json *j, const char *value) {
     append_text(j, "\"");
 }
 
-/* What stands before a value: comma, line, name. */
+/* Writes the text before a value: comma, line, name. */
 static void begin_value(json *j, const char *key) {
     if (j->depth > 0) {
         const int top = j->depth - 1;

@@ -17,7 +17,7 @@ typedef struct scene_option {
     float tolerance; /* dB */
 } scene_option;
 
-/* What the words are, for --help. */
+/* The words that the option takes, for --help. */
 #define SCENE_OPTION_HELP                                                                                  \
     "views=T0:T1[:P0:P1] and lights=... ranges of theta and phi in degrees (default everything),\n"        \
     "view=T:P and light=T:P one direction that never changes, pixels=X side of a texel on the screen,\n"   \

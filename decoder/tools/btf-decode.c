@@ -108,7 +108,7 @@ static const cli_program program = {
     .max_arguments = 1,
 };
 
-/* What a thread needs to decode. */
+/* All that decoding an image takes; threads only read it. */
 typedef struct decoder {
     btf_ref_material material;
     btf_ref_options options;

@@ -88,7 +88,8 @@ static const btf_material_error *find_error(const btf_material_error *errors, si
     return NULL;
 }
 
-/* What an effect buys: the row with it less the row without, the richest such pair. NULL pair when none. */
+/* The gain of an effect: the row with it less the row without, the richest such pair. NULL pair when none.
+ */
 static bool find_gain(const btf_material_error *errors, size_t count, uint32_t effect,
                       const btf_material_error **out_with, const btf_material_error **out_without) {
     bool found = false;
@@ -184,7 +185,7 @@ static void print_between(const btf_material *material) {
     }
 }
 
-/* What was measured of a level; NULL when nothing was. */
+/* The error measured of a level; NULL when none was. */
 static const btf_level_error *find_level_error(const btf_material *material, uint32_t level) {
     size_t count;
     const btf_level_error *errors = btf_material_level_errors(material, &count);
@@ -268,7 +269,7 @@ static void print_text(const char *path, uint64_t file_bytes, const btf_material
     print_textures(material);
 }
 
-/* What was written goes to stdout. */
+/* Writes the object to stdout and frees it. */
 static btf_result put_json(json *j) {
     const char *text = json_text(j);
     if (text)

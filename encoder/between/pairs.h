@@ -22,7 +22,7 @@ typedef struct enc_pairs {
     enc_pairs_source *source;
 } enc_pairs;
 
-/* What the images of a folder or an archive are, by the directions that their names say. */
+/* The two kinds of image sets in a folder or an archive, told by the directions that their names say. */
 typedef enum enc_image_set {
     ENC_SET_GRID,  /* every view under every light, or more than half of these: what enc_read takes or tells
                       what is missing of */

@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-/* What was added before logarithms were taken. */
+/* The writer added this before it took logarithms. */
 static const float epsilon = 1e-5f;
 
 static void from_yuv(float s[3]) {

@@ -1,4 +1,4 @@
-/* What is told about the images of a data set. See notices.h.
+/* Notices about the images of a data set. See notices.h.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -1,4 +1,4 @@
-/* What is to be told about the images of a data set: one line a kind with a count, not one an image.
+/* Notices about the images of a data set: one line a kind with a count, not one an image.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -306,7 +306,7 @@ static btf_result read_mine(reader *r) {
     return result;
 }
 
-/* What the ranks found below 0, together. */
+/* Adds up the samples below 0 that the ranks found. */
 static btf_result add_negative(reader *r, btf_result result) {
     uint64_t sums[2] = {r->negative, r->n_negative_files};
     const size_t size = (size_t)enc_ranks_count(r->context);

@@ -12,8 +12,8 @@
 
 #include <stdio.h>
 
-/* What is measured: its images at pairs first .. first + count - 1, out[pair][texel][3]. Called from one
- * thread, which it may multiply. */
+/* Gives the images that are measured, at pairs first .. first + count - 1, out[pair][texel][3]. Called from
+ * one thread, which it may multiply. */
 typedef btf_result (*enc_pair_images_fn)(const enc_context *context, const void *user,
                                          const enc_pair *pairs, size_t count, float *out);
 typedef struct enc_pair_images {
@@ -39,7 +39,7 @@ typedef struct enc_between_band {
 } enc_between_band;
 
 enum { ENC_BETWEEN_BANDS = 8 };
-/* What bands are of. */
+/* The angles that bands divide. */
 typedef enum enc_between_by {
     ENC_BY_VIEW_THETA,
     ENC_BY_LIGHT_THETA,

@@ -183,7 +183,7 @@ static void sum_up(const job *j, const double *sums, enc_leave_one_out *out) {
     }
 }
 
-/* What each band is drawn from. *out_count: directions that can be left out. */
+/* The pool that each band draws from. *out_count: directions that can be left out. */
 static btf_result make_pools(const enc_context *context, const enc_direction *directions, int count,
                              const enc_bands *bands, pool *pools, int *out_count) {
     enc_left_out *left = malloc(sizeof *left);

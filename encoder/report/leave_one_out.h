@@ -19,7 +19,7 @@
 #include <openbtf/material.h>
 #include <stdio.h>
 
-/* What is left out: bits. */
+/* The directions that are left out, as bits. */
 enum { ENC_LEFT_VIEW = 1, ENC_LEFT_LIGHT = 2, ENC_LEFT_BOTH = 3 };
 
 /* Means of squared errors: count is 1, or 0 for what was not measured. */

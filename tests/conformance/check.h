@@ -10,7 +10,7 @@
 #include "gpu.h"
 #include <openbtf/material.h>
 
-/* What is compared, and where messages and pictures of failures go. */
+/* The decoders that are compared, and where messages and pictures of failures go. */
 typedef struct check_subject {
     gpu *gpu;
     const btf_material *material;

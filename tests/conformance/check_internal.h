@@ -1,4 +1,5 @@
-/* What the checks share: the decoder compiled around a body, textures bound, batches run and compared.
+/* The steps that all checks share: the decoder compiled around a body, textures bound, batches run and
+ * compared.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -57,7 +57,7 @@ static const char body[] =
     "    return uvec4(0xFFFFFFFFu);\n"
     "}\n";
 
-/* What a step needs to know. */
+/* The inputs of a step. */
 typedef struct context_of_step {
     const btf_material *material;
     btf_material_info info; /* width and height are the level's */

@@ -25,7 +25,7 @@ static double now(void) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* What the child sends: a head, then cases until the end of the pipe. */
+/* The child sends a head, then cases until the end of the pipe. */
 typedef struct head {
     char renderer[200];
     conform_verdict verdict;
@@ -105,7 +105,7 @@ static bool is_waived(const runner *r, conform_case *c) {
 static void finish(runner *r, conform_case *c, btf_result result, double started) {
     c->seconds = now() - started;
     if (result != BTF_OK) {
-        /* What the device refuses is not supported; what goes wrong elsewhere is a failure. */
+        /* A refusal by the device means "not supported"; an error elsewhere is a failure. */
         c->verdict = result == BTF_ERROR_UNSUPPORTED ? CONFORM_NOT_SUPPORTED : CONFORM_FAIL;
         snprintf(c->reason, sizeof c->reason, "%.190s",
                  r->listener.last[0] ? r->listener.last : btf_result_text(result));

@@ -15,7 +15,7 @@ typedef enum conform_verdict {
     CONFORM_WAIVED,        /* a difference that a waiver names */
 } conform_verdict;
 
-/* What is asked for. */
+/* The command line of btf-conform. */
 typedef struct conform_options {
     uint64_t seed, count, steps; /* evaluations of radiance and elements of a step, each variant */
     int first, stride;           /* variants first, first + stride, ...; first alone when stride is 0 */

@@ -25,7 +25,7 @@ gpu *gpu_create(const context_device *device, char *why, size_t why_size);
 gpu *gpu_create_or_skip(const context_device *device);
 void gpu_destroy(gpu **g);
 
-/* What GL says it is: renderer and version. */
+/* The renderer and version that GL names. */
 const char *gpu_name(const gpu *g);
 /* Its functions of GL. */
 const gl_api *gpu_api(const gpu *g);

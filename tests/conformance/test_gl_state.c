@@ -35,7 +35,7 @@ static void use(int compatibility) {
         fail_msg("OSMesa does not take its context");
 }
 
-/* What the fakes below tell and count. */
+/* The fakes below answer with these and count in them. */
 static struct {
     int profile_is_0, has_imaging;
     int transfers_called;                      /* calls of glPixelTransferf */

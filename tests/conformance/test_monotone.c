@@ -20,7 +20,7 @@
 enum { COMPONENTS = 3, VARIANTS = 16 * COMPONENTS * 2 * 2 * 2, MOST_BLOCKS = 2048, RECORDS = 4 };
 static const uint32_t components[COMPONENTS] = {0, 4, 16};
 
-/* What is static in a variant. */
+/* The choices that are static in a variant. */
 typedef struct choice {
     uint32_t effects;    /* without the residual */
     uint32_t components; /* 0: none */

@@ -1,5 +1,5 @@
-/* What keeps the decoder exact, and what happens without it: the self-test passes here, names what a
- * (simulated) device breaks, and the decoder without protection is seen to differ.
+/* The protections that keep the decoder exact, and its results without them: the self-test passes here,
+ * names what a (simulated) device breaks, and the decoder without protection is seen to differ.
  *
  * SPDX-License-Identifier: MIT
  */

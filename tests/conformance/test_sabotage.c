@@ -15,7 +15,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What is wrong, where it must show ("" where only radiance can), and the change to the decoder's text. */
+/* The fault's name, where it must show ("" where only radiance can), and the change to the decoder's text.
+ */
 typedef struct sabotage {
     const char *name, *step, *from, *to;
 } sabotage;

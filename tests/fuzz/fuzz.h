@@ -1,4 +1,4 @@
-/* What the fuzz targets share. Each target is one file with LLVMFuzzerTestOneInput; tests/fuzz/run.sh links
+/* Helpers of all fuzz targets. Each target is one file with LLVMFuzzerTestOneInput; tests/fuzz/run.sh links
  * it with libFuzzer, the build with replay.c.
  *
  * SPDX-License-Identifier: MIT

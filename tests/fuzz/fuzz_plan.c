@@ -1,7 +1,7 @@
 /* Fuzz target: plans and restrictions of a small material, all read from the input: any range, any bits of
  * its numbers, any tolerance, any table of effect errors, and plans that no planner made.
  *
- * What is refused is just what is no scene; a plan is no worse than the tolerance allows; what a
+ * Exactly those inputs are refused that are no scene; a plan is no worse than the tolerance allows; what a
  * restriction decodes are the bits that the whole material does.
  *
  * SPDX-License-Identifier: MIT

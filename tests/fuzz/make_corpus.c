@@ -246,7 +246,7 @@ static void write_words(void) {
     write_text("options", "wrong", "--number=99999999999999999999\n--size=3x\n--crop=4294967297,0,1,1");
 }
 
-/* What checkpoint.c wrote of a step, without its header and hash. */
+/* The bytes that checkpoint.c wrote of a step, without its header and hash. */
 static void take_step(const char *steps, int step) {
     enum { HEADER = 24, HASH = 8 };
     static unsigned char bytes[65536];

@@ -262,7 +262,7 @@ static int code_of(double x, const double *thresholds, int levels) {
     return low;
 }
 
-/* What every view's job shares. */
+/* Shared by the jobs of all views. */
 typedef struct job {
     const sample_scene *scene;
     sample_truth *truth; /* or NULL */

@@ -13,7 +13,7 @@ typedef struct sample_pair {
     enc_direction view, light;
 } sample_pair;
 
-/* What moves in an orbit. */
+/* The direction that moves in an orbit. */
 typedef enum pairs_orbit { PAIRS_NO_ORBIT, PAIRS_ORBIT_VIEW, PAIRS_ORBIT_LIGHT } pairs_orbit;
 
 /* Each fills *out_pairs (malloc'd). Angles are rounded to 1e-4 degrees, which is what file names hold, and

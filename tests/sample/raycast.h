@@ -1,4 +1,4 @@
-/* What is seen and what is lit on a relief.
+/* The points seen and the points lit on a relief.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -16,7 +16,7 @@
 #include <openbtf/result.h>
 #include <stdint.h>
 
-/* What there is to render:
+/* The reliefs that can be rendered:
  *   bricks   running bond of 4 courses of 2 bricks, recessed mortar, depth 0.10, 5 % ambient light
  *   bumps    a bed of rounded pebbles, smooth, no ambient light: unlit samples are exactly 0
  *   weave    a plain weave of 8 warp and 8 weft threads

@@ -223,7 +223,7 @@ static void record_geometry(const sample_scene *scene, int view, int row, int co
     truth->hidden[index] = 0;
 }
 
-/* What ray k of a texel sees. */
+/* The point that ray k of a texel sees. */
 static shading_point ray_point(const sample_scene *scene, int row, int column, int k, const double v[3]) {
     const sample_options *o = &scene->options;
     const int s = o->supersample;

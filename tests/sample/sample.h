@@ -15,7 +15,7 @@
 #include "encoder/data/data.h"
 #include "raycast.h"
 
-/* What to render. Zero means the default that stands beside a field. */
+/* The BTF to render. Zero means the default that stands beside a field. */
 typedef struct sample_options {
     const enc_context *context; /* messages, progress, threads, cancellation; NULL: silent, one thread */
     relief_kind relief;         /* 0 = RELIEF_BRICKS */
@@ -29,7 +29,7 @@ typedef struct sample_options {
     int n_lights;
 } sample_options;
 
-/* What is true of the rendered BTF. "The point seen" by a texel is what its centre's ray hits. */
+/* The truth about the rendered BTF. "The point seen" by a texel is what its centre's ray hits. */
 typedef struct sample_truth {
     int width, height, n_views, n_lights;
     float *position; /* [view][row][column][3]: the point seen, in tiles; x, y unwrapped (may leave 0..1), z

@@ -16,7 +16,7 @@ import subprocess
 import sys
 import tempfile
 
-# What is broken: [(file, text, its replacement)], and the test that has to notice.
+# The breaks: [(file, text, its replacement)], and the test that has to notice.
 CHANGES = [
     ("the bound on n removed", "stability_fit", [
         ("encoder/lafortune/texel_fit.c", "log(fmax(ENC_FIT_MAX_N, value))", "log(fmax(1e9, value))")]),

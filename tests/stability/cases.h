@@ -7,7 +7,7 @@
 
 #include <stdbool.h>
 
-/* What the program is about, one sentence: the heading's text in the table. */
+/* The subject of the program, one sentence: the heading's text in the table. */
 void cases_title(const char *title);
 
 /* One case: what goes in, what has to come out (both the same in every run, the input unique within the

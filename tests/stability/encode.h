@@ -21,7 +21,7 @@ typedef enum encode_method {
 enum { ENCODE_METHODS = 4 };
 extern const char *const encode_names[ENCODE_METHODS + 1];
 
-/* What came of it. */
+/* The outcome of an encode. */
 typedef struct encoded {
     btf_result result; /* BTF_OK, or what failed */
     void *file;        /* the bytes of the *.btf.exr */

@@ -45,7 +45,7 @@ int double_cv_flow(enc_cv_flow *flow, int width, int height, const unsigned char
 #define enc_data_view double_view
 #define enc_cv_flow_compute double_cv_flow
 
-/* What the sources define, and sbrdf.c and gram.c: the names are taken. */
+/* Other names for all that these sources, sbrdf.c and gram.c define: the float build has the plain ones. */
 #define enc_fit double_fit
 #define enc_fit_options_default double_fit_options_default
 #define enc_fit_workspace_create double_fit_workspace_create

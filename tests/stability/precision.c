@@ -1,4 +1,4 @@
-/* What the comparisons with double precision share, see precision.h.
+/* Helpers of the comparisons with double precision. See precision.h.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -14,7 +14,7 @@ enum { SIDE = 12 };
 
 static const double bound = 0.1; /* dB */
 
-/* What a change does to azimuths (phi -> sign * phi + step) and to texels. */
+/* The effect of a change on azimuths (phi -> sign * phi + step) and to texels. */
 typedef struct change {
     const char *name;
     int sign, step;               /* degrees */

@@ -141,7 +141,7 @@ static outcome open_edited(edit_file *file) {
 static int asked, refused;
 static char complaint[300];
 
-/* What was opened has to be refused, and the message has to hold `word`. */
+/* The file has to be refused, with `word` in the message. */
 static void count_refusal(outcome seen, const char *word) {
     asked++;
     if (seen == REFUSED && strstr(last_message, word))

@@ -31,7 +31,7 @@ static const variant variants[] = {
     {"RGB lobes, square root", 4, true, true},
 };
 
-/* What went wrong first, empty when nothing did. */
+/* The first failure, empty when there was none. */
 static char complaint[256];
 static void complain(const variant *v, const char *what, double a, double b) {
     if (complaint[0] == 0) {

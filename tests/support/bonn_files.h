@@ -12,7 +12,7 @@
 
 typedef enum bonn_form { BONN_DFMF, BONN_FMF, BONN_PVF, BONN_PVF_LEGACY, BONN_BDI } bonn_form;
 
-/* What to write. Directions in degrees. */
+/* The Bonn file to write. Directions in degrees. */
 typedef struct bonn_spec {
     bonn_form form;
     const char *signature;

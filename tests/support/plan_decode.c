@@ -1,4 +1,4 @@
-/* What a plan reads against the whole material. See plan_decode.h.
+/* A plan's material decoded against the whole one. See plan_decode.h.
  *
  * SPDX-License-Identifier: MIT
  */

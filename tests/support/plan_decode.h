@@ -1,4 +1,4 @@
-/* What a plan reads against the whole material, by the reference, for tests.
+/* A plan's material decoded against the whole one, by the reference, for tests.
  *
  * SPDX-License-Identifier: MIT
  */

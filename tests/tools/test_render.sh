@@ -222,7 +222,7 @@ done
 render -o r.png --device reference --mesh plane --plan auto --tolerance 30
 render -o g.png --device osmesa --mesh plane --plan auto --tolerance 30
 same "planned with less: the reference's picture" r.png g.png
-# What is the same in every pixel is folded into the shader; the reference looks it up. The same pictures.
+# Values that are the same in every pixel are folded into the shader; the reference looks them up. The same pictures.
 folds() { # NAME, WHAT THE PLAN SAYS (none: nothing), OPTIONS
     local name=$1 fixed=$2
     shift 2

@@ -8,7 +8,7 @@
  * btf_gl_self_test are taken off GL's queue. Not to be called while a display list is compiled, transform
  * feedback runs, or rendering is conditional.
  *
- * What this does not do: it makes no context, window, thread, program, framebuffer, sampler object or draw
+ * The library makes no context, window, thread, program, framebuffer, sampler object or draw
  * call (the self-test makes some and deletes them), and keeps no copy of the material. Levels of detail are
  * uploaded as mip levels of the same textures; none are made here, and nothing filters: the decoder fetches
  * single texels.

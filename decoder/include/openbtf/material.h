@@ -108,7 +108,7 @@ typedef struct btf_texture {
     size_t size; /**< bytes */
 } btf_texture;
 
-/** What a material is. */
+/** The properties of a material. */
 typedef struct btf_material_info {
     size_t struct_size; /**< sizeof(btf_material_info), set by the caller */
     uint32_t width, height;     /**< texels, of level 0 */
@@ -147,12 +147,12 @@ typedef struct btf_level_error {
     float gpu_bytes;   /**< btf_level_bytes() */
 } btf_level_error;
 
-/** What the encoder measured of the ways to decode, by bands of view and light elevation (FORMAT.md section
- * 7, openbtf.effectErrors). Row r has 5 + 2 * view_bands * light_bands numbers: btf_effect bits decoded,
- * residual components, 0 for interpolated directions, 1 for nearest ones, 2 for either at the samples, 3
- * and 4 for interpolated ones where the view or the light is a sample, level of detail, gpu bytes of level
- * 0; then, [view band][light band], the mean squared error of values clipped to [0, 1], linear and
- * sRGB-coded. All 0 and NULL when there is none. */
+/** Errors of the ways to decode as the encoder measured them, by bands of view and light elevation
+ * (FORMAT.md section 7, openbtf.effectErrors). Row r has 5 + 2 * view_bands * light_bands numbers:
+ * btf_effect bits decoded, residual components, 0 for interpolated directions, 1 for nearest ones, 2 for
+ * either at the samples, 3 and 4 for interpolated ones where the view or the light is a sample, level of
+ * detail, gpu bytes of level 0; then, [view band][light band], the mean squared error of values clipped to
+ * [0, 1], linear and sRGB-coded. All 0 and NULL when there is none. */
 typedef struct btf_effect_errors {
     uint32_t view_bands, light_bands;        /**< 1 .. BTF_MAX_BANDS */
     const float *view_limits, *light_limits; /**< [bands + 1] theta in degrees, ascending */
@@ -236,9 +236,10 @@ btf_effect_errors btf_material_effect_errors(const btf_material *material);
 /** @return what the encoder estimated of the error between the samples; owned by the material. */
 btf_between_errors btf_material_between_errors(const btf_material *material);
 
-/** What an encoder hands over to make a material. Textures as in btf_texture, of which only `data` is read
- *  (sizes and formats follow from the rest; see btf_material_texture_shape); entries that the effects do
- * not call for must be NULL. residual_scales is BTF_TEXTURE_RESIDUAL_SCALES; the two tables are made here.
+/** All that a material is made from, as an encoder hands it over. Textures as in btf_texture, of which only
+ * `data` is read (sizes and formats follow from the rest; see btf_material_texture_shape); entries that the
+ * effects do not call for must be NULL. residual_scales is BTF_TEXTURE_RESIDUAL_SCALES; the two tables are
+ * made here.
  */
 typedef struct btf_material_desc {
     size_t struct_size;     /**< sizeof(btf_material_desc) */

@@ -32,7 +32,7 @@ typedef struct btf_range {
     float direction[3]; /**< unit, z > 0 */
 } btf_range;
 
-/** What is to be shown. All zeros after struct_size: everything, one light, a texel a pixel. */
+/** The scene that is to be shown. All zeros after struct_size: everything, one light, a texel a pixel. */
 typedef struct btf_scene {
     size_t struct_size; /**< sizeof(btf_scene) */
     btf_range view, light;
@@ -77,8 +77,8 @@ typedef struct btf_plan {
 btf_result btf_plan_effects(const btf_material *material, const btf_scene *scene, float tolerance,
                             btf_plan *out_plan);
 
-/** What the file's table predicts for the scene, level and directions of a plan decoded another way: PSNR
- * in dB of a set of effects with so many residual components (0 without the residual). Errors:
+/** The error that the file's table predicts for the scene, level and directions of a plan decoded another
+ * way: PSNR in dB of a set of effects with so many residual components (0 without the residual). Errors:
  *  BTF_ERROR_UNSUPPORTED (the encoder did not measure this way; both are 0). */
 btf_result btf_plan_predict(const btf_material *material, const btf_plan *plan, uint32_t effects,
                             uint32_t components, float *out_linear, float *out_srgb);

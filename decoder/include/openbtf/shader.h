@@ -22,7 +22,7 @@
  * It works in GLSL 330 core to 460, ESSL 300 (WebGL2) to 320, and Vulkan GLSL. What a compiler finds unused
  * costs nothing: an effect that is left out leaves no code and no fetch behind.
  *
- * What this does not do: it makes no GL call and compiles nothing (gl.h uploads the textures).
+ * No function here makes a GL call or compiles anything (gl.h uploads the textures).
  *
  * Thread rule: every function is pure.
  *
@@ -101,7 +101,7 @@ btf_result btf_shader_source(const btf_material *material, const btf_shader_opti
  * comments explain; installed as share/openbtf/openbtf.glsl. */
 const char *btf_shader_library(void);
 
-/** What a device can break. */
+/** Rules of arithmetic that a device can break. */
 #define BTF_SELF_TEST_LIST(X)                                                                              \
     X(BTF_SELF_TEST_CONTRACTION, 1, "contraction", "a * b + c is rounded once")                            \
     X(BTF_SELF_TEST_REASSOCIATION, 2, "reassociation", "sums or products are regrouped or factored")       \

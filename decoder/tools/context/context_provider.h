@@ -8,7 +8,7 @@
 #include <openbtf/gl.h>
 #include <stddef.h>
 
-/* What to make: OpenGL core (es = 0) or OpenGL ES, of at least this version. */
+/* The context to make: OpenGL core (es = 0) or OpenGL ES, of at least this version. */
 typedef struct context_request {
     int es, major, minor;
 } context_request;

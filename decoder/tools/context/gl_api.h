@@ -9,7 +9,7 @@
 #include <openbtf/gl.h>
 #include <stdbool.h>
 
-/* What OpenGL 3.3 and OpenGL ES 3.0 both have. */
+/* Functions that OpenGL 3.3 and OpenGL ES 3.0 both have. */
 #define GL_API_FUNCTIONS(X)                                                                                \
     X(PFNGLACTIVETEXTUREPROC, ActiveTexture)                                                               \
     X(PFNGLATTACHSHADERPROC, AttachShader)                                                                 \
@@ -76,7 +76,7 @@
     X(PFNGLVERTEXATTRIBPOINTERPROC, VertexAttribPointer)                                                   \
     X(PFNGLVIEWPORTPROC, Viewport)
 
-/* What OpenGL ES 3.0 lacks: NULL where the context has none. */
+/* Functions that OpenGL ES 3.0 lacks: NULL where the context has none. */
 #define GL_API_DESKTOP_FUNCTIONS(X)                                                                        \
     X(PFNGLGETTEXIMAGEPROC, GetTexImage)                                                                   \
     X(PFNGLGETTEXLEVELPARAMETERIVPROC, GetTexLevelParameteriv)

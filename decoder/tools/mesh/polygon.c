@@ -12,8 +12,8 @@ typedef struct point {
     double x, y;
 } point;
 
-/* What is left of the polygon: a ring of corners. Those that are not strictly convex can stand in an ear;
- * they lie in a list, and in the cells of a grid. */
+/* The rest of the polygon, from which no triangle was cut yet: a ring of corners. Those that are not
+ * strictly convex can stand in an ear; they lie in a list, and in the cells of a grid. */
 typedef struct ring {
     const point *at;
     uint32_t *next, *previous;

@@ -20,7 +20,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What a run holds. */
+/* All that one run of btf-render has open. */
 typedef struct job {
     btf_log log;
     btf_material *material, *baseline;
@@ -152,7 +152,7 @@ static void set_frame(job *j, int frame) {
         turn_lights(j, degrees);
 }
 
-/* What each frame shows of the whole material. */
+/* Finds the samples of the whole material that each frame shows. */
 static btf_result see_frames(job *j) {
     btf_result result = BTF_OK;
     j->seen = calloc((size_t)render_options.frames, sizeof *j->seen);

@@ -18,7 +18,7 @@ typedef struct plan_directions {
     float first[3];
 } plan_directions;
 
-/* What samples were met so far. Start with all zeros. */
+/* The range of the samples met so far. Start with all zeros. */
 typedef struct plan_range {
     plan_directions view, light;
     int level; /* the finest */

@@ -1,4 +1,4 @@
-/* What btf-render is asked for. See settings.h.
+/* btf-render's command line. See settings.h.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -1,4 +1,4 @@
-/* What btf-render is asked for: its command line.
+/* btf-render's command line, read into settings.
  *
  * SPDX-License-Identifier: MIT
  */

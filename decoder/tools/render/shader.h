@@ -17,7 +17,7 @@ typedef struct shader shader;
 btf_result shader_create(const shader_request *request, const btf_log *log, shader **out_shader);
 void shader_destroy(shader **s);
 
-/* What evaluates: "reference decoder", or GL's renderer and version. */
+/* The name of the evaluator: "reference decoder", or GL's renderer and version. */
 const char *shader_name(const shader *s);
 
 /* The widest list rows that it takes. */
@@ -28,7 +28,7 @@ int shader_max_width(const shader *s);
 btf_result shader_run(shader *s, int variant, int width, int rows, const float *inputs, float *out,
                       const btf_log *log);
 
-/* What evaluating the last list takes: the median of `repeats`, and the mean of CPU time; a variant, or
+/* The time of evaluating the last list: the median of `repeats`, and the mean of CPU time; a variant, or
  * SHADER_PHONG for a textured Phong shader over the same list. BTF_ERROR_UNSUPPORTED on the reference. */
 btf_result shader_time(shader *s, int variant, int repeats, shader_times *out_times);
 

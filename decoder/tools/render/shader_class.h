@@ -8,7 +8,7 @@
 #include <openbtf/shader.h>
 #include <stdbool.h>
 
-/* What evaluating a list takes: wall time, and CPU time of all threads. */
+/* The time of evaluating a list: wall time, and CPU time of all threads. */
 typedef struct shader_times {
     double seconds, cpu;
 } shader_times;
@@ -30,7 +30,7 @@ typedef struct shader_request {
     int threads; /* of the reference */
 } shader_request;
 
-/* What a device does; each is one file: shade_reference.c, shade_gl.c. */
+/* The functions of a device; each device is one file: shade_reference.c, shade_gl.c. */
 typedef struct shader_class {
     void *(*create)(const shader_request *request, const btf_log *log, btf_result *out_result);
     void (*destroy)(void *self);

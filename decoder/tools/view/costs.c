@@ -1,4 +1,4 @@
-/* What each effect costs.
+/* The cost of each effect. See costs.h.
  *
  * SPDX-License-Identifier: MIT
  */

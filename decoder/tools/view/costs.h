@@ -1,4 +1,4 @@
-/* What each effect costs: frame times as they are measured, PSNR from the file's error table.
+/* The cost of each effect: frame times as they are measured, PSNR from the file's error table.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -12,7 +12,7 @@
 
 enum { PROGRAMS = 32, SOURCES = 1 + DRAWING_SLOTS, UNIT_IMAGES = 0, UNIT_MATERIAL = 1 };
 
-/* What makes a program what it is. */
+/* The choices that a GL program is compiled for. */
 typedef struct variant {
     uint32_t effects;
     btf_interpolation interpolation;
@@ -26,7 +26,7 @@ typedef struct program {
     GLuint name;
 } program;
 
-/* What is drawn: the whole material (number 0) or one made for a plan (its slot + 1). */
+/* The material that is drawn: the whole one (number 0) or one made for a plan (its slot + 1). */
 typedef struct source {
     const btf_material *material;
     btf_material *apart; /* what is drawn in its place where GL's textures cannot hold its atlas */

@@ -1,4 +1,4 @@
-/* What btf-view is asked for. See options.h.
+/* btf-view's command line. See options.h.
  *
  * SPDX-License-Identifier: MIT
  */

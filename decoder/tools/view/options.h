@@ -1,4 +1,4 @@
-/* What btf-view is asked for: its command line.
+/* btf-view's command line, read into options.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -1,10 +1,10 @@
 /* Which plan the viewer draws by, and when it makes another: no window, no GL.
  *
- * What is needed changes with every step of the camera; plans are made for rings of 7.5 degrees around it,
- * all azimuths. The present one is kept for as long as it holds what is needed and two degrees more; the
- * last few are kept, so that going back costs nothing. At rest a plan that is wider than it must be by more
- * than a ring gives way to a narrower one, and a light that is the same all over the model is folded into
- * the shader; as soon as it moves, the plan with that light free is there.
+ * The material that is needed changes with every step of the camera; plans are made for rings of 7.5
+ * degrees around it, all azimuths. The present one is kept for as long as it holds what is needed and two
+ * degrees more; the last few are kept, so that going back costs nothing. At rest a plan that is wider than
+ * it must be by more than a ring gives way to a narrower one, and a light that is the same all over the
+ * model is folded into the shader; as soon as it moves, the plan with that light free is there.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -44,8 +44,9 @@ void planner_clear(planner *p);
 /* The scene of rings around what is needed: every azimuth, nothing fixed, directions interpolated. */
 btf_scene planner_rings(const btf_scene *needed);
 
-/* What to do for a scene (plan_range_scene). at_rest: nothing moved for a while; folds: its fixed light is
- * that of the whole model. A pending plan is abandoned when it does not hold what is needed now. */
+/* The step to take for a scene (plan_range_scene). at_rest: nothing moved for a while; folds: its fixed
+ * light is that of the whole model. A pending plan is abandoned when it does not hold what is needed now.
+ */
 planner_action planner_decide(planner *p, const btf_scene *needed, bool at_rest, bool folds);
 
 /* Plans and restricts the pending slot; what was there is closed. On an error nothing is pending. Errors:

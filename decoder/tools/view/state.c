@@ -1,4 +1,4 @@
-/* What btf-view shows, and what keys and the mouse change.
+/* The state that btf-view shows, and that keys and the mouse change. See state.h.
  *
  * SPDX-License-Identifier: MIT
  */

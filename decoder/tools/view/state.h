@@ -1,4 +1,4 @@
-/* What btf-view shows, and what keys and the mouse change. No window, no GL.
+/* The state that btf-view shows, and that keys and the mouse change. No window, no GL.
  *
  * SPDX-License-Identifier: MIT
  */

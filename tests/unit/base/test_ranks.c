@@ -21,7 +21,7 @@
 
 enum { MOST_RANKS = 5, SIDE = 12, VIEWS = 7, LIGHTS = 7 };
 
-/* What the ranks share. */
+/* Memory that the ranks share. */
 typedef struct room {
     int size;
     pthread_barrier_t barrier;
@@ -346,7 +346,7 @@ static enc_data *make_data(const enc_context *context, bool still, bool stray) {
     return data;
 }
 
-/* What an analysis found. */
+/* The result of an analysis. */
 typedef struct found {
     bool paper, stray;
     uint32_t effects; /* of the joint method: exactly these */

@@ -133,7 +133,7 @@ static void count_message(void *user, btf_log_level level, const char *message) 
 
 static const btf_log log_count = {count_message, NULL};
 
-/* What a call gave, in 64 bits (FNV-1a). */
+/* The output of the last call, in 64 bits (FNV-1a). */
 static uint64_t given;
 
 static void note(const void *data, size_t size) {

@@ -361,7 +361,7 @@ static void plans_follow_the_table(void **state) {
     btf_material_close(&material);
 }
 
-/* What plan.h says of the model: less is never dearer, and a view that stands still at a sample makes the
+/* The model that plan.h promises: less is never dearer, and a view that stands still at a sample makes the
  * full decode cheaper too where its groups are a loop. */
 static void costs_follow_the_model(void **state) {
     (void)state;

@@ -95,7 +95,7 @@ static bonn_spec spec_of(bonn_form form, const char *signature) {
                        .sample = sample};
 }
 
-/* What the file codes, for the file's view and light, with at most `most` components. */
+/* The radiance that the file codes for its view and light, with at most `most` components. */
 static void coded(const bonn_spec *s, int v, int l, int x, int y, unsigned most, double out[3]) {
     for (int c = 0; c < 3; c++) {
         const bool pvf = s->form == BONN_PVF || s->form == BONN_PVF_LEGACY;

@@ -48,7 +48,7 @@ static void test_refused_below_the_least(void **state) {
     assert_int_equal(create(0, enc_memory_least_joint), BTF_OK);
 }
 
-/* What must go through: UBO2003 in 2 GB, UBO2014 in 8 GB; and no overflow at the largest. */
+/* Data sets that must fit: UBO2003 in 2 GB, UBO2014 in 8 GB; and no overflow at the largest. */
 static void test_large_data(void **state) {
     (void)state;
     for (enc_method method = ENC_METHOD_JOINT; method <= ENC_METHOD_PAPER; method++) {

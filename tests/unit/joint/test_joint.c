@@ -94,7 +94,8 @@ static enc_joint_options options_for(uint64_t budget) {
     return options;
 }
 
-/* What FORMAT.md section 9 decodes at a sampled direction, straight from the codes: y before squaring. */
+/* The value that FORMAT.md section 9 decodes at a sampled direction, straight from the codes: y before
+ * squaring. */
 static float decode(const enc_data *data, const enc_solution *s, int texel, int view, int p) {
     const size_t point = (size_t)view * TEXELS + (size_t)texel;
     int column = texel % WIDTH, row = texel / WIDTH;
@@ -380,7 +381,7 @@ static void test_without_residual(void **unused) {
     enc_data_destroy(&data);
 }
 
-/* What cannot be done is refused by name, and leaves nothing behind. */
+/* Impossible options are refused by name, and leave nothing behind. */
 static void test_refusals(void **unused) {
     (void)unused;
     enc_data *data = shifted_data(0.1f, 0.5f, 1.0f);

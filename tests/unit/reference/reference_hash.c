@@ -152,7 +152,7 @@ static int run(char out_text[17]) {
 
 #ifdef BTF_TEST_FREESTANDING
 
-/* What compilers may call without being asked. */
+/* Functions that compilers may call without being asked. */
 void *memcpy(void *restrict target, const void *restrict source, size_t count);
 void *memset(void *target, int value, size_t count);
 

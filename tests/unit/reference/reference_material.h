@@ -163,7 +163,7 @@ static inline size_t make_table(const direction_set *set, uint32_t grid, uint16_
     return 4 * (size_t)(grid * grid + 2 * grid * grid * records);
 }
 
-/** What a made-up material points to. */
+/** The arrays that a made-up material points to. */
 typedef struct made_storage {
     float sbrdf[MADE_SBRDF_LAYERS * MADE_TEXELS * 4];
     uint16_t sbrdf_half[MADE_SBRDF_LAYERS * MADE_TEXELS * 4];

@@ -1,4 +1,4 @@
-/* What pictures show as a scene, and which frames share a plan.
+/* Pictures as scenes, and frames that share a plan.
  *
  * SPDX-License-Identifier: MIT
  */

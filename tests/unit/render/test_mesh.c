@@ -64,7 +64,7 @@ static void test_built_in(void **state) {
     assert_null(m);
 }
 
-/* What the formulas say is found again from positions and uv alone. */
+/* The frames that the formulas give are found again from positions and uv alone. */
 static void test_computed_frames(void **state) {
     (void)state;
     for (size_t k = 0; k < 4; k++) {

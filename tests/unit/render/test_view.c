@@ -1,4 +1,4 @@
-/* What btf-view's keys and gestures do, and what its panel says of costs.
+/* btf-view's keys and gestures, and the costs in its panel.
  *
  * SPDX-License-Identifier: MIT
  */

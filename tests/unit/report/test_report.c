@@ -139,7 +139,7 @@ static void test_failing_source(void **state) {
     assert_int_equal(rmdir(folder), 0);
 }
 
-/* What lies outside a canvas is cut off, on every side. */
+/* Drawing outside a canvas is cut off, on every side. */
 static void test_canvas(void **state) {
     (void)state;
     enc_canvas canvas;

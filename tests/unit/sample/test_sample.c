@@ -303,7 +303,7 @@ static void test_periodic(void **state) {
     }
 }
 
-/* What an image holds is the shading of the true position, and that position shows in the view from the
+/* An image holds the shading of the true position, and that position shows in the view from the
  * pole at texel + shift. */
 static void test_truth_agrees_with_the_images(void **state) {
     (void)state;

@@ -140,7 +140,7 @@ static void test_stale_files(void **state) {
     assert_int_not_equal(access(live, F_OK), 0);
 }
 
-/* What a child leaves behind that opens a file and then ends in some way. */
+/* Opens a file in a child that then ends in some way, and looks for what it left behind. */
 static int end_of_child(void (*end)(void), int *out_files) {
     fflush(NULL);
     const pid_t child = fork();
@@ -176,7 +176,7 @@ static void end_by_sigkill(void) {
     raise(SIGKILL);
 }
 
-/* What SIGBUS does outside of cmocka, which has handlers of its own while a test runs. */
+/* The action of SIGBUS outside of cmocka, which has handlers of its own while a test runs. */
 static struct sigaction bus_action;
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
