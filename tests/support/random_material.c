@@ -266,3 +266,14 @@ void random_material_free(btf_material_desc *desc) {
     free((void *)(uintptr_t)desc->lights);
     *desc = (btf_material_desc){0};
 }
+
+void *random_material_save(random_state *r, btf_material_desc *desc, size_t *size) {
+    btf_material *material;
+    void *data;
+    random_material_fill(r, desc);
+    if (btf_material_create(desc, NULL, &material) || btf_material_save_memory(material, NULL, &data, size))
+        abort();
+    btf_material_close(&material);
+    random_material_free(desc);
+    return data;
+}

@@ -31,6 +31,9 @@ void random_ubo2014(float out[151][3]);
 void random_material_fill(random_state *r, btf_material_desc *desc);
 void random_material_free(btf_material_desc *desc);
 
+/* The file of a material filled at random: *size bytes, freed with btf_free. Frees desc. */
+void *random_material_save(random_state *r, btf_material_desc *desc, size_t *size);
+
 /* A desc of the given shape with scales of 1 (gain 2^-7), directions in rings, no textures yet; directions
  * are freed by random_material_free. */
 btf_material_desc random_material_desc(uint32_t width, uint32_t height, uint32_t n_views, uint32_t n_lights,

@@ -1,4 +1,4 @@
-/* Materials that must be refused. See refusals.h.
+/* Materials that must be accepted or refused. See refusals.h.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -13,14 +13,26 @@
 #include <cmocka.h>
 
 char last_message[2048];
+int message_count;
 
 static void keep(void *user, btf_log_level level, const char *message) {
     (void)user;
     (void)level;
     snprintf(last_message, sizeof last_message, "%s", message);
+    message_count += message[0] != 0;
 }
 
 const btf_log log_keep = {keep, NULL};
+
+btf_material *create_accepted(const btf_material_desc *desc) {
+    btf_material *material;
+    last_message[0] = 0;
+    const btf_result result = btf_material_create(desc, &log_keep, &material);
+    if (result)
+        print_error("create: %s\n", last_message);
+    assert_int_equal(result, BTF_OK);
+    return material;
+}
 
 static void assert_refused(btf_result result, btf_result code, const char *text,
                            const btf_material *material) {

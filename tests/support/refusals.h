@@ -1,4 +1,4 @@
-/* Materials that must be refused, with the message that says why.
+/* Materials that must be accepted, or refused with the message that says why.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -8,9 +8,14 @@
 #include "exr_edit.h"
 #include <openbtf/material.h>
 
-/* The last message that log_keep heard. */
+/* The last message that log_keep heard, and how many of them since it was set to 0 (a refusal without a
+ * word is a defect). */
 extern char last_message[2048];
+extern int message_count;
 extern const btf_log log_keep;
+
+/* Creating must succeed; where it does not, the refusal is printed. */
+btf_material *create_accepted(const btf_material_desc *desc);
 
 /* Creating must fail, with a log and without, with a message that holds `text`. */
 void create_refused(const btf_material_desc *desc, const char *text);

@@ -5,6 +5,7 @@
  */
 #include <openbtf/reference.h>
 #include "tests/support/random_material.h"
+#include "tests/support/refusals.h"
 #include "decoder/toolkit/reference_view.h"
 #include <math.h>
 #include <setjmp.h>
@@ -15,17 +16,6 @@
 #include <string.h>
 
 #include <cmocka.h>
-
-/* Messages counted: a refusal without a word is a defect. */
-static int messages;
-
-static void count_message(void *user, btf_log_level level, const char *message) {
-    (void)user;
-    (void)level;
-    messages += message[0] != 0;
-}
-
-static const btf_log log_count = {count_message, NULL};
 
 typedef struct saved {
     void *data;
@@ -44,13 +34,8 @@ static saved save_small(btf_layout layout) {
     const btf_level_error errors[1] = {{0, 30, 28, 100}};
     desc.level_errors = errors;
     desc.level_error_count = 1;
-    random_material_fill(&r, &desc);
-    btf_material *material;
     saved s;
-    assert_int_equal(btf_material_create(&desc, NULL, &material), BTF_OK);
-    assert_int_equal(btf_material_save_memory(material, NULL, &s.data, &s.size), BTF_OK);
-    btf_material_close(&material);
-    random_material_free(&desc);
+    s.data = random_material_save(&r, &desc, &s.size);
     return s;
 }
 
@@ -96,13 +81,13 @@ static bool opens(const uint8_t *data, size_t size) {
     uint8_t *exact = malloc(size ? size : 1);
     assert_non_null(exact);
     memcpy(exact, data, size);
-    messages = 0;
-    btf_result result = btf_material_open_memory(exact, size, &log_count, &material);
+    message_count = 0;
+    btf_result result = btf_material_open_memory(exact, size, &log_keep, &material);
     free(exact);
     assert_true((result == BTF_OK) == (material != NULL));
     assert_true(result == BTF_OK || result == BTF_ERROR_BAD_FILE || result == BTF_ERROR_UNSUPPORTED ||
                 result == BTF_ERROR_MEMORY);
-    assert_true(result == BTF_OK || messages == 1);
+    assert_true(result == BTF_OK || message_count == 1);
     if (material)
         use_material(material);
     btf_material_close(&material);

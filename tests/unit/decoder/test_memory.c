@@ -7,6 +7,7 @@
  */
 #include "decoder/gl_functions.h"
 #include "tests/support/random_material.h"
+#include "tests/support/refusals.h"
 #include <openbtf/gl.h>
 #include <openbtf/plan.h>
 #include <openbtf/shader.h>
@@ -123,16 +124,6 @@ static void clear(fixture *f) {
     random_material_free(&f->desc);
 }
 
-static int messages;
-
-static void count_message(void *user, btf_log_level level, const char *message) {
-    (void)user;
-    (void)level;
-    messages += message[0] != 0;
-}
-
-static const btf_log log_count = {count_message, NULL};
-
 /* The output of the last call, in 64 bits (FNV-1a). */
 static uint64_t given;
 
@@ -161,34 +152,34 @@ static btf_result made(btf_result result, btf_material **m) {
 
 static btf_result do_create(const fixture *f) {
     btf_material *m;
-    return made(btf_material_create(&f->desc, &log_count, &m), &m);
+    return made(btf_material_create(&f->desc, &log_keep, &m), &m);
 }
 
 static btf_result do_open(const fixture *f) {
     btf_material *m;
-    return made(btf_material_open_memory(f->data, f->size, &log_count, &m), &m);
+    return made(btf_material_open_memory(f->data, f->size, &log_keep, &m), &m);
 }
 
 static btf_result do_open_file(const fixture *f) {
     btf_material *m;
-    return made(btf_material_open(f->path, &log_count, &m), &m);
+    return made(btf_material_open(f->path, &log_keep, &m), &m);
 }
 
 static btf_result do_tight(const fixture *f) {
     btf_material *m;
-    return made(btf_material_to_tight(f->material, &log_count, &m), &m);
+    return made(btf_material_to_tight(f->material, &log_keep, &m), &m);
 }
 
 static btf_result do_restrict(const fixture *f) {
     btf_material *m;
-    return made(btf_material_restrict(f->material, &f->plan, &log_count, &m), &m);
+    return made(btf_material_restrict(f->material, &f->plan, &log_keep, &m), &m);
 }
 
 /* It has no log. */
 static btf_result do_plan(const fixture *f) {
     btf_plan plan;
     btf_result result = btf_plan_effects(f->material, &f->plan.scene, 1, &plan);
-    messages += result != BTF_OK;
+    message_count += result != BTF_OK;
     note(&plan.psnr_linear, sizeof plan.psnr_linear);
     return result;
 }
@@ -196,7 +187,7 @@ static btf_result do_plan(const fixture *f) {
 static btf_result do_save(const fixture *f) {
     void *data;
     size_t size;
-    btf_result result = btf_material_save_memory(f->material, &log_count, &data, &size);
+    btf_result result = btf_material_save_memory(f->material, &log_keep, &data, &size);
     if (result == BTF_OK)
         note(data, size);
     btf_free(data);
@@ -207,7 +198,7 @@ static btf_result do_save(const fixture *f) {
 static btf_result do_save_file(const fixture *f) {
     char path[300];
     make_path("out", path);
-    btf_result result = btf_material_save(f->material, path, &log_count);
+    btf_result result = btf_material_save(f->material, path, &log_keep);
     if (result == BTF_OK) {
         static char data[1 << 20];
         const bool was = watching;
@@ -224,7 +215,7 @@ static btf_result do_save_file(const fixture *f) {
 
 static btf_result do_shader(const fixture *f) {
     char *text;
-    btf_result result = btf_shader_source(f->material, NULL, &log_count, &text);
+    btf_result result = btf_shader_source(f->material, NULL, &log_keep, &text);
     if (result == BTF_OK)
         note(text, strlen(text));
     btf_free(text);
@@ -288,7 +279,7 @@ static btf_gl_function find_function(void *user, const char *name) {
 static btf_result do_upload(const fixture *f) {
     const btf_gl_options options = {.struct_size = sizeof options, .get_proc_address = find_function};
     btf_gl *gl;
-    btf_result result = btf_gl_upload(f->material, &options, &log_count, &gl);
+    btf_result result = btf_gl_upload(f->material, &options, &log_keep, &gl);
     assert_true((result == BTF_OK) == (gl != NULL));
     btf_gl_destroy(&gl);
     assert_int_equal(textures, 0);
@@ -304,7 +295,7 @@ static void every_failure(const char *name, btf_result (*call)(const fixture *f)
         assert_int_equal(call(&f), BTF_OK);
         const uint64_t wanted = given;
         for (;; n++) {
-            messages = 0;
+            message_count = 0;
             watch(n);
             btf_result result = call(&f);
             watching = false;
@@ -314,7 +305,7 @@ static void every_failure(const char *name, btf_result (*call)(const fixture *f)
             if (result == BTF_OK) /* OpenEXR does without some */
                 assert_true(given == wanted);
             else
-                assert_int_equal(messages, 1);
+                assert_int_equal(message_count, 1);
             if (until_failure >= 0) { /* none failed */
                 assert_int_equal(result, BTF_OK);
                 break;
@@ -333,7 +324,7 @@ static void every_image(void) {
     for (int layout = 0; layout < 2; layout++) {
         fixture f = make((btf_layout)layout);
         for (int n = 0;; n++) {
-            messages = textures = 0;
+            message_count = textures = 0;
             images_left = n;
             btf_result result = do_upload(&f);
             if (images_left >= 0) {
@@ -342,7 +333,7 @@ static void every_image(void) {
                 break;
             }
             assert_int_equal(result, BTF_ERROR_MEMORY);
-            assert_int_equal(messages, 1);
+            assert_int_equal(message_count, 1);
         }
         clear(&f);
     }
