@@ -26,18 +26,9 @@ static bool ends_with(const char *text, const char *end) {
 /* Whether a file is of a kind that its first bytes tell: an archive, an image or a Bonn file is no list,
  * whatever its ending. */
 static bool has_other_content(const char *path) {
-    static const char *const signatures[] = {"PK\3\4",
-                                             "PK\5\6",
-                                             "7z\xbc\xaf",
-                                             "\x1f\x8b",
-                                             "\xfd"
-                                             "7zXZ",
-                                             "\x28\xb5\x2f\xfd",
-                                             "BZh",
-                                             "\x76\x2f\x31\x01",
-                                             "\x89PNG",
-                                             "\xff\xd8\xff",
-                                             "#?RADIANCE"};
+    static const char *const signatures[] = {
+        "PK\3\4", "PK\5\6",           "7z\xbc\xaf", "\x1f\x8b",     "\xfd\x37zXZ", "\x28\xb5\x2f\xfd",
+        "BZh",    "\x76\x2f\x31\x01", "\x89PNG",    "\xff\xd8\xff", "#?RADIANCE"};
     char begin[264] = "";
     FILE *file = fopen(path, "r");
     const size_t size = file ? fread(begin, 1, sizeof begin - 1, file) : 0;

@@ -51,8 +51,7 @@ static btf_result read_bytes(const char *bytes, size_t size, text_file *out) {
 static void test_lines(void **state) {
     (void)state;
     static const char *const texts[] = {"a\n\nb c\n", "a\r\n\r\nb c", "a\r\rb c\r",
-                                        "\xef\xbb\xbf"
-                                        "a\n\nb c"};
+                                        "\xef\xbb\xbf\x61\n\nb c"};
     static const char *const lines[] = {"a", "", "b c"};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
         text_file text;
