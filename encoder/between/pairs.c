@@ -25,8 +25,8 @@ struct enc_pairs_source {
     size_t *index;    /* [count]: of the source */
     void *first_file; /* the first image's file, read to learn the size */
     size_t first_size;
-    image_notes told; /* what was told of images so far: once a kind */
-    bool told_negative;
+    image_notes reported; /* warnings about images so far: once a kind */
+    bool reported_negative;
 };
 
 static int by_angles(const void *a, const void *b) {
@@ -212,11 +212,11 @@ void enc_pairs_close(enc_pairs **pairs) {
 
 /* Tells what an image says of its pixels, unless another did before. */
 static void tell(const enc_context *context, const enc_pairs *pairs, size_t i, const image_notes *notes) {
-    image_notes *told = &pairs->source->told;
+    image_notes *reported = &pairs->source->reported;
     for (int k = 0; k < IMAGE_NOTE_KINDS; k++) {
-        if (!notes->texts[k][0] || told->texts[k][0])
+        if (!notes->texts[k][0] || reported->texts[k][0])
             continue;
-        told->texts[k][0] = 1;
+        reported->texts[k][0] = 1;
         enc_log(context, image_note_warns((image_note_kind)k) ? BTF_LOG_WARNING : BTF_LOG_INFO,
                 "%s: %s: %s", pairs->source->source->location, pairs->pair[i].name, notes->texts[k]);
     }
@@ -224,9 +224,9 @@ static void tell(const enc_context *context, const enc_pairs *pairs, size_t i, c
 
 /* Likewise, of values that are set to 0. */
 static void tell_negative(const enc_context *context, const enc_pairs *pairs, size_t i, size_t negative) {
-    if (negative == 0 || pairs->source->told_negative)
+    if (negative == 0 || pairs->source->reported_negative)
         return;
-    pairs->source->told_negative = true;
+    pairs->source->reported_negative = true;
     enc_log(context, BTF_LOG_WARNING,
             "%s: %s: %zu samples below 0 were set to 0, and so are those of further images (--strict "
             "refuses them)",

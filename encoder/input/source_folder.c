@@ -95,25 +95,25 @@ static int by_bytes(const struct dirent **a, const struct dirent **b) {
 }
 
 /* The folders that lead to one, from the root on. */
-typedef struct way {
+typedef struct folder_path {
     dev_t device[MAX_DEPTH + 1];
     ino_t number[MAX_DEPTH + 1];
     int depth;
-} way;
+} folder_path;
 
-static bool leads_back(const way *w, const struct stat *status) {
-    for (int i = 0; i < w->depth; i++)
-        if (w->device[i] == status->st_dev && w->number[i] == status->st_ino)
+static bool leads_back(const folder_path *above, const struct stat *status) {
+    for (int i = 0; i < above->depth; i++)
+        if (above->device[i] == status->st_dev && above->number[i] == status->st_ino)
             return true;
     return false;
 }
 
 static btf_result list_folder(const enc_context *context, directory_source *source, const char *inside,
-                              way *w, size_t *n_allocated);
+                              folder_path *above, size_t *n_allocated);
 
 /* Adds a file, or what lies in a folder. What cannot be looked at is told and left out. */
 static btf_result add_entry(const enc_context *context, directory_source *source, const char *path,
-                            const char *full, way *w, size_t *n_allocated) {
+                            const char *full, folder_path *above, size_t *n_allocated) {
     struct stat status;
     if (enc_cancelled(context))
         return BTF_ERROR_INTERRUPTED;
@@ -122,17 +122,17 @@ static btf_result add_entry(const enc_context *context, directory_source *source
         return BTF_OK;
     }
     if (S_ISDIR(status.st_mode)) {
-        if (leads_back(w, &status)) {
+        if (leads_back(above, &status)) {
             enc_log(context, BTF_LOG_WARNING, "%s: is a folder that leads back to itself", full);
             return BTF_OK;
         }
-        if (w->depth > MAX_DEPTH)
+        if (above->depth > MAX_DEPTH)
             return enc_fail(context, BTF_ERROR_UNSUPPORTED, "%s: more than %d folders deep", full,
                             MAX_DEPTH);
-        w->device[w->depth] = status.st_dev;
-        w->number[w->depth++] = status.st_ino;
-        const btf_result result = list_folder(context, source, path, w, n_allocated);
-        w->depth--;
+        above->device[above->depth] = status.st_dev;
+        above->number[above->depth++] = status.st_ino;
+        const btf_result result = list_folder(context, source, path, above, n_allocated);
+        above->depth--;
         return result;
     }
     if (!S_ISREG(status.st_mode)) {
@@ -149,7 +149,7 @@ static btf_result add_entry(const enc_context *context, directory_source *source
 /* Adds the files of one folder and, recursively, of those in it. `inside` is its path below the root, "" at
  * the root. */
 static btf_result list_folder(const enc_context *context, directory_source *source, const char *inside,
-                              way *w, size_t *n_allocated) {
+                              folder_path *above, size_t *n_allocated) {
     char *folder = join(source->root, inside);
     if (!folder)
         return BTF_ERROR_MEMORY;
@@ -164,7 +164,7 @@ static btf_result list_folder(const enc_context *context, directory_source *sour
         char *path = join(inside, entries[i]->d_name);
         char *full = path ? join(source->root, path) : NULL;
         if (result == BTF_OK)
-            result = full ? add_entry(context, source, path, full, w, n_allocated) : BTF_ERROR_MEMORY;
+            result = full ? add_entry(context, source, path, full, above, n_allocated) : BTF_ERROR_MEMORY;
         free(full);
         free(path);
         free(entries[i]);
@@ -185,14 +185,14 @@ btf_result enc_source_open_directory(const enc_context *context, const char *pat
     source->base.location = source->root;
     size_t n_allocated = 0;
     struct stat status;
-    way w = {.depth = 0};
+    folder_path above = {.depth = 0};
     if (stat(path, &status) == 0) {
-        w.device[0] = status.st_dev;
-        w.number[0] = status.st_ino;
-        w.depth = 1;
+        above.device[0] = status.st_dev;
+        above.number[0] = status.st_ino;
+        above.depth = 1;
     }
     const btf_result result =
-        source->root ? list_folder(context, source, "", &w, &n_allocated) : BTF_ERROR_MEMORY;
+        source->root ? list_folder(context, source, "", &above, &n_allocated) : BTF_ERROR_MEMORY;
     if (result != BTF_OK) {
         close_directory(&source->base);
         return result;

@@ -82,7 +82,7 @@ static void add_way(job *j, const btf_material_info *info, uint32_t effects, uin
 
 /* All subsets of the effects present; of the residual all components, three quarters, a half, ... an
  * eighth, and 8 and 4, in whole groups of four. */
-static void make_ways(job *j, const btf_material_info *info) {
+static void make_variants(job *j, const btf_material_info *info) {
     for (uint32_t effects = 0; effects <= info->effects; effects++) {
         if ((effects & ~info->effects) || effective(info, effects) != effects) {
             continue;
@@ -334,7 +334,7 @@ btf_result enc_effect_errors(const enc_context *context, const enc_data *data, c
     float *values = NULL;
     size_t count = 0;
     if (j.variants) {
-        make_ways(&j, &info);
+        make_variants(&j, &info);
         count = 4 + (size_t)(j.views.count + j.lights.count) +
                 info.levels * j.n_variants * (ROW_HEAD + 2 * j.cells);
         values = malloc(count * sizeof *values);
