@@ -1,5 +1,5 @@
-/* OpenBTF: tables of measured errors by bands of view and light (FORMAT.md section 7): of each way to decode
- * (openbtf.effectErrors), and between the samples (openbtf.betweenErrors).
+/* OpenBTF: tables of measured errors by bands of view and light (FORMAT.md section 7): of each way to
+ * decode (openbtf.effectErrors), and between the samples (openbtf.betweenErrors).
  *
  * SPDX-License-Identifier: MIT
  */
@@ -32,7 +32,7 @@ static btf_result check_limits(const btfi_check *check, const char *table, const
 }
 
 static btf_result check_effect_row(const btfi_check *check, const btf_material_info *info, const float *row,
-                            size_t index, size_t length) {
+                                   size_t index, size_t length) {
     if (!is_integer(row[0], 0, BTF_EFFECT_ALL) || ((uint32_t)row[0] & ~info->effects) != 0)
         return btfi_fail(check->log, check->code, "effect errors: row %zu has effects %g", index,
                          (double)row[0]);
@@ -53,12 +53,12 @@ static btf_result check_effect_row(const btfi_check *check, const btf_material_i
     return BTF_OK;
 }
 
-static btf_result check_between_row(const btfi_check *check, const btf_material_info *info, const float *row,
-                                    size_t index, size_t length) {
+static btf_result check_between_row(const btfi_check *check, const btf_material_info *info,
+                                    const float *row, size_t index, size_t length) {
     (void)info;
     if (!is_integer(row[0], 1, 3))
-        return btfi_fail(check->log, check->code, "between errors: row %zu leaves out %g, not 1, 2 or 3", index,
-                         (double)row[0]);
+        return btfi_fail(check->log, check->code, "between errors: row %zu leaves out %g, not 1, 2 or 3",
+                         index, (double)row[0]);
     for (size_t i = 1; i < length; i++)
         if (!(row[i] >= 0 && row[i] <= 1) && !(row[i] == -1 && i >= ROW_HEAD))
             return btfi_fail(check->log, check->code,
@@ -67,8 +67,8 @@ static btf_result check_between_row(const btfi_check *check, const btf_material_
     return BTF_OK;
 }
 
-static btf_result check_table(const btfi_check *check, const table_kind *kind, const btf_material_info *info,
-                              const float *values, size_t count) {
+static btf_result check_table(const btfi_check *check, const table_kind *kind,
+                              const btf_material_info *info, const float *values, size_t count) {
     if (count == 0)
         return BTF_OK;
     if (count < 6 || !is_integer(values[0], 1, BTF_MAX_BANDS) || !is_integer(values[1], 1, BTF_MAX_BANDS))

@@ -21,11 +21,11 @@ typedef uint64_t (*enc_least_memory)(int width, int height, int n_views, int n_l
 
 typedef struct enc_context {
     btf_log log;
-    struct progress *progress;                   /* may be NULL: no progress shown */
-    int threads;                                 /* OpenMP threads, >= 1 */
-    size_t memory;                               /* bytes the working set may take, 0 = unbounded */
-    struct enc_checkpoint *checkpoint;           /* where stages keep what they found; NULL: nowhere */
-    const struct enc_extent_listener *listener;  /* hears of the extent of what is read; NULL: nobody */
+    struct progress *progress;                  /* may be NULL: no progress shown */
+    int threads;                                /* OpenMP threads, >= 1 */
+    size_t memory;                              /* bytes the working set may take, 0 = unbounded */
+    struct enc_checkpoint *checkpoint;          /* where stages keep what they found; NULL: nowhere */
+    const struct enc_extent_listener *listener; /* hears of the extent of what is read; NULL: nobody */
     enc_least_memory least_memory; /* of the method that will encode: data that take more than is allowed
                                       are refused; NULL: none are */
     struct enc_ranks *ranks;       /* the ranks that share the work; NULL: this process is alone */

@@ -22,7 +22,7 @@ struct enc_ranks {
     char names[MOST_STAGES][32];
     size_t n_volumes;
     enc_ranks_volume *volume; /* of the stage at hand */
-    size_t *bounds;          /* [2][size + 1] of a transfer, in bytes */
+    size_t *bounds;           /* [2][size + 1] of a transfer, in bytes */
 };
 
 static enc_ranks *ranks_of(const enc_context *context) {
@@ -78,7 +78,8 @@ static void show_held(enc_ranks *ranks, btf_result result) {
         return;
     if (ranks->held_length == 0)
         hold(ranks, BTF_LOG_ERROR, btf_result_text(result));
-    for (const char *line = ranks->held; line < ranks->held + ranks->held_length; line += strlen(line) + 1) {
+    for (const char *line = ranks->held; line < ranks->held + ranks->held_length;
+         line += strlen(line) + 1) {
         snprintf(text, sizeof text, "rank %d: %s", ranks->transport.rank, line);
         ranks->log.callback(ranks->log.user, BTF_LOG_ERROR, text);
     }
@@ -109,7 +110,7 @@ bool enc_ranks_leads(const enc_context *context) {
 }
 
 void enc_ranks_range_of(const enc_context *context, int rank, size_t count, size_t *out_first,
-                       size_t *out_end) {
+                        size_t *out_end) {
     const size_t size = (size_t)enc_ranks_count(context), r = (size_t)rank;
     const size_t each = count / size, more = count % size; /* the first `more` ranks have one more */
     *out_first = r * each + (r < more ? r : more);
@@ -154,7 +155,7 @@ bool enc_ranks_all(const enc_context *context, bool holds) {
 }
 
 btf_result enc_ranks_gather_bounds(const enc_context *context, btf_result result, void *array,
-                                  size_t item_bytes, const size_t *bounds) {
+                                   size_t item_bytes, const size_t *bounds) {
     enc_ranks *ranks = ranks_of(context);
     result = enc_ranks_agree(context, result);
     if (!ranks || result != BTF_OK)
@@ -172,7 +173,7 @@ btf_result enc_ranks_gather_bounds(const enc_context *context, btf_result result
 }
 
 btf_result enc_ranks_gather(const enc_context *context, btf_result result, void *array, size_t item_bytes,
-                           size_t count) {
+                            size_t count) {
     enc_ranks *ranks = ranks_of(context);
     if (!ranks)
         return result;
@@ -184,7 +185,7 @@ btf_result enc_ranks_gather(const enc_context *context, btf_result result, void 
 }
 
 btf_result enc_ranks_exchange(const enc_context *context, btf_result result, const float *send,
-                             const size_t *send_bounds, float *receive, const size_t *receive_bounds) {
+                              const size_t *send_bounds, float *receive, const size_t *receive_bounds) {
     enc_ranks *ranks = ranks_of(context);
     result = enc_ranks_agree(context, result);
     if (!ranks || result != BTF_OK)

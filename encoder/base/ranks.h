@@ -6,9 +6,9 @@
  * then every rank has the bits that one process would have.
  *
  * The functions below that take a `result` are met by all ranks in the same order, from the thread that
- * runs the encode and outside of parallel regions. They begin with enc_ranks_agree: a rank that fails leaves
- * by the next of them, wherever it stands, and takes the others along. All of them accept a context without
- * ranks, or NULL: a process that is alone.
+ * runs the encode and outside of parallel regions. They begin with enc_ranks_agree: a rank that fails
+ * leaves by the next of them, wherever it stands, and takes the others along. All of them accept a context
+ * without ranks, or NULL: a process that is alone.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -59,7 +59,7 @@ bool enc_ranks_leads(const enc_context *context);
 void enc_ranks_range(const enc_context *context, size_t count, size_t *out_first, size_t *out_end);
 /* The slice of any rank; slices follow one another, and none is longer by two than another. */
 void enc_ranks_range_of(const enc_context *context, int rank, size_t count, size_t *out_first,
-                       size_t *out_end);
+                        size_t *out_end);
 
 /* The result of all: BTF_OK, or that of the lowest rank that failed. BTF_ERROR_INTERRUPTED where a rank was
  * asked to stop. Once it failed, it returns the same without waiting for anybody, until enc_ranks_begin. */
@@ -69,14 +69,14 @@ bool enc_ranks_all(const enc_context *context, bool holds);
 
 /* Completes array [count] of items of `item_bytes`, of which each rank has filled its slice. */
 btf_result enc_ranks_gather(const enc_context *context, btf_result result, void *array, size_t item_bytes,
-                           size_t count);
+                            size_t count);
 /* The same where rank r has filled items bounds[r] .. bounds[r + 1] - 1. */
 btf_result enc_ranks_gather_bounds(const enc_context *context, btf_result result, void *array,
-                                  size_t item_bytes, const size_t *bounds);
+                                   size_t item_bytes, const size_t *bounds);
 /* Hands floats send_bounds[r] .. send_bounds[r + 1] - 1 of `send` to rank r, which finds them at its
  * receive_bounds of this rank. */
 btf_result enc_ranks_exchange(const enc_context *context, btf_result result, const float *send,
-                             const size_t *send_bounds, float *receive, const size_t *receive_bounds);
+                              const size_t *send_bounds, float *receive, const size_t *receive_bounds);
 /* Sums over all ranks. */
 btf_result enc_ranks_sum(const enc_context *context, btf_result result, uint64_t *values, size_t count);
 /* Rank 0's bytes to all. */

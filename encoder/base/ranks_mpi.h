@@ -13,9 +13,9 @@ typedef struct enc_mpi_share {
     uint64_t memory; /* bytes: half of the machine's, divided by the ranks here */
 } enc_mpi_share;
 
-/* Joins the ranks that were started together. *out_ranks is NULL for a process that is alone, and MPI is not
- * even initialised where no launcher started it. Errors, logged: BTF_ERROR_UNSUPPORTED (several ranks, and
- * this program was built without MPI, or MPI without threads), BTF_ERROR_MEMORY. */
+/* Joins the ranks that were started together. *out_ranks is NULL for a process that is alone, and MPI is
+ * not even initialised where no launcher started it. Errors, logged: BTF_ERROR_UNSUPPORTED (several ranks,
+ * and this program was built without MPI, or MPI without threads), BTF_ERROR_MEMORY. */
 btf_result enc_mpi_start(btf_log log, enc_ranks **out_ranks, enc_mpi_share *io_share);
 /* Leaves them, as every rank does at its end; destroys the object. */
 void enc_mpi_stop(enc_ranks **ranks);

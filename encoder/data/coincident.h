@@ -1,5 +1,5 @@
-/* Samples whose view and light have one direction. A light cannot stand where the camera stands, so these are
- * measured with the light aside, or not at all.
+/* Samples whose view and light have one direction. A light cannot stand where the camera stands, so these
+ * are measured with the light aside, or not at all.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -8,7 +8,8 @@
 
 #include "data.h"
 
-/* Whether a direction is (theta, phi), in degrees, up to the rounding of names and tables (0.01 degrees). */
+/* Whether a direction is (theta, phi), in degrees, up to the rounding of names and tables (0.01 degrees).
+ */
 bool enc_same_direction(const enc_direction *direction, double theta, double phi);
 
 /* The light of the same direction as a view, or -1. */

@@ -92,8 +92,8 @@ btf_result enc_data_create(const enc_context *context, int width, int height, in
 btf_result enc_data_create_from(const enc_context *context, int width, int height, int n_views,
                                 const enc_direction *views, int n_lights, const enc_direction *lights,
                                 enc_data_origin *origin, enc_data **out_data);
-/* To be called once all samples are stored: `result`, or what sharing them with the other ranks gives. Samples
- * that fit half of context->memory are then in memory for all ranks of a machine together. Errors:
+/* To be called once all samples are stored: `result`, or what sharing them with the other ranks gives.
+ * Samples that fit half of context->memory are then in memory for all ranks of a machine together. Errors:
  * `result`, BTF_ERROR_IO. */
 btf_result enc_data_complete(const enc_context *context, enc_data *data, btf_result result);
 /* Gives `to`, of the same directions, the moved lights of `from`. Errors: BTF_ERROR_MEMORY. */

@@ -72,10 +72,10 @@ double joint_cost_measure(const joint_extent *e, const joint_shape *shape);
 
 /* The parts of a run, by stage. */
 typedef struct joint_costs {
-    double survey;     /* scale, energies, a probe of SBRDFs */
-    double start;      /* the plain factorisation */
-    double trials;     /* 0 where there is but one */
-    double rounds;     /* of the best, or of the only one */
+    double survey; /* scale, energies, a probe of SBRDFs */
+    double start;  /* the plain factorisation */
+    double trials; /* 0 where there is but one */
+    double rounds; /* of the best, or of the only one */
     double centres;
     double codes; /* rounding off and measuring */
 } joint_costs;

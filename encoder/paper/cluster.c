@@ -277,7 +277,8 @@ static btf_result share_centres(const cluster_stage *s, btf_result result) {
         enc_ranks_range_of(s->context, (int)r, views, &first, &end);
         bounds[r] = first < views ? s->first[first] : s->k;
     }
-    result = enc_ranks_gather_bounds(s->context, result, s->centres, s->stride * sizeof *s->centres, bounds);
+    result =
+        enc_ranks_gather_bounds(s->context, result, s->centres, s->stride * sizeof *s->centres, bounds);
     free(bounds);
     return result;
 }
@@ -332,7 +333,7 @@ static btf_result cluster_views(cluster_stage *s, int k_total, enc_centres *cent
     if (result == BTF_OK)
         result = for_each_view(s, choose_centres);
     return enc_ranks_gather(s->context, result, s->occlusion->centre,
-                           s->n_texels * sizeof *s->occlusion->centre, views);
+                            s->n_texels * sizeof *s->occlusion->centre, views);
 }
 
 btf_result enc_cluster(const enc_context *context, const enc_data *data, const enc_cluster_options *options,

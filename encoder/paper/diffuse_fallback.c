@@ -124,7 +124,8 @@ static btf_result fit_all(const enc_context *context, const enc_data *data, enc_
             result = mine;
         }
     }
-    return enc_ranks_gather(context, result, sbrdf->values, stride * sizeof *sbrdf->values, sbrdf->n_texels);
+    return enc_ranks_gather(context, result, sbrdf->values, stride * sizeof *sbrdf->values,
+                            sbrdf->n_texels);
 }
 
 /* Maps that change nothing. */

@@ -120,8 +120,8 @@ static void pick(const enc_bands *b, int band, uint64_t seed, float out[3]) {
 }
 
 /* One of the sampled directions of a band. */
-static void pick_sample(const enc_bands *b, int band, const enc_direction *directions, int count, uint64_t seed,
-                        float out[3]) {
+static void pick_sample(const enc_bands *b, int band, const enc_direction *directions, int count,
+                        uint64_t seed, float out[3]) {
     int inside[256];
     const int n = enc_bands_members(b, band, directions, count, inside);
     memcpy(out, directions[n > 0 ? inside[enc_mix(seed) % (uint64_t)n] : 0].xyz, 3 * sizeof *out);
@@ -243,8 +243,8 @@ static btf_result measure_means(const job *j, double **out) {
 }
 
 /* Measures the variants that decode everything, one a kind, at more samples. The difference between another
- * variant and them varies far less from sample to sample than its error does, so that few samples are enough
- * for that (control variates). */
+ * variant and them varies far less from sample to sample than its error does, so that few samples are
+ * enough for that (control variates). */
 static btf_result correct_by_full(const job *all, double *mean) {
     job j = *all;
     variant full[KINDS];

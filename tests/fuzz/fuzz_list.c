@@ -1,6 +1,6 @@
 /* Fuzz target: bytes as a list of inputs (encoder/job/batch.h) and as a table of lights that were moved
- * (encoder/input/light_positions.h). What is taken names inputs and outputs of their own, and directions above the
- * horizon.
+ * (encoder/input/light_positions.h). What is taken names inputs and outputs of their own, and directions
+ * above the horizon.
  *
  * SPDX-License-Identifier: MIT
  */

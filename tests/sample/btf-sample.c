@@ -51,7 +51,8 @@ static const char *parse_relief(const char *text, void *value) {
 
 /* "view:FRAMES" or "light:FRAMES", and the theta of what moves where another than 45 is wanted. */
 static const char *parse_orbit(const char *text, void *value) {
-    static const char expected[] = "view or light, then :FRAMES (1 to 100000) and, if need be, :THETA (above 0, at most 85)";
+    static const char expected[] =
+        "view or light, then :FRAMES (1 to 100000) and, if need be, :THETA (above 0, at most 85)";
     const char *colon = strchr(text, ':');
     const size_t length = colon ? (size_t)(colon - text) : 0;
     pairs_orbit *orbit = value;
@@ -205,7 +206,8 @@ static const cli_program program = {
         "Renders a BTF with known truth: a periodic relief with hard shadows, seen from every view under\n"
         "every light, as images in the UBO2003 layout:\n"
         "DIR/tvTTT_pvPPP/NNNNN tlTTT plPPP tvTTT pvPPP.png, NNNNN = views * light + view. With --between,\n"
-        "--pairs or --orbit: the same relief between the samples, DIR/tlTT.TTTT_plPPP.PPPP_tv..._pv....exr,\n"
+        "--pairs or --orbit: the same relief between the samples, "
+        "DIR/tlTT.TTTT_plPPP.PPPP_tv..._pv....exr,\n"
         "the truth that btf-compare measures against.",
     .details = "Reliefs:" RELIEF_LIST(
         RELIEF_LINE) "\n\n"
@@ -349,7 +351,8 @@ static btf_result write_views(const job *j, const enc_context *context) {
 }
 
 /* All pairs of a scene, as single images. */
-static btf_result write_pairs(const job *j, const enc_context *context, const sample_pair *pairs, int count) {
+static btf_result write_pairs(const job *j, const enc_context *context, const sample_pair *pairs,
+                              int count) {
     const sample_options *o = sample_scene_options(j->scene);
     const size_t values = 3 * (size_t)o->width * o->height;
     btf_result result = BTF_OK;
@@ -365,9 +368,10 @@ static btf_result write_pairs(const job *j, const enc_context *context, const sa
 #pragma omp critical(sample_write)
             one = result;
             if (one == BTF_OK)
-                one = !image || !codes         ? BTF_ERROR_MEMORY
-                      : enc_cancelled(context) ? BTF_ERROR_INTERRUPTED
-                                               : sample_scene_pair(j->scene, &pairs[i].view, &pairs[i].light, image);
+                one = !image || !codes ? BTF_ERROR_MEMORY
+                      : enc_cancelled(context)
+                          ? BTF_ERROR_INTERRUPTED
+                          : sample_scene_pair(j->scene, &pairs[i].view, &pairs[i].light, image);
             pairs_name(&pairs[i], options.orbit ? i : -1, name);
             snprintf(path, sizeof path, "%s/%s.%s", options.out, name, EXTENSIONS[options.format]);
             if (one == BTF_OK)
@@ -407,9 +411,10 @@ static btf_result make_pairs(const enc_context *context, sample_pair **out_pairs
     if (options.pairs)
         return pairs_read(context, options.pairs, out_pairs, out_count);
     *out_count = options.orbit ? options.frames : options.between;
-    return options.orbit ? pairs_turn(context, options.orbit, options.frames, options.orbit_theta,
-                                      enc_direction_from_angles(options.fixed[0], options.fixed[1]), out_pairs)
-                         : pairs_random(context, options.between, (uint32_t)options.pair_seed, out_pairs);
+    return options.orbit
+               ? pairs_turn(context, options.orbit, options.frames, options.orbit_theta,
+                            enc_direction_from_angles(options.fixed[0], options.fixed[1]), out_pairs)
+               : pairs_random(context, options.between, (uint32_t)options.pair_seed, out_pairs);
 }
 
 /* Single images between the samples. */

@@ -233,8 +233,8 @@ static shading_point ray_point(const sample_scene *scene, int row, int column, i
     return prepare_point(scene, &hit, v);
 }
 
-btf_result sample_scene_pair(const sample_scene *scene, const enc_direction *view, const enc_direction *light,
-                             float *image) {
+btf_result sample_scene_pair(const sample_scene *scene, const enc_direction *view,
+                             const enc_direction *light, float *image) {
     const sample_options *o = &scene->options;
     const int rays = o->supersample * o->supersample;
     double v[3], l[3];

@@ -68,8 +68,8 @@ btf_result sample_scene_view(const sample_scene *scene, int view, float *images,
 
 /* One image at any view and light, of the scene's lists or not: image[row][column][3], the bits that
  * sample_scene_view gives there. One thread; several may render at once. Errors: BTF_ERROR_MEMORY. */
-btf_result sample_scene_pair(const sample_scene *scene, const enc_direction *view, const enc_direction *light,
-                             float *image);
+btf_result sample_scene_pair(const sample_scene *scene, const enc_direction *view,
+                             const enc_direction *light, float *image);
 
 btf_result sample_truth_create(const sample_scene *scene, sample_truth **out_truth);
 void sample_truth_destroy(sample_truth **truth);

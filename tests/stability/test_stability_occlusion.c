@@ -247,8 +247,8 @@ static void flow_noise(void) {
         enc_occlusion *o = voted(data, false, &ok);
         char input[96];
         snprintf(input, sizeof input, "flow of 13 views: %s", all[i].input);
-        cases_add(input, "ratios of votes within 0 and 1, the same with 1 and 2 threads", ok, "%zu of %d hidden",
-                  o == NULL ? 0 : enc_occlusion_hidden_count(o, -1), 13 * 48);
+        cases_add(input, "ratios of votes within 0 and 1, the same with 1 and 2 threads", ok,
+                  "%zu of %d hidden", o == NULL ? 0 : enc_occlusion_hidden_count(o, -1), 13 * 48);
         enc_occlusion_destroy(&o);
         enc_data_destroy(&data);
     }

@@ -1,6 +1,6 @@
-/* Ranks that encode together (encoder/base/ranks.h): slices, transfers, failures; and that a joint and a paper
- * analysis by several ranks has the bits of one. The ranks are threads of this process, and their transport
- * is memory.
+/* Ranks that encode together (encoder/base/ranks.h): slices, transfers, failures; and that a joint and a
+ * paper analysis by several ranks has the bits of one. The ranks are threads of this process, and their
+ * transport is memory.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -124,7 +124,7 @@ static void *run_member(void *argument) {
 
 /* Runs `run` on `size` ranks, rank r with users[r]; logs may be NULL. */
 static void run_ranks(int size, void (*run)(const enc_context *, void *), void *const *users,
-                     char (*logs)[512]) {
+                      char (*logs)[512]) {
     room in = {.size = size};
     member members[MOST_RANKS];
     pthread_t threads[MOST_RANKS];
@@ -156,7 +156,8 @@ static void test_alone(void **state) {
         assert_int_equal(enc_ranks_node_ranks(c), 1);
         assert_true(enc_ranks_leads(c));
         assert_int_equal(enc_ranks_agree(c, BTF_ERROR_IO), BTF_ERROR_IO);
-        assert_int_equal(enc_ranks_gather(c, BTF_ERROR_MEMORY, values, sizeof *values, 3), BTF_ERROR_MEMORY);
+        assert_int_equal(enc_ranks_gather(c, BTF_ERROR_MEMORY, values, sizeof *values, 3),
+                         BTF_ERROR_MEMORY);
         assert_int_equal(enc_ranks_gather(c, BTF_OK, values, sizeof *values, 3), BTF_OK);
         assert_int_equal(values[2], 3);
         assert_int_equal(enc_ranks_broadcast(c, BTF_OK, values, sizeof values), BTF_OK);

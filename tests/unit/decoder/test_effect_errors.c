@@ -82,8 +82,8 @@ static enc_data *make_data(const enc_context *context, const enc_direction *dire
 }
 
 /* A material with the values that the encoder measured of it. */
-static btf_material *with_tables(const float *values, size_t count, const float *between, size_t between_count,
-                                 btf_result expected) {
+static btf_material *with_tables(const float *values, size_t count, const float *between,
+                                 size_t between_count, btf_result expected) {
     enc_direction directions[DIRECTIONS];
     make_directions(directions);
     btf_material *plain = make_material(directions), *made = NULL;
@@ -284,8 +284,8 @@ static void wrong_tables_are_refused(void **state) {
 /* The table of errors between the samples: kept by a file, and refused where it cannot be. */
 static void between_errors_are_checked(void **state) {
     (void)state;
-    const float good[] = {2,    1,    0,    20,   50,   0,    70,   1,    0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f,
-                          0.7f, 0.8f, 3,    0.1f, 0.2f, 0.3f, 0.4f, -1,   -1,   0,    1};
+    const float good[] = {2,    1,    0,    20, 50,   0,    70,   1,    0.1f, 0.2f, 0.3f, 0.4f, 0.5f,
+                          0.6f, 0.7f, 0.8f, 3,  0.1f, 0.2f, 0.3f, 0.4f, -1,   -1,   0,    1};
     enum { COUNT = sizeof good / sizeof *good };
     btf_material *made = with_tables(NULL, 0, good, COUNT, BTF_OK), *opened = NULL;
     void *bytes;
@@ -305,8 +305,8 @@ static void between_errors_are_checked(void **state) {
     const struct {
         size_t index;
         float value;
-    } wrong[] = {{0, 0},     {0, 17},    {1, NAN},   {3, 60},   {6, 91},   {7, 0},        {7, 4},
-                 {7, 1.5f},  {8, -1},    {9, 1.5f},  {11, NAN}, {12, -2},  {13, INFINITY}, {14, NAN}};
+    } wrong[] = {{0, 0},    {0, 17}, {1, NAN},  {3, 60},   {6, 91},  {7, 0},         {7, 4},
+                 {7, 1.5f}, {8, -1}, {9, 1.5f}, {11, NAN}, {12, -2}, {13, INFINITY}, {14, NAN}};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         float values[COUNT];
         memcpy(values, good, sizeof good);

@@ -79,7 +79,8 @@ static void accepted(edit_file *file, const saved *original) {
     btf_material_close(&b);
 }
 
-/* Each channel of each part sampled otherwise, or as no file may: refused before OpenEXRCore unpacks anything. */
+/* Each channel of each part sampled otherwise, or as no file may: refused before OpenEXRCore unpacks
+ * anything. */
 static void test_sampling(void **state) {
     (void)state;
     static const unsigned char values[][2] = {{2, 1}, {1, 2}, {2, 2}, {0, 1}, {1, 0}, {255, 255}};
@@ -529,11 +530,16 @@ static void test_implausible(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_sampling),
-        cmocka_unit_test(test_other_writers), cmocka_unit_test(test_display_window),
-        cmocka_unit_test(test_negative_zero), cmocka_unit_test(test_parts),
-        cmocka_unit_test(test_repeated_part), cmocka_unit_test(test_values),
-        cmocka_unit_test(test_attributes),    cmocka_unit_test(test_attribute_values),
-        cmocka_unit_test(test_directions),    cmocka_unit_test(test_implausible),
+        cmocka_unit_test(test_other_writers),
+        cmocka_unit_test(test_display_window),
+        cmocka_unit_test(test_negative_zero),
+        cmocka_unit_test(test_parts),
+        cmocka_unit_test(test_repeated_part),
+        cmocka_unit_test(test_values),
+        cmocka_unit_test(test_attributes),
+        cmocka_unit_test(test_attribute_values),
+        cmocka_unit_test(test_directions),
+        cmocka_unit_test(test_implausible),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }

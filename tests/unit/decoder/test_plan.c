@@ -291,7 +291,8 @@ static void plans_tell_of_what_lies_between(void **state) {
     scene.view.theta[1] = 60; /* where nothing is known does not count */
     assert_int_equal(btf_plan_effects(material, &scene, 0, &plan), BTF_OK);
     assert_true(is_near(plan.full_between_psnr_linear, 0.01));
-    scene.view = (btf_range){.fixed = 1, .direction = {0, 0, 1}}; /* a sample: the lights alone lie between */
+    scene.view =
+        (btf_range){.fixed = 1, .direction = {0, 0, 1}}; /* a sample: the lights alone lie between */
     assert_int_equal(btf_plan_effects(material, &scene, 0, &plan), BTF_OK);
     assert_true(is_near(plan.full_between_psnr_linear, 0.002) && plan.level == 0);
     scene.light = scene.view; /* both are samples */
@@ -436,8 +437,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(tight_decodes_like_paper), cmocka_unit_test(restrictions_decode_alike),
         cmocka_unit_test(restrictions_are_small),   cmocka_unit_test(fixed_neighbours_are_the_reference_s),
-        cmocka_unit_test(plans_follow_the_table), cmocka_unit_test(plans_tell_of_what_lies_between),   cmocka_unit_test(costs_follow_the_model),
-        cmocka_unit_test(wrong_scenes_are_refused),
+        cmocka_unit_test(plans_follow_the_table),   cmocka_unit_test(plans_tell_of_what_lies_between),
+        cmocka_unit_test(costs_follow_the_model),   cmocka_unit_test(wrong_scenes_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

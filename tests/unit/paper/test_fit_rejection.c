@@ -1,5 +1,5 @@
-/* The iterative fit (encoder/paper/fit.h): rejection finds shadows, keeps what is nothing but shadow, gives the
- * same bits on any number of threads; options are checked.
+/* The iterative fit (encoder/paper/fit.h): rejection finds shadows, keeps what is nothing but shadow, gives
+ * the same bits on any number of threads; options are checked.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -1,5 +1,5 @@
-/* The last line of defence of `--method paper` (encoder/paper/diffuse_fallback.h): when the diffuse fit is taken,
- * what is then left, and when it is not.
+/* The last line of defence of `--method paper` (encoder/paper/diffuse_fallback.h): when the diffuse fit is
+ * taken, what is then left, and when it is not.
  *
  * SPDX-License-Identifier: MIT
  */

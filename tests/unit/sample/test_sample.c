@@ -582,7 +582,8 @@ static void test_random_pairs(void **state) {
         }
         both += pairs[i].view.theta < third && pairs[i].light.theta < third;
     }
-    /* five standard deviations and a half of 6000 draws: 200 of a third, 180 of a quarter, 135 of a ninth */
+    /* five standard deviations and a half of 6000 draws: 200 of a third, 180 of a quarter, 135 of a ninth
+     */
     for (int k = 0; k < 2; ++k)
         assert_true(abs(inner[k] - N / 3) < 200 && abs(quadrant[k] - N / 4) < 185);
     assert_true(abs(both - N / 9) < 135);
@@ -601,11 +602,11 @@ static void test_random_pairs(void **state) {
 static void test_an_orbit(void **state) {
     (void)state;
     sample_pair *pairs = NULL;
-    assert_int_equal(
-        pairs_turn(NULL, PAIRS_ORBIT_VIEW, 8, 60, enc_direction_from_angles(20, -90), &pairs), BTF_OK);
+    assert_int_equal(pairs_turn(NULL, PAIRS_ORBIT_VIEW, 8, 60, enc_direction_from_angles(20, -90), &pairs),
+                     BTF_OK);
     for (int i = 0; i < 8; ++i)
-        assert_true(pairs[i].view.theta == 60 && pairs[i].view.phi == 45 * i && pairs[i].light.theta == 20 &&
-                    pairs[i].light.phi == 270);
+        assert_true(pairs[i].view.theta == 60 && pairs[i].view.phi == 45 * i &&
+                    pairs[i].light.theta == 20 && pairs[i].light.phi == 270);
     free(pairs);
 }
 
