@@ -171,9 +171,9 @@ static bool estimated_before(const decoding *d, decode_row *row) {
     return false;
 }
 
-static void take_estimate(const bench_between_figures figures, decode_row *row) {
-    row->linear[2] = figures[BENCH_ESTIMATE][0];
-    row->srgb[2] = figures[BENCH_ESTIMATE][1];
+static void take_estimate(const double figures[2], decode_row *row) {
+    row->linear[2] = figures[0];
+    row->srgb[2] = figures[1];
     row->estimated = true;
 }
 
@@ -189,7 +189,7 @@ static btf_result estimate_material(const decoding *d, const material *m, const 
     const btf_result result =
         bench_between_material(d->run->context, d->run->between, &m->view, &options, figures);
     if (result == BTF_OK) {
-        take_estimate(figures, row);
+        take_estimate(figures[BENCH_ESTIMATE], row);
     }
     return result;
 }
@@ -212,7 +212,7 @@ static btf_result estimate_peer(const decoding *d, const enc_image_source *image
         enc_data_destroy(&decoded);
     }
     if (result == BTF_OK) {
-        take_estimate(figures, row);
+        take_estimate(figures[BENCH_ESTIMATE], row);
     }
     return result;
 }
