@@ -29,7 +29,8 @@ typedef struct section {
 typedef btf_result (*measure_fn)(const section *s, int setting, bench_row *row);
 
 /* Takes the row of the journal, else measures it and keeps it. */
-static btf_result measured(section *s, const char *sweep, const char *name, measure_fn measure, int setting) {
+static btf_result measured(section *s, const char *sweep, const char *name, measure_fn measure,
+                           int setting) {
     bench_row row = bench_row_named(sweep, name, NAN);
     btf_result result = BTF_OK;
     if (!bench_journal_find(s->run->journal, s->name, &row)) {
@@ -40,9 +41,9 @@ static btf_result measured(section *s, const char *sweep, const char *name, meas
     }
     if (result == BTF_OK) {
         bench_table_add(s->table, &row);
-        enc_log(s->run->context, BTF_LOG_INFO, "  %-36s %8.3f MB %6.2f %6.2f dB between, %6.2f %6.2f at samples",
-                row.name, 1e-6 * row.bytes, bench_seen(&row, false), bench_seen(&row, true), row.linear,
-                row.srgb);
+        enc_log(s->run->context, BTF_LOG_INFO,
+                "  %-36s %8.3f MB %6.2f %6.2f dB between, %6.2f %6.2f at samples", row.name,
+                1e-6 * row.bytes, bench_seen(&row, false), bench_seen(&row, true), row.linear, row.srgb);
     }
     return result;
 }
@@ -50,16 +51,16 @@ static btf_result measured(section *s, const char *sweep, const char *name, meas
 /* Exact at the samples, so that no figure stands there; bytes are those of 8-bit images. */
 static btf_result measure_uncompressed(const section *s, int kind, bench_row *row) {
     row->bytes = bench_samples_8bit(s->run->data);
-    return bench_between_images(s->run->context, s->run->between_data, s->run->data, (enc_interpolation)kind,
-                                row->between);
+    return bench_between_images(s->run->context, s->run->between_data, s->run->data,
+                                (enc_interpolation)kind, row->between);
 }
 
 static btf_result measure_encoded(const section *s, bench_encoded *encoded, bench_row *row) {
     row->bytes = (double)encoded->bytes;
     row->core = encoded->core;
     row->wall = encoded->wall;
-    const btf_result result = bench_accuracy(s->run->context, &s->whole, s->run->between_data, encoded,
-                                             BTF_EFFECT_ALL, row);
+    const btf_result result =
+        bench_accuracy(s->run->context, &s->whole, s->run->between_data, encoded, BTF_EFFECT_ALL, row);
     bench_encoded_clear(encoded);
     return result;
 }

@@ -27,8 +27,8 @@ static const struct {
     {"decode", "decoding: time against accuracy, on every GL device and on the CPU", bench_section_decode,
      true},
     {"storage", "storage: bytes against accuracy", bench_section_storage, true},
-    {"between", "accuracy between the samples, which is what a renderer sees, and at them", bench_section_between,
-     false},
+    {"between", "accuracy between the samples, which is what a renderer sees, and at them",
+     bench_section_between, false},
     {"growth", "encoding: growth of time and memory", bench_section_growth, true},
     {"fit", "the Lafortune fit beside a Ceres problem with automatic derivatives", bench_section_fit,
      false},
@@ -81,7 +81,7 @@ static const char *parse_pairs(const char *text, void *value) {
     (void)value;
     material *last = o.count > 0 ? &o.materials[o.count - 1] : NULL;
     if (!last || !last->input || last->pairs) {
-        return "one after the --input that it belongs to";
+        return "a path that follows the --input which it belongs to";
     }
     last->pairs = text;
     return NULL;
@@ -185,9 +185,9 @@ static const cli_option table[] = {
      .type = CLI_CHOICE,
      .value = &o.holdout,
      .choices = "none|ring",
-     .help =
-         "none (default): all directions are encoded; ring: every second\nazimuth of the ring at 45 degrees is "
-         "left out of encoding, and all\naccuracy is measured there too"},
+     .help = "none (default): all directions are encoded; ring: every second\nazimuth of the ring at 45 "
+             "degrees is "
+             "left out of encoding, and all\naccuracy is measured there too"},
     {.name = "only",
      .arg = "SECTIONS",
      .type = CLI_CUSTOM,
@@ -200,9 +200,8 @@ static const cli_option table[] = {
      .type = CLI_CUSTOM,
      .given = &o.presets_given,
      .parse = parse_presets,
-     .help =
-         "of --method joint, one or more, with commas between;\ndefault: encode all of them, between, "
-         "codecs and holdout medium"},
+     .help = "of --method joint, one or more, with commas between;\ndefault: encode all of them, between, "
+             "codecs and holdout medium"},
     {.name = "device",
      .arg = "NAME",
      .type = CLI_STRING,

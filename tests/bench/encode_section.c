@@ -224,11 +224,13 @@ static void print(const bench_table *table, const bench_row *base, int repeats, 
                   FILE *out) {
     fprintf(out,
             "Times are core seconds (all threads), median of %d; spread is (largest - smallest) / median. "
-            "`*`: on the Pareto front of core time and PSNR %s (linear, sRGB), of which \"dB against it\" is too.\n\n"
+            "`*`: on the Pareto front of core time and PSNR %s (linear, sRGB), of which \"dB against it\" "
+            "is too.\n\n"
             "| sweep | setting | times %s | dB against it, linear / sRGB | front | core s | spread | wall "
             "s | GPU "
             "MB | peak MB | at the samples | SSIM | between | estimate | held view | held light | both |\n"
-            "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
+            "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | "
+            "--- | --- |\n",
             repeats, seen, base->name);
     for (int i = 0; i < table->count; i++) {
         const bench_row *r = &table->rows[i];
@@ -236,10 +238,9 @@ static void print(const bench_table *table, const bench_row *base, int repeats, 
                 "| %s | %s | %.2f | %+.2f / %+.2f | %s %s | %.2f | %.0f%% | %.2f | %.3f | %.0f | %.2f / "
                 "%.2f | %.4f |",
                 r->sweep, r->name, r->core / base->core, bench_seen(r, false) - bench_seen(base, false),
-                bench_seen(r, true) - bench_seen(base, true),
-                r->pareto_linear > 0 ? "*" : "", r->pareto_srgb > 0 ? "*" : "", r->core,
-                100 * r->core_spread, r->wall, 1e-6 * r->bytes, 1e-6 * r->memory, r->linear, r->srgb,
-                r->ssim);
+                bench_seen(r, true) - bench_seen(base, true), r->pareto_linear > 0 ? "*" : "",
+                r->pareto_srgb > 0 ? "*" : "", r->core, 100 * r->core_spread, r->wall, 1e-6 * r->bytes,
+                1e-6 * r->memory, r->linear, r->srgb, r->ssim);
         print_others(r, out);
     }
     fputc('\n', out);

@@ -30,7 +30,7 @@ void bench_accuracy_panels(const bench_run *run, plot *p, bool headline) {
     }
     for (int i = 0; i < (headline ? 2 : PLOT_PANELS); i++) {
         const bool seen = headline ? i == 0 : i < 2, srgb = !headline && i % 2;
-        plot_panel(p, i, seen ? title : "at the samples, all of them encoded",
+        plot_panel(p, i, seen ? title : "at the samples that were encoded",
                    srgb ? "PSNR of sRGB-coded values, dB" : "PSNR of linear values, dB");
     }
 }
@@ -56,7 +56,8 @@ static void add_sweeps(plot *p, const bench_table *table, const shown *sweeps, i
             const bench_row *r = &table->rows[i];
             const char *space = strrchr(r->name, ' ');
             if (strcmp(r->sweep, sweeps[s].sweep) == 0) {
-                add_row(p, unit * cost(r), r, headline, sweeps[s].label ? (space ? space + 1 : r->name) : NULL);
+                add_row(p, unit * cost(r), r, headline,
+                        sweeps[s].label ? (space ? space + 1 : r->name) : NULL);
             }
         }
     }

@@ -33,8 +33,10 @@ static btf_result encode_table(const bench_run *run, const bench_table *table, c
     if (result != BTF_OK) {
         return result;
     }
-    fprintf(out, "| encoding | times `medium` | core s | %s | at the samples | GPU MB | peak MB |\n"
-                 "| --- | --- | --- | --- | --- | --- | --- |\n", bench_seen_words(run));
+    fprintf(out,
+            "| encoding | times `medium` | core s | %s | at the samples | GPU MB | peak MB |\n"
+            "| --- | --- | --- | --- | --- | --- | --- |\n",
+            bench_seen_words(run));
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         const bench_row *r = find(table, names[i]);
         if (r) {
@@ -60,12 +62,13 @@ static void print_between_rows(const bench_run *run, const bench_table *table, F
 
 btf_result bench_readme_between(const bench_run *run, const bench_table *table) {
     FILE *out;
-    fprintf(run->summary,
-            "PSNR, linear / sRGB-coded dB. The estimate leaves out view and light of %d pairs of samples and "
-            "predicts them from the others. Peers are blended barycentrically.\n\n"
-            "| data | codec | between the samples | at them | estimate | GPU MB |\n"
-            "| --- | --- | --- | --- | --- | --- |\n",
-            BENCH_ESTIMATE_PAIRS);
+    fprintf(
+        run->summary,
+        "PSNR, linear / sRGB-coded dB. The estimate leaves out view and light of %d pairs of samples and "
+        "predicts them from the others. Peers are blended barycentrically.\n\n"
+        "| data | codec | between the samples | at them | estimate | GPU MB |\n"
+        "| --- | --- | --- | --- | --- | --- |\n",
+        BENCH_ESTIMATE_PAIRS);
     print_between_rows(run, table, run->summary);
     fputc('\n', run->summary);
     const btf_result result = bench_open(run, "readme-between", "md", &out);

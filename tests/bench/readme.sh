@@ -46,9 +46,9 @@ if [ "${1:-}" = --between ]; then
         done
     done
     python3 - "$@" <<'EOF' | "$marks" "$root/README.md" between
-import glob, os, re, sys
+import glob, os, re, sys, textwrap
 shown = ("joint ", "paper", "PCA 8 bit square root", "low-bit split PCA", "uncompressed")
-sources, rows, stored = [], [], ""
+sources, rows, stored = {}, [], ""
 for out in sys.argv[1:]:
     with open(f"{out}/summary.md") as file:
         summary = file.read()
@@ -56,17 +56,20 @@ for out in sys.argv[1:]:
         path = f"{out}/readme-between-{name}.md"
         if os.path.exists(path):
             data = re.search(r"## between: " + name + r"\n\n.*; data: (.*)\.\n", summary).group(1)
-            sources.append(f"{data} ({source})")
+            label, size = data.split(", ", 1)
+            sources.setdefault(f"{size} ({source})", []).append(label)
             with open(path) as file:
                 rows += [row for row in file if row.split(" | ")[1].startswith(shown)]
     plotted = re.search(r"## storage: .*\n\n.*; data: (.*)\.\n", summary)
     if plotted and glob.glob(f"{out}/readme-storage-*.png"):
         stored = plotted.group(1)
 assert rows and stored, "no table, or no plot"
+listed = "; ".join(", ".join(labels) + ": " + what for what, labels in sources.items())
+words = textwrap.fill(f"""PSNR, linear / sRGB-coded dB. {listed}. The estimate leaves out view and light of 256 pairs of samples
+and predicts them from the others. Principal components (PCA) and the uncompressed images are blended barycentrically, as
+the decoder does; splines are thin plates through all directions.""", 119, break_on_hyphens=False)
 print(f"""<!-- between: written by tests/bench/readme.sh --between -->
-PSNR, linear / sRGB-coded dB. {"; ".join(sources)}. The estimate leaves out view and light of 256 pairs of samples and
-predicts them from the others. Principal components and the uncompressed images are blended barycentrically, as the
-decoder does, or interpolated by thin-plate splines through all directions.
+{words}
 
 | data | codec | between the samples | at the samples | estimate | GPU MB |
 | --- | --- | --- | --- | --- | --- |

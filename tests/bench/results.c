@@ -108,11 +108,28 @@ void bench_table_write(const bench_table *table, FILE *csv) {
             "psnr_held_light_srgb,psnr_held_both_linear,psnr_held_both_srgb,pareto_linear,pareto_srgb\n");
     for (int i = 0; i < table->count; i++) {
         const bench_row *r = &table->rows[i];
-        const double figures[] = {
-            r->x,          r->core,       r->core_spread, r->wall,       r->wall_spread,   r->bytes,
-            r->memory,     r->linear,     r->srgb,        r->ssim,       r->between[0][0], r->between[0][1],
-            r->between[1][0], r->between[1][1], r->held[0][0], r->held[0][1],
-            r->held[1][0], r->held[1][1], r->held[2][0],  r->held[2][1], r->pareto_linear, r->pareto_srgb};
+        const double figures[] = {r->x,
+                                  r->core,
+                                  r->core_spread,
+                                  r->wall,
+                                  r->wall_spread,
+                                  r->bytes,
+                                  r->memory,
+                                  r->linear,
+                                  r->srgb,
+                                  r->ssim,
+                                  r->between[0][0],
+                                  r->between[0][1],
+                                  r->between[1][0],
+                                  r->between[1][1],
+                                  r->held[0][0],
+                                  r->held[0][1],
+                                  r->held[1][0],
+                                  r->held[1][1],
+                                  r->held[2][0],
+                                  r->held[2][1],
+                                  r->pareto_linear,
+                                  r->pareto_srgb};
         fprintf(csv, "%s,%s", r->sweep, r->name);
         for (size_t k = 0; k < sizeof figures / sizeof *figures; k++) {
             if (isnan(figures[k])) {

@@ -64,8 +64,8 @@ static btf_result measure_subset(storage *s, const void *what, bench_row *row) {
     row->core = of->encoded->core;
     row->wall = of->encoded->wall;
     if (result == BTF_OK) {
-        result = bench_accuracy(s->run->context, s->run->held, s->run->between, of->encoded, of->effects,
-                                row);
+        result =
+            bench_accuracy(s->run->context, s->run->held, s->run->between, of->encoded, of->effects, row);
     }
     return result;
 }
@@ -266,14 +266,13 @@ static void print(const storage *s, FILE *out) {
             base = &s->table->rows[i];
         }
     }
-    fprintf(
-        out,
-        "The budget is %.3f MB (10^6 bytes on the GPU). `*`: on the Pareto front of bytes and PSNR %s; "
-        "PSNR is linear / sRGB-coded, dB. Peers are blended barycentrically.\n\n"
-        "| codec | times the budget | %s | against joint at the budget | front | MB | at the samples "
-        "| SSIM | estimate | held view and light |\n"
-        "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
-        1e-6 * (double)s->budget, bench_seen_words(s->run), bench_seen_words(s->run));
+    fprintf(out,
+            "The budget is %.3f MB (10^6 bytes on the GPU). `*`: on the Pareto front of bytes and PSNR %s; "
+            "PSNR is linear / sRGB-coded, dB. Peers are blended barycentrically.\n\n"
+            "| codec | times the budget | %s | against joint at the budget | front | MB | at the samples "
+            "| SSIM | estimate | held view and light |\n"
+            "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
+            1e-6 * (double)s->budget, bench_seen_words(s->run), bench_seen_words(s->run));
     for (int i = 0; i < s->table->count && base; i++) {
         const bench_row *r = &s->table->rows[i];
         fprintf(out, "| %s | %.3f |", r->name, r->bytes / (double)s->budget);

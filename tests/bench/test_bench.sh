@@ -135,7 +135,7 @@ P
 expect_that "are the figures of btf-compare" python3 between.py
 expect_text "without truth it says so" "none is known, accuracy there is estimated" f/summary.md
 expect "images of another size" 0 btf-sample -o larger --size 9x8 --between 2 --quiet
-expect "truth of another size" 2 btf-bench --input tiny --pairs larger --only machine --out x -q
+expect "truth of another size" 3 btf-bench --input tiny --pairs larger --only machine --out x -q
 expect_text "says which" "larger has 9 x 8 texels, tiny has 8 x 8" err
 expect "pairs of nothing" 1 btf-bench --pairs pairs --input tiny
 # A journal of another version is not read, nor are its lines where only their number of fields tells it.

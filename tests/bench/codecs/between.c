@@ -84,7 +84,8 @@ static btf_result make_estimate(const enc_context *context, bench_between *b) {
     e->images = malloc(BENCH_ESTIMATE_PAIRS * 3 * texels * sizeof *e->images);
     b->left = calloc(BENCH_ESTIMATE_PAIRS, sizeof *b->left);
     if (!e->pair || !e->images || !b->left) {
-        return enc_fail(context, BTF_ERROR_MEMORY, "bench: out of memory for %d images", BENCH_ESTIMATE_PAIRS);
+        return enc_fail(context, BTF_ERROR_MEMORY, "bench: out of memory for %d images",
+                        BENCH_ESTIMATE_PAIRS);
     }
     for (uint64_t i = 0; e->count < BENCH_ESTIMATE_PAIRS && i < 4 * BENCH_ESTIMATE_PAIRS; i++) {
         const left_pair at = {(int)(mix(2 * i) % (uint64_t)b->views.count),
@@ -166,7 +167,8 @@ static void decode_left(const bench_between *b, const btf_ref_material *material
     for (uint32_t row = 0; row < material->height; row++) {
         for (uint32_t column = 0; column < material->width; column++, out += 3) {
             btf_ref_evaluate_neighbours(material, options, column, row, &b->lights.near[b->left[p].light],
-                                        &b->views.near[b->left[p].view], pair->light.xyz, pair->view.xyz, out);
+                                        &b->views.near[b->left[p].view], pair->light.xyz, pair->view.xyz,
+                                        out);
         }
     }
 }
@@ -181,9 +183,9 @@ static void decode_pair(const bench_between *b, bench_between_set set, const btf
     }
 }
 
-static btf_result measure_material(const enc_context *context, const bench_between *b, bench_between_set set,
-                                   const btf_ref_material *material, const btf_ref_options *options,
-                                   enc_error_sum *sums) {
+static btf_result measure_material(const enc_context *context, const bench_between *b,
+                                   bench_between_set set, const btf_ref_material *material,
+                                   const btf_ref_options *options, enc_error_sum *sums) {
     const bench_truth *truth = truth_of(b, set);
     const size_t texels = enc_data_texel_count(b->data);
     btf_result result = BTF_OK;
@@ -233,12 +235,11 @@ btf_result bench_between_material(const enc_context *context, const bench_betwee
 /* Images, interpolated.
  * ------------------------------------------------------------------------------------------------ */
 
-static btf_result weights_of_truth(const enc_context *context, const bench_between *b, enc_interpolation kind,
-                                   pair_weights *weights) {
+static btf_result weights_of_truth(const enc_context *context, const bench_between *b,
+                                   enc_interpolation kind, pair_weights *weights) {
     const enc_data *data = b->data;
     enc_interpolator *views = NULL, *lights = NULL;
-    btf_result result =
-        enc_interpolator_create(context, "views", data->views, data->n_views, kind, &views);
+    btf_result result = enc_interpolator_create(context, "views", data->views, data->n_views, kind, &views);
     if (result == BTF_OK) {
         result = enc_interpolator_create(context, "lights", data->lights, data->n_lights, kind, &lights);
     }
@@ -252,8 +253,9 @@ static btf_result weights_of_truth(const enc_context *context, const bench_betwe
 }
 
 /* A spline through all directions but one, there. */
-static btf_result spline_without(const enc_context *context, const char *name, const enc_direction *directions,
-                                 int count, int without, enc_weights *out) {
+static btf_result spline_without(const enc_context *context, const char *name,
+                                 const enc_direction *directions, int count, int without,
+                                 enc_weights *out) {
     enc_direction others[256];
     enc_interpolator *spline;
     int n = 0;
@@ -339,9 +341,9 @@ static void blend(const pair_weights *w, const float *samples, size_t lights, bo
 }
 
 /* The errors of one texel at all pairs; buffer and roots: room for a texel's samples. */
-static btf_result measure_texel(const enc_context *context, const bench_truth *truth, const enc_data *images,
-                                const pair_weights *weights, bool roots, size_t texel, float *buffer,
-                                float *rooted, enc_error_sum *sum) {
+static btf_result measure_texel(const enc_context *context, const bench_truth *truth,
+                                const enc_data *images, const pair_weights *weights, bool roots,
+                                size_t texel, float *buffer, float *rooted, enc_error_sum *sum) {
     const size_t texels = enc_data_texel_count(images), stride = enc_data_texel_stride(images);
     const float *samples;
     const btf_result result = enc_data_texels(context, images, texel, 1, buffer, &samples);
@@ -362,8 +364,9 @@ static btf_result measure_texel(const enc_context *context, const bench_truth *t
     return BTF_OK;
 }
 
-static btf_result measure_images(const enc_context *context, const bench_truth *truth, const enc_data *images,
-                                 const pair_weights *weights, bool roots, enc_error_sum *sums) {
+static btf_result measure_images(const enc_context *context, const bench_truth *truth,
+                                 const enc_data *images, const pair_weights *weights, bool roots,
+                                 enc_error_sum *sums) {
     const size_t texels = enc_data_texel_count(images), stride = enc_data_texel_stride(images);
     btf_result result = BTF_OK;
 #pragma omp parallel num_threads(context->threads)

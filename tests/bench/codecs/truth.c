@@ -17,8 +17,7 @@ static btf_result truth_init(const enc_context *context, size_t count, int width
                            .width = width,
                            .height = height,
                            .pair = calloc(count, sizeof *truth->pair),
-                           .images =
-                               malloc(3 * sizeof(float) * count * (size_t)width * (size_t)height)};
+                           .images = malloc(3 * sizeof(float) * count * (size_t)width * (size_t)height)};
     if (truth->pair && truth->images) {
         return BTF_OK;
     }

@@ -66,8 +66,8 @@ static void probes_clear(probes *p) {
 }
 
 /* The middle of texel t, a hair further: u * 2^18 is rounded down. */
-static void probe_input(int width, int height, size_t t, const enc_direction *light, const enc_direction *view,
-                        uint32_t *out) {
+static void probe_input(int width, int height, size_t t, const enc_direction *light,
+                        const enc_direction *view, uint32_t *out) {
     const float u = ((float)(t % (size_t)width) + 0.5f) / (float)width + 0x1p-18f;
     const float v = 1 - ((float)(t / (size_t)width) + 0.5f) / (float)height + 0x1p-18f;
     const float *l = light->xyz, *w = view->xyz;
@@ -160,8 +160,8 @@ static bool estimates(const decoding *d) {
 static bool estimated_before(const decoding *d, decode_row *row) {
     for (int i = 0; i < d->table->count; i++) {
         const decode_row *r = &d->table->rows[i];
-        if (r->estimated && strcmp(r->material, row->material) == 0 && strcmp(r->effects, row->effects) == 0 &&
-            r->nearest == row->nearest) {
+        if (r->estimated && strcmp(r->material, row->material) == 0 &&
+            strcmp(r->effects, row->effects) == 0 && r->nearest == row->nearest) {
             row->linear[2] = r->linear[2];
             row->srgb[2] = r->srgb[2];
             row->estimated = true;
@@ -177,7 +177,8 @@ static void take_estimate(const double figures[2], decode_row *row) {
     row->estimated = true;
 }
 
-static btf_result estimate_material(const decoding *d, const material *m, const subset *s, decode_row *row) {
+static btf_result estimate_material(const decoding *d, const material *m, const subset *s,
+                                    decode_row *row) {
     const btf_ref_options options = {.effects = BTF_EFFECT_ALL & ~s->leave_out,
                                      .components = s->components ? s->components : UINT32_MAX,
                                      .interpolation = row->nearest ? BTF_REF_NEAREST : BTF_REF_LINEAR,
@@ -295,7 +296,8 @@ static void run_sizes(decoding *d, decode_rig *rig, const char *device, const ma
 /* images: what it decodes to at the samples and interpolates; NULL: it has no samples. */
 static btf_result run_peer(decoding *d, decode_rig *rig, const char *device, const char *name,
                            const char *note, const btf_material *tables, uint32_t leave_out,
-                           const char *body, const char *const samplers[2], const enc_image_source *images) {
+                           const char *body, const char *const samplers[2],
+                           const enc_image_source *images) {
     btf_result result = BTF_OK;
     const btf_shader_options shader = {.leave_out = leave_out, .math = BTF_MATH_FAST};
     decode_row row = decode_row_named(device, name, note);

@@ -18,7 +18,9 @@ decode_row decode_row_named(const char *device, const char *material, const char
 }
 
 int decode_seen(const decode_row *row) {
-    return !isnan(row->linear[1]) && row->estimated ? 1 : !isnan(row->linear[2]) ? 2 : !isnan(row->linear[1]);
+    return !isnan(row->linear[1]) && row->estimated ? 1
+           : !isnan(row->linear[2])                 ? 2
+                                                    : !isnan(row->linear[1]);
 }
 
 void decode_table_add(decode_table *table, const decode_row *row) {
@@ -90,7 +92,8 @@ static void print_device(const decode_table *table, const char *device, const ch
             "| material | effects | directions | filter | mathematics | times joint | times its fetches "
             "| ns | spread | between the samples%s | at the samples | held out |\n"
             "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
-            device, renderer, software ? "core time" : "time", base && base->estimated ? ", estimated" : "");
+            device, renderer, software ? "core time" : "time",
+            base && base->estimated ? ", estimated" : "");
     for (int i = 0; i < table->count; i++) {
         const decode_row *r = &table->rows[i];
         if (strcmp(r->device, device) != 0) {
@@ -217,7 +220,10 @@ static btf_result decode_plot(const bench_run *run, const decode_table *table, c
                 const double y[PLOT_PANELS] = {of_seen * r->linear[seen],
                                                headline ? linear : of_seen * r->srgb[seen], linear,
                                                whole * r->srgb[0]};
-                if (isfinite(r->linear[0])) {
+                /* Without its gains a material that has them is far below all else, which would be
+                 * squeezed. */
+                const bool off = headline && strcmp(r->effects, "without gain") == 0;
+                if (isfinite(r->linear[0]) && !off) {
                     plot_point(p, r->ns, y, label_of(r));
                 }
             }

@@ -13,7 +13,7 @@ enum { DECODE_MOST_ROWS = 1200, DECODE_MOST_SIZES = 16, DECODE_MOST_DEVICES = 12
 typedef struct decode_row {
     char device[24], material[40], effects[40];
     bool nearest, bilinear, fast, peer;
-    bool estimated; /* what stands for truth between the samples is an estimate */
+    bool estimated;            /* what stands for truth between the samples is an estimate */
     int side;                  /* of the picture, where that is what changes; else 0 */
     double ns, spread;         /* a pixel: median of the repeats, (largest - smallest) / median */
     double linear[3], srgb[3]; /* PSNR at sampled directions, at those held out (both), and between the
