@@ -15,16 +15,19 @@ enum { BENCH_PRESETS = 4, BENCH_DECODE_REPEATS = 5 };
 typedef struct bench_run {
     const enc_context *context;
     const enc_data *data;
-    const char *source;          /* what the data are */
-    const char *name;            /* the same as a part of file names */
-    const char *out;             /* existing folder for CSV files */
-    int texels;                  /* texels that slow peers are run on */
-    bool presets[BENCH_PRESETS]; /* of the joint method, enc_joint_preset */
-    bool presets_given;          /* by the user: section `encode` takes all else */
-    uint64_t budget;             /* GPU bytes a codec may take; 0: what layout `paper` takes */
-    int rank;                    /* components of the largest PCA */
-    FILE *summary;               /* Markdown; the section's heading was written */
-    const bench_held *held;      /* what sweeps encode, and the directions left out */
+    const char *source;                /* what the data are */
+    const char *name;                  /* the same as a part of file names */
+    const char *out;                   /* existing folder for CSV files */
+    int texels;                        /* texels that slow peers are run on */
+    bool presets[BENCH_PRESETS];       /* of the joint method, enc_joint_preset */
+    bool presets_given;                /* by the user: section `encode` takes all else */
+    uint64_t budget;                   /* GPU bytes a codec may take; 0: what layout `paper` takes */
+    int rank;                          /* components of the largest PCA */
+    FILE *summary;                     /* Markdown; the section's heading was written */
+    const bench_held *held;            /* what sweeps encode, and the directions left out */
+    const bench_truth *truth;          /* between the samples; count 0: not known */
+    const bench_between *between;      /* of held->train */
+    const bench_between *between_data; /* of data: the same where nothing was left out */
     bench_journal *journal;
     const bench_system *system;
     int repeats;        /* of an encode; a decode is repeated at least BENCH_DECODE_REPEATS times */
@@ -45,9 +48,14 @@ btf_result bench_section_storage(const bench_run *run);
 btf_result bench_section_growth(const bench_run *run); /* of the built-in bricks, whatever the data */
 btf_result bench_section_fit(const bench_run *run);
 btf_result bench_section_codecs(const bench_run *run);
+btf_result bench_section_between(const bench_run *run);
 btf_result bench_section_holdout(const bench_run *run);
 btf_result bench_section_plan(const bench_run *run);
 btf_result bench_section_shaders(const bench_run *run); /* of synthetic materials, whatever the data */
+
+/* What bench_seen() is of in this run, as the head of a column: "between the samples", or what stands for
+ * it. */
+const char *bench_seen_words(const bench_run *run);
 
 /* run->out/SECTION-MATERIAL.EXTENSION, in `path` of `size` bytes. */
 void bench_path(const bench_run *run, const char *section, const char *extension, char *path, size_t size);

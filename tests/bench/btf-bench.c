@@ -27,6 +27,8 @@ static const struct {
     {"decode", "decoding: time against accuracy, on every GL device and on the CPU", bench_section_decode,
      true},
     {"storage", "storage: bytes against accuracy", bench_section_storage, true},
+    {"between", "accuracy between the samples, which is what a renderer sees, and at them",
+     bench_section_between, false},
     {"growth", "encoding: growth of time and memory", bench_section_growth, true},
     {"fit", "the Lafortune fit beside a Ceres problem with automatic derivatives", bench_section_fit,
      false},
@@ -50,8 +52,8 @@ typedef struct name_set {
 
 /* A file, a folder, or the name of a built-in relief. */
 typedef struct material {
-    const char *input;
-    relief_kind relief; /* where input is NULL */
+    const char *input, *pairs; /* pairs: images between the samples of input, or NULL */
+    relief_kind relief;        /* where input is NULL */
 } material;
 
 static struct {
@@ -72,6 +74,16 @@ static const char *parse_input(const char *text, void *value) {
         return "at most 64 materials";
     }
     o.materials[o.count++] = (material){.input = text};
+    return NULL;
+}
+
+static const char *parse_pairs(const char *text, void *value) {
+    (void)value;
+    material *last = o.count > 0 ? &o.materials[o.count - 1] : NULL;
+    if (!last || !last->input || last->pairs) {
+        return "a path that follows the --input which it belongs to";
+    }
+    last->pairs = text;
     return NULL;
 }
 
@@ -121,10 +133,8 @@ static const char *parse_only(const char *text, void *value) {
             i++;
         }
         if (i == SECTIONS) {
-            return "names of machine, encode, decode, storage, growth, fit, codecs, holdout, plan, "
-                   "shaders, with "
-                   "commas "
-                   "between";
+            return "names of machine, encode, decode, storage, between, growth, fit, codecs, holdout, "
+                   "plan, shaders, with commas between";
         }
         o.set.sections[i] = true;
     }
@@ -137,6 +147,13 @@ static const cli_option table[] = {
      .type = CLI_CUSTOM,
      .parse = parse_input,
      .help = "folder or archive of images; may be given again for more"},
+    {.name = "pairs",
+     .arg = "PAIRS",
+     .type = CLI_CUSTOM,
+     .parse = parse_pairs,
+     .help = "folder or archive of images that are true between the samples of\nthe --input before it "
+             "(btf-compare --help); without any, accuracy\nthere is estimated by leaving out each view and "
+             "light, and built-in\nsamples are ray-cast at 100 random pairs"},
     {.name = "materials",
      .arg = "NAMES",
      .type = CLI_CUSTOM,
@@ -167,26 +184,24 @@ static const cli_option table[] = {
      .arg = "WHICH",
      .type = CLI_CHOICE,
      .value = &o.holdout,
-     .choices = "ring|none",
-     .help =
-         "ring (default): every second azimuth of the ring at 45 degrees is\nleft out of encoding, and all "
-         "accuracy is measured there too;\nnone: all directions are encoded"},
+     .choices = "none|ring",
+     .help = "none (default): all directions are encoded; ring: every second\nazimuth of the ring at 45 "
+             "degrees is "
+             "left out of encoding, and all\naccuracy is measured there too"},
     {.name = "only",
      .arg = "SECTIONS",
      .type = CLI_CUSTOM,
      .given = &o.only,
      .parse = parse_only,
-     .help = "run some sections: machine, encode, decode, storage, growth,\nfit, codecs, holdout, plan, "
-             "shaders; "
-             "default all"},
+     .help = "run some sections: machine, encode, decode, storage, between,\ngrowth, fit, codecs, holdout, "
+             "plan, shaders; default all"},
     {.name = "preset",
      .arg = "PRESETS",
      .type = CLI_CUSTOM,
      .given = &o.presets_given,
      .parse = parse_presets,
-     .help =
-         "of --method joint, one or more, with commas between;\ndefault: encode all of them, codecs and "
-         "holdout medium"},
+     .help = "of --method joint, one or more, with commas between;\ndefault: encode all of them, between, "
+             "codecs and holdout medium"},
     {.name = "device",
      .arg = "NAME",
      .type = CLI_STRING,
@@ -268,6 +283,27 @@ static btf_result cut(const enc_context *context, int side, enc_data **data) {
     return result;
 }
 
+static btf_result get_truth(const enc_context *context, const material *m, const enc_data *data,
+                            bench_truth *out_truth) {
+    const bool cut_down = o.quick && o.read.size[0] == 0;
+    btf_result result = BTF_OK;
+    *out_truth = (bench_truth){0};
+    if (m->pairs) {
+        result = bench_truth_read(context, m->pairs, &o.read, cut_down ? QUICK_SIDE : 0, out_truth);
+    } else if (!m->input) {
+        const sample_options options = {
+            .context = context, .relief = m->relief, .width = data->width, .height = data->height};
+        result = bench_truth_raycast(&options, out_truth);
+    }
+    if (result == BTF_OK && out_truth->count > 0 &&
+        (out_truth->width != data->width || out_truth->height != data->height)) {
+        result = enc_fail(context, BTF_ERROR_BAD_FILE, "%s has %d x %d texels, %s has %d x %d", m->pairs,
+                          out_truth->width, out_truth->height, m->input, data->width, data->height);
+        bench_truth_clear(out_truth);
+    }
+    return result;
+}
+
 static btf_result get_data(const enc_context *context, const material *m, enc_data **out_data) {
     const bool sized = o.read.size[0] > 0;
     if (m->input) {
@@ -312,13 +348,24 @@ static btf_result run_material(const enc_context *context, const material *m, co
     char name[128], source[256];
     enc_data *data = NULL;
     bench_held held = {0};
+    bench_truth truth = {0};
+    bench_between *between = NULL, *between_data = NULL;
     short_name(m->input ? m->input : relief_kind_name(m->relief), name, sizeof name);
     btf_result result = get_data(context, m, &data);
     if (result == BTF_OK) {
         snprintf(source, sizeof source, "%s%s, %dx%d texels, %d views, %d lights",
                  m->input ? "" : "btf-sample ", name, data->width, data->height, data->n_views,
                  data->n_lights);
-        result = bench_held_create(context, data, o.holdout == 0, &held);
+        result = bench_held_create(context, data, o.holdout == 1, &held);
+    }
+    if (result == BTF_OK) {
+        result = get_truth(context, m, data, &truth);
+    }
+    if (result == BTF_OK) {
+        result = bench_between_create(context, held.train, &truth, &between);
+    }
+    if (result == BTF_OK && held.owned) {
+        result = bench_between_create(context, data, &truth, &between_data);
     }
     bench_run bench = {.context = context,
                        .data = data,
@@ -331,6 +378,9 @@ static btf_result run_material(const enc_context *context, const material *m, co
                        .rank = o.rank,
                        .summary = summary,
                        .held = &held,
+                       .truth = &truth,
+                       .between = between,
+                       .between_data = held.owned ? between_data : between,
                        .journal = journal,
                        .system = system,
                        .repeats = o.repeats,
@@ -338,6 +388,10 @@ static btf_result run_material(const enc_context *context, const material *m, co
                        .device = o.device,
                        .keep = o.keep};
     memcpy(bench.presets, o.set.presets, sizeof bench.presets);
+    if (result == BTF_OK) {
+        fprintf(summary, "Truth between the samples of %s: %s.\n\n", name,
+                truth.count > 0 ? truth.source : "none is known, accuracy there is estimated");
+    }
     if (held.owned) {
         fprintf(summary,
                 "Left out of encoding: %d views and %d lights, every second azimuth of the ring at %.0f "
@@ -352,6 +406,9 @@ static btf_result run_material(const enc_context *context, const material *m, co
             fflush(summary);
         }
     }
+    bench_between_destroy(&between);
+    bench_between_destroy(&between_data);
+    bench_truth_clear(&truth);
     bench_held_clear(&held);
     enc_data_destroy(&data);
     return result;
@@ -361,19 +418,21 @@ static btf_result run_material(const enc_context *context, const material *m, co
 static void describe(const bench_system *s, char *text, size_t size) {
     int length = snprintf(text, size,
                           "%s; %d cores; boot %s; program %016llx; quick %d; threads %d; repeats %d; "
-                          "holdout %d; budget %llu; size %dx%d; crop %d,%d,%d,%d;",
+                          "holdout %d; journal 2; budget %llu; size %dx%d; crop %d,%d,%d,%d;",
                           s->cpu, s->cores, s->boot, (unsigned long long)s->program, o.quick, o.threads,
                           o.repeats, o.holdout, (unsigned long long)o.budget, o.read.size[0],
                           o.read.size[1], o.read.crop[0], o.read.crop[1], o.read.crop[2], o.read.crop[3]);
     for (int i = 0; i < o.count && length < (int)size; i++) {
         const material *m = &o.materials[i];
-        struct stat about = {0};
-        if (m->input && stat(m->input, &about) != 0) {
-            about.st_size = 0;
+        const char *const files[] = {m->input ? m->input : relief_kind_name(m->relief), m->pairs};
+        for (int k = 0; k < 2 && files[k] && length < (int)size; k++) {
+            struct stat about = {0};
+            if (m->input && stat(files[k], &about) != 0) {
+                about.st_size = 0;
+            }
+            length += snprintf(text + length, size - (size_t)length, " %s (%lld bytes, %lld)", files[k],
+                               (long long)about.st_size, (long long)about.st_mtime);
         }
-        length += snprintf(text + length, size - (size_t)length, " %s (%lld bytes, %lld)",
-                           m->input ? m->input : relief_kind_name(m->relief), (long long)about.st_size,
-                           (long long)about.st_mtime);
     }
 }
 

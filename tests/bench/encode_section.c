@@ -169,7 +169,7 @@ static btf_result measure(const bench_run *run, const setting *s, bench_row *row
         if (i == run->repeats - 1) {
             row->memory = bench_peak_memory() - before + bench_samples_bytes(run->held->train);
             row->bytes = (double)encoded.bytes;
-            result = bench_accuracy(run->context, run->held, &encoded, BTF_EFFECT_ALL, row);
+            result = bench_accuracy(run->context, run->held, run->between, &encoded, BTF_EFFECT_ALL, row);
         }
         bench_encoded_clear(&encoded);
     }
@@ -206,37 +206,42 @@ static btf_result measure_all(const bench_run *run, const plan *p, const char *t
     return result;
 }
 
-static void print_held(const bench_row *r, FILE *out) {
-    for (int i = 0; i < BENCH_HELD_SETS; i++) {
-        if (isnan(r->held[i][0])) {
+/* Between the samples, and at directions left out. */
+static void print_others(const bench_row *r, FILE *out) {
+    for (int i = 0; i < BENCH_BETWEEN_SETS + BENCH_HELD_SETS; i++) {
+        const double *pair = i < BENCH_BETWEEN_SETS ? r->between[i] : r->held[i - BENCH_BETWEEN_SETS];
+        if (isnan(pair[0])) {
             fprintf(out, " - |");
         } else {
-            fprintf(out, " %.2f / %.2f |", r->held[i][0], r->held[i][1]);
+            fprintf(out, " %.2f / %.2f |", pair[0], pair[1]);
         }
     }
     fputc('\n', out);
 }
 
 /* Ratios first: time and decibels against `base`. */
-static void print(const bench_table *table, const bench_row *base, int repeats, FILE *out) {
+static void print(const bench_table *table, const bench_row *base, int repeats, const char *seen,
+                  FILE *out) {
     fprintf(out,
             "Times are core seconds (all threads), median of %d; spread is (largest - smallest) / median. "
-            "`*`: on the Pareto front of core time and PSNR (linear, sRGB).\n\n"
+            "`*`: on the Pareto front of core time and PSNR %s (linear, sRGB), of which \"dB against it\" "
+            "is too.\n\n"
             "| sweep | setting | times %s | dB against it, linear / sRGB | front | core s | spread | wall "
             "s | GPU "
-            "MB | peak MB | linear / sRGB dB | SSIM | held view | held light | both |\n"
-            "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
-            repeats, base->name);
+            "MB | peak MB | at the samples | SSIM | between | estimate | held view | held light | both |\n"
+            "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | "
+            "--- | --- |\n",
+            repeats, seen, base->name);
     for (int i = 0; i < table->count; i++) {
         const bench_row *r = &table->rows[i];
         fprintf(out,
                 "| %s | %s | %.2f | %+.2f / %+.2f | %s %s | %.2f | %.0f%% | %.2f | %.3f | %.0f | %.2f / "
                 "%.2f | %.4f |",
-                r->sweep, r->name, r->core / base->core, r->linear - base->linear, r->srgb - base->srgb,
-                r->pareto_linear > 0 ? "*" : "", r->pareto_srgb > 0 ? "*" : "", r->core,
-                100 * r->core_spread, r->wall, 1e-6 * r->bytes, 1e-6 * r->memory, r->linear, r->srgb,
-                r->ssim);
-        print_held(r, out);
+                r->sweep, r->name, r->core / base->core, bench_seen(r, false) - bench_seen(base, false),
+                bench_seen(r, true) - bench_seen(base, true), r->pareto_linear > 0 ? "*" : "",
+                r->pareto_srgb > 0 ? "*" : "", r->core, 100 * r->core_spread, r->wall, 1e-6 * r->bytes,
+                1e-6 * r->memory, r->linear, r->srgb, r->ssim);
+        print_others(r, out);
     }
     fputc('\n', out);
 }
@@ -264,7 +269,8 @@ btf_result bench_section_encode(const bench_run *run) {
         bench_mark_pareto(table, bench_cost_core);
         bench_table_write(table, csv);
         fclose(csv);
-        print(table, &table->rows[p->medium >= 0 ? p->medium : p->paper], run->repeats, run->summary);
+        print(table, &table->rows[p->medium >= 0 ? p->medium : p->paper], run->repeats,
+              bench_seen_words(run), run->summary);
         result = bench_plot_encode(run, table);
     }
     if (result == BTF_OK) {

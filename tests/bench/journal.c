@@ -22,15 +22,18 @@ struct bench_journal {
     size_t count, resumed;
 };
 
-enum { FIGURES = 10 + 2 * BENCH_HELD_SETS };
+enum { BETWEEN = 10, HELD = BETWEEN + 2 * BENCH_BETWEEN_SETS, FIGURES = HELD + 2 * BENCH_HELD_SETS };
 
 /* The measured figures of a row, in the order of a line. */
 static void figures_of(bench_row *row, double *out[FIGURES]) {
     double *const first[] = {&row->x,     &row->core,   &row->core_spread, &row->wall, &row->wall_spread,
                              &row->bytes, &row->memory, &row->linear,      &row->srgb, &row->ssim};
     memcpy(out, first, sizeof first);
+    for (int i = 0; i < 2 * BENCH_BETWEEN_SETS; i++) {
+        out[BETWEEN + i] = &row->between[i / 2][i % 2];
+    }
     for (int i = 0; i < 2 * BENCH_HELD_SETS; i++) {
-        out[10 + i] = &row->held[i / 2][i % 2];
+        out[HELD + i] = &row->held[i / 2][i % 2];
     }
 }
 

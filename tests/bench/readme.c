@@ -33,27 +33,57 @@ static btf_result encode_table(const bench_run *run, const bench_table *table, c
     if (result != BTF_OK) {
         return result;
     }
-    fprintf(out, "| encoding | times `medium` | core s | samples encoded | held out | GPU MB | peak MB |\n"
-                 "| --- | --- | --- | --- | --- | --- | --- |\n");
+    fprintf(out,
+            "| encoding | times `medium` | core s | %s | at the samples | GPU MB | peak MB |\n"
+            "| --- | --- | --- | --- | --- | --- | --- |\n",
+            bench_seen_words(run));
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         const bench_row *r = find(table, names[i]);
         if (r) {
             fprintf(out, "| %s | %.2f | %.1f |", r->name, r->core / medium->core, r->core);
+            print_pair(bench_seen(r, false), bench_seen(r, true), out);
             print_pair(r->linear, r->srgb, out);
-            print_pair(r->held[2][0], r->held[2][1], out);
             fprintf(out, " %.3f | %.0f |\n", 1e-6 * r->bytes, 1e-6 * r->memory);
         }
     }
     return fclose(out) == 0 ? BTF_OK : enc_fail(run->context, BTF_ERROR_IO, "readme-encode: cannot write");
 }
 
-/* dB of `a` over `b` in words, where samples were encoded and where not. */
-static void print_gain(const bench_row *a, const bench_row *b, FILE *out) {
-    fprintf(out, "%+.2f / %+.2f dB", a->linear - b->linear, a->srgb - b->srgb);
-    if (!isnan(a->held[2][0])) {
-        fprintf(out, " (held out %+.2f / %+.2f)", a->held[2][0] - b->held[2][0],
-                a->held[2][1] - b->held[2][1]);
+static void print_between_rows(const bench_run *run, const bench_table *table, FILE *out) {
+    for (int i = 0; i < table->count; i++) {
+        const bench_row *r = &table->rows[i];
+        fprintf(out, "| %s | %s |", run->name, r->name);
+        print_pair(r->between[BENCH_TRUTH][0], r->between[BENCH_TRUTH][1], out);
+        print_pair(r->linear, r->srgb, out);
+        print_pair(r->between[BENCH_ESTIMATE][0], r->between[BENCH_ESTIMATE][1], out);
+        fprintf(out, " %.3f |\n", 1e-6 * r->bytes);
     }
+}
+
+btf_result bench_readme_between(const bench_run *run, const bench_table *table) {
+    FILE *out;
+    fprintf(
+        run->summary,
+        "PSNR, linear / sRGB-coded dB. The estimate leaves out view and light of %d pairs of samples and "
+        "predicts them from the others. Peers are blended barycentrically.\n\n"
+        "| data | codec | between the samples | at them | estimate | GPU MB |\n"
+        "| --- | --- | --- | --- | --- | --- |\n",
+        BENCH_ESTIMATE_PAIRS);
+    print_between_rows(run, table, run->summary);
+    fputc('\n', run->summary);
+    const btf_result result = bench_open(run, "readme-between", "md", &out);
+    if (result != BTF_OK) {
+        return result;
+    }
+    print_between_rows(run, table, out);
+    return fclose(out) == 0 ? BTF_OK : enc_fail(run->context, BTF_ERROR_IO, "readme-between: cannot write");
+}
+
+/* dB of `a` over `b` in words, between the samples and at them. */
+static void print_gain(const bench_row *a, const bench_row *b, FILE *out) {
+    fprintf(out, "%+.2f / %+.2f dB between the samples (%+.2f / %+.2f at them)",
+            bench_seen(a, false) - bench_seen(b, false), bench_seen(a, true) - bench_seen(b, true),
+            a->linear - b->linear, a->srgb - b->srgb);
 }
 
 btf_result bench_readme_encode(const bench_run *run, const bench_table *table) {
@@ -86,8 +116,9 @@ btf_result bench_readme_encode(const bench_run *run, const bench_table *table) {
 static void print_row(const decode_row *r, const char *name, double unit, FILE *out) {
     if (r) {
         fprintf(out, "| %s | %.2f | %.0f |", name, r->ns / unit, r->ns);
+        const int seen = decode_seen(r);
+        print_pair(r->linear[seen], r->srgb[seen], out);
         print_pair(r->linear[0], r->srgb[0], out);
-        print_pair(r->linear[1], r->srgb[1], out);
         fputc('\n', out);
     }
 }
@@ -115,9 +146,9 @@ static btf_result decode_rows(const bench_run *run, const decode_table *table, c
         return result;
     }
     fprintf(out,
-            "| decoding, %s | times joint | ns a pixel | samples encoded | held out |\n"
+            "| decoding, %s | times joint | ns a pixel | %s | at the samples |\n"
             "| --- | --- | --- | --- | --- |\n",
-            table->device[0].renderer);
+            table->device[0].renderer, bench_seen_words(run));
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         print_row(decode_table_find(table, device, rows[i].material, rows[i].effects, rows[i].nearest,
                                     rows[i].bilinear, rows[i].fast),
@@ -145,9 +176,10 @@ static void print_way(const char *text, const decode_row *r, const decode_row *b
         return;
     }
     fprintf(out, "- %s: %.2f times the time", text, r->ns / base->ns);
-    if (!isnan(base->linear[1])) {
-        fprintf(out, ", %+.2f / %+.2f dB between the samples", gap(r->linear[1], base->linear[1]),
-                gap(r->srgb[1], base->srgb[1]));
+    const int seen = decode_seen(base);
+    if (seen > 0) {
+        fprintf(out, ", %+.2f / %+.2f dB between the samples", gap(r->linear[seen], base->linear[seen]),
+                gap(r->srgb[seen], base->srgb[seen]));
     }
     if (fabs(r->linear[0] - base->linear[0]) >= 0.005) {
         fprintf(out, ", %+.2f / %+.2f dB at them", r->linear[0] - base->linear[0],

@@ -11,6 +11,9 @@
 /* readme-encode-MATERIAL.md and guide-encode-MATERIAL.md; nothing without the presets fast and medium and
  * the paper. Errors: BTF_ERROR_IO. */
 btf_result bench_readme_encode(const bench_run *run, const bench_table *table);
+/* readme-between-MATERIAL.md, the rows of a table without its head, which also go into the summary. Errors:
+ * BTF_ERROR_IO. */
+btf_result bench_readme_between(const bench_run *run, const bench_table *table);
 /* readme-decode-MATERIAL.md and guide-decode-MATERIAL.md, of the first device. Errors: BTF_ERROR_IO. */
 btf_result bench_readme_decode(const bench_run *run, const decode_table *table);
 

@@ -1,9 +1,13 @@
 #!/bin/bash
-# Measures what the README shows of encoding and decoding, and writes it there: two plots in tests/data/readme/
-# and what stands between the two `bench` marks of README.md.
+# Measures what the README shows of encoding and decoding, and writes it there: plots in tests/data/readme/ and
+# what stands between marks of README.md.
 #
 #   tests/bench/readme.sh [BUILD [btf-bench option...]]    default: build --quick
 #   tests/bench/readme.sh --from DIR                       of a finished run
+#   tests/bench/readme.sh --between DIR [DIR...]           accuracy between the samples, and over bytes, between the two
+#                                                          `between` marks, of finished runs of btf-bench --only
+#                                                          between, one of them with storage; no times, so that a
+#                                                          busy machine may do
 #   tests/bench/readme.sh --plan DIR                       the tables of scenes between the two `plan` marks, of a
 #                                                          finished run of btf-bench --only plan --out DIR
 #
@@ -33,6 +37,48 @@ print(text + "<!-- /plan -->")
 EOF
     exit
 fi
+if [ "${1:-}" = --between ]; then
+    shift
+    : "${1:?expected a folder after --between}"
+    for dir in "$@"; do
+        for plot in "$dir"/readme-storage-*.png; do
+            [ ! -e "$plot" ] || cp "$plot" "$root/tests/data/readme/storage.png"
+        done
+    done
+    python3 - "$@" <<'EOF' | "$marks" "$root/README.md" between
+import glob, os, re, sys, textwrap
+shown = ("joint ", "paper", "PCA 8 bit square root", "low-bit split PCA", "uncompressed")
+sources, rows, stored = {}, [], ""
+for out in sys.argv[1:]:
+    with open(f"{out}/summary.md") as file:
+        summary = file.read()
+    for name, source in re.findall(r"Truth between the samples of (.*): (.*)\.\n", summary):
+        path = f"{out}/readme-between-{name}.md"
+        if os.path.exists(path):
+            data = re.search(r"## between: " + name + r"\n\n.*; data: (.*)\.\n", summary).group(1)
+            label, size = data.split(", ", 1)
+            sources.setdefault(f"{size} ({source})", []).append(label)
+            with open(path) as file:
+                rows += [row for row in file if row.split(" | ")[1].startswith(shown)]
+    plotted = re.search(r"## storage: .*\n\n.*; data: (.*)\.\n", summary)
+    if plotted and glob.glob(f"{out}/readme-storage-*.png"):
+        stored = plotted.group(1)
+assert rows and stored, "no table, or no plot"
+listed = "; ".join(", ".join(labels) + ": " + what for what, labels in sources.items())
+words = textwrap.fill(f"""PSNR, linear / sRGB-coded dB. {listed}. The estimate leaves out view and light of 256 pairs of samples
+and predicts them from the others. Principal components (PCA) and the uncompressed images are blended barycentrically, as
+the decoder does; splines are thin plates through all directions.""", 119, break_on_hyphens=False)
+print(f"""<!-- between: written by tests/bench/readme.sh --between -->
+{words}
+
+| data | codec | between the samples | at the samples | estimate | GPU MB |
+| --- | --- | --- | --- | --- | --- |
+{"".join(rows)}
+![Bytes against accuracy between the samples and at them: {stored}](tests/data/readme/storage.png)
+<!-- /between -->""")
+EOF
+    exit
+fi
 if [ "${1:-}" = --from ]; then
     out=${2:?expected a folder after --from}
 else
@@ -59,10 +105,12 @@ summary = read(f"{out}/summary.md")
 def field(key):
     return re.search(r"\| " + key + r" \| (.*) \|", summary).group(1)
 data = re.search(r"data: (.*)\.\n", summary[summary.index("## encode"):]).group(1)
+truth = re.search(r"Truth between the samples of .*: (.*)\.\n", summary)
 held = re.search(r"Left out of encoding: (.*)\.\n", summary)
 text = f"""<!-- bench: written by tests/bench/readme.sh -->
 Data: {data}. Machine: {field("processor")}; {field("threads")} threads; load {field("load before the run")} before
-the run. Repeats: {field("repeats")}. PSNR in dB, linear / sRGB-coded{"; held out: " + held.group(1) if held else ""}.
+the run. Repeats: {field("repeats")}. PSNR in dB, linear / sRGB-coded{"; between: " + truth.group(1) if truth else ""}{
+"; held out: " + held.group(1) if held else ""}.
 
 ![Encoding: time against accuracy](tests/data/readme/encode.png)
 

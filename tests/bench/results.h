@@ -7,6 +7,7 @@
 #define OPENBTF_TESTS_BENCH_RESULTS_H
 
 #include "encodes.h"
+#include "tests/bench/codecs/between.h"
 #include "tests/bench/codecs/held.h"
 
 #include <stdio.h>
@@ -24,6 +25,7 @@ typedef struct bench_row {
     double memory;            /* bytes: samples, and what encoding added at its peak */
     double linear, srgb;      /* PSNR over all samples encoded, dB */
     double ssim;
+    bench_between_figures between;     /* PSNR between the samples: truth, estimate */
     double held[BENCH_HELD_SETS][2];   /* PSNR at directions left out: linear, sRGB-coded, dB */
     double pareto_linear, pareto_srgb; /* 1: nothing else is both cheaper and better, else 0 */
 } bench_row;
@@ -42,7 +44,11 @@ void bench_table_add(bench_table *table, const bench_row *row);
 /* Median and (largest - smallest) / median of `count` values, which it sorts. */
 double bench_median(double *values, int count, double *out_spread);
 
-/* Marks rows whose cost no row of a better or equal figure undercuts. cost: what is paid, of a row. */
+/* The accuracy that a renderer sees, dB: between the samples, against truth, else at views and lights left
+ * out, else estimated; at the samples where none of these is known. */
+double bench_seen(const bench_row *row, bool srgb);
+
+/* Marks rows whose cost no row that is seen better or as well undercuts. cost: what is paid, of a row. */
 void bench_mark_pareto(bench_table *table, double (*cost)(const bench_row *row));
 double bench_cost_core(const bench_row *row);
 double bench_cost_bytes(const bench_row *row);
@@ -73,14 +79,22 @@ void bench_journal_close(bench_journal **journal);
 
 /* Bytes that the samples take in memory. */
 double bench_samples_bytes(const enc_data *data);
+/* Bytes of all images in 8 bits a channel. */
+double bench_samples_8bit(const enc_data *data);
 
-/* Accuracy of a material over the samples that were encoded, with SSIM, and at the directions held out
- * (three neighbours, by the reference decoder); effects: those decoded. Errors: those of comparing. */
-btf_result bench_accuracy(const enc_context *context, const bench_held *held, const bench_encoded *encoded,
-                          uint32_t effects, bench_row *row);
-/* The same of any codec of images at the directions of held->train, which are blended where directions were
- * held out, by `tables`. */
+/* Accuracy of a material over the samples that were encoded, with SSIM, between them, and at the directions
+ * held out (three neighbours, by the reference decoder); effects: those decoded. `between` is of
+ * held->train. Errors: those of comparing. */
+btf_result bench_accuracy(const enc_context *context, const bench_held *held, const bench_between *between,
+                          const bench_encoded *encoded, uint32_t effects, bench_row *row);
+/* The same of any codec of images at the directions of held->train, which are blended barycentrically
+ * between them, and where directions were held out by `tables`. */
 btf_result bench_accuracy_images(const enc_context *context, const bench_held *held,
-                                 const btf_ref_material *tables, enc_image_source images, bench_row *row);
+                                 const bench_between *between, const btf_ref_material *tables,
+                                 enc_image_source images, bench_row *row);
+/* Every image of `images` as data in memory, at the directions of `shape`. Errors: those of the images,
+ * BTF_ERROR_MEMORY. */
+btf_result bench_decode_all(const enc_context *context, const enc_data *shape, enc_image_source images,
+                            enc_data **out_data);
 
 #endif

@@ -9,6 +9,13 @@
 #include <errno.h>
 #include <string.h>
 
+const char *bench_seen_words(const bench_run *run) {
+    return run->truth->count > 0                             ? "between the samples"
+           : run->held->owned                                ? "views and lights left out"
+           : bench_between_has(run->between, BENCH_ESTIMATE) ? "between the samples, estimated"
+                                                             : "at the samples";
+}
+
 void bench_path(const bench_run *run, const char *section, const char *extension, char *path, size_t size) {
     snprintf(path, size, "%s/%s-%s.%s", run->out, section, run->name, extension);
 }

@@ -4,6 +4,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "bench.h"
+#include "tests/bench/codecs/lowbit.h"
 #include "tests/bench/codecs/pca.h"
 #include "plots.h"
 
@@ -63,7 +64,8 @@ static btf_result measure_subset(storage *s, const void *what, bench_row *row) {
     row->core = of->encoded->core;
     row->wall = of->encoded->wall;
     if (result == BTF_OK) {
-        result = bench_accuracy(s->run->context, s->run->held, of->encoded, of->effects, row);
+        result =
+            bench_accuracy(s->run->context, s->run->held, s->run->between, of->encoded, of->effects, row);
     }
     return result;
 }
@@ -138,7 +140,8 @@ static btf_result measure_pca(storage *s, const void *what, bench_row *row) {
         row->core = end.core - start.core;
         row->wall = end.wall - start.wall;
         row->bytes = (double)codec.bytes;
-        result = bench_accuracy_images(s->run->context, s->run->held, &s->tables, pca_images(&codec), row);
+        result = bench_accuracy_images(s->run->context, s->run->held, s->run->between, &s->tables,
+                                       pca_images(&codec), row);
         pca_codec_clear(&codec);
     }
     return result;
@@ -188,6 +191,74 @@ static btf_result run_pca(storage *s) {
     return result;
 }
 
+/* Peers that split the channels, in 8 bits alone and in as few as pay. */
+typedef struct split {
+    double part; /* of the budget */
+    bool eight_only;
+} split;
+
+static btf_result measure_split(storage *s, const void *what, bench_row *row) {
+    enum { SWEEPS = 6 };
+    const split *of = what;
+    const lowbit_options options = {(size_t)(of->part * (double)s->budget), of->eight_only, SWEEPS};
+    const bench_clock start = bench_now();
+    lowbit_codec codec;
+    btf_result result = lowbit_encode(s->run->context, s->data, &options, &codec);
+    if (result == BTF_OK) {
+        const bench_clock end = bench_now();
+        row->core = end.core - start.core;
+        row->wall = end.wall - start.wall;
+        row->bytes = (double)codec.bytes;
+        result = bench_accuracy_images(s->run->context, s->run->held, s->run->between, &s->tables,
+                                       lowbit_images(&codec), row);
+        lowbit_codec_clear(&codec);
+    }
+    return result;
+}
+
+static btf_result run_split(storage *s) {
+    static const char *const sweeps[] = {"low-bit PCA", "split PCA"};
+    char name[72];
+    btf_result result = BTF_OK;
+    for (int eight_only = 0; eight_only < 2; eight_only++) {
+        for (int i = 0; i < PARTS && result == BTF_OK; i++) {
+            const split of = {parts[i], eight_only};
+            if (pca_rank_for(s->data, PCA_BYTE, 1, (size_t)(parts[i] * (double)s->budget)) == 0) {
+                continue; /* nothing is that small */
+            }
+            snprintf(name, sizeof name, "%s; %g of the budget", sweeps[eight_only], parts[i]);
+            result = measured(s, bench_row_named(sweeps[eight_only], name, parts[i]), measure_split, &of);
+        }
+    }
+    return result;
+}
+
+static btf_result measure_uncompressed(storage *s, const void *what, bench_row *row) {
+    const enc_interpolation *kind = what;
+    row->bytes = bench_samples_8bit(s->data);
+    return bench_between_images(s->run->context, s->run->between, s->data, *kind, row->between);
+}
+
+/* Exact at the samples, so that no figure stands there; bytes are those of 8-bit images. */
+static btf_result run_uncompressed(storage *s) {
+    static const enc_interpolation kinds[] = {ENC_INTERPOLATE_LINEAR, ENC_INTERPOLATE_SPLINE};
+    static const char *const sweeps[] = {"uncompressed", "splines"};
+    static const char *const names[] = {"uncompressed; barycentric", "uncompressed; splines"};
+    btf_result result = BTF_OK;
+    for (int i = 0; i < 2 && result == BTF_OK; i++) {
+        result = measured(s, bench_row_named(sweeps[i], names[i], NAN), measure_uncompressed, &kinds[i]);
+    }
+    return result;
+}
+
+static void print_pair(double linear, double srgb, FILE *out) {
+    if (isnan(linear)) {
+        fprintf(out, " - |");
+    } else {
+        fprintf(out, " %.2f / %.2f |", linear, srgb);
+    }
+}
+
 static void print(const storage *s, FILE *out) {
     const bench_row *base = NULL;
     for (int i = 0; i < s->table->count; i++) {
@@ -195,25 +266,25 @@ static void print(const storage *s, FILE *out) {
             base = &s->table->rows[i];
         }
     }
-    fprintf(
-        out,
-        "The budget is %.3f MB (10^6 bytes on the GPU). `*`: on the Pareto front of bytes and PSNR "
-        "(linear, sRGB).\n\n"
-        "| codec | times the budget | dB against joint at the budget, linear / sRGB | front | MB | linear "
-        "/ sRGB dB | SSIM | held view and light, linear / sRGB |\n"
-        "| --- | --- | --- | --- | --- | --- | --- | --- |\n",
-        1e-6 * (double)s->budget);
+    fprintf(out,
+            "The budget is %.3f MB (10^6 bytes on the GPU). `*`: on the Pareto front of bytes and PSNR %s; "
+            "PSNR is linear / sRGB-coded, dB. Peers are blended barycentrically.\n\n"
+            "| codec | times the budget | %s | against joint at the budget | front | MB | at the samples "
+            "| SSIM | estimate | held view and light |\n"
+            "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
+            1e-6 * (double)s->budget, bench_seen_words(s->run), bench_seen_words(s->run));
     for (int i = 0; i < s->table->count && base; i++) {
         const bench_row *r = &s->table->rows[i];
-        fprintf(out, "| %s | %.3f | %+.2f / %+.2f | %s %s | %.3f | %.2f / %.2f | %.4f |", r->name,
-                r->bytes / (double)s->budget, r->linear - base->linear, r->srgb - base->srgb,
-                r->pareto_linear > 0 ? "*" : "", r->pareto_srgb > 0 ? "*" : "", 1e-6 * r->bytes, r->linear,
-                r->srgb, r->ssim);
-        if (isnan(r->held[2][0])) {
-            fprintf(out, " - |\n");
-        } else {
-            fprintf(out, " %.2f / %.2f |\n", r->held[2][0], r->held[2][1]);
-        }
+        fprintf(out, "| %s | %.3f |", r->name, r->bytes / (double)s->budget);
+        print_pair(bench_seen(r, false), bench_seen(r, true), out);
+        fprintf(out, " %+.2f / %+.2f | %s %s | %.3f |", bench_seen(r, false) - bench_seen(base, false),
+                bench_seen(r, true) - bench_seen(base, true), r->pareto_linear > 0 ? "*" : "",
+                r->pareto_srgb > 0 ? "*" : "", 1e-6 * r->bytes);
+        print_pair(r->linear, r->srgb, out);
+        fprintf(out, isnan(r->ssim) ? " - |" : " %.4f |", r->ssim);
+        print_pair(r->between[BENCH_ESTIMATE][0], r->between[BENCH_ESTIMATE][1], out);
+        print_pair(r->held[2][0], r->held[2][1], out);
+        fputc('\n', out);
     }
     fputc('\n', out);
 }
@@ -238,6 +309,12 @@ btf_result bench_section_storage(const bench_run *run) {
     }
     if (result == BTF_OK) {
         result = run_pca(&s);
+    }
+    if (result == BTF_OK) {
+        result = run_split(&s);
+    }
+    if (result == BTF_OK) {
+        result = run_uncompressed(&s);
     }
     if (result == BTF_OK && (result = bench_open(run, "storage", "csv", &csv)) == BTF_OK) {
         bench_mark_pareto(s.table, bench_cost_bytes);

@@ -19,16 +19,18 @@ for path in sys.argv[1:]:
 P
 
 expect "sample" 0 btf-sample -o tiny --size 8x8 --directions small --quiet
+expect "truth between the samples" 0 btf-sample -o pairs --size 8x8 --between 20 --quiet
 if [ -n "$light" ]; then # the sections that encode do nothing but what test_encode.sh does, a hundred times
     expect "machine" 0 btf-bench --quick --input tiny --only machine --out b -q
     expect_that "table has its columns" python3 columns.py b/machine-tiny.csv
     expect "an unknown section" 1 btf-bench --only nothing
     expect "no data" 2 btf-bench --input missing --out x -q
+    expect "pairs of nothing" 1 btf-bench --pairs pairs --input tiny
     expect "no folder" 2 btf-bench --quick --input tiny --out columns.py/x -q
     OMP_WAIT_POLICY=passive expect "interrupted" 130 at "1 rename journal" INT btf-bench --materials bricks --size 24x24 --only encode --out i -q
     finish
 fi
-expect "machine, encode, storage" 0 btf-bench --quick --input tiny --only machine,encode,storage --out b -q
+expect "machine, encode, storage" 0 btf-bench --quick --input tiny --pairs pairs --only machine,encode,storage --holdout ring --out b -q
 expect_that "tables have their columns" python3 columns.py b/encode-tiny.csv b/storage-tiny.csv b/machine-tiny.csv
 expect_that "every sweep is there" python3 - <<'P'
 import csv
@@ -39,23 +41,29 @@ assert sweeps == {"paper", "preset", "rounds", "joint effects", "lobes", "reject
 names = {row["setting"]: row for row in rows}
 for row in rows:
     assert row["psnr_held_both_linear"] != "" and float(row["psnr_linear"]) > 10, row
+    assert float(row["psnr_between_linear"]) > 10 and float(row["psnr_estimate_srgb"]) > 10, row
     assert float(row["core_s"]) > 0 and float(row["peak_bytes"]) > 1e5, row
 # More rounds never fit worse than one by much, and the front is not empty.
 one, many = names["joint medium; at most 1 rounds"], names["joint medium"]
 assert float(many["psnr_linear"]) > float(one["psnr_linear"]) - 0.5
 front = [row for row in rows if row["pareto_linear"] == "1"]
-best = max(rows, key=lambda row: float(row["psnr_linear"]))
+best = max(rows, key=lambda row: float(row["psnr_between_linear"]))
 fastest = min(rows, key=lambda row: float(row["core_s"]))
 assert best["pareto_linear"] == "1" and fastest["pareto_linear"] == "1", (best, fastest)
 for row in front:
     for other in rows:
         assert not (float(other["core_s"]) < float(row["core_s"]) and
-                    float(other["psnr_linear"]) > float(row["psnr_linear"])), (row, other)
+                    float(other["psnr_between_linear"]) > float(row["psnr_between_linear"])), (row, other)
+stored = {row["setting"]: row for row in csv.DictReader(open("b/storage-tiny.csv"))}
+assert {row["sweep"] for row in stored.values()} >= {"joint", "paper", "PCA linear", "split PCA", "low-bit PCA",
+                                                     "uncompressed", "splines"}, stored
+assert stored["uncompressed; splines"]["psnr_linear"] == "" != stored["uncompressed; splines"]["psnr_between_srgb"]
 P
 expect_text "the summary names the machine" "processor" b/summary.md
+expect_text "the summary names the truth" "Truth between the samples of tiny: 20 images of pairs" b/summary.md
 expect_text "the summary names the directions left out" "Left out of encoding: 3 views and 3 lights" b/summary.md
 if command -v gnuplot >/dev/null; then
-    for plot in encode-tiny encode-paper-tiny storage-tiny readme-encode-tiny; do
+    for plot in encode-tiny encode-paper-tiny storage-tiny readme-encode-tiny readme-storage-tiny; do
         expect_that "plot $plot" test -s "b/$plot.png" -a -s "b/$plot.svg" -a -s "b/$plot.dat" -a -s "b/$plot.gp"
     done
 else
@@ -67,7 +75,7 @@ cp b/journal.csv before.csv
 rows=$(($(wc -l <before.csv) - 5))
 head -n $((rows + 1)) before.csv >b/journal.csv
 sed -n $((rows + 2))p before.csv | cut -c1-40 | tr -d '\n' >>b/journal.csv
-expect "goes on after a stop" 0 btf-bench --quick --input tiny --only machine,encode,storage --out b -q
+expect "goes on after a stop" 0 btf-bench --quick --input tiny --pairs pairs --only machine,encode,storage --holdout ring --out b -q
 expect_text "says how many rows were there" "^$rows rows come from before" b/summary.md
 expect_that "keeps the rows it had, measures the others" python3 - $((rows + 1)) <<'P'
 import sys
@@ -80,6 +88,64 @@ assert any(a != b for a, b in zip(old[kept:], new[kept:]))
 P
 expect "other settings, another run" 0 btf-bench --quick --input tiny --only machine --preset fast --repeats 2 --out b -q
 expect_that "nothing of the other run is left" test -z "$(grep 'come from before' b/summary.md)"
+
+# Between the samples: the figures of btf-compare, whatever the peer; an estimate where there is no truth.
+btf_between() { btf-bench --input tiny "$@" --only between --preset fast -q; }
+expect "between" 0 btf_between --pairs pairs --out e
+expect "between, without truth" 0 btf_between --out f
+expect "between, ray-cast" 0 btf-bench --materials bricks --size 8x8 --only between --preset fast --out r -q
+expect "the same data as images" 0 btf-sample -o same --size 8x8 --format exr --quiet
+expect "the same truth as images" 0 btf-sample -o same_pairs --size 8x8 --between 100 --quiet
+expect "encodes" 0 btf-encode tiny -o tiny.btf.exr --preset fast --quiet
+for data in tiny same; do
+    for kind in linear spline; do
+        btf-compare "$data" "$([ $data = tiny ] && echo pairs || echo same_pairs)" --interpolation $kind --json >"$data-$kind.json" 2>err
+    done
+done
+btf-compare tiny.btf.exr pairs --json >tiny-joint.json 2>err
+btf-compare tiny tiny.btf.exr --json >at.json 2>err
+cat >between.py <<'P'
+import csv, json
+def rows(path):
+    return {row["setting"]: row for row in csv.DictReader(open(path))}
+def check(row, path, key="between", column="psnr_between"):
+    figures = json.load(open(path))[key]
+    for kind in ("linear", "srgb"):
+        assert abs(float(row[f"{column}_{kind}"]) - figures[kind]) < 2e-3, (row, path, figures[kind])
+given, none, cast = rows("e/between-tiny.csv"), rows("f/between-tiny.csv"), rows("r/between-bricks.csv")
+assert list(given) == list(none) == list(cast) == [
+    "joint fast", "paper", "PCA 8 bit linear", "PCA 8 bit square root", "split PCA 8 bit", "low-bit split PCA",
+    "uncompressed; barycentric", "uncompressed; splines"], list(given)
+for of, data in ((given, "tiny"), (cast, "same")):
+    check(of["uncompressed; barycentric"], data + "-linear.json")
+    check(of["uncompressed; splines"], data + "-spline.json")
+check(given["joint fast"], "tiny-joint.json")
+check(given["joint fast"], "at.json", "psnr", "psnr")
+for name in given:
+    assert none[name]["psnr_between_linear"] == none[name]["psnr_between_srgb"] == "", name
+    for kind in ("linear", "srgb"):  # the estimate does not depend on truth, and is not the figure at the samples
+        assert none[name]["psnr_estimate_" + kind] == given[name]["psnr_estimate_" + kind] != "", name
+        assert given[name]["psnr_estimate_" + kind] != given[name]["psnr_" + kind], name
+# What all but equals the data at the samples is interpolated like them.
+near, data = given["low-bit split PCA"], given["uncompressed; barycentric"]
+assert float(near["psnr_linear"]) > 45
+for kind in ("between", "estimate"):
+    assert abs(float(near[f"psnr_{kind}_linear"]) - float(data[f"psnr_{kind}_linear"])) < 0.1, (kind, near, data)
+P
+expect_that "are the figures of btf-compare" python3 between.py
+expect_text "without truth it says so" "none is known, accuracy there is estimated" f/summary.md
+expect "images of another size" 0 btf-sample -o larger --size 9x8 --between 2 --quiet
+expect "truth of another size" 3 btf-bench --input tiny --pairs larger --only machine --out x -q
+expect_text "says which" "larger has 9 x 8 texels, tiny has 8 x 8" err
+expect "pairs of nothing" 1 btf-bench --pairs pairs --input tiny
+# A journal of another version is not read, nor are its lines where only their number of fields tells it.
+sed -e '1s/journal 2;/journal 1;/' -i e/journal.csv
+expect "a journal of another version" 0 btf_between --pairs pairs --out e
+expect_that "is not gone on from" test -z "$(grep 'come from before' e/summary.md)"
+sed -e '2,$s/,[^,]*,[^,]*,end$/,end/' -i e/journal.csv
+expect "a journal of fewer columns" 0 btf_between --pairs pairs --out e
+expect_that "is not misread" python3 between.py
+expect_that "nor gone on from" test -z "$(grep 'come from before' e/summary.md)"
 
 mkdir -p none
 printf '#!/bin/sh\nexit 1\n' >none/gnuplot
@@ -94,7 +160,7 @@ assert len(rows) == 4 and all(math.isfinite(float(row[i])) for row in rows for i
 P
 
 if "$build/tests/conformance/btf-conform" --device osmesa --count 10 --steps 10 >/dev/null 2>&1; then
-    expect "decode" 0 btf-bench --quick --input tiny --only decode --device osmesa --out d -q
+    expect "decode" 0 btf-bench --quick --input tiny --pairs pairs --holdout ring --only decode --device osmesa --out d -q
     expect_that "decode has its columns" python3 columns.py d/decode-tiny.csv
     expect_that "the CPU and the GPU decode alike" python3 - <<'P'
 import csv
@@ -105,7 +171,8 @@ def of(device, material, directions):
 for material in {row["material"] for row in rows}:
     for directions in ("linear", "nearest"):
         a, b = (of(device, material, directions) for device in ("osmesa", "CPU reference"))
-        for figure in ("psnr_linear", "psnr_srgb", "psnr_held_linear", "psnr_held_srgb"):
+        for figure in ("psnr_linear", "psnr_srgb", "psnr_held_linear", "psnr_held_srgb", "psnr_between_linear",
+                       "psnr_between_srgb"):
             assert a[figure] == b[figure] != "", (material, directions, figure, a[figure], b[figure])
 P
 else
@@ -134,6 +201,10 @@ expect "an unknown section" 1 btf-bench --only nothing
 expect "no data" 2 btf-bench --input missing --out x -q
 expect "no folder" 2 btf-bench --quick --input tiny --out columns.py/x -q
 OMP_WAIT_POLICY=passive expect "interrupted" 130 at "1 rename journal" INT btf-bench --materials bricks --size 24x24 --only encode --out i -q
-expect_that "nothing to hold out" btf-bench --quick --input tiny --only encode --preset fast --holdout none --out n -q
-expect_that "then no held-out figures" test -s n/encode-tiny.csv -a -z "$(cut -d, -f13 n/encode-tiny.csv | tail -n +2 | tr -d '\n')"
+expect_that "nothing to hold out" btf-bench --quick --input tiny --only encode --preset fast --out n -q
+expect_that "then no held-out figures" python3 - <<'P'
+import csv
+rows = list(csv.DictReader(open("n/encode-tiny.csv")))
+assert rows and not any(value for row in rows for key, value in row.items() if key.startswith("psnr_held")), rows
+P
 finish

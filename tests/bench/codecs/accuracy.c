@@ -25,8 +25,12 @@ static btf_result compare(const enc_context *context, const enc_data *truth, enc
     return result;
 }
 
-btf_result bench_accuracy(const enc_context *context, const bench_held *held, const bench_encoded *encoded,
-                          uint32_t effects, bench_row *row) {
+btf_result bench_accuracy(const enc_context *context, const bench_held *held, const bench_between *between,
+                          const bench_encoded *encoded, uint32_t effects, bench_row *row) {
+    const btf_ref_options options = {.effects = effects,
+                                     .components = UINT32_MAX,
+                                     .interpolation = BTF_REF_LINEAR,
+                                     .filter = BTF_REF_TEXEL};
     enc_sample_decoder *decoder = NULL;
     btf_ref_material material;
     btf_result result = enc_sample_decoder_create(context, held->train, &encoded->solution, &decoder);
@@ -37,22 +41,20 @@ btf_result bench_accuracy(const enc_context *context, const bench_held *held, co
     }
     enc_sample_decoder_destroy(&decoder);
     reference_view(encoded->material, 0, &material);
+    if (result == BTF_OK) {
+        result = bench_between_material(context, between, &material, &options, row->between);
+    }
     for (int i = 0; i < BENCH_HELD_SETS && held->sets[i] && result == BTF_OK; i++) {
-        const enc_reference_images decoded = {.shape = held->sets[i],
-                                              .material = material,
-                                              .options = {.effects = effects,
-                                                          .components = UINT32_MAX,
-                                                          .interpolation = BTF_REF_LINEAR,
-                                                          .filter = BTF_REF_TEXEL}};
+        const enc_reference_images decoded = {
+            .shape = held->sets[i], .material = material, .options = options};
         result = compare(context, held->sets[i], enc_reference_image_source(&decoded), false,
                          &row->held[i][0], &row->held[i][1], NULL);
     }
     return result;
 }
 
-/* Every image of `images` as data, at the directions of `shape`. */
-static btf_result decode_all(const enc_context *context, const enc_data *shape, enc_image_source images,
-                             enc_data **out_data) {
+btf_result bench_decode_all(const enc_context *context, const enc_data *shape, enc_image_source images,
+                            enc_data **out_data) {
     const size_t texels = enc_data_texel_count(shape), lights = (size_t)shape->n_lights;
     const size_t row = 3 * lights, stride = enc_data_texel_stride(shape);
     btf_result result = enc_data_create(context, shape->width, shape->height, shape->n_views, shape->views,
@@ -86,14 +88,18 @@ static btf_result decode_all(const enc_context *context, const enc_data *shape, 
 }
 
 btf_result bench_accuracy_images(const enc_context *context, const bench_held *held,
-                                 const btf_ref_material *tables, enc_image_source images, bench_row *row) {
+                                 const bench_between *between, const btf_ref_material *tables,
+                                 enc_image_source images, bench_row *row) {
     enc_data *decoded = NULL;
-    btf_result result = decode_all(context, held->train, images, &decoded);
+    btf_result result = bench_decode_all(context, held->train, images, &decoded);
     if (result == BTF_OK) {
         result = compare(context, held->train, enc_data_images(decoded), true, &row->linear, &row->srgb,
                          &row->ssim);
     }
-    for (int i = 0; i < BENCH_HELD_SETS && held->sets[i] && result == BTF_OK; i++) {
+    if (result == BTF_OK) {
+        result = bench_between_images(context, between, decoded, ENC_INTERPOLATE_LINEAR, row->between);
+    }
+    for (int i = 0; i < BENCH_HELD_SETS && held->sets[i] && tables && result == BTF_OK; i++) {
         const bench_blend blend = {decoded, held->sets[i], tables, false};
         result = compare(context, held->sets[i], bench_blended_images(&blend), false, &row->held[i][0],
                          &row->held[i][1], NULL);

@@ -50,7 +50,7 @@ typedef struct decoding {
     const bench_run *run;
     material materials[MATERIALS];
     pca_codec equal_bytes, equal_quality;
-    probes trained, held;
+    probes trained, held, between;
     int repeats;
     decode_table *table;
     uint32_t *floor; /* inputs of a floor shader */
@@ -63,6 +63,16 @@ static void probes_clear(probes *p) {
     free(p->inputs);
     free(p->truth);
     *p = (probes){0};
+}
+
+/* The middle of texel t, a hair further: u * 2^18 is rounded down. */
+static void probe_input(int width, int height, size_t t, const enc_direction *light,
+                        const enc_direction *view, uint32_t *out) {
+    const float u = ((float)(t % (size_t)width) + 0.5f) / (float)width + 0x1p-18f;
+    const float v = 1 - ((float)(t / (size_t)width) + 0.5f) / (float)height + 0x1p-18f;
+    const float *l = light->xyz, *w = view->xyz;
+    const float f[GPU_INPUTS] = {u, v, l[0], l[1], l[2], w[0], w[1], w[2]};
+    memcpy(out, f, sizeof f);
 }
 
 static btf_result probes_create(const enc_context *context, const enc_data *data, probes *p) {
@@ -79,12 +89,8 @@ static btf_result probes_create(const enc_context *context, const enc_data *data
                      light = random_bits(&random) % lights;
         const float *samples;
         result = enc_data_texels(context, data, t, 1, buffer, &samples);
-        /* The middle of a texel, a hair further: u * 2^18 is rounded down. */
-        const float u = ((float)(t % (size_t)data->width) + 0.5f) / (float)data->width + 0x1p-18f;
-        const float v = 1 - ((float)(t / (size_t)data->width) + 0.5f) / (float)data->height + 0x1p-18f;
-        const float *l = data->lights[light].xyz, *w = data->views[view].xyz;
-        const float f[GPU_INPUTS] = {u, v, l[0], l[1], l[2], w[0], w[1], w[2]};
-        memcpy(p->inputs + GPU_INPUTS * i, f, sizeof f);
+        probe_input(data->width, data->height, t, &data->lights[light], &data->views[view],
+                    p->inputs + GPU_INPUTS * i);
         for (size_t c = 0; c < 3 && result == BTF_OK; c++) {
             p->truth[3 * i + c] = samples[(view * 3 + c) * lights + light];
         }
@@ -94,6 +100,24 @@ static btf_result probes_create(const enc_context *context, const enc_data *data
         probes_clear(p);
     }
     return result;
+}
+
+/* The same between the samples. */
+static btf_result probes_between(const enc_context *context, const bench_truth *truth, probes *p) {
+    const size_t texels = (size_t)truth->width * (size_t)truth->height;
+    random_state random = {2};
+    *p = (probes){calloc(PROBES, GPU_INPUTS * sizeof *p->inputs), calloc(PROBES, 3 * sizeof *p->truth)};
+    if (!p->inputs || !p->truth) {
+        probes_clear(p);
+        return enc_fail(context, BTF_ERROR_MEMORY, "bench: out of memory for samples");
+    }
+    for (size_t i = 0; i < PROBES; i++) {
+        const size_t t = i * texels / PROBES, at = (size_t)(random_bits(&random) % truth->count);
+        const enc_pair *pair = &truth->pair[at];
+        probe_input(truth->width, truth->height, t, &pair->light, &pair->view, p->inputs + GPU_INPUTS * i);
+        memcpy(p->truth + 3 * i, truth->images + 3 * (at * texels + t), 3 * sizeof *p->truth);
+    }
+    return BTF_OK;
 }
 
 /* PSNR of decoded[i * pitch .. + 2] against the truth, linear and sRGB-coded, clipped to [0, 1]. */
@@ -115,8 +139,8 @@ static void compare(const probes *p, const float *decoded, size_t pitch, double 
 
 /* The accuracy of a compiled program into the row. */
 static void probe(const decoding *d, decode_rig *rig, unsigned program, decode_row *row) {
-    const probes *const sets[] = {&d->trained, &d->held};
-    for (int i = 0; i < 2; i++) {
+    const probes *const sets[] = {&d->trained, &d->held, &d->between};
+    for (int i = 0; i < 3; i++) {
         if (sets[i]->inputs &&
             gpu_run(rig->gpu, program, PROBES, sets[i]->inputs, rig->outputs, rig->log) == BTF_OK) {
             compare(sets[i], (const float *)(const void *)rig->outputs, GPU_OUTPUTS, &row->linear[i],
@@ -125,11 +149,81 @@ static void probe(const decoding *d, decode_rig *rig, unsigned program, decode_r
     }
 }
 
+/* Where truth between the samples is not known: an estimate.
+ * ------------------------------------------------------------------------------------------------ */
+
+static bool estimates(const decoding *d) {
+    return d->run->truth->count == 0 && bench_between_has(d->run->between, BENCH_ESTIMATE);
+}
+
+/* Whether another row has it already, whatever the device, filter and mathematics. */
+static bool estimated_before(const decoding *d, decode_row *row) {
+    for (int i = 0; i < d->table->count; i++) {
+        const decode_row *r = &d->table->rows[i];
+        if (r->estimated && strcmp(r->material, row->material) == 0 &&
+            strcmp(r->effects, row->effects) == 0 && r->nearest == row->nearest) {
+            row->linear[2] = r->linear[2];
+            row->srgb[2] = r->srgb[2];
+            row->estimated = true;
+            return true;
+        }
+    }
+    return false;
+}
+
+static void take_estimate(const double figures[2], decode_row *row) {
+    row->linear[2] = figures[0];
+    row->srgb[2] = figures[1];
+    row->estimated = true;
+}
+
+static btf_result estimate_material(const decoding *d, const material *m, const subset *s,
+                                    decode_row *row) {
+    const btf_ref_options options = {.effects = BTF_EFFECT_ALL & ~s->leave_out,
+                                     .components = s->components ? s->components : UINT32_MAX,
+                                     .interpolation = row->nearest ? BTF_REF_NEAREST : BTF_REF_LINEAR,
+                                     .filter = BTF_REF_TEXEL};
+    bench_between_figures figures;
+    if (!estimates(d) || estimated_before(d, row)) {
+        return BTF_OK;
+    }
+    const btf_result result =
+        bench_between_material(d->run->context, d->run->between, &m->view, &options, figures);
+    if (result == BTF_OK) {
+        take_estimate(figures[BENCH_ESTIMATE], row);
+    }
+    return result;
+}
+
+/* Of a peer's images, interpolated; of one without, no sample of which depends on others, that at them. */
+static btf_result estimate_peer(const decoding *d, const enc_image_source *images, decode_row *row) {
+    const enc_data *data = d->run->held->train;
+    bench_between_figures figures = {[BENCH_ESTIMATE] = {row->linear[0], row->srgb[0]}};
+    enc_data *decoded = NULL;
+    btf_result result = BTF_OK;
+    if (!estimates(d) || estimated_before(d, row)) {
+        return BTF_OK;
+    }
+    if (images) {
+        result = bench_decode_all(d->run->context, data, *images, &decoded);
+        if (result == BTF_OK) {
+            result = bench_between_images(d->run->context, d->run->between, decoded, ENC_INTERPOLATE_LINEAR,
+                                          figures);
+        }
+        enc_data_destroy(&decoded);
+    }
+    if (result == BTF_OK) {
+        take_estimate(figures[BENCH_ESTIMATE], row);
+    }
+    return result;
+}
+
 /* Our own materials.
  * ------------------------------------------------------------------------------------------------ */
 
-static void run_variant(decoding *d, decode_rig *rig, const char *device, const material *m,
-                        const subset *s, btf_shader_options shader) {
+static btf_result run_variant(decoding *d, decode_rig *rig, const char *device, const material *m,
+                              const subset *s, btf_shader_options shader) {
+    btf_result result = BTF_OK;
     decode_row row = decode_row_named(device, m->name, s->name);
     shader.leave_out = s->leave_out;
     shader.components = s->components;
@@ -141,11 +235,13 @@ static void run_variant(decoding *d, decode_rig *rig, const char *device, const 
     if (variant.program) {
         row.ns = rig_measure(rig, variant.program, rig->inputs, RIG_SIDE, &row.spread);
         probe(d, rig, variant.program, &row);
+        result = estimate_material(d, m, s, &row);
     }
     rig_variant_destroy(rig, &variant);
     if (row.ns > 0) {
         decode_table_add(d->table, &row);
     }
+    return result;
 }
 
 /* The fetches of the whole material, added up. */
@@ -161,20 +257,23 @@ static void run_floor(decoding *d, decode_rig *rig, const char *device, const ma
 }
 
 /* `all`: every combination, else for parts of a material only exact texels. */
-static void run_material(decoding *d, decode_rig *rig, const char *device, const material *m, bool all) {
+static btf_result run_material(decoding *d, decode_rig *rig, const char *device, const material *m,
+                               bool all) {
+    btf_result result = BTF_OK;
     for (int s = 0; s < m->count; s++) {
-        for (int way = 0; way < 8; way++) {
+        for (int way = 0; way < 8 && result == BTF_OK; way++) {
             const btf_shader_options shader = {.interpolation = way & 1 ? BTF_INTERPOLATION_NEAREST
                                                                         : BTF_INTERPOLATION_LINEAR,
                                                .filter = way & 2 ? BTF_FILTER_BILINEAR : BTF_FILTER_TEXEL,
                                                .math = way & 4 ? BTF_MATH_FAST : BTF_MATH_EXACT};
             if (all || (s == 0 && (way & 2) == 0) || (s == 0 && d->table->devices == 1) ||
                 (d->table->devices == 1 && way < 2)) {
-                run_variant(d, rig, device, m, &m->subsets[s], shader);
+                result = run_variant(d, rig, device, m, &m->subsets[s], shader);
             }
         }
     }
     run_floor(d, rig, device, m);
+    return result;
 }
 
 /* Decoding at smaller and smaller pictures. */
@@ -194,9 +293,12 @@ static void run_sizes(decoding *d, decode_rig *rig, const char *device, const ma
 /* Peers.
  * ------------------------------------------------------------------------------------------------ */
 
-static void run_peer(decoding *d, decode_rig *rig, const char *device, const char *name, const char *note,
-                     const btf_material *tables, uint32_t leave_out, const char *body,
-                     const char *const samplers[2]) {
+/* images: what it decodes to at the samples and interpolates; NULL: it has no samples. */
+static btf_result run_peer(decoding *d, decode_rig *rig, const char *device, const char *name,
+                           const char *note, const btf_material *tables, uint32_t leave_out,
+                           const char *body, const char *const samplers[2],
+                           const enc_image_source *images) {
+    btf_result result = BTF_OK;
     const btf_shader_options shader = {.leave_out = leave_out, .math = BTF_MATH_FAST};
     decode_row row = decode_row_named(device, name, note);
     row.peer = true;
@@ -208,23 +310,25 @@ static void run_peer(decoding *d, decode_rig *rig, const char *device, const cha
         }
         row.ns = rig_measure(rig, variant.program, rig->inputs, RIG_SIDE, &row.spread);
         probe(d, rig, variant.program, &row);
+        result = estimate_peer(d, images, &row);
     }
     rig_variant_destroy(rig, &variant);
     if (row.ns > 0) {
         decode_table_add(d->table, &row);
     }
+    return result;
 }
 
 static btf_result run_phong(decoding *d, decode_rig *rig, const char *device, const btf_material *tables) {
     const enc_data *data = d->run->held->train;
     unsigned char *albedo, *normal;
-    const btf_result result = peer_phong(d->run->context, data, &albedo, &normal);
+    btf_result result = peer_phong(d->run->context, data, &albedo, &normal);
     if (result == BTF_OK) {
         const unsigned textures[2] = {
             rig_texture(rig, GPU_FIRST_UNIT, GL_SRGB8_ALPHA8, data->width, data->height, 0, albedo),
             rig_texture(rig, GPU_FIRST_UNIT + 1, GL_RGBA8, data->width, data->height, 0, normal)};
-        run_peer(d, rig, device, "Phong", "two maps", tables, BTF_EFFECT_ALL, bench_body_phong,
-                 (const char *const[]){"peer_albedo", "peer_normal"});
+        result = run_peer(d, rig, device, "Phong", "two maps", tables, BTF_EFFECT_ALL, bench_body_phong,
+                          (const char *const[]){"peer_albedo", "peer_normal"}, NULL);
         rig_texture_delete(rig, 2, textures);
         free(albedo);
         free(normal);
@@ -237,12 +341,13 @@ static btf_result run_look_up(decoding *d, decode_rig *rig, const char *device,
     const enc_data *data = d->run->held->train;
     unsigned char *bytes;
     int columns, rows;
-    const btf_result result = peer_images(d->run->context, data, &columns, &rows, &bytes);
+    btf_result result = peer_images(d->run->context, data, &columns, &rows, &bytes);
     if (result == BTF_OK) {
         const unsigned texture = rig_texture(rig, GPU_FIRST_UNIT, GL_SRGB8_ALPHA8, columns * data->width,
                                              rows * data->height, data->n_views, bytes);
-        run_peer(d, rig, device, "uncompressed", "3 x 3 images of 8 bits", tables, BTF_EFFECT_ALL,
-                 bench_body_lookup, (const char *const[]){"peer_images", NULL});
+        const enc_image_source images = enc_data_images(data);
+        result = run_peer(d, rig, device, "uncompressed", "3 x 3 images of 8 bits", tables, BTF_EFFECT_ALL,
+                          bench_body_lookup, (const char *const[]){"peer_images", NULL}, &images);
         rig_texture_delete(rig, 1, &texture);
         free(bytes);
     }
@@ -256,11 +361,12 @@ static btf_result run_pca(decoding *d, decode_rig *rig, const char *device, cons
     if (codec->rank == 0) {
         return BTF_OK;
     }
-    const btf_result result = peer_components(d->run->context, codec, &components);
+    btf_result result = peer_components(d->run->context, codec, &components);
     if (result == BTF_OK) {
         snprintf(name, sizeof name, "rank %zu; %s", codec->rank, note);
-        run_peer(d, rig, device, "PCA", name, components, 0, bench_body_pca,
-                 (const char *const[]){NULL, NULL});
+        const enc_image_source images = pca_images(codec);
+        result = run_peer(d, rig, device, "PCA", name, components, 0, bench_body_pca,
+                          (const char *const[]){NULL, NULL}, &images);
     }
     btf_material_close(&components);
     return result;
@@ -317,7 +423,7 @@ static void reference_pixel(const material *m, const btf_ref_options *options, c
 static btf_result run_reference(decoding *d, const material *m) {
     float *decoded = malloc(3 * (size_t)PROBES * sizeof *decoded);
     uint32_t *sphere = malloc(REFERENCE_PIXELS * sizeof(uint32_t) * GPU_INPUTS);
-    const btf_result result =
+    btf_result result =
         decoded && sphere ? BTF_OK : enc_fail(d->run->context, BTF_ERROR_MEMORY, "bench: out of memory");
     for (size_t i = 0; i < REFERENCE_PIXELS && result == BTF_OK; i++) {
         float f[GPU_INPUTS];
@@ -341,8 +447,8 @@ static btf_result run_reference(decoding *d, const material *m) {
             ns[r] = 1e9 * (rig_core_seconds() - before) / REFERENCE_PIXELS;
         }
         row.ns = bench_median(ns, d->repeats, &row.spread);
-        const probes *const sets[] = {&d->trained, &d->held};
-        for (int set = 0; set < 2; set++) {
+        const probes *const sets[] = {&d->trained, &d->held, &d->between};
+        for (int set = 0; set < 3; set++) {
             if (!sets[set]->inputs) {
                 continue;
             }
@@ -352,6 +458,7 @@ static btf_result run_reference(decoding *d, const material *m) {
             }
             compare(sets[set], decoded, 3, &row.linear[set], &row.srgb[set]);
         }
+        result = estimate_material(d, m, &m->subsets[0], &row);
         decode_table_add(d->table, &row);
     }
     free(decoded);
@@ -397,7 +504,8 @@ static btf_result encode_all(decoding *d, bench_row *joint) {
     }
     if (result == BTF_OK) {
         joint->bytes = (double)d->materials[0].encoded.bytes;
-        result = bench_accuracy(context, d->run->held, &d->materials[0].encoded, BTF_EFFECT_ALL, joint);
+        result = bench_accuracy(context, d->run->held, d->run->between, &d->materials[0].encoded,
+                                BTF_EFFECT_ALL, joint);
     }
     return result;
 }
@@ -420,20 +528,22 @@ static btf_result run_device(decoding *d, const context_device *device) {
     }
     decode_table_device(d->table, device->name, gpu_name(rig.gpu), rig.software);
     enc_log(d->run->context, BTF_LOG_INFO, "  %s: %s", device->name, gpu_name(rig.gpu));
-    for (int i = 0; i < MATERIALS; i++) {
+    for (int i = 0; i < MATERIALS && result == BTF_OK; i++) {
         material m = d->materials[i];
         subset subsets[8];
         for (int s = 0; s < m.count; s++) {
             subsets[s] = resolved(&m, s);
         }
         m.subsets = subsets;
-        run_material(d, &rig, device->name, &m, !d->run->quick);
+        result = run_material(d, &rig, device->name, &m, !d->run->quick);
         if (d->table->devices == 1 && i != 1) {
             run_sizes(d, &rig, device->name, &m);
         }
     }
     const btf_material *tables = d->materials[0].encoded.material;
-    result = run_phong(d, &rig, device->name, tables);
+    if (result == BTF_OK) {
+        result = run_phong(d, &rig, device->name, tables);
+    }
     if (result == BTF_OK) {
         result = run_look_up(d, &rig, device->name, tables);
     }
@@ -490,6 +600,9 @@ static btf_result measure(decoding *d) {
     if (result == BTF_OK && held->sets[2]) {
         result = probes_create(d->run->context, held->sets[2], &d->held);
     }
+    if (result == BTF_OK && d->run->truth->count > 0) {
+        result = probes_between(d->run->context, d->run->truth, &d->between);
+    }
     if (result == BTF_OK) {
         result = find_ranks(d, &joint);
     }
@@ -525,6 +638,7 @@ btf_result bench_section_decode(const bench_run *run) {
     pca_codec_clear(&d.equal_quality);
     probes_clear(&d.trained);
     probes_clear(&d.held);
+    probes_clear(&d.between);
     free(d.floor);
     free(d.table);
     return result;

@@ -10,11 +10,17 @@
 #include <string.h>
 
 decode_row decode_row_named(const char *device, const char *material, const char *effects) {
-    decode_row row = {.linear = {NAN, NAN}, .srgb = {NAN, NAN}};
+    decode_row row = {.linear = {NAN, NAN, NAN}, .srgb = {NAN, NAN, NAN}};
     snprintf(row.device, sizeof row.device, "%s", device);
     snprintf(row.material, sizeof row.material, "%s", material);
     snprintf(row.effects, sizeof row.effects, "%s", effects);
     return row;
+}
+
+int decode_seen(const decode_row *row) {
+    return !isnan(row->linear[1]) && row->estimated ? 1
+           : !isnan(row->linear[2])                 ? 2
+                                                    : !isnan(row->linear[1]);
 }
 
 void decode_table_add(decode_table *table, const decode_row *row) {
@@ -56,17 +62,17 @@ static void write_figure(FILE *csv, double x) {
 
 static void write_csv(const decode_table *table, FILE *csv) {
     fprintf(csv, "device,material,effects,directions,filter,math,side,ns,spread,psnr_linear,psnr_srgb,"
-                 "psnr_held_linear,psnr_held_srgb\n");
+                 "psnr_held_linear,psnr_held_srgb,psnr_between_linear,psnr_between_srgb,between\n");
     for (int i = 0; i < table->count + table->size_count; i++) {
         const decode_row *r = i < table->count ? &table->rows[i] : &table->sizes[i - table->count];
         fprintf(csv, "%s,%s,%s,%s,%s,%s,%d,%.2f,%.4f", r->device, r->material, r->effects,
                 r->nearest ? "nearest" : "linear", r->bilinear ? "bilinear" : "texel",
                 r->fast ? "fast" : "exact", r->side, r->ns, r->spread);
-        write_figure(csv, r->linear[0]);
-        write_figure(csv, r->srgb[0]);
-        write_figure(csv, r->linear[1]);
-        write_figure(csv, r->srgb[1]);
-        fputc('\n', csv);
+        for (int set = 0; set < 3; set++) {
+            write_figure(csv, r->linear[set]);
+            write_figure(csv, r->srgb[set]);
+        }
+        fprintf(csv, ",%s\n", isnan(r->linear[2]) ? "" : r->estimated ? "estimate" : "truth");
     }
 }
 
@@ -84,9 +90,10 @@ static void print_device(const decode_table *table, const char *device, const ch
     fprintf(out,
             "### %s\n\n%s; %s a pixel.\n\n"
             "| material | effects | directions | filter | mathematics | times joint | times its fetches "
-            "| ns | spread | encoded | held out |\n"
-            "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
-            device, renderer, software ? "core time" : "time");
+            "| ns | spread | between the samples%s | at the samples | held out |\n"
+            "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
+            device, renderer, software ? "core time" : "time",
+            base && base->estimated ? ", estimated" : "");
     for (int i = 0; i < table->count; i++) {
         const decode_row *r = &table->rows[i];
         if (strcmp(r->device, device) != 0) {
@@ -104,6 +111,7 @@ static void print_device(const decode_table *table, const char *device, const ch
             fprintf(out, " |");
         }
         fprintf(out, " %.0f | %.0f%% |", r->ns, 100 * r->spread);
+        print_pair(r->linear[2], r->srgb[2], out);
         print_pair(r->linear[0], r->srgb[0], out);
         print_pair(r->linear[1], r->srgb[1], out);
         fputc('\n', out);
@@ -195,15 +203,9 @@ static const char *label_of(const decode_row *r) {
 static btf_result decode_plot(const bench_run *run, const decode_table *table, const char *device,
                               const char *section, bool headline) {
     char title[200];
-    const bool held = run->held->owned;
-    const int panels = held ? headline ? 2 : 4 : 2;
     snprintf(title, sizeof title, "Decoding: time against accuracy, %s", run->source);
-    plot *p = plot_create(title, "time of one pixel, ns", panels);
-    plot_panel(p, 0, "directions that were encoded", "PSNR of linear values, dB");
-    plot_panel(p, 1, headline && held ? "views and lights left out" : "directions that were encoded",
-               headline && held ? "PSNR of linear values, dB" : "PSNR of sRGB-coded values, dB");
-    plot_panel(p, 2, "views and lights left out of the encoding", "PSNR of linear values, dB");
-    plot_panel(p, 3, "views and lights left out of the encoding", "PSNR of sRGB-coded values, dB");
+    plot *p = plot_create(title, "time of one pixel, ns", headline ? 2 : PLOT_PANELS);
+    bench_accuracy_panels(run, p, headline);
     plot_front(p);
     for (size_t s = 0; s < sizeof series / sizeof *series; s++) {
         plot_series(p, series[s].title, false);
@@ -213,10 +215,15 @@ static btf_result decode_plot(const bench_run *run, const decode_table *table, c
                 (series[s].fast < 0 || series[s].fast == r->fast)) {
                 /* What was not compressed is as good as its 8 bits, and would hide all else. */
                 const double whole = strcmp(r->material, "uncompressed") == 0 ? NAN : 1;
-                const double y[PLOT_PANELS] = {whole * r->linear[0],
-                                               headline && held ? r->linear[1] : whole * r->srgb[0],
-                                               r->linear[1], r->srgb[1]};
-                if (isfinite(r->linear[0])) {
+                const int seen = decode_seen(r);
+                const double of_seen = seen > 0 ? 1 : whole, linear = whole * r->linear[0];
+                const double y[PLOT_PANELS] = {of_seen * r->linear[seen],
+                                               headline ? linear : of_seen * r->srgb[seen], linear,
+                                               whole * r->srgb[0]};
+                /* Without its gains a material that has them is far below all else, which would be
+                 * squeezed. */
+                const bool off = headline && strcmp(r->effects, "without gain") == 0;
+                if (isfinite(r->linear[0]) && !off) {
                     plot_point(p, r->ns, y, label_of(r));
                 }
             }
@@ -247,8 +254,8 @@ btf_result decode_table_write(const bench_run *run, const decode_table *table) {
         run->summary,
         "Median of the repeats. Accuracy is that of the very pixels: PSNR of 65,536 random samples, linear "
         "/ "
-        "sRGB-coded dB, at directions that were encoded, and at views and lights that both were not. At "
-        "the "
+        "sRGB-coded dB, between the samples, at them, and at views and lights that were left out of the "
+        "encoding. At the "
         "middle of a texel, where there is truth to compare with, bilinear filtering changes nothing.\n\n");
     if (table->devices > 0) {
         result = decode_plot(run, table, table->device[0].name, "decode", false);

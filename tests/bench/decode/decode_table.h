@@ -13,9 +13,11 @@ enum { DECODE_MOST_ROWS = 1200, DECODE_MOST_SIZES = 16, DECODE_MOST_DEVICES = 12
 typedef struct decode_row {
     char device[24], material[40], effects[40];
     bool nearest, bilinear, fast, peer;
+    bool estimated;            /* what stands for truth between the samples is an estimate */
     int side;                  /* of the picture, where that is what changes; else 0 */
     double ns, spread;         /* a pixel: median of the repeats, (largest - smallest) / median */
-    double linear[2], srgb[2]; /* PSNR at sampled directions, and at those held out (both); NAN: none */
+    double linear[3], srgb[3]; /* PSNR at sampled directions, at those held out (both), and between the
+                                  samples: against truth, else estimated; NAN: none */
 } decode_row;
 
 typedef struct decode_table {
@@ -34,6 +36,10 @@ decode_row decode_row_named(const char *device, const char *material, const char
 void decode_table_add(decode_table *table, const decode_row *row);
 void decode_table_add_size(decode_table *table, const decode_row *row);
 void decode_table_device(decode_table *table, const char *name, const char *renderer, bool software);
+
+/* Which of these three a renderer sees: between the samples against truth, else held out, else estimated;
+ * 0 where there is only the first. */
+int decode_seen(const decode_row *row);
 
 /* The row of those names; NULL: not measured. */
 const decode_row *decode_table_find(const decode_table *table, const char *device, const char *material,
