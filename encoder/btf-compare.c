@@ -72,7 +72,8 @@ static const cli_option table[] = {
      .minimum = 1,
      .maximum = 1024,
      .help = "default: all cores"},
-    {.short_name = 'q', .name = "quiet", .type = CLI_FLAG, .value = &o.quiet, .help = "no progress"},
+    {.short_name = 'q', .name = "quiet", .type = CLI_FLAG, .value = &o.quiet,
+     .help = "no progress, no information; warnings stay"},
     {.type = CLI_END},
 };
 

@@ -10,12 +10,10 @@
 #include <string.h>
 #include <strings.h>
 
-enum { MAX_CHOICES = 64 };
-
 /* Everything in the file that could be meant. */
 typedef struct choices {
-    int count;
-    exr_choice of[MAX_CHOICES];
+    int count, room;
+    exr_choice *of;
 } choices;
 
 static bool is_deep(exr_const_context_t context, int part) {
@@ -41,11 +39,33 @@ static bool usable(double nm) {
     return nm >= 100.0 && nm <= 10000.0;
 }
 
+/* "390.00-410.00", as Mitsuba names its bands: the middle, and where the number begins. */
+static bool band_middle(const char *name, size_t end, double *out_nm, size_t *out_begin) {
+    size_t begin = end;
+    while (begin > 0 && (isdigit((unsigned char)name[begin - 1]) || strchr(".-", name[begin - 1])))
+        begin--;
+    while (begin < end && !isdigit((unsigned char)name[begin])) /* the dot that ends a layer's name */
+        begin++;
+    char *after;
+    const double from = strtod(name + begin, &after);
+    if (*after != '-' || !isdigit((unsigned char)after[1]))
+        return false;
+    const double to = strtod(after + 1, &after);
+    *out_nm = 0.5 * (from + to);
+    *out_begin = begin;
+    return after == name + end && from < to && usable(from) && usable(to);
+}
+
 bool exr_wavelength(const char *name, double *out_nm, size_t *out_layer_length) {
     const size_t length = strlen(name);
     if (length < 5 || strcasecmp(name + length - 2, "nm") != 0)
         return false;
     const size_t end = length - 2;
+    size_t first;
+    if (band_middle(name, end, out_nm, &first) && (first == 0 || name[first - 1] == '.')) {
+        *out_layer_length = first > 0 ? first - 1 : 0;
+        return true;
+    }
     size_t begin = end;
     while (begin > 0 && isdigit((unsigned char)name[begin - 1]))
         begin--;
@@ -82,24 +102,27 @@ static size_t layer_length(const char *name) {
     return dot ? (size_t)(dot - name) : 0;
 }
 
-/* The number of the channel of a layer with one of the names, "R" or "R|r|red"; -1. */
+static int by_name(const void *key, const void *entry) {
+    return strcmp(key, ((const exr_attr_chlist_entry_t *)entry)->name.str);
+}
+
+/* The number of the channel of a layer with one of the names, "R" or "red|Red|RED"; -1. OpenEXRCore keeps the
+ * list in the order of the names. */
 static int find(const exr_attr_chlist_t *list, const char *layer, const char *names) {
-    const size_t length = strlen(layer);
     for (const char *n = names; *n;) {
-        const size_t size = strcspn(n, "|");
-        for (int i = 0; i < list->num_channels; i++) {
-            const char *name = list->entries[i].name.str;
-            const char *own = length ? name + length + 1 : name;
-            if (layer_length(name) == length && strncmp(name, layer, length) == 0 && strlen(own) == size &&
-                strncmp(own, n, size) == 0)
-                return i;
-        }
+        const int size = (int)strcspn(n, "|");
+        char name[300];
+        snprintf(name, sizeof name, "%s%s%.*s", layer, layer[0] ? "." : "", size, n);
+        const exr_attr_chlist_entry_t *entry =
+            bsearch(name, list->entries, (size_t)list->num_channels, sizeof *list->entries, by_name);
+        if (entry)
+            return (int)(entry - list->entries);
         n += size + (n[size] == '|');
     }
     return -1;
 }
 
-/* The picture that a layer holds, if any. */
+/* The picture that a layer holds, if any. Luminance beside half of its chroma is none: it would be grey. */
 static bool picture_of(const exr_attr_chlist_t *list, exr_choice *choice) {
     static const struct {
         exr_kind kind;
@@ -121,6 +144,8 @@ static bool picture_of(const exr_attr_chlist_t *list, exr_choice *choice) {
         choice->kind = sets[s].kind;
         if (found == wanted)
             return true;
+        if (choice->kind == EXR_KIND_CHROMA && found == 2 && choice->channel[1] >= 0)
+            return false;
     }
     return false;
 }
@@ -133,19 +158,32 @@ static bool has(const choices *all, int part, const char *layer, bool spectrum) 
     return false;
 }
 
-/* Adds what the layer of one channel holds. */
-static void collect_layer(const exr_attr_chlist_t *list, int part, const char *name, choices *all) {
+/* False when out of memory. */
+static bool add(choices *all, const exr_choice *choice) {
+    if (all->count == all->room) {
+        exr_choice *more = realloc(all->of, (size_t)(2 * all->room + 16) * sizeof *more);
+        if (!more)
+            return false;
+        all->of = more;
+        all->room = 2 * all->room + 16;
+    }
+    all->of[all->count++] = *choice;
+    return true;
+}
+
+/* Adds what the layer of one channel holds; false when out of memory. */
+static bool collect_layer(const exr_attr_chlist_t *list, int part, const char *name, choices *all) {
     exr_choice choice = {.part = part};
     double nm;
     size_t length;
     const bool spectral = exr_wavelength(name, &nm, &length);
     if (!spectral)
         length = layer_length(name);
-    if (length >= sizeof choice.layer || all->count == MAX_CHOICES)
-        return;
+    if (length >= sizeof choice.layer)
+        return true;
     memcpy(choice.layer, name, length);
     if (has(all, part, choice.layer, spectral))
-        return;
+        return true;
     int bands = 0;
     for (int i = 0; i < list->num_channels && spectral; i++) {
         size_t other;
@@ -158,20 +196,41 @@ static void collect_layer(const exr_attr_chlist_t *list, int part, const char *n
     if (spectral
             ? bands >= 4 && !(choice.layer[0] == 'S' && strchr("123", choice.layer[1]) && choice.layer[1])
             : picture_of(list, &choice))
-        all->of[all->count++] = choice;
+        return add(all, &choice);
+    return true;
 }
 
-static void collect(exr_const_context_t context, choices *all) {
+/* Every layer's channels are looked for, which more of them would make slow. */
+enum { MOST_CHANNELS = 4096 };
+
+/* Refuses a part of too many channels. */
+static bool count_fits(exr_const_context_t context, char *message, size_t message_size) {
     int parts = 0;
-    all->count = 0;
+    exr_get_count(context, &parts);
+    for (int p = 0; p < parts; p++) {
+        const exr_attr_chlist_t *list;
+        if (exr_get_channels(context, p, &list) != EXR_ERR_SUCCESS || list->num_channels <= MOST_CHANNELS)
+            continue;
+        snprintf(message, message_size, "EXR: %d channels in a part: at most %d are read",
+                 (int)list->num_channels, MOST_CHANNELS);
+        return false;
+    }
+    return true;
+}
+
+/* False when out of memory. */
+static bool collect(exr_const_context_t context, choices *all) {
+    int parts = 0;
     exr_get_count(context, &parts);
     for (int p = 0; p < parts; p++) {
         const exr_attr_chlist_t *list;
         if (is_deep(context, p) || exr_get_channels(context, p, &list) != EXR_ERR_SUCCESS)
             continue;
         for (int i = 0; i < list->num_channels; i++)
-            collect_layer(list, p, list->entries[i].name.str, all);
+            if (!collect_layer(list, p, list->entries[i].name.str, all))
+                return false;
     }
+    return true;
 }
 
 /* Parts and channels, cut off where there is no more room. */
@@ -277,7 +336,10 @@ static void note_choice(exr_const_context_t context, const choices *all, const e
             continue;
         if (other->part == c->part && c->kind == EXR_KIND_SPECTRUM)
             continue;
-        if (rank(other) == 0 && (!other->layer[0] || other->kind == EXR_KIND_SPECTRUM)) {
+        if (other->part == c->part) {
+            image_note(info, IMAGE_NOTE_PARTS,
+                       "EXR: the picture of %s is read, not its spectrum (--layer spectral reads that)", part);
+        } else if (rank(other) <= rank(c) && (!other->layer[0] || other->kind == EXR_KIND_SPECTRUM)) {
             char beside[80];
             exr_part_text(context, other->part, beside, sizeof beside);
             image_note(info, IMAGE_NOTE_PARTS, "EXR: %s is read, not the %s in %s (--layer NAME picks)",
@@ -288,29 +350,34 @@ static void note_choice(exr_const_context_t context, const choices *all, const e
 
 btf_result exr_choose(exr_const_context_t context, const char *layer, exr_choice *out_choice,
                       image_info *info, char *message, size_t message_size) {
-    choices *all = malloc(sizeof *all);
-    if (!all)
+    choices all = {0};
+    if (!count_fits(context, message, message_size))
+        return BTF_ERROR_UNSUPPORTED;
+    if (!collect(context, &all)) {
+        free(all.of);
         return BTF_ERROR_MEMORY;
-    collect(context, all);
-    const exr_choice *plain = layer ? NULL : plain_choice(all);
+    }
+    const exr_choice *plain = layer ? NULL : plain_choice(&all);
     if (plain)
         *out_choice = *plain;
-    const bool found = plain || (layer && choose_named(context, all, layer, out_choice));
+    const bool found = plain || (layer && choose_named(context, &all, layer, out_choice));
     if (found) {
-        note_choice(context, all, out_choice, layer, info);
+        note_choice(context, &all, out_choice, layer, info);
     } else {
         char list[600];
         list_all(context, list, sizeof list);
         if (layer)
             snprintf(message, message_size,
                      "EXR: --layer %.60s names no layer, part or channel, or several: %s", layer, list);
-        else if (all->count == 0)
+        else if (all.count == 0)
             snprintf(message, message_size,
-                     "EXR: no channels R, G, B, nor X, Y, Z, nor Y, RY, BY, nor Y: %s", list);
+                     "EXR: no channels R, G, B, nor X, Y, Z, nor Y, RY, BY, nor Y alone, nor four of a spectrum "
+                     "(such as 400nm); --layer NAME reads one as grey: %s",
+                     list);
         else
             snprintf(message, message_size, "EXR: several pictures, of which --layer NAME picks one: %s",
                      list);
     }
-    free(all);
+    free(all.of);
     return found ? BTF_OK : BTF_ERROR_UNSUPPORTED;
 }

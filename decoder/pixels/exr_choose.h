@@ -26,8 +26,9 @@ typedef struct exr_choice {
     char layer[256]; /* what stands before the channels' names, without the last dot; may be empty */
 } exr_choice;
 
-/* A channel of a spectrum, "400nm", "w400.5nm", "T.400,5nm": its wavelength in nm, 100 to 10000, and the
- * length of what stands before it, without the last dot; false for any other name. */
+/* A channel of a spectrum, "400nm", "w400.5nm", "T.400,5nm", or of a band, "390.00-410.00nm": its wavelength in
+ * nm, 100 to 10000, the middle of a band, and the length of what stands before it, without the last dot; false
+ * for any other name. */
 bool exr_wavelength(const char *name, double *out_nm, size_t *out_layer_length);
 
 /* layer NULL: the channels R, G, B, or X, Y, Z, or RY, Y, BY, or Y of the first part that belong to no

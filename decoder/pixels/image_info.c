@@ -4,6 +4,8 @@
  */
 #include "image_info.h"
 
+#include <ctype.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -70,38 +72,122 @@ static void read_text(const unsigned char *tag, size_t size, char *out, size_t o
     out[used] = '\0';
 }
 
-static void description(const unsigned char *data, size_t size, char *out, size_t out_size) {
-    out[0] = '\0';
+/* The data of a tag; NULL. */
+static const unsigned char *find_tag(const unsigned char *data, size_t size, const char *name, size_t *out_size) {
     if (size < 132)
-        return;
+        return NULL;
     const size_t count = number(data + 128), room = (size - 132) / 12;
     for (size_t i = 0; i < count && i < room; i++) {
         const unsigned char *entry = data + 132 + 12 * i;
         const size_t at = number(entry + 4), length = number(entry + 8);
-        if (memcmp(entry, "desc", 4) == 0 && at < size && length <= size - at)
-            read_text(data + at, length, out, out_size);
+        if (memcmp(entry, name, 4) == 0 && at < size && length <= size - at) {
+            *out_size = length;
+            return data + at;
+        }
     }
+    return NULL;
 }
 
-/* Whether a text holds a word, in any case. */
+static double fixed16(const unsigned char *p) {
+    return (double)(int32_t)(uint32_t)number(p) / 65536.0;
+}
+
+/* A curve of parametricCurveType at x. */
+static bool parametric(const unsigned char *tag, size_t size, double x, double *out) {
+    static const size_t counts[] = {1, 3, 4, 5, 7};
+    const size_t type = (size_t)tag[8] << 8 | tag[9];
+    double p[7] = {1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0}; /* g, a, b, c, d, e, f */
+    if (type > 4 || size < 12 + 4 * counts[type])
+        return false;
+    for (size_t i = 0; i < counts[type]; i++)
+        p[i] = fixed16(tag + 12 + 4 * i);
+    const double power = pow(fmax(p[1] * x + p[2], 0.0), p[0]);
+    if (type < 3)
+        *out = power + (type == 2 ? p[3] : 0.0); /* the points asked for lie above -b / a */
+    else
+        *out = x >= p[4] ? power + (type == 4 ? p[5] : 0.0) : p[3] * x + (type == 4 ? p[6] : 0.0);
+    return true;
+}
+
+/* What a tag's curve makes of x; false where the tag holds none that is known. */
+static bool curve_at(const unsigned char *tag, size_t size, double x, double *out) {
+    if (size >= 16 && memcmp(tag, "para", 4) == 0)
+        return parametric(tag, size, x, out);
+    if (size < 12 || memcmp(tag, "curv", 4) != 0)
+        return false;
+    const size_t count = number(tag + 8);
+    if (count > (size - 12) / 2)
+        return false;
+    if (count < 2) {
+        *out = count ? pow(x, ((size_t)tag[12] << 8 | tag[13]) / 256.0) : x;
+        return true;
+    }
+    const size_t k = (size_t)(x * (double)(count - 1));
+    const unsigned char *p = tag + 12 + 2 * k;
+    const double t = x * (double)(count - 1) - (double)k;
+    *out = ((1.0 - t) * (p[0] << 8 | p[1]) + t * (p[2] << 8 | p[3])) / 65535.0;
+    return true;
+}
+
+/* Whether a profile's own curves or primaries tell that it is not sRGB, whatever its name. Those of tables
+ * tell nothing. */
+static bool differs_from_srgb(const unsigned char *data, size_t size) {
+    static const char *const curves[] = {"rTRC", "gTRC", "bTRC", "kTRC"};
+    static const struct {
+        const char *name;
+        double xyz[3]; /* under D50, as profiles have it */
+    } colours[] = {{"rXYZ", {0.4361, 0.2225, 0.0139}},
+                   {"gXYZ", {0.3851, 0.7169, 0.0971}},
+                   {"bXYZ", {0.1431, 0.0606, 0.7141}}};
+    size_t length;
+    double dark, middle;
+    for (size_t i = 0; i < sizeof curves / sizeof *curves; i++) {
+        const unsigned char *tag = find_tag(data, size, curves[i], &length);
+        if (tag && curve_at(tag, length, 0.05, &dark) && curve_at(tag, length, 0.5, &middle) &&
+            !(fabs(dark - 0.003936) < 0.001 && fabs(middle - 0.214041) < 0.01))
+            return true;
+    }
+    for (size_t i = 0; i < sizeof colours / sizeof *colours; i++) {
+        const unsigned char *tag = find_tag(data, size, colours[i].name, &length);
+        for (size_t c = 0; c < 3 && tag && length >= 20; c++)
+            if (!(fabs(fixed16(tag + 8 + 4 * c) - colours[i].xyz[c]) < 0.01))
+                return true;
+    }
+    return false;
+}
+
+/* Whether a text holds a word, in any case, that does not go on before it: "esRGB" and "e-sRGB" are other
+ * spaces than "sRGB". */
 static bool holds(const char *text, const char *word) {
-    for (; *text; text++)
-        if (strncasecmp(text, word, strlen(word)) == 0)
+    for (const char *at = text; *at; at++)
+        if (strncasecmp(at, word, strlen(word)) == 0 &&
+            (at == text || !(isalnum((unsigned char)at[-1]) || at[-1] == '-')))
             return true;
     return false;
+}
+
+static bool names_srgb(const char *text) {
+    return (holds(text, "sRGB") || strstr(text, "61966-2.1") || strstr(text, "61966-2-1")) &&
+           !strstr(text, "inear") && !strstr(text, "INEAR");
 }
 
 void image_info_profile(image_info *info, const char *format, const unsigned char *data, size_t size,
                         const char *name) {
     char text[80];
-    description(data, size, text, sizeof text);
+    size_t length;
+    const unsigned char *tag = find_tag(data, size, "desc", &length);
+    text[0] = '\0';
+    if (tag)
+        read_text(tag, length, text, sizeof text);
     if (!text[0])
         snprintf(text, sizeof text, "%s", name && name[0] ? name : "without a name");
-    if ((holds(text, "sRGB") || holds(text, "61966-2")) && !holds(text, "linear") && !holds(text, "g10")) {
+    const bool named = names_srgb(text);
+    const bool differs = named && differs_from_srgb(data, size);
+    if (named && !differs) {
         info->transfer = IMAGE_TRANSFER_SRGB;
         return;
     }
     image_note(info, IMAGE_NOTE_PROFILE,
-               "%s: the colour profile \"%s\" is not applied: convert to sRGB, or see --transfer", format,
-               text);
+               "%s: the colour profile \"%s\"%s is not applied: convert to sRGB, or see --transfer", format,
+               text, differs ? ", whose curves or primaries are not sRGB's," : "");
 }

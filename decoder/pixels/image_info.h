@@ -41,6 +41,7 @@ typedef enum image_note_kind {
     IMAGE_NOTE_ALPHA,   /* transparency */
     IMAGE_NOTE_RANGE,   /* significant bits */
     IMAGE_NOTE_ENVMAP,  /* a map of directions */
+    IMAGE_NOTE_TURNED,  /* an orientation that few readers follow */
     IMAGE_NOTE_HEADER,  /* headers that break a rule, and are read nevertheless */
     IMAGE_NOTE_KINDS,
 } image_note_kind;
@@ -71,7 +72,8 @@ void image_note(image_info *info, image_note_kind kind, const char *format, ...)
 void image_info_primaries(image_info *info, const char *source, const primaries *p);
 
 /* Takes the colour profile (ICC) that a file of `format` ("PNG") embeds: one whose description names sRGB,
- * and not linear, sets that transfer function, any other leaves a note that names it. data[size]: the
+ * and not linear, and whose curves and primaries are not other ones, sets that transfer function, any other
+ * leaves a note that names it. data[size]: the
  * profile, which may be damaged; name: the file's own for it, for one without a description; may be NULL.
  */
 void image_info_profile(image_info *info, const char *format, const unsigned char *data, size_t size,

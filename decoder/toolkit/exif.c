@@ -1,4 +1,5 @@
 /* The two things of EXIF that matter here: whether the picture is stored turned, and another colour space.
+ * Of XMP, the first.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -33,7 +34,16 @@ static bool is_exif(const unsigned char *data, size_t size) {
     return size >= 8 && (memcmp(data, "MM\0*", 4) == 0 || memcmp(data, "II*\0", 4) == 0);
 }
 
+/* The prefix of JPEG's marker, which some writers leave before PNG's. */
+static void skip_prefix(const unsigned char **data, size_t *size) {
+    if (*size >= 6 && memcmp(*data, "Exif\0\0", 6) == 0) {
+        *data += 6;
+        *size -= 6;
+    }
+}
+
 bool exif_colour_is_other(const unsigned char *data, size_t size) {
+    skip_prefix(&data, &size);
     if (!is_exif(data, size))
         return false;
     const bool big = data[0] == 'M';
@@ -43,18 +53,27 @@ bool exif_colour_is_other(const unsigned char *data, size_t size) {
 }
 
 int exif_orientation(const unsigned char *data, size_t size) {
-    if (size < 8 || (memcmp(data, "MM\0*", 4) != 0 && memcmp(data, "II*\0", 4) != 0))
+    skip_prefix(&data, &size);
+    if (!is_exif(data, size))
         return 1;
     const bool big = data[0] == 'M';
-    const unsigned long at = number(data + 4, 4, big);
-    if (at > size - 2)
-        return 1;
-    const size_t entries = number(data + at, 2, big), room = (size - 2 - at) / 12;
-    for (size_t i = 0; i < entries && i < room; i++) {
-        const unsigned char *entry = data + at + 2 + 12 * i;
-        const unsigned long value = number(entry + 8, 2, big);
-        if (number(entry, 2, big) == 0x112 && number(entry + 2, 2, big) == 3 && value >= 1 && value <= 8)
-            return (int)value;
+    const unsigned long value = find_tag(data, size, number(data + 4, 4, big), 0x112);
+    if (value >= 1 && value <= 8)
+        return (int)value;
+    return 1;
+}
+
+int xmp_orientation(const unsigned char *data, size_t size) {
+    static const char tag[] = "tiff:Orientation";
+    const size_t length = sizeof tag - 1;
+    for (size_t i = 0; i + length < size; i++) {
+        if (memcmp(data + i, tag, length) != 0)
+            continue;
+        size_t at = i + length;
+        while (at < size && data[at] && strchr(" \t\r\n=\"'>", data[at]))
+            at++;
+        if (at < size && data[at] >= '2' && data[at] <= '8')
+            return data[at] - '0';
     }
     return 1;
 }

@@ -1,4 +1,5 @@
-/* The two things of EXIF that matter here: whether the picture is stored turned, and another colour space.
+/* The two things of EXIF that matter here: whether the picture is stored turned, and another colour space. Of
+ * XMP, the first.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -8,12 +9,15 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* The orientation, 1..8, that an EXIF block (JPEG's APP1 after "Exif\0\0", PNG's eXIf) gives for the main
- * image; 1, as stored, when there is none or the block is damaged. */
+/* The orientation, 1..8, that an EXIF block (JPEG's APP1, PNG's eXIf), with or without "Exif\0\0" before it,
+ * gives for the main image; 1, as stored, when there is none or the block is damaged. */
 int exif_orientation(const unsigned char *data, size_t size);
 
 /* Whether it says that the colour space is something but sRGB ("uncalibrated", which is Adobe RGB by what
  * cameras do); false when it says nothing. */
 bool exif_colour_is_other(const unsigned char *data, size_t size);
+
+/* The orientation, 1..8, that a text of XMP gives as tiff:Orientation; 1 when there is none. */
+int xmp_orientation(const unsigned char *data, size_t size);
 
 #endif

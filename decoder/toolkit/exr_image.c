@@ -12,6 +12,7 @@
 
 #include <openexr.h>
 
+#include <ctype.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdint.h>
@@ -139,7 +140,7 @@ static btf_result check_sampling(reading *r) {
             continue;
         return fail(r, BTF_ERROR_UNSUPPORTED,
                     "subsampled channels: %.40s is sampled %d x %d, which is read for chroma (RY and BY, both "
-                    "by 2) alone",
+                    "by 2) alone: store it at full size",
                     channel->name.str, (int)channel->x_sampling, (int)channel->y_sampling);
     }
     return BTF_OK;
@@ -209,8 +210,10 @@ static int find_alpha(const reading *r) {
     const size_t length = strlen(r->choice.layer);
     for (int i = 0; i < r->list->num_channels; i++) {
         const char *name = r->list->entries[i].name.str;
-        if (strncmp(name, r->choice.layer, length) == 0 &&
-            strcmp(name + length, length ? ".A" : "A") == 0 && role_of(r, i) < 0)
+        if (strncmp(name, r->choice.layer, length) != 0 || (length && name[length] != '.') || role_of(r, i) >= 0)
+            continue;
+        const char *own = name + length + (length > 0);
+        if (strcasecmp(own, "A") == 0 || strcasecmp(own, "alpha") == 0)
             return i;
     }
     return -1;
@@ -291,24 +294,56 @@ static void take_chromaticities(reading *r) {
         image_info_primaries(r->info, "EXR chromaticities", &r->primaries);
 }
 
-/* A colour space by name, as OpenImageIO and OpenEXR 3.3 write it. */
+/* Whether an attribute of that name says in which colour space the pixels are: "colorInteropID",
+ * "oiio:ColorSpace", "colorspace", "arnold/color_space". */
+static bool names_space(const char *name) {
+    static const char *const names[] = {"colorInteropID", "colorspace", "color_space", "colourspace"};
+    const char *own = name;
+    for (const char *at = name; *at; at++)
+        if (strchr(":/.", *at))
+            own = at + 1;
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (strcasecmp(own, names[i]) == 0)
+            return true;
+    return false;
+}
+
+/* Whether the name of a colour space means linear Rec. 709: "lin_srgb", "Linear Rec.709", "scene_linear". */
+static bool is_linear_rec709(const char *name) {
+    static const char *const linear[] = {"linear",          "scenelinear",    "raw",           "data",
+                                         "linsrgb",         "linearsrgb",     "srgblinear",    "linrec709",
+                                         "linearrec709",    "linsrgbscene",   "linrec709scene", "linearrec709srgb",
+                                         "utilitylinearsrgb", "scenelinearrec709srgb"};
+    char plain[40];
+    size_t used = 0;
+    for (; *name && used + 1 < sizeof plain; name++)
+        if (isalnum((unsigned char)*name))
+            plain[used++] = (char)tolower((unsigned char)*name);
+    plain[used] = '\0';
+    for (size_t i = 0; i < sizeof linear / sizeof *linear; i++)
+        if (strcmp(plain, linear[i]) == 0)
+            return true;
+    return false;
+}
+
+/* What else the file says of its colours, where it has no chromaticities: OpenEXR has no attribute of its own
+ * for it, and writers use several. */
 static void note_space(reading *r) {
-    static const char *const attributes[] = {"colorInteropID", "oiio:ColorSpace"};
-    static const char *const linear[] = {"linear",        "lin_srgb",     "lin_rec709",       "lin_rec709_scene",
-                                         "linear_rec709", "scene_linear", "lin_srgb_scene"};
-    for (size_t a = 0; a < 2 && !r->has_chromaticities; a++) {
-        const char *name = NULL;
-        int32_t length = 0;
-        bool known = false;
-        if (exr_attr_get_string(r->context, r->choice.part, attributes[a], &length, &name) !=
-                EXR_ERR_SUCCESS ||
-            !name)
+    int32_t count = 0;
+    if (r->has_chromaticities ||
+        exr_get_attribute_count(r->context, r->choice.part, &count) != EXR_ERR_SUCCESS)
+        return;
+    for (int32_t i = 0; i < count; i++) {
+        const exr_attribute_t *a;
+        if (exr_get_attribute_by_index(r->context, r->choice.part, EXR_ATTR_LIST_FILE_ORDER, i, &a) !=
+            EXR_ERR_SUCCESS)
             continue;
-        for (size_t i = 0; i < sizeof linear / sizeof *linear; i++)
-            known = known || strcasecmp(name, linear[i]) == 0;
-        if (!known)
-            image_note(r->info, IMAGE_NOTE_SPACE, "EXR: %s \"%.60s\" is not applied: taken as linear Rec. 709",
-                       attributes[a], name);
+        if (a->type == EXR_ATTR_STRING && names_space(a->name) && !is_linear_rec709(a->string->str))
+            image_note(r->info, IMAGE_NOTE_SPACE, "EXR: %.60s \"%.60s\" is not applied: taken as linear Rec. 709",
+                       a->name, a->string->str);
+        if (a->type == EXR_ATTR_INT && strcmp(a->name, "acesImageContainerFlag") == 0 && a->i == 1)
+            image_note(r->info, IMAGE_NOTE_SPACE,
+                       "EXR: acesImageContainerFlag without chromaticities is not applied: taken as Rec. 709");
     }
 }
 

@@ -92,13 +92,15 @@ typedef struct header {
     char text[256];  /* ... and its text */
 } header;
 
-/* Numbers behind KEY= of a line, which has to hold just `count`; false for another key. *out_good: whether
+/* Numbers behind KEY=, or KEY and blanks and =, of a line, which has to hold just `count`; false for another key. *out_good: whether
  * they are there. */
 static bool read_values(const char *line, const char *key, double *values, int count, bool *out_good) {
     const size_t length = strlen(key);
-    if (strncmp(line, key, length) != 0 || line[length] != '=')
+    if (strncmp(line, key, length) != 0)
         return false;
-    const char *at = line + length + 1;
+    const char *at = line + length + strspn(line + length, " \t");
+    if (*at++ != '=')
+        return false;
     *out_good = true;
     for (int i = 0; i < count; i++) {
         char *end;
@@ -227,6 +229,9 @@ static btf_result read_header(cursor *c, size_t max_pixels, header *h, image_inf
         return BTF_ERROR_UNSUPPORTED;
     }
     settle_steps(h);
+    if (h->scale[0] != 1.0 || h->scale[1] != 1.0 || h->scale[2] != 1.0)
+        image_note(info, IMAGE_NOTE_EXPOSURE, "HDR: divided by EXPOSURE and COLORCORR, in all %g, %g, %g",
+                   1.0 / h->scale[0], 1.0 / h->scale[1], 1.0 / h->scale[2]);
     return BTF_OK;
 }
 

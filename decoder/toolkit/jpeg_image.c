@@ -86,6 +86,16 @@ static int orientation(const struct jpeg_decompress_struct *jpeg) {
     return 1;
 }
 
+/* XMP's orientation is told alone: few readers follow it, and programs that turn pixels leave it behind. */
+static void note_xmp(reading *r) {
+    static const char head[] = "http://ns.adobe.com/xap/1.0/";
+    for (jpeg_saved_marker_ptr m = r->jpeg.marker_list; m; m = m->next)
+        if (m->marker == JPEG_APP0 + 1 && m->data_length >= sizeof head &&
+            memcmp(m->data, head, sizeof head) == 0 && xmp_orientation(m->data, m->data_length) != 1)
+            image_note(r->info, IMAGE_NOTE_TURNED, "JPEG: XMP orientation %d is not applied: taken as stored",
+                       xmp_orientation(m->data, m->data_length));
+}
+
 /* A colour profile; without one, what EXIF says of the colour space. */
 static void heed_colour(reading *r) {
     JOCTET *profile = NULL;
@@ -112,7 +122,8 @@ static btf_result decode(reading *r, const void *data, size_t size, size_t max_p
     jpeg_save_markers(&r->jpeg, JPEG_APP0 + 2, 0xFFFF);
     jpeg_read_header(&r->jpeg, TRUE);
     if (r->jpeg.num_components != 1 && r->jpeg.num_components != 3) {
-        snprintf(r->error.text, sizeof r->error.text, "%d colour components", r->jpeg.num_components);
+        snprintf(r->error.text, sizeof r->error.text, "%d colour components%s: convert to RGB",
+                 r->jpeg.num_components, r->jpeg.num_components == 4 ? " (CMYK or YCCK)" : "");
         return BTF_ERROR_UNSUPPORTED;
     }
     if ((size_t)r->jpeg.image_width * r->jpeg.image_height > max_pixels) {
@@ -126,6 +137,7 @@ static btf_result decode(reading *r, const void *data, size_t size, size_t max_p
                  "EXIF orientation %d: turn the pixels, then set it to 1", turned);
         return BTF_ERROR_UNSUPPORTED;
     }
+    note_xmp(r);
     heed_colour(r);
     r->jpeg.out_color_space = r->jpeg.num_components == 1 ? JCS_GRAYSCALE : JCS_RGB;
     r->jpeg.dct_method = JDCT_ISLOW;

@@ -6,6 +6,7 @@
 
 #include "exif.h"
 #include "output.h"
+#include "png_text.h"
 
 #include <png.h>
 #include <setjmp.h>
@@ -193,11 +194,11 @@ static void heed_gamma(const unsigned char *gamma, const unsigned char *chromati
     if (!gamma)
         return;
     const double value = number_at(gamma) / 1e5;
-    snprintf(info->transfer_name, sizeof info->transfer_name, "PNG: gAMA %g", value);
     if (!(value >= 0.01 && value <= 100.0)) {
         image_note(info, IMAGE_NOTE_SPACE, "PNG: gAMA %g is not usable: taken as sRGB", value);
         return;
     }
+    snprintf(info->transfer_name, sizeof info->transfer_name, "PNG: gAMA %g", value);
     info->transfer = value == 1.0 ? IMAGE_TRANSFER_LINEAR : IMAGE_TRANSFER_GAMMA;
     info->gamma = 1.0 / value;
 }
@@ -226,8 +227,27 @@ static void heed_profile(const unsigned char *chunk, size_t length, image_info *
     free(profile);
 }
 
+/* What a file without colour chunks says: a profile among its texts, or EXIF's word. */
+static void heed_texts(const unsigned char *data, size_t size, const unsigned char *exif, size_t exif_size,
+                       image_info *out) {
+    static const char *const kinds[] = {"icc", "icm"};
+    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
+        size_t length;
+        unsigned char *profile = png_text_raw_profile(data, size, kinds[k], &length);
+        if (profile)
+            image_info_profile(out, "PNG", profile, length, NULL);
+        free(profile);
+        if (profile)
+            return;
+    }
+    if (exif && exif_colour_is_other(exif, exif_size))
+        image_note(out, IMAGE_NOTE_SPACE,
+                   "PNG: EXIF says that the colour space is not sRGB (cameras mean Adobe RGB): not applied");
+}
+
 /* What the file says of its colours, the chunk of the highest rank alone: cICP, iCCP, sRGB, gAMA with cHRM. */
-static void heed_colour(const unsigned char *data, size_t size, image_info *out) {
+static void heed_colour(const unsigned char *data, size_t size, const unsigned char *exif, size_t exif_size,
+                        image_info *out) {
     size_t length, gamma_length = 0, chromaticities_length = 0;
     const unsigned char *chunk = find_chunk(data, size, "cICP", &length);
     if (chunk && length == 4) {
@@ -246,6 +266,28 @@ static void heed_colour(const unsigned char *data, size_t size, image_info *out)
     const unsigned char *gamma = find_chunk(data, size, "gAMA", &gamma_length);
     const unsigned char *chromaticities = find_chunk(data, size, "cHRM", &chromaticities_length);
     heed_gamma(gamma_length == 4 ? gamma : NULL, chromaticities_length == 32 ? chromaticities : NULL, out);
+    if (!gamma)
+        heed_texts(data, size, exif, exif_size, out);
+}
+
+/* Whether the picture is stored turned: as the chunk eXIf says, else EXIF among the texts. XMP is told alone:
+ * few readers follow it, and programs that turn pixels leave it behind. */
+static int heed_orientation(const unsigned char *data, size_t size, const unsigned char *exif, size_t exif_size,
+                            image_info *out) {
+    static const char *const kinds[] = {"exif", "APP1"};
+    int turned = exif ? exif_orientation(exif, exif_size) : 1;
+    size_t length;
+    for (size_t k = 0; k < sizeof kinds / sizeof *kinds && !exif && turned == 1; k++) {
+        unsigned char *block = png_text_raw_profile(data, size, kinds[k], &length);
+        turned = block ? exif_orientation(block, length) : 1;
+        free(block);
+    }
+    unsigned char *xmp = png_text_find(data, size, "XML:com.adobe.xmp", &length);
+    if (xmp && xmp_orientation(xmp, length) != 1)
+        image_note(out, IMAGE_NOTE_TURNED, "PNG: XMP orientation %d is not applied: taken as stored",
+                   xmp_orientation(xmp, length));
+    free(xmp);
+    return turned;
 }
 
 /* Takes alpha, the last channel, out of the pixels; true where it was not 1 everywhere. */
@@ -278,12 +320,12 @@ static btf_result decode(reading *r, png_structp png, png_infop info, size_t max
     }
     size_t exif_size = 0;
     const unsigned char *exif = find_chunk(data, size, "eXIf", &exif_size);
-    if (exif && exif_orientation(exif, exif_size) != 1) {
-        snprintf(r->text, sizeof r->text, "EXIF orientation %d: turn the pixels, then set it to 1",
-                 exif_orientation(exif, exif_size));
+    const int turned = heed_orientation(data, size, exif, exif_size, r->info);
+    if (turned != 1) {
+        snprintf(r->text, sizeof r->text, "EXIF orientation %d: turn the pixels, then set it to 1", turned);
         return BTF_ERROR_UNSUPPORTED;
     }
-    heed_colour(data, size, r->info);
+    heed_colour(data, size, exif, exif_size, r->info);
     png_set_expand(png); /* palettes, less than 8 bits, transparent colours */
     if (png_get_bit_depth(png, info) == 16 && little_endian())
         png_set_swap(png);

@@ -311,6 +311,8 @@ static btf_result read_input(const enc_context *context, const enc_job *job, enc
     const enc_extent_listener listener = {plan_stages, &planner};
     enc_context reading = *context;
     reading.listener = &listener;
+    report->reading.next = context->log;
+    reading.log = enc_messages_log(&report->reading);
     const btf_result result = enc_read(&reading, job->input, &job->read, out_data);
     report->data = *out_data;
     return result;
@@ -377,6 +379,7 @@ btf_result enc_job_run(const enc_context *caller, const enc_job *job) {
         rmdir(job->pictures); /* when nothing was drawn */
     }
     enc_checkpoint_close(&state.checkpoint, false);
+    enc_messages_clear(&report.reading);
     clear_state(&state);
     return result;
 }

@@ -236,7 +236,7 @@ static const cli_option table[] = {
      .name = "quiet",
      .type = CLI_FLAG,
      .value = &o.all.job.quiet,
-     .help = "no progress, no tables"},
+     .help = "no progress, no tables, no information; warnings stay"},
     {.type = CLI_END},
 };
 

@@ -453,6 +453,7 @@ btf_result enc_report_write(const enc_context *context, const enc_report *report
     write_effects(&j, report);
     write_trials(&j, report);
     write_levels(&j, report);
+    enc_messages_json(&j, "reading", &report->reading);
     json_object(&j, "options");
     for (int i = 0; options && options[i]; i += 2) {
         json_string(&j, options[i], options[i + 1]);

@@ -8,6 +8,7 @@
 
 #include "decoder/toolkit/progress.h"
 #include "leave_one_out.h"
+#include "messages.h"
 #include "metrics.h"
 #include "encoder/model/solution.h"
 #include "encoder/base/ranks.h"
@@ -36,6 +37,7 @@ typedef struct enc_report {
     const enc_data *data;
     const btf_material *material;
     const char *input, *output, *method;
+    enc_messages reading; /* what was said of the input */
     enc_report_step
         ladder[ENC_REPORT_STEPS]; /* rising: sbrdf, stvs, full; those that make sense for the material */
     int n_ladder;

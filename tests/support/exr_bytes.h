@@ -10,7 +10,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { BYTES_CHANNELS = 40, BYTES_ATTRIBUTES = 4, BYTES_HALF = 1, BYTES_FLOAT = 2 };
+enum { BYTES_CHANNELS = 4100, BYTES_ATTRIBUTES = 4, BYTES_HALF = 1, BYTES_FLOAT = 2 };
 
 typedef struct bytes_channel {
     const char *name;

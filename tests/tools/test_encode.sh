@@ -24,7 +24,7 @@ expect_text "table 2" "Table 2" out
 expect_that "the report has every member" python3 - <<'P'
 import json
 r = json.load(open("paper.json"))
-for member in ("bytes", "ratio", "seconds", "peak_rss", "psnr", "hidden", "effects", "options"):
+for member in ("bytes", "ratio", "seconds", "peak_rss", "psnr", "hidden", "effects", "reading", "options"):
     assert member in r, member
 assert set(r["psnr"]) == {"sbrdf", "stvs", "full"}
 for step in r["psnr"].values():
@@ -111,6 +111,8 @@ out = subprocess.run(["btf-compare", "strict.btf.exr", "one.btf.exr", "--json", 
 assert '"linear": 100' in out, out
 P
 expect "XYZ" 0 btf-encode data -o xyz.btf.exr --method paper $starts --colour xyz --report xyz.json -q
+expect_text "a warning stays under -q" "warning: .* samples below 0" err
+expect_that "the report has what reading said" test "$(json xyz.json "[m['level'] for m in r['reading'] if 'below 0' in m['text']]")" = "['warning']"
 expect_that "XYZ is recorded" test "$(json xyz.json "r['options']['colour']")" = xyz
 expect "compare reads XYZ too" 0 btf-compare data xyz.btf.exr --colour xyz --json -q
 expect "strict refuses what XYZ makes of such colours" 3 btf-compare data xyz.btf.exr --colour xyz --strict -q

@@ -37,10 +37,14 @@ static double solid_angle(const table *t, int y) {
     return (cos(a) - cos(b)) * (2 * RENDER_PI / t->width);
 }
 
+static bool is_usable(float value) {
+    return value >= 0 && value <= 1e30f;
+}
+
 static void channels(const table *t, const float *pixels, int x, int y, double out[3]) {
     const float *p = pixels + 3 * ((size_t)y * (size_t)t->width + (size_t)x);
     for (int c = 0; c < 3; c++)
-        out[c] = p[c] > 0 && p[c] <= 1e30f ? (double)p[c] : 0;
+        out[c] = is_usable(p[c]) ? (double)p[c] : 0;
 }
 
 static double luminance(const double rgb[3]) {
@@ -135,6 +139,34 @@ btf_result light_list_add_environment(light_list *list, int width, int height, c
     return ok ? BTF_OK : BTF_ERROR_MEMORY;
 }
 
+/* What of the values and the shape is not as it should be, and goes on nevertheless. */
+static void note_contents(int width, int height, const float *pixels, image_info *info) {
+    const size_t count = (size_t)width * (size_t)height * 3;
+    size_t unusable = 0, first = 0;
+    for (size_t i = 0; i < count; i++)
+        if (!is_usable(pixels[i]) && unusable++ == 0)
+            first = i;
+    if (unusable > 0)
+        image_note(info, IMAGE_NOTE_RANGE,
+                   "%zu samples that are below 0, infinite or no numbers are taken as 0: first %g in column %zu, "
+                   "row %zu",
+                   unusable, (double)pixels[first], first / 3 % (size_t)width, first / 3 / (size_t)width);
+    if (abs(width - 2 * height) > 1 + width / 50)
+        image_note(info, IMAGE_NOTE_ENVMAP,
+                   "%d x %d pixels are taken as latitude and longitude of the whole sphere, which is twice as wide "
+                   "as high",
+                   width, height);
+}
+
+/* Three channels of one; NULL when out of memory. */
+static float *spread_grey(float *grey, size_t count) {
+    float *rgb = malloc(count * 3 * sizeof *rgb);
+    for (size_t i = 0; i < 3 * count && rgb; i++)
+        rgb[i] = grey[i / 3];
+    free(grey);
+    return rgb;
+}
+
 btf_result light_list_read_environment(light_list *list, const char *path, const char *layer, int count,
                                        double rotate, double gain, const btf_log *log) {
     char *data = NULL, message[600] = "";
@@ -154,20 +186,25 @@ btf_result light_list_read_environment(light_list *list, const char *path, const
                                 sizeof message);
         if (!result && xyz) {
             result = BTF_ERROR_UNSUPPORTED;
-            snprintf(message, sizeof message, "colours are XYZ, expected RGB");
+            snprintf(message, sizeof message, "colours are XYZ: convert to R, G, B");
         }
+    } else if (size >= 1 && (size < 4 || memcmp(data, "\x76\x2f\x31\x01", 4) != 0)) {
+        result = BTF_ERROR_BAD_FILE;
+        snprintf(message, sizeof message, "neither an OpenEXR nor a Radiance HDR file");
     } else {
         exr_image image = {0};
         result = exr_image_read(data, size, MAX_PIXELS, layer, &image, &info, message, sizeof message);
         pixels = image.pixels;
         width = image.width;
         height = image.height;
-        if (!result && (image.channels != 3 || image.xyz || image.cube)) {
+        if (!result && (image.xyz || image.cube)) {
             result = BTF_ERROR_UNSUPPORTED;
             snprintf(message, sizeof message, "%s, expected R, G, B around the whole sphere",
-                     image.cube  ? "the faces of a cube"
-                     : image.xyz ? "colours are XYZ"
-                                 : "1 channel");
+                     image.cube ? "the faces of a cube" : "colours are XYZ");
+        } else if (!result && image.channels == 1 &&
+                   !(pixels = spread_grey(pixels, (size_t)width * (size_t)height))) {
+            result = BTF_ERROR_MEMORY;
+            snprintf(message, sizeof message, "out of memory for a map");
         }
     }
     free(data);
@@ -175,8 +212,10 @@ btf_result light_list_read_environment(light_list *list, const char *path, const
         primaries_apply(info.to_rec709, (size_t)width * (size_t)height, pixels);
         image_note(&info, IMAGE_NOTE_PRIMARIES, "%s: converted to Rec. 709", info.primaries_name);
     }
-    if (!result)
+    if (!result) {
+        note_contents(width, height, pixels, &info);
         image_notes_log(&info.notes, path, log);
+    }
     if (!result && (result = light_list_add_environment(list, width, height, pixels, count, rotate, gain)))
         snprintf(message, sizeof message, "out of memory for the lights of a map");
     if (result)

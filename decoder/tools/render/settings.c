@@ -267,7 +267,8 @@ static const cli_option option_table[] = {
      .minimum = 1,
      .maximum = 1024,
      .help = "threads (default: all cores); the picture does not depend on it"},
-    {.name = "quiet", .type = CLI_FLAG, .value = &render_options.quiet, .help = "no progress"},
+    {.name = "quiet", .type = CLI_FLAG, .value = &render_options.quiet,
+     .help = "no progress, no information; warnings stay"},
     {.type = CLI_END},
 };
 

@@ -14,6 +14,7 @@
 #include "tests/support/exr_bytes.h"
 #include "tests/support/image_files.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -96,7 +97,10 @@ static void test_layers(void **state) {
     assert_int_equal(read_map(&p, NULL, sum), BTF_OK);
     expect_sum(sum, 4, 2, 1);
     assert_non_null(strstr(messages, "layer sky"));
-    assert_int_equal(read_map(&p, "sun", sum), BTF_ERROR_UNSUPPORTED); /* grey */
+    assert_int_equal(read_map(&p, "sun", sum), BTF_OK); /* grey */
+    expect_sum(sum, 8, 8, 8);
+    assert_int_equal(read_map(&p, "sky.G", sum), BTF_OK);
+    expect_sum(sum, 2, 2, 2);
     assert_int_equal(read_map(&p, "moon", sum), BTF_ERROR_UNSUPPORTED);
     assert_non_null(strstr(messages, "sky.B, sky.G, sky.R, sun.Y"));
 }
@@ -134,11 +138,50 @@ static void test_meaning(void **state) {
     assert_non_null(strstr(messages, "colours are XYZ"));
 }
 
+/* One sample below 0, one infinite, one that is no number. */
+static float broken_value(int c, int x, int y) {
+    if (y == 1 && x == 5)
+        return c == 0 ? -1.0f : c == 1 ? INFINITY : NAN;
+    return 1.0f;
+}
+
+/* Samples that cannot be light are counted, and a shape that is not a sphere's is told. */
+static void test_contents(void **state) {
+    (void)state;
+    double sum[3];
+    bytes_part p = map_of("B", "G", "R", NULL);
+    p.value = broken_value;
+    for (int c = 0; c < 3; c++)
+        p.channels[c].type = BYTES_FLOAT; /* as written, infinity and all */
+    assert_int_equal(read_map(&p, NULL, sum), BTF_OK);
+    assert_true(sum[0] < 4 && sum[0] > 3.5);
+    assert_non_null(strstr(messages, "3 samples that are below 0, infinite or no numbers"));
+    assert_non_null(strstr(messages, "first nan in column 5, row 1"));
+    const struct {
+        int width, height;
+        bool told;
+    } sizes[] = {{8, 4, false}, {9, 4, false}, {1, 1, false}, {8, 8, true}, {24, 4, true}, {12, 16, true}};
+    for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++) {
+        p = map_of("B", "G", "R", NULL);
+        p.width = sizes[k].width;
+        p.height = sizes[k].height;
+        assert_int_equal(read_map(&p, NULL, sum), BTF_OK);
+        assert_int_equal(strstr(messages, "latitude and longitude") != NULL, sizes[k].told);
+    }
+    write_whole_file(file, "\x89PNG", 4);
+    const btf_log log = {keep, NULL};
+    light_list list = {0};
+    messages[0] = '\0';
+    assert_int_equal(light_list_read_environment(&list, file, NULL, 4, 0, 1, &log), BTF_ERROR_BAD_FILE);
+    assert_non_null(strstr(messages, "neither an OpenEXR nor a Radiance HDR file"));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_layers),
         cmocka_unit_test(test_chroma),
         cmocka_unit_test(test_meaning),
+        cmocka_unit_test(test_contents),
     };
     return cmocka_run_group_tests(tests, make_file, remove_file);
 }

@@ -337,6 +337,68 @@ static void test_layer_option(void **state) {
     expect_refused(parts, 1, "Normal.X, Normal.Y, Normal.Z, u, v");
 }
 
+/* Luminance with half of its chroma is no grey picture, and one grey picture of several is told of. */
+static void test_grey_choice(void **state) {
+    (void)state;
+    bytes_part parts[3] = {part_of(NULL, "RY/Y")};
+    expect_refused(parts, 1, "part 1 has RY, Y");
+    expect_channels(parts, 1, "Y", 1, (const int[]){1}, NULL);
+    parts[0] = part_of(NULL, "l.BY/l.Y");
+    expect_refused(parts, 1, "part 1 has l.BY, l.Y");
+    parts[0] = part_of("400nm", "Y"); /* a band a part */
+    parts[1] = part_of("500nm", "Y");
+    expect_channels(parts, 2, NULL, 1, (const int[]){0}, NULL);
+    assert_non_null(strstr(info.notes.texts[IMAGE_NOTE_PARTS], "\"500nm\""));
+    parts[0] = part_of("beauty", "B/G/R"); /* a mask beside colours is none of them */
+    expect_channels(parts, 2, NULL, 3, bgr, NULL);
+    assert_true(info.notes.texts[IMAGE_NOTE_PARTS][0] == '\0');
+}
+
+static float number_value(int c, int x, int y) {
+    (void)x;
+    (void)y;
+    return (float)c;
+}
+
+/* A file of one pixel and `count` layers, one of them or all chosen from; by number, count - 1 last. */
+static void test_many_layers(void **state) {
+    (void)state;
+    enum { LAYERS = 100 };
+    static char names[3 * LAYERS][16];
+    static bytes_part p;
+    for (int many = 0; many < 2; many++) { /* colours beside 100 layers, then the 100 alone */
+        p = (bytes_part){.width = 1, .height = 1, .value = number_value};
+        for (int l = 0; l < LAYERS; l++)
+            for (int c = 0; c < 3; c++) {
+                snprintf(names[3 * l + c], sizeof names[0], "Al%03d.%c", l, "BGR"[c]);
+                p.channels[p.channel_count++] = (bytes_channel){names[3 * l + c], BYTES_HALF, 1, 1};
+            }
+        for (int c = 0; c < 3 && !many; c++) /* by name behind them all */
+            p.channels[p.channel_count++] = (bytes_channel){&"B\0G\0R"[2 * c], BYTES_HALF, 1, 1};
+        layer = many ? "Al099" : NULL;
+        exr_image image = read_good(&p, 1);
+        layer = NULL;
+        for (int c = 0; c < 3; c++)
+            assert_true(image.pixels[c] == (float)(p.channel_count - 1 - c));
+        free(image.pixels);
+    }
+    expect_refused(&p, 1, "--layer NAME picks one");
+}
+
+/* Only so many channels are looked through. */
+static void test_too_many_channels(void **state) {
+    (void)state;
+    enum { COUNT = 4097 };
+    static char names[COUNT][8];
+    static bytes_part p = {.width = 1, .height = 1, .value = number_value};
+    for (int c = 0; c < COUNT; c++) {
+        snprintf(names[c], sizeof names[0], "%05d", c);
+        p.channels[c] = (bytes_channel){names[c], BYTES_HALF, 1, 1};
+    }
+    p.channel_count = COUNT;
+    expect_refused(&p, 1, "4097 channels");
+}
+
 static void test_deep(void **state) {
     (void)state;
     bytes_part parts[2] = {part_of("smoke", "B/G/R/Z"), part_of("beauty", "B/G/R")};
@@ -427,6 +489,24 @@ static void test_notes(void **state) {
     assert_true(info.notes.texts[IMAGE_NOTE_ALPHA][0] == '\0'); /* A is 1 */
     p.attributes[2].value = &turned;
     expect_refused(&p, 1, "Orientation 6");
+    static const struct {
+        const char *name, *type, *value, *note; /* NULL: none */
+    } spaces[] = {{"ColorSpace", "string", "sRGB", "ColorSpace \"sRGB\""},
+                  {"arnold/color_space", "string", "ACEScg", "ACEScg"},
+                  {"colorInteropID", "string", "lin_ap1_scene", "lin_ap1_scene"},
+                  {"colorspace", "string", "Linear Rec.709 (sRGB)", NULL},
+                  {"oiio:ColorSpace", "string", "lin_srgb", NULL},
+                  {"comment", "string", "sRGB", NULL},
+                  {"acesImageContainerFlag", "int", "\1\0\0\0", "acesImageContainerFlag"}};
+    for (size_t k = 0; k < sizeof spaces / sizeof *spaces; k++) {
+        p = part_of(NULL, "B/G/R");
+        const bool text = strcmp(spaces[k].type, "string") == 0;
+        add(&p, spaces[k].name, spaces[k].type, spaces[k].value, text ? strlen(spaces[k].value) : 4);
+        free(read_good(&p, 1).pixels);
+        const char *note = info.notes.texts[IMAGE_NOTE_SPACE];
+        if (spaces[k].note ? !strstr(note, spaces[k].note) : note[0] != '\0')
+            fail_msg("%s: \"%s\"", spaces[k].name, note);
+    }
     p = part_of(NULL, "A/B/G/R");
     free(read_good(&p, 1).pixels);
     for (int k = 0; k < IMAGE_NOTE_KINDS; k++)
@@ -439,10 +519,18 @@ static float half_clear(int c, int x, int y) {
 
 static void test_alpha(void **state) {
     (void)state;
-    bytes_part p = part_of(NULL, "A/B/G/R");
+    static const char *const names[] = {"A/B/G/R", "a/b/g/r", "Alpha/Blue/Green/Red", "l.A/l.B/l.G/l.R",
+                                        "l.alpha/l.blue/l.green/l.red"};
+    for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
+        bytes_part p = part_of(NULL, names[k]);
+        p.value = half_clear;
+        free(read_good(&p, 1).pixels);
+        assert_non_null(strstr(info.notes.texts[IMAGE_NOTE_ALPHA], "alpha below 1"));
+    }
+    bytes_part p = part_of(NULL, "B/G/R/l.A"); /* another layer's */
     p.value = half_clear;
     free(read_good(&p, 1).pixels);
-    assert_non_null(strstr(info.notes.texts[IMAGE_NOTE_ALPHA], "alpha below 1"));
+    assert_true(info.notes.texts[IMAGE_NOTE_ALPHA][0] == '\0');
 }
 
 static float reflectance(int c, int x, int y) {
@@ -456,14 +544,18 @@ static float reflectance(int c, int x, int y) {
 static void test_spectrum(void **state) {
     (void)state;
     static const char *const formats[] = {"%dnm",     "w%dnm",          "T.%d,000000nm",
-                                          "T.%d.0nm", "S0.%d,000000nm", "%d.0nm"};
+                                          "T.%d.0nm", "S0.%d,000000nm", "%d.0nm",
+                                          "%d.00-%d.00nm",   "m.%d-%dnm"};
     for (size_t f = 0; f < sizeof formats / sizeof *formats; f++) {
         static char names[31][32];
         bytes_part p = {.width = 2, .height = 3, .value = reflectance};
         for (int b = 0; b < 31; b++) { /* names of three digits rise with the wavelength */
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wformat-nonliteral"
-            snprintf(names[b], sizeof names[b], formats[f], 400 + 10 * b);
+            if (strchr(formats[f], '-')) /* a band, of the same middle */
+                snprintf(names[b], sizeof names[b], formats[f], 395 + 10 * b, 405 + 10 * b);
+            else
+                snprintf(names[b], sizeof names[b], formats[f], 400 + 10 * b);
 #pragma GCC diagnostic pop
             p.channels[p.channel_count++] = (bytes_channel){names[b], BYTES_FLOAT, 1, 1};
         }
@@ -509,6 +601,9 @@ int main(void) {
         cmocka_unit_test(test_sampling_out_of_spec),
         cmocka_unit_test(test_plain_choice),
         cmocka_unit_test(test_layer_option),
+        cmocka_unit_test(test_grey_choice),
+        cmocka_unit_test(test_many_layers),
+        cmocka_unit_test(test_too_many_channels),
         cmocka_unit_test(test_deep),
         cmocka_unit_test(test_compression),
         cmocka_unit_test(test_chromaticities),

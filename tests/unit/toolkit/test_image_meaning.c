@@ -180,6 +180,7 @@ static void test_png_transfer(void **state) {
         expect_curve(b, enc_srgb_decode);
         enc_image image = decode_good(&b);
         assert_non_null(strstr(image.info.notes.texts[IMAGE_NOTE_SPACE], "gAMA 0 is not usable"));
+        assert_true(image.info.transfer_name[0] == '\0'); /* nothing is followed */
         enc_image_clear(&image);
     }
     bytes b = plain_png(16, PNG_COLOR_TYPE_RGB);
@@ -257,6 +258,11 @@ static const struct {
                 {"Adobe RGB (1998)", false},
                 {"GIMP built-in Linear sRGB", false},
                 {"sRGB built-in", true},
+                {"Default RGB IEC61966-2.1", true},
+                {"IEC 61966-2-2 scRGB", false},
+                {"opRGB IEC 61966-2-5", false},
+                {"Some esRGB", false},
+                {"e-sRGB", false},
                 {"Display P3", false}};
 
 static void expect_profile(const enc_image *image, size_t k) {
@@ -286,6 +292,72 @@ static void test_png_profile(void **state) {
     }
 }
 
+/* Puts a tag at the end of a profile. */
+static size_t add_tag(unsigned char *profile, size_t size, const char *name, const void *data, size_t length) {
+    const uint32_t count = get32(profile + 128);
+    const size_t table = 132 + 12 * (size_t)count;
+    memmove(profile + table + 12, profile + table, size - table);
+    size += 12;
+    for (uint32_t i = 0; i < count; i++)
+        put32(profile + 136 + 12 * i, get32(profile + 136 + 12 * i) + 12);
+    put32(profile + 128, count + 1);
+    memcpy(profile + table, name, 4);
+    put32(profile + table + 4, (uint32_t)size);
+    put32(profile + table + 8, (uint32_t)length);
+    memcpy(profile + size, data, length);
+    return size + length;
+}
+
+/* A profile by the name of sRGB with these curves and this red, as the reader takes it; whether it is sRGB. */
+static bool is_taken_as_srgb(const unsigned char *curve, size_t curve_size, const unsigned char *red) {
+    static unsigned char profile[4000];
+    image_info info = {0};
+    size_t size = make_profile(profile, "sRGB built-in", true);
+    size = add_tag(profile, size, "rTRC", curve, curve_size);
+    if (red)
+        size = add_tag(profile, size, "rXYZ", red, 20);
+    unsigned char *just = malloc(size);
+    assert_non_null(just);
+    memcpy(just, profile, size);
+    image_info_profile(&info, "PNG", just, size, NULL);
+    free(just);
+    const bool told = strstr(info.notes.texts[IMAGE_NOTE_PROFILE], "\"sRGB built-in\", whose curves") != NULL;
+    assert_int_equal(told, info.transfer != IMAGE_TRANSFER_SRGB);
+    return !told;
+}
+
+/* A profile that is called sRGB and has other curves or primaries is told of. */
+static void test_profile_contents(void **state) {
+    (void)state;
+    static const unsigned char linear_curve[12] = "curv", gamma22[14] = "curv\0\0\0\0\0\0\0\1\2\63";
+    static unsigned char table[12 + 2 * 1024] = "curv";
+    put32(table + 8, 1024);
+    for (int i = 0; i < 1024; i++) {
+        const int value = (int)lround(65535 * enc_srgb_decode(i / 1023.0));
+        table[12 + 2 * i] = (unsigned char)(value >> 8);
+        table[13 + 2 * i] = (unsigned char)value;
+    }
+    unsigned char parametric[32] = "para\0\0\0\0\0\3", red[20] = "XYZ ", wide[20] = "XYZ ";
+    static const double p[5] = {2.4, 1 / 1.055, 0.055 / 1.055, 1 / 12.92, 0.04045};
+    static const double srgb_red[3] = {0.43607, 0.22249, 0.01392}, p3_red[3] = {0.51512, 0.2412, 0.0};
+    for (int i = 0; i < 5; i++)
+        put32(parametric + 12 + 4 * i, (uint32_t)lround(p[i] * 65536));
+    for (int i = 0; i < 3; i++) {
+        put32(red + 8 + 4 * i, (uint32_t)lround(srgb_red[i] * 65536));
+        put32(wide + 8 + 4 * i, (uint32_t)lround(p3_red[i] * 65536));
+    }
+    assert_true(is_taken_as_srgb(parametric, sizeof parametric, red));
+    assert_true(is_taken_as_srgb(table, sizeof table, red));
+    assert_true(is_taken_as_srgb(table, sizeof table, NULL));
+    assert_false(is_taken_as_srgb(parametric, sizeof parametric, wide));
+    assert_false(is_taken_as_srgb(linear_curve, sizeof linear_curve, red));
+    assert_false(is_taken_as_srgb(gamma22, sizeof gamma22, red));
+    for (size_t size = 0; size < 16; size++) /* damaged: its name alone is left */
+        assert_true(is_taken_as_srgb(parametric, size, red));
+    parametric[9] = 9;
+    assert_true(is_taken_as_srgb(parametric, sizeof parametric, red));
+}
+
 /* An EXIF orientation behind the pixels counts; a colour space in it as well. */
 static void test_png_exif_behind(void **state) {
     (void)state;
@@ -297,6 +369,70 @@ static void test_png_exif_behind(void **state) {
         add_chunk(&b, "eXIf", turned, sizeof turned, behind);
         assert_int_equal(decode_bytes(b.data, b.size, &image), BTF_ERROR_UNSUPPORTED);
         assert_non_null(strstr(message, "EXIF orientation 6"));
+    }
+}
+
+static const unsigned char turned_long[] = {'I', 'I', 42, 0, 8, 0, 0, 0, 1, 0, 0x12, 1, 4,
+                                            0,   1,   0,  0, 0, 6, 0, 0, 0, 0, 0,    0, 0};
+
+/* Where else programs keep an orientation in a PNG: texts of ImageMagick and ExifTool, a prefix of JPEG's, the
+ * type LONG; XMP is told of alone. */
+static void test_png_exif_elsewhere(void **state) {
+    (void)state;
+    static const char xmp[] = "XML:com.adobe.xmp\0\0\0\0\0<rdf:Description tiff:Orientation=\"8\"/>";
+    unsigned char block[6 + sizeof turned_long] = "Exif\0\0", text[300], packed[400];
+    memcpy(block + 6, turned_long, sizeof turned_long);
+    for (int kind = 0; kind < 4; kind++) {
+        bytes b = plain_png(8, PNG_COLOR_TYPE_RGB);
+        enc_image image;
+        const char *key = kind == 1 ? "Raw profile type exif" : "Raw profile type APP1";
+        size_t size = strlen(key) + 1;
+        memcpy(text, key, size);
+        size += (size_t)snprintf((char *)text + size, sizeof text - size, "\nexif\n%8zu\n", sizeof block);
+        for (size_t i = 0; i < sizeof block; i++)
+            size += (size_t)snprintf((char *)text + size, sizeof text - size, "%02x%s", block[i],
+                                     i % 36 == 35 ? "\n" : "");
+        const size_t key_size = strlen(key) + 1;
+        uLongf length = sizeof packed - key_size - 1;
+        memcpy(packed, key, key_size);
+        packed[key_size] = 0;
+        assert_int_equal(compress(packed + key_size + 1, &length, text + key_size, size - key_size), Z_OK);
+        if (kind == 0)
+            add_chunk(&b, "eXIf", block, sizeof block, false);
+        else if (kind == 1)
+            add_chunk(&b, "tEXt", text, size, true);
+        else if (kind == 2)
+            add_chunk(&b, "zTXt", packed, key_size + 1 + length, false);
+        else
+            add_chunk(&b, "eXIf", turned_long, sizeof turned_long, true);
+        assert_int_equal(decode_bytes(b.data, b.size, &image), BTF_ERROR_UNSUPPORTED);
+        assert_non_null(strstr(message, "EXIF orientation 6"));
+    }
+    bytes b = plain_png(8, PNG_COLOR_TYPE_RGB);
+    add_chunk(&b, "iTXt", xmp, sizeof xmp - 1, false);
+    enc_image image = decode_good(&b);
+    assert_non_null(strstr(image.info.notes.texts[IMAGE_NOTE_TURNED], "XMP orientation 8"));
+    enc_image_clear(&image);
+}
+
+/* A profile among the texts counts where no chunk says anything. */
+static void test_png_profile_in_text(void **state) {
+    (void)state;
+    unsigned char profile[400], text[1200] = "Raw profile type icc";
+    const size_t profile_size = make_profile(profile, "Adobe RGB (1998)", false);
+    size_t size = strlen((char *)text) + 1;
+    size += (size_t)snprintf((char *)text + size, sizeof text - size, "\nicc\n%8zu\n", profile_size);
+    for (size_t i = 0; i < profile_size; i++)
+        size += (size_t)snprintf((char *)text + size, sizeof text - size, "%02X", profile[i]);
+    for (int k = 0; k < 2; k++) {
+        bytes b = plain_png(8, PNG_COLOR_TYPE_RGB);
+        add_chunk(&b, "tEXt", text, size, false);
+        if (k)
+            add_chunk(&b, "sRGB", "", 1, false);
+        enc_image image = decode_good(&b);
+        const char *note = image.info.notes.texts[IMAGE_NOTE_PROFILE];
+        assert_true(k ? note[0] == '\0' : strstr(note, "Adobe RGB") != NULL);
+        enc_image_clear(&image);
     }
 }
 
@@ -361,6 +497,22 @@ static void test_jpeg_profile(void **state) {
         assert_int_equal(image.info.notes.texts[IMAGE_NOTE_SPACE][0] != '\0', !space);
         enc_image_clear(&image);
     }
+}
+
+/* An orientation of the type LONG turns; XMP's is told of alone. */
+static void test_jpeg_orientation(void **state) {
+    (void)state;
+    static const char xmp[] = "http://ns.adobe.com/xap/1.0/\0<tiff:Orientation>3</tiff:Orientation>";
+    unsigned char exif[6 + sizeof turned_long] = "Exif\0\0";
+    memcpy(exif + 6, turned_long, sizeof turned_long);
+    bytes b = plain_jpeg();
+    add_marker(&b, 0xE1, xmp, sizeof xmp - 1);
+    enc_image image = decode_good(&b);
+    assert_non_null(strstr(image.info.notes.texts[IMAGE_NOTE_TURNED], "XMP orientation 3"));
+    enc_image_clear(&image);
+    add_marker(&b, 0xE1, exif, sizeof exif);
+    assert_int_equal(decode_bytes(b.data, b.size, &image), BTF_ERROR_UNSUPPORTED);
+    assert_non_null(strstr(message, "EXIF orientation 6"));
 }
 
 /* A sequential file whose scan header has the spectral range of a progressive one: read whole, and told. A
@@ -450,11 +602,13 @@ static void test_hdr_headers(void **state) {
         const char *note;
     } good[] = {
         {"EXPOSURE=0\n", {1, 1, 1}, IMAGE_NOTE_EXPOSURE, "EXPOSURE=0"},
-        {"EXPOSURE= 2 \t\nEXPOSURE=3\r\n", {6, 6, 6}, IMAGE_NOTE_KINDS, ""},
+        {"EXPOSURE= 2 \t\nEXPOSURE=3\r\n", {6, 6, 6}, IMAGE_NOTE_EXPOSURE, "in all 6, 6, 6"},
+        {"EXPOSURE \t = 2\n", {2, 2, 2}, IMAGE_NOTE_EXPOSURE, "in all 2, 2, 2"},
+        {"EXPOSURES=2\nEXPOSURE\n", {1, 1, 1}, IMAGE_NOTE_KINDS, ""},
         {"FORMAT=32-bit_rle_rgbe  \n", {1, 1, 1}, IMAGE_NOTE_KINDS, ""},
         {"FORMAT= 32-bit_rle_rgbe\n", {1, 1, 1}, IMAGE_NOTE_KINDS, ""},
-        {longest, {2, 2, 2}, IMAGE_NOTE_KINDS, ""},
-        {"COLORCORR=2 4 0.5\nEXPOSURE=2\n", {4, 8, 1}, IMAGE_NOTE_KINDS, ""},
+        {longest, {2, 2, 2}, IMAGE_NOTE_EXPOSURE, "in all 2, 2, 2"},
+        {"COLORCORR=2 4 0.5\nEXPOSURE=2\n", {4, 8, 1}, IMAGE_NOTE_EXPOSURE, "in all 4, 8, 1"},
         {"GAMMA=1\nGAMMA=1.0\n", {1, 1, 1}, IMAGE_NOTE_KINDS, ""},
         {"GAMMA=2.2\n", {1, 1, 1}, IMAGE_NOTE_GAMMA, "GAMMA=2.2 is not applied"},
         {"PIXASPECT=1.5\n", {1, 1, 1}, IMAGE_NOTE_ASPECT, "PIXASPECT=1.5"},
@@ -498,7 +652,9 @@ int main(void) {
         cmocka_unit_test(test_png_profile),  cmocka_unit_test(test_png_exif_behind),
         cmocka_unit_test(test_png_alpha),    cmocka_unit_test(test_jpeg_profile),
         cmocka_unit_test(test_jpeg_lenient), cmocka_unit_test(test_hdr_orders),
-        cmocka_unit_test(test_hdr_headers),
+        cmocka_unit_test(test_hdr_headers),  cmocka_unit_test(test_profile_contents),
+        cmocka_unit_test(test_png_exif_elsewhere), cmocka_unit_test(test_png_profile_in_text),
+        cmocka_unit_test(test_jpeg_orientation),
     };
     return cmocka_run_group_tests(tests, make_file, remove_file);
 }

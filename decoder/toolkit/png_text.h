@@ -1,0 +1,20 @@
+/* Texts of PNG files, and the EXIF blocks and colour profiles that programs older than PNG's chunks for them
+ * keep there.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_TOOLS_PNG_TEXT_H
+#define OPENBTF_TOOLS_PNG_TEXT_H
+
+#include <stddef.h>
+
+/* The text under a keyword, of tEXt, zTXt or iTXt wherever the chunk stands, the first 256 KiB of it; NULL where
+ * there is none, or no memory. data[size]: the file. *out_size bytes, to be freed with free. */
+unsigned char *png_text_find(const unsigned char *data, size_t size, const char *keyword, size_t *out_size);
+
+/* The bytes that the text "Raw profile type KIND" spells in hexadecimal digits, as ImageMagick and ExifTool
+ * write EXIF ("exif", "APP1") and profiles ("icc"); as above. */
+unsigned char *png_text_raw_profile(const unsigned char *data, size_t size, const char *kind,
+                                    size_t *out_size);
+
+#endif
