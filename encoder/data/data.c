@@ -4,9 +4,9 @@
  */
 #include "data.h"
 
-#include "encoder/base/stage.h"
-#include "encoder/base/scratch.h"
 #include "encoder/base/ranks.h"
+#include "encoder/base/scratch.h"
+#include "encoder/base/stage.h"
 
 #include <assert.h>
 #include <math.h>

@@ -4,8 +4,8 @@
  */
 #include "level_filter.h"
 
-#include "encoder/math/area.h"
 #include "encoder/base/ranks.h"
+#include "encoder/math/area.h"
 
 #include <assert.h>
 #include <stdlib.h>

@@ -8,10 +8,10 @@
 #include "encoder/data/level_filter.h"
 #include "encoder/input/bonn_reader.h"
 #include "encoder/joint/cost.h"
-#include "memory.h"
 #include "encoder/model/pack.h"
 #include "encoder/paper/choose_effects.h"
 #include "encoder/report/leave_one_out.h"
+#include "memory.h"
 
 #include <math.h>
 #include <openbtf/material.h>

@@ -6,8 +6,8 @@
 
 #include "encoder/base/stage.h"
 #include "encoder/joint/level.h"
-#include "encoder/model/pack.h"
 #include "encoder/model/decode_samples.h"
+#include "encoder/model/pack.h"
 #include "encoder/model/unpack.h"
 
 #include <math.h>

@@ -9,8 +9,8 @@
 #define OPENBTF_ENCODER_LEVELS_H
 
 #include "encoder/data/level_filter.h"
-#include "encoder/paper/paper.h"
 #include "encoder/model/solution.h"
+#include "encoder/paper/paper.h"
 
 /* Analyses levels 1 .. count - 1 of `data` for `base`, the solution of level 0. `paper` is NULL for a base
  * of the joint method; else the whole analysis runs on each level, its centres (as many as fit the atlas of

@@ -5,9 +5,9 @@
 #include "memory.h"
 
 #include "encoder/data/data.h"
-#include "encoder/paper/flow.h"
 #include "encoder/joint/joint.h"
 #include "encoder/joint/rows.h"
+#include "encoder/paper/flow.h"
 
 enum {
     SOURCE_TASK = 96,   /* sources solved together */

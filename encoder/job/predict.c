@@ -4,9 +4,9 @@
  */
 #include "predict.h"
 
-#include "encoder/data/extent.h"
 #include "cost.h"
 #include "decoder/toolkit/progress.h"
+#include "encoder/data/extent.h"
 #include "encoder/math/gemm.h"
 #include "encoder/report/stage_times.h"
 #include "memory.h"

@@ -6,8 +6,8 @@
 
 #include "choose.h"
 #include "cost.h"
-#include "front_fit.h"
 #include "encoder/base/stage.h"
+#include "front_fit.h"
 
 #include <assert.h>
 #include <stdlib.h>

@@ -15,8 +15,8 @@
 #define OPENBTF_ENCODER_JOINT_FIT_H
 
 #include "cost.h"
-#include "quantise.h"
 #include "encoder/model/solution.h"
+#include "quantise.h"
 
 enum { JOINT_FRONT_PERIOD = 8 }; /* rounds from one refit of a front beside a residual to the next */
 

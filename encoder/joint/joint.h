@@ -7,9 +7,9 @@
 #define OPENBTF_ENCODER_JOINT_JOINT_H
 
 #include "cost.h"
-#include "options.h"
 #include "encoder/data/data.h"
 #include "encoder/model/solution.h"
+#include "options.h"
 
 /* Analyses `data`: chooses effects, SBRDF and number of components that serve best within the budget, and
  * fits them. The same data and options give the same solution for any number of threads. out_stats may be

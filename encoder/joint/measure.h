@@ -5,8 +5,8 @@
 #ifndef OPENBTF_ENCODER_JOINT_MEASURE_H
 #define OPENBTF_ENCODER_JOINT_MEASURE_H
 
-#include "rows.h"
 #include "encoder/model/solution.h"
+#include "rows.h"
 
 /* Sums of squared errors over all samples. */
 typedef struct joint_error {

@@ -5,8 +5,8 @@
 #ifndef OPENBTF_ENCODER_JOINT_PROJECTION_H
 #define OPENBTF_ENCODER_JOINT_PROJECTION_H
 
-#include "sources.h"
 #include "encoder/base/context.h"
+#include "sources.h"
 
 /* Coordinates of all points (texel, view), view by view: in memory, or in a scratch file. A rank
  * (encoder/base/ranks.h) holds those of its own views. */

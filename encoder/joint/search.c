@@ -9,9 +9,9 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "search.h"
 #include "encoder/math/linear.h"
 #include "search_set.h"
-#include "search.h"
 
 #include <assert.h>
 #include <float.h>

@@ -10,9 +10,9 @@
 #ifndef OPENBTF_ENCODER_JOINT_SOURCES_H
 #define OPENBTF_ENCODER_JOINT_SOURCES_H
 
+#include "encoder/model/sbrdf.h"
 #include "rows.h"
 #include "search.h"
-#include "encoder/model/sbrdf.h"
 
 #include <stdint.h>
 

@@ -4,9 +4,9 @@
  */
 #include "steps.h"
 
+#include "encoder/base/ranks.h"
 #include "encoder/data/checkpoint.h"
 #include "options.h"
-#include "encoder/base/ranks.h"
 
 #include <assert.h>
 #include <float.h>

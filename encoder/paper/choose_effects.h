@@ -5,8 +5,8 @@
 #ifndef OPENBTF_ENCODER_PAPER_CHOOSE_EFFECTS_H
 #define OPENBTF_ENCODER_PAPER_CHOOSE_EFFECTS_H
 
-#include "options.h"
 #include "encoder/model/solution.h"
+#include "options.h"
 
 enum { ENC_PAPER_PROBE_LIGHTS = 3 }; /* whose flows are the probe's */
 enum { ENC_PAPER_SAMPLE = 256 };     /* texels that are measured */

@@ -4,11 +4,11 @@
  */
 #include "cluster.h"
 
-#include "encoder/base/stage.h"
-#include "encoder/math/kmeans.h"
 #include "cluster_split.h"
-#include "encoder/data/profiles.h"
 #include "encoder/base/ranks.h"
+#include "encoder/base/stage.h"
+#include "encoder/data/profiles.h"
+#include "encoder/math/kmeans.h"
 
 #include <assert.h>
 #include <math.h>

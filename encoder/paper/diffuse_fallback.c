@@ -4,8 +4,8 @@
  */
 #include "diffuse_fallback.h"
 
-#include "decoder/toolkit/progress.h"
 #include "choose_effects.h"
+#include "decoder/toolkit/progress.h"
 #include "encoder/base/ranks.h"
 
 #include <math.h>

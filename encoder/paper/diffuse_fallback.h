@@ -8,8 +8,8 @@
 #ifndef OPENBTF_ENCODER_PAPER_DIFFUSE_FALLBACK_H
 #define OPENBTF_ENCODER_PAPER_DIFFUSE_FALLBACK_H
 
-#include "options.h"
 #include "encoder/model/solution.h"
+#include "options.h"
 
 /* Compares what was found (SBRDF, shadow map, centre codes of `solution`, shifts and hidden points of
  * `occlusion`, NULL: none) with the diffuse fit: of each texel the term without lobes that is nearest to

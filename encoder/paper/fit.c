@@ -3,9 +3,9 @@
  * SPDX-License-Identifier: MIT
  */
 #include "fit.h"
-#include "shadow.h"
 #include "encoder/base/ranks.h"
 #include "encoder/base/stage.h"
+#include "shadow.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -4,10 +4,10 @@
  */
 #include "flow.h"
 
+#include "encoder/base/ranks.h"
+#include "encoder/base/stage.h"
 #include "flow_pair.h"
 #include "flow_prior.h"
-#include "encoder/base/stage.h"
-#include "encoder/base/ranks.h"
 
 #include <assert.h>
 #include <math.h>

@@ -6,11 +6,11 @@
 #define OPENBTF_ENCODER_PAPER_OPTIONS_H
 
 #include "cluster.h"
+#include "encoder/model/trial.h"
 #include "fit.h"
 #include "flow.h"
 #include "refine.h"
 #include "shadow.h"
-#include "encoder/model/trial.h"
 
 typedef struct enc_paper_options {
     enc_fit_options fit;

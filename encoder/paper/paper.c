@@ -6,8 +6,8 @@
 
 #include "choose_effects.h"
 #include "diffuse_fallback.h"
-#include "steps.h"
 #include "encoder/model/pack.h"
+#include "steps.h"
 
 #include <stdlib.h>
 #include <string.h>

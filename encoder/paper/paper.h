@@ -5,8 +5,8 @@
 #ifndef OPENBTF_ENCODER_PAPER_PAPER_H
 #define OPENBTF_ENCODER_PAPER_PAPER_H
 
-#include "options.h"
 #include "encoder/model/solution.h"
+#include "options.h"
 
 /* Runs fit, shadow, flow, refinement and clustering. out_occlusion may be NULL; it is set when flow ran.
  * Errors: those of the stages. On error *out_solution is zeroed. */

@@ -8,10 +8,10 @@
  */
 #include "refine.h"
 
-#include "norms.h"
+#include "encoder/base/ranks.h"
 #include "encoder/base/stage.h"
 #include "encoder/data/profiles.h"
-#include "encoder/base/ranks.h"
+#include "norms.h"
 
 #include <assert.h>
 #include <math.h>

@@ -4,13 +4,13 @@
  */
 #include "metrics.h"
 
+#include "encoder/base/ranks.h"
 #include "encoder/base/stage.h"
 #include "encoder/data/coincident.h"
 #include "encoder/data/level_filter.h"
+#include "encoder/math/srgb.h"
 #include "encoder/model/decode_samples.h"
 #include "ssim.h"
-#include "encoder/base/ranks.h"
-#include "encoder/math/srgb.h"
 
 #include <math.h>
 #include <stdlib.h>

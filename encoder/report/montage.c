@@ -5,8 +5,8 @@
 #include "montage.h"
 
 #include "canvas.h"
-#include "metrics.h"
 #include "encoder/math/srgb.h"
+#include "metrics.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -5,8 +5,8 @@
 #include "pictures.h"
 
 #include "canvas.h"
-#include "montage.h"
 #include "encoder/paper/shadow.h"
+#include "montage.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,5 +1,7 @@
 #!/bin/bash
 # Every option and exit code of btf-conform: BTF_CONFORM.
+#
+# SPDX-License-Identifier: MIT
 set -u
 conform=$1
 folder=$(mktemp -d)

@@ -1,5 +1,7 @@
 #!/bin/bash
 # Materials made from the shared data, on llvmpipe and softpipe: BTF_ENCODE BTF_CONFORM.
+#
+# SPDX-License-Identifier: MIT
 set -eu
 data=${BTF_SHARED:-$BTF_SOURCE_ROOT/../shared}/data
 folder=$(mktemp -d)

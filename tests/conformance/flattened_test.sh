@@ -1,5 +1,7 @@
 #!/bin/bash
 # glslangValidator takes every flattened variant for every version: GLSLANG FOLDER.
+#
+# SPDX-License-Identifier: MIT
 set -u
 validator=$1
 folder=$(mktemp -d)

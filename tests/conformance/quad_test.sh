@@ -1,5 +1,7 @@
 #!/bin/bash
 # Runs the example on a material: BTF_CONFORM QUAD. The picture must have its size and more than one colour.
+#
+# SPDX-License-Identifier: MIT
 set -eu
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

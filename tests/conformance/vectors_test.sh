@@ -1,6 +1,8 @@
 #!/bin/bash
 # Writes test vectors and replays them with the decoder in Python: BTF_CONFORM PYTHON REPLAY.
 # The replay must also find a vector that is changed.
+#
+# SPDX-License-Identifier: MIT
 set -eu
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,5 +1,7 @@
 #!/bin/bash
 # The examples: a forward shader with two materials and an ordinary one; Vulkan against the reference.
+#
+# SPDX-License-Identifier: MIT
 . "$BTF_SOURCE_ROOT/tests/tools/common.sh" || exit 99
 PATH=$build/decoder/examples:$PATH
 small_data

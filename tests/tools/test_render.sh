@@ -1,5 +1,7 @@
 #!/bin/bash
 # btf-render: the same picture on every device for every mesh and effect set, every option, every exit code.
+#
+# SPDX-License-Identifier: MIT
 . "$BTF_SOURCE_ROOT/tests/tools/common.sh" || exit 99
 PATH=$build/decoder/tools/render:$PATH
 small_data

@@ -1,5 +1,7 @@
 #!/bin/bash
 # btf-view under Xvfb: every key and mouse gesture as real events, screenshots, dropped files, no display, no GL.
+#
+# SPDX-License-Identifier: MIT
 . "$BTF_SOURCE_ROOT/tests/tools/common.sh" || exit 99
 PATH=$build/decoder/tools/view:$build/decoder/tools/render:$build/tests/tools:$PATH
 for tool in btf-view x_drop xdotool Xvfb; do
