@@ -347,6 +347,17 @@ static void note_space(reading *r) {
     }
 }
 
+/* A stereo picture in one part: its first view has the names without a layer. */
+static void note_views(reading *r) {
+    const exr_attribute_t *a;
+    if (r->choice.layer[0] ||
+        exr_get_attribute_by_name(r->context, r->choice.part, "multiView", &a) != EXR_ERR_SUCCESS ||
+        a->type != EXR_ATTR_STRING_VECTOR || a->stringvector->n_strings < 2)
+        return;
+    image_note(r->info, IMAGE_NOTE_PARTS, "EXR: of %d views \"%.60s\" is read (--layer %.60s reads another)",
+               (int)a->stringvector->n_strings, a->stringvector->strings[0].str, a->stringvector->strings[1].str);
+}
+
 static btf_result heed_attributes(reading *r) {
     const int part = r->choice.part;
     exr_attr_box2i_t display;
@@ -372,6 +383,7 @@ static btf_result heed_attributes(reading *r) {
                     envmap == EXR_ENVMAP_CUBE;
     take_chromaticities(r);
     note_space(r);
+    note_views(r);
     return BTF_OK;
 }
 

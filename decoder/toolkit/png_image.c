@@ -8,6 +8,7 @@
 #include "output.h"
 #include "png_text.h"
 
+#include <math.h>
 #include <png.h>
 #include <setjmp.h>
 #include <stdbool.h>
@@ -183,19 +184,29 @@ static void heed_code_points(const unsigned char *code, image_info *info) {
     }
 }
 
+/* gAMA 1 / 2.2 with Rec. 709's cHRM is what the PNG specification has writers of sRGB write beside the chunk
+ * sRGB, and what ImageMagick writes without it: sRGB is meant. */
 static void heed_gamma(const unsigned char *gamma, const unsigned char *chromaticities, image_info *info) {
+    bool stands_for_srgb = false;
     double c[8];
     for (int i = 0; i < 8 && chromaticities; i++)
         c[i] = number_at(chromaticities + 4 * i) / 1e5;
     if (chromaticities) {
         const primaries p = {{c[2], c[3]}, {c[4], c[5]}, {c[6], c[7]}, {c[0], c[1]}};
         image_info_primaries(info, "PNG cHRM", &p);
+        stands_for_srgb = primaries_are_rec709(&p) && gamma && fabs(number_at(gamma) - 45455.0) < 10.0;
     }
     if (!gamma)
         return;
     const double value = number_at(gamma) / 1e5;
     if (!(value >= 0.01 && value <= 100.0)) {
         image_note(info, IMAGE_NOTE_SPACE, "PNG: gAMA %g is not usable: taken as sRGB", value);
+        return;
+    }
+    if (stands_for_srgb) {
+        snprintf(info->transfer_name, sizeof info->transfer_name,
+                 "PNG: sRGB, for which gAMA %g and Rec. 709's cHRM stand,", value);
+        info->transfer = IMAGE_TRANSFER_SRGB;
         return;
     }
     snprintf(info->transfer_name, sizeof info->transfer_name, "PNG: gAMA %g", value);

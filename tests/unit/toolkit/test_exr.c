@@ -513,6 +513,21 @@ static void test_notes(void **state) {
         assert_true(info.notes.texts[k][0] == '\0');
 }
 
+/* The other view of a stereo picture in one part is told of. */
+static void test_views(void **state) {
+    (void)state;
+    static const char views[] = "\4\0\0\0left\5\0\0\0right";
+    bytes_part p = part_of(NULL, "B/G/R/right.B/right.G/right.R");
+    add(&p, "multiView", "stringvector", views, sizeof views - 1);
+    expect_channels(&p, 1, NULL, 3, bgr, NULL);
+    assert_non_null(strstr(info.notes.texts[IMAGE_NOTE_PARTS], "\"left\" is read (--layer right reads another)"));
+    expect_channels(&p, 1, "right", 3, (const int[]){5, 4, 3}, NULL);
+    assert_true(info.notes.texts[IMAGE_NOTE_PARTS][0] == '\0');
+    p.attributes[0].size = 8; /* one view */
+    expect_channels(&p, 1, NULL, 3, bgr, NULL);
+    assert_true(info.notes.texts[IMAGE_NOTE_PARTS][0] == '\0');
+}
+
 static float half_clear(int c, int x, int y) {
     return c == 0 && x == 1 && y == 2 ? 0.5f : 1.0f;
 }
@@ -608,6 +623,7 @@ int main(void) {
         cmocka_unit_test(test_compression),
         cmocka_unit_test(test_chromaticities),
         cmocka_unit_test(test_notes),
+        cmocka_unit_test(test_views),
         cmocka_unit_test(test_alpha),
         cmocka_unit_test(test_spectrum),
     };

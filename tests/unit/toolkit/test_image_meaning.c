@@ -202,6 +202,12 @@ static void test_png_primaries(void **state) {
         unsigned char values[32];
         for (int i = 0; i < 8; i++)
             put32(values + 4 * i, k ? wide[i] : same[i]);
+        unsigned char gamma[4];
+        put32(gamma, 45455);
+        bytes stands = plain_png(8, PNG_COLOR_TYPE_RGB); /* for sRGB, with the primaries of sRGB */
+        add_chunk(&stands, "gAMA", gamma, 4, false);
+        add_chunk(&stands, "cHRM", values, 32, false);
+        expect_curve(stands, k ? power22 : enc_srgb_decode);
         bytes b = plain_png(8, PNG_COLOR_TYPE_RGB);
         if (k == 2)
             add_chunk(&b, "sRGB", "", 1, false);
