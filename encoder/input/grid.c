@@ -286,7 +286,7 @@ static void survey(enc_angle_range *range, const enc_angles *a, size_t index, si
 static btf_result take_names(const enc_context *context, const enc_source *source,
                              const enc_read_options *options, named_image *images, size_t *out_count) {
     name_list list;
-    enc_angle_range range = {0};
+    enc_angle_range range = {.count = 0};
     size_t example[2] = {0};
     btf_result result = list_names(source, &list);
     if (result == BTF_OK)
@@ -306,13 +306,18 @@ static btf_result take_names(const enc_context *context, const enc_source *sourc
     return result;
 }
 
-/* Images by a table. */
+/* Images by a table, or by their names where it has none of them and need not. */
 static btf_result take_table(const enc_context *context, const enc_source *source,
                              const enc_read_options *options, named_image *images, size_t *out_count) {
     enc_names_table *table = NULL;
-    enc_angle_range range = {0};
+    enc_angle_range range = {.count = 0};
     size_t example[2] = {0};
-    btf_result result = enc_names_table_read(context, options->names, source, &table);
+    btf_result result =
+        enc_names_table_read(context, options->names, source, options->names_of_some, &table);
+    if (result == BTF_OK && enc_names_table_count(table) == 0) {
+        enc_names_table_destroy(&table);
+        return take_names(context, source, options, images, out_count);
+    }
     for (size_t i = 0; i < source->count && result == BTF_OK; i++) {
         const enc_angles *a = enc_names_table_angles(table, i);
         const origin o = {source, i, false};

@@ -94,7 +94,8 @@ static bool read_number(text *t, const char *points, double *out, const char **w
 }
 
 static void skip_unit(text *t) {
-    static const char *const units[] = {"degrees", "degree", "deg", "\xc2\xb0", "\xc2\xba", "\xcb\x9a"};
+    static const char *const units[] = {"degrees", "degree", "deg", "\xc2\xb0", "\xc2\xba", "\xcb\x9a",
+                                        "\xb0" /* of Latin 1 */};
     for (size_t i = 0; i < sizeof units / sizeof *units; i++) {
         if (begins(*t, units[i])) {
             t->p += strlen(units[i]);
@@ -352,7 +353,13 @@ bool enc_names_number(const char *string, bool comma, double *out) {
         return false;
     if (begins(t, "."))
         t.p++; /* "30." */
+    const text behind = t;
+    for (size_t n; (n = separator_length(t)) > 0 && *t.p != '-' && *t.p != '_' && *t.p != '=';)
+        t.p += n;
+    const char *const unit = t.p;
     skip_unit(&t);
+    if (t.p == unit)
+        t = behind;
     *out = negative ? 0.0 - *out : *out;
     return t.p == t.end;
 }

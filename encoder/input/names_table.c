@@ -19,6 +19,7 @@ enum { COLUMNS = 5 };
 struct enc_names_table {
     enc_angles *angles; /* [count of the source] */
     size_t *lines;      /* that gave them; 0: none did */
+    size_t n_found;
 };
 
 typedef struct named_path {
@@ -319,7 +320,7 @@ static btf_result judge(const table_reader *r) {
 }
 
 btf_result enc_names_table_read(const enc_context *context, const char *path, const enc_source *source,
-                                enc_names_table **out_table) {
+                                bool may_miss_all, enc_names_table **out_table) {
     table_reader r = {.source = source, .table = calloc(1, sizeof *r.table)};
     *out_table = NULL;
     btf_result result = enc_csv_open(context, path, &r.csv);
@@ -335,8 +336,15 @@ btf_result enc_names_table_read(const enc_context *context, const char *path, co
         sort_names(&r);
         result = read_rows(&r);
     }
-    if (result == BTF_OK)
+    if (result == BTF_OK && may_miss_all && r.n_found == 0 && r.n_absent > 0)
+        enc_log(context, BTF_LOG_WARNING,
+                "%s: none of its %zu files is among the %zu images of %s, which are read by their names: line "
+                "%zu: '%s'",
+                path, r.n_absent, source->count, source->location, r.first_absent, r.absent);
+    else if (result == BTF_OK)
         result = judge(&r);
+    if (result == BTF_OK)
+        r.table->n_found = r.n_found;
     enc_csv_close(&r.csv);
     free(r.by_name);
     if (result != BTF_OK)
@@ -356,4 +364,8 @@ void enc_names_table_destroy(enc_names_table **table) {
 
 const enc_angles *enc_names_table_angles(const enc_names_table *table, size_t index) {
     return table->lines[index] > 0 ? &table->angles[index] : NULL;
+}
+
+size_t enc_names_table_count(const enc_names_table *table) {
+    return table->n_found;
 }

@@ -329,6 +329,13 @@ static void test_table_and_files(void **state) {
     expect_said("first is line 1: 'nowhere.png'");
     expect_said("1 images are left out");
     expect_said("first is more.png");
+    /* a table of another set refuses this one, unless it need not be of this one */
+    write_text("table.csv", "nowhere.png,0,0,0,0\n");
+    set_expect_refused(set_folder, by_table(), BTF_ERROR_BAD_FILE, "none of its 1 files", NULL);
+    enc_read_options of_some = *by_table();
+    of_some.names_of_some = true;
+    set_expect_refused(set_folder, &of_some, BTF_ERROR_BAD_FILE, "which are read by their names",
+                       "none has a name with tl, pl, tv and pv", NULL);
     /* names with folders, and the folder of the set before them */
     write_table("table.csv", "", "tail/of/%s,%g,%g,%g,%g\n");
     set_expect_refused(set_folder, by_table(), BTF_ERROR_BAD_FILE, "none of its 20 files",

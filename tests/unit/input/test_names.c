@@ -183,7 +183,9 @@ static void test_number(void **state) {
     assert_true(enc_names_number("22,5", true, &x) && x == 22.5);
     assert_true(enc_names_number("\u221230\u00b0", false, &x) && x == -30);
     assert_true(enc_names_number("30.", false, &x) && x == 30);
-    static const char *const wrong[] = {"",    "-",   "x",   "1x", "1 2", "22,5",
+    assert_true(enc_names_number("31 \u00b0", false, &x) && x == 31);
+    assert_true(enc_names_number("32\xb0", false, &x) && x == 32);
+    static const char *const wrong[] = {"",    "-",   "x",   "1x", "1 2", "22,5", "1 -", "1 ",
                                         "nan", "inf", "0x1", "1e", "--1", "1rad"};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
         if (enc_names_number(wrong[i], false, &x))
