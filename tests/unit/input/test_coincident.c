@@ -101,6 +101,8 @@ static void test_refusals(void **state) {
         {"\n0 0 90 0\n", "line 2: theta 90 of the light"},
         {"15 0 16 0\n", "line 1: (15,0) is no view and light"},
         {"30 60 33 60\n30 420 34 60\n", "line 2: (30,420) a second time"},
+        {"", "the table holds no direction"},
+        {"theta phi theta_l phi_l\n# 0 0 5 90\n", "the table holds no direction"},
     };
     const enc_read_options options = {0};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
