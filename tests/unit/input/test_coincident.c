@@ -122,7 +122,7 @@ static void test_refusals(void **state) {
     assert_float_equal(enc_data_light(data, 0, 0)->theta, 5, 0);
     enc_data_destroy(&data);
     data = make_data();
-    snprintf(text, sizeof text, "\n#%05000d\n", 0);
+    snprintf(text, sizeof text, "\n#%05000d\n0 0 5 90\n", 0);
     write_table(text);
     assert_int_equal(enc_coincident_read(&context, path, &options, data), BTF_OK);
     enc_data_destroy(&data);
