@@ -42,7 +42,8 @@ expect "a material as input" 3 btf-encode mat.btf -o x.btf.exr -q
 expect_text "is told" "mat.btf: is an OpenEXR file" err
 expect "another ending to write" 1 btf-encode data -o mat.btf --method paper -q
 expect_text "is refused" "'mat.btf' does not end in .btf.exr" err
-for tool in btf-info btf-decode btf-encode btf-compare; do
+PATH=$build/tests/conformance:$build/tests/bench:$PATH
+for tool in btf-info btf-decode btf-encode btf-compare btf-sample btf-conform btf-bench; do
     $tool --help >out
     expect_that "$tool --help tells exit codes once" test "$(grep -ci '^ *exit codes' out)" = 1
 done
