@@ -27,7 +27,8 @@ static struct {
     uint32_t effects;
     int interpolation, worst, threads;
     bool json, no_ssim, pairs, leave_one_out, quiet;
-} o = {.effects = BTF_EFFECT_ALL, .interpolation = ENC_INTERPOLATE_LINEAR, .worst = 8};
+} o = {.read = {.names_of_some = true}, /* a table may be of one side alone */
+       .effects = BTF_EFFECT_ALL, .interpolation = ENC_INTERPOLATE_LINEAR, .worst = 8};
 
 static const cli_option table[] = {
     {.name = "json", .type = CLI_FLAG, .value = &o.json, .help = "print JSON"},
@@ -86,6 +87,7 @@ static const cli_program program = {
         "the reference decoder evaluates at the directions of the other; two materials are compared at\n"
         "those of A.",
     .details =
+        "--names TABLE is of those of A and B whose images it names; of the others their names count.\n\n"
         "Between the samples: one of A and B may hold single images at any directions, which their names\n"
         "say (tl12.5_pl30_tv40.25_pv110.exr) and which need not form a grid: pairs of a view and a light,\n"
         "such as btf-sample --between writes. The other is evaluated there: a material by the reference\n"

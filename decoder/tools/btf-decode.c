@@ -276,8 +276,22 @@ static bool is_directory(const char *path) {
     return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
 }
 
+/* Whether OUT, which is no folder, ends as images of formats do that are not written. */
+static bool ends_as_other_image(const char *path) {
+    static const char *const endings[] = {".jpg", ".jpeg", ".tif",  ".tiff",
+                                          ".hdr", ".bmp",  ".webp", ".zip"};
+    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
+        if (file_ends_in(path, endings[i]))
+            return !is_directory(path);
+    return false;
+}
+
 /* Picks the format by OUT's ending where --format does not. */
 static btf_result choose_format(void) {
+    const char *other = options.format == FORMAT_EXR ? ".png" : ".exr";
+    if (options.format_given && !options.all && file_ends_in(options.out, other))
+        return cli_error(&program, BTF_ERROR_USAGE,
+                         "option --format: '%s' has the ending of another format", options.out);
     if (options.format_given || options.all)
         return BTF_OK;
     if (file_ends_in(options.out, ".exr"))
@@ -295,6 +309,9 @@ static btf_result check_options(void) {
                          "option --output is missing: an image, or a directory for all images");
     if (options.all && (options.view_given || options.light_given))
         return cli_error(&program, BTF_ERROR_USAGE, "option --all: not together with --view or --light");
+    if (!options.all && ends_as_other_image(options.out))
+        return cli_error(&program, BTF_ERROR_USAGE,
+                         "option --output: '%s' ends neither in .png nor in .exr", options.out);
     const bool is_image = file_ends_in(options.out, ".png") || file_ends_in(options.out, ".exr");
     if (!options.view_given && !options.light_given && (!is_image || is_directory(options.out)))
         options.all = true;

@@ -108,6 +108,16 @@ static bool find_gain(const btf_material_error *errors, size_t count, uint32_t e
 
 enum { LABEL = 16, LINE = 100, MOST_RINGS = 16 };
 
+/* Prints a text of a file: control characters, which a terminal would obey, as \\xNN. Returns its
+ * columns. */
+static int print_safe(const char *text, int length) {
+    int columns = 0;
+    for (const char *c = text; c < text + length; c++)
+        columns += (unsigned char)*c < ' ' || *c == 0x7f ? printf("\\x%02x", (unsigned)(unsigned char)*c)
+                                                       : printf("%c", *c);
+    return columns;
+}
+
 /* Prints a label and words, wrapped at LINE columns where they have blanks. */
 static void print_wrapped(const char *label, const char *words) {
     int column = printf("  %-14s", label);
@@ -117,7 +127,7 @@ static void print_wrapped(const char *label, const char *words) {
             column = printf("\n%*s", LABEL, "") - 1;
         else if (column > LABEL)
             column += printf(" ");
-        column += printf("%.*s", length, words);
+        column += print_safe(words, length);
         words += length;
         words += strspn(words, " ");
     }
@@ -175,8 +185,8 @@ static void print_between(const btf_material *material) {
     const btf_between_errors e = btf_material_between_errors(material);
     if (e.row_count == 0)
         return;
-    printf("\nBetween the samples, estimated by leaving samples out, at double the gap (which overstates the error;\n"
-           "PSNR in dB, linear / sRGB):\n  %-14s%16s%22s\n",
+    printf("\nBetween the samples, estimated by leaving samples out, at double the gap (which overstates the\n"
+           "error; PSNR in dB, linear / sRGB):\n  %-14s%16s%22s\n",
            "left out", "material", "data, interpolated");
     for (uint32_t i = 0; i < e.row_count; i++) {
         const float *row = e.rows + (size_t)i * e.row_stride;
@@ -232,7 +242,8 @@ static void print_text(const char *path, uint64_t file_bytes, const btf_material
                        const btf_material_info *info) {
     const btf_directions views = btf_material_views(material), lights = btf_material_lights(material);
     double samples = 3.0 * info->width * info->height * info->n_views * info->n_lights;
-    printf("%s: OpenBTF material, format version %d\n", path, BTF_FORMAT_VERSION);
+    print_safe(path, (int)strlen(path));
+    printf(": OpenBTF material, format version %d\n", BTF_FORMAT_VERSION);
     printf("  %-14s%u x %u texels\n", "size", (unsigned)info->width, (unsigned)info->height);
     if (info->levels > 1)
         printf("  %-14s%u, down to %u x %u texels\n", "levels", (unsigned)info->levels,

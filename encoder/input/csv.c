@@ -7,6 +7,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 btf_result enc_csv_open(const enc_context *context, const char *path, enc_csv *out_csv) {
     *out_csv = (enc_csv){.context = context, .path = path};
@@ -18,7 +19,7 @@ void enc_csv_close(enc_csv *csv) {
 }
 
 bool enc_csv_has_decimal_commas(const enc_csv *csv) {
-    return csv->delimiter == ';' || csv->delimiter == '\t';
+    return csv->delimiter != ' '; /* a comma among fields between commas stood in quotes */
 }
 
 btf_result enc_csv_fail(const enc_csv *csv, const char *format, ...) {
@@ -108,8 +109,8 @@ btf_result enc_csv_next(enc_csv *csv, bool *out_more) {
         line += strspn(line, " ");
         csv->is_comment = *line == '#';
         line += csv->is_comment ? strspn(line, "# ") : 0;
-        if (!csv->delimiter && !csv->is_comment && strncmp(line, "sep=", 4) == 0 && line[4] && !line[5] &&
-            strchr("\t;,", line[4])) {
+        if (!csv->delimiter && !csv->is_comment && strncasecmp(line, "sep=", 4) == 0 && line[4] &&
+            !line[5] && strchr("\t;,", line[4])) {
             csv->delimiter = line[4];
             continue;
         }

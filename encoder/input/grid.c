@@ -132,6 +132,8 @@ typedef struct name_list {
     size_t incomplete, bad, counter, differs; /* the first of each */
     bool dash_is_minus;
     size_t plain; /* the first name that says so */
+    size_t n_frames, frame;
+    size_t n_dashes[ENC_NAME_KEYS], dash[ENC_NAME_KEYS]; /* names with a dash right behind this key */
 } name_list;
 
 static void note_first(size_t *count, size_t *first, bool holds, size_t index) {
@@ -154,6 +156,10 @@ static btf_result list_names(const enc_source *source, name_list *out) {
         note_first(&out->n_bad, &out->bad, verdict == ENC_NAME_BAD, i);
         note_first(&n_plain, &out->plain, verdict == ENC_NAME_READ && name->is_plain, i);
         note_first(&out->n_counters, &out->counter, verdict == ENC_NAME_READ && name->counter, i);
+        note_first(&out->n_frames, &out->frame, verdict == ENC_NAME_READ && name->like_frame, i);
+        for (int key = 0; key < ENC_NAME_KEYS; key++)
+            note_first(&out->n_dashes[key], &out->dash[key],
+                       verdict == ENC_NAME_READ && name->open_sign[key], i);
         note_first(&out->n_differ, &out->differs, verdict == ENC_NAME_READ && name->folders_differ, i);
     }
     out->dash_is_minus = n_plain > 0;
@@ -183,9 +189,21 @@ static btf_result judge_names(const enc_context *context, const enc_source *sour
     if (list->n_counters > 0)
         enc_log(
             context, BTF_LOG_WARNING,
-            "%s: %zu images have digits behind '_' or '-' after their last angle, which are taken for a "
-            "counter, not for decimals: first is %s",
+            "%s: %zu images have digits behind their last angle, which are taken for a counter, not for "
+            "decimals: first is %s",
             source->location, list->n_counters, source->paths[list->counter]);
+    if (list->n_frames == list->n_read && list->n_read > 1)
+        enc_log(context, BTF_LOG_WARNING,
+                "%s: of each of the %zu images the last angle alone has decimals: are they a frame number? "
+                "They are read as decimals: first is %s",
+                source->location, list->n_frames, source->paths[list->frame]);
+    for (int key = 0; key < ENC_NAME_KEYS && list->dash_is_minus; key++)
+        if (list->n_dashes[key] == list->n_read && list->n_read > 1)
+            enc_log(
+                context, BTF_LOG_WARNING,
+                "%s: all %zu images have a dash behind the key %s, which is read as a minus, since other "
+                "angles have none behind theirs: first is %s",
+                source->location, list->n_read, enc_names_key(key), source->paths[list->dash[key]]);
     if (list->n_differ > 0)
         enc_log(context, BTF_LOG_WARNING,
                 "%s: %zu images lie in folders whose names give other angles than what stands nearer to "
@@ -234,10 +252,19 @@ static btf_result add_image(const enc_context *context, const enc_read_options *
 /* Tells of angles that are read as degrees and look like something else. */
 static void doubt_units(const enc_context *context, const enc_source *source, const enc_angle_range *range,
                         const size_t example[2]) {
-    if (enc_angles_look_like_radians(range))
+    static const char *const seen[] = {[ENC_RADIANS_ALL] = "angle reaches 6.3",
+                                       [ENC_RADIANS_PHI] = "azimuth reaches 6.3",
+                                       [ENC_RADIANS_THETA] = "theta reaches 1.58"};
+    const enc_radians radians = enc_angles_look_like_radians(range);
+    if (radians != ENC_RADIANS_NONE)
         enc_log(context, BTF_LOG_WARNING,
-                "%s: no angle reaches 6.3 and none but 0 is whole: they look like radians, and are read as "
-                "degrees: first is %s",
+                "%s: no %s and few but 0 are whole: they look like radians, and are read as degrees: first "
+                "is %s",
+                source->location, seen[radians], source->paths[example[0]]);
+    if (enc_angles_look_like_indices(range))
+        enc_log(context, BTF_LOG_WARNING,
+                "%s: all thetas are whole and below 10: they look like numbers of directions, and are read "
+                "as degrees: first is %s",
                 source->location, source->paths[example[0]]);
     if (range->beyond > 0)
         enc_log(
@@ -247,9 +274,9 @@ static void doubt_units(const enc_context *context, const enc_source *source, co
 }
 
 static void survey(enc_angle_range *range, const enc_angles *a, size_t index, size_t example[2]) {
-    const size_t before[2] = {range->broken, range->beyond};
+    const size_t before[2] = {range->theta.broken + range->phi.broken, range->beyond};
     enc_angles_survey(range, a);
-    if (before[0] == 0 && range->broken > 0)
+    if (before[0] == 0 && range->theta.broken + range->phi.broken > 0)
         example[0] = index;
     if (before[1] == 0 && range->beyond > 0)
         example[1] = index;
@@ -259,7 +286,7 @@ static void survey(enc_angle_range *range, const enc_angles *a, size_t index, si
 static btf_result take_names(const enc_context *context, const enc_source *source,
                              const enc_read_options *options, named_image *images, size_t *out_count) {
     name_list list;
-    enc_angle_range range = {0};
+    enc_angle_range range = {.count = 0};
     size_t example[2] = {0};
     btf_result result = list_names(source, &list);
     if (result == BTF_OK)
@@ -279,13 +306,18 @@ static btf_result take_names(const enc_context *context, const enc_source *sourc
     return result;
 }
 
-/* Images by a table. */
+/* Images by a table, or by their names where it has none of them and need not. */
 static btf_result take_table(const enc_context *context, const enc_source *source,
                              const enc_read_options *options, named_image *images, size_t *out_count) {
     enc_names_table *table = NULL;
-    enc_angle_range range = {0};
+    enc_angle_range range = {.count = 0};
     size_t example[2] = {0};
-    btf_result result = enc_names_table_read(context, options->names, source, &table);
+    btf_result result =
+        enc_names_table_read(context, options->names, source, options->names_of_some, &table);
+    if (result == BTF_OK && enc_names_table_count(table) == 0) {
+        enc_names_table_destroy(&table);
+        return take_names(context, source, options, images, out_count);
+    }
     for (size_t i = 0; i < source->count && result == BTF_OK; i++) {
         const enc_angles *a = enc_names_table_angles(table, i);
         const origin o = {source, i, false};

@@ -77,7 +77,7 @@ static btf_result take_line(const enc_csv *csv, bool is_first, const enc_read_op
 btf_result enc_coincident_read(const enc_context *context, const char *path,
                                const enc_read_options *options, enc_data *data) {
     enc_csv csv;
-    bool more = true, is_first = true;
+    bool more = true, is_first = true, is_empty = true;
     btf_result result = enc_csv_open(context, path, &csv);
     if (result != BTF_OK)
         return result;
@@ -95,6 +95,10 @@ btf_result enc_coincident_read(const enc_context *context, const char *path,
             result = take_line(&csv, is_first, options, data);
         is_first = false;
     }
+    for (int v = 0; v < data->n_views && data->moved_light; v++)
+        is_empty = is_empty && data->moved_light[v].index < 0;
+    if (result == BTF_OK && is_empty)
+        result = enc_fail(context, BTF_ERROR_BAD_FILE, "%s: the table holds no direction", path);
     enc_csv_close(&csv);
     return result;
 }

@@ -14,7 +14,7 @@
  * begins a comment, and a first line without numbers is skipped with a warning. Azimuths are understood as
  * those of the data set (azimuth_cw, azimuth_offset). Errors, naming file and line: those of text_read;
  * BTF_ERROR_BAD_FILE (no numbers, a theta of the light that is not at least 0 and below 90, a direction
- * that is no view and light of the data, or twice), BTF_ERROR_MEMORY. */
+ * that is no view and light of the data, or twice; no direction at all), BTF_ERROR_MEMORY. */
 btf_result enc_coincident_read(const enc_context *context, const char *path,
                                const enc_read_options *options, enc_data *data);
 

@@ -11,7 +11,7 @@
 #include <strings.h>
 
 enum { KEYS = ENC_NAME_KEYS, MAX_DIGITS = 9, MAX_DECIMALS = 15, MAX_EXPONENT = 300 };
-static const char keys[KEYS][2] = {{'t', 'l'}, {'p', 'l'}, {'t', 'v'}, {'p', 'v'}};
+static const char keys[KEYS][3] = {"tl", "pl", "tv", "pv"};
 
 /* How far two angles may be apart and still be one value, in degrees. */
 static const double same = 1e-3;
@@ -94,7 +94,8 @@ static bool read_number(text *t, const char *points, double *out, const char **w
 }
 
 static void skip_unit(text *t) {
-    static const char *const units[] = {"degrees", "degree", "deg", "\xc2\xb0", "\xc2\xba", "\xcb\x9a"};
+    static const char *const units[] = {"degrees", "degree", "deg", "\xc2\xb0", "\xc2\xba", "\xcb\x9a",
+                                        "\xb0" /* of Latin 1 */};
     for (size_t i = 0; i < sizeof units / sizeof *units; i++) {
         if (begins(*t, units[i])) {
             t->p += strlen(units[i]);
@@ -103,29 +104,37 @@ static void skip_unit(text *t) {
     }
 }
 
-/* Whether an angle is over at t: what follows cannot be a part of its number. *counter: digits behind '_'
- * or '-' follow, and no other angle after them. */
+/* Behind an angle: characters that end it, be they separators or marks such as brackets. */
+static void skip_ends(text *t) {
+    for (size_t n;; t->p += n) {
+        n = separator_length(*t);
+        if (n == 0 && (t->p == t->end || !*t->p || !strchr("()[]{}&@#~!$|.,;:+", *t->p)))
+            return;
+        n = n > 0 ? n : 1;
+    }
+}
+
+/* Whether an angle is over at t: what follows cannot be a part of its number. *counter: other digits
+ * follow, and no other angle after them. */
 static bool is_over(text t, bool *counter, const char **why) {
     *why = NULL;
     if (t.p == t.end || key_of(t) < KEYS)
         return true;
-    if (separator_length(t) > 0) {
-        if ((*t.p == '_' || *t.p == '-') && digit_at(t, 1)) {
-            for (t.p++; digit_at(t, 0);)
-                t.p++;
-            for (size_t n; (n = separator_length(t)) > 0;)
-                t.p += n;
-            *counter = true;
-            if (key_of(t) < KEYS)
-                *why = "digits behind '_' or '-' before the next angle may be decimals";
-        }
-    } else if (begins(t, "rad") || begins(t, "grad") || begins(t, "gon")) {
-        *why = "angles are read in degrees only";
-    } else if (strchr(".,;:+", *t.p)) {
-        if (digit_at(t, 1))
+    text next = t;
+    skip_ends(&next);
+    if (next.p == t.p) {
+        *why = begins(t, "rad") || begins(t, "grad") || begins(t, "gon")
+                   ? "angles are read in degrees only"
+                   : "what follows the digits may be a part of the number";
+    } else if (digit_at(next, 0)) {
+        if (strspn(t.p, ".,;:+") >= (size_t)(next.p - t.p))
             *why = "this is no one number";
-    } else if (!strchr("()[]{}&@#~!$|", *t.p)) {
-        *why = "what follows the digits may be a part of the number";
+        while (digit_at(next, 0))
+            next.p++;
+        skip_ends(&next);
+        *counter = true;
+        if (!*why && key_of(next) < KEYS)
+            *why = "the digits before the next angle may be decimals";
     }
     return *why == NULL;
 }
@@ -135,7 +144,10 @@ typedef enum angle_kind { NO_ANGLE, GOOD_ANGLE, BAD_ANGLE } angle_kind;
 /* An angle as it stands behind a key. */
 typedef struct angle {
     double value;
-    bool open_sign, is_plain, counter;
+    bool open_sign, open_point, is_plain, counter;
+    bool has_decimals;
+    bool like_frame; /* the decimals could be a frame number: "30.0105", "30p1" */
+    bool is_guess;   /* of a BAD_ANGLE: perhaps another word, "plm2", which one that can be read outranks */
     const char *why; /* of a BAD_ANGLE */
 } angle;
 
@@ -145,9 +157,38 @@ static bool is_unclear_dash(text t) {
            (unsigned char)t.p[2] <= 0x95;
 }
 
+/* Whether digits follow something between key and number that may be a sign or a bracket: "plm60",
+ * "tl(15)". */
+static bool is_unclear_sign(text t, const char **why) {
+    static const char *const words[] = {"minus", "neg", "m", "n"};
+    const char *const begin = t.p;
+    for (size_t i = 0; i < sizeof words / sizeof *words && t.p == begin; i++)
+        if (begins(t, words[i]))
+            t.p += strlen(words[i]);
+    if (t.p == begin)
+        while (t.p < t.end && *t.p && strchr("()[]{}&@#~!$|,;:+-'*/", *t.p))
+            t.p++;
+    *why = "what stands between key and digits may be a sign";
+    return t.p > begin && digit_at(t, 0);
+}
+
+/* What the digits behind the point of a number look like. */
+static void judge_decimals(text number, angle *out) {
+    const char *point = number.p;
+    while (point < number.end && isdigit((unsigned char)*point))
+        point++;
+    const char *end = point + (point < number.end);
+    while (end < number.end && isdigit((unsigned char)*end))
+        end++;
+    out->has_decimals = end - point > 1;
+    out->like_frame = out->has_decimals && end == number.end &&
+                      (*point == 'p' || *point == 'P' || end - point > 3) &&
+                      strspn(point + 1, "0") < (size_t)(end - point - 1);
+}
+
 /* Reads an angle that follows a key: separators, a sign perhaps, a number. Moves t behind it. */
 static angle_kind read_angle(text *t, angle *out) {
-    const char *behind_key = t->p;
+    const char *const behind_key = t->p;
     *out = (angle){.is_plain = t->p < t->end && *t->p != '-'};
     for (size_t n; (n = separator_length(*t)) > 0;)
         t->p += n;
@@ -166,9 +207,12 @@ static angle_kind read_angle(text *t, angle *out) {
         t->p++;
     }
     if (!digit_at(*t, 0) && !(begins(*t, ".") && digit_at(*t, 1)))
-        return NO_ANGLE;
+        return (out->is_guess = is_unclear_sign(*t, &out->why)) ? BAD_ANGLE : NO_ANGLE;
+    out->open_point = t->p == behind_key && *t->p == '.';
+    const char *const number = t->p;
     if (!read_number(t, ".,pP", &out->value, &out->why))
         return BAD_ANGLE;
+    judge_decimals((text){number, t->p}, out);
     skip_unit(t);
     if (!is_over(*t, &out->counter, &out->why))
         return BAD_ANGLE;
@@ -186,23 +230,28 @@ typedef struct part {
 } part;
 
 static void scan(const char *begin, const char *end, part *out) {
+    const char *behind_angle = begin;
     *out = (part){.is_found = {false}};
     for (const char *p = begin; p + 2 < end;) {
         text t = {p + 2, end};
         angle a;
-        const int key = p == begin || !isalpha((unsigned char)p[-1]) ? key_of((text){p, end}) : KEYS;
+        const bool is_word = p == behind_angle || !isalpha((unsigned char)p[-1]);
+        const int key = is_word ? key_of((text){p, end}) : KEYS;
         const angle_kind kind = key < KEYS ? read_angle(&t, &a) : NO_ANGLE;
-        if (kind == NO_ANGLE) {
+        if (kind == NO_ANGLE || (a.is_guess && out->is_found[key])) {
             p++;
             continue;
         }
-        if (out->is_found[key] && (kind != out->kind[key] || a.value != out->angles[key].value))
+        if (out->is_found[key] && !out->angles[key].is_guess &&
+            (kind != out->kind[key] || a.value != out->angles[key].value))
             out->is_twice[key] = true;
+        a.like_frame = a.like_frame && t.p == end;
         out->is_found[key] = true;
         out->kind[key] = kind;
         out->angles[key] = a;
         out->where[key] = (text){p, end};
         p = kind == GOOD_ANGLE ? t.p : p + 2;
+        behind_angle = p;
     }
 }
 
@@ -211,7 +260,8 @@ typedef struct collected {
     enc_name *name;
     bool known[KEYS];
     double values[KEYS];
-    bool is_twice;
+    bool is_twice, like_frame;
+    int n_open_points, n_decimals;
 } collected;
 
 static void note_bad(enc_name *name, text where, const char *why) {
@@ -244,6 +294,9 @@ static void take(collected *c, const part *from) {
         c->name->open_sign[key] = a->open_sign;
         c->name->is_plain = c->name->is_plain || a->is_plain;
         c->name->counter = c->name->counter || a->counter;
+        c->n_open_points += a->open_point;
+        c->n_decimals += a->has_decimals;
+        c->like_frame = c->like_frame || a->like_frame;
         if (from->kind[key] == BAD_ANGLE)
             note_bad(c->name, from->where[key], a->why);
     }
@@ -256,7 +309,7 @@ enc_name_verdict enc_names_parse(const char *path, enc_name *out_name) {
     for (bool is_file = true;; is_file = false) {
         part p;
         const char *begin = end;
-        while (begin > path && begin[-1] != '/')
+        while (begin > path && begin[-1] != '/' && begin[-1] != '\\')
             begin--;
         scan(begin, is_file ? end_without_extension(begin, end) : end, &p);
         take(&c, &p);
@@ -264,10 +317,18 @@ enc_name_verdict enc_names_parse(const char *path, enc_name *out_name) {
             break;
         end = begin - 1;
     }
+    if (c.n_open_points == KEYS)
+        note_bad(out_name, (text){path, path + strlen(path)},
+                 "the points behind the keys may be decimal points or separators");
+    out_name->like_frame = c.like_frame && c.n_decimals == 1;
     out_name->angles = (enc_angles){c.values[0], c.values[1], c.values[2], c.values[3]};
     if (!(c.known[0] && c.known[1] && c.known[2] && c.known[3]) || c.is_twice)
         return ENC_NAME_INCOMPLETE;
     return out_name->why ? ENC_NAME_BAD : ENC_NAME_READ;
+}
+
+const char *enc_names_key(int key) {
+    return keys[key];
 }
 
 enc_angles enc_names_angles(const enc_name *name, bool dash_is_minus) {
@@ -292,32 +353,53 @@ bool enc_names_number(const char *string, bool comma, double *out) {
         return false;
     if (begins(t, "."))
         t.p++; /* "30." */
+    const text behind = t;
+    for (size_t n; (n = separator_length(t)) > 0 && *t.p != '-' && *t.p != '_' && *t.p != '=';)
+        t.p += n;
+    const char *const unit = t.p;
     skip_unit(&t);
+    if (t.p == unit)
+        t = behind;
     *out = negative ? 0.0 - *out : *out;
     return t.p == t.end;
 }
 
+static void survey_angle(enc_angle_spread *spread, double angle) {
+    const double value = fabs(angle);
+    spread->largest = fmax(spread->largest, value);
+    if (value > same && fabs(value - round(value)) <= 1e-9)
+        spread->whole++;
+    else if (value > same)
+        spread->broken++;
+}
+
 void enc_angles_survey(enc_angle_range *range, const enc_angles *a) {
-    const double values[KEYS] = {a->theta_light, a->phi_light, a->theta_view, a->phi_view};
-    for (int key = 0; key < KEYS; key++) {
-        const double value = fabs(values[key]);
-        range->largest = fmax(range->largest, value);
-        if (value > same && fabs(value - round(value)) <= 1e-9)
-            range->whole++;
-        else if (value > same)
-            range->broken++;
-    }
+    survey_angle(&range->theta, a->theta_light);
+    survey_angle(&range->theta, a->theta_view);
+    survey_angle(&range->phi, a->phi_light);
+    survey_angle(&range->phi, a->phi_view);
+    range->count++;
     range->beyond += fmax(fabs(a->phi_light), fabs(a->phi_view)) > 360.0 + same;
 }
 
-bool enc_angles_look_like_radians(const enc_angle_range *range) {
-    return range->largest < 6.3 && range->whole == 0 && range->broken > 0;
+enc_radians enc_angles_look_like_radians(const enc_angle_range *range) {
+    const enc_angle_spread *t = &range->theta, *p = &range->phi;
+    const double turn = 6.3, right_angle = 1.58; /* just above 2 pi and pi / 2 */
+    if (t->largest < turn && p->largest < turn)
+        return t->broken + p->broken > t->whole + p->whole ? ENC_RADIANS_ALL : ENC_RADIANS_NONE;
+    if (p->largest < turn && p->broken > p->whole)
+        return ENC_RADIANS_PHI;
+    return t->largest < right_angle && t->broken > t->whole ? ENC_RADIANS_THETA : ENC_RADIANS_NONE;
+}
+
+bool enc_angles_look_like_indices(const enc_angle_range *range) {
+    return range->count > 8 && range->theta.largest < 10.0 && range->theta.broken == 0;
 }
 
 /* Whether the extension of a path is in the list (ended by NULL), and nothing in the path is hidden. */
 static bool is_visible_with(const char *path, const char *const *extensions) {
     const char *name = path;
-    for (const char *slash; (slash = strchr(name, '/')); name = slash + 1) {
+    for (const char *slash; (slash = strpbrk(name, "/\\")); name = slash + 1) {
         const size_t length = (size_t)(slash - name);
         const bool here = length == 1 || (length == 2 && name[1] == '.');
         if ((name[0] == '.' && !here) || (length == 8 && memcmp(name, "__MACOSX", 8) == 0))

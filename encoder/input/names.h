@@ -28,16 +28,17 @@ typedef struct enc_name {
     enc_angles angles;             /* where open_sign, the dash is left aside */
     bool open_sign[ENC_NAME_KEYS]; /* "pv-90": this angle has just a dash between key and digits */
     bool is_plain;       /* an angle has something else than a dash behind its key: "pv90", "pv_90" */
-    bool counter;        /* digits that follow the last angle behind '_' or '-' were left aside: "pv7_5" */
+    bool counter;        /* digits that follow the last angle were left aside: "pv7_5", "pv7 (1)" */
+    bool like_frame;     /* the last angle alone has decimals, which look like a frame: "pv7.0105" */
     bool folders_differ; /* a folder gives a key another value than what counts */
     char bad[32];        /* what could not be read: "tl22x5" */
     const char *why;     /* and why not; static */
 } enc_name;
 
-/* Finds `tl`, `pl`, `tv` and `pv` in a path, each followed by an angle: in any order and case, with spaces,
- * underscores, dashes, equal signs or nothing between key and angle. A key does not count where a letter
- * stands before it. The file's extension is not part of the name. What the file name does not say is taken
- * from the nearest folder that does.
+/* Finds `tl`, `pl`, `tv` and `pv` in a path ('/' and '\\' separate its folders), each followed by an angle:
+ * in any order and case, with spaces, underscores, dashes, equal signs or nothing between key and angle. A
+ * key does not count where a letter stands before it. The file's extension is not part of the name. What
+ * the file name does not say is taken from the nearest folder that does.
  *
  * An angle is digits, perhaps with decimals behind '.', ',' or 'p' ("22.5", "22,5", "22p5"), perhaps with
  * an exponent that has a sign ("3.5e-15"), perhaps with a unit right behind it ("30deg", "30" and a degree
@@ -51,20 +52,38 @@ enc_name_verdict enc_names_parse(const char *path, enc_name *out_name);
  * key is no separator of that set. */
 enc_angles enc_names_angles(const enc_name *name, bool dash_is_minus);
 
+/* "tl", "pl", "tv" or "pv". */
+const char *enc_names_key(int key);
+
 /* Reads a whole text as an angle the way names are read, decimal commas only where `comma`. */
 bool enc_names_number(const char *text, bool comma, double *out);
 
-/* What the angles of a data set have in common, to tell units that are not degrees. Begins zeroed. */
-typedef struct enc_angle_range {
+typedef struct enc_angle_spread {
     double largest;       /* without sign */
     size_t whole, broken; /* numbers of angles, 0 aside */
-    size_t beyond;        /* images with an azimuth beyond 360 degrees, either way */
+} enc_angle_spread;
+
+/* What the angles of a data set have in common, to tell units that are not degrees. Begins zeroed. */
+typedef struct enc_angle_range {
+    enc_angle_spread theta, phi;
+    size_t count;  /* images */
+    size_t beyond; /* images with an azimuth beyond 360 degrees, either way */
 } enc_angle_range;
+
+typedef enum enc_radians {
+    ENC_RADIANS_NONE,
+    ENC_RADIANS_ALL,   /* no angle reaches 6.3, and few but 0 are whole */
+    ENC_RADIANS_PHI,   /* the same of the azimuths alone */
+    ENC_RADIANS_THETA, /* no theta reaches 1.58, and few but 0 are whole; azimuths do not look like radians
+                        */
+} enc_radians;
 
 void enc_angles_survey(enc_angle_range *range, const enc_angles *angles);
 
-/* Whether no angle reaches 6.3, and none but 0 is whole. */
-bool enc_angles_look_like_radians(const enc_angle_range *range);
+enc_radians enc_angles_look_like_radians(const enc_angle_range *range);
+
+/* Whether there are nine images or more, and all thetas are whole and below 10: numbers of directions? */
+bool enc_angles_look_like_indices(const enc_angle_range *range);
 
 /* Whether a path's extension is that of an image format that can be read, and nothing in it is hidden: no
  * name of a file or folder begins with a dot, nor is a folder "__MACOSX". */

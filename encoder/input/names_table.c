@@ -12,12 +12,14 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <unistd.h>
 
 enum { COLUMNS = 5 };
 
 struct enc_names_table {
     enc_angles *angles; /* [count of the source] */
     size_t *lines;      /* that gave them; 0: none did */
+    size_t n_found;
 };
 
 typedef struct named_path {
@@ -29,8 +31,9 @@ typedef struct table_reader {
     enc_csv csv;
     const enc_source *source;
     enc_names_table *table;
-    named_path *by_name;     /* the source's images, sorted by their names without folders */
-    char location[PATH_MAX]; /* of the source, without links, and without the ending of an archive */
+    named_path *by_name; /* the source's images, sorted by their names without folders */
+    /* Of the source, without the ending of an archive: without links, and as given. */
+    char location[PATH_MAX], given[PATH_MAX];
     bool has_columns;
     size_t column[COLUMNS]; /* where file, theta_v, phi_v, theta_l, phi_l stand */
     size_t n_found, n_absent, first_absent;
@@ -54,31 +57,34 @@ static void simplify(const char *heading, char out[24]) {
 
 /* The column that a heading names, or COLUMNS. */
 static int column_of(const char *heading) {
-    static const char *const words[COLUMNS][6] = {
+    static const char *const words[COLUMNS][8] = {
         {"file", "filename", "image", "imagename", "name", "path"},
-        {"thetav", "tv", "thetaview", "viewtheta", "thetacamera"},
-        {"phiv", "pv", "phiview", "viewphi", "phicamera"},
-        {"thetal", "tl", "thetalight", "lighttheta", "thetai"},
-        {"phil", "pl", "philight", "lightphi", "phii"},
+        {"thetav", "tv", "thetaview", "viewtheta", "thetacamera", "thetao", "thetaout", "thetar"},
+        {"phiv", "pv", "phiview", "viewphi", "phicamera", "phio", "phiout", "phir"},
+        {"thetal", "tl", "thetalight", "lighttheta", "thetai", "thetain", "thetasource"},
+        {"phil", "pl", "philight", "lightphi", "phii", "phiin", "phisource"},
     };
     char simple[24];
     simplify(heading, simple);
     for (int column = 0; column < COLUMNS; column++)
-        for (int i = 0; i < 6 && words[column][i]; i++)
+        for (int i = 0; i < 8 && words[column][i]; i++)
             if (strcmp(simple, words[column][i]) == 0)
                 return column;
     return COLUMNS;
 }
 
 /* Takes the line as headings if it has all five, each once. Returns the first that is missing, NULL for
- * none. */
-static const char *take_headings(table_reader *r) {
+ * none. *out_named: how many of them the line names. */
+static const char *take_headings(table_reader *r, int *out_named) {
     size_t seen[COLUMNS] = {0}, column[COLUMNS] = {0};
     for (size_t i = 0; i < r->csv.count; i++) {
         const int c = column_of(r->csv.fields[i]);
         if (c < COLUMNS && seen[c]++ == 0)
             column[c] = i;
     }
+    *out_named = 0;
+    for (int c = 0; c < COLUMNS; c++)
+        *out_named += seen[c] > 0;
     for (int c = 0; c < COLUMNS; c++)
         if (seen[c] != 1)
             return column_names[c];
@@ -170,7 +176,8 @@ static btf_result find_image(const table_reader *r, const char *name, size_t *ou
             *out_index = index;
             return BTF_OK;
         }
-        if (!is_tail(name, r->location, source->paths[index]))
+        if (!is_tail(name, r->location, source->paths[index]) &&
+            !is_tail(name, r->given, source->paths[index]))
             continue;
         if (matches++ > 0)
             return enc_csv_fail(&r->csv, "'%.100s' is the name of several images: %.100s, %.100s", name,
@@ -209,19 +216,19 @@ static btf_result take_row(table_reader *r) {
     return BTF_OK;
 }
 
+/* A comment is headings where it is the first line and names most of the columns. */
 static btf_result take_line(table_reader *r, bool is_first) {
-    if (r->csv.is_comment) {
-        if (is_first)
-            take_headings(r);
+    if (r->csv.is_comment && !is_first)
         return BTF_OK;
-    }
-    if (is_first && is_heading(&r->csv)) {
-        const char *missing = take_headings(r);
-        return missing ? enc_csv_fail(&r->csv,
-                                      "the headings name no column %s, or name it twice: expected file, "
-                                      "theta_v, phi_v, theta_l, phi_l, in degrees",
-                                      missing)
-                       : BTF_OK;
+    if (is_first && (r->csv.is_comment || is_heading(&r->csv))) {
+        int named;
+        const char *missing = take_headings(r, &named);
+        if (!missing || (r->csv.is_comment && (named < 3 || r->csv.count < COLUMNS)))
+            return BTF_OK;
+        return enc_csv_fail(&r->csv,
+                            "the headings name no column %s, or name it twice: expected file, theta_v, "
+                            "phi_v, theta_l, phi_l, in degrees",
+                            missing);
     }
     if (!r->has_columns)
         join_name(&r->csv);
@@ -259,20 +266,33 @@ static void sort_names(table_reader *r) {
     qsort(r->by_name, r->source->count, sizeof *r->by_name, by_base_name);
 }
 
-/* "folder/SET.tar.gz" to "/path/of/folder/SET". */
-static void settle_location(table_reader *r) {
+/* "folder/SET.tar.gz" to "folder/SET". */
+static void drop_ending(char *path) {
     static const char *const endings[] = {".tar.gz", ".tar.xz", ".tar.bz2", ".tar.zst",
                                           ".tgz",    ".zip",    ".tar",     ".7z"};
-    if (!realpath(r->source->location, r->location))
-        snprintf(r->location, sizeof r->location, "%s", r->source->location);
-    const size_t length = strlen(r->location);
+    const size_t length = strlen(path);
     for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
         const size_t end = strlen(endings[i]);
-        if (length > end && strcasecmp(r->location + length - end, endings[i]) == 0) {
-            r->location[length - end] = '\0';
+        if (length > end && strcasecmp(path + length - end, endings[i]) == 0) {
+            path[length - end] = '\0';
             return;
         }
     }
+}
+
+static void settle_location(table_reader *r) {
+    const char *given = r->source->location;
+    char folder[PATH_MAX] = "";
+    if (!realpath(given, r->location))
+        snprintf(r->location, sizeof r->location, "%s", given);
+    if (given[0] != '/' && getcwd(folder, sizeof folder))
+        snprintf(r->given, sizeof r->given, "%.*s/%s", (int)(sizeof r->given / 2), folder, given);
+    else
+        snprintf(r->given, sizeof r->given, "%s", given);
+    for (size_t n = strlen(r->given); n > 1 && r->given[n - 1] == '/';)
+        r->given[--n] = '\0';
+    drop_ending(r->location);
+    drop_ending(r->given);
 }
 
 static btf_result judge(const table_reader *r) {
@@ -300,7 +320,7 @@ static btf_result judge(const table_reader *r) {
 }
 
 btf_result enc_names_table_read(const enc_context *context, const char *path, const enc_source *source,
-                                enc_names_table **out_table) {
+                                bool may_miss_all, enc_names_table **out_table) {
     table_reader r = {.source = source, .table = calloc(1, sizeof *r.table)};
     *out_table = NULL;
     btf_result result = enc_csv_open(context, path, &r.csv);
@@ -316,8 +336,15 @@ btf_result enc_names_table_read(const enc_context *context, const char *path, co
         sort_names(&r);
         result = read_rows(&r);
     }
-    if (result == BTF_OK)
+    if (result == BTF_OK && may_miss_all && r.n_found == 0 && r.n_absent > 0)
+        enc_log(context, BTF_LOG_WARNING,
+                "%s: none of its %zu files is among the %zu images of %s, which are read by their names: line "
+                "%zu: '%s'",
+                path, r.n_absent, source->count, source->location, r.first_absent, r.absent);
+    else if (result == BTF_OK)
         result = judge(&r);
+    if (result == BTF_OK)
+        r.table->n_found = r.n_found;
     enc_csv_close(&r.csv);
     free(r.by_name);
     if (result != BTF_OK)
@@ -337,4 +364,8 @@ void enc_names_table_destroy(enc_names_table **table) {
 
 const enc_angles *enc_names_table_angles(const enc_names_table *table, size_t index) {
     return table->lines[index] > 0 ? &table->angles[index] : NULL;
+}
+
+size_t enc_names_table_count(const enc_names_table *table) {
+    return table->n_found;
 }

@@ -18,12 +18,15 @@ typedef struct enc_names_table enc_names_table;
  * Images that the table lacks, and files of it that are not there, are told as warnings with their number.
  * Errors, on the log with table, line and value: those of text_read; BTF_ERROR_BAD_FILE (a line that has
  * not these fields, a theta that is not at least 0 and below 90, an image twice, a file name that several
- * images have, no image of the source at all), BTF_ERROR_MEMORY. */
+ * images have, no image of the source at all unless `may_miss_all`), BTF_ERROR_MEMORY. */
 btf_result enc_names_table_read(const enc_context *context, const char *path, const enc_source *source,
-                                enc_names_table **out_table);
+                                bool may_miss_all, enc_names_table **out_table);
 void enc_names_table_destroy(enc_names_table **table);
 
 /* The angles of an image of the source, or NULL. */
 const enc_angles *enc_names_table_angles(const enc_names_table *table, size_t index);
+
+/* How many images of the source it names. */
+size_t enc_names_table_count(const enc_names_table *table);
 
 #endif

@@ -37,6 +37,7 @@ typedef struct enc_read_options {
     const char *layer;      /* of OpenEXR files: the layer, part or channel to read; NULL: the plain choice */
     const char *coincident; /* table of lights that stood elsewhere (light_positions.h); NULL: none */
     const char *names;      /* table of the images' directions (names_table.h); NULL: names say them */
+    bool names_of_some;     /* a data set none of whose images the table names is read by its names */
     bool strict;            /* refuse negative values instead of clamping them to 0 and counting them */
 } enc_read_options;
 

@@ -419,7 +419,7 @@ btf_result enc_read(const enc_context *context, const char *input, const enc_rea
     *out_data = NULL;
     btf_result result = check_options(used, options);
     if (result == BTF_OK)
-        result = options->names && enc_bonn_is(input)
+        result = options->names && !options->names_of_some && enc_bonn_is(input)
                      ? enc_fail(used, BTF_ERROR_USAGE,
                                 "%s: --names is for images, and this is a Bonn .btf file", input)
                  : enc_bonn_is(input) ? enc_read_bonn(used, input, options, out_data)

@@ -145,7 +145,13 @@ static btf_result read_entry(enc_source *source, size_t index, void **out_data, 
 
 static btf_result add_entry(archive_source *a, const char *name, size_t ordinal, size_t *n_allocated) {
     bool is_image;
-    const btf_result result = enc_source_add(&a->base, name, n_allocated, &is_image);
+    char *path = strdup(name);
+    if (!path)
+        return BTF_ERROR_MEMORY;
+    for (char *p = path; *p; p++)
+        *p = *p == '\\' ? '/' : *p; /* some programs of Windows separate folders so */
+    const btf_result result = enc_source_add(&a->base, path, n_allocated, &is_image);
+    free(path);
     if (result != BTF_OK || !is_image)
         return result;
     if (a->n_ordinals_allocated < *n_allocated) {

@@ -110,10 +110,7 @@ static const cli_program program = {
     .details =
         "A device that no context can be had for, or whose arithmetic fails the self-test, is not "
         "supported;\n"
-        "that is no failure as long as another device was checked.\n"
-        "\n"
-        "Exit codes: 0 conforming, 1 usage, 2 I/O, 3 bad file, 4 internal error, 5 no device could be\n"
-        "checked, 7 a difference.\n"
+        "that is no failure (5) as long as another device was checked.\n"
         "\n"
         "Fast math fails when more than one channel in 1000 is off by more than 1/128 of its value (of "
         "1/1024\n"

@@ -42,10 +42,17 @@ expect "a material as input" 3 btf-encode mat.btf -o x.btf.exr -q
 expect_text "is told" "mat.btf: is an OpenEXR file" err
 expect "another ending to write" 1 btf-encode data -o mat.btf --method paper -q
 expect_text "is refused" "'mat.btf' does not end in .btf.exr" err
-for tool in btf-info btf-decode btf-encode btf-compare; do
+PATH=$build/tests/conformance:$build/tests/bench:$PATH
+for tool in btf-info btf-decode btf-encode btf-compare btf-sample btf-conform btf-bench; do
     $tool --help >out
     expect_that "$tool --help tells exit codes once" test "$(grep -ci '^ *exit codes' out)" = 1
 done
+
+# Names may hold what a terminal would obey; tools print it as text.
+cp -r data $'da\e[31mta'
+btf-encode $'da\e[31mta' -o $'m\e[31m.btf.exr' --method paper -q --effects none
+expect "info of strange names" 0 btf-info $'m\e[31m.btf.exr'
+expect_that "has no control characters" python3 -c 'assert "\x1b" not in open("out").read() and "da\\x1b[31mta" in open("out").read()'
 
 # Directions that lie on no rings do not make a line of thousands of characters.
 expect_that "scattered directions" python3 - <<'P'
@@ -62,6 +69,11 @@ expect "are encoded" 0 btf-encode scattered -o scattered.btf.exr --method paper 
 expect "and told" 0 btf-info scattered.btf.exr
 expect_text "in short" "views +40: [34][0-9] angles from 0.* to [0-9.]+.* \\(--json lists them\\)" out
 expect_that "on lines of 100 columns" python3 -c 'assert max(len(l.rstrip("\n")) for l in open("out", encoding="utf-8")) <= 100'
+expect "an ending of another format" 1 btf-decode m.btf.exr -o one.jpg
+expect "an ending against --format" 1 btf-decode m.btf.exr -o one.png --format exr
+expect_that "write nothing" test ! -e one.jpg
+expect "--format for all images" 0 btf-decode m.btf.exr -o no_direction --format exr
+expect_that "is obeyed" test "$(find no_direction -name '*.exr' | wc -l)" -gt 4
 expect "all images as EXR" 0 btf-decode m.btf.exr -o exr --all --format exr
 expect "the EXR set" 0 btf-compare exr m.btf.exr --json -q
 expect_that "and agree exactly" python3 - <<'P'

@@ -194,6 +194,9 @@ expect "a model dropped" 0 x_drop "$window" seat.obj
 said "is shown" '^opened seat.obj'
 shoot dropped
 differ "and seen" moved.png dropped.png
+cp seat.obj seat.txt
+expect "a model without its ending dropped" 0 x_drop "$window" seat.txt
+said "is shown" '^opened seat.txt'
 press m '^model sphere'
 btf-sample -o other --relief bumps --size 12 --directions 0:1,45:4 --quiet
 btf-encode other -o other.btf.exr --method paper -q

@@ -32,9 +32,10 @@ typedef struct parser {
     const char *name, *p, *end;
     int line;
     const btf_log *log;
-    list lists[3]; /* positions, texture coordinates, normals: float[3] */
-    list corners;  /* of triangles, three by three */
-    list face;     /* corners of the face that is being read */
+    list lists[3];   /* positions, texture coordinates, normals: float[3] */
+    list corners;    /* of triangles, three by three */
+    list face;       /* corners of the face that is being read */
+    bool has_curves; /* a free-form curve or surface was met */
     btf_result result;
 } parser;
 
@@ -64,11 +65,16 @@ static bool push(parser *o, list *l, const void *item) {
 }
 
 static bool is_blank(char c) {
-    return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
+    return c == ' ' || c == '\t' || c == '\v' || c == '\f';
 }
 
 static bool at_end_of_line(const parser *o) {
-    return o->p == o->end || *o->p == '\n' || *o->p == '#';
+    return o->p == o->end || *o->p == '\n' || *o->p == '\r' || *o->p == '#';
+}
+
+/* A backslash that ends its line. */
+static bool at_continuation(const parser *o) {
+    return o->end - o->p > 1 && o->p[0] == '\\' && (o->p[1] == '\n' || o->p[1] == '\r');
 }
 
 /* Blanks, and line ends behind a backslash. */
@@ -76,7 +82,7 @@ static void skip_blanks(parser *o) {
     for (;;) {
         if (o->p < o->end && is_blank(*o->p)) {
             o->p++;
-        } else if (o->p + 1 < o->end && o->p[0] == '\\' && (o->p[1] == '\n' || o->p[1] == '\r')) {
+        } else if (at_continuation(o)) {
             o->p += o->p[1] == '\r' && o->p + 2 < o->end && o->p[2] == '\n' ? 3 : 2;
             o->line++;
         } else {
@@ -86,10 +92,10 @@ static void skip_blanks(parser *o) {
 }
 
 static void skip_line(parser *o) {
-    while (o->p < o->end && *o->p != '\n')
+    while (o->p < o->end && *o->p != '\n' && *o->p != '\r')
         o->p++;
     if (o->p < o->end)
-        o->p++;
+        o->p += o->end - o->p > 1 && o->p[0] == '\r' && o->p[1] == '\n' ? 2 : 1;
     o->line++;
 }
 
@@ -97,7 +103,7 @@ static void skip_line(parser *o) {
 static void read_word(parser *o, char *word, size_t size) {
     size_t length = 0;
     skip_blanks(o);
-    while (!at_end_of_line(o) && !is_blank(*o->p)) {
+    while (!at_end_of_line(o) && !is_blank(*o->p) && !at_continuation(o)) {
         if (length + 1 < size)
             word[length++] = *o->p;
         o->p++;
@@ -224,6 +230,15 @@ static void read_statement(parser *o) {
         read_vector(o, &o->lists[2], 3, "normal");
     else if (!strcmp(word, "f") || !strcmp(word, "fo")) /* the older name of a face */
         read_face(o);
+    else if ((!strcmp(word, "surf") || !strcmp(word, "curv") || !strcmp(word, "curv2")) && !o->has_curves) {
+        if (o->log && o->log->callback) {
+            char text[300];
+            snprintf(text, sizeof text, "%.200s:%d: '%s': free-form curves and surfaces are left out",
+                     o->name, o->line, word);
+            o->log->callback(o->log->user, BTF_LOG_WARNING, text);
+        }
+        o->has_curves = true;
+    }
 }
 
 /* Equal corners share a vertex: an open hash table of corner numbers. */

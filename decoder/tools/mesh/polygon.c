@@ -46,12 +46,21 @@ static int cell_of(const ring *r, double value, int axis) {
     return cell < 0 ? 0 : cell >= r->cells ? r->cells - 1 : (int)cell;
 }
 
-/* Whether a blunt corner lies in the triangle or on its edge, unless where a corner of it is: there a
- * polygon with a hole that is cut open touches itself. */
+/* Whether p lies beyond corner k of a triangle, between the two edges there. */
+static bool is_between_edges(const point t[3], int k, point p) {
+    return turn(t[k], t[(k + 1) % 3], p) > 0 && turn(t[(k + 2) % 3], t[k], p) > 0;
+}
+
+/* Whether a blunt corner lies in the triangle or on its edge. Where a corner of the triangle is, a polygon
+ * touches itself, as one with a hole that is cut open does: there an edge has to lead into the triangle. */
 static bool blocks(const ring *r, uint32_t corner, const point t[3]) {
     const point p = r->at[corner];
-    if (r->place[corner] == NONE || is_same(p, t[0]) || is_same(p, t[1]) || is_same(p, t[2]))
+    if (r->place[corner] == NONE)
         return false;
+    for (int k = 0; k < 3; k++)
+        if (is_same(p, t[k]))
+            return is_between_edges(t, k, r->at[r->previous[corner]]) ||
+                   is_between_edges(t, k, r->at[r->next[corner]]);
     return turn(t[0], t[1], p) >= 0 && turn(t[1], t[2], p) >= 0 && turn(t[2], t[0], p) >= 0;
 }
 
@@ -74,9 +83,12 @@ static bool is_blocked(const ring *r, const point t[3]) {
     return false;
 }
 
-/* Whether the triangle at a corner can be cut off: inside, of some area, and nothing of the rest in it. */
+/* Whether the triangle at a corner can be cut off: inside, of some area, and nothing of the rest in it; or
+ * without area, at a corner that is given twice or at the tip of an edge that is walked to and fro. */
 static bool is_ear(const ring *r, uint32_t corner) {
     const point t[3] = {r->at[r->previous[corner]], r->at[corner], r->at[r->next[corner]]};
+    if (is_same(t[0], t[1]) || is_same(t[1], t[2]) || is_same(t[2], t[0]))
+        return true;
     return turn_at(r, corner) > 0 && !is_blocked(r, t);
 }
 

@@ -115,10 +115,24 @@ static void on_scroll(GLFWwindow *window, double dx, double dy) {
     viewer_tell(v, text);
 }
 
+/* Whether a file is a model rather than a material, by its content: one that ends in .obj, or text that
+ * begins as statements or comments of OBJ do. */
+static bool is_model(const char *path) {
+    char begin[256] = "";
+    FILE *file = file_is_exr(path) ? NULL : fopen(path, "rb");
+    if (!file)
+        return false;
+    begin[fread(begin, 1, sizeof begin - 1, file)] = '\0';
+    fclose(file);
+    const char *text = begin + (strncmp(begin, "\xef\xbb\xbf", 3) == 0 ? 3 : 0);
+    text += strspn(text, " \t\r\n");
+    return file_ends_in(path, ".obj") || (*text && strchr("#vfgosmu", *text));
+}
+
 static void on_drop(GLFWwindow *window, int count, const char **paths) {
     viewer *v = viewer_of(window);
     for (int i = 0; i < count; i++) {
-        const bool is_mesh = file_ends_in(paths[i], ".obj") && !file_is_exr(paths[i]);
+        const bool is_mesh = is_model(paths[i]);
         btf_result result = is_mesh ? viewer_load_mesh(v, paths[i]) : viewer_load_material(v, paths[i]);
         if (!result && is_mesh)
             result = viewer_use_mesh(v);

@@ -101,6 +101,8 @@ static void test_refusals(void **state) {
         {"\n0 0 90 0\n", "line 2: theta 90 of the light"},
         {"15 0 16 0\n", "line 1: (15,0) is no view and light"},
         {"30 60 33 60\n30 420 34 60\n", "line 2: (30,420) a second time"},
+        {"", "the table holds no direction"},
+        {"theta phi theta_l phi_l\n# 0 0 5 90\n", "the table holds no direction"},
     };
     const enc_read_options options = {0};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
@@ -120,7 +122,7 @@ static void test_refusals(void **state) {
     assert_float_equal(enc_data_light(data, 0, 0)->theta, 5, 0);
     enc_data_destroy(&data);
     data = make_data();
-    snprintf(text, sizeof text, "\n#%05000d\n", 0);
+    snprintf(text, sizeof text, "\n#%05000d\n0 0 5 90\n", 0);
     write_table(text);
     assert_int_equal(enc_coincident_read(&context, path, &options, data), BTF_OK);
     enc_data_destroy(&data);

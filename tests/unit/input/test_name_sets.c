@@ -98,6 +98,29 @@ static void test_dashes(void **state) {
                        NULL);
 }
 
+/* Where every name has a dash behind the same key, the minus is told. */
+static void test_dash_behind_one_key(void **state) {
+    (void)state;
+    for (int v = 0; v < VIEWS; v++)
+        for (int l = 0; l < LIGHTS; l++) {
+            char name[128];
+            snprintf(name, sizeof name, "tv%g_pv-%g_tl%g_pl%g.png", set_views[v][0],
+                     fmod(360 - set_views[v][1], 360), set_lights[l][0], set_lights[l][1]);
+            write_image(v, l, name);
+        }
+    expect_whole(&plain);
+    expect_said("images have a dash behind the key pv, which is read as a minus");
+}
+
+/* A frame number behind a point is told, as it cannot be told from decimals. */
+static void test_frames(void **state) {
+    (void)state;
+    write_set("tv%03.0f_pv%03.0f_tl%03.0f_pl%03.0f.0001.png", 1);
+    enc_data *data = set_read_folder(&plain);
+    expect_said("the last angle alone has decimals: are they a frame number?");
+    enc_data_destroy(&data);
+}
+
 static void test_noise(void **state) {
     (void)state;
     static const double noise[] = {0, 4e-15, -4e-15, 5e-4, -4e-4};
@@ -139,6 +162,19 @@ static void test_radians(void **state) {
     enc_data_destroy(&data);
 }
 
+static void test_indices(void **state) {
+    (void)state;
+    for (int v = 0; v < 3; v++)
+        for (int l = 0; l < 3; l++) {
+            char name[128];
+            snprintf(name, sizeof name, "tv%d_pv%d_tl%d_pl%d.png", v, v * 2, l, l * 3);
+            write_image(v, l, name);
+        }
+    enc_data *data = set_read_folder(&plain);
+    expect_said("all thetas are whole and below 10: they look like numbers of directions");
+    enc_data_destroy(&data);
+}
+
 static void test_gradians(void **state) {
     (void)state;
     write_set("tv%.4f_pv%.4f_tl%.4f_pl%.4f.png", 1 / 0.9);
@@ -151,7 +187,7 @@ static void test_contradictions(void **state) {
     (void)state;
     write_set("tv%03g_pv%03g_tl%03g_pl%03g_01.png", 1);
     expect_whole(&plain);
-    expect_said("20 images have digits behind '_' or '-'");
+    expect_said("20 images have digits behind their last angle");
     assert_int_equal(mkdir(path_in("tv15"), 0777), 0);
     char from[PATH];
     snprintf(from, sizeof from, "%s", path_in("tv030_pv000_tl000_pl000_01.png"));
@@ -210,6 +246,8 @@ static void test_tables(void **state) {
          "\"%s\", %g, %g, %g, %g,,\r\n"},
         {"Image Name;Theta_V [deg];Phi_V [deg];ThetaL (deg);PhiL (deg)\n", "%s;%.1f;%.1f;%.1f;%.1f\n"},
         {"sep=;\n", "%s;%g;%g;%g;%g\n"},
+        {"SEP=,\n", "%s,%g,%g,%g,%g\n,,,,\n"},
+        {"# file, theta_o, phi_o, theta_i, phi_i\n", "%s,%g,%g,%g,%g\n"},
         {"", "%s\t%g\t%g\t%g\t%g\r"},
         {"", ".\\%s\t%g\xc2\xb0\t%g\t+%g\t%g\n"},
     };
@@ -217,6 +255,40 @@ static void test_tables(void **state) {
         write_table("table.csv", cases[i].head, cases[i].format);
         expect_silent(by_table());
     }
+}
+
+/* Spreadsheets where the comma is the decimal point, and that separate by commas all the same, quote it. */
+static void test_quoted_commas(void **state) {
+    (void)state;
+    write_table("table.csv", "file,tv,pv,tl,pl\n", "%s,\"%.1f\",\"%.1f\",\"%.1f\",\"%.1f\"\n");
+    char text[4096] = "";
+    FILE *file = fopen(path_in("table.csv"), "r");
+    assert_non_null(file);
+    assert_true(fread(text, 1, sizeof text - 1, file) > 0);
+    fclose(file);
+    for (char *p = text; *p; p++)
+        if (*p == '.' && p[2] == '"')
+            *p = ',';
+    write_text("table.csv", text);
+    expect_silent(by_table());
+}
+
+/* The folder of the set may be named as it was given, though it is a link. */
+static void test_table_through_link(void **state) {
+    (void)state;
+    char link[PATH + 8], format[2 * PATH];
+    snprintf(link, sizeof link, "%s.link", set_folder);
+    assert_int_equal(symlink(set_folder, link), 0);
+    snprintf(format, sizeof format, "%s/%%s,%%g,%%g,%%g,%%g\n", link);
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wformat-nonliteral"
+    write_table("table.csv", "", format);
+#pragma GCC diagnostic pop
+    enc_data *data = NULL;
+    assert_int_equal(enc_read(&set_context, link, by_table(), &data), BTF_OK);
+    set_expect(data, 1e-7);
+    enc_data_destroy(&data);
+    unlink(link);
 }
 
 /* Headings give columns another order, and decimal commas are read where ';' separates. */
@@ -237,6 +309,9 @@ static void test_headings(void **state) {
         }
     fclose(file);
     expect_silent(by_table());
+    write_text("table.csv", "# file, theta_l, phi_l, theta_v, azimuth\na.png,0,0,0,0\n");
+    set_expect_refused(set_folder, by_table(), BTF_ERROR_BAD_FILE, "table.csv: line 1", "no column phi_v",
+                       NULL);
     write_text("table.csv", "file,theta_l,phi_l,theta_v,azimuth\na.png,0,0,0,0\n");
     set_expect_refused(set_folder, by_table(), BTF_ERROR_BAD_FILE, "table.csv: line 1", "no column phi_v",
                        NULL);
@@ -254,6 +329,13 @@ static void test_table_and_files(void **state) {
     expect_said("first is line 1: 'nowhere.png'");
     expect_said("1 images are left out");
     expect_said("first is more.png");
+    /* a table of another set refuses this one, unless it need not be of this one */
+    write_text("table.csv", "nowhere.png,0,0,0,0\n");
+    set_expect_refused(set_folder, by_table(), BTF_ERROR_BAD_FILE, "none of its 1 files", NULL);
+    enc_read_options of_some = *by_table();
+    of_some.names_of_some = true;
+    set_expect_refused(set_folder, &of_some, BTF_ERROR_BAD_FILE, "which are read by their names",
+                       "none has a name with tl, pl, tv and pv", NULL);
     /* names with folders, and the folder of the set before them */
     write_table("table.csv", "", "tail/of/%s,%g,%g,%g,%g\n");
     set_expect_refused(set_folder, by_table(), BTF_ERROR_BAD_FILE, "none of its 20 files",
@@ -361,13 +443,25 @@ static void test_unreadable_folder(void **state) {
 int main(void) {
 #define IN_FOLDER(test) cmocka_unit_test_setup_teardown(test, set_make_folder, set_remove_folder)
     const struct CMUnitTest tests[] = {
-        IN_FOLDER(test_negative),        IN_FOLDER(test_dashes),
-        IN_FOLDER(test_noise),           IN_FOLDER(test_decimals),
-        IN_FOLDER(test_radians),         IN_FOLDER(test_gradians),
-        IN_FOLDER(test_contradictions),  IN_FOLDER(test_elevation),
-        IN_FOLDER(test_tables),          IN_FOLDER(test_headings),
-        IN_FOLDER(test_table_and_files), IN_FOLDER(test_bad_tables),
-        IN_FOLDER(test_folders),         IN_FOLDER(test_unreadable_folder),
+        IN_FOLDER(test_negative),
+        IN_FOLDER(test_dashes),
+        IN_FOLDER(test_dash_behind_one_key),
+        IN_FOLDER(test_frames),
+        IN_FOLDER(test_indices),
+        IN_FOLDER(test_quoted_commas),
+        IN_FOLDER(test_table_through_link),
+        IN_FOLDER(test_noise),
+        IN_FOLDER(test_decimals),
+        IN_FOLDER(test_radians),
+        IN_FOLDER(test_gradians),
+        IN_FOLDER(test_contradictions),
+        IN_FOLDER(test_elevation),
+        IN_FOLDER(test_tables),
+        IN_FOLDER(test_headings),
+        IN_FOLDER(test_table_and_files),
+        IN_FOLDER(test_bad_tables),
+        IN_FOLDER(test_folders),
+        IN_FOLDER(test_unreadable_folder),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

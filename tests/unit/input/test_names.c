@@ -112,6 +112,17 @@ static void test_numbers(void **state) {
     expect_bad("tl1+2 pl0 tv0 pv0.png", "tl1+2 pl0 tv0 pv0", "no one number");
     expect_bad("tl30:15 pl0 tv0 pv0.png", "tl30:15 pl0 tv0 pv0", "no one number");
     expect_bad("tl0x1f pl0 tv0 pv0.png", "tl0x1f pl0 tv0 pv0", "part of the number");
+    expect_bad("tl22 5 pl30 tv0 pv0.png", "tl22 5 pl30 tv0 pv0", "decimals");
+    expect_bad("tl22__5_pl30 tv0 pv0.png", "tl22__5_pl30 tv0 pv0", "decimals");
+    expect_bad("tl22 .5 pl30 tv0 pv0.png", "tl22 .5 pl30 tv0 pv0", "decimals");
+    expect_bad("tl22~5 pl30 tv0 pv0.png", "tl22~5 pl30 tv0 pv0", "decimals");
+    expect_bad("tl22(5)pl30 tv0 pv0.png", "tl22(5)pl30 tv0 pv0", "decimals");
+    expect_bad("tl22.,5 pl30 tv0 pv0.png", "tl22.,5 pl30 tv0 pv0", "no one number");
+    expect("tl30degpl60degtv15degpv7.png", 30, 60, 15, 7);
+    /* a point behind one key is decimal, behind every key it may separate */
+    expect_bad("tl.30_pl.60_tv.15_pv.30.png", "tl.30_pl.60_tv.15_pv.30.png", "separators");
+    expect("tl.5_pl.5_tv.5_pv0.png", 0.5, 0.5, 0.5, 0);
+    expect("tl_.5_pl_.5_tv_.5_pv_.5.png", 0.5, 0.5, 0.5, 0.5);
     expect_bad("tl1f pl0 tv0 pv0.png", "tl1f pl0 tv0 pv0", "part of the number");
     expect_bad("tl30'15 pl0 tv0 pv0.png", "tl30'15 pl0 tv0 pv0", "part of the number");
     expect_bad("tl22%2E5 pl0 tv0 pv0.png", "tl22%2E5 pl0 tv0 pv0", "part of the number");
@@ -121,6 +132,11 @@ static void test_numbers(void **state) {
     expect_bad("tl3e+99 pl0 tv0 pv0.png", "tl3e+99 pl0 tv0 pv0", "too large");
     expect_bad("tl0.5rad pl0 tv0 pv0.png", "tl0.5rad pl0 tv0 pv0", "degrees only");
     expect_bad("tl50gon pl0 tv0 pv0.png", "tl50gon pl0 tv0 pv0", "degrees only");
+    expect_bad("pl5/tl30 plm60 tv15 pv30.png", "plm60 tv15 pv30", "sign");
+    expect_bad("pl5/tl30 pl~60 tv15 pv30.png", "pl~60 tv15 pv30", "sign");
+    expect_bad("pl5/tl30 pl(60) tv15 pv30.png", "pl(60) tv15 pv30", "sign");
+    expect("plm2_tl30_pl60_tv15_pv30.png", 30, 60, 15, 30); /* another word */
+    expect("tl30_pl60_tv15_pv30_plm2.png", 30, 60, 15, 30);
     expect_bad("tv5/tl0 pl0 tv22x5 pv0.png", "tv22x5 pv0", "part of the number"); /* no folder helps out */
     expect("tv22x5/tl0 pl0 tv5 pv0.png", 0, 0, 5, 0); /* nor spoils what it has no say in */
 }
@@ -129,18 +145,33 @@ static void test_doubts(void **state) {
     (void)state;
     static const struct {
         const char *path;
-        bool counter, differs;
+        bool counter, differs, frame;
     } cases[] = {
-        {"tl1 pl2 tv3 pv4.png", false, false},           {"tl1_pl2_tv3_pv7_5.png", true, false},
-        {"tl1-pl2-tv3-pv4-05.png", true, false},         {"tl1_pl2_tv3_pv4_take5.png", false, false},
-        {"tv3_pv4/tl1 pl2 tv3.0 pv4.png", false, false}, {"tv30_pv4/tl1 pl2 tv3 pv4.png", false, true},
-        {"tv3_pv4_2/tl1 pl2.png", true, false},
+        {"tl1 pl2 tv3 pv4.png", false, false, false},
+        {"tl1_pl2_tv3_pv7_5.png", true, false, false},
+        {"tl1-pl2-tv3-pv4-05.png", true, false, false},
+        {"tl1_pl2_tv3_pv4_take5.png", false, false, false},
+        {"tv3_pv4/tl1 pl2 tv3.0 pv4.png", false, false, false},
+        {"tv30_pv4/tl1 pl2 tv3 pv4.png", false, true, false},
+        {"tv3_pv4_2/tl1 pl2.png", true, false, false},
+        {"tl1 pl2 tv3 pv4 0001.png", true, false, false},
+        {"tl1 pl2 tv3 pv4 (1).png", true, false, false},
+        {"tl1 pl2 tv3 pv4(1).png", true, false, false},
+        {"tl1 pl2 tv3 pv4 - Copy.png", false, false, false},
+        {"tl1 pl2 tv3 pv4_v2.png", false, false, false},
+        {"tl1_pl2_tv3_pv4.0105.png", false, false, true},
+        {"tl1_pl2_tv3_pv4p1.png", false, false, true},
+        {"tl1_pl2_tv3_pv4.5.png", false, false, false},
+        {"tl1_pl2_tv3_pv4.000.png", false, false, false},
+        {"tl1.5_pl2_tv3_pv4.0105.png", false, false, false},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         enc_name name;
         assert_int_equal(enc_names_parse(cases[i].path, &name), ENC_NAME_READ);
-        if (name.counter != cases[i].counter || name.folders_differ != cases[i].differs)
-            fail_msg("%s: counter %d, differs %d", cases[i].path, name.counter, name.folders_differ);
+        if (name.counter != cases[i].counter || name.folders_differ != cases[i].differs ||
+            name.like_frame != cases[i].frame)
+            fail_msg("%s: counter %d, differs %d, frame %d", cases[i].path, name.counter,
+                     name.folders_differ, name.like_frame);
     }
 }
 
@@ -152,7 +183,9 @@ static void test_number(void **state) {
     assert_true(enc_names_number("22,5", true, &x) && x == 22.5);
     assert_true(enc_names_number("\u221230\u00b0", false, &x) && x == -30);
     assert_true(enc_names_number("30.", false, &x) && x == 30);
-    static const char *const wrong[] = {"",    "-",   "x",   "1x", "1 2", "22,5",
+    assert_true(enc_names_number("31 \u00b0", false, &x) && x == 31);
+    assert_true(enc_names_number("32\xb0", false, &x) && x == 32);
+    static const char *const wrong[] = {"",    "-",   "x",   "1x", "1 2", "22,5", "1 -", "1 ",
                                         "nan", "inf", "0x1", "1e", "--1", "1rad"};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
         if (enc_names_number(wrong[i], false, &x))
@@ -161,23 +194,27 @@ static void test_number(void **state) {
 
 static void test_units(void **state) {
     (void)state;
-    const enc_angles degrees = {30, 6, 0.5, 0}, radians = {0.5236, 3.1416, 0, 0},
-                     gradians = {50, 399, 0, -361};
-    enc_angle_range range = {0};
-    enc_angles_survey(&range, &radians);
-    assert_true(enc_angles_look_like_radians(&range));
-    enc_angles_survey(&range, &(enc_angles){0, 0, 1.0472, -6.2});
-    assert_true(enc_angles_look_like_radians(&range));
-    enc_angles_survey(&range, &degrees);
-    assert_false(enc_angles_look_like_radians(&range));
-    range = (enc_angle_range){0};
-    enc_angles_survey(&range, &(enc_angles){0, 0, 0, 0}); /* one direction says nothing */
-    assert_false(enc_angles_look_like_radians(&range));
-    enc_angles_survey(&range, &(enc_angles){5, 0, 0.5, 0});
-    assert_false(enc_angles_look_like_radians(&range));
-    assert_int_equal(range.beyond, 0);
-    enc_angles_survey(&range, &gradians);
-    assert_int_equal(range.beyond, 1);
+    static const struct {
+        enc_angles angles[2];
+        enc_radians radians;
+        size_t beyond;
+    } cases[] = {
+        {{{30, 6, 0.5, 0}, {0, 0, 0, 0}}, ENC_RADIANS_NONE, 0},
+        {{{0.5236, 3.1416, 0, 0}, {0, 0, 1.0472, -6.2}}, ENC_RADIANS_ALL, 0},
+        {{{0.5, 3.1416, 0, 0}, {1, 1.5708, 0.5, 1.5708}}, ENC_RADIANS_ALL, 0}, /* one of them is whole */
+        {{{0, 0, 0, 0}, {0, 0, 0, 0}}, ENC_RADIANS_NONE, 0}, /* no direction but the pole */
+        {{{5, 0, 0.5, 0}, {0, 0, 0, 0}}, ENC_RADIANS_NONE, 0},
+        {{{30, 1.5708, 15, 3.1416}, {0, 0, 45, 0}}, ENC_RADIANS_PHI, 0},
+        {{{0.5236, 90, 0.2618, 180}, {0, 0, 1.0472, 0}}, ENC_RADIANS_THETA, 0},
+        {{{50, 399, 0, -361}, {50, 360, 0, 0}}, ENC_RADIANS_NONE, 1},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        enc_angle_range range = {.beyond = 0};
+        enc_angles_survey(&range, &cases[i].angles[0]);
+        enc_angles_survey(&range, &cases[i].angles[1]);
+        assert_int_equal(enc_angles_look_like_radians(&range), cases[i].radians);
+        assert_int_equal(range.beyond, cases[i].beyond);
+    }
 }
 
 static void test_decimals(void **state) {
@@ -192,6 +229,7 @@ static void test_decimals(void **state) {
 static void test_folders(void **state) {
     (void)state;
     expect("tv030_pv060/tl015 pl090.png", 15, 90, 30, 60);
+    expect("set\\tv030_pv060\\tl015 pl090.png", 15, 90, 30, 60); /* of an archive made by Windows */
     expect("a/tv30/pv60/b/tl15/pl90/image.png", 15, 90, 30, 60);
     /* the file name outranks folders, near folders far ones */
     expect("tl1 pl1 tv1 pv1/tv2/tl3 pl4.png", 3, 4, 2, 1);
@@ -231,6 +269,7 @@ static void test_extensions(void **state) {
     assert_true(enc_names_is_image("./a/../b.jpg"));
     assert_false(enc_names_is_image(".thumbs/b.jpg"));
     assert_false(enc_names_is_image("set/__MACOSX/b.jpg"));
+    assert_false(enc_names_is_image("set\\__MACOSX\\b.jpg"));
     assert_false(enc_names_is_image("Thumbs.db"));
     assert_true(enc_names_is_foreign_image("b.TIF"));
     assert_false(enc_names_is_foreign_image("b.png"));

@@ -1,5 +1,5 @@
-/* Where samples lie (encoder/data/data.h, encoder/input/source.h): in memory or a scratch file, read from archives,
- * and sets of
+/* Where samples lie (encoder/data/data.h, encoder/input/source.h): in memory or a scratch file, read from
+ * archives, and sets of
  * ../shared against another reader's values.
  *
  * SPDX-License-Identifier: MIT
@@ -123,7 +123,7 @@ static void add_to_archive(struct archive *archive, const char *name, const void
 }
 
 /* Packs the set into `path`: lights outside, views inside, and names that would leave a folder if
- * extracted. */
+ * extracted, every second one as some programs of Windows write them. */
 static void write_archive(const char *path, bool zip) {
     struct archive *archive = archive_write_new();
     if (zip) {
@@ -141,10 +141,12 @@ static void write_archive(const char *path, bool zip) {
             void *data = read_whole_file(set_name_of(UBO, v, l, "png"), &size);
             snprintf(name, sizeof name, "%s/tv%g_pv%g/tl%g pl%g.png", l % 2 ? "../../.." : "/absolute",
                      set_views[v][0], set_views[v][1], set_lights[l][0], set_lights[l][1]);
+            for (char *p = name; *p && l % 2; p++)
+                *p = *p == '/' ? '\\' : *p;
             add_to_archive(archive, name, data, size);
             free(data);
-            snprintf(name, sizeof name, "__MACOSX/._tv%g_pv%g tl%g pl%g.png", set_views[v][0],
-                     set_views[v][1], set_lights[l][0], set_lights[l][1]);
+            snprintf(name, sizeof name, "__MACOSX%c._tv%g_pv%g tl%g pl%g.png", l % 2 ? '\\' : '/',
+                     set_views[v][0], set_views[v][1], set_lights[l][0], set_lights[l][1]);
             add_to_archive(archive, name, "x", 1);
         }
     assert_int_equal(archive_write_free(archive), ARCHIVE_OK);

@@ -55,6 +55,26 @@ static void test_quad(void **state) {
     mesh_destroy(&m);
 }
 
+/* Lines that end in CR alone, a line that goes on right behind a word, and surfaces, which are told once.
+ */
+static void test_lines(void **state) {
+    (void)state;
+    static const char mac[] = "v 0 0 0\rv 1 0 0\rv 0 1 0\r# x\rvt 0 0\rf 1/1\\\r2/1 \\\r 3/1\r";
+    static const char joined[] = "v 0 0\\\n0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1\\\r\n2/1 3/1\\\n\n";
+    static const char curves[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n"
+                                 "surf 0 1 0 1 1 2 3\nend\ncurv 0 1 1 2\n";
+    mesh *m;
+    assert_int_equal(parse(mac, strlen(mac), &m), BTF_OK);
+    assert_int_equal(m->triangle_count, 1);
+    mesh_destroy(&m);
+    assert_int_equal(parse(joined, strlen(joined), &m), BTF_OK);
+    assert_int_equal(m->vertex_count, 3);
+    mesh_destroy(&m);
+    assert_int_equal(parse(curves, strlen(curves), &m), BTF_OK);
+    assert_string_equal(last, "a.obj:6: 'surf': free-form curves and surfaces are left out");
+    mesh_destroy(&m);
+}
+
 /* Negative indices, given normals, and the last line without an end. */
 static void test_references(void **state) {
     (void)state;
@@ -186,12 +206,23 @@ static void test_concave(void **state) {
     static const double hole[10][2] = {{0, 0}, {4, 0}, {4, 4}, {0, 4}, {0, 0},
                                        {1, 1}, {1, 3}, {3, 3}, {3, 1}, {1, 1}};
     static const double twice[6][2] = {{0, 0}, {0, 0}, {2, 0}, {1, 1}, {1, 1}, {0, 2}};
+    static const double thrice[12][2] = {{1, -1},   {1, -1}, {1, 1},  {1, 1},   {0, -0.6}, {0, -0.6},
+                                         {0, -0.6}, {-1, 1}, {-1, 1}, {-1, -1}, {-1, -1},  {-1, -1}};
+    static const double spike[7][2] = {{0, 0}, {4, 0}, {4, 4}, {2, 4}, {2, 8}, {2, 4}, {0, 4}};
+    static const double inward[7][2] = {{0, 0}, {4, 0}, {4, 4}, {2, 4}, {2, 1}, {2, 4}, {0, 4}};
+    static const double touch[6][2] = {{0, 0}, {2, 0}, {1, 1}, {2, 2}, {0, 2}, {1, 1}};
+    static const double corner[8][2] = {{0, 0}, {1, 0}, {1, 1}, {2, 1}, {2, 2}, {1, 2}, {1, 1}, {0, 1}};
     static double xy[MOST][2];
     unsigned random = 1;
     expect_cover("dart", &dart[0][0], 5);
     expect_cover("middle", &middle[0][0], 8);
     expect_cover("hole", &hole[0][0], 10);
     expect_cover("twice", &twice[0][0], 6);
+    expect_cover("thrice", &thrice[0][0], 12);
+    expect_cover("spike", &spike[0][0], 7);
+    expect_cover("spike inward", &inward[0][0], 7);
+    expect_cover("touch", &touch[0][0], 6);
+    expect_cover("corner", &corner[0][0], 8);
     for (uint32_t count = 4; count < 400; count += count / 7 + 1) {
         for (uint32_t i = 0; i < count; i++) {
             random = random * 1664525u + 1013904223u;
@@ -302,11 +333,12 @@ static void test_missing(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_quad),           cmocka_unit_test(test_references),
-        cmocka_unit_test(test_seam),           cmocka_unit_test(test_broken),
-        cmocka_unit_test(test_marks),          cmocka_unit_test(test_concave),
-        cmocka_unit_test(test_other_polygons), cmocka_unit_test(test_faces),
-        cmocka_unit_test(test_hostile),        cmocka_unit_test(test_missing),
+        cmocka_unit_test(test_lines),      cmocka_unit_test(test_quad),
+        cmocka_unit_test(test_references), cmocka_unit_test(test_seam),
+        cmocka_unit_test(test_broken),     cmocka_unit_test(test_marks),
+        cmocka_unit_test(test_concave),    cmocka_unit_test(test_other_polygons),
+        cmocka_unit_test(test_faces),      cmocka_unit_test(test_hostile),
+        cmocka_unit_test(test_missing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
