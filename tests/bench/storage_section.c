@@ -127,6 +127,16 @@ typedef struct components {
     size_t clusters, rank;
 } components;
 
+/* A peer's row: what encoding took since `start`, its bytes, and the accuracy of its images. */
+static btf_result fill_row(storage *s, bench_clock start, size_t bytes, enc_image_source images,
+                           bench_row *row) {
+    const bench_clock end = bench_now();
+    row->core = end.core - start.core;
+    row->wall = end.wall - start.wall;
+    row->bytes = (double)bytes;
+    return bench_accuracy_images(s->run->context, s->run->held, s->run->between, &s->tables, images, row);
+}
+
 static btf_result measure_pca(storage *s, const void *what, bench_row *row) {
     const components *of = what;
     const bench_clock start = bench_now();
@@ -136,12 +146,7 @@ static btf_result measure_pca(storage *s, const void *what, bench_row *row) {
             ? pca_encode_clusters(s->run->context, of->factors, of->number, of->clusters, of->rank, &codec)
             : pca_encode(s->run->context, of->factors, of->number, of->rank, &codec);
     if (result == BTF_OK) {
-        const bench_clock end = bench_now();
-        row->core = end.core - start.core;
-        row->wall = end.wall - start.wall;
-        row->bytes = (double)codec.bytes;
-        result = bench_accuracy_images(s->run->context, s->run->held, s->run->between, &s->tables,
-                                       pca_images(&codec), row);
+        result = fill_row(s, start, codec.bytes, pca_images(&codec), row);
         pca_codec_clear(&codec);
     }
     return result;
@@ -205,12 +210,7 @@ static btf_result measure_split(storage *s, const void *what, bench_row *row) {
     lowbit_codec codec;
     btf_result result = lowbit_encode(s->run->context, s->data, &options, &codec);
     if (result == BTF_OK) {
-        const bench_clock end = bench_now();
-        row->core = end.core - start.core;
-        row->wall = end.wall - start.wall;
-        row->bytes = (double)codec.bytes;
-        result = bench_accuracy_images(s->run->context, s->run->held, s->run->between, &s->tables,
-                                       lowbit_images(&codec), row);
+        result = fill_row(s, start, codec.bytes, lowbit_images(&codec), row);
         lowbit_codec_clear(&codec);
     }
     return result;
