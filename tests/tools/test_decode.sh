@@ -23,7 +23,7 @@ expect "into a folder that is there, whatever its name" 0 btf-decode m.btf.exr -
 expect_that "they are the same" diff -r all there.png
 expect "an image where its ending says so" 0 btf-decode m.btf.exr -o TOP.PNG
 expect "an EXR where its ending says so" 0 btf-decode m.btf.exr -o top.Exr
-expect_that "by its content" test "$(head -c 4 top.Exr | xxd -p)" = 762f3101
+expect_that "by its content" test "$(head -c 4 top.Exr | od -A n -t x1 | tr -d " ")" = 762f3101
 expect "one direction without an ending" 1 btf-decode m.btf.exr -o image --view 0,0
 expect_text "is asked for one" "'image' ends neither in .png nor in .exr" err
 

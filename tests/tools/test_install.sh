@@ -25,8 +25,8 @@ unset PKG_CONFIG_PATH
 {
     printf 'bin/btf-%s\n' bench compare conform decode encode info render sample view
     printf 'include/openbtf/%s.h\n' compat/btf_reference gl material plan reference result shader
-    printf 'LIB/%s\n' libopenbtf{,_reference}.so{,.0.1,.0.1.0} pkgconfig/openbtf{,-reference}.pc \
-        cmake/openbtf/openbtfConfig{,Version}.cmake
+    printf 'LIB/%s\n' libopenbtf{,_reference}.so{,.0.1,.0.1.0} pkgconfig/openbtf{,-reference}.pc
+    printf 'share/cmake/openbtf/%s\n' openbtfConfig{,Version}.cmake
     printf 'share/openbtf/%s\n' FORMAT.md LICENSE README.md openbtf.glsl self_test.glsl \
         openbtf_{paper,joint,residual,sbrdf}_{texel,bilinear,fast}.glsl
 } | sort >documented
@@ -213,7 +213,7 @@ prints_shader 'static, cc' ./static_cc
 expect_that 'static: c++' build_with c++ program.cc static_cpp openbtf
 prints_shader 'static, c++' ./static_cpp
 if command -v cmake >/dev/null; then
-    expect_that 'static: CMake' cmake_project cmake-static "$work/p/lib64/btf/cmake/openbtf"
+    expect_that 'static: CMake' cmake_project cmake-static "$work/p"
     prints_shader 'static, CMake' cmake-static/build/in_cpp
 fi
 expect 'static: uninstall' 0 ninja -C static uninstall
