@@ -96,7 +96,7 @@ bool exr_wavelength(const char *name, double *out_nm, size_t *out_layer_length) 
     return usable(value);
 }
 
-/* What stands before the last dot. */
+/* The part of a channel's name before its last dot. */
 static size_t layer_length(const char *name) {
     const char *dot = strrchr(name, '.');
     return dot ? (size_t)(dot - name) : 0;
@@ -254,8 +254,8 @@ static void list_all(exr_const_context_t context, char *out, size_t size) {
         memcpy(out + size - 4, "...", 4);
 }
 
-/* What to prefer among choices that nobody named: colour, then grey. X, Y, Z in a layer are positions or
- * normals. */
+/* The order in which choices that nobody named are preferred: colour, then grey. X, Y, Z in a layer are
+ * positions or normals. */
 static int rank(const exr_choice *c) {
     if (c->kind == EXR_KIND_XYZ && c->layer[0])
         return 2;

@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What the unpacking of a chunk needs to know. */
+/* A chunk's bytes, its place in the picture, and where its samples go. */
 typedef struct job {
     const exr_attr_chlist_t *channels;
     const exr_attr_box2i_t *window;

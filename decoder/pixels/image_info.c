@@ -1,4 +1,4 @@
-/* What an image file says about the meaning of its pixels.
+/* Notes on the meaning that an image file gives its pixels. See image_info.h.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -109,7 +109,7 @@ static bool parametric(const unsigned char *tag, size_t size, double x, double *
     return true;
 }
 
-/* What a tag's curve makes of x; false where the tag holds none that is known. */
+/* Puts x through a tag's curve; false where the tag holds none that is known. */
 static bool curve_at(const unsigned char *tag, size_t size, double x, double *out) {
     if (size >= 16 && memcmp(tag, "para", 4) == 0)
         return parametric(tag, size, x, out);

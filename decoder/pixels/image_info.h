@@ -1,4 +1,4 @@
-/* What an image file says about the meaning of its pixels, and what a reader has to tell its user about it:
+/* The meaning that an image file gives its pixels, and the notes that a reader passes on to its user:
  * notes, one a kind.
  *
  * SPDX-License-Identifier: MIT

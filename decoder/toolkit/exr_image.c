@@ -21,7 +21,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* What the library's callbacks see: the bytes to read, or the stream to write, and its first complaint. */
+/* The library's callbacks see this: the bytes to read, or the stream to write, and its first complaint. */
 typedef struct exr_stream {
     const unsigned char *data;
     uint64_t size;
@@ -326,8 +326,8 @@ static bool is_linear_rec709(const char *name) {
     return false;
 }
 
-/* What else the file says of its colours, where it has no chromaticities: OpenEXR has no attribute of its own
- * for it, and writers use several. */
+/* Notes other words of the file on its colours, where it has no chromaticities: OpenEXR has no attribute of
+ * its own for it, and writers use several. */
 static void note_space(reading *r) {
     int32_t count = 0;
     if (r->has_chromaticities ||

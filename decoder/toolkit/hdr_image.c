@@ -81,7 +81,7 @@ static bool read_scanline(cursor *c, unsigned char *rgbe, int width) {
     return read_old_line(c, rgbe, width);
 }
 
-/* What the header says. The image is stored as `lines` lines of `length` pixels, at steps in a picture whose
+/* The header, parsed. The image is stored as `lines` lines of `length` pixels, at steps in a picture whose
  * row 0 is at the top. */
 typedef struct header {
     int width, height, lines, length;

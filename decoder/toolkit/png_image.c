@@ -238,7 +238,7 @@ static void heed_profile(const unsigned char *chunk, size_t length, image_info *
     free(profile);
 }
 
-/* What a file without colour chunks says: a profile among its texts, or EXIF's word. */
+/* Notes of a file without colour chunks: a profile among its texts, or EXIF's word. */
 static void heed_texts(const unsigned char *data, size_t size, const unsigned char *exif, size_t exif_size,
                        image_info *out) {
     static const char *const kinds[] = {"icc", "icm"};
@@ -256,7 +256,7 @@ static void heed_texts(const unsigned char *data, size_t size, const unsigned ch
                    "PNG: EXIF says that the colour space is not sRGB (cameras mean Adobe RGB): not applied");
 }
 
-/* What the file says of its colours, the chunk of the highest rank alone: cICP, iCCP, sRGB, gAMA with cHRM. */
+/* Takes the file's word on its colours, from the chunk of the highest rank alone: cICP, iCCP, sRGB, gAMA with cHRM. */
 static void heed_colour(const unsigned char *data, size_t size, const unsigned char *exif, size_t exif_size,
                         image_info *out) {
     size_t length, gamma_length = 0, chromaticities_length = 0;

@@ -36,7 +36,7 @@ static bool is_blank(char c) {
     return c == ' ' || c == '\t';
 }
 
-/* What separates the fields of a line, outside of quotes. */
+/* The separator between the fields of a line, outside of quotes. */
 static char find_delimiter(const char *line) {
     static const char candidates[] = "\t;,";
     bool quoted = false, seen[3] = {false};

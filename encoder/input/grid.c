@@ -124,7 +124,7 @@ static btf_result join_angles(named_image *images, size_t count) {
     return BTF_OK;
 }
 
-/* What the names of a source say, before it is settled how they are meant. */
+/* The names of a source as parsed, before it is settled how they are meant. */
 typedef struct name_list {
     enc_name *names; /* [count] in the order of the source's paths */
     enc_name_verdict *verdicts;

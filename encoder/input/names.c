@@ -1,4 +1,4 @@
-/* What the names of a BTF's images say: the light's and the viewer's direction.
+/* Reads the light's and the viewer's direction from the names of a BTF's images.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -172,7 +172,7 @@ static bool is_unclear_sign(text t, const char **why) {
     return t.p > begin && digit_at(t, 0);
 }
 
-/* What the digits behind the point of a number look like. */
+/* The form of the digits behind the point of a number. */
 static void judge_decimals(text number, angle *out) {
     const char *point = number.p;
     while (point < number.end && isdigit((unsigned char)*point))
@@ -221,7 +221,7 @@ static angle_kind read_angle(text *t, angle *out) {
     return GOOD_ANGLE;
 }
 
-/* What one part of a path says. */
+/* The keys and angles found in one part of a path. */
 typedef struct part {
     bool is_found[KEYS], is_twice[KEYS];
     angle_kind kind[KEYS];
@@ -255,7 +255,7 @@ static void scan(const char *begin, const char *end, part *out) {
     }
 }
 
-/* What has been put together of the parts of a path, from the last to the first. */
+/* The parts of a path put together, from the last to the first. */
 typedef struct collected {
     enc_name *name;
     bool known[KEYS];

@@ -1,4 +1,4 @@
-/* What the names of a BTF's images say: the light's and the viewer's direction. INPUTS.md tells users the
+/* Reads the light's and the viewer's direction from the names of a BTF's images. INPUTS.md tells users the
  * rules.
  *
  * SPDX-License-Identifier: MIT
@@ -63,7 +63,7 @@ typedef struct enc_angle_spread {
     size_t whole, broken; /* numbers of angles, 0 aside */
 } enc_angle_spread;
 
-/* What the angles of a data set have in common, to tell units that are not degrees. Begins zeroed. */
+/* Counts over the angles of a data set that give away units other than degrees. Begins zeroed. */
 typedef struct enc_angle_range {
     enc_angle_spread theta, phi;
     size_t count;  /* images */

@@ -1,4 +1,4 @@
-/* What btf-bench hands to each of its sections.
+/* The settings and data that btf-bench hands to each of its sections.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -53,7 +53,7 @@ btf_result bench_section_holdout(const bench_run *run);
 btf_result bench_section_plan(const bench_run *run);
 btf_result bench_section_shaders(const bench_run *run); /* of synthetic materials, whatever the data */
 
-/* What bench_seen() is of in this run, as the head of a column: "between the samples", or what stands for
+/* The head of bench_seen()'s column in this run: "between the samples", or the estimate that stands for
  * it. */
 const char *bench_seen_words(const bench_run *run);
 

@@ -414,7 +414,7 @@ static btf_result run_material(const enc_context *context, const material *m, co
     return result;
 }
 
-/* What makes rows comparable: machine, boot, program and settings. Data are named, not read. */
+/* Rows are comparable where these agree: machine, boot, program and settings. Data are named, not read. */
 static void describe(const bench_system *s, char *text, size_t size) {
     int length = snprintf(text, size,
                           "%s; %d cores; boot %s; program %016llx; quick %d; threads %d; repeats %d; "

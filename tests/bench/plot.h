@@ -15,7 +15,7 @@ typedef struct plot plot;
 
 /* An empty plot. panels: 1, 2 or 4 pictures with the same x. Errors: NULL, out of memory. */
 plot *plot_create(const char *title, const char *x_label, int panels);
-/* What panel `panel` shows. */
+/* Sets the titles of panel `panel` and of its y axis. */
 void plot_panel(plot *p, int panel, const char *title, const char *y_label);
 /* The x axis is logarithmic, unless this is called; y axes are linear, unless log_y. */
 void plot_axes(plot *p, bool log_x, bool log_y);

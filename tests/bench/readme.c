@@ -170,7 +170,7 @@ static double gap(double a, double b) {
     return fabs(a - b) < 0.005 ? 0 : a - b;
 }
 
-/* What a cheaper way costs and loses against `base`. */
+/* Time and accuracy of a cheaper decoder against `base`. */
 static void print_way(const char *text, const decode_row *r, const decode_row *base, FILE *out) {
     if (!r) {
         return;

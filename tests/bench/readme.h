@@ -1,4 +1,4 @@
-/* What the README shows of a run: the two headline plots, their tables and the guide on what to choose,
+/* The parts of a run that the README shows: the headline plots, their tables and the guide on what to choose,
  * with the numbers as measured. readme.sh puts them there.
  *
  * SPDX-License-Identifier: MIT

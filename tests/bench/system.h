@@ -30,7 +30,7 @@ void bench_sleep_when_idle(char **argv);
 double bench_peak_reset(void);
 double bench_peak_memory(void);
 
-/* What the machine could do at best, measured with small kernels over `threads` threads, each the best of
+/* The machine's best rates, measured with small kernels over `threads` threads, each the best of
  * some tries, by core time: bandwidth of a sum of two arrays too large for the caches, and of one that fits
  * the second-level cache, bytes read and written a second; fused multiply-adds on independent vectors, each
  * two operations, operations a second. Where the compiler or the processor lacks AVX-512 or AVX2, plain

@@ -139,7 +139,7 @@ btf_result light_list_add_environment(light_list *list, int width, int height, c
     return ok ? BTF_OK : BTF_ERROR_MEMORY;
 }
 
-/* What of the values and the shape is not as it should be, and goes on nevertheless. */
+/* Notes values and shapes that are not as they should be, but do not stop the reading. */
 static void note_contents(int width, int height, const float *pixels, image_info *info) {
     const size_t count = (size_t)width * (size_t)height * 3;
     size_t unusable = 0, first = 0;

@@ -1,4 +1,4 @@
-/* What a codec decodes to, against the data, where it was encoded and where not. See results.h.
+/* Compares decoded images with the data, at directions that were encoded and at others. See results.h.
  *
  * SPDX-License-Identifier: MIT
  */

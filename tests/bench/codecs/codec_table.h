@@ -30,7 +30,7 @@ typedef struct codec_row {
     double wall, core; /* seconds of encoding; for PCA the factorisation that serves all ranks */
 } codec_row;
 
-/* What PCA needs to equal a row of ours. */
+/* The rank and bytes that PCA needs to equal a row of ours. */
 typedef struct codec_equal {
     size_t row;      /* of the table */
     bool srgb_coded; /* equal in sRGB-coded PSNR, else in linear */

@@ -75,7 +75,7 @@ static choice cheapest(const allocation *a, double energy, double price) {
     return best;
 }
 
-/* What all components take at a price of a byte. */
+/* Bytes of all components when each is chosen at this price of a byte. */
 static size_t allocate_at(const allocation *a, double price) {
     size_t bytes = 0;
     for (int p = 0; p < 3; p++) {

@@ -1,4 +1,4 @@
-/* What decoding costs on this machine's GPU context, beside its floor and its peers.
+/* Times decoding on this machine's GPU context, beside its floor and its peers.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -1,4 +1,4 @@
-/* What others decode, fitted to the data: a Phong model on two maps, an uncompressed look-up, principal
+/* Decoders of others, fitted to the data: a Phong model on two maps, an uncompressed look-up, principal
  * components.
  *
  * SPDX-License-Identifier: MIT

@@ -188,7 +188,7 @@ static const shown series[] = {{"joint", "joint, exact", 0},
                                {"PCA", "PCA, 8 bit", -1},
                                {"uncompressed", "uncompressed, 3 x 3 images", -1}};
 
-/* What is special about a row, for the mark of an exact one. */
+/* The feature of a row that the mark of an exact one names. */
 static const char *label_of(const decode_row *r) {
     const bool whole = strcmp(r->effects, "whole") == 0;
     if (r->peer) {
@@ -213,7 +213,7 @@ static btf_result decode_plot(const bench_run *run, const decode_table *table, c
             const decode_row *r = &table->rows[i];
             if (strcmp(r->device, device) == 0 && strcmp(r->material, series[s].material) == 0 &&
                 (series[s].fast < 0 || series[s].fast == r->fast)) {
-                /* What was not compressed is as good as its 8 bits, and would hide all else. */
+                /* Uncompressed data are as good as its 8 bits, and would hide all else. */
                 const double whole = strcmp(r->material, "uncompressed") == 0 ? NAN : 1;
                 const int seen = decode_seen(r);
                 const double of_seen = seen > 0 ? 1 : whole, linear = whole * r->linear[0];

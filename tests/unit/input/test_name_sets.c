@@ -1,4 +1,4 @@
-/* What whole data sets make of the angles in their names, or in a table (encoder/input/grid.h,
+/* Whole data sets give the angles in their names, or in a table, their meaning (encoder/input/grid.h,
  * names_table.h): signs, noise, units, contradictions.
  *
  * SPDX-License-Identifier: MIT
@@ -396,7 +396,7 @@ static void test_bad_tables(void **state) {
     set_expect_refused(set_folder, by_table(), BTF_ERROR_IO, "table.csv", NULL);
 }
 
-/* What cannot be opened in a folder is told, and the rest is read. */
+/* Entries of a folder that cannot be opened are told, and the rest is read. */
 static void test_folders(void **state) {
     (void)state;
     write_set("tv%g_pv%g_tl%g_pl%g.png", 1);

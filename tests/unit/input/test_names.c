@@ -1,4 +1,4 @@
-/* What encoder/input/names.h reads from the paths of images.
+/* Angles that encoder/input/names.h reads from the paths of images.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -49,7 +49,7 @@ static void test_lines(void **state) {
     enc_notices_add(NULL, BTF_LOG_WARNING, "gamma", "a.png", "gamma 0.6");
 }
 
-/* What is said does not depend on the order in which threads come. */
+/* The lines do not depend on the order in which threads come. */
 static void test_threads(void **state) {
     (void)state;
     enc_notices *notices = enc_notices_create();

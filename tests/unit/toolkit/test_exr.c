@@ -468,7 +468,7 @@ static void test_chromaticities(void **state) {
     assert_non_null(strstr(info.notes.texts[IMAGE_NOTE_SPACE], "span no colour space"));
 }
 
-/* What a header says beside, and nobody follows, is told. */
+/* Attributes that change the meaning of pixels and are not followed are told. */
 static void test_notes(void **state) {
     (void)state;
     static const float nits = 100;

@@ -1,4 +1,4 @@
-/* What image files say of their own pixels, and readers have to follow or tell: colour chunks of PNG,
+/* Image files give their pixels a meaning that readers have to follow or tell: colour chunks of PNG,
  * profiles, lenient headers of JPEG, header lines of Radiance HDR.
  *
  * SPDX-License-Identifier: MIT
