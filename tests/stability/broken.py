@@ -148,7 +148,7 @@ def program(tree, test):
     tests = f'{tree}/tests'
     if test in ('stability_faults', 'stability_archives'):
         return TOOLS, [f'{tests}/stability/test_{test[10:]}.sh']
-    if test in ('file', 'memory', 'names', 'output'):
+    if test in ('exr', 'file', 'memory', 'names', 'output'):
         return [f'tests/unit/test_{test}'], [f'{tree}/build/tests/unit/test_{test}']
     if test == 'fuzz-exr':
         return [f'tests/fuzz/{test}'], [f'{tree}/build/tests/fuzz/{test}', f'{tests}/fuzz/corpus/exr']
