@@ -10,6 +10,7 @@
 const char *const btfi_layout_words[2] = {"paper", "tight"};
 const char *const btfi_domain_words[2] = {"linear", "sqrt"};
 const char *const btfi_colour_words[3] = {"mono", "rgb", "none"};
+const char *const btfi_blend_words[2] = {"radiance", "roots"};
 
 void btfi_effects_text(uint32_t effects, char *buffer, size_t size) {
     size_t length = 0;
@@ -41,6 +42,12 @@ void btfi_exr_keep_message(exr_const_context_t context, exr_result_t code, const
     out_of_memory = out_of_memory || code == EXR_ERR_OUT_OF_MEMORY;
     snprintf(last_message, sizeof last_message, "%s",
              message ? message : exr_get_default_error_message(code));
+}
+
+exr_pixel_type_t btfi_pixel_type(btfi_storage storage) {
+    return storage == BTFI_STORAGE_FLOAT    ? EXR_PIXEL_FLOAT
+           : storage == BTFI_STORAGE_UINT32 ? EXR_PIXEL_UINT
+                                            : EXR_PIXEL_HALF;
 }
 
 uint16_t btfi_half_from_int(int value) {

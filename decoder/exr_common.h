@@ -5,6 +5,7 @@
 #ifndef OPENBTF_EXR_COMMON_H
 #define OPENBTF_EXR_COMMON_H
 
+#include "parts.h"
 #include <openexr.h>
 #include <stdbool.h>
 
@@ -14,6 +15,7 @@
 extern const char *const btfi_layout_words[2]; /* btf_layout */
 extern const char *const btfi_domain_words[2]; /* btf_domain */
 extern const char *const btfi_colour_words[3]; /* btf_colour */
+extern const char *const btfi_blend_words[2];  /* btf_blend */
 
 /* "shadow,shift" for a mask of effects; "" for none. size >= 40. */
 void btfi_effects_text(uint32_t effects, char *buffer, size_t size);
@@ -24,6 +26,9 @@ void btfi_exr_clear_message(void);
 const char *btfi_exr_message(exr_result_t code); /* that of the code when there is none */
 bool btfi_exr_was_out_of_memory(void);           /* OpenEXR goes on without some attributes */
 void btfi_exr_keep_message(exr_const_context_t context, exr_result_t code, const char *message);
+
+/* The type of the channels of a part stored so. */
+exr_pixel_type_t btfi_pixel_type(btfi_storage storage);
 
 /* The half of an integer -128..255. */
 uint16_t btfi_half_from_int(int value);

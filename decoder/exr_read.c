@@ -57,8 +57,8 @@ static const exr_attr_chlist_entry_t *find_channel(const exr_attr_chlist_t *list
     return NULL;
 }
 
-/* Parts of the file by index; -1 where a part of the list is missing. Unknown and repeated ones are
- * refused. */
+/* Parts of the file by index; -1 where the picture for viewers is missing, which need not be there. Any
+ * other that is missing, unknown or repeated is refused. */
 static btf_result find_parts(exr_const_context_t context, const btf_log *log, const btfi_part *parts,
                              int count, int index[BTFI_MAX_PARTS]) {
     int file_count = 0;
@@ -82,7 +82,7 @@ static btf_result find_parts(exr_const_context_t context, const btf_log *log, co
         index[p] = f;
     }
     for (int p = 0; p < count; p++)
-        if (index[p] < 0)
+        if (index[p] < 0 && parts[p].id != BTF_TEXTURE_COUNT)
             return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: missing", parts[p].name.text);
     return BTF_OK;
 }
@@ -120,7 +120,7 @@ static btf_result check_channels(exr_const_context_t context, const btf_log *log
     const exr_attr_chlist_t *list = NULL;
     if (exr_get_channels(context, index, &list) != EXR_ERR_SUCCESS || !list)
         return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: no channels", part->name.text);
-    const exr_pixel_type_t type = part->storage == BTFI_STORAGE_FLOAT ? EXR_PIXEL_FLOAT : EXR_PIXEL_HALF;
+    const exr_pixel_type_t type = btfi_pixel_type(part->storage);
     for (int c = 0; c < part->channel_count; c++) {
         const exr_attr_chlist_entry_t *entry = find_channel(list, part->channels[c].name);
         if (!entry)
@@ -129,7 +129,9 @@ static btf_result check_channels(exr_const_context_t context, const btf_log *log
         if (entry->pixel_type != type)
             return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: channel %s is of type %d, not %d (%s)",
                              part->name.text, part->channels[c].name, (int)entry->pixel_type, (int)type,
-                             type == EXR_PIXEL_FLOAT ? "FLOAT" : "HALF");
+                             type == EXR_PIXEL_FLOAT  ? "FLOAT"
+                             : type == EXR_PIXEL_UINT ? "UINT"
+                                                      : "HALF");
         if (entry->x_sampling != 1 || entry->y_sampling != 1)
             return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: channel %s is sampled %d x %d, not 1 x 1",
                              part->name.text, part->channels[c].name, (int)entry->x_sampling,
@@ -192,6 +194,16 @@ static bool store_row(const btfi_part *part, void *texture, int channel, uint32_
                 ((float *)texture)[at] = ((const float *)row)[x + i];
                 continue;
             }
+            if (part->storage == BTFI_STORAGE_UINT32) {
+                const uint32_t word = ((const uint32_t *)row)[x + i];
+                if (run.blank && word != 0) {
+                    *out_x = x + i;
+                    return false;
+                }
+                if (!run.blank)
+                    ((uint32_t *)texture)[at] = word;
+                continue;
+            }
             uint16_t half = ((const uint16_t *)row)[x + i];
             if (part->storage == BTFI_STORAGE_HALF) {
                 ((uint16_t *)texture)[at] = half;
@@ -219,12 +231,18 @@ static btf_result store_chunk(const btf_log *log, const btfi_part *part, void *t
         for (uint32_t line = 0; line < (uint32_t)chunk->height; line++) {
             uint32_t x = 0;
             const void *data = rows + plane * (size_t)c + row * line;
-            if (!store_row(part, texture, c, y + line, data, &x))
-                return btfi_fail(
-                    log, BTF_ERROR_BAD_FILE,
-                    "part %s: channel %s at (%u, %u) holds half 0x%04x, not an integer of its range",
-                    part->name.text, part->channels[c].name, (unsigned)x, (unsigned)(y + line),
-                    (unsigned)((const uint16_t *)data)[x]);
+            if (store_row(part, texture, c, y + line, data, &x))
+                continue;
+            if (part->storage == BTFI_STORAGE_UINT32)
+                return btfi_fail(log, BTF_ERROR_BAD_FILE,
+                                 "part %s: channel %s at (%u, %u) holds 0x%08x where no layer lies, not 0",
+                                 part->name.text, part->channels[c].name, (unsigned)x, (unsigned)(y + line),
+                                 (unsigned)((const uint32_t *)data)[x]);
+            return btfi_fail(
+                log, BTF_ERROR_BAD_FILE,
+                "part %s: channel %s at (%u, %u) holds half 0x%04x, not an integer of its range",
+                part->name.text, part->channels[c].name, (unsigned)x, (unsigned)(y + line),
+                (unsigned)((const uint16_t *)data)[x]);
         }
     return BTF_OK;
 }
@@ -280,8 +298,9 @@ static btf_result read_part(exr_const_context_t context, const btf_log *log, int
 }
 
 /* Refuses texture sizes that a file of this length cannot hold. */
-static btf_result check_plausible(const btf_log *log, const source *s, const btf_material_info *info) {
-    uint64_t bytes = btfi_gpu_bytes(info);
+static btf_result check_plausible(const btf_log *log, const source *s, const btf_material_info *info,
+                                  bool preview) {
+    uint64_t bytes = btfi_gpu_bytes(info) + (preview ? 8 * (uint64_t)info->width * info->height : 0);
     if (bytes / MAX_RATIO > s->size)
         return btfi_fail(log, BTF_ERROR_BAD_FILE,
                          "%llu bytes of textures cannot come from a file of %zu bytes",
@@ -289,24 +308,46 @@ static btf_result check_plausible(const btf_log *log, const source *s, const btf
     return BTF_OK;
 }
 
+/* Scales lie in attributes, and in textures once read. */
+static void place_scales(btf_material *m, const btfi_scales *scales) {
+    const size_t units = m->info.components;
+    if (scales->residual)
+        memcpy(m->texture[0][BTF_TEXTURE_RESIDUAL_SCALES], scales->residual, units * sizeof(float));
+    if (scales->factor)
+        memcpy(m->texture[0][BTF_TEXTURE_FACTOR_SCALES], scales->factor, 4 * units * sizeof(float));
+    float *views = m->texture[0][BTF_TEXTURE_FACTOR_VIEWS];
+    for (size_t i = 0; scales->view && i < 9 * (size_t)m->info.n_views; i++)
+        views[i / 3 * 4 + i % 3] = scales->view[i];
+}
+
 static btf_result read_textures(exr_const_context_t context, const btf_log *log, const source *s,
-                                btf_material *m, const float *scales) {
+                                btf_material *m, const btfi_scales *scales) {
     int index[BTFI_MAX_PARTS], count;
-    btfi_part *parts = btfi_parts(&m->info, &count);
+    btfi_part *parts = btfi_parts(&m->info, m->info.version >= 2, &count);
     if (!parts)
         return btfi_fail(log, BTF_ERROR_MEMORY, "out of memory for the list of parts");
     btf_result result = find_parts(context, log, parts, count, index);
     for (int p = 0; p < count && !result; p++)
-        result = check_part(context, log, index[p], &parts[p]);
+        if (index[p] >= 0)
+            result = check_part(context, log, index[p], &parts[p]);
+    const bool preview = !result && count > 0 && parts[0].id == BTF_TEXTURE_COUNT && index[0] >= 0;
     if (!result)
-        result = check_plausible(log, s, &m->info);
+        result = check_plausible(log, s, &m->info, preview);
     if (!result)
         result = btfi_material_allocate(log, m);
+    if (!result && preview) {
+        m->preview = calloc((size_t)m->info.width * m->info.height, 4 * sizeof *m->preview);
+        if (!m->preview)
+            result = btfi_fail(log, BTF_ERROR_MEMORY, "preview: out of memory");
+    }
     for (int p = 0; p < count && !result; p++)
-        result = read_part(context, log, index[p], &parts[p], m->texture[parts[p].level][parts[p].id]);
+        if (index[p] >= 0)
+            result = read_part(context, log, index[p], &parts[p],
+                               parts[p].id == BTF_TEXTURE_COUNT ? m->preview
+                                                                : m->texture[parts[p].level][parts[p].id]);
     free(parts);
-    if (scales && !result)
-        memcpy(m->texture[0][BTF_TEXTURE_RESIDUAL_SCALES], scales, m->info.components * sizeof *scales);
+    if (!result)
+        place_scales(m, scales);
     if (!result)
         result = btfi_check_values(&(btfi_check){log, BTF_ERROR_BAD_FILE}, &m->info, m->texture);
     return result;
@@ -317,13 +358,15 @@ static btf_result read_material(exr_const_context_t context, const btf_log *log,
     btf_material *m = btfi_material_new();
     if (!m)
         return btfi_fail(log, BTF_ERROR_MEMORY, "out of memory for a material");
-    float *scales = NULL;
+    btfi_scales scales = {NULL, NULL, NULL};
     btf_result result = btfi_header_read(context, log, m, &scales);
     if (!result) {
         m->info.half_float = m->info.colour != BTF_COLOUR_NONE && sbrdf_is_half(context);
-        result = read_textures(context, log, s, m, scales);
+        result = read_textures(context, log, s, m, &scales);
     }
-    free(scales);
+    free(scales.residual);
+    free(scales.factor);
+    free(scales.view);
     if (result) {
         btf_material_close(&m);
         return result;

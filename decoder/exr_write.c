@@ -133,13 +133,32 @@ static void put_level_errors(header *h, const btf_material *m) {
     put_floats(h, "openbtf.levelErrors", rows, 4 * m->level_error_count);
 }
 
+static void put_factors(header *h, const btf_material *m) {
+    const btf_material_info *info = &m->info;
+    float classes[3 * BTF_FACTOR_CLASSES];
+    for (int i = 0; i < 3 * BTF_FACTOR_CLASSES; i++)
+        classes[i] = (float)info->factor_classes[i / 3][i % 3];
+    put_floats(h, "openbtf.factorClasses", classes, 3 * BTF_FACTOR_CLASSES);
+    put_floats(h, "openbtf.factorScales", m->texture[0][BTF_TEXTURE_FACTOR_SCALES],
+               4 * (size_t)info->components);
+    const float *texels = m->texture[0][BTF_TEXTURE_FACTOR_VIEWS];
+    float *views = malloc(9 * (size_t)info->n_views * sizeof *views);
+    if (!views && !h->result)
+        h->result = EXR_ERR_OUT_OF_MEMORY;
+    for (size_t i = 0; views && i < 9 * (size_t)info->n_views; i++)
+        views[i] = texels[i / 3 * 4 + i % 3];
+    put_floats(h, "openbtf.factorViews", views, 9 * (size_t)info->n_views);
+    free(views);
+    put_float(h, "openbtf.horizonScale", info->horizon_scale);
+}
+
 static exr_result_t write_attributes(exr_context_t context, const btf_material *m) {
     const btf_material_info *info = &m->info;
     header h = {context, EXR_ERR_SUCCESS};
     char effects[64];
     btfi_effects_text(info->effects, effects, sizeof effects);
 
-    put_int(&h, "openbtf.version", BTF_FORMAT_VERSION);
+    put_int(&h, "openbtf.version", info->version);
     put_string(&h, "openbtf.layout", btfi_layout_words[info->layout]);
     put_string(&h, "openbtf.domain", btfi_domain_words[info->domain]);
     put_int(&h, "openbtf.width", info->width);
@@ -149,7 +168,13 @@ static exr_result_t write_attributes(exr_context_t context, const btf_material *
     put_string(&h, "openbtf.colour", btfi_colour_words[info->colour]);
     put_int(&h, "openbtf.centres", info->centres);
     put_int(&h, "openbtf.residual", info->components);
-    put_floats(&h, "openbtf.residualScales", m->texture[0][BTF_TEXTURE_RESIDUAL_SCALES], info->components);
+    if (info->store == BTF_STORE_FACTORS)
+        put_factors(&h, m);
+    else
+        put_floats(&h, "openbtf.residualScales", m->texture[0][BTF_TEXTURE_RESIDUAL_SCALES],
+                   info->components);
+    if (info->blend != BTF_BLEND_RADIANCE)
+        put_string(&h, "openbtf.blend", btfi_blend_words[info->blend]);
     put_float(&h, "openbtf.radianceScale", info->radiance_scale);
     put_float(&h, "openbtf.shadowScale", info->shadow_scale);
     put_float(&h, "openbtf.gainScale", info->gain_scale);
@@ -193,7 +218,7 @@ static exr_result_t declare_parts(exr_context_t context, const btfi_part *parts,
         if (!result)
             result = exr_initialize_required_attr(context, index, &display, &data, 1, &centre, 1,
                                                   EXR_LINEORDER_INCREASING_Y, EXR_COMPRESSION_ZIP);
-        exr_pixel_type_t type = parts[p].storage == BTFI_STORAGE_FLOAT ? EXR_PIXEL_FLOAT : EXR_PIXEL_HALF;
+        const exr_pixel_type_t type = btfi_pixel_type(parts[p].storage);
         for (int c = 0; c < parts[p].channel_count && !result; c++)
             result = exr_add_channel(context, index, parts[p].channels[c].name, type,
                                      EXR_PERCEPTUALLY_LINEAR, 1, 1);
@@ -211,6 +236,8 @@ static void fetch_row(const btfi_part *part, const void *texture, int channel, u
             size_t at = run.offset + i * run.stride;
             if (part->storage == BTFI_STORAGE_FLOAT)
                 ((float *)out)[x + i] = run.blank ? 0 : ((const float *)texture)[at];
+            else if (part->storage == BTFI_STORAGE_UINT32)
+                ((uint32_t *)out)[x + i] = run.blank ? 0 : ((const uint32_t *)texture)[at];
             else if (run.blank)
                 ((uint16_t *)out)[x + i] = 0;
             else if (part->storage == BTFI_STORAGE_HALF)
@@ -290,7 +317,7 @@ static exr_result_t write_part(exr_context_t context, int index, const btfi_part
 
 static exr_result_t write_all(exr_context_t context, const btf_material *m) {
     int count;
-    btfi_part *parts = btfi_parts(&m->info, &count);
+    btfi_part *parts = btfi_parts(&m->info, m->preview != NULL, &count);
     if (!parts)
         return EXR_ERR_OUT_OF_MEMORY;
     exr_result_t result = declare_parts(context, parts, count);
@@ -299,7 +326,9 @@ static exr_result_t write_all(exr_context_t context, const btf_material *m) {
     if (!result)
         result = exr_write_header(context);
     for (int p = 0; p < count && !result; p++)
-        result = write_part(context, p, &parts[p], m->texture[parts[p].level][parts[p].id]);
+        result = write_part(context, p, &parts[p],
+                            parts[p].id == BTF_TEXTURE_COUNT ? m->preview
+                                                             : m->texture[parts[p].level][parts[p].id]);
     free(parts);
     return result;
 }

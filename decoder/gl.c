@@ -5,6 +5,7 @@
 #include "gl_functions.h"
 #include "material.h"
 #include "result.h"
+#include "shape.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -62,6 +63,7 @@ static void gl_format(btf_format format, uint32_t out[3]) {
         {BTF_FORMAT_RGBA16UI, {GL_RGBA16UI, GL_RGBA_INTEGER, GL_UNSIGNED_SHORT}},
         {BTF_FORMAT_RGBA16F, {GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT}},
         {BTF_FORMAT_RGBA32F, {GL_RGBA32F, GL_RGBA, GL_FLOAT}},
+        {BTF_FORMAT_RGBA32UI, {GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT}},
     };
     for (size_t i = 0; i < sizeof table / sizeof *table; ++i)
         if (table[i].format == format)
@@ -110,7 +112,8 @@ static btf_result upload(btf_gl *gl, btf_texture_id id, const btf_texture *textu
 /* The levels of a texture as they are uploaded; returns their number. */
 static uint32_t list_levels(const btf_material *material, btf_texture_id id, uint32_t count,
                             uint32_t components, btf_texture *out_levels) {
-    /* Components are stored four a layer, so that the first ones are a prefix. */
+    /* Components are stored four a layer, and units in whole layers, so that the first ones are a prefix.
+     */
     const uint32_t groups = (components + 3) / 4;
     for (uint32_t i = 0; i < count; ++i) {
         out_levels[i] = btf_material_level_texture(material, i, id);
@@ -120,6 +123,10 @@ static uint32_t list_levels(const btf_material *material, btf_texture_id id, uin
             out_levels[i].layers = groups;
         else if (id == BTF_TEXTURE_RESIDUAL_DIRECTIONS)
             out_levels[i].layers = 3 * groups;
+        else if (id == BTF_TEXTURE_FACTOR_TEXELS)
+            out_levels[i].layers = btfi_factor_layers(&material->info, components);
+        else if (id == BTF_TEXTURE_FACTOR_DIRECTIONS)
+            out_levels[i].layers = components;
     }
     return count;
 }

@@ -298,29 +298,57 @@ static void get_between_errors(reader *r, btf_material *m) {
         keep_floats(r, name, values, count, &m->between_errors, &m->between_error_count);
 }
 
-static void get_scales(reader *r, uint32_t components, float **out_scales) {
-    const char *const name = "openbtf.residualScales";
+/* Exactly `group` numbers for each of `items`, into *out; nothing may be there when items are 0. */
+static void get_scales(reader *r, const char *name, size_t group, uint32_t items, const char *things,
+                       float **out) {
     size_t count;
-    if (components == 0) {
+    if (items == 0) {
         if (!r->result && find(r, name, EXR_ATTR_FLOAT_VECTOR, "floatvector", false))
-            refuse(r, "attribute %s without the effect residual", name);
+            refuse(r, "attribute %s without %s", name, things);
         return;
     }
-    const float *scales = get_floats(r, name, true, 1, BTF_MAX_COMPONENTS, &count);
+    const float *scales = get_floats(r, name, true, group, 1 << 16, &count);
     if (!scales)
         return;
-    if (count != components) {
-        refuse(r, "attribute %s holds %zu numbers for %u components", name, count, (unsigned)components);
+    if (count != group * items) {
+        refuse(r, "attribute %s holds %zu numbers for %u %s", name, count, (unsigned)items, things);
         return;
     }
-    *out_scales = malloc(count * sizeof *scales);
-    if (!*out_scales)
-        out_of_memory(r, name);
-    else
-        memcpy(*out_scales, scales, count * sizeof *scales);
+    keep_floats(r, name, scales, count, out, &count);
 }
 
-static void get_version(reader *r) {
+/* Scales of the residual, whichever its store. */
+static void get_all_scales(reader *r, const btf_material_info *info, btfi_scales *out) {
+    const bool factors = info->store == BTF_STORE_FACTORS;
+    get_scales(r, "openbtf.residualScales", 1, factors ? 0 : info->components, "components of the residual",
+               &out->residual);
+    get_scales(r, "openbtf.factorScales", 4, factors ? info->components : 0, "units of factors",
+               &out->factor);
+    get_scales(r, "openbtf.factorViews", 9, factors ? info->n_views : 0, "views of factors", &out->view);
+}
+
+/* Version 2: the store of the residual and how views are blended. In version 1 such attributes have no
+ * meaning. */
+static void get_factors(reader *r, btf_material_info *info) {
+    const char *const name = "openbtf.factorClasses";
+    size_t count;
+    info->horizon_scale = 1;
+    if (info->version < 2)
+        return;
+    const float *numbers = get_floats(r, name, false, 3 * BTF_FACTOR_CLASSES, 1, &count);
+    if (numbers) {
+        info->store = BTF_STORE_FACTORS;
+        info->horizon_scale = get_float(r, "openbtf.horizonScale");
+        uint16_t *integers = copy_integers(r, name, numbers, count, 4 * BTF_MAX_COMPONENTS, 2);
+        for (size_t i = 0; integers && i < count; i++)
+            info->factor_classes[i / 3][i % 3] = integers[i];
+        free(integers);
+    }
+    if (find(r, "openbtf.blend", EXR_ATTR_STRING, "string", false))
+        info->blend = (btf_blend)get_word(r, "openbtf.blend", btfi_blend_words, 2);
+}
+
+static uint32_t get_version(reader *r) {
     const exr_attribute_t *attribute = NULL;
     if (exr_get_attribute_by_name(r->context, 0, "openbtf.version", &attribute) != EXR_ERR_SUCCESS ||
         !attribute) {
@@ -330,15 +358,16 @@ static void get_version(reader *r) {
                               "format version %d is above %d, which this library reads", (int)attribute->i,
                               BTF_FORMAT_VERSION);
     } else {
-        get_int(r, "openbtf.version", 1, BTF_FORMAT_VERSION);
+        return get_int(r, "openbtf.version", 1, BTF_FORMAT_VERSION);
     }
+    return 0;
 }
 
 btf_result btfi_header_read(exr_const_context_t context, const btf_log *log, btf_material *m,
-                            float **out_scales) {
+                            btfi_scales *out_scales) {
     reader r = {context, log, BTF_OK};
     btf_material_info *info = &m->info;
-    get_version(&r);
+    info->version = get_version(&r);
     info->layout = (btf_layout)get_word(&r, "openbtf.layout", btfi_layout_words, 2);
     info->domain = (btf_domain)get_word(&r, "openbtf.domain", btfi_domain_words, 2);
     info->width = get_int(&r, "openbtf.width", 1, BTF_MAX_SIZE);
@@ -348,6 +377,7 @@ btf_result btfi_header_read(exr_const_context_t context, const btf_log *log, btf
     info->colour = (btf_colour)get_word(&r, "openbtf.colour", btfi_colour_words, 3);
     info->centres = get_int(&r, "openbtf.centres", 0, BTF_MAX_CENTRES);
     info->components = get_int(&r, "openbtf.residual", 0, BTF_MAX_COMPONENTS);
+    get_factors(&r, info);
     info->radiance_scale = get_float(&r, "openbtf.radianceScale");
     info->shadow_scale = get_float(&r, "openbtf.shadowScale");
     info->gain_scale = get_float(&r, "openbtf.gainScale");
@@ -363,7 +393,7 @@ btf_result btfi_header_read(exr_const_context_t context, const btf_log *log, btf
     info->levels = get_int_or(&r, "openbtf.levels", 1, BTF_MAX_LEVELS, &(uint32_t){1});
     if (!r.result)
         r.result = btfi_check_info(&(btfi_check){log, BTF_ERROR_BAD_FILE}, info);
-    get_scales(&r, info->components, out_scales);
+    get_all_scales(&r, info, out_scales);
     m->method = get_provenance(&r, "openbtf.method");
     m->options = get_provenance(&r, "openbtf.options");
     m->source = get_provenance(&r, "openbtf.source");

@@ -10,11 +10,18 @@
 
 #pragma GCC visibility push(hidden)
 
+/* Attributes that become textures; NULL: not in the file. Each to be freed. */
+typedef struct btfi_scales {
+    float *residual; /* [component] */
+    float *factor;   /* [unit][word] */
+    float *view;     /* [view][tier][Y, C1, C2] */
+} btfi_scales;
+
 /* Reads and checks every attribute of part 0 into the material: info (half_float aside), directions,
- * residual scales (*out_scales, info.components numbers, to be freed), provenance, errors. Errors:
- * BTF_ERROR_BAD_FILE, BTF_ERROR_UNSUPPORTED (newer version), BTF_ERROR_MEMORY. */
+ * scales, provenance, errors. Errors: BTF_ERROR_BAD_FILE, BTF_ERROR_UNSUPPORTED (newer version),
+ * BTF_ERROR_MEMORY. */
 btf_result btfi_header_read(exr_const_context_t context, const btf_log *log, btf_material *material,
-                            float **out_scales);
+                            btfi_scales *out_scales);
 
 #pragma GCC visibility pop
 

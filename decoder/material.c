@@ -41,6 +41,7 @@ void btf_material_close(btf_material **material) {
     free(m->level_errors);
     free(m->effect_errors);
     free(m->between_errors);
+    free(m->preview);
     free(m->method);
     free(m->options);
     free(m->source);
@@ -67,7 +68,10 @@ void btfi_material_finish(btf_material *m) {
     m->info.gpu_bytes = btfi_gpu_bytes(&m->info);
     m->info.table_bytes = btf_material_texture(m, BTF_TEXTURE_VIEW_TABLE).size +
                           btf_material_texture(m, BTF_TEXTURE_LIGHT_TABLE).size +
-                          btf_material_texture(m, BTF_TEXTURE_RESIDUAL_SCALES).size;
+                          btf_material_texture(m, BTF_TEXTURE_RESIDUAL_SCALES).size +
+                          btf_material_texture(m, BTF_TEXTURE_FACTOR_SCALES).size +
+                          btf_material_texture(m, BTF_TEXTURE_FACTOR_VIEWS).size;
+    m->info.version = btfi_version(&m->info);
     m->info.method = m->method;
     m->info.options = m->options;
     m->info.source = m->source;
@@ -154,6 +158,10 @@ btf_between_errors btf_material_between_errors(const btf_material *material) {
     return btfi_between_errors_of(material->between_errors, material->between_error_count);
 }
 
+const uint16_t *btf_material_preview(const btf_material *material) {
+    return material->preview;
+}
+
 /* The caller's textures of a level. */
 static const void *const *level_textures(const btf_material_desc *desc, uint32_t level) {
     return level ? desc->level_texture[level] : desc->texture;
@@ -211,6 +219,9 @@ static btf_result copy_provenance(const btf_material_desc *desc, const btf_log *
     m->between_errors =
         copy_rows(desc->between_errors, desc->between_error_count, sizeof *m->between_errors, &good);
     m->between_error_count = desc->between_error_count;
+    if (desc->preview)
+        m->preview =
+            copy_rows(desc->preview, (size_t)m->info.width * m->info.height, 4 * sizeof *m->preview, &good);
     if (!good)
         return btfi_fail(log, BTF_ERROR_MEMORY, "out of memory for the material's provenance");
     return BTF_OK;
@@ -239,9 +250,13 @@ btf_result btf_material_create(const btf_material_desc *desc, const btf_log *log
     btf_material_info info = desc->info;
     info.levels = info.levels ? info.levels : 1;
     info.half_float = info.half_float && info.colour != BTF_COLOUR_NONE;
+    info.horizon_scale = info.horizon_scale == 0 ? 1 : info.horizon_scale;
     btf_result result = btfi_check_info(&check, &info);
     if (result)
         return result;
+    if (desc->preview && btfi_version(&info) < 2)
+        return btfi_fail(log, BTF_ERROR_USAGE,
+                         "preview: the material needs version 1 only, which has none");
 
     btf_material *m = btfi_material_new();
     if (!m)

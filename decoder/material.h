@@ -23,6 +23,7 @@ struct btf_material {
     size_t effect_error_count;
     float *between_errors; /* attribute openbtf.betweenErrors */
     size_t between_error_count;
+    uint16_t *preview; /* [height][width][4] halves; NULL: none */
 };
 
 /* A copy of a string ("" for NULL), NULL when out of memory. */

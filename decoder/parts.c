@@ -9,7 +9,7 @@
 #include <string.h>
 
 size_t btfi_pixel_size(btfi_storage storage) {
-    return storage == BTFI_STORAGE_FLOAT ? 4 : 2;
+    return storage == BTFI_STORAGE_FLOAT || storage == BTFI_STORAGE_UINT32 ? 4 : 2;
 }
 
 static void add_channel(btfi_part *part, const char *name, uint32_t layer, uint32_t component) {
@@ -65,7 +65,7 @@ static void make_sheet(btfi_part *part, uint32_t layers) {
 bool btfi_part_of(const btf_material_info *info, uint32_t level, btf_texture_id id, btfi_part *out) {
     btfi_part part = {.name = btfi_texture_name(level, id), .level = level, .id = id};
     part.shape = btf_material_level_shape(info, level, id);
-    if (part.shape.format == BTF_FORMAT_NONE || id >= BTF_TEXTURE_RESIDUAL_SCALES)
+    if (part.shape.format == BTF_FORMAT_NONE || btfi_is_table(id))
         return false;
     part.storage = BTFI_STORAGE_UINT8;
     part.width = part.shape.width;
@@ -101,6 +101,12 @@ bool btfi_part_of(const btf_material_info *info, uint32_t level, btf_texture_id 
         add_letters(&part, "RGB");
         make_sheet(&part, info->components);
         break;
+    case BTF_TEXTURE_FACTOR_TEXELS:
+    case BTF_TEXTURE_FACTOR_DIRECTIONS:
+        part.storage = BTFI_STORAGE_UINT32;
+        add_letters(&part, "RGBA");
+        make_sheet(&part, part.shape.layers);
+        break;
     default:
         return false;
     }
@@ -108,9 +114,25 @@ bool btfi_part_of(const btf_material_info *info, uint32_t level, btf_texture_id 
     return true;
 }
 
-btfi_part *btfi_parts(const btf_material_info *info, int *out_count) {
+static btfi_part preview_part(const btf_material_info *info) {
+    btfi_part part = {
+        .name = {"preview"},
+        .id = BTF_TEXTURE_COUNT,
+        .shape = {.format = BTF_FORMAT_RGBA16F, .width = info->width, .height = info->height, .layers = 1},
+        .storage = BTFI_STORAGE_HALF,
+        .width = info->width,
+        .height = info->height,
+        .columns = 1,
+        .layers = 1};
+    add_letters(&part, "RGB");
+    return part;
+}
+
+btfi_part *btfi_parts(const btf_material_info *info, bool preview, int *out_count) {
     int count = 0;
     btfi_part *parts = calloc(BTFI_MAX_PARTS, sizeof *parts);
+    if (preview && parts)
+        parts[count++] = preview_part(info);
     for (uint32_t level = 0; level < info->levels && parts; level++)
         for (int id = 0; id < BTF_TEXTURE_COUNT; id++)
             count += btfi_part_of(info, level, (btf_texture_id)id, &parts[count]);
@@ -136,6 +158,8 @@ btfi_run btfi_part_run(const btfi_part *part, int channel, uint32_t x, uint32_t 
     case BTF_TEXTURE_SHADOW:
     case BTF_TEXTURE_SHIFT:
     case BTF_TEXTURE_GAIN:
+    case BTF_TEXTURE_FACTOR_TEXELS:
+    case BTF_TEXTURE_FACTOR_DIRECTIONS:
         layer = item;
         break;
     case BTF_TEXTURE_RESIDUAL_TEXELS:

@@ -10,7 +10,7 @@
 #pragma GCC visibility push(hidden)
 
 enum {
-    BTFI_MAX_PARTS = 7 + 5 * (BTF_MAX_LEVELS - 1), /* layout tight; `paper` has 4 */
+    BTFI_MAX_PARTS = 8 + 5 * (BTF_MAX_LEVELS - 1), /* layout tight; `paper` has 4 */
     BTFI_MAX_CHANNELS = 3 + 7 * BTF_MAX_LOBES,
 };
 
@@ -20,6 +20,7 @@ typedef enum btfi_storage {
     BTFI_STORAGE_INT8,  /* HALF in the file, -127..127 */
     BTFI_STORAGE_HALF,
     BTFI_STORAGE_FLOAT,
+    BTFI_STORAGE_UINT32,
 } btfi_storage;
 
 /* A channel, and the layer and component of the texture that it fills (in a contact sheet, `layer` is not
@@ -47,9 +48,10 @@ typedef struct btfi_part {
  * is none. */
 bool btfi_part_of(const btf_material_info *info, uint32_t level, btf_texture_id id, btfi_part *out);
 
-/* Lists the parts in the order in which they are written, level after level; returns how many of the
- * BTFI_MAX_PARTS there are. NULL when out of memory; to be freed. */
-btfi_part *btfi_parts(const btf_material_info *info, int *out_count);
+/* Lists the parts in the order in which they are written: the picture for viewers, if there is one (its id
+ * is BTF_TEXTURE_COUNT), then level after level; returns how many of the BTFI_MAX_PARTS there are. NULL
+ * when out of memory; to be freed. */
+btfi_part *btfi_parts(const btf_material_info *info, bool preview, int *out_count);
 
 /* A run of texels: `count` pixels of a channel from (x, y) on, at elements offset, offset + stride, ... of
  * the texture. Blank runs of a contact sheet have no texels. */

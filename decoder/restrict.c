@@ -37,6 +37,11 @@ btf_material_info btfi_restricted_info(const btf_material_info *info, uint32_t e
                            ? (components && components < info->components ? components : info->components)
                            : 0;
     small.centres = effects & BTF_EFFECT_HIDDEN ? info->centres : 0;
+    btfi_truncate_classes(info->factor_classes, small.components, small.factor_classes);
+    if (small.components == 0) {
+        small.store = BTF_STORE_COMPONENTS;
+        small.horizon_scale = 1;
+    }
     return small;
 }
 
@@ -294,6 +299,21 @@ static void fill_residual(const work *w, uint32_t level, btf_texture_id id, cons
     }
 }
 
+/* Units of kept views and lights, and the factors of kept views: 16 bytes a texel. */
+static void fill_factors(const work *w, btf_texture_id id, const btf_texture *shape, uint8_t *out) {
+    const btf_texture whole = btf_material_texture(w->whole, id);
+    const bool views = id == BTF_TEXTURE_FACTOR_VIEWS;
+    for (size_t layer = 0; layer < shape->layers; layer++)
+        for (uint32_t v = 0; v < w->views.count; v++)
+            for (uint32_t x = 0; x < shape->width; x++, out += 16) {
+                const uint32_t from = views ? x : w->lights.number[x];
+                memcpy(out,
+                       (const uint8_t *)whole.data +
+                           16 * ((layer * whole.height + w->views.number[v]) * whole.width + from),
+                       16);
+            }
+}
+
 static void fill(const work *w, uint32_t level, btf_texture_id id, const btf_texture *shape, void *out) {
     const size_t texels =
         (size_t)btf_level_size(w->desc.info.width, level) * btf_level_size(w->desc.info.height, level);
@@ -317,6 +337,16 @@ static void fill(const work *w, uint32_t level, btf_texture_id id, const btf_tex
         break;
     case BTF_TEXTURE_RESIDUAL_SCALES:
         memcpy(out, btf_material_texture(w->whole, id).data, w->desc.info.components * sizeof(float));
+        break;
+    case BTF_TEXTURE_FACTOR_TEXELS: /* the first units are the first layers */
+        memcpy(out, whole_data(w, level, id), shape->size);
+        break;
+    case BTF_TEXTURE_FACTOR_SCALES:
+        memcpy(out, btf_material_texture(w->whole, id).data, shape->size);
+        break;
+    case BTF_TEXTURE_FACTOR_DIRECTIONS:
+    case BTF_TEXTURE_FACTOR_VIEWS:
+        fill_factors(w, id, shape, out);
         break;
     default:
         break;

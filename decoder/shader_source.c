@@ -123,7 +123,10 @@ uint32_t btf_shader_textures(const btf_material_info *info, const btf_shader_opt
         if (hidden)
             textures |= 1u << BTF_TEXTURE_CENTRES;
     }
-    if (v.components > 0)
+    if (v.components > 0 && info->store == BTF_STORE_FACTORS)
+        textures |= 1u << BTF_TEXTURE_FACTOR_TEXELS | 1u << BTF_TEXTURE_FACTOR_DIRECTIONS |
+                    1u << BTF_TEXTURE_FACTOR_SCALES | 1u << BTF_TEXTURE_FACTOR_VIEWS;
+    else if (v.components > 0)
         textures |= 1u << BTF_TEXTURE_RESIDUAL_TEXELS | 1u << BTF_TEXTURE_RESIDUAL_DIRECTIONS |
                     1u << BTF_TEXTURE_RESIDUAL_SCALES;
     return textures;

@@ -20,6 +20,10 @@ static const char *const texture_names[BTF_TEXTURE_COUNT] = {
     "residual_scales",
     "view_table",
     "light_table",
+    "factor_texels",
+    "factor_directions",
+    "factor_scales",
+    "factor_views",
 };
 
 static const char *const effect_names[] = {"shadow", "shift", "hidden", "gain", "residual"};
@@ -42,6 +46,7 @@ uint32_t btfi_format_channels(btf_format format) {
     case BTF_FORMAT_RGBA16UI:
     case BTF_FORMAT_RGBA16F:
     case BTF_FORMAT_RGBA32F:
+    case BTF_FORMAT_RGBA32UI:
         return 4;
     }
     return 0;
@@ -53,6 +58,7 @@ size_t btf_format_size(btf_format format) {
     case BTF_FORMAT_RGBA16F:
         return 8;
     case BTF_FORMAT_RGBA32F:
+    case BTF_FORMAT_RGBA32UI:
         return 16;
     default:
         return btfi_format_channels(format);
@@ -76,6 +82,56 @@ static uint32_t ceil_div(uint32_t a, uint32_t b) {
     return (a + b - 1) / b;
 }
 
+/* Texels of factor_texels that a unit of each class takes. */
+static const uint32_t unit_layers[BTF_FACTOR_CLASSES] = {1, 2, 1, 2, 1};
+
+static uint32_t smaller(uint32_t a, uint32_t b) {
+    return a < b ? a : b;
+}
+
+void btfi_truncate_classes(const uint32_t classes[BTF_FACTOR_CLASSES][3], uint32_t units,
+                           uint32_t out[BTF_FACTOR_CLASSES][3]) {
+    for (int c = 0; c < BTF_FACTOR_CLASSES; c++) {
+        out[c][0] = smaller(classes[c][0], units);
+        units -= out[c][0];
+        out[c][1] = smaller(classes[c][1], 4 * out[c][0]);
+        out[c][2] = smaller(classes[c][2], 4 * out[c][0] - out[c][1]);
+    }
+}
+
+uint32_t btfi_factor_layers(const btf_material_info *info, uint32_t units) {
+    uint32_t layers = 0;
+    for (int c = 0; c < BTF_FACTOR_CLASSES; c++) {
+        const uint32_t of_class = smaller(info->factor_classes[c][0], units);
+        layers += of_class * unit_layers[c];
+        units -= of_class;
+    }
+    return layers;
+}
+
+uint32_t btfi_unit_class(const btf_material_info *info, uint32_t unit, uint32_t *out_number) {
+    uint32_t c = 0;
+    while (c + 1 < BTF_FACTOR_CLASSES && unit >= info->factor_classes[c][0])
+        unit -= info->factor_classes[c++][0];
+    *out_number = unit;
+    return c;
+}
+
+bool btfi_unit_is_mixed(const btf_material_info *info, uint32_t unit) {
+    uint32_t number;
+    const uint32_t c = btfi_unit_class(info, unit, &number);
+    return c == 0 || 4 * number < info->factor_classes[c][1] + info->factor_classes[c][2];
+}
+
+bool btfi_is_table(btf_texture_id id) {
+    return id == BTF_TEXTURE_RESIDUAL_SCALES || id == BTF_TEXTURE_FACTOR_SCALES ||
+           id == BTF_TEXTURE_FACTOR_VIEWS || id == BTF_TEXTURE_VIEW_TABLE || id == BTF_TEXTURE_LIGHT_TABLE;
+}
+
+uint32_t btfi_version(const btf_material_info *info) {
+    return info->store == BTF_STORE_FACTORS || info->blend != BTF_BLEND_RADIANCE ? 2 : 1;
+}
+
 static btf_texture shape(btf_format format, int is_array, uint32_t width, uint32_t height,
                          uint32_t layers) {
     btf_texture texture = {
@@ -89,6 +145,8 @@ btf_texture btf_material_texture_shape(const btf_material_info *info, btf_textur
     const uint32_t w = info->width, h = info->height, effects = info->effects;
     const bool tight = info->layout == BTF_LAYOUT_TIGHT;
     const uint32_t quads = ceil_div(info->components, 4);
+    const bool residual = effects & BTF_EFFECT_RESIDUAL && info->store == BTF_STORE_COMPONENTS;
+    const bool factors = effects & BTF_EFFECT_RESIDUAL && info->store == BTF_STORE_FACTORS;
 
     switch (id) {
     case BTF_TEXTURE_SBRDF: {
@@ -120,13 +178,21 @@ btf_texture btf_material_texture_shape(const btf_material_info *info, btf_textur
         return shape(BTF_FORMAT_RGBA8UI, 0, info->n_lights * blocks, ceil_div(info->centres, blocks), 1);
     }
     case BTF_TEXTURE_RESIDUAL_TEXELS:
-        return effects & BTF_EFFECT_RESIDUAL ? shape(BTF_FORMAT_RGBA8I, 1, w, h, quads) : none;
+        return residual ? shape(BTF_FORMAT_RGBA8I, 1, w, h, quads) : none;
     case BTF_TEXTURE_RESIDUAL_DIRECTIONS:
-        return effects & BTF_EFFECT_RESIDUAL
-                   ? shape(BTF_FORMAT_RGBA8I, 1, info->n_lights, info->n_views, 3 * quads)
-                   : none;
+        return residual ? shape(BTF_FORMAT_RGBA8I, 1, info->n_lights, info->n_views, 3 * quads) : none;
     case BTF_TEXTURE_RESIDUAL_SCALES:
-        return effects & BTF_EFFECT_RESIDUAL ? shape(BTF_FORMAT_RGBA32F, 0, quads, 1, 1) : none;
+        return residual ? shape(BTF_FORMAT_RGBA32F, 0, quads, 1, 1) : none;
+    case BTF_TEXTURE_FACTOR_TEXELS:
+        return factors ? shape(BTF_FORMAT_RGBA32UI, 1, w, h, btfi_factor_layers(info, info->components))
+                       : none;
+    case BTF_TEXTURE_FACTOR_DIRECTIONS:
+        return factors ? shape(BTF_FORMAT_RGBA32UI, 1, info->n_lights, info->n_views, info->components)
+                       : none;
+    case BTF_TEXTURE_FACTOR_SCALES:
+        return factors ? shape(BTF_FORMAT_RGBA32F, 0, info->components, 1, 1) : none;
+    case BTF_TEXTURE_FACTOR_VIEWS:
+        return factors ? shape(BTF_FORMAT_RGBA32F, 0, 3, info->n_views, 1) : none;
     case BTF_TEXTURE_VIEW_TABLE:
     case BTF_TEXTURE_LIGHT_TABLE:
     case BTF_TEXTURE_COUNT:
@@ -142,7 +208,8 @@ uint32_t btf_level_size(uint32_t size, uint32_t level) {
 btf_texture btf_material_level_shape(const btf_material_info *info, uint32_t level, btf_texture_id id) {
     if (level == 0)
         return btf_material_texture_shape(info, id);
-    const bool shared = id == BTF_TEXTURE_CENTRES || id >= BTF_TEXTURE_RESIDUAL_DIRECTIONS;
+    const bool shared = id == BTF_TEXTURE_CENTRES || id == BTF_TEXTURE_RESIDUAL_DIRECTIONS ||
+                        id == BTF_TEXTURE_FACTOR_DIRECTIONS || btfi_is_table(id);
     if (shared || level >= info->levels)
         return (btf_texture){0};
     btf_material_info of_level = *info;
@@ -154,7 +221,7 @@ btf_texture btf_material_level_shape(const btf_material_info *info, uint32_t lev
 size_t btf_level_bytes(const btf_material_info *info, uint32_t level) {
     size_t bytes = 0;
     for (int id = 0; id < BTF_TEXTURE_COUNT; id++)
-        if (id != BTF_TEXTURE_RESIDUAL_SCALES)
+        if (!btfi_is_table((btf_texture_id)id))
             bytes += btf_material_level_shape(info, level, (btf_texture_id)id).size;
     return bytes;
 }
@@ -174,6 +241,49 @@ static btf_result check_scale(const btfi_check *check, const char *name, float v
     if (value > 0 && btfi_is_parameter(value))
         return BTF_OK;
     return btfi_fail(check->log, check->code, "%s %g is not within 2^-24 to 2^24", name, (double)value);
+}
+
+/* Classes of the factors: all 0 where the store is another. */
+static btf_result check_classes(const btfi_check *check, const btf_material_info *info) {
+    const bool factors = info->store == BTF_STORE_FACTORS;
+    uint32_t units = 0;
+    for (uint32_t c = 0; c < BTF_FACTOR_CLASSES; c++) {
+        const uint32_t *n = info->factor_classes[c];
+        if (n[0] > BTF_MAX_COMPONENTS || n[1] > 4 * n[0] || n[2] > 4 * n[0] - n[1])
+            return btfi_fail(check->log, check->code,
+                             "factorClasses: class %u has %u units (at most %d) with %u words of C1 and %u "
+                             "of C2 (at most "
+                             "4 a unit)",
+                             (unsigned)c, (unsigned)n[0], BTF_MAX_COMPONENTS, (unsigned)n[1],
+                             (unsigned)n[2]);
+        units += n[0];
+    }
+    if (units != (factors ? info->components : 0))
+        return btfi_fail(check->log, check->code, "factorClasses: %u units in all, not %u", (unsigned)units,
+                         factors ? (unsigned)info->components : 0);
+    if (factors && btfi_factor_layers(info, units) > BTF_MAX_COMPONENTS)
+        return btfi_fail(check->log, check->code, "factorClasses: %u layers of factor_texels, not 1 to %d",
+                         (unsigned)btfi_factor_layers(info, units), BTF_MAX_COMPONENTS);
+    return BTF_OK;
+}
+
+/* What version 2 adds. */
+static btf_result check_version_2(const btfi_check *check, const btf_material_info *info) {
+    if (info->store != BTF_STORE_COMPONENTS && info->store != BTF_STORE_FACTORS)
+        return btfi_fail(check->log, check->code, "unknown store %d of the residual", (int)info->store);
+    if (info->store == BTF_STORE_FACTORS && !(info->effects & BTF_EFFECT_RESIDUAL))
+        return btfi_fail(check->log, check->code, "factors without the effect residual");
+    if (info->blend != BTF_BLEND_RADIANCE && info->blend != BTF_BLEND_ROOTS)
+        return btfi_fail(check->log, check->code, "unknown blend %d", (int)info->blend);
+    if (info->blend == BTF_BLEND_ROOTS && info->domain != BTF_DOMAIN_SQRT)
+        return btfi_fail(check->log, check->code, "blend roots without the domain sqrt");
+    if (!(info->horizon_scale >= 1 && info->horizon_scale <= BTFI_PARAMETER_MAX))
+        return btfi_fail(check->log, check->code, "horizonScale %g is not within 1 to 2^24",
+                         (double)info->horizon_scale);
+    if (info->store != BTF_STORE_FACTORS && info->horizon_scale != 1)
+        return btfi_fail(check->log, check->code, "horizonScale %g without factors",
+                         (double)info->horizon_scale);
+    return check_classes(check, info);
 }
 
 static btf_result check_effects(const btfi_check *check, const btf_material_info *info) {
@@ -272,7 +382,8 @@ btf_result btfi_check_info(const btfi_check *check, const btf_material_info *inf
 
     btf_result result;
     if ((result = check_effects(check, info)) || (result = check_model(check, info)) ||
-        (result = check_layout(check, info)) || (result = check_levels(check, info)) ||
+        (result = check_version_2(check, info)) || (result = check_layout(check, info)) ||
+        (result = check_levels(check, info)) ||
         (result = check_scale(check, "radianceScale", info->radiance_scale)) ||
         (result = check_scale(check, "shadowScale", info->shadow_scale)) ||
         (result = check_scale(check, "gainScale", info->gain_scale)) ||

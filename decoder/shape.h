@@ -30,6 +30,20 @@ typedef struct btfi_name {
 btfi_name btfi_texture_name(uint32_t level, btf_texture_id id);
 /* Names of the effects in the order of FORMAT.md section 3; NULL beyond the last. */
 const char *btfi_effect_name(int index);
+/* Of the first `units` units of a material whose store is factors: the classes that are left, into `out`.
+ */
+void btfi_truncate_classes(const uint32_t classes[BTF_FACTOR_CLASSES][3], uint32_t units,
+                           uint32_t out[BTF_FACTOR_CLASSES][3]);
+/* Texels of factor_texels, at a texel of the material, of the first `units` units. */
+uint32_t btfi_factor_layers(const btf_material_info *info, uint32_t units);
+/* The class of a unit, and its number in the class. */
+uint32_t btfi_unit_class(const btf_material_info *info, uint32_t unit, uint32_t *out_number);
+/* True for a unit that is evaluated word by word, with a scale for each word. */
+bool btfi_unit_is_mixed(const btf_material_info *info, uint32_t unit);
+/* True for the textures that gpu_bytes leaves out. */
+bool btfi_is_table(btf_texture_id id);
+/* The oldest version of the format that holds such a material. */
+uint32_t btfi_version(const btf_material_info *info);
 /* Checks everything that info says by itself (FORMAT.md sections 2 to 5, 7), the strings aside. */
 btf_result btfi_check_info(const btfi_check *check, const btf_material_info *info);
 /* Sums of the textures, as info reports them. */

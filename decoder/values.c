@@ -216,6 +216,56 @@ static btf_result check_residual_scales(const values *v, float *data) {
     return BTF_OK;
 }
 
+/* No byte of class 0 is -128: its units come first, one texel each. Codes of fewer bits may be anything. */
+static btf_result check_factors(const values *v, btf_texture_id id, const uint32_t *data) {
+    const btf_texture t = btf_material_texture_shape(v->info, id);
+    const size_t texels = (size_t)t.width * t.height, words = 4 * texels * v->info->factor_classes[0][0];
+    for (size_t i = 0; i < words; i++)
+        for (int byte = 0; byte < 4; byte++)
+            if ((data[i] >> (8 * byte) & 255) == 128)
+                return btfi_fail(
+                    v->check->log, v->check->code,
+                    "%s: unit %zu at (%zu, %zu): byte %d of channel %c is -128, not within -127 to 127",
+                    btfi_texture_name(v->level, id).text, i / 4 / texels, i / 4 % texels % t.width,
+                    i / 4 % texels / t.width, byte, "RGBA"[i % 4]);
+    return BTF_OK;
+}
+
+/* `data` holds `count` numbers of an attribute; -0 becomes 0. */
+static btf_result check_parameters(const values *v, const char *attribute, float *data, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        if (!btfi_is_parameter(data[i]))
+            return btfi_fail(v->check->log, v->check->code,
+                             "%s: number %zu is %g, which is not 0 or of magnitude 2^-24 to 2^24",
+                             attribute, i, (double)data[i]);
+        data[i] = data[i] == 0 ? 0 : data[i];
+    }
+    return BTF_OK;
+}
+
+static btf_result check_factor_scales(const values *v, float *data) {
+    const uint32_t units = v->info->components;
+    btf_result result = check_parameters(v, "factorScales", data, 4 * (size_t)units);
+    for (uint32_t unit = 0; unit < units && !result; unit++, data += 4)
+        if (!btfi_unit_is_mixed(v->info, unit) &&
+            (data[1] != data[0] || data[2] != data[0] || data[3] != data[0]))
+            result = btfi_fail(
+                v->check->log, v->check->code,
+                "factorScales: unit %u, all of Y, has the scales %g, %g, %g, %g, which are not equal",
+                (unsigned)unit, (double)data[0], (double)data[1], (double)data[2], (double)data[3]);
+    return result;
+}
+
+static btf_result check_factor_views(const values *v, float *data) {
+    const size_t count = 4 * 3 * (size_t)v->info->n_views;
+    for (size_t i = 3; i < count; i += 4)
+        if (data[i] != 0)
+            return btfi_fail(v->check->log, v->check->code,
+                             "factor_views: the fourth number of view %zu is %g, not 0", i / 12,
+                             (double)data[i]);
+    return check_parameters(v, "factorViews", data, count);
+}
+
 /* Textures that a level does not have are NULL. */
 static btf_result check_level(const values *v, void *const texture[BTF_TEXTURE_COUNT]) {
     btf_result result;
@@ -235,6 +285,15 @@ static btf_result check_level(const values *v, void *const texture[BTF_TEXTURE_C
         ((result = check_residual(v, BTF_TEXTURE_RESIDUAL_DIRECTIONS, 3,
                                   texture[BTF_TEXTURE_RESIDUAL_DIRECTIONS])) ||
          (result = check_residual_scales(v, texture[BTF_TEXTURE_RESIDUAL_SCALES]))))
+        return result;
+    if (texture[BTF_TEXTURE_FACTOR_TEXELS] &&
+        (result = check_factors(v, BTF_TEXTURE_FACTOR_TEXELS, texture[BTF_TEXTURE_FACTOR_TEXELS])))
+        return result;
+    if (texture[BTF_TEXTURE_FACTOR_DIRECTIONS] &&
+        ((result =
+              check_factors(v, BTF_TEXTURE_FACTOR_DIRECTIONS, texture[BTF_TEXTURE_FACTOR_DIRECTIONS])) ||
+         (result = check_factor_scales(v, texture[BTF_TEXTURE_FACTOR_SCALES])) ||
+         (result = check_factor_views(v, texture[BTF_TEXTURE_FACTOR_VIEWS]))))
         return result;
     return BTF_OK;
 }

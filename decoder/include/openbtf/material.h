@@ -24,13 +24,16 @@
 extern "C" {
 #endif
 
-#define BTF_FORMAT_VERSION 1
+/** The newest version of the format that this library reads; a file says the oldest that its contents need.
+ */
+#define BTF_FORMAT_VERSION 2
 
 /** Upper bounds of the format (FORMAT.md). */
 #define BTF_MAX_SIZE 16384
 #define BTF_MAX_DIRECTIONS 256
 #define BTF_MAX_LOBES 4
-#define BTF_MAX_COMPONENTS 256
+#define BTF_MAX_COMPONENTS 256 /**< components of the residual; units, where its store is factors */
+#define BTF_FACTOR_CLASSES 5
 #define BTF_MAX_CENTRES 65536
 #define BTF_MAX_LEVELS 15
 #define BTF_MAX_BANDS 16
@@ -64,6 +67,18 @@ typedef enum btf_effect {
     BTF_EFFECT_ALL = 31,
 } btf_effect;
 
+/** How a file stores the effect `residual`. */
+typedef enum btf_store {
+    BTF_STORE_COMPONENTS = 0, /**< version 1: 8-bit components that R, G and B share */
+    BTF_STORE_FACTORS = 1,    /**< version 2: factors of 8, 4 or 2 bits, apart for Y, C1 and C2 */
+} btf_store;
+
+/** Which values the three neighbouring views are blended in. */
+typedef enum btf_blend {
+    BTF_BLEND_RADIANCE = 0, /**< each view's radiance, clamped at 0 */
+    BTF_BLEND_ROOTS = 1,    /**< square roots; the sum is clamped at 0 and squared. Domain sqrt only */
+} btf_blend;
+
 typedef enum btf_format {
     BTF_FORMAT_NONE = 0,
     BTF_FORMAT_R8UI,
@@ -73,6 +88,7 @@ typedef enum btf_format {
     BTF_FORMAT_RGBA16UI,
     BTF_FORMAT_RGBA16F,
     BTF_FORMAT_RGBA32F,
+    BTF_FORMAT_RGBA32UI,
 } btf_format;
 
 /** @return bytes of one texel; 0 for BTF_FORMAT_NONE. */
@@ -91,6 +107,10 @@ typedef enum btf_texture_id {
     BTF_TEXTURE_RESIDUAL_SCALES,
     BTF_TEXTURE_VIEW_TABLE,
     BTF_TEXTURE_LIGHT_TABLE,
+    BTF_TEXTURE_FACTOR_TEXELS,
+    BTF_TEXTURE_FACTOR_DIRECTIONS,
+    BTF_TEXTURE_FACTOR_SCALES,
+    BTF_TEXTURE_FACTOR_VIEWS,
     BTF_TEXTURE_COUNT
 } btf_texture_id;
 
@@ -120,15 +140,23 @@ typedef struct btf_material_info {
     uint32_t lobes;                     /**< J */
     uint32_t effects;                   /**< btf_effect bits present */
     uint32_t centres;                   /**< K */
-    uint32_t components;                /**< k of the residual */
+    uint32_t components;                /**< k of the residual; units, where the store is factors */
     uint32_t atlas_width, atlas_height; /**< layout paper, else 0 */
     float radiance_scale, shadow_scale, gain_scale, centre_scale; /**< factors of FORMAT.md section 9 */
     size_t gpu_bytes;   /**< FORMAT.md section 3: without tables */
-    size_t table_bytes; /**< direction tables and residual scales */
+    size_t table_bytes; /**< direction tables, and scales of the residual */
     const char *method; /**< provenance; "" when not given */
     const char *options;
     const char *source;
     uint32_t levels; /**< levels of detail, 1..BTF_MAX_LEVELS; as an input 0 means 1 */
+    btf_store store; /**< of the effect residual */
+    /** With BTF_STORE_FACTORS, of each class (FORMAT.md section 3): units, words of C1, words of C2; else
+     * 0. */
+    uint32_t factor_classes[BTF_FACTOR_CLASSES][3];
+    btf_blend blend;
+    float horizon_scale; /**< with BTF_STORE_FACTORS: 1 / (l.z of the outermost light), >= 1; else 1, as an
+                            input 0 */
+    uint32_t version;    /**< of the format; no input */
 } btf_material_info;
 
 /** One row of the errors that the encoder measured. */
@@ -214,8 +242,8 @@ btf_result btf_material_get_info(const btf_material *material, btf_material_info
 btf_texture btf_material_texture(const btf_material *material, btf_texture_id id);
 
 /** @return the same of a level of detail: level 0 is btf_material_texture; a higher one has sbrdf, shadow,
- *  shift, gain and residual_texels of its own and shares the rest with level 0 (format NONE here, as for a
- * level that the material does not have). */
+ *  shift, gain, residual_texels and factor_texels of its own and shares the rest with level 0 (format NONE
+ * here, as for a level that the material does not have). */
 btf_texture btf_material_level_texture(const btf_material *material, uint32_t level, btf_texture_id id);
 
 /** @return the sampled directions to the viewer, and to the light. */
@@ -258,7 +286,14 @@ typedef struct btf_material_desc {
     size_t effect_error_count;  /**< floats */
     const float *between_errors; /**< as the attribute openbtf.betweenErrors holds them; NULL: none */
     size_t between_error_count;  /**< floats */
+    /** A picture for viewers of EXR files, which no decoder reads: halves, [height][width][4], linear Rec.
+     * 709 RGB and a 0; NULL: none. Only in materials that need version 2. */
+    const uint16_t *preview;
 } btf_material_desc;
+
+/** @return the picture for viewers (see btf_material_desc), owned by the material; NULL when there is none.
+ */
+const uint16_t *btf_material_preview(const btf_material *material);
 
 /** The shape (format, is_array, width, height, layers, size; data NULL) that a texture of a material with
  * this info has; format NONE when it has none. The tables have no shape before they are made. */

@@ -327,8 +327,8 @@ static void test_attributes(void **state) {
         refused(e, text);
     }
     edit_file *e = take(&paper_file);
-    edit_find_attribute(e, "openbtf.version")->i = 2;
-    refused_as(e, BTF_ERROR_UNSUPPORTED, "format version 2 is above 1");
+    edit_find_attribute(e, "openbtf.version")->i = BTF_FORMAT_VERSION + 1;
+    refused_as(e, BTF_ERROR_UNSUPPORTED, "format version 3 is above 2");
     e = take(&paper_file);
     edit_find_attribute(e, "openbtf.version")->i = 0;
     refused(e, "openbtf.version is 0");
