@@ -322,6 +322,8 @@ static void get_all_scales(reader *r, const btf_material_info *info, btfi_scales
     const bool factors = info->store == BTF_STORE_FACTORS;
     get_scales(r, "openbtf.residualScales", 1, factors ? 0 : info->components, "components of the residual",
                &out->residual);
+    if (info->version < 2)
+        return;
     get_scales(r, "openbtf.factorScales", 4, factors ? info->components : 0, "units of factors",
                &out->factor);
     get_scales(r, "openbtf.factorViews", 9, factors ? info->n_views : 0, "views of factors", &out->view);

@@ -72,6 +72,10 @@ void btfi_material_finish(btf_material *m) {
                           btf_material_texture(m, BTF_TEXTURE_FACTOR_SCALES).size +
                           btf_material_texture(m, BTF_TEXTURE_FACTOR_VIEWS).size;
     m->info.version = btfi_version(&m->info);
+    if (m->info.version < 2) { /* it would be written so, where no part may be a picture */
+        free(m->preview);
+        m->preview = NULL;
+    }
     m->info.method = m->method;
     m->info.options = m->options;
     m->info.source = m->source;

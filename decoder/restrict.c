@@ -438,6 +438,8 @@ btf_result btf_material_restrict(const btf_material *material, const btf_plan *p
     w->desc.info.n_lights = w->lights.count;
     w->desc.views = w->views.xyz[0];
     w->desc.lights = w->lights.xyz[0];
+    if (plan->level == 0 && btfi_version(&w->desc.info) >= 2) /* of a coarser level it has not the size */
+        w->desc.preview = material->preview;
     if (result == BTF_OK && w->desc.info.centres > 0) {
         w->centre = malloc(material->info.centres * sizeof *w->centre);
         if (w->centre)

@@ -252,8 +252,7 @@ static btf_result check_classes(const btfi_check *check, const btf_material_info
         if (n[0] > BTF_MAX_COMPONENTS || n[1] > 4 * n[0] || n[2] > 4 * n[0] - n[1])
             return btfi_fail(check->log, check->code,
                              "factorClasses: class %u has %u units (at most %d) with %u words of C1 and %u "
-                             "of C2 (at most "
-                             "4 a unit)",
+                             "of C2 (at most 4 a unit)",
                              (unsigned)c, (unsigned)n[0], BTF_MAX_COMPONENTS, (unsigned)n[1],
                              (unsigned)n[2]);
         units += n[0];
@@ -267,7 +266,7 @@ static btf_result check_classes(const btfi_check *check, const btf_material_info
     return BTF_OK;
 }
 
-/* What version 2 adds. */
+/* Checks the members that only version 2 stores. */
 static btf_result check_version_2(const btfi_check *check, const btf_material_info *info) {
     if (info->store != BTF_STORE_COMPONENTS && info->store != BTF_STORE_FACTORS)
         return btfi_fail(check->log, check->code, "unknown store %d of the residual", (int)info->store);

@@ -231,21 +231,23 @@ static btf_result check_factors(const values *v, btf_texture_id id, const uint32
     return BTF_OK;
 }
 
-/* `data` holds `count` numbers of an attribute; -0 becomes 0. */
-static btf_result check_parameters(const values *v, const char *attribute, float *data, size_t count) {
+/* `data` holds texels whose first `group` numbers are `count` numbers of an attribute; -0 becomes 0. */
+static btf_result check_parameters(const values *v, const char *attribute, float *data, size_t group,
+                                   size_t count) {
     for (size_t i = 0; i < count; i++) {
-        if (!btfi_is_parameter(data[i]))
+        float *number = &data[i / group * 4 + i % group];
+        if (!btfi_is_parameter(*number))
             return btfi_fail(v->check->log, v->check->code,
                              "%s: number %zu is %g, which is not 0 or of magnitude 2^-24 to 2^24",
-                             attribute, i, (double)data[i]);
-        data[i] = data[i] == 0 ? 0 : data[i];
+                             attribute, i, (double)*number);
+        *number = *number == 0 ? 0 : *number;
     }
     return BTF_OK;
 }
 
 static btf_result check_factor_scales(const values *v, float *data) {
     const uint32_t units = v->info->components;
-    btf_result result = check_parameters(v, "factorScales", data, 4 * (size_t)units);
+    btf_result result = check_parameters(v, "factorScales", data, 4, 4 * (size_t)units);
     for (uint32_t unit = 0; unit < units && !result; unit++, data += 4)
         if (!btfi_unit_is_mixed(v->info, unit) &&
             (data[1] != data[0] || data[2] != data[0] || data[3] != data[0]))
@@ -257,13 +259,16 @@ static btf_result check_factor_scales(const values *v, float *data) {
 }
 
 static btf_result check_factor_views(const values *v, float *data) {
-    const size_t count = 4 * 3 * (size_t)v->info->n_views;
-    for (size_t i = 3; i < count; i += 4)
-        if (data[i] != 0)
+    const size_t texels = 3 * (size_t)v->info->n_views;
+    for (size_t i = 0; i < texels; i++) {
+        float *fourth = &data[4 * i + 3];
+        if (*fourth != 0)
             return btfi_fail(v->check->log, v->check->code,
-                             "factor_views: the fourth number of view %zu is %g, not 0", i / 12,
-                             (double)data[i]);
-    return check_parameters(v, "factorViews", data, count);
+                             "factor_views: A of view %zu, tier %zu is %g, not 0", i / 3, i % 3,
+                             (double)*fourth);
+        *fourth = 0;
+    }
+    return check_parameters(v, "factorViews", data, 3, 3 * texels);
 }
 
 /* Textures that a level does not have are NULL. */

@@ -156,7 +156,7 @@ typedef struct btf_material_info {
     btf_blend blend;
     float horizon_scale; /**< with BTF_STORE_FACTORS: 1 / (l.z of the outermost light), >= 1; else 1, as an
                             input 0 */
-    uint32_t version;    /**< of the format; no input */
+    uint32_t version;    /**< the oldest of the format that holds the material; no input */
 } btf_material_info;
 
 /** One row of the errors that the encoder measured. */

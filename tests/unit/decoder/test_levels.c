@@ -106,7 +106,8 @@ static void assert_same_level(const btf_material *a, const btf_material_desc *de
     for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
         btf_texture t = btf_material_level_texture(a, level, (btf_texture_id)id);
         const void *given = level ? desc->level_texture[level][id] : desc->texture[id];
-        assert_int_equal(t.data != NULL, given != NULL || (level == 0 && (id == BTF_TEXTURE_VIEW_TABLE || id == BTF_TEXTURE_LIGHT_TABLE)));
+        const bool table = id == BTF_TEXTURE_VIEW_TABLE || id == BTF_TEXTURE_LIGHT_TABLE;
+        assert_int_equal(t.data != NULL, given != NULL || (level == 0 && table));
         if (given)
             assert_memory_equal(t.data, given, t.size);
     }
