@@ -59,9 +59,30 @@ static void fill_scales(random_state *r, const btf_material_info *info, float *o
         }
 }
 
+void factor_material_choose(random_state *r, btf_material_desc *desc) {
+    btf_material_info *info = &desc->info;
+    if (info->domain == BTF_DOMAIN_SQRT)
+        info->blend = (btf_blend)random_below(r, 2);
+    if (!(info->effects & BTF_EFFECT_RESIDUAL) || random_below(r, 3) == 0)
+        return;
+    info->store = BTF_STORE_FACTORS;
+    info->horizon_scale = (float)(1 + 5 * random_unit(r));
+    info->components = 0;
+    for (int c = 0; c < BTF_FACTOR_CLASSES; c++) {
+        uint32_t *n = info->factor_classes[c];
+        n[0] = random_below(r, 3);
+        n[0] += info->components == 0 && n[0] == 0 && c + 1 == BTF_FACTOR_CLASSES;
+        n[1] = random_below(r, 4 * n[0] + 1);
+        n[2] = random_below(r, 4 * n[0] - n[1] + 1);
+        info->components += n[0];
+    }
+}
+
 void factor_material_fill(random_state *r, btf_material_desc *desc) {
     const btf_material_info *info = &desc->info;
     random_material_fill(r, desc);
+    if (info->store != BTF_STORE_FACTORS)
+        return;
     for (uint32_t level = 0; level < (info->levels ? info->levels : 1); level++)
         for (int which = 0; which < (level ? 1 : 2); which++) {
             const btf_texture_id id = which ? BTF_TEXTURE_FACTOR_DIRECTIONS : BTF_TEXTURE_FACTOR_TEXELS;

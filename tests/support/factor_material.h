@@ -17,7 +17,10 @@ btf_material_desc factor_material_desc(uint32_t width, uint32_t height, uint32_t
                                        btf_layout layout, uint32_t effects,
                                        const uint32_t classes[BTF_FACTOR_CLASSES][3]);
 
-/* random_material_fill, then codes, scales and factors of the views. */
+/* A store of the residual and a blend at random, with one to ten units of any class. */
+void factor_material_choose(random_state *r, btf_material_desc *desc);
+
+/* random_material_fill, then, where the store is factors, codes, scales and factors of the views. */
 void factor_material_fill(random_state *r, btf_material_desc *desc);
 
 /* The words of a texture of words, and the numbers of one of floats, to be changed. */

@@ -12,8 +12,8 @@
 
 #include <openbtf/reference.h>
 #include "decoder/toolkit/reference_view.h"
+#include "tests/support/factor_material.h"
 #include "tests/support/plan_decode.h"
-#include "tests/support/random_material.h"
 #include <math.h>
 #include <openbtf/plan.h>
 #include <stdbool.h>
@@ -23,7 +23,7 @@
 
 static btf_material *make(btf_material_desc *desc, random_state *r) {
     btf_material *material = NULL;
-    random_material_fill(r, desc);
+    factor_material_fill(r, desc);
     assert_int_equal(btf_material_create(desc, NULL, &material), BTF_OK);
     random_material_free(desc);
     return material;
@@ -68,6 +68,8 @@ static void tight_decodes_like_paper(void **state) {
     for (uint32_t effects = 0; effects < 32; effects++) {
         const uint32_t n_views = 1 + random_below(&r, 40), n_lights = 1 + random_below(&r, 40);
         btf_material_desc desc = random_material_desc(9, 6, n_views, n_lights, BTF_LAYOUT_PAPER, effects);
+        desc.info.domain = (btf_domain)random_below(&r, 2);
+        factor_material_choose(&r, &desc);
         btf_material *paper = make(&desc, &r), *tight = NULL;
         assert_int_equal(btf_material_to_tight(paper, NULL, &tight), BTF_OK);
         btf_material_info a = {.struct_size = sizeof a}, b = a;
@@ -104,6 +106,7 @@ static void restrictions_decode_alike(void **state) {
             desc.info.colour = BTF_COLOUR_NONE;
             desc.info.lobes = 0;
         }
+        factor_material_choose(&r, &desc);
         if (random_below(&r, 3) == 0) {
             random_directions(&r, desc.info.n_views, 85, (float *)(uintptr_t)desc.views);
             random_directions(&r, desc.info.n_lights, 70, (float *)(uintptr_t)desc.lights);
