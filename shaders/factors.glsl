@@ -183,9 +183,7 @@ void btf_factors(out vec3 r[BTF_FACTOR_SUMS], btf_factor_scene at) {
         r[i] = p[i] = vec3(0.0);
     ivec2 first = ivec2(0);
     /* n units of class c, the first m of them word by word; each has t texels of u. */
-#define BTF_FACTOR_CLASS(c, n, m, t, c1, c2)                                                                       \
-    btf_factor_class(p, c, first, m, n - (m), c1, c1 + c2, at);                                                    \
-    first += ivec2(n, t * n)
+#define BTF_FACTOR_CLASS(c, n, m, t, a, b) btf_factor_class(p, c, first, m, n - (m), a, a + b, at); first += ivec2(n, t * n)
 #if BTF_FACTOR_UNITS_0 > 0
     BTF_FACTOR_CLASS(0, BTF_FACTOR_UNITS_0, BTF_FACTOR_UNITS_0, 1, BTF_FACTOR_C1_0, BTF_FACTOR_C2_0);
     btf_factor_tier(r, p, 0, at);
