@@ -61,7 +61,7 @@ static int shift_of(int64_t a) {
 /* The look-up of FORMAT.md section 6 over one record; returns false when it does not accept. */
 static bool look_up_record(const btf_directions *d, uint32_t record, vec q, btf_ref_neighbours *out) {
     if (record < d->triangle_count) {
-        const uint8_t *t = d->triangles + 3 * record;
+        const uint16_t *t = d->triangles + 3 * record;
         vec a = at(d, t[0]), b = at(d, t[1]), c = at(d, t[2]);
         int64_t area = cross(sub(b, a), sub(c, a));
         int64_t e0 = cross(sub(b, q), sub(c, q)), e1 = cross(sub(c, q), sub(a, q)),
@@ -196,7 +196,7 @@ static void check_point(const btf_directions *d, const size_t *starts, const uin
 static void check_delaunay(const btf_directions *d) {
     int64_t sum = 0, hull = 0;
     for (uint32_t t = 0; t < d->triangle_count; t++) {
-        const uint8_t *i = d->triangles + 3 * t;
+        const uint16_t *i = d->triangles + 3 * t;
         vec a = at(d, i[0]), b = at(d, i[1]), c = at(d, i[2]);
         int64_t area = cross(sub(b, a), sub(c, a));
         assert_true(area > 0);
@@ -225,7 +225,7 @@ static void check_list(const char *name, uint32_t count, const float *xyz, int s
     assert_int_equal(table.width, 256);
     size_t records = d.cells_length - d.grid * d.grid;
     assert_true(records <= 65535);
-    assert_int_equal(table.height, (d.grid * d.grid + 2 * records + 255) / 256);
+    assert_int_equal(table.height, (d.grid * d.grid + 3 * records + 255) / 256);
     print_message("%s: %u triangles, hull %u, grid %u, %.2f records a cell\n", name,
                   (unsigned)d.triangle_count, (unsigned)d.hull_count, (unsigned)d.grid,
                   (double)records / (d.grid * d.grid));

@@ -320,7 +320,7 @@ static void test_project(void **state) {
 
 static void test_lookup_small(void **state) {
     (void)state;
-    static uint16_t table[4 * 64 * 64 * (1 + 2 * 4)]; /* 64 x 64 cells of 4 records */
+    static uint16_t table[4 * 64 * 64 * (1 + 3 * 4)]; /* 64 x 64 cells of 4 records */
 
     /* one direction: a cell without records */
     memset(table, 0, sizeof table);
@@ -356,8 +356,8 @@ static void test_lookup_small(void **state) {
                            .triangles = {{0, 1, 2}},
                            .hull = {0, 1, 2}};
     make_table(&large, 64, table);
-    assert_int_equal(table[4 * 64 * 64 + 7] >> 9, 10);       /* A = 2^28 */
-    assert_int_equal(table[4 * (64 * 64 + 4) + 7] >> 9, 11); /* n = 2^29, the second edge */
+    assert_int_equal(table[4 * 64 * 64 + 7] >> 1, 10);       /* A = 2^28 */
+    assert_int_equal(table[4 * (64 * 64 + 6) + 7] >> 1, 11); /* n = 2^29, the second edge */
     assert_neighbours(look_up(table, 64, 0, 0), 0, 4096, 1, 0, 2, 0);
     assert_neighbours(look_up(table, 64, 16384, 0), 0, 0, 1, 4096, 2, 0);
     assert_neighbours(look_up(table, 64, 0, 16384), 0, 0, 1, 0, 2, 4096);
