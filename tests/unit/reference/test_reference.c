@@ -368,6 +368,23 @@ static void test_lookup_small(void **state) {
 }
 
 /** At right angles to the edge after it, a corner answers for itself rather than for that edge. */
+/** Numbers of directions take 16 bits each, whichever record names them. */
+static void test_lookup_wide(void **state) {
+    (void)state;
+    static const uint32_t indices[][3] = {
+        {256, 511, 4095}, {4095, 255, 256}, {0x1234, 0xABCD, 0xFFFF}, {65535, 0, 65534}};
+    for (size_t i = 0; i < sizeof indices / sizeof *indices; ++i) {
+        const uint16_t a = (uint16_t)indices[i][0], b = (uint16_t)indices[i][1],
+                       c = (uint16_t)indices[i][2];
+        /* a triangle of area 2^24, shift 6, and the edge below it with the cone at its end */
+        const uint16_t table[] = {0, 2, 0,    0,    4096, 4096, 8192, 4096, 4096, 8192, c, 12, a, b,
+                                  0, 0, 4096, 4096, 8192, 4096, 4096, 8192, c,    13,   a, b,  0, 0};
+        assert_neighbours(look_up(table, 1, 5120, 6144), a, 1024, b, 1024, c, 2048);
+        assert_neighbours(look_up(table, 1, 5120, 4000), a, 3072, b, 1024, a, 0);
+        assert_neighbours(look_up(table, 1, 9000, 4000), b, 4096, b, 0, b, 0);
+    }
+}
+
 static void test_lookup_corner(void **state) {
     (void)state;
     static uint16_t table[MADE_TABLE];
@@ -438,14 +455,15 @@ static void test_self_test(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_log2),          cmocka_unit_test(test_exp2),
-        cmocka_unit_test(test_reciprocal),    cmocka_unit_test(test_pow),
-        cmocka_unit_test(test_half),          cmocka_unit_test(test_coordinate),
-        cmocka_unit_test(test_bilinear),      cmocka_unit_test(test_wrap),
-        cmocka_unit_test(test_atlas),         cmocka_unit_test(test_tight_centres),
-        cmocka_unit_test(test_project),       cmocka_unit_test(test_lookup_small),
-        cmocka_unit_test(test_lookup_corner), cmocka_unit_test(test_lookup_octagon),
-        cmocka_unit_test(test_nearest),       cmocka_unit_test(test_self_test),
+        cmocka_unit_test(test_log2),           cmocka_unit_test(test_exp2),
+        cmocka_unit_test(test_reciprocal),     cmocka_unit_test(test_pow),
+        cmocka_unit_test(test_half),           cmocka_unit_test(test_coordinate),
+        cmocka_unit_test(test_bilinear),       cmocka_unit_test(test_wrap),
+        cmocka_unit_test(test_atlas),          cmocka_unit_test(test_tight_centres),
+        cmocka_unit_test(test_project),        cmocka_unit_test(test_lookup_small),
+        cmocka_unit_test(test_lookup_wide),    cmocka_unit_test(test_lookup_corner),
+        cmocka_unit_test(test_lookup_octagon), cmocka_unit_test(test_nearest),
+        cmocka_unit_test(test_self_test),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
