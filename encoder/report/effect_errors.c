@@ -122,7 +122,7 @@ static void pick(const enc_bands *b, int band, uint64_t seed, float out[3]) {
 /* One of the sampled directions of a band. */
 static void pick_sample(const enc_bands *b, int band, const enc_direction *directions, int count,
                         uint64_t seed, float out[3]) {
-    int inside[256];
+    int inside[ENC_MAX_DIRECTIONS];
     const int n = enc_bands_members(b, band, directions, count, inside);
     memcpy(out, directions[n > 0 ? inside[enc_mix(seed) % (uint64_t)n] : 0].xyz, 3 * sizeof *out);
 }

@@ -20,9 +20,9 @@ enum { SUMS = 4 };
 /* The directions of a band that are drawn from: those that can be left out, or where there are none, all.
  */
 typedef struct pool {
-    int count, member[256]; /* in the list */
+    int count, member[ENC_MAX_DIRECTIONS]; /* in the list */
     bool can_leave;         /* `near` says what the others have in their place */
-    btf_ref_neighbours near[256];
+    btf_ref_neighbours near[ENC_MAX_DIRECTIONS];
 } pool;
 
 typedef struct job {
@@ -190,7 +190,7 @@ static btf_result make_pools(const enc_context *context, const enc_direction *di
     btf_result result = left ? enc_left_out_make(context, directions, count, left) : BTF_ERROR_MEMORY;
     for (int b = 0; result == BTF_OK && b < bands->count; b++) {
         pool *p = &pools[b];
-        int member[256], n = enc_bands_members(bands, b, directions, count, member);
+        int member[ENC_MAX_DIRECTIONS], n = enc_bands_members(bands, b, directions, count, member);
         for (int i = 0; i < left->count; i++) {
             for (int k = 0; k < n; k++) {
                 if (member[k] == left->index[i]) {
