@@ -260,6 +260,26 @@ class Directions:
         return [pair for pair in found if pair[1] > 0]
 
 
+# --- factors (section 3) ---------------------------------------------------------------------------------------
+
+# Of each class: bits of w and of u, components a word, texels of u a unit, tier, shift.
+CLASSES = [(8, 8, 4, 1, 0, 4), (4, 8, 8, 2, 1, 5), (4, 4, 8, 1, 1, 1), (2, 4, 16, 2, 2, 0), (2, 2, 16, 1, 2, 0)]
+
+
+def place_of_u(c, i):
+    """The texel of its unit and the lowest bit of the u of component i of a word."""
+    return [(0, 8 * i),
+            (i % 4 // 2, 8 * (i % 2) + 16 * (1 - i // 4)),
+            (0, 4 * (i ^ 4)),
+            (i % 8 // 4, 4 * (i % 4) + 16 * (1 - i // 8)),
+            (0, 8 * (3 - i // 4) + 2 * (i % 4))][c]
+
+
+def kept(value):
+    """Within 0 and 2^32, 0 below 2^-30."""
+    return min(value, 2.0 ** 32) if value >= 2.0 ** -30 else 0.0
+
+
 # --- the material (sections 2 to 5) -----------------------------------------------------------------------------
 
 def sheet(part, channel, width, height, count, layer, x, y):
@@ -292,6 +312,14 @@ class Material:
         self.all_components = head.integer("openbtf.residual")
         self.components = min(self.all_components, how["components"]) if "residual" in self.effects else 0
         self.scales = head.floats("openbtf.residualScales")
+        self.classes, self.horizon_scale = None, 1.0
+        if head.integer("openbtf.version") >= 2 and "openbtf.factorClasses" in head.attributes:
+            numbers = [int(x) for x in head.floats("openbtf.factorClasses")]
+            self.classes = [tuple(numbers[i:i + 3]) for i in range(0, 15, 3)]
+            self.scales = head.floats("openbtf.factorScales")
+            self.view_factors = head.floats("openbtf.factorViews")
+            self.horizon_scale = head.floats("openbtf.horizonScale")[0]
+        self.blend_roots = "openbtf.blend" in head.attributes and head.text("openbtf.blend") == "roots"
         self.radiance_scale, self.shadow_scale, self.gain_scale, self.centre_scale = (
             head.floats("openbtf.%sScale" % name)[0] for name in ("radiance", "shadow", "gain", "centre"))
         self.atlas = (head.integer("openbtf.atlasWidth", 0), head.integer("openbtf.atlasHeight", 0))
@@ -393,15 +421,63 @@ class Material:
                 r[c] = add(r[c], mul(factor, float(t)))
         return r
 
-    def view_radiance(self, x, y, view, lights, product, m):
-        """Radiance of a texel in one sampled view, before radianceScale."""
+    def levels(self, words, which, c):
+        """Levels of a word: of w (`which` 0) or, from the words of its one or two texels, of u (1)."""
+        bits = CLASSES[c][which]
+        for i in range(CLASSES[c][2]):
+            texel, at = (0, bits * i) if which == 0 else place_of_u(c, i)
+            code = words[texel] >> at & ((1 << bits) - 1)
+            yield (code - 256 * (code > 127)) if c == 0 else 2 * code - ((1 << bits) - 1)
+
+    def units(self):
+        """Class, number in it, and first layer of u of each unit that is decoded."""
+        layer, left = 0, self.components
+        for c, (count, _, _) in enumerate(self.classes):
+            for number in range(min(count, left)):
+                yield c, number, layer + number * CLASSES[c][3]
+            layer += count * CLASSES[c][3]
+            left -= min(count, left)
+
+    def factors(self, x, y, view, lights):
+        """The residual from factors."""
+        layers = sum(count * CLASSES[c][3] for c, (count, _, _) in enumerate(self.classes))
+        tiers = [[0.0] * 3 for _ in range(3)]
+        texels, directions = self.parts["factor_texels"], self.parts["factor_directions"]
+        for unit, (c, number, layer) in enumerate(self.units()):
+            _, _, _, u_texels, tier, shift = CLASSES[c]
+            sums = []
+            for channel in "RGBA":
+                words = [sheet(texels, channel, self.width, self.height, layers, layer + t, x, y) for t in range(u_texels)]
+                u, e = list(self.levels(words, 1, c)), 0
+                for light, weight in lights:
+                    word = sheet(directions, channel, self.n_lights, self.n_views, self.all_components, unit, light, view)
+                    e += weight * sum(a * b for a, b in zip(self.levels([word], 0, c), u))
+                sums.append(e)
+            _, c1, c2 = self.classes[c]
+            scales = self.scales[4 * unit:4 * unit + 4]
+            entries = [(s, scale, 1 if k < c1 else 2 if k < c1 + c2 else 0)
+                       for k, (s, scale) in enumerate(zip(sums, scales), 4 * number)]
+            if c > 0 and 4 * number >= c1 + c2:
+                entries = [(sum(sums), scales[0], 0)]
+            for e, scale, channel in entries:
+                value = mul(f32(e >> shift), mul(scale, 2.0 ** (shift - 12)))
+                tiers[tier][channel] = add(tiers[tier][channel], value)
+        total = [0.0] * 3
+        for tier, p in enumerate(tiers):
+            at = 9 * view + 3 * tier
+            total = [add(t, mul(v, f)) for t, v, f in zip(total, p, self.view_factors[at:at + 3])]
+        luma, c1, c2 = total
+        return [add(add(luma, c1), c2), add(luma, -add(c2, c2)), add(add(luma, -c1), c2)]
+
+    def view_radiance(self, x, y, view, lights, product, m, horizon):
+        """Radiance of a texel in one sampled view, before radianceScale; its root where roots are blended."""
         gain, b0, b1 = self.codes(x, y, view)
         if gain == 0:
             totals = [0, 0, 0]
             for i, w in lights:
                 totals = [t + w * code for t, code in zip(totals, self.centre(b0 + 256 * b1, i))]
             scaled = [mul(float(t), mul(self.centre_scale, 2.0 ** -12)) for t in totals]
-            return [mul(v, v) for v in scaled]
+            return scaled if self.blend_roots else [mul(v, v) for v in scaled]
         x = (x + b0 - (256 if b0 > 127 else 0)) % self.width
         y = (y + b1 - (256 if b1 > 127 else 0)) % self.height
         h = None
@@ -411,22 +487,31 @@ class Material:
                 total = sum(w * self.shadow(x, y, i) for i, w in lights)
                 factor = mul(float(total), mul(self.shadow_scale, 2.0 ** -12))
                 h = [mul(v, factor) for v in h]
-        if self.components:
-            r = self.residual(x, y, view, lights)
-            h = r if h is None else [add(a, b) for a, b in zip(h, r)]
-        values = [mul(v, m) for v in h or [0.0] * 3]
+        if self.components and self.classes:
+            values = [mul(v, horizon) for v in self.factors(x, y, view, lights)]
+            if h is not None:
+                values = [add(mul(a, m), b) for a, b in zip(h, values)]
+        else:
+            if self.components:
+                r = self.residual(x, y, view, lights)
+                h = r if h is None else [add(a, b) for a, b in zip(h, r)]
+            values = [mul(v, m) for v in h or [0.0] * 3]
         if gain is not None:
             values = [mul(v, mul(float(gain), self.gain_scale)) for v in values]
-        values = [min(v, 2.0 ** 32) if v >= 2.0 ** -30 else 0.0 for v in values]
+        if self.blend_roots:
+            return values
+        values = [kept(v) for v in values]
         return [mul(v, v) for v in values] if self.root else values
 
-    def texel(self, x, y, views, lights, product, m):
+    def texel(self, x, y, views, lights, product, m, horizon):
         """Radiance of a texel."""
         total = [0.0] * 3
         for view, w in views:
             weight = mul(float(w), 2.0 ** -12)
-            radiance = self.view_radiance(x, y, view, lights, product, m)
+            radiance = self.view_radiance(x, y, view, lights, product, m, horizon)
             total = [add(t, mul(v, weight)) for t, v in zip(total, radiance)]
+        if self.blend_roots:
+            total = [mul(kept(t), kept(t)) for t in total]
         return [mul(t, self.radiance_scale) for t in total]
 
     def evaluate(self, uv, light, view):
@@ -441,6 +526,8 @@ class Material:
         lights = self.lights.neighbours(light, self.nearest)
         product = [mul(a, b) for a, b in zip(light, view)]
         m = power(light[2], 0.5) if self.root else light[2]
+        horizon = mul(light[2], self.horizon_scale)
+        horizon = 1.0 if horizon >= 1 else power(horizon, 0.5) if self.root else horizon
         places = []
         for c, size in zip(uv, (self.width, self.height)):
             magnitude = c & 0x7FFFFFFF
@@ -455,7 +542,7 @@ class Material:
         total = None
         for row, wv in places[1]:
             for column, wu in places[0]:
-                radiance = self.texel(column, self.height - 1 - row, views, lights, product, m)
+                radiance = self.texel(column, self.height - 1 - row, views, lights, product, m, horizon)
                 if not self.bilinear:
                     return radiance
                 weighted = [mul(v, mul(float(wu * wv), 2.0 ** -16)) for v in radiance]

@@ -6,7 +6,9 @@
 #include "random.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Up to `count` directions in rings; the last ring takes what is left. */
 static void make_rings(uint32_t count, float (*xyz)[3]) {
@@ -141,6 +143,8 @@ static void make_point(random_state *r, const synthetic_spec *s, uint32_t centre
 
 static void fill_maps(random_state *r, const synthetic_spec *s, const btf_material_info *info,
                       uint8_t *data) {
+    if (!data) /* none of the effects that it holds */
+        return;
     uint32_t tiles = info->n_views > info->n_lights ? info->n_views : info->n_lights;
     uint32_t columns = info->atlas_width / info->width;
     for (uint32_t tile = 0; tile < tiles; ++tile)
@@ -215,6 +219,64 @@ static void fill_residual(random_state *r, const synthetic_spec *s, const btf_ma
                         : (float)random_between(r, 0.2, 1) * 0x1p-15f / (float)(1 + (i < 64 ? i : 64));
 }
 
+/* A word of codes: of class 0 (no byte of which may be -128) or another. */
+static uint32_t make_codes(random_state *r, const synthetic_spec *s, bool bytes) {
+    const uint32_t kind = s->codes == SYNTHETIC_BOUNDS ? random_below(r, 5) : 4;
+    if (kind < 4)
+        return kind < 2 ? (bytes ? 0x7F7F7F7Fu : 0xFFFFFFFFu) : bytes ? 0x81818181u : 0;
+    uint32_t word = random_bits(r);
+    for (uint32_t i = 0; bytes && i < 32; i += 8)
+        word ^= (word >> i & 255) == 128 ? 1u << i : 0;
+    return word;
+}
+
+/* Two texels' words in three are alike in a texture's layer, so that units reach their bounds, not words
+ * alone. */
+static void fill_codes(random_state *r, const synthetic_spec *s, const btf_texture *t, uint32_t *data) {
+    for (uint32_t layer = 0; layer < t->layers; ++layer)
+        for (size_t i = 0; i < (size_t)t->width * t->height; ++i, data += 4) {
+            const bool alike = s->codes == SYNTHETIC_BOUNDS && random_below(r, 3) > 0;
+            for (int word = 0; word < 4; ++word)
+                data[word] = word > 0 && alike ? data[0] : make_codes(r, s, layer < s->classes[0][0]);
+        }
+}
+
+/* The scales of units, at which each adds about as much as any other. */
+static void fill_factor_scales(random_state *r, const synthetic_spec *s, uint32_t units, float *data) {
+    /* The root of the sum of squares of products of random levels, of a word. */
+    static const double size[BTF_FACTOR_CLASSES] = {10700, 3840, 240, 83, 20};
+    for (int c = 0; c < BTF_FACTOR_CLASSES; ++c)
+        for (uint32_t unit = 0; unit < s->classes[c][0]; ++unit, data += 4) {
+            const bool mixed = c == 0 || 4 * unit < s->classes[c][1] + s->classes[c][2];
+            for (int word = 0; word < 4; ++word) {
+                if (word > 0 && !mixed)
+                    data[word] = data[0];
+                else if (s->values == SYNTHETIC_EXTREME)
+                    data[word] = extreme_float(r, 0);
+                else
+                    data[word] = (float)(random_between(r, 0.3, 1) * (random_below(r, 4) ? 1 : -1) /
+                                         size[c] / sqrt(units));
+            }
+        }
+}
+
+/* What all levels share too, where the level has it. */
+static void fill_factors(random_state *r, const synthetic_spec *s, const btf_material_info *info,
+                         void *const texture[BTF_TEXTURE_COUNT]) {
+    btf_texture t = btf_material_texture_shape(info, BTF_TEXTURE_FACTOR_TEXELS);
+    fill_codes(r, s, &t, texture[BTF_TEXTURE_FACTOR_TEXELS]);
+    float *views = texture[BTF_TEXTURE_FACTOR_VIEWS];
+    if (!views)
+        return;
+    t = btf_material_texture_shape(info, BTF_TEXTURE_FACTOR_DIRECTIONS);
+    fill_codes(r, s, &t, texture[BTF_TEXTURE_FACTOR_DIRECTIONS]);
+    fill_factor_scales(r, s, info->components, texture[BTF_TEXTURE_FACTOR_SCALES]);
+    for (size_t i = 0; i < (size_t)12 * info->n_views; ++i)
+        views[i] = i % 4 == 3                       ? 0
+                   : s->values == SYNTHETIC_EXTREME ? extreme_float(r, 0)
+                                                    : (float)random_between(r, 0.2, i % 4 == 0 ? 1 : 0.5);
+}
+
 static float make_scale(random_state *r, const synthetic_spec *s, float plausible) {
     return s->values == SYNTHETIC_EXTREME ? extreme_float(r, 1) : plausible;
 }
@@ -239,6 +301,12 @@ static btf_result make_info(random_state *r, const synthetic_spec *s, btf_materi
                                 .gain_scale = make_scale(r, s, BTF_GAIN_SCALE),
                                 .centre_scale = make_scale(r, s, 1.0f / 255),
                                 .method = "synthetic"};
+    for (int c = 0; c < BTF_FACTOR_CLASSES; ++c) {
+        info->store = s->classes[c][0] ? BTF_STORE_FACTORS : info->store;
+        memcpy(info->factor_classes[c], s->classes[c], sizeof info->factor_classes[c]);
+    }
+    info->blend = s->blend;
+    info->horizon_scale = info->store == BTF_STORE_FACTORS ? s->horizon_scale : 0;
     uint32_t room = BTF_MAX_CENTRES;
     if (s->layout == BTF_LAYOUT_PAPER) {
         btf_result result = btf_material_atlas(info, &info->atlas_width, &info->atlas_height, &room);
@@ -257,7 +325,7 @@ static btf_result make_info(random_state *r, const synthetic_spec *s, btf_materi
 /* Makes and fills the textures of a level. */
 static btf_result make_level(random_state *r, const synthetic_spec *spec, const btf_material_info *info,
                              uint32_t level, void *texture[BTF_TEXTURE_COUNT]) {
-    for (int id = 0; id < BTF_TEXTURE_VIEW_TABLE; ++id) {
+    for (int id = 0; id < BTF_TEXTURE_COUNT; ++id) {
         btf_texture t = btf_material_level_shape(info, level, (btf_texture_id)id);
         if (t.format == BTF_FORMAT_NONE)
             continue;
@@ -277,7 +345,7 @@ static btf_result make_level(random_state *r, const synthetic_spec *spec, const 
     else
         fill_tight(r, spec, &of_level, texture);
     if (spec->effects & BTF_EFFECT_RESIDUAL)
-        fill_residual(r, spec, &of_level, texture);
+        (info->store == BTF_STORE_FACTORS ? fill_factors : fill_residual)(r, spec, &of_level, texture);
     return BTF_OK;
 }
 

@@ -19,6 +19,13 @@ typedef enum synthetic_values {
     SYNTHETIC_EXTREME,   /* magnitudes from 2^-24 to 2^24, both signs, many zeros */
 } synthetic_values;
 
+/* Codes of factors. */
+typedef enum synthetic_codes {
+    SYNTHETIC_ANY,    /* each at random */
+    SYNTHETIC_BOUNDS, /* mostly words of nothing but the largest or the smallest code, so that sums reach
+                         their bounds */
+} synthetic_codes;
+
 typedef struct synthetic_spec {
     uint64_t seed;
     uint32_t width, height, n_views, n_lights;
@@ -32,6 +39,11 @@ typedef struct synthetic_spec {
     synthetic_directions directions;
     synthetic_values values;
     uint32_t levels; /* of detail: at most so many, as far as size and layout allow; 0 means 1 */
+    /* Version 2. With units, the residual is factors, and `components` is their number. */
+    uint32_t classes[BTF_FACTOR_CLASSES][3]; /* units, words of C1, words of C2 */
+    synthetic_codes codes;
+    btf_blend blend;
+    float horizon_scale; /* 0 means 1 */
 } synthetic_spec;
 
 /* Makes it. Errors as btf_material_create. */

@@ -32,6 +32,47 @@ enum factor {
 };
 static const uint8_t levels[FACTORS] = {6, 6, 3, 2, 3, 2, 4, 2, 2, 3, 2, 4, 2, 6, 2, 2, 2};
 
+/* The same for materials of version 2, whose codes and channels are what is new: fewer sizes and effects,
+ * in all pairs with these. */
+enum factor_2 {
+    SIZE_2,
+    DIRECTIONS_2,
+    LAYOUT_2,
+    BLEND_2, /* linear, roots blended as radiance, as roots */
+    COLOUR_2,
+    SHADOW_2,
+    SHIFT_2,
+    HIDDEN_2,
+    GAIN_2,
+    CODES_2,
+    HORIZON_2,
+    VALUES_2,
+    TRUNCATE_2, /* all units, some, one */
+    LEAVE_OUT_2,
+    INTERPOLATION_2,
+    FILTER_2,
+    FACTORS_2
+};
+static const uint8_t levels_2[FACTORS_2] = {3, 3, 3, 3, 3, 2, 2, 2, 2, 2, 2, 2, 3, 2, 2, 2};
+
+/* Units, words of C1 and of C2 of each class: every class alone and with others, and mixed units of 0 to 5
+ * words of colour in each class. Variant i takes mixture i, modulo their number. */
+static const uint32_t mixtures[][BTF_FACTOR_CLASSES][3] = {
+    {{2, 1, 1}, {2, 1, 2}, {3, 2, 2}, {2, 0, 3}, {2, 0, 0}},
+    {{1, 0, 0}, {2, 2, 2}, {2, 1, 0}, {2, 3, 2}, {2, 0, 1}},
+    {{2, 3, 2}, {0, 0, 0}, {2, 0, 3}, {0, 0, 0}, {3, 2, 3}},
+    {{0, 0, 0}, {3, 2, 3}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}},
+    {{0, 0, 0}, {0, 0, 0}, {3, 3, 2}, {0, 0, 0}, {0, 0, 0}},
+    {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {3, 1, 3}, {0, 0, 0}},
+    {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {3, 1, 2}},
+    {{3, 2, 2}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}},
+    {{2, 1, 0}, {1, 0, 0}, {5, 4, 3}, {1, 0, 0}, {4, 0, 0}},
+    {{0, 0, 0}, {2, 0, 1}, {0, 0, 0}, {2, 1, 0}, {2, 2, 2}},
+    {{1, 2, 2}, {1, 2, 2}, {1, 1, 3}, {1, 3, 1}, {1, 2, 2}}, /* no Y */
+    {{0, 0, 0}, {0, 0, 0}, {9, 2, 1}, {0, 0, 0}, {9, 1, 1}},
+    {{0, 0, 0}, {60, 9, 9}, {60, 8, 9}, {0, 0, 0}, {76, 5, 6}}, /* as many layers of u as there may be */
+};
+
 static const uint32_t sizes[][2] = {{1, 1}, {3, 5}, {16, 16}, {37, 41}, {130, 7}, {64, 32}};
 static const struct {
     uint32_t n_views, n_lights;
@@ -47,13 +88,19 @@ static const uint32_t left_out[] = {
 static void write_name(variant *v) {
     const synthetic_spec *s = &v->spec;
     static const char *const colours[] = {"mono", "rgb", "none"};
+    char classes[100] = "";
+    for (int c = 0, at = 0; c < BTF_FACTOR_CLASSES; ++c)
+        if (s->classes[c][0])
+            at += snprintf(classes + at, sizeof classes - (size_t)at, " %d:%u/%u/%u", c, s->classes[c][0],
+                           s->classes[c][1], s->classes[c][2]);
     snprintf(v->name, sizeof v->name,
-             "%ux%u V%u L%u %s %s %s%s J%u%s%s%s%s k%u%s%s%s minus %u cut %u %s %s", s->width, s->height,
-             s->n_views, s->n_lights, s->layout ? "tight" : "paper", s->domain ? "sqrt" : "linear",
-             colours[s->colour], s->half_float ? " half" : "", s->lobes,
+             "%ux%u V%u L%u %s %s %s%s J%u%s%s%s%s k%u%s%s%s%s%s%s minus %u cut %u %s %s", s->width,
+             s->height, s->n_views, s->n_lights, s->layout ? "tight" : "paper",
+             s->domain ? "sqrt" : "linear", colours[s->colour], s->half_float ? " half" : "", s->lobes,
              s->effects & BTF_EFFECT_SHADOW ? " shadow" : "", s->effects & BTF_EFFECT_SHIFT ? " shift" : "",
              s->effects & BTF_EFFECT_HIDDEN ? " hidden" : "", s->effects & BTF_EFFECT_GAIN ? " gain" : "",
-             s->components, s->all_hidden ? " all-hidden" : "", s->values ? " extreme" : "",
+             s->components, classes, s->codes ? " bounds" : "", s->blend ? " roots" : "",
+             s->all_hidden ? " all-hidden" : "", s->values ? " extreme" : "",
              s->levels > 1 ? " levels" : "", v->shader.leave_out, v->shader.components,
              v->shader.interpolation ? "nearest" : "linear", v->shader.filter ? "bilinear" : "texel");
 }
@@ -90,11 +137,52 @@ static void make_variant(const uint8_t row[FACTORS], uint64_t seed, variant *v) 
     write_name(v);
 }
 
+static void make_variant_2(const uint8_t row[FACTORS_2], uint64_t seed, size_t mixture, variant *v) {
+    static const uint32_t few_sizes[][2] = {{3, 5}, {16, 16}, {37, 21}};
+    memset(v, 0, sizeof *v);
+    synthetic_spec *s = &v->spec;
+    s->seed = seed;
+    s->width = few_sizes[row[SIZE_2]][0];
+    s->height = few_sizes[row[SIZE_2]][1];
+    s->directions = row[DIRECTIONS_2] == 1 ? SYNTHETIC_RANDOM : SYNTHETIC_RINGS;
+    s->n_views = row[DIRECTIONS_2] == 2 ? 37 : 7;
+    s->n_lights = row[DIRECTIONS_2] == 2 ? 19 : 11;
+    s->layout = row[LAYOUT_2] ? BTF_LAYOUT_TIGHT : BTF_LAYOUT_PAPER;
+    s->levels = row[LAYOUT_2] == 2 ? BTF_MAX_LEVELS : 1;
+    s->domain = row[BLEND_2] ? BTF_DOMAIN_SQRT : BTF_DOMAIN_LINEAR;
+    s->blend = row[BLEND_2] == 2 ? BTF_BLEND_ROOTS : BTF_BLEND_RADIANCE;
+    s->colour = (btf_colour)row[COLOUR_2];
+    s->half_float = (int)(seed & 1);
+    s->lobes = s->colour == BTF_COLOUR_NONE ? 0 : 1;
+    s->effects = (row[SHADOW_2] ? BTF_EFFECT_SHADOW : 0u) | (row[SHIFT_2] ? BTF_EFFECT_SHIFT : 0u) |
+                 (row[HIDDEN_2] ? BTF_EFFECT_HIDDEN : 0u) | (row[GAIN_2] ? BTF_EFFECT_GAIN : 0u) |
+                 BTF_EFFECT_RESIDUAL;
+    s->centres = 300;
+    s->values = (synthetic_values)row[VALUES_2];
+    s->codes = (synthetic_codes)row[CODES_2];
+    s->horizon_scale = row[HORIZON_2] ? 3.75f : 0;
+    memcpy(s->classes, mixtures[mixture], sizeof s->classes);
+    for (int c = 0; c < BTF_FACTOR_CLASSES; ++c)
+        s->components += s->classes[c][0];
+    v->shader.struct_size = sizeof v->shader;
+    v->shader.leave_out =
+        (row[LEAVE_OUT_2] ? BTF_EFFECT_SHIFT : 0u) | (mixture == 9 ? BTF_EFFECT_RESIDUAL : 0u);
+    v->shader.components = row[TRUNCATE_2] == 2 ? 1 : row[TRUNCATE_2] == 1 ? 1 + 2 * s->components / 3 : 0;
+    v->shader.interpolation = (btf_interpolation)row[INTERPOLATION_2];
+    v->shader.filter = (btf_filter)row[FILTER_2];
+    write_name(v);
+}
+
 size_t variant_pairwise(uint64_t seed, variant list[VARIANT_MAX]) {
     static uint8_t rows[VARIANT_MAX][PAIRWISE_FACTORS];
     size_t count = pairwise_rows(seed, FACTORS, levels, VARIANT_MAX, rows);
     for (size_t i = 0; i < count; ++i)
         make_variant(rows[i], seed + i, &list[i]);
+
+    const size_t mixture_count = sizeof mixtures / sizeof *mixtures;
+    size_t more = pairwise_rows(seed, FACTORS_2, levels_2, VARIANT_MAX - count, rows);
+    for (size_t i = 0; i < more; ++i, ++count)
+        make_variant_2(rows[i], seed + count, i % mixture_count, &list[count]);
     return count;
 }
 

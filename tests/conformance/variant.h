@@ -10,7 +10,7 @@
 #include "synthetic.h"
 #include <openbtf/shader.h>
 
-enum { VARIANT_MAX = 400, VARIANT_NAME = 160 };
+enum { VARIANT_MAX = 400, VARIANT_NAME = 260 };
 
 typedef struct variant {
     synthetic_spec spec;
@@ -18,8 +18,8 @@ typedef struct variant {
     char name[VARIANT_NAME]; /* e.g. "3x5 paper sqrt rgb half J2 shadow,shift K9 k6 linear bilinear" */
 } variant;
 
-/* Fills list with variants in which every pair of settings occurs, in an order that a seed gives; returns
- * how many. */
+/* Fills list with variants in which every pair of settings occurs, in an order that a seed gives, those of
+ * version 1 first, then those of version 2 with all their mixtures of classes; returns how many. */
 size_t variant_pairwise(uint64_t seed, variant list[VARIANT_MAX]);
 
 /* The reference's options for a shader's. */

@@ -58,6 +58,7 @@ static btf_result write_vector(const char *directory, int number, const variant 
     json_object(j, NULL);
     json_string(j, "material", name);
     json_string(j, "about", v->name);
+    json_integer(j, "version", info.version);
     json_string(j, "effects", cli_effects_text(v->spec.effects & ~v->shader.leave_out, effects));
     json_integer(j, "components", v->shader.components ? v->shader.components : BTF_MAX_COMPONENTS);
     json_string(j, "interpolation", v->shader.interpolation ? "nearest" : "linear");
@@ -100,7 +101,7 @@ btf_result vectors_write(const char *directory, uint64_t seed, const btf_log *lo
     json_string(
         &j, "about",
         "For each vector: decode level of detail `level` of `material` with `effects`, at most "
-        "`components` residual components, "
+        "`components` residual components (units, where its store is factors), "
         "`interpolation` and `filter` at each pixel's uv (R, G), light and view (xyz in RGB); all 32 bits "
         "of "
         "each channel of `radiance` must come out. Float channels; arguments may be NaN or infinite.");
