@@ -152,59 +152,87 @@ static bool edge_meets(const btfi_directions *d, uint32_t h, const cell *cell) {
     return reaches(cell, (point){ab.y, -ab.x}, b) || reaches(cell, (point){bc.y, -bc.x}, b);
 }
 
-/* Writes the cells of a G x G grid: for each the count, then record numbers. Returns the number of records,
- * or BTFI_MAX_RECORDS + 1 when there would be more. */
-static uint32_t make_cells(const btfi_directions *d, uint32_t grid, uint16_t *cells, size_t *out_length) {
+/* The lists of a grid's cells, one after another: for each the count, then record numbers. */
+typedef struct lists {
+    uint16_t *cells;
+    uint32_t *start; /* where the list of each cell begins */
+    size_t length;
+} lists;
+
+static bool lists_create(lists *l) {
+    const size_t most_cells = (size_t)BTFI_MAX_GRID * BTFI_MAX_GRID;
+    l->cells = malloc((most_cells + BTFI_MAX_RECORDS) * sizeof *l->cells);
+    l->start = malloc(most_cells * sizeof *l->start);
+    return l->cells && l->start;
+}
+
+static void lists_destroy(lists *l) {
+    free(l->cells);
+    free(l->start);
+}
+
+static bool record_meets(const btfi_directions *d, uint32_t record, const cell *c) {
+    return record >= d->triangle_count ? edge_meets(d, record - d->triangle_count, c)
+                                       : triangle_meets(d, record, c);
+}
+
+/* Writes the lists of a G x G grid from `coarse`, those of the grid of half as many cells a side: a record
+ * that does not meet a cell meets none of the four within it. Grid 1 has no coarser one: every record is looked
+ * at. Returns the number of records, or BTFI_MAX_RECORDS + 1 when there would be more. */
+static uint32_t make_cells(const btfi_directions *d, uint32_t grid, const lists *coarse, lists *fine) {
     uint32_t records = 0;
-    size_t length = 0;
+    fine->length = 0;
     for (uint32_t i = 0; i < grid * grid; i++) {
-        cell c = cell_at(grid, i % grid, i / grid);
-        size_t count_at = length++;
+        const uint32_t x = i % grid, y = i / grid;
+        const uint16_t *list = grid > 1 ? coarse->cells + coarse->start[y / 2 * (grid / 2) + x / 2] : NULL;
+        const uint32_t candidates = list ? list[0] : d->triangle_count + d->hull_count;
+        const cell c = cell_at(grid, x, y);
+        const size_t count_at = fine->length++;
         uint32_t count = 0;
-        for (uint32_t r = 0; r < d->triangle_count + d->hull_count; r++) {
-            bool is_edge = r >= d->triangle_count;
-            if (!(is_edge ? edge_meets(d, r - d->triangle_count, &c) : triangle_meets(d, r, &c)))
+        fine->start[i] = (uint32_t)count_at;
+        for (uint32_t r = 0; r < candidates; r++) {
+            const uint32_t record = list ? list[1 + r] : r;
+            if (!record_meets(d, record, &c))
                 continue;
             if (records + ++count > BTFI_MAX_RECORDS)
                 return BTFI_MAX_RECORDS + 1;
-            cells[length++] = (uint16_t)r;
+            fine->cells[fine->length++] = (uint16_t)record;
         }
-        cells[count_at] = (uint16_t)count;
+        fine->cells[count_at] = (uint16_t)count;
         records += count;
     }
-    *out_length = length;
     return records;
 }
 
 static btf_result build_grid(const btfi_check *check, const char *name, btfi_directions *d) {
-    uint16_t *cells = malloc((BTFI_MAX_GRID * BTFI_MAX_GRID + BTFI_MAX_RECORDS) * sizeof *cells);
-    uint16_t *best = malloc((BTFI_MAX_GRID * BTFI_MAX_GRID + BTFI_MAX_RECORDS) * sizeof *best);
+    lists best = {0}, finer = {0};
     btf_result result = BTF_OK;
-    if (!cells || !best) {
+    if (!lists_create(&best) || !lists_create(&finer)) {
         result = btfi_fail(check->log, BTF_ERROR_MEMORY, "%s: out of memory for the look-up grid", name);
         goto end;
     }
     d->grid = 0;
     for (uint32_t grid = 1; grid <= BTFI_MAX_GRID; grid *= 2) {
-        size_t length;
-        uint32_t records = make_cells(d, grid, cells, &length);
+        const uint32_t records = make_cells(d, grid, &best, &finer);
         if (records > BTFI_MAX_RECORDS)
             break;
+        const lists swap = best;
+        best = finer;
+        finer = swap;
         d->grid = grid;
-        d->cells_length = length;
-        memcpy(best, cells, length * sizeof *cells);
         if (records <= WANTED_RECORDS * grid * grid)
             break;
     }
+    d->cells_length = best.length;
     d->cells = malloc(d->cells_length * sizeof *d->cells);
     if (!d->cells) {
         result = btfi_fail(check->log, BTF_ERROR_MEMORY, "%s: out of memory for the look-up grid", name);
         goto end;
     }
-    memcpy(d->cells, best, d->cells_length * sizeof *d->cells);
+    memcpy(d->cells, best.cells, d->cells_length * sizeof *d->cells);
 end:
-    free(cells);
-    free(best);
+    lists_destroy(&best);
+    lists_destroy(&finer);
     return result;
 }
 
