@@ -1,0 +1,124 @@
+/* Factors: sums over their classes, and the levels of their codes. See factors.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "factors.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* The table of FORMAT.md section 3. */
+static const struct {
+    int bits_w, bits_u, word, tier, shift;
+    uint32_t u_texels;
+} class_table[BTF_FACTOR_CLASSES] = {{8, 8, 4, 0, 4, 1},
+                                     {4, 8, 8, 1, 5, 2},
+                                     {4, 4, 8, 1, 1, 1},
+                                     {2, 4, 16, 2, 0, 2},
+                                     {2, 2, 16, 2, 0, 1}};
+
+static uint32_t smaller(uint32_t a, uint32_t b) {
+    return a < b ? a : b;
+}
+
+uint32_t enc_factors_units(const uint32_t classes[BTF_FACTOR_CLASSES][3]) {
+    uint32_t units = 0;
+    for (int c = 0; c < BTF_FACTOR_CLASSES; c++)
+        units += classes[c][0];
+    return units;
+}
+
+uint32_t enc_factors_layers(const uint32_t classes[BTF_FACTOR_CLASSES][3]) {
+    uint32_t layers = 0;
+    for (int c = 0; c < BTF_FACTOR_CLASSES; c++)
+        layers += classes[c][0] * class_table[c].u_texels;
+    return layers;
+}
+
+void enc_factors_truncate(const uint32_t classes[BTF_FACTOR_CLASSES][3], uint32_t units,
+                          uint32_t out[BTF_FACTOR_CLASSES][3]) {
+    for (int c = 0; c < BTF_FACTOR_CLASSES; c++) {
+        out[c][0] = smaller(classes[c][0], units);
+        units -= out[c][0];
+        out[c][1] = smaller(classes[c][1], ENC_FACTORS_WORDS * out[c][0]);
+        out[c][2] = smaller(classes[c][2], ENC_FACTORS_WORDS * out[c][0] - out[c][1]);
+    }
+}
+
+size_t enc_factors_list(const uint32_t classes[BTF_FACTOR_CLASSES][3], enc_factor_unit *out) {
+    size_t first = 0;
+    uint32_t layer = 0;
+    for (int c = 0; c < BTF_FACTOR_CLASSES; c++) {
+        const uint32_t chroma = classes[c][1] + classes[c][2];
+        for (uint32_t i = 0; i < classes[c][0]; i++, out++) {
+            *out = (enc_factor_unit){.class = c,
+                                     .tier = class_table[c].tier,
+                                     .shift = class_table[c].shift,
+                                     .mixed = c == 0 || ENC_FACTORS_WORDS * i < chroma,
+                                     .layer = layer,
+                                     .word = class_table[c].word,
+                                     .first = first};
+            for (uint32_t k = 0; k < ENC_FACTORS_WORDS; k++) {
+                const uint32_t number = ENC_FACTORS_WORDS * i + k;
+                out->channel[k] = number < classes[c][1] ? 1 : number < chroma ? 2 : 0;
+            }
+            layer += class_table[c].u_texels;
+            first += ENC_FACTORS_WORDS * (size_t)class_table[c].word;
+        }
+    }
+    return first;
+}
+
+static int16_t level(uint32_t field, int bits) {
+    return (int16_t)(2 * (int)(field & ((1u << bits) - 1)) - ((1 << bits) - 1));
+}
+
+void enc_factors_w_levels(const enc_factor_unit *unit, const uint32_t words[ENC_FACTORS_WORDS],
+                          int16_t *out) {
+    const int bits = class_table[unit->class].bits_w;
+    for (int k = 0; k < ENC_FACTORS_WORDS; k++)
+        for (int i = 0; i < unit->word; i++)
+            *out++ = bits == 8 ? (int8_t)(words[k] >> (8 * i)) : level(words[k] >> (bits * i), bits);
+}
+
+void enc_factors_u_levels(const enc_factor_unit *unit, const uint32_t first[ENC_FACTORS_WORDS],
+                          const uint32_t second[ENC_FACTORS_WORDS], int16_t *out) {
+    for (int k = 0; k < ENC_FACTORS_WORDS; k++)
+        for (int i = 0; i < unit->word; i++, out++) {
+            switch (unit->class) {
+            case 0:
+                *out = (int8_t)(first[k] >> (8 * i));
+                break;
+            case 1:
+                *out = level((i % 4 < 2 ? first : second)[k] >> (8 * (i % 2) + 16 * (1 - i / 4)), 8);
+                break;
+            case 2:
+                *out = level(first[k] >> (4 * (i ^ 4)), 4);
+                break;
+            case 3:
+                *out = level((i % 8 < 4 ? first : second)[k] >> (4 * (i % 4) + 16 * (1 - i / 8)), 4);
+                break;
+            default:
+                *out = level(first[k] >> (8 * (3 - i / 4) + 2 * (i % 4)), 2);
+                break;
+            }
+        }
+}
+
+void enc_factors_texel_levels(const enc_factor_unit *units, size_t count, const uint32_t *texel_words,
+                              size_t texels, size_t texel, int16_t *out) {
+    for (size_t i = 0; i < count; i++) {
+        const uint32_t *first = texel_words + (units[i].layer * texels + texel) * ENC_FACTORS_WORDS;
+        const bool two = class_table[units[i].class].u_texels == 2;
+        enc_factors_u_levels(&units[i], first, two ? first + texels * ENC_FACTORS_WORDS : first,
+                             out + units[i].first);
+    }
+}
+
+void enc_factors_clear(enc_factors *factors) {
+    free(factors->texels);
+    free(factors->directions);
+    free(factors->scales);
+    free(factors->views);
+    memset(factors, 0, sizeof *factors);
+}
