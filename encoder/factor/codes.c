@@ -1,0 +1,93 @@
+/* Places of components. See codes.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "codes.h"
+
+#include <stdlib.h>
+
+bool enc_factor_unit_is_pure(const enc_factor_plan *plan, int class, uint32_t unit) {
+    const uint32_t chroma = plan->words[class][1] + plan->words[class][2];
+    return class > 0 && unit * ENC_FACTOR_UNIT_WORDS >= chroma;
+}
+
+/* Places of a channel's components of one class, from component `at` on. first_unit, first_texel: of the
+ * class. */
+static void place_class(const enc_factor_plan *plan, int class, int channel, uint32_t first_unit,
+                        uint32_t first_texel, size_t count, enc_factor_place *out) {
+    const enc_factor_class *k = &enc_factor_classes[class];
+    const uint32_t *words = plan->words[class];
+    const uint32_t before = channel == 1 ? 0 : channel == 2 ? words[1] : words[1] + words[2];
+    for (size_t j = 0; j < count; j++) {
+        const uint32_t word = before + (uint32_t)(j / k->word), unit = word / ENC_FACTOR_UNIT_WORDS;
+        const uint32_t scale =
+            enc_factor_unit_is_pure(plan, class, unit) ? unit * ENC_FACTOR_UNIT_WORDS : word;
+        out[j] = (enc_factor_place){
+            .class = (uint8_t)class,
+            .word = (uint8_t)(word % ENC_FACTOR_UNIT_WORDS),
+            .index = (uint8_t)(j % k->word),
+            .unit = (uint16_t)(first_unit + unit),
+            .u_texel = (uint16_t)(first_texel + unit * k->u_texels),
+            .group = (uint16_t)(first_unit * ENC_FACTOR_UNIT_WORDS + scale),
+        };
+    }
+}
+
+static bool channel_init(const enc_factor_plan *plan, int channel, enc_components *from,
+                         enc_factor_channel *out) {
+    uint32_t unit = 0, texel = 0;
+    for (int k = 0; k < ENC_FACTOR_CLASSES; k++) {
+        out->rank += enc_factor_held(plan, k, channel, from->rank);
+    }
+    out->place = calloc(out->rank + 1, sizeof *out->place);
+    out->step_u = calloc(out->rank + 1, sizeof *out->step_u);
+    out->step_w = calloc(out->rank + 1, sizeof *out->step_w);
+    out->u = from->u;
+    out->w = from->w;
+    from->u = from->w = NULL;
+    if (!out->place || !out->step_u || !out->step_w) {
+        return false;
+    }
+    size_t at = 0;
+    for (int k = 0; k < ENC_FACTOR_CLASSES; k++) {
+        const size_t held = enc_factor_held(plan, k, channel, from->rank);
+        place_class(plan, k, channel, unit, texel, held, out->place + at);
+        at += held;
+        unit += enc_factor_units(plan, k);
+        texel += enc_factor_units(plan, k) * (uint32_t)enc_factor_classes[k].u_texels;
+    }
+    return true;
+}
+
+btf_result enc_factor_codes_create(const enc_factor_matrix *m, const enc_factor_plan *plan,
+                                   enc_components io[3], enc_factor_codes *out) {
+    const size_t views = (size_t)m->data->n_views;
+    *out = (enc_factor_codes){.plan = *plan,
+                              .texels = m->texels,
+                              .views = views,
+                              .lights = (size_t)m->data->n_lights,
+                              .columns = m->columns};
+    out->view = calloc(views * ENC_FACTOR_TIERS * ENC_FACTOR_CHANNELS, sizeof *out->view);
+    bool room = out->view;
+    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
+        room = channel_init(plan, c, &io[c], &out->channel[c]) && room;
+    }
+    if (!room) {
+        enc_factor_codes_clear(out);
+        return enc_fail(m->context, BTF_ERROR_MEMORY, "factors: out of memory");
+    }
+    return BTF_OK;
+}
+
+void enc_factor_codes_clear(enc_factor_codes *codes) {
+    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
+        enc_factor_channel *channel = &codes->channel[c];
+        free(channel->place);
+        free(channel->step_u);
+        free(channel->step_w);
+        free(channel->u);
+        free(channel->w);
+    }
+    free(codes->view);
+    *codes = (enc_factor_codes){0};
+}

@@ -1,0 +1,163 @@
+/* The randomised range finder. See components.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "components.h"
+
+#include "encoder/math/linear.h"
+#include "encoder/math/symmetric.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Energy over that of the first component below which products in float find only their own rounding. */
+#define LEAST_ENERGY 1e-11
+
+static btf_result no_memory(const enc_factor_matrix *m, size_t rank) {
+    return enc_fail(m->context, BTF_ERROR_MEMORY, "factors: out of memory for %zu components", rank);
+}
+
+static void fill_random(size_t count, uint32_t seed, float *out) {
+    uint64_t state = seed;
+    for (size_t i = 0; i < count; i++) {
+        state = state * 6364136223846793005u + 1442695040888963407u;
+        out[i] = (float)(int32_t)(state >> 32) * 0x1p-31f;
+    }
+}
+
+/* x [rank][count] := turn x, turn [out_rank][rank], in place where out_rank <= rank. */
+static bool turn_rows(const enc_factor_matrix *m, size_t out_rank, size_t rank, const float *turn, size_t count,
+                      const float *x, float *out) {
+    float *left = enc_gemm_alloc((out_rank + ENC_GEMM_M) * rank);
+    float *panels = enc_gemm_alloc((size_t)m->context->threads * ENC_GEMM_N * rank);
+    const bool room = left && panels;
+    if (room) {
+        enc_gemm_pack_rows(out_rank, rank, turn, rank, ENC_GEMM_M, left);
+#pragma omp parallel for schedule(dynamic, 4) num_threads(m->context->threads)
+        for (size_t i = 0; i < count; i += ENC_GEMM_N) {
+            const size_t n = count - i < ENC_GEMM_N ? count - i : ENC_GEMM_N;
+            float *panel = panels + enc_thread_index() * ENC_GEMM_N * rank;
+            enc_gemm_pack_columns(n, rank, x + i, count, ENC_GEMM_N, panel);
+            enc_gemm_multiply(m->tile, out_rank, n, rank, left, panel, out + i, count, 0);
+        }
+    }
+    free(left);
+    free(panels);
+    return room;
+}
+
+/* Orthonormal rows of the span of x [rank][count], by two rounds of Cholesky QR, whose Gram matrices are in
+ * double: the rows of a random product are almost parallel. */
+static bool orthonormalise(const enc_factor_matrix *m, size_t rank, size_t count, float *x) {
+    double *gram = malloc(2 * rank * rank * sizeof *gram), *inverse = gram ? gram + rank * rank : NULL;
+    float *turn = malloc(rank * rank * sizeof *turn);
+    bool done = gram && turn;
+    for (int round = 0; round < 2 && done; round++) {
+        double trace = 0;
+        enc_gram_rows(m->context->threads, rank, count, x, gram);
+        for (size_t i = 0; i < rank; i++) {
+            trace += gram[i * rank + i];
+        }
+        memset(inverse, 0, rank * rank * sizeof *inverse);
+        for (size_t i = 0; i < rank; i++) {
+            gram[i * rank + i] += 1e-13 * trace + 1e-30;
+            inverse[i * rank + i] = 1.0;
+        }
+        if (trace > 0 && enc_cholesky(rank, gram)) {
+            enc_lower_solve(rank, gram, inverse, rank);
+            for (size_t i = 0; i < rank * rank; i++) {
+                turn[i] = (float)inverse[i];
+            }
+            done = turn_rows(m, rank, rank, turn, count, x, x);
+        }
+    }
+    free(gram);
+    free(turn);
+    return done;
+}
+
+/* From orthonormal u and w = u A to components: the eigenvectors of w w^T turn both. */
+static bool finish(const enc_factor_matrix *m, const float *u, const float *w, enc_components *io) {
+    const size_t sought = io->sought;
+    double *gram = malloc(sought * sought * sizeof *gram);
+    float *turn = malloc(2 * sought * sought * sizeof *turn), *turn_w = turn ? turn + sought * sought : NULL;
+    bool done = gram && turn;
+    if (done) {
+        enc_gram_rows(m->context->threads, sought, m->columns, w, gram);
+        done = enc_eigen_symmetric(sought, gram, io->energy);
+    }
+    io->rank = 0;
+    while (done && io->rank < sought && io->energy[io->rank] > LEAST_ENERGY * io->energy[0]) {
+        const double root = sqrt(sqrt(io->energy[io->rank])), *row = gram + io->rank * sought;
+        for (size_t p = 0; p < sought; p++) {
+            turn[io->rank * sought + p] = (float)(row[p] * root);
+            turn_w[io->rank * sought + p] = (float)(row[p] / root);
+        }
+        io->rank++;
+    }
+    done = done && turn_rows(m, io->rank, sought, turn, m->texels, u, io->u) &&
+           turn_rows(m, io->rank, sought, turn_w, m->columns, w, io->w);
+    free(gram);
+    free(turn);
+    return done;
+}
+
+static bool prepare(const enc_factor_matrix *m, size_t rank, uint32_t seed, enc_components *io, float **u,
+                    float **w) {
+    const size_t side = m->texels < m->columns ? m->texels : m->columns;
+    enc_components_clear(io);
+    io->sought = rank < side ? rank : side;
+    io->u = enc_gemm_alloc(io->sought * m->texels);
+    io->w = enc_gemm_alloc(io->sought * m->columns);
+    io->energy = calloc(io->sought, sizeof *io->energy);
+    *u = enc_gemm_alloc(io->sought * m->texels);
+    *w = enc_gemm_alloc(io->sought * m->columns);
+    if (*w) {
+        fill_random(io->sought * m->columns, seed, *w);
+    }
+    return io->u && io->w && io->energy && *u && *w;
+}
+
+btf_result enc_components_find(const enc_factor_matrix *m, const size_t rank[3], int power_steps,
+                               enc_components io[3]) {
+    enc_factor_set u = {0}, w = {0};
+    btf_result result = BTF_OK;
+    for (int c = 0; c < 3; c++) {
+        if (rank[c] > 0 && !prepare(m, rank[c], (uint32_t)(c + 1), &io[c], &u.factor[c], &w.factor[c])) {
+            result = no_memory(m, rank[c]);
+        }
+        u.rank[c] = w.rank[c] = rank[c] > 0 ? io[c].sought : 0;
+    }
+    for (int step = 0; step <= power_steps && result == BTF_OK; step++) {
+        result = enc_factor_times_w(m, &w, &u);
+        for (int c = 0; c < 3 && result == BTF_OK; c++) {
+            result = u.rank[c] == 0 || orthonormalise(m, u.rank[c], m->texels, u.factor[c])
+                         ? BTF_OK
+                         : no_memory(m, u.rank[c]);
+        }
+        result = result == BTF_OK ? enc_factor_times_u(m, &u, &w) : result;
+        for (int c = 0; c < 3 && result == BTF_OK && step < power_steps; c++) {
+            result = w.rank[c] == 0 || orthonormalise(m, w.rank[c], m->columns, w.factor[c])
+                         ? BTF_OK
+                         : no_memory(m, w.rank[c]);
+        }
+    }
+    for (int c = 0; c < 3 && result == BTF_OK; c++) {
+        if (u.rank[c] > 0 && !finish(m, u.factor[c], w.factor[c], &io[c])) {
+            result = no_memory(m, u.rank[c]);
+        }
+    }
+    for (int c = 0; c < 3; c++) {
+        free(u.factor[c]);
+        free(w.factor[c]);
+    }
+    return result;
+}
+
+void enc_components_clear(enc_components *c) {
+    free(c->u);
+    free(c->w);
+    free(c->energy);
+    *c = (enc_components){0};
+}

@@ -1,0 +1,211 @@
+/* Products of the split samples with factors. See matrix.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "matrix.h"
+
+#include "encoder/base/stage.h"
+#include "vectors.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    BLOCK = 256,  /* texels whose product with u is added at a time */
+    DEPTH = 1024, /* columns that a product with w adds at a time: a panel of them stays in the cache */
+    SPAN = 4 * ENC_GEMM_N, /* columns of a block that a thread takes at a time */
+};
+
+enc_factor_matrix enc_factor_matrix_of(const enc_context *context, const enc_data *data) {
+    return (enc_factor_matrix){.context = context,
+                               .data = data,
+                               .texels = enc_data_texel_count(data),
+                               .columns = (size_t)data->n_views * (size_t)data->n_lights,
+                               .tile = enc_gemm_select()};
+}
+
+ENC_FACTOR_CLONES static void split_profile(size_t n, const float *restrict rgb, float *restrict y,
+                                            float *restrict c1, float *restrict c2) {
+    const float third = 0.57735027f, half = 0.70710678f, sixth = 0.40824829f;
+    for (size_t i = 0; i < n; i++) {
+        const float r = sqrtf(rgb[i]), g = sqrtf(rgb[n + i]), b = sqrtf(rgb[2 * n + i]);
+        y[i] = third * ((r + g) + b);
+        c1[i] = half * (r - b);
+        c2[i] = sixth * ((r - g) + (b - g));
+    }
+}
+
+void enc_factor_split(const enc_factor_matrix *m, size_t count, const float *samples, float *const out[3]) {
+    const size_t lights = (size_t)m->data->n_lights, profiles = count * (size_t)m->data->n_views;
+    for (size_t i = 0; i < profiles; i++) {
+        split_profile(lights, samples + i * 3 * lights, out[0] + i * lights, out[1] + i * lights,
+                      out[2] + i * lights);
+    }
+}
+
+/* Reads texels and splits them. buffer: room for their samples where the data are not in memory. */
+static btf_result load(const enc_factor_matrix *m, size_t first, size_t count, float *buffer,
+                       float *const out[3]) {
+    const float *samples;
+    const btf_result result =
+        enc_cancelled(m->context) ? BTF_ERROR_INTERRUPTED
+                                  : enc_data_texels(m->context, m->data, first, count, buffer, &samples);
+    if (result == BTF_OK) {
+        enc_factor_split(m, count, samples, out);
+    }
+    return result;
+}
+
+static size_t buffer_floats(const enc_factor_matrix *m, size_t texels) {
+    return m->data->samples ? 0 : texels * enc_data_texel_stride(m->data);
+}
+
+static size_t padded(size_t rank) {
+    return enc_gemm_panels(rank, ENC_GEMM_M) * ENC_GEMM_M;
+}
+
+static size_t padded_ranks(const enc_factor_set *f) {
+    return padded(f->rank[0]) + padded(f->rank[1]) + padded(f->rank[2]);
+}
+
+static btf_result no_memory(const enc_factor_matrix *m, const enc_factor_set *f) {
+    return enc_fail(m->context, BTF_ERROR_MEMORY, "factors: out of memory for %zu components",
+                    f->rank[0] + f->rank[1] + f->rank[2]);
+}
+
+/* Packs w as [channel][chunk of DEPTH columns][panel]. */
+static void pack_w(const enc_factor_matrix *m, const enc_factor_set *w, float *packed) {
+    const size_t chunks = (m->columns + DEPTH - 1) / DEPTH;
+    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
+        const size_t rows = padded(w->rank[c]);
+#pragma omp parallel for schedule(dynamic) num_threads(m->context->threads)
+        for (size_t chunk = 0; chunk < chunks; chunk++) {
+            const size_t at = chunk * DEPTH, depth = m->columns - at < DEPTH ? m->columns - at : DEPTH;
+            enc_gemm_pack_rows(w->rank[c], depth, w->factor[c] + at, m->columns, ENC_GEMM_M,
+                               packed + at * rows);
+        }
+        packed += rows * m->columns;
+    }
+}
+
+/* The product of a panel of texels; `split` as load gives it. */
+static void multiply_texels(const enc_factor_matrix *m, const enc_factor_set *w, const float *packed,
+                            size_t first, size_t count, float *const split[3], float *panel,
+                            const enc_factor_set *out) {
+    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
+        const size_t rows = padded(w->rank[c]);
+        for (size_t at = 0; at < m->columns && rows > 0; at += DEPTH) {
+            const size_t depth = m->columns - at < DEPTH ? m->columns - at : DEPTH;
+            enc_gemm_pack_rows(count, depth, split[c] + at, m->columns, ENC_GEMM_N, panel);
+            enc_gemm_multiply(m->tile, w->rank[c], count, depth, packed + at * rows, panel,
+                              out->factor[c] + first, m->texels, at > 0);
+        }
+        packed += rows * m->columns;
+    }
+}
+
+btf_result enc_factor_times_w(const enc_factor_matrix *m, const enc_factor_set *w, const enc_factor_set *out) {
+    const size_t samples = buffer_floats(m, ENC_GEMM_N), one = (size_t)ENC_GEMM_N * m->columns;
+    const size_t each = (samples + 3 * one + DEPTH * ENC_GEMM_N + 15) / 16 * 16;
+    float *packed = enc_gemm_alloc(padded_ranks(w) * m->columns);
+    float *work = enc_gemm_alloc((size_t)m->context->threads * each);
+    btf_result result = packed && work ? BTF_OK : no_memory(m, w);
+    if (result == BTF_OK) {
+        pack_w(m, w, packed);
+#pragma omp parallel for schedule(dynamic) num_threads(m->context->threads)
+        for (size_t first = 0; first < m->texels; first += ENC_GEMM_N) {
+            const size_t count = m->texels - first < ENC_GEMM_N ? m->texels - first : ENC_GEMM_N;
+            float *panel = work + enc_thread_index() * each, *split = panel + DEPTH * ENC_GEMM_N;
+            float *const channels[3] = {split, split + one, split + 2 * one};
+            const btf_result mine = load(m, first, count, split + 3 * one, channels);
+            if (mine == BTF_OK) {
+                multiply_texels(m, w, packed, first, count, channels, panel, out);
+            } else {
+#pragma omp critical(enc_factor_result)
+                result = mine;
+            }
+            enc_stage_step(m->context, count);
+        }
+    }
+    free(packed);
+    free(work);
+    return result;
+}
+
+/* Adds to the columns at .. at + SPAN - 1 of the product what a block of texels gives. */
+static void multiply_columns(const enc_factor_matrix *m, const enc_factor_set *u, const float *packed,
+                             size_t count, size_t at, float *const split[3], float *panel,
+                             const enc_factor_set *out) {
+    const size_t span = m->columns - at < SPAN ? m->columns - at : SPAN;
+    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
+        if (u->rank[c] > 0) {
+            enc_gemm_pack_columns(span, count, split[c] + at, m->columns, ENC_GEMM_N, panel);
+            enc_gemm_multiply(m->tile, u->rank[c], span, count, packed, panel, out->factor[c] + at,
+                              m->columns, 1);
+        }
+        packed += padded(u->rank[c]) * BLOCK;
+    }
+}
+
+static btf_result add_block(const enc_factor_matrix *m, const enc_factor_set *u, size_t first, size_t count,
+                            float *const split[3], float *buffer, float *packed, float *panels,
+                            const enc_factor_set *out) {
+    const size_t stride = enc_data_texel_stride(m->data);
+    btf_result result = BTF_OK;
+#pragma omp parallel for schedule(dynamic, 8) num_threads(m->context->threads)
+    for (size_t i = 0; i < count; i++) {
+        float *const row[3] = {split[0] + i * m->columns, split[1] + i * m->columns,
+                               split[2] + i * m->columns};
+        const btf_result mine = load(m, first + i, 1, m->data->samples ? buffer : buffer + i * stride, row);
+        if (mine != BTF_OK) {
+#pragma omp critical(enc_factor_result)
+            result = mine;
+        }
+    }
+    if (result != BTF_OK) {
+        return result;
+    }
+    float *to = packed;
+    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
+        enc_gemm_pack_rows(u->rank[c], count, u->factor[c] + first, m->texels, ENC_GEMM_M, to);
+        to += padded(u->rank[c]) * BLOCK;
+    }
+#pragma omp parallel for schedule(dynamic) num_threads(m->context->threads)
+    for (size_t at = 0; at < m->columns; at += SPAN) {
+        multiply_columns(m, u, packed, count, at, split, panels + enc_thread_index() * SPAN * BLOCK, out);
+    }
+    return BTF_OK;
+}
+
+btf_result enc_factor_times_u(const enc_factor_matrix *m, const enc_factor_set *u, const enc_factor_set *out) {
+    const size_t one = (size_t)BLOCK * m->columns;
+    float *split = enc_gemm_alloc(3 * one), *buffer = enc_gemm_alloc(buffer_floats(m, BLOCK));
+    float *packed = enc_gemm_alloc(padded_ranks(u) * BLOCK);
+    float *panels = enc_gemm_alloc((size_t)m->context->threads * SPAN * BLOCK);
+    float *const channels[3] = {split, split + one, split + 2 * one};
+    btf_result result = split && buffer && packed && panels ? BTF_OK : no_memory(m, u);
+    for (int c = 0; c < ENC_FACTOR_CHANNELS && result == BTF_OK; c++) {
+        if (u->rank[c] > 0) {
+            memset(out->factor[c], 0, u->rank[c] * m->columns * sizeof(float));
+        }
+    }
+    for (size_t first = 0; first < m->texels && result == BTF_OK; first += BLOCK) {
+        const size_t count = m->texels - first < BLOCK ? m->texels - first : BLOCK;
+        result = add_block(m, u, first, count, channels, buffer, packed, panels, out);
+        enc_stage_step(m->context, count);
+    }
+    free(split);
+    free(buffer);
+    free(packed);
+    free(panels);
+    return result;
+}
+
+uint64_t enc_factor_product_memory(size_t texels, size_t columns, size_t rank, int threads) {
+    const uint64_t rows = rank + 3 * ENC_GEMM_M, t = (uint64_t)threads;
+    const uint64_t by_w = rows * columns + t * (6 * (uint64_t)ENC_GEMM_N * columns + DEPTH * ENC_GEMM_N);
+    const uint64_t by_u = 6 * (uint64_t)BLOCK * columns + rows * BLOCK + t * SPAN * BLOCK;
+    (void)texels;
+    return sizeof(float) * (by_w > by_u ? by_w : by_u);
+}

@@ -1,0 +1,50 @@
+/* The samples of a BTF as three matrices, one a channel of opponent colour, and their products with factors.
+ *
+ * A value is the square root of a sample of radiance, cosine included. Channels are Y = (r + g + b) / sqrt 3,
+ * C1 = (r - b) / sqrt 2, C2 = (r - 2 g + b) / sqrt 6 of the roots, so that squared errors add up. Rows are
+ * texels, columns are view * n_lights + light. No matrix is ever held: each product reads the samples once and
+ * splits them block by block.
+ *
+ * Factors lie component by component: u [rank][texel], w [rank][column]. Products have the same bits for any
+ * number of threads.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_FACTOR_MATRIX_H
+#define OPENBTF_ENCODER_FACTOR_MATRIX_H
+
+#include "classes.h"
+#include "encoder/data/data.h"
+#include "encoder/math/gemm.h"
+
+typedef struct enc_factor_matrix {
+    const enc_context *context;
+    const enc_data *data;
+    size_t texels, columns;
+    enc_gemm_tile tile;
+} enc_factor_matrix;
+
+enc_factor_matrix enc_factor_matrix_of(const enc_context *context, const enc_data *data);
+
+/* How much of each channel is meant: rank[channel] components at factor[channel]. */
+typedef struct enc_factor_set {
+    size_t rank[ENC_FACTOR_CHANNELS];
+    float *factor[ENC_FACTOR_CHANNELS];
+} enc_factor_set;
+
+/* out [rank][texel] = w A^T of each channel. Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED. */
+btf_result enc_factor_times_w(const enc_factor_matrix *matrix, const enc_factor_set *w,
+                              const enc_factor_set *out);
+/* out [rank][column] = u A. */
+btf_result enc_factor_times_u(const enc_factor_matrix *matrix, const enc_factor_set *u,
+                              const enc_factor_set *out);
+
+/* The channels of `count` texels whose samples begin at `samples`: out[channel] [count][columns]. */
+void enc_factor_split(const enc_factor_matrix *matrix, size_t count, const float *samples,
+                      float *const out[ENC_FACTOR_CHANNELS]);
+
+/* Bytes that a product takes at most beside the factors and the result, for factors of `rank` components in
+ * all. */
+uint64_t enc_factor_product_memory(size_t texels, size_t columns, size_t rank, int threads);
+
+#endif

@@ -1,0 +1,125 @@
+/* Decoding at the samples, block by block. See measure.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "measure.h"
+
+#include "encoder/base/stage.h"
+#include "encoder/math/srgb.h"
+#include "vectors.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { BLOCK = 4 * ENC_GEMM_M }; /* texels that a thread decodes at a time */
+
+/* Red, green and blue of `n` samples from their channels, clipped, linear. */
+ENC_FACTOR_CLONES static void compose(size_t n, const float *restrict y, const float *restrict c1,
+                                      const float *restrict c2, float *restrict rgb) {
+    const float third = 0.57735027f, half = 0.70710678f, sixth = 0.40824829f;
+    for (size_t i = 0; i < n; i++) {
+        const float a = third * y[i], b = half * c1[i], c = sixth * c2[i];
+        const float root[3] = {(a + b) + c, a - (c + c), (a - b) + c};
+        for (size_t channel = 0; channel < 3; channel++) {
+            const float x = root[channel] > 0 ? root[channel] : 0.0f;
+            rgb[channel * n + i] = x < 1 ? x * x : 1.0f;
+        }
+    }
+}
+
+static void add_errors(size_t n, const float *samples, const float *rgb, enc_factor_error *sum) {
+    for (size_t i = 0; i < n; i++) {
+        const double a = samples[i] < 1 ? samples[i] : 1.0f, e = a - rgb[i];
+        const double s = enc_srgb_encode(samples[i]) - enc_srgb_encode(rgb[i]);
+        sum->linear += e * e;
+        sum->srgb += s * s;
+    }
+}
+
+typedef struct decoder {
+    const enc_factor_matrix *matrix;
+    const enc_factor_codes *codes;
+    const float *packed_w[ENC_FACTOR_CHANNELS];
+} decoder;
+
+/* work: left panels [BLOCK][most rank], three blocks, one profile, samples. */
+static btf_result measure_block(const decoder *d, size_t first, size_t count, size_t most, float *work,
+                                enc_factor_error *sum) {
+    const enc_factor_matrix *m = d->matrix;
+    const size_t lights = d->codes->lights, one = BLOCK * m->columns;
+    float *left = work, *blocks = work + BLOCK * most, *rgb = blocks + 3 * one;
+    const float *samples;
+    const btf_result result =
+        enc_cancelled(m->context)
+            ? BTF_ERROR_INTERRUPTED
+            : enc_data_texels(m->context, m->data, first, count, rgb + 3 * lights, &samples);
+    for (int c = 0; c < ENC_FACTOR_CHANNELS && result == BTF_OK; c++) {
+        const size_t rank = d->codes->channel[c].rank;
+        enc_gemm_pack_columns(count, rank, d->codes->channel[c].u + first, m->texels, ENC_GEMM_M, left);
+        enc_gemm_multiply(m->tile, count, m->columns, rank, left, d->packed_w[c], blocks + (size_t)c * one,
+                          m->columns, 0);
+    }
+    for (size_t i = 0; i < count * d->codes->views && result == BTF_OK; i++) {
+        const float *y = blocks + i * lights;
+        compose(lights, y, y + one, y + 2 * one, rgb);
+        add_errors(3 * lights, samples + i * 3 * lights, rgb, sum);
+    }
+    return result;
+}
+
+static btf_result measure_all(const decoder *d, size_t most, size_t each, float *work, enc_factor_error *sums) {
+    const enc_factor_matrix *m = d->matrix;
+    const size_t blocks = (m->texels + BLOCK - 1) / BLOCK;
+    btf_result result = BTF_OK;
+#pragma omp parallel for schedule(dynamic) num_threads(m->context->threads)
+    for (size_t b = 0; b < blocks; b++) {
+        const size_t first = b * BLOCK, count = m->texels - first < BLOCK ? m->texels - first : BLOCK;
+        const btf_result mine =
+            measure_block(d, first, count, most, work + enc_thread_index() * each, &sums[b]);
+        if (mine != BTF_OK) {
+#pragma omp critical(enc_factor_result)
+            result = mine;
+        }
+        enc_stage_step(m->context, count);
+    }
+    return result;
+}
+
+btf_result enc_factor_measure(const enc_factor_matrix *m, const enc_factor_codes *codes,
+                              enc_factor_error *out_error) {
+    decoder d = {.matrix = m, .codes = codes};
+    float *packed[ENC_FACTOR_CHANNELS];
+    bool room = true;
+    size_t most = 1;
+    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
+        const size_t rank = codes->channel[c].rank;
+        most = rank > most ? rank : most;
+        d.packed_w[c] = packed[c] = enc_gemm_alloc((m->columns + ENC_GEMM_N) * rank);
+        room = room && packed[c];
+        if (packed[c]) {
+            enc_gemm_pack_columns(m->columns, rank, codes->channel[c].w, m->columns, ENC_GEMM_N, packed[c]);
+        }
+    }
+    const size_t buffer = m->data->samples ? 0 : BLOCK * enc_data_texel_stride(m->data);
+    const size_t each = (BLOCK * (most + 3 * m->columns) + 3 * codes->lights + buffer + 15) / 16 * 16;
+    const size_t blocks = (m->texels + BLOCK - 1) / BLOCK;
+    float *work = enc_gemm_alloc((size_t)m->context->threads * each);
+    enc_factor_error *sums = calloc(blocks, sizeof *sums);
+    btf_result result = BTF_ERROR_MEMORY;
+    *out_error = (enc_factor_error){0};
+    if (room && work && sums) {
+        result = measure_all(&d, most, each, work, sums);
+    } else {
+        enc_fail(m->context, result, "factors: out of memory");
+    }
+    for (size_t b = 0; b < blocks && result == BTF_OK; b++) {
+        out_error->linear += sums[b].linear / (3.0 * (double)m->texels * (double)m->columns);
+        out_error->srgb += sums[b].srgb / (3.0 * (double)m->texels * (double)m->columns);
+    }
+    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
+        free(packed[c]);
+    }
+    free(work);
+    free(sums);
+    return result;
+}

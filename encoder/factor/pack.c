@@ -1,0 +1,92 @@
+/* Codes into words. See pack.h.
+ *
+ * The places of the codes of u in their words are those that a packed dot product with the codes of w wants
+ * (FORMAT.md): the shader multiplies words, and adds what meets in one field.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "pack.h"
+
+#include <math.h>
+
+/* Where a code of u lies: texel of its unit, lowest bit. */
+typedef struct slot {
+    size_t texel;
+    int bit;
+} slot;
+
+static slot slot_of_u(int class, int i) {
+    switch (class) {
+    case 0:
+        return (slot){0, 8 * i};
+    case 1:
+        return (slot){i % 4 < 2 ? 0 : 1, 8 * (i % 2) + 16 * (1 - i / 4)};
+    case 2:
+        return (slot){0, 4 * (i ^ 4)};
+    case 3:
+        return (slot){i % 8 < 4 ? 0 : 1, 4 * (i % 4) + 16 * (1 - i / 8)};
+    default:
+        return (slot){0, 8 * (3 - i / 4) + 2 * (i % 4)};
+    }
+}
+
+/* The code of a value: signed bytes of class 0, else offset binary of odd levels. */
+static uint32_t code_of(int class, int top, float value, float step) {
+    const int level = step > 0 ? (int)rintf(value / step) : 0;
+    const int held = level > top ? top : level < -top ? -top : level;
+    return class == 0 ? (uint32_t)held & 0xFF : (uint32_t)((held + top) / 2);
+}
+
+static void pack_u(const enc_factor_codes *codes, const enc_factor_channel *channel, size_t j, uint32_t *out) {
+    const enc_factor_place *place = &channel->place[j];
+    const enc_factor_class *class = &enc_factor_classes[place->class];
+    const slot at = slot_of_u(place->class, place->index);
+    uint32_t *words = out + (place->u_texel + at.texel) * codes->texels * 4 + place->word;
+    for (size_t t = 0; t < codes->texels; t++) {
+        words[4 * t] |= code_of(place->class, class->top_u, channel->u[j * codes->texels + t],
+                                channel->step_u[j])
+                        << at.bit;
+    }
+}
+
+static void pack_w(const enc_factor_codes *codes, int c, size_t j, uint32_t *out) {
+    const enc_factor_channel *channel = &codes->channel[c];
+    const enc_factor_place *place = &channel->place[j];
+    const enc_factor_class *class = &enc_factor_classes[place->class];
+    uint32_t *words = out + place->unit * codes->columns * 4 + place->word;
+    for (size_t i = 0; i < codes->columns; i++) {
+        const float step = channel->step_w[j] * enc_factor_view(codes, i / codes->lights, class->tier, c);
+        words[4 * i] |= code_of(place->class, class->top_w, channel->w[j * codes->columns + i], step)
+                        << (class->bits_w * place->index);
+    }
+}
+
+/* Components that share words follow one another: a thread takes a group of scales. */
+static bool begins_group(const enc_factor_channel *channel, size_t j) {
+    return j == 0 || channel->place[j - 1].group != channel->place[j].group;
+}
+
+static void pack_group(const enc_factor_codes *codes, int c, size_t first, uint32_t *texels,
+                       uint32_t *directions, float *scales) {
+    static const float axis[ENC_FACTOR_CHANNELS] = {0.57735027f, 0.70710678f, 0.40824829f};
+    const enc_factor_channel *channel = &codes->channel[c];
+    for (size_t j = first; j < channel->rank && (j == first || !begins_group(channel, j)); j++) {
+        const enc_factor_place *place = &channel->place[j];
+        pack_u(codes, channel, j, texels);
+        pack_w(codes, c, j, directions);
+        scales[place->unit * 4 + place->word] = channel->step_u[j] * channel->step_w[j] * axis[c];
+    }
+}
+
+void enc_factor_pack(const enc_context *context, const enc_factor_codes *codes, uint32_t *texels,
+                     uint32_t *directions, float *scales) {
+    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
+        const enc_factor_channel *channel = &codes->channel[c];
+#pragma omp parallel for schedule(dynamic) num_threads(context->threads)
+        for (size_t j = 0; j < channel->rank; j++) {
+            if (begins_group(channel, j)) {
+                pack_group(codes, c, j, texels, directions, scales);
+            }
+        }
+    }
+}

@@ -1,0 +1,19 @@
+/* Components rounded to levels, so that the error of the data is least.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_FACTOR_ROUND_H
+#define OPENBTF_ENCODER_FACTOR_ROUND_H
+
+#include "codes.h"
+
+/* Rounds w to steps that fit it, one a group times a factor of the view, fits u to it and rounds that, then
+ * `sweeps` rounds of coordinate descent on the codes of w and u in turn: each component goes to the level
+ * nearest to its best value with the others held. The same bits for any number of threads. Errors:
+ * BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED. */
+btf_result enc_factor_round(const enc_factor_matrix *matrix, int sweeps, enc_factor_codes *io_codes);
+
+/* Passes over the samples that it takes. */
+int enc_factor_round_passes(int sweeps);
+
+#endif
