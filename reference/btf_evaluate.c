@@ -8,22 +8,16 @@
 
 enum { MAX_LOBES = 4, CHANNELS = 3, DIFFUSE_AND_WEIGHTS = CHANNELS * (1 + MAX_LOBES) };
 
-/** The lights of non-zero weight, in their order; weights sum to 4096. */
-typedef struct light_weights {
-    uint32_t count;
-    uint32_t index[3];
-    int32_t weight[3];
-} light_weights;
-
 /** The part of an evaluation that all texels share under one light and one view. */
 typedef struct situation {
     const btf_ref_material *material;
     uint32_t effects;    /**< decoded */
-    uint32_t components; /**< decoded */
-    light_weights lights;
+    uint32_t components; /**< decoded; units, with factors */
+    btf_ref_lights lights;
     btf_ref_neighbours views;
     float product[3]; /**< P of section 9: l * V by component */
     float cosine;     /**< m of section 9 */
+    float horizon;    /**< m_r of section 9; with factors */
 } situation;
 
 /** How a texel is seen in a view (section 3). */
@@ -203,53 +197,72 @@ static void residual(const situation *s, uint32_t column, uint32_t row, uint32_t
     }
 }
 
-/** h + r of section 9: the modelled and the residual reflectance of a source texel. */
+/** y of section 9 before the gain: a source texel, modelled and residual, under the light's cosine. */
 static void source(const situation *s, uint32_t column, uint32_t row, uint32_t view, float out_y[3]) {
     const btf_ref_material *material = s->material;
     bool modelled = material->colour != BTF_REF_NONE;
+    float h[3] = {0.0f, 0.0f, 0.0f}, r[3];
 
-    for (int c = 0; c < CHANNELS; ++c)
-        out_y[c] = 0.0f;
     if (modelled)
-        sbrdf(s, column, row, out_y);
+        sbrdf(s, column, row, h);
     if (modelled && (s->effects & BTF_REF_SHADOW)) {
         float scale = material->shadow_scale * 0x1p-12f;
         float shadow = (float)shadow_sum(s, column, row) * scale;
         for (int c = 0; c < CHANNELS; ++c)
-            out_y[c] = out_y[c] * shadow;
+            h[c] = h[c] * shadow;
     }
-    if (s->effects & BTF_REF_RESIDUAL) {
-        float r[3];
-        residual(s, column, row, view, r);
+    if (!(s->effects & BTF_REF_RESIDUAL)) {
         for (int c = 0; c < CHANNELS; ++c)
-            out_y[c] = modelled ? out_y[c] + r[c] : r[c];
+            out_y[c] = h[c] * s->cosine;
+        return;
+    }
+    if (material->store == BTF_REF_FACTORS) {
+        btf_ref_factors(material, s->components, &s->lights, column, row, view, r);
+        for (int c = 0; c < CHANNELS; ++c) {
+            float term = r[c] * s->horizon;
+            out_y[c] = h[c] * s->cosine;
+            out_y[c] = modelled ? out_y[c] + term : term;
+        }
+        return;
+    }
+    residual(s, column, row, view, r);
+    for (int c = 0; c < CHANNELS; ++c) {
+        out_y[c] = modelled ? h[c] + r[c] : r[c];
+        out_y[c] = out_y[c] * s->cosine;
     }
 }
 
-/** L of section 9: radiance of a texel in one view, before radianceScale. */
-static void view_radiance(const situation *s, uint32_t column, uint32_t row, uint32_t view,
-                          float out_l[3]) {
+/** Within 0 and 2^32; 0 below 2^-30. */
+static float keep_within(float value) {
+    if (!(value >= 0x1p-30f))
+        return 0.0f;
+    if (value > 0x1p32f)
+        return 0x1p32f;
+    return value;
+}
+
+/** What is blended of a texel in one view: L of section 9, or y where the blend is of roots. */
+static void view_value(const situation *s, uint32_t column, uint32_t row, uint32_t view, float out[3]) {
     const btf_ref_material *material = s->material;
+    bool roots = material->blend == BTF_REF_BLEND_ROOTS;
     appearance seen = read_appearance(s, column, row, view);
-    float y[3];
 
     if (seen.hidden) {
-        centre_value(s, seen.centre, y);
+        centre_value(s, seen.centre, out);
         for (int c = 0; c < CHANNELS; ++c)
-            out_l[c] = y[c] * y[c];
+            out[c] = roots ? out[c] : out[c] * out[c];
         return;
     }
     uint32_t source_column = btf_ref_wrap(column, seen.columns, material->width);
     uint32_t source_row = btf_ref_wrap(row, seen.rows, material->height);
-    source(s, source_column, source_row, view, y);
+    source(s, source_column, source_row, view, out);
     for (int c = 0; c < CHANNELS; ++c) {
-        float value = y[c] * s->cosine;
-        value = value * seen.gain; /* by 1, which changes nothing, without gain */
-        if (!(value >= 0x1p-30f))
-            value = 0.0f;
-        else if (value > 0x1p32f)
-            value = 0x1p32f;
-        out_l[c] = material->domain_sqrt ? value * value : value;
+        float value = out[c] * seen.gain; /* by 1, which changes nothing, without gain */
+        if (!roots) {
+            value = keep_within(value);
+            value = material->domain_sqrt ? value * value : value;
+        }
+        out[c] = value;
     }
 }
 
@@ -260,15 +273,20 @@ static void texel_radiance(const situation *s, uint32_t column, uint32_t row, fl
         if (s->views.weight[a] == 0)
             continue;
         float weight = (float)s->views.weight[a] * 0x1p-12f;
-        float radiance[3];
-        view_radiance(s, column, row, s->views.index[a], radiance);
+        float value[3];
+        view_value(s, column, row, s->views.index[a], value);
         for (int c = 0; c < CHANNELS; ++c) {
-            float term = radiance[c] * weight;
+            float term = value[c] * weight;
             sum[c] = sum[c] + term;
         }
     }
-    for (int c = 0; c < CHANNELS; ++c)
+    for (int c = 0; c < CHANNELS; ++c) {
+        if (s->material->blend == BTF_REF_BLEND_ROOTS) {
+            float root = keep_within(sum[c]);
+            sum[c] = root * root;
+        }
         out_rgb[c] = sum[c] * s->material->radiance_scale;
+    }
 }
 
 /** Section 9, Directions. @return whether there is anything to be seen. */
@@ -296,6 +314,10 @@ static situation make_situation(const btf_ref_material *material, const btf_ref_
     if (s.effects & BTF_REF_RESIDUAL)
         s.components =
             options->components < material->components ? options->components : material->components;
+    if (material->store == BTF_REF_FACTORS) {
+        float q = light[2] * material->horizon_scale;
+        s.horizon = q < 1.0f ? (material->domain_sqrt ? btf_ref_pow(q, 0.5f) : q) : 1.0f;
+    }
     for (int b = 0; b < 3; ++b) {
         if (used_lights.weight[b] == 0)
             continue;

@@ -100,14 +100,27 @@ static inline bool btf_ref_probe(void) {
 #endif
 }
 
-/** btf_ref_probe() of each file; no symbols of the library. */
+/** The lights of non-zero weight, in their order; weights sum to 4096. */
+typedef struct btf_ref_lights {
+    uint32_t count;
+    uint32_t index[3];
+    int32_t weight[3];
+} btf_ref_lights;
+
+/** What follows makes no symbols of the library. */
 #if defined __GNUC__
 #pragma GCC visibility push(hidden)
 #endif
+/** Section 9, Factors: the residual of a source texel in a view, of the first `units` units. */
+void btf_ref_factors(const btf_ref_material *material, uint32_t units, const btf_ref_lights *lights,
+                     uint32_t column, uint32_t row, uint32_t view, float out_r[3]);
+
+/** btf_ref_probe() of each file. */
 bool btf_ref_probe_arithmetic(void);
 bool btf_ref_probe_addressing(void);
 bool btf_ref_probe_directions(void);
 bool btf_ref_probe_evaluate(void);
+bool btf_ref_probe_factors(void);
 #if defined __GNUC__
 #pragma GCC visibility pop
 #endif

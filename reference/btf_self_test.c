@@ -10,6 +10,7 @@
 
 #define ARITHMETIC_HASH 0xD17D2CC8u
 #define EVALUATION_HASH 0x3EE5763Bu
+#define FACTORS_HASH 0x3C92541Bu
 
 enum {
     SIZE = 2,
@@ -22,6 +23,8 @@ enum {
     ATLAS_HEIGHT = 4,
     SBRDF_LAYERS = 5, /* RGB: 9 numbers in 3 layers, 2 lobes */
     RESIDUAL_LAYERS = 2,
+    UNITS = 8,
+    UNIT_LAYERS = 12,
 };
 
 /** Three views, a triangle; one cell, which lists the triangle and the three hull edges. */
@@ -109,10 +112,64 @@ static void fill(contents *c) {
     hidden[1] = 0, hidden[2] = 1, hidden[3] = 0;
 }
 
-static uint32_t hash_evaluation(void) {
-    contents c;
-    fill(&c);
-    btf_ref_material material = {
+/** Contents of the made-up material of version 2. */
+typedef struct factors {
+    uint32_t texels[UNIT_LAYERS * SIZE * SIZE * 4];
+    uint32_t directions[UNITS * VIEWS * LIGHTS * 4];
+    float scales[UNITS * 4];
+    float views[VIEWS * 3 * 4];
+} factors;
+
+/** Of each class units, words of C1 and of C2: all five, whole and mixed ones. */
+static const uint32_t factor_classes[5][3] = {{1, 1, 2}, {2, 2, 3}, {2, 1, 0}, {2, 0, 3}, {1, 0, 0}};
+
+static uint32_t hash_evaluations(btf_ref_material *material, uint32_t state, int count) {
+    btf_ref_options options = {.effects = UINT32_MAX, .components = UINT32_MAX};
+    uint32_t hash = 2166136261u;
+    for (int i = 0; i < count; ++i) {
+        bool version_2 = material->store == BTF_REF_FACTORS;
+        material->colour = i % 2 != 0 ? BTF_REF_RGB : BTF_REF_MONO;
+        material->domain_sqrt = i / 2 % 2;
+        material->blend = version_2 && i / 2 % 4 == 3 ? BTF_REF_BLEND_ROOTS : BTF_REF_BLEND_RADIANCE;
+        options.components = version_2 && i % 7 == 0 ? (uint32_t)i % UNITS : UINT32_MAX;
+        options.interpolation = i % 3 != 0 ? BTF_REF_LINEAR : BTF_REF_NEAREST;
+        options.filter = i % 5 != 0 ? BTF_REF_BILINEAR : BTF_REF_TEXEL;
+        float light[3], view[3], radiance[3];
+        for (int k = 0; k < 3; ++k) { /* the decoder does not mind directions that are not of unit length */
+            light[k] = random_float(&state, k == 2 ? 0.01f : -0.8f, k == 2 ? 1.0f : 1.6f);
+            view[k] = random_float(&state, k == 2 ? 0.01f : -0.8f, k == 2 ? 1.0f : 1.6f);
+        }
+        float u = random_float(&state, -2.0f, 4.0f), v = random_float(&state, -2.0f, 4.0f);
+        btf_ref_evaluate(material, &options, u, v, light, view, radiance);
+        for (int k = 0; k < 3; ++k)
+            add_float(&hash, radiance[k]);
+    }
+    return hash;
+}
+
+static void fill_factors(factors *f) {
+    uint32_t state = 5;
+    for (unsigned i = 0; i < sizeof f->texels / sizeof *f->texels; ++i)
+        f->texels[i] = next_random(&state) | 0x01010101u; /* no byte is -128 */
+    for (unsigned i = 0; i < sizeof f->directions / sizeof *f->directions; ++i)
+        f->directions[i] = next_random(&state) | 0x01010101u;
+    /* one scale in four words, as whole units have it; smaller in wider classes */
+    for (unsigned unit = 0; unit < UNITS; ++unit) {
+        float scale = random_float(&state, 0x1p-8f, 0x1p-8f);
+        for (unsigned word = 0; word < 4; ++word) {
+            bool mixed = unit < 3 || unit == 3 || unit == 5;
+            f->scales[4 * unit + word] = mixed ? scale * (float)(1 + word) : scale;
+        }
+    }
+    for (unsigned i = 0; i < sizeof f->views / sizeof *f->views; ++i) {
+        static const float tiers[3] = {0x1p-10f, 0x1p-5f, 1.0f};
+        float factor = random_float(&state, 0x1p-4f, 0x1p-4f);
+        f->views[i] = i % 4 == 3 ? 0.0f : factor * tiers[i / 4 % 3];
+    }
+}
+
+static btf_ref_material make_material(const contents *c) {
+    return (btf_ref_material){
         .width = SIZE,
         .height = SIZE,
         .n_views = VIEWS,
@@ -127,39 +184,48 @@ static uint32_t hash_evaluation(void) {
         .shadow_scale = 0x1.010102p-8f, /* 1/255 */
         .gain_scale = 0x1p-7f,
         .centre_scale = 0x1.1p-8f,
-        .sbrdf = c.sbrdf,
-        .maps = c.maps,
-        .residual_texels = c.texels,
-        .residual_directions = c.directions,
-        .residual_scales = c.scales,
+        .sbrdf = c->sbrdf,
+        .maps = c->maps,
+        .residual_texels = c->texels,
+        .residual_directions = c->directions,
+        .residual_scales = c->scales,
         .view_table = view_table,
         .light_table = light_table,
         .view_grid = 1,
         .light_grid = 1,
     };
-    btf_ref_options options = {.effects = UINT32_MAX, .components = UINT32_MAX};
+}
 
-    uint32_t hash = 2166136261u, state = 3;
-    for (int i = 0; i < 240; ++i) {
-        material.colour = i % 2 != 0 ? BTF_REF_RGB : BTF_REF_MONO;
-        material.domain_sqrt = i / 2 % 2;
-        options.interpolation = i % 3 != 0 ? BTF_REF_LINEAR : BTF_REF_NEAREST;
-        options.filter = i % 5 != 0 ? BTF_REF_BILINEAR : BTF_REF_TEXEL;
-        float light[3], view[3], radiance[3];
-        for (int k = 0; k < 3; ++k) { /* the decoder does not mind directions that are not of unit length */
-            light[k] = random_float(&state, k == 2 ? 0.01f : -0.8f, k == 2 ? 1.0f : 1.6f);
-            view[k] = random_float(&state, k == 2 ? 0.01f : -0.8f, k == 2 ? 1.0f : 1.6f);
-        }
-        float u = random_float(&state, -2.0f, 4.0f), v = random_float(&state, -2.0f, 4.0f);
-        btf_ref_evaluate(&material, &options, u, v, light, view, radiance);
+static uint32_t hash_evaluation(void) {
+    contents c;
+    fill(&c);
+    btf_ref_material material = make_material(&c);
+    return hash_evaluations(&material, 3, 240);
+}
+
+/** The same material with factors in place of components. */
+static uint32_t hash_factors(void) {
+    contents c;
+    factors f;
+    fill(&c);
+    fill_factors(&f);
+    btf_ref_material material = make_material(&c);
+    material.store = BTF_REF_FACTORS;
+    material.components = UNITS;
+    material.horizon_scale = 2.5f;
+    for (int i = 0; i < 5; ++i)
         for (int k = 0; k < 3; ++k)
-            add_float(&hash, radiance[k]);
-    }
-    return hash;
+            material.factor_classes[i][k] = factor_classes[i][k];
+    material.factor_texels = f.texels;
+    material.factor_directions = f.directions;
+    material.factor_scales = f.scales;
+    material.factor_views = f.views;
+    return hash_evaluations(&material, 6, 240);
 }
 
 int btf_ref_self_test(void) {
     return btf_ref_probe() && btf_ref_probe_arithmetic() && btf_ref_probe_addressing() &&
-           btf_ref_probe_directions() && btf_ref_probe_evaluate() && hash_arithmetic() == ARITHMETIC_HASH &&
-           hash_evaluation() == EVALUATION_HASH;
+           btf_ref_probe_directions() && btf_ref_probe_evaluate() && btf_ref_probe_factors() &&
+           hash_arithmetic() == ARITHMETIC_HASH && hash_evaluation() == EVALUATION_HASH &&
+           hash_factors() == FACTORS_HASH;
 }

@@ -41,6 +41,16 @@ int reference_view(const btf_material *material, uint32_t level, btf_ref_materia
         .light_table = btf_material_texture(material, BTF_TEXTURE_LIGHT_TABLE).data,
         .view_grid = btf_material_views(material).grid,
         .light_grid = btf_material_lights(material).grid,
+        .store = info.store == BTF_STORE_FACTORS ? BTF_REF_FACTORS : BTF_REF_COMPONENTS,
+        .blend = info.blend == BTF_BLEND_ROOTS ? BTF_REF_BLEND_ROOTS : BTF_REF_BLEND_RADIANCE,
+        .horizon_scale = info.horizon_scale,
+        .factor_texels = btf_material_level_texture(material, level, BTF_TEXTURE_FACTOR_TEXELS).data,
+        .factor_directions = btf_material_texture(material, BTF_TEXTURE_FACTOR_DIRECTIONS).data,
+        .factor_scales = btf_material_texture(material, BTF_TEXTURE_FACTOR_SCALES).data,
+        .factor_views = btf_material_texture(material, BTF_TEXTURE_FACTOR_VIEWS).data,
     };
+    for (int i = 0; i < BTF_FACTOR_CLASSES; ++i)
+        for (int j = 0; j < 3; ++j)
+            out->factor_classes[i][j] = info.factor_classes[i][j];
     return 0;
 }

@@ -29,10 +29,15 @@ enum {
 
 enum { BTF_REF_MONO = 0, BTF_REF_RGB = 1, BTF_REF_NONE = 2 };
 
+enum { BTF_REF_COMPONENTS = 0, BTF_REF_FACTORS = 1 };         /**< stores of the residual */
+enum { BTF_REF_BLEND_RADIANCE = 0, BTF_REF_BLEND_ROOTS = 1 }; /**< values that views are blended in */
+enum { BTF_REF_FACTOR_CLASSES = 5 };
+
 /** A material as plain textures, exactly as FORMAT.md section 3 has them: [layer][row][column][channel],
  * row 0 the top. Pointers of absent textures are null. The data must have passed the checks of section 2.
  * A level of detail is a material of its own: width, height and the textures with texels are the level's,
- * the rest (centre, residual_directions, residual_scales, tables, numbers) is that of level 0.
+ * the rest (centre, residual_directions, residual_scales, factor_directions, factor_scales, factor_views,
+ * tables, numbers) is that of level 0. A material of version 1 leaves the members of version 2 zero.
  */
 typedef struct btf_ref_material {
     uint32_t width, height, n_views, n_lights; /**< texels of the level, sampled directions */
@@ -40,7 +45,7 @@ typedef struct btf_ref_material {
     int domain_sqrt; /**< 1: the model gives the square root of radiance */
     int colour;     /**< BTF_REF_MONO, _RGB, _NONE */
     int half_float; /**< sbrdf holds 16-bit halves */
-    uint32_t lobes, effects, centres, components; /**< J, BTF_REF_ bits, K, k */
+    uint32_t lobes, effects, centres, components; /**< J, BTF_REF_ bits, K, k (units, with factors) */
     uint32_t atlas_width, atlas_height;           /**< texels; layout paper */
     float radiance_scale, shadow_scale, gain_scale, centre_scale; /**< factors of section 9 */
     const void *sbrdf;                 /**< float or half bits */
@@ -55,6 +60,16 @@ typedef struct btf_ref_material {
     const uint16_t *view_table;        /**< RGBA */
     const uint16_t *light_table;       /**< RGBA */
     uint32_t view_grid, light_grid;    /**< G of each table */
+
+    /* version 2 */
+    int store;           /**< BTF_REF_COMPONENTS or BTF_REF_FACTORS */
+    int blend;           /**< BTF_REF_BLEND_RADIANCE or, with domain_sqrt, BTF_REF_BLEND_ROOTS */
+    float horizon_scale; /**< with factors: 1 / l.z of the outermost light, >= 1 */
+    uint32_t factor_classes[BTF_REF_FACTOR_CLASSES][3]; /**< of each: units, words of C1, words of C2 */
+    const uint32_t *factor_texels;                      /**< RGBA */
+    const uint32_t *factor_directions;                  /**< RGBA */
+    const float *factor_scales;                         /**< RGBA */
+    const float *factor_views;                          /**< RGBA */
 } btf_ref_material;
 
 enum { BTF_REF_NEAREST = 0, BTF_REF_LINEAR = 1 }; /**< directions */
@@ -63,7 +78,7 @@ enum { BTF_REF_TEXEL = 0, BTF_REF_BILINEAR = 1 }; /**< filter */
 /** How to decode. */
 typedef struct btf_ref_options {
     uint32_t effects;    /**< those present in both this mask and the material are decoded */
-    uint32_t components; /**< at most this many residual components; UINT32_MAX: all */
+    uint32_t components; /**< at most this many residual components or units; UINT32_MAX: all */
     int interpolation;   /**< BTF_REF_NEAREST or BTF_REF_LINEAR */
     int filter;          /**< BTF_REF_TEXEL or BTF_REF_BILINEAR */
 } btf_ref_options;
