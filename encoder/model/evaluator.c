@@ -47,7 +47,7 @@ static btf_result load_factors(const enc_context *context, const btf_material *m
     e->n_units = info->components;
     e->units = calloc(e->n_units, sizeof *e->units);
     if (e->units) {
-        e->components = enc_factors_list(info->factor_classes, e->units);
+        e->components = enc_store_list(info->factor_classes, e->units);
         e->w = malloc(pairs * e->components * sizeof *e->w);
     }
     if (!e->w)
@@ -55,7 +55,7 @@ static btf_result load_factors(const enc_context *context, const btf_material *m
                         e->components);
     for (size_t i = 0; i < e->n_units; i++)
         for (size_t p = 0; p < pairs; p++)
-            enc_factors_w_levels(&e->units[i], directions + (i * pairs + p) * ENC_FACTORS_WORDS,
+            enc_store_w_levels(&e->units[i], directions + (i * pairs + p) * ENC_STORE_WORDS,
                                  e->w + p * e->components + e->units[i].first);
     return BTF_OK;
 }
@@ -104,7 +104,7 @@ enc_evaluated_texel *enc_evaluated_texel_create(const enc_evaluator *e, size_t t
         t->u = malloc(e->components * sizeof *t->u);
         t->scratch = malloc(e->components * sizeof *t->scratch);
         if (t->u && t->scratch)
-            enc_factors_texel_levels(e->units, e->n_units, e->texels,
+            enc_store_texel_levels(e->units, e->n_units, e->texels,
                                      (size_t)e->reference.width * e->reference.height, texel, t->u);
         else
             enc_evaluated_texel_destroy(&t);
@@ -138,16 +138,16 @@ WIDE static int32_t sum(size_t count, const int32_t *values) {
 }
 
 /* p_ch of the tier, with one unit more. */
-static void add_unit(const enc_factor_unit *unit, const float scales[ENC_FACTORS_WORDS],
+static void add_unit(const enc_factor_unit *unit, const float scales[ENC_STORE_WORDS],
                      const int32_t *products, float p[3]) {
     const float step = ldexpf(1.0f, unit->shift - 12);
     const size_t word = (size_t)unit->word;
     if (!unit->mixed) {
-        const int32_t e = sum(ENC_FACTORS_WORDS * word, products);
+        const int32_t e = sum(ENC_STORE_WORDS * word, products);
         p[0] = p[0] + (float)(e >> unit->shift) * (scales[0] * step);
         return;
     }
-    for (size_t k = 0; k < ENC_FACTORS_WORDS; k++) {
+    for (size_t k = 0; k < ENC_STORE_WORDS; k++) {
         const int32_t e = sum(word, products + k * word);
         float *channel = &p[unit->channel[k]];
         *channel = *channel + (float)(e >> unit->shift) * (scales[k] * step);
@@ -193,7 +193,7 @@ static void evaluate_view(const enc_evaluated_texel *t, uint32_t view, uint32_t 
                           const btf_ref_neighbours *lights, float m, const uint32_t *components,
                           size_t count, float acc[][3]) {
     const enc_evaluator *e = t->evaluator;
-    const float *views = e->views + (size_t)view * ENC_FACTORS_TIERS * 4;
+    const float *views = e->views + (size_t)view * ENC_STORE_TIERS * 4;
     const int16_t *w[3];
     int32_t weights[3];
     for (int b = 0; b < 3; b++) {
@@ -202,14 +202,14 @@ static void evaluate_view(const enc_evaluated_texel *t, uint32_t view, uint32_t 
     }
     const size_t most = components[0] < e->n_units ? components[0] : e->n_units;
     const enc_factor_unit *last = &e->units[most - 1];
-    weigh(last->first + ENC_FACTORS_WORDS * (size_t)last->word, t->u, w, weights, t->scratch);
+    weigh(last->first + ENC_STORE_WORDS * (size_t)last->word, t->u, w, weights, t->scratch);
     sums s = {{0}, {0}};
     int tier = 0;
     size_t next = count; /* the smallest count that is still to come is at next - 1 */
     for (size_t i = 0; i < most; i++) {
         for (; tier < e->units[i].tier; tier++)
             finish_tier(&s, views, tier);
-        add_unit(&e->units[i], e->scales + i * ENC_FACTORS_WORDS, t->scratch + e->units[i].first, s.tier);
+        add_unit(&e->units[i], e->scales + i * ENC_STORE_WORDS, t->scratch + e->units[i].first, s.tier);
         for (; next > 0 && (components[next - 1] == i + 1 || i + 1 == most); next--) {
             float r[3];
             residual_of(&s, views, tier, r);

@@ -10,7 +10,7 @@
 #define OPENBTF_ENCODER_MODEL_EVALUATOR_H
 
 #include "encoder/base/context.h"
-#include "factors.h"
+#include "factor_store.h"
 
 #include <openbtf/reference.h>
 

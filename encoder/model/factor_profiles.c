@@ -41,7 +41,7 @@ void enc_factor_profiles_destroy(enc_factor_profiles **profiles) {
 
 static void list_members(enc_factor_profiles *p) {
     for (size_t i = 0; i < p->n_units; i++)
-        for (int k = 0; k < ENC_FACTORS_WORDS; k++)
+        for (int k = 0; k < ENC_STORE_WORDS; k++)
             for (int n = 0; n < p->units[i].word; n++) {
                 const int channel = p->units[i].channel[k];
                 p->member[channel][p->count[channel]++] =
@@ -51,19 +51,19 @@ static void list_members(enc_factor_profiles *p) {
 
 /* Levels of w of the view times their scales, a row a light: rows[channel][light][count]. */
 static void fill_rows(enc_factor_profiles *p, size_t view, float *const rows[CHANNELS]) {
-    const enc_factors *f = &p->solution->factors;
+    const enc_factor_store *f = &p->solution->factors;
     const size_t pairs = (size_t)p->solution->n_views * p->lights;
     for (size_t light = 0; light < p->lights; light++) {
         size_t at[CHANNELS] = {0};
         for (size_t i = 0; i < p->n_units; i++) {
             const enc_factor_unit *unit = &p->units[i];
-            const float *factors = f->views + (view * ENC_FACTORS_TIERS + (size_t)unit->tier) * 4;
-            enc_factors_w_levels(
-                unit, f->directions + (i * pairs + view * p->lights + light) * ENC_FACTORS_WORDS, p->levels);
-            for (int n = 0; n < ENC_FACTORS_WORDS * unit->word; n++) {
+            const float *factors = f->views + (view * ENC_STORE_TIERS + (size_t)unit->tier) * 4;
+            enc_store_w_levels(
+                unit, f->directions + (i * pairs + view * p->lights + light) * ENC_STORE_WORDS, p->levels);
+            for (int n = 0; n < ENC_STORE_WORDS * unit->word; n++) {
                 const int k = n / unit->word, channel = unit->channel[k];
                 rows[channel][light * p->count[channel] + at[channel]++] =
-                    (float)p->levels[n] * (f->scales[i * ENC_FACTORS_WORDS + (size_t)k] * factors[channel]);
+                    (float)p->levels[n] * (f->scales[i * ENC_STORE_WORDS + (size_t)k] * factors[channel]);
             }
         }
     }
@@ -92,16 +92,16 @@ enc_factor_profiles *enc_factor_profiles_create(const enc_solution *solution, si
     enc_factor_profiles *p = calloc(1, sizeof *p);
     if (!p)
         return NULL;
-    enc_factors_truncate(solution->factors.classes, units, classes);
+    enc_store_truncate(solution->factors.classes, units, classes);
     p->solution = solution;
     p->lights = (size_t)solution->n_lights;
     const uint32_t(*kept)[3] = (const uint32_t(*)[3])classes;
-    p->n_units = enc_factors_units(kept);
+    p->n_units = enc_store_units(kept);
     p->tile = enc_gemm_select();
     p->units = calloc(p->n_units, sizeof *p->units);
     bool ok = p->units;
     if (ok) {
-        p->components = enc_factors_list(kept, p->units);
+        p->components = enc_store_list(kept, p->units);
         p->levels = malloc(p->components * sizeof *p->levels);
         p->u = malloc(ENC_FACTOR_BLOCK * p->components * sizeof *p->u);
         p->packed = enc_gemm_alloc(ENC_FACTOR_BLOCK * p->components);
@@ -137,12 +137,12 @@ static void to_rgb(const enc_factor_profiles *p, size_t i, float *out) {
 }
 
 void enc_factor_profiles_get(enc_factor_profiles *p, const size_t *sources, size_t count, float *out) {
-    const enc_factors *f = &p->solution->factors;
+    const enc_factor_store *f = &p->solution->factors;
     const size_t texels = enc_solution_texels(p->solution);
     float *rows[CHANNELS] = {p->u, p->u + ENC_FACTOR_BLOCK * p->count[0],
                              p->u + ENC_FACTOR_BLOCK * (p->count[0] + p->count[1])};
     for (size_t i = 0; i < count; i++) {
-        enc_factors_texel_levels(p->units, p->n_units, f->texels, texels, sources[i], p->levels);
+        enc_store_texel_levels(p->units, p->n_units, f->texels, texels, sources[i], p->levels);
         for (int c = 0; c < CHANNELS; c++)
             gather_channel(p, p->levels, c, rows[c] + i * p->count[c]);
     }

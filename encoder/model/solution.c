@@ -18,7 +18,7 @@ void enc_solution_clear(enc_solution *s) {
     free(s->residual_texels);
     free(s->residual_directions);
     free(s->residual_scales);
-    enc_factors_clear(&s->factors);
+    enc_store_clear(&s->factors);
     memset(s, 0, sizeof *s);
 }
 

@@ -7,7 +7,7 @@
 #define OPENBTF_ENCODER_MODEL_SOLUTION_H
 
 #include "encoder/data/data.h"
-#include "factors.h"
+#include "factor_store.h"
 #include "sbrdf.h"
 #include <openbtf/material.h>
 
@@ -38,7 +38,7 @@ typedef struct enc_solution {
     int8_t *residual_directions; /* [view][light][channel][component] */
     float *residual_scales;      /* [component] */
     uint32_t n_components;
-    enc_factors factors; /* the residual in the other store; n_components is 0 then */
+    enc_factor_store factors; /* the residual in the other store; n_components is 0 then */
     btf_blend blend;
 } enc_solution;
 

@@ -52,7 +52,7 @@ size_t enc_report_gpu_bytes_part(const btf_material_info *info, uint32_t effects
     btf_material_info part = *info;
     part.components = components;
     if (info->store == BTF_STORE_FACTORS) {
-        enc_factors_truncate(info->factor_classes, components, part.factor_classes);
+        enc_store_truncate(info->factor_classes, components, part.factor_classes);
     }
     return enc_report_gpu_bytes(&part, effects);
 }

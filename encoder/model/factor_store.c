@@ -1,8 +1,8 @@
-/* Factors: sums over their classes, and the levels of their codes. See factors.h.
+/* Factors: sums over their classes, and the levels of their codes. See factor_store.h.
  *
  * SPDX-License-Identifier: MIT
  */
-#include "factors.h"
+#include "factor_store.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -21,31 +21,31 @@ static uint32_t smaller(uint32_t a, uint32_t b) {
     return a < b ? a : b;
 }
 
-uint32_t enc_factors_units(const uint32_t classes[BTF_FACTOR_CLASSES][3]) {
+uint32_t enc_store_units(const uint32_t classes[BTF_FACTOR_CLASSES][3]) {
     uint32_t units = 0;
     for (int c = 0; c < BTF_FACTOR_CLASSES; c++)
         units += classes[c][0];
     return units;
 }
 
-uint32_t enc_factors_layers(const uint32_t classes[BTF_FACTOR_CLASSES][3]) {
+uint32_t enc_store_layers(const uint32_t classes[BTF_FACTOR_CLASSES][3]) {
     uint32_t layers = 0;
     for (int c = 0; c < BTF_FACTOR_CLASSES; c++)
         layers += classes[c][0] * class_table[c].u_texels;
     return layers;
 }
 
-void enc_factors_truncate(const uint32_t classes[BTF_FACTOR_CLASSES][3], uint32_t units,
+void enc_store_truncate(const uint32_t classes[BTF_FACTOR_CLASSES][3], uint32_t units,
                           uint32_t out[BTF_FACTOR_CLASSES][3]) {
     for (int c = 0; c < BTF_FACTOR_CLASSES; c++) {
         out[c][0] = smaller(classes[c][0], units);
         units -= out[c][0];
-        out[c][1] = smaller(classes[c][1], ENC_FACTORS_WORDS * out[c][0]);
-        out[c][2] = smaller(classes[c][2], ENC_FACTORS_WORDS * out[c][0] - out[c][1]);
+        out[c][1] = smaller(classes[c][1], ENC_STORE_WORDS * out[c][0]);
+        out[c][2] = smaller(classes[c][2], ENC_STORE_WORDS * out[c][0] - out[c][1]);
     }
 }
 
-size_t enc_factors_list(const uint32_t classes[BTF_FACTOR_CLASSES][3], enc_factor_unit *out) {
+size_t enc_store_list(const uint32_t classes[BTF_FACTOR_CLASSES][3], enc_factor_unit *out) {
     size_t first = 0;
     uint32_t layer = 0;
     for (int c = 0; c < BTF_FACTOR_CLASSES; c++) {
@@ -54,16 +54,16 @@ size_t enc_factors_list(const uint32_t classes[BTF_FACTOR_CLASSES][3], enc_facto
             *out = (enc_factor_unit){.class = c,
                                      .tier = class_table[c].tier,
                                      .shift = class_table[c].shift,
-                                     .mixed = c == 0 || ENC_FACTORS_WORDS * i < chroma,
+                                     .mixed = c == 0 || ENC_STORE_WORDS * i < chroma,
                                      .layer = layer,
                                      .word = class_table[c].word,
                                      .first = first};
-            for (uint32_t k = 0; k < ENC_FACTORS_WORDS; k++) {
-                const uint32_t number = ENC_FACTORS_WORDS * i + k;
+            for (uint32_t k = 0; k < ENC_STORE_WORDS; k++) {
+                const uint32_t number = ENC_STORE_WORDS * i + k;
                 out->channel[k] = number < classes[c][1] ? 1 : number < chroma ? 2 : 0;
             }
             layer += class_table[c].u_texels;
-            first += ENC_FACTORS_WORDS * (size_t)class_table[c].word;
+            first += ENC_STORE_WORDS * (size_t)class_table[c].word;
         }
     }
     return first;
@@ -73,17 +73,17 @@ static int16_t level(uint32_t field, int bits) {
     return (int16_t)(2 * (int)(field & ((1u << bits) - 1)) - ((1 << bits) - 1));
 }
 
-void enc_factors_w_levels(const enc_factor_unit *unit, const uint32_t words[ENC_FACTORS_WORDS],
+void enc_store_w_levels(const enc_factor_unit *unit, const uint32_t words[ENC_STORE_WORDS],
                           int16_t *out) {
     const int bits = class_table[unit->class].bits_w;
-    for (int k = 0; k < ENC_FACTORS_WORDS; k++)
+    for (int k = 0; k < ENC_STORE_WORDS; k++)
         for (int i = 0; i < unit->word; i++)
             *out++ = bits == 8 ? (int8_t)(words[k] >> (8 * i)) : level(words[k] >> (bits * i), bits);
 }
 
-void enc_factors_u_levels(const enc_factor_unit *unit, const uint32_t first[ENC_FACTORS_WORDS],
-                          const uint32_t second[ENC_FACTORS_WORDS], int16_t *out) {
-    for (int k = 0; k < ENC_FACTORS_WORDS; k++)
+void enc_store_u_levels(const enc_factor_unit *unit, const uint32_t first[ENC_STORE_WORDS],
+                          const uint32_t second[ENC_STORE_WORDS], int16_t *out) {
+    for (int k = 0; k < ENC_STORE_WORDS; k++)
         for (int i = 0; i < unit->word; i++, out++) {
             switch (unit->class) {
             case 0:
@@ -105,17 +105,17 @@ void enc_factors_u_levels(const enc_factor_unit *unit, const uint32_t first[ENC_
         }
 }
 
-void enc_factors_texel_levels(const enc_factor_unit *units, size_t count, const uint32_t *texel_words,
+void enc_store_texel_levels(const enc_factor_unit *units, size_t count, const uint32_t *texel_words,
                               size_t texels, size_t texel, int16_t *out) {
     for (size_t i = 0; i < count; i++) {
-        const uint32_t *first = texel_words + (units[i].layer * texels + texel) * ENC_FACTORS_WORDS;
+        const uint32_t *first = texel_words + (units[i].layer * texels + texel) * ENC_STORE_WORDS;
         const bool two = class_table[units[i].class].u_texels == 2;
-        enc_factors_u_levels(&units[i], first, two ? first + texels * ENC_FACTORS_WORDS : first,
+        enc_store_u_levels(&units[i], first, two ? first + texels * ENC_STORE_WORDS : first,
                              out + units[i].first);
     }
 }
 
-void enc_factors_clear(enc_factors *factors) {
+void enc_store_clear(enc_factor_store *factors) {
     free(factors->texels);
     free(factors->directions);
     free(factors->scales);
