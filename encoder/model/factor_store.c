@@ -81,28 +81,38 @@ void enc_store_w_levels(const enc_factor_unit *unit, const uint32_t words[ENC_ST
             *out++ = bits == 8 ? (int8_t)(words[k] >> (8 * i)) : level(words[k] >> (bits * i), bits);
 }
 
+/* Where the code of component i of a word of u lies. */
+typedef struct place {
+    int second; /* 1: in the unit's second texel */
+    int bit;
+} place;
+
+static place place_of_u(int class, int i) {
+    switch (class) {
+    case 0:
+        return (place){0, 8 * i};
+    case 1:
+        return (place){i % 4 >= 2, 8 * (i % 2) + 16 * (1 - i / 4)};
+    case 2:
+        return (place){0, 4 * (i ^ 4)};
+    case 3:
+        return (place){i % 8 >= 4, 4 * (i % 4) + 16 * (1 - i / 8)};
+    default:
+        return (place){0, 8 * (3 - i / 4) + 2 * (i % 4)};
+    }
+}
+
 void enc_store_u_levels(const enc_factor_unit *unit, const uint32_t first[ENC_STORE_WORDS],
-                          const uint32_t second[ENC_STORE_WORDS], int16_t *out) {
-    for (int k = 0; k < ENC_STORE_WORDS; k++)
-        for (int i = 0; i < unit->word; i++, out++) {
-            switch (unit->class) {
-            case 0:
-                *out = (int8_t)(first[k] >> (8 * i));
-                break;
-            case 1:
-                *out = level((i % 4 < 2 ? first : second)[k] >> (8 * (i % 2) + 16 * (1 - i / 4)), 8);
-                break;
-            case 2:
-                *out = level(first[k] >> (4 * (i ^ 4)), 4);
-                break;
-            case 3:
-                *out = level((i % 8 < 4 ? first : second)[k] >> (4 * (i % 4) + 16 * (1 - i / 8)), 4);
-                break;
-            default:
-                *out = level(first[k] >> (8 * (3 - i / 4) + 2 * (i % 4)), 2);
-                break;
-            }
+                        const uint32_t second[ENC_STORE_WORDS], int16_t *out) {
+    const int bits = class_table[unit->class].bits_u;
+    for (int i = 0; i < unit->word; i++) {
+        const place at = place_of_u(unit->class, i);
+        const uint32_t *words = at.second ? second : first;
+        for (int k = 0; k < ENC_STORE_WORDS; k++) {
+            const uint32_t field = words[k] >> at.bit;
+            out[k * unit->word + i] = unit->class == 0 ? (int8_t)field : level(field, bits);
         }
+    }
 }
 
 void enc_store_texel_levels(const enc_factor_unit *units, size_t count, const uint32_t *texel_words,
@@ -112,6 +122,21 @@ void enc_store_texel_levels(const enc_factor_unit *units, size_t count, const ui
         const bool two = class_table[units[i].class].u_texels == 2;
         enc_store_u_levels(&units[i], first, two ? first + texels * ENC_STORE_WORDS : first,
                              out + units[i].first);
+    }
+}
+
+void enc_store_pack_texel(const enc_factor_unit *units, size_t count, const int16_t *levels, size_t texels,
+                          size_t texel, uint32_t *texel_words) {
+    for (const enc_factor_unit *unit = units; unit < units + count; unit++) {
+        const int top = (1 << class_table[unit->class].bits_u) - 1;
+        for (int n = 0; n < ENC_STORE_WORDS * unit->word; n++) {
+            const place at = place_of_u(unit->class, n % unit->word);
+            const int value = levels[unit->first + (size_t)n];
+            const uint32_t code =
+                unit->class == 0 ? (uint32_t)value & 255 : (uint32_t)((value + top) / 2);
+            const size_t layer = unit->layer + (uint32_t)at.second;
+            texel_words[(layer * texels + texel) * ENC_STORE_WORDS + (size_t)(n / unit->word)] |= code << at.bit;
+        }
     }
 }
 

@@ -54,6 +54,10 @@ void enc_store_u_levels(const enc_factor_unit *unit, const uint32_t first[ENC_ST
 void enc_store_texel_levels(const enc_factor_unit *units, size_t count, const uint32_t *texel_words,
                               size_t texels, size_t texel, int16_t *out);
 
+/* Writes the codes of these levels, [component], to a texel whose words are 0. */
+void enc_store_pack_texel(const enc_factor_unit *units, size_t count, const int16_t *levels, size_t texels,
+                          size_t texel, uint32_t *texel_words);
+
 void enc_store_clear(enc_factor_store *factors);
 
 #endif
