@@ -8,6 +8,7 @@
 #include "shape.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <string.h>
 
 #define DEGREE (3.14159265358979323846 / 180)
@@ -38,6 +39,31 @@ static direction_count count_directions(const btfi_directions *directions, const
     return (direction_count){decoded, 3 - decoded};
 }
 
+/* Costs of factors, see plan.h: in one place, to be fitted again when the shader changes. */
+static const struct {
+    float texel;                       /* a texel of u, fetched and expanded */
+    float direction;                   /* a texel of w, or of the factors of a view */
+    float product[BTF_FACTOR_CLASSES]; /* a texel of w times u, added to the sum over lights */
+} factor_costs = {1.65f, 2.15f, {1.55f, 1.65f, 1.65f, 3.2f, 1.75f}};
+
+/* The cost of the first units of factors for so many neighbouring views and lights, and 1 or 4 texels. */
+static float cost_of_factors(const btf_material_info *info, uint32_t units, bool shift, float views,
+                             float lights, float texels) {
+    static const int tiers[BTF_FACTOR_CLASSES] = {0, 1, 1, 2, 2};
+    uint32_t classes[BTF_FACTOR_CLASSES][3], tiers_read = 0;
+    float product = 0;
+    btfi_truncate_classes(info->factor_classes, units, classes);
+    for (int c = 0; c < BTF_FACTOR_CLASSES; c++) {
+        product += (float)classes[c][0] * factor_costs.product[c];
+        tiers_read |= (classes[c][0] > 0) << tiers[c];
+    }
+    /* Where no view shifts its source, all have the same, of which u is fetched once. */
+    const float fetched = (float)btfi_factor_layers(info, units) * texels * (shift ? views : 1);
+    return fetched * factor_costs.texel + views * lights * (float)units * factor_costs.direction +
+           views * lights * texels * product +
+           views * (float)__builtin_popcount(tiers_read) * factor_costs.direction;
+}
+
 /* See plan.h for the model and where its numbers come from. */
 static float cost_of(const btf_material *material, btf_layout layout, const btf_shader_options *o,
                      const btf_scene *scene) {
@@ -50,7 +76,8 @@ static float cost_of(const btf_material *material, btf_layout layout, const btf_
     const uint32_t codes = BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN | BTF_EFFECT_GAIN;
     const uint32_t components =
         o->components && o->components < info->components ? o->components : info->components;
-    const float groups = residual ? (float)((components + 3) / 4) : 0;
+    const bool factors = residual && info->store == BTF_STORE_FACTORS;
+    const float groups = residual && !factors ? (float)((components + 3) / 4) : 0;
     const float texels = o->filter == BTF_FILTER_BILINEAR ? 4 : 1;
     const bool has_shadow = info->colour != BTF_COLOUR_NONE && effects & BTF_EFFECT_SHADOW;
     const bool lights_matter = has_shadow || residual || effects & BTF_EFFECT_HIDDEN;
@@ -76,7 +103,10 @@ static float cost_of(const btf_material *material, btf_layout layout, const btf_
                                                   : (views.decoded + views.skipped) * groups;
     const float look_ups = (o->fixed & BTF_FIXED_VIEW ? 0.0f : 1.0f) +
                            (!lights_matter || o->fixed & BTF_FIXED_LIGHT ? 0.0f : 1.0f);
-    return once + look_up * look_ups + (views.decoded + views.skipped) * texels * each +
+    const float of_factors = factors ? cost_of_factors(info, components, effects & BTF_EFFECT_SHIFT,
+                                                       views.decoded + views.skipped, lights, texels)
+                                     : 0;
+    return once + look_up * look_ups + (views.decoded + views.skipped) * texels * each + of_factors +
            group_fetches * (texel_group * texels + 3 * direction_group * lights);
 }
 

@@ -211,6 +211,7 @@ static VkFormat format_of(btf_format format) {
         [BTF_FORMAT_RGBA16UI] = VK_FORMAT_R16G16B16A16_UINT,
         [BTF_FORMAT_RGBA16F] = VK_FORMAT_R16G16B16A16_SFLOAT,
         [BTF_FORMAT_RGBA32F] = VK_FORMAT_R32G32B32A32_SFLOAT,
+        [BTF_FORMAT_RGBA32UI] = VK_FORMAT_R32G32B32A32_UINT,
     };
     return formats[format];
 }

@@ -137,11 +137,18 @@ static void print_reasons(FILE *out, const char *indent, const btf_material *mat
                     scene_plan_reason(material, plan, i, text, sizeof text));
 }
 
+const char *scene_plan_amount(const btf_plan *plan, char *text, size_t size) {
+    const bool factors = plan->textures >> BTF_TEXTURE_FACTOR_DIRECTIONS & 1;
+    snprintf(text, size, "%u %s%s", (unsigned)plan->components, factors ? "unit" : "component",
+             plan->components == 1 ? "" : "s");
+    return text;
+}
+
 void scene_plan_print(FILE *out, const char *indent, const btf_material *material, const btf_plan *plan) {
-    char words[48];
+    char words[48], amount[32];
     fprintf(out, "%seffects %s", indent, cli_effects_text(plan->effects, words));
     if (plan->components)
-        fprintf(out, ", %u components", (unsigned)plan->components);
+        fprintf(out, ", %s", scene_plan_amount(plan, amount, sizeof amount));
     fprintf(out, ", %s directions, %s, level %u%s%s\n",
             plan->shader.interpolation == BTF_INTERPOLATION_NEAREST ? "nearest" : "interpolated",
             plan->shader.filter == BTF_FILTER_BILINEAR ? "bilinear" : "one texel", (unsigned)plan->level,

@@ -30,6 +30,9 @@ const char *scene_option_parse(const char *text, void *value);
 /* The plan of a material as lines of text, each after `indent`, with scene_plan_reason for each effect. */
 void scene_plan_print(FILE *out, const char *indent, const btf_material *material, const btf_plan *plan);
 
+/* The residual that the plan decodes: "16 components", or "7 units" where its store is factors. */
+const char *scene_plan_amount(const btf_plan *plan, char *text, size_t size);
+
 /* Why the plan decodes effect number `index` (0: shadow .. 4: residual) or does not, by what the file's
  * table predicts: "on, without it -3.2/-2.9 dB", "off, with it +0.1/+0.0 dB"; "not in the file". */
 const char *scene_plan_reason(const btf_material *material, const btf_plan *plan, int index, char *text,

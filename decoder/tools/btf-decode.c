@@ -63,7 +63,8 @@ static const cli_option option_table[] = {
      .value = &options.components,
      .minimum = 0,
      .maximum = BTF_MAX_COMPONENTS,
-     .help = "residual components to decode (default all)"},
+     .help = "components of the residual to decode, or units where it is factors, as btf-info\n"
+             "lists them (default all)"},
     {.name = "level",
      .arg = "N",
      .type = CLI_INT,

@@ -38,7 +38,10 @@ static const cli_program program = {
         "buys (measured by the encoder), bytes by texture and how it was made.",
     .details =
         "Bytes 'gpu' are those of all textures that a decoder uploads, of all levels of detail; direction\n"
-        "tables stand apart. The textures listed are those of level 0.\n"
+        "tables and scales of the residual stand apart. The textures listed are those of level 0, with their\n"
+        "bytes divided by the texels of the material.\n"
+        "Factors, the residual of format version 2, come in units: as --components of btf-decode and\n"
+        "btf-render, and plans, count them. A unit has four words, each of Y, C1 or C2, separated colour.\n"
         "Memory: the file once, then the textures.",
     .example = "btf-info bricks.btf.exr\nbtf-info bricks.btf.exr --plan views=0:30,lights=0:75,pixels=1.5",
     .options = option_table,
@@ -49,10 +52,33 @@ static const cli_program program = {
 static const char *const layout_names[] = {"paper", "tight"};
 static const char *const domain_names[] = {"linear", "sqrt"};
 static const char *const colour_names[] = {"mono", "rgb", "none"};
+static const char *const store_names[] = {"components", "factors"};
+static const char *const blend_names[] = {"radiance", "roots"};
+
+/* Bits of the codes of w and of u in each class of factors (FORMAT.md section 3). */
+static const int class_bits[BTF_FACTOR_CLASSES][2] = {{8, 8}, {4, 8}, {4, 4}, {2, 4}, {2, 2}};
+
+/* A class of factors, counted. */
+typedef struct class_counts {
+    uint32_t units, words[3]; /* of Y, C1, C2 */
+    uint32_t components;
+} class_counts;
+
+static class_counts count_class(const btf_material_info *info, int c) {
+    const uint32_t *n = info->factor_classes[c];
+    return (class_counts){.units = n[0],
+                          .words = {4 * n[0] - n[1] - n[2], n[1], n[2]},
+                          .components = 4 * n[0] * (32 / (uint32_t)class_bits[c][0])};
+}
 
 static const char *format_name(btf_format format) {
-    static const char *const names[] = {"none",   "R8UI",     "RG8UI",   "RGBA8UI",
-                                        "RGBA8I", "RGBA16UI", "RGBA16F", "RGBA32F"};
+    static const char *const names[] = {
+        [BTF_FORMAT_NONE] = "none",         [BTF_FORMAT_R8UI] = "R8UI",
+        [BTF_FORMAT_RG8UI] = "RG8UI",       [BTF_FORMAT_RGBA8UI] = "RGBA8UI",
+        [BTF_FORMAT_RGBA8I] = "RGBA8I",     [BTF_FORMAT_RGBA16UI] = "RGBA16UI",
+        [BTF_FORMAT_RGBA16F] = "RGBA16F",   [BTF_FORMAT_RGBA32F] = "RGBA32F",
+        [BTF_FORMAT_RGBA32UI] = "RGBA32UI",
+    };
     return names[format];
 }
 
@@ -221,7 +247,13 @@ static void print_levels(const btf_material *material, const btf_material_info *
     }
 }
 
-static void print_textures(const btf_material *material) {
+/* The textures that the bytes called gpu leave out. */
+static bool is_table(btf_texture_id id) {
+    return id == BTF_TEXTURE_VIEW_TABLE || id == BTF_TEXTURE_LIGHT_TABLE || id == BTF_TEXTURE_RESIDUAL_SCALES ||
+           id == BTF_TEXTURE_FACTOR_SCALES || id == BTF_TEXTURE_FACTOR_VIEWS;
+}
+
+static void print_textures(const btf_material *material, const btf_material_info *info) {
     printf("\nTextures:\n");
     for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
         btf_texture t = btf_material_texture(material, (btf_texture_id)id);
@@ -233,9 +265,35 @@ static void print_textures(const btf_material *material) {
                      (unsigned)t.layers);
         else
             snprintf(size, sizeof size, "%u x %u", (unsigned)t.width, (unsigned)t.height);
-        printf("  %-20s%-9s%-20s%12zu bytes\n", btf_texture_name((btf_texture_id)id), format_name(t.format),
+        printf("  %-20s%-9s%-20s%12zu bytes", btf_texture_name((btf_texture_id)id), format_name(t.format),
                size, t.size);
+        if (is_table((btf_texture_id)id))
+            printf("  (table)\n");
+        else
+            printf("%10.2f a texel\n", (double)t.size / ((double)info->width * info->height));
     }
+}
+
+static void print_residual(const btf_material_info *info) {
+    if (info->store == BTF_STORE_COMPONENTS) {
+        if (info->components)
+            printf("  %-14s%u components\n", "residual", (unsigned)info->components);
+        return;
+    }
+    uint32_t components = 0;
+    for (int c = 0; c < BTF_FACTOR_CLASSES; c++)
+        components += count_class(info, c).components;
+    printf("  %-14s%u unit%s of factors, %u components\n", "residual", (unsigned)info->components,
+           info->components == 1 ? "" : "s", (unsigned)components);
+    for (int c = 0; c < BTF_FACTOR_CLASSES; c++) {
+        const class_counts n = count_class(info, c);
+        if (n.units)
+            printf("  %-14s%d bits of w, %d of u: %u unit%s, words: Y %u, C1 %u, C2 %u; %u components\n", "",
+                   class_bits[c][0], class_bits[c][1], (unsigned)n.units, n.units == 1 ? "" : "s",
+                   (unsigned)n.words[0], (unsigned)n.words[1], (unsigned)n.words[2], (unsigned)n.components);
+    }
+    const double horizon = 90 - asin(1 / (double)info->horizon_scale) * (180 / 3.14159265358979323846);
+    printf("  %-14sfactors fade from theta %.4g\u00B0 of the light to 90\u00B0\n", "horizon", horizon);
 }
 
 static void print_text(const char *path, uint64_t file_bytes, const btf_material *material,
@@ -243,7 +301,7 @@ static void print_text(const char *path, uint64_t file_bytes, const btf_material
     const btf_directions views = btf_material_views(material), lights = btf_material_lights(material);
     double samples = 3.0 * info->width * info->height * info->n_views * info->n_lights;
     print_safe(path, (int)strlen(path));
-    printf(": OpenBTF material, format version %d\n", BTF_FORMAT_VERSION);
+    printf(": OpenBTF material, format version %u\n", (unsigned)info->version);
     printf("  %-14s%u x %u texels\n", "size", (unsigned)info->width, (unsigned)info->height);
     if (info->levels > 1)
         printf("  %-14s%u, down to %u x %u texels\n", "levels", (unsigned)info->levels,
@@ -261,8 +319,9 @@ static void print_text(const char *path, uint64_t file_bytes, const btf_material
                                            : ", float");
     if (info->centres)
         printf("  %-14s%u\n", "centres", (unsigned)info->centres);
-    if (info->components)
-        printf("  %-14s%u components\n", "residual", (unsigned)info->components);
+    print_residual(info);
+    if (info->version >= 2)
+        printf("  %-14s%s\n", "blend", blend_names[info->blend]);
     printf("  %-14sradiance %g, shadow %g, gain %g, centre %g\n", "scales", (double)info->radiance_scale,
            (double)info->shadow_scale, (double)info->gain_scale, (double)info->centre_scale);
     printf("  %-14sfile %llu, gpu %zu (%.2f%% of %.0f 8-bit samples saved), tables %zu\n", "bytes",
@@ -277,7 +336,7 @@ static void print_text(const char *path, uint64_t file_bytes, const btf_material
     print_effects(material, info);
     print_between(material);
     print_levels(material, info);
-    print_textures(material);
+    print_textures(material, info);
 }
 
 /* Writes the object to stdout and frees it. */
@@ -379,7 +438,7 @@ static void json_levels(json *j, const btf_material *material, const btf_materia
     json_end(j);
 }
 
-static void json_textures(json *j, const btf_material *material) {
+static void json_textures(json *j, const btf_material *material, const btf_material_info *info) {
     json_object(j, "textures");
     for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
         btf_texture t = btf_material_texture(material, (btf_texture_id)id);
@@ -392,6 +451,30 @@ static void json_textures(json *j, const btf_material *material) {
         json_integer(j, "layers", t.layers);
         json_bool(j, "array", t.is_array);
         json_integer(j, "bytes", (int64_t)t.size);
+        json_bool(j, "table", is_table((btf_texture_id)id));
+        json_number(j, "bytes_a_texel", (double)t.size / ((double)info->width * info->height));
+        json_end(j);
+    }
+    json_end(j);
+}
+
+/* The classes of factors that have units. */
+static void json_classes(json *j, const btf_material_info *info) {
+    json_array(j, "classes");
+    for (int c = 0; c < BTF_FACTOR_CLASSES; c++) {
+        const class_counts n = count_class(info, c);
+        if (n.units == 0)
+            continue;
+        json_object(j, NULL);
+        json_integer(j, "w_bits", class_bits[c][0]);
+        json_integer(j, "u_bits", class_bits[c][1]);
+        json_integer(j, "units", n.units);
+        json_integer(j, "components", n.components);
+        json_object(j, "words");
+        json_integer(j, "y", n.words[0]);
+        json_integer(j, "c1", n.words[1]);
+        json_integer(j, "c2", n.words[2]);
+        json_end(j);
         json_end(j);
     }
     json_end(j);
@@ -403,7 +486,7 @@ static btf_result print_json(const char *path, uint64_t file_bytes, const btf_ma
     json j = {0};
     json_object(&j, NULL);
     json_string(&j, "file", path);
-    json_integer(&j, "version", BTF_FORMAT_VERSION);
+    json_integer(&j, "version", info->version);
     json_integer(&j, "width", info->width);
     json_integer(&j, "height", info->height);
     json_string(&j, "layout", layout_names[info->layout]);
@@ -413,6 +496,11 @@ static btf_result print_json(const char *path, uint64_t file_bytes, const btf_ma
     json_bool(&j, "half_float", info->half_float);
     json_integer(&j, "centres", info->centres);
     json_integer(&j, "residual", info->components);
+    json_string(&j, "store", store_names[info->store]);
+    json_classes(&j, info);
+    json_float(&j, "horizon_scale", info->horizon_scale);
+    json_string(&j, "blend", blend_names[info->blend]);
+    json_bool(&j, "preview", btf_material_preview(material) != NULL);
     if (info->layout == BTF_LAYOUT_PAPER) {
         json_integer(&j, "atlas_width", info->atlas_width);
         json_integer(&j, "atlas_height", info->atlas_height);
@@ -431,7 +519,7 @@ static btf_result print_json(const char *path, uint64_t file_bytes, const btf_ma
     json_effects(&j, material, info);
     json_between(&j, material);
     json_levels(&j, material, info);
-    json_textures(&j, material);
+    json_textures(&j, material, info);
     json_directions(&j, "views", &views);
     json_directions(&j, "lights", &lights);
     json_string(&j, "method", info->method);
@@ -466,6 +554,7 @@ static btf_result print_json_plan(const char *path, const btf_plan *plan) {
     json_float(&j, "tolerance", options.scene.tolerance);
     json_effect_list(&j, "effects", plan->effects);
     json_integer(&j, "components", plan->components);
+    json_string(&j, "store", store_names[plan->textures >> BTF_TEXTURE_FACTOR_DIRECTIONS & 1]);
     json_bool(&j, "nearest", plan->shader.interpolation == BTF_INTERPOLATION_NEAREST);
     json_bool(&j, "bilinear", plan->shader.filter == BTF_FILTER_BILINEAR);
     json_integer(&j, "level", plan->level);

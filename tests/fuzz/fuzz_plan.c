@@ -8,6 +8,7 @@
  */
 #include "fuzz.h"
 
+#include "tests/support/factor_material.h"
 #include "tests/support/plan_decode.h"
 
 #include <math.h>
@@ -114,6 +115,8 @@ static btf_material *material_of(input *in, random_state *r) {
         desc.info.colour = BTF_COLOUR_NONE;
         desc.info.lobes = 0;
     }
+    if (random_below(r, 2))
+        factor_material_choose(r, &desc);
     if (below(in, 2)) {
         random_directions(r, views, 89, (float *)(uintptr_t)desc.views);
         random_directions(r, lights, 80, (float *)(uintptr_t)desc.lights);
@@ -121,7 +124,7 @@ static btf_material *material_of(input *in, random_state *r) {
     float errors[MOST_ERRORS];
     desc.effect_error_count = errors_of(in, &desc.info, errors);
     desc.effect_errors = desc.effect_error_count ? errors : NULL;
-    random_material_fill(r, &desc);
+    factor_material_fill(r, &desc);
     btf_material *material = NULL;
     if (btf_material_create(&desc, NULL, &material) != BTF_OK) { /* the table is none */
         desc.effect_error_count = 0;

@@ -6,7 +6,7 @@
 #include "tests/support/bonn_files.h"
 #include "tests/support/exr_bytes.h"
 #include "tests/support/exr_edit.h"
-#include "tests/support/random_material.h"
+#include "tests/support/factor_material.h"
 
 #include "decoder/toolkit/exr_image.h"
 #include "decoder/toolkit/jpeg_image.h"
@@ -49,25 +49,12 @@ static void write_text(const char *target, const char *name, const char *text) {
     write_seed(target, name, text, strlen(text));
 }
 
-/* A random material of 2 x 2 texels, as saved and with its pixels uncompressed. */
-static void write_material(const char *name, btf_layout layout, btf_colour colour, uint32_t effects,
-                           bool half) {
-    random_state r = {7};
-    btf_material_desc desc = random_material_desc(2, 2, 3, 2, layout, effects);
-    desc.info.colour = colour;
-    desc.info.half_float = half;
-    desc.info.lobes = colour == BTF_COLOUR_NONE ? 0 : 1;
-    desc.info.levels = layout == BTF_LAYOUT_TIGHT ? 2 : 1;
-    const btf_level_error level_errors[2] = {{0, 30, 28, 100}, {1, 31, 29, 30}};
-    desc.level_errors = level_errors;
-    desc.level_error_count = desc.info.levels;
-    desc.info.components = effects & BTF_EFFECT_RESIDUAL ? 2 : 0;
-    desc.info.centres = effects & BTF_EFFECT_HIDDEN ? 3 : 0;
-    random_material_fill(&r, &desc);
+/* The file of a material, as saved and with its pixels uncompressed. */
+static void write_material_file(const char *name, const btf_material_desc *desc) {
     btf_material *material;
     void *data, *plain;
     size_t size, plain_size;
-    must(btf_material_create(&desc, NULL, &material) == BTF_OK, "a material cannot be made");
+    must(btf_material_create(desc, NULL, &material) == BTF_OK, "a material cannot be made");
     must(btf_material_save_memory(material, NULL, &data, &size) == BTF_OK, "a material cannot be saved");
     char file[64];
     snprintf(file, sizeof file, "%s.exr", name);
@@ -82,6 +69,42 @@ static void write_material(const char *name, btf_layout layout, btf_colour colou
     edit_free(edit);
     btf_free(data);
     btf_material_close(&material);
+}
+
+/* A random material of 2 x 2 texels. */
+static void write_material(const char *name, btf_layout layout, btf_colour colour, uint32_t effects,
+                           bool half) {
+    random_state r = {7};
+    btf_material_desc desc = random_material_desc(2, 2, 3, 2, layout, effects);
+    desc.info.colour = colour;
+    desc.info.half_float = half;
+    desc.info.lobes = colour == BTF_COLOUR_NONE ? 0 : 1;
+    desc.info.levels = layout == BTF_LAYOUT_TIGHT ? 2 : 1;
+    const btf_level_error level_errors[2] = {{0, 30, 28, 100}, {1, 31, 29, 30}};
+    desc.level_errors = level_errors;
+    desc.level_error_count = desc.info.levels;
+    desc.info.components = effects & BTF_EFFECT_RESIDUAL ? 2 : 0;
+    desc.info.centres = effects & BTF_EFFECT_HIDDEN ? 3 : 0;
+    random_material_fill(&r, &desc);
+    write_material_file(name, &desc);
+    random_material_free(&desc);
+}
+
+/* One of version 2: a unit of each class and a picture, or roots and nothing else that is new. */
+static void write_version_2(const char *name, btf_layout layout, uint32_t effects, bool factors) {
+    static const uint32_t classes[BTF_FACTOR_CLASSES][3] = {{1, 1, 1}, {1, 2, 0}, {1}, {1, 0, 1}, {1}};
+    uint16_t preview[2 * 2 * 4] = {0x3C00, 0x3800, 0x3400, 0, 0x3000};
+    random_state r = {8};
+    btf_material_desc desc = factors ? factor_material_desc(2, 2, 3, 2, layout, effects, classes)
+                                     : random_material_desc(2, 2, 3, 2, layout, effects);
+    desc.info.lobes = 1;
+    desc.info.centres = effects & BTF_EFFECT_HIDDEN ? 3 : 0;
+    desc.info.levels = layout == BTF_LAYOUT_TIGHT ? 2 : 1;
+    desc.info.domain = BTF_DOMAIN_SQRT;
+    desc.info.blend = factors && effects ? BTF_BLEND_RADIANCE : BTF_BLEND_ROOTS;
+    desc.preview = preview;
+    factor_material_fill(&r, &desc);
+    write_material_file(name, &desc);
     random_material_free(&desc);
 }
 
@@ -91,6 +114,9 @@ static void write_materials(void) {
     write_material("tight", BTF_LAYOUT_TIGHT, BTF_COLOUR_RGB, all, true);
     write_material("residual", BTF_LAYOUT_TIGHT, BTF_COLOUR_NONE, BTF_EFFECT_RESIDUAL | BTF_EFFECT_SHIFT,
                    false);
+    write_version_2("factors", BTF_LAYOUT_TIGHT, 0, true);
+    write_version_2("factors-all", BTF_LAYOUT_PAPER, all, true);
+    write_version_2("roots", BTF_LAYOUT_TIGHT, BTF_EFFECT_SHADOW | BTF_EFFECT_RESIDUAL, false);
 }
 
 static float slope(int c, int x, int y) {

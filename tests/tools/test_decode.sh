@@ -130,6 +130,44 @@ assert r["full_linear"] - 0.5 <= r["linear"] and r["cost"] <= r["full_cost"]
 P
 expect "a far scene" 0 btf-info levels.btf.exr --json --plan pixels=0.25
 expect_that "takes a coarser level" python3 -c 'import json; assert json.load(open("out"))["level"] == 2'
+
+# Factors: format version 2.
+PATH=$build/tests/tools:$PATH
+expect "a material of factors" 0 factor_file v2.btf.exr 1 tight 3 roots
+expect "is told" 0 btf-info v2.btf.exr
+expect_text "with its version" "format version 2$" out
+expect_text "its units" "^  residual +9 units of factors, 352 components$" out
+expect_text "its classes" "^ +8 bits of w, 8 of u: 2 units, words: Y 3, C1 3, C2 2; 32 components$" out
+expect_text "the last of them" "^ +2 bits of w, 2 of u: 2 units, words: Y 7, C1 0, C2 1; 128 components$" out
+expect_text "its blend" "^  blend +roots$" out
+expect_text "its horizon" "^  horizon +factors fade from theta 79.98° of the light to 90°$" out
+expect_text "bytes of its texels" "^  factor_texels +RGBA32UI +16 x 12 x 11 +33792 bytes +176.00 a texel$" out
+expect_text "and of its directions" "^  factor_directions +RGBA32UI +19 x 19 x 9 +51984 bytes +270.75 a texel$" out
+expect_that "on lines of 100 columns" python3 -c 'assert max(len(l.rstrip("\n")) for l in open("out", encoding="utf-8")) <= 100'
+expect "and as JSON" 0 btf-info v2.btf.exr --json
+expect_that "the same" python3 - <<'P'
+import json
+r = json.load(open("out"))
+assert (r["version"], r["store"], r["residual"], r["blend"], r["preview"]) == (2, "factors", 9, "roots", False), r
+assert r["horizon_scale"] == 5.75 and len(r["classes"]) == 5
+assert r["classes"][3] == {"w_bits": 2, "u_bits": 4, "units": 1, "components": 64, "words": {"y": 2, "c1": 2, "c2": 0}}
+t = r["textures"]
+assert t["factor_texels"]["bytes_a_texel"] == 176 and t["factor_views"]["table"] and not t["shadow"]["table"]
+assert sum(x["bytes"] for x in t.values() if not x["table"]) == r["levels"][0]["gpu"]
+assert sum(x["bytes"] for x in t.values() if x["table"]) == r["bytes"]["tables"]
+P
+expect "version 1 as JSON" 0 btf-info m.btf.exr --json
+expect_that "is of version 1" python3 -c 'import json; r = json.load(open("out")); assert (r["version"], r["store"], r["classes"]) == (1, "components", [])'
+expect "a plan of it" 0 btf-info v2.btf.exr --plan views=0:15
+expect_text "counts units" "^effects .*residual, 9 units, " out
+expect_text "and names textures" "^textures .*factor_texels factor_directions factor_scales factor_views" out
+expect "factors are decoded" 0 btf-decode v2.btf.exr -o all.exr --view 40,60 --light 40,120
+expect "the first units" 0 btf-decode v2.btf.exr -o four.exr --view 40,60 --light 40,120 --components 4
+expect_that "are another image" test "$(cmp -s all.exr four.exr; echo $?)" = 1
+expect "all units" 0 btf-decode v2.btf.exr -o nine.exr --view 40,60 --light 40,120 --components 9
+expect_that "are all" cmp all.exr nine.exr
+expect "a level of factors" 0 btf-decode v2.btf.exr -o level1.exr --view 40,60 --light 40,120 --level 2
+
 for scene in views=30:20 views=0 light=90:0 pixels=-1 count=1.5 "" all, nonsense views=0:30:0; do
     expect "no scene: '$scene'" 1 btf-info m.btf.exr --plan "$scene"
 done

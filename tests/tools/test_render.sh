@@ -136,7 +136,12 @@ expect_text "name decode" '^decode: [0-9.]+ ms a frame, [0-9.]+ frames a second'
 expect_text "and Phong beside it" '^phong: [0-9.]+ ms a frame' out
 expect "statistics of the reference" 0 render -o s.png --stats --device reference
 expect_text "say so" '^device: reference decoder' out
-expect "components" 0 render -o s.png --components 0
+btf-encode data -o joint.btf.exr -q || exit 99
+for device in reference ${devices%% softpipe*}; do
+    btf-render joint.btf.exr -o r.png --size 24 --quiet --device $device --effects shadow,shift,hidden,gain
+    expect "$device: no components" 0 btf-render joint.btf.exr -o s.png --size 24 --quiet --device $device --components 0
+    same "$device: which is no residual" r.png s.png
+done
 expect "frames of light" 0 btf-render m.btf.exr -o turn.png --size 24 --frames 3 --animate light
 expect_that "are numbered" test "$(ls turn.000[123].png | wc -l)" = 3
 differ "and differ" turn.0001.png turn.0002.png

@@ -85,6 +85,9 @@ static btf_result open_shader(job *j) {
         request.effects[1] = BTF_EFFECT_SHADOW;
         request.effects[2] = render_options.effects;
     }
+    /* A shader's options take 0 components for all of them. */
+    for (int i = 0; i < request.variants && request.components == 0; i++)
+        request.effects[i] &= ~(uint32_t)BTF_EFFECT_RESIDUAL;
     if (j->whole) {
         const btf_shader_options *planned = &j->plan.shader;
         request.effects[0] &= j->plan.effects;

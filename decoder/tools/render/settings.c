@@ -199,7 +199,8 @@ static const cli_option option_table[] = {
      .value = &render_options.components,
      .minimum = 0,
      .maximum = BTF_MAX_COMPONENTS,
-     .help = "residual components to decode (default all)"},
+     .help = "components of the residual to decode, or units where it is factors, as btf-info\n"
+             "lists them (default all)"},
     {.name = "interpolation",
      .type = CLI_CHOICE,
      .choices = "linear|nearest",

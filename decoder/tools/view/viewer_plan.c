@@ -94,15 +94,16 @@ static btf_result note_movement(viewer *v) {
 }
 
 static void report_plan(viewer *v, const char *what, const planner_plan *made, const char *times) {
-    char words[48], text[400];
+    char words[48], amount[32], text[400];
     const btf_plan *plan = &made->plan;
     const btf_scene *s = &plan->scene;
     snprintf(text, sizeof text,
-             "plan %u%s: views %.1f to %.1f, light%s, level %u: %s, k %u; %zu bytes of %zu, %zu uploaded%s",
+             "plan %u%s: views %.1f to %.1f, light%s, level %u: %s, %s; %zu bytes of %zu, %zu uploaded%s",
              made->number, what, (double)s->view.theta[0],
              (double)(s->view.theta[1] > 0 ? s->view.theta[1] : 90), s->light.fixed ? " folded" : " free",
-             (unsigned)plan->level, cli_effects_text(plan->effects, words), (unsigned)plan->components,
-             plan->gpu_bytes, plan->full_gpu_bytes, drawing_bytes(v->drawing), times);
+             (unsigned)plan->level, cli_effects_text(plan->effects, words),
+             scene_plan_amount(plan, amount, sizeof amount), plan->gpu_bytes, plan->full_gpu_bytes,
+             drawing_bytes(v->drawing), times);
     if (view_options.verbose) {
         printf("%s\n", text);
         fflush(stdout);
@@ -163,7 +164,7 @@ void viewer_plan_text(const viewer *v, char *text, size_t size) {
     static const char *const names[5] = {"shadow", "shift", "hidden", "gain", "residual"};
     const planner *p = &v->planning.planner;
     size_t length = 0;
-    char reason[80];
+    char reason[80], amount[32];
     if (p->current < 0) {
         snprintf(text, size, "no plan yet\n");
         return;
@@ -175,11 +176,12 @@ void viewer_plan_text(const viewer *v, char *text, size_t size) {
                                    v->state.effects >> i & 1 ? "" : "; switched off");
     const btf_scene *s = &now->plan.scene;
     if (length < size)
-        snprintf(
-            text + length, size - length,
-            "plan %u: views %.0f..%.0f, light%s, level %u, k %u\n%.1f dB of %.1f, %.0f%% of bytes\n",
-            now->number, (double)s->view.theta[0], (double)(s->view.theta[1] > 0 ? s->view.theta[1] : 90),
-            s->light.fixed ? " folded" : " free", (unsigned)now->plan.level, (unsigned)now->plan.components,
-            (double)now->plan.psnr_linear, (double)now->plan.full_psnr_linear,
-            100 * (double)now->plan.gpu_bytes / (double)now->plan.full_gpu_bytes);
+        snprintf(text + length, size - length,
+                 "plan %u: views %.0f..%.0f, light%s, level %u, %s\n%.1f dB of %.1f, %.0f%% of bytes\n",
+                 now->number, (double)s->view.theta[0],
+                 (double)(s->view.theta[1] > 0 ? s->view.theta[1] : 90),
+                 s->light.fixed ? " folded" : " free", (unsigned)now->plan.level,
+                 scene_plan_amount(&now->plan, amount, sizeof amount), (double)now->plan.psnr_linear,
+                 (double)now->plan.full_psnr_linear,
+                 100 * (double)now->plan.gpu_bytes / (double)now->plan.full_gpu_bytes);
 }

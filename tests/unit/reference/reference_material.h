@@ -140,8 +140,11 @@ static inline void put_record(uint16_t *texel, const int32_t (*vertices)[2], con
         texel[2 + i] = (uint16_t)b[i];
         texel[4 + i] = (uint16_t)c[i];
     }
-    texel[6] = (uint16_t)(corner[0] + 256 * corner[1]);
-    texel[7] = (uint16_t)(corner[2] + 256 * (edge + 2 * shift));
+    texel[6] = (uint16_t)corner[2];
+    texel[7] = (uint16_t)(edge + 2 * shift);
+    texel[8] = (uint16_t)corner[0];
+    texel[9] = (uint16_t)corner[1];
+    texel[10] = texel[11] = 0;
 }
 
 /** The GPU table of a set of directions; every cell lists every record.
@@ -153,16 +156,16 @@ static inline size_t make_table(const direction_set *set, uint32_t grid, uint16_
         texel[0] = (uint16_t)(cell * records);
         texel[1] = (uint16_t)records;
         texel[2] = texel[3] = 0;
-        uint16_t *record = out_table + 4 * (grid * grid + 2 * cell * records);
-        for (uint32_t i = 0; i < set->n_triangles; ++i, record += 8)
+        uint16_t *record = out_table + 4 * (grid * grid + 3 * cell * records);
+        for (uint32_t i = 0; i < set->n_triangles; ++i, record += 12)
             put_record(record, set->vertices, set->triangles[i], 0);
-        for (uint32_t i = 0; i < set->n_hull; ++i, record += 8) {
+        for (uint32_t i = 0; i < set->n_hull; ++i, record += 12) {
             uint32_t corner[3] = {set->hull[i], set->hull[(i + 1) % set->n_hull],
                                   set->hull[(i + 2) % set->n_hull]};
             put_record(record, set->vertices, corner, 1);
         }
     }
-    return 4 * (size_t)(grid * grid + 2 * grid * grid * records);
+    return 4 * (size_t)(grid * grid + 3 * grid * grid * records);
 }
 
 /** The arrays that a made-up material points to. */
