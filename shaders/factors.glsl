@@ -115,7 +115,8 @@ void btf_factor_fetch(out uvec4 w[3 * BTF_FACTOR_VIEWS], int unit, btf_factor_sc
 }
 
 /* Adds a class c to the sums p (Y, C1, C2) of its tier, [view][texel]: `words` units word by word, then `units`
- * of Y. first.x is its first unit, first.y the first layer of u, then those of the next class. Words before c1 are of C1, before c2 of C2.
+ * of Y. Its words before c1 are of C1, those from there to before c2 of C2. first is (first unit, first layer of u),
+ * afterwards those of the next class.
  * The loops test at their end: a rasteriser on a CPU runs a body once more, masked, where the test is in front. */
 void btf_factor_class(inout vec3 p[BTF_FACTOR_SUMS], inout ivec2 first, int c, int words, int units, int c1,
                       int c2, btf_factor_scene at) {
