@@ -169,7 +169,7 @@ static const struct {
     {{"bytes without a sign", "", "(v >> 24) * (t >> 24)", "ivec4(w >> 24u) * (t >> 24)"}, MIXED},
     {{"texels of u swapped", "", "s < of_texel ? texel : next", "s < of_texel ? next : texel"}, MIXED},
     {{"the second texel of u not fetched", "", "layer + 1), level)", "layer), level)"}, MIXED},
-    {{"a layer of u too many", "", "first += ivec2(n, t * n)", "first += ivec2(n, n)"}, PACKED},
+    {{"one layer of u a unit", "", "ivec2(1, c == 1 || c == 3 ? 2 : 1)", "ivec2(1, 1)"}, PACKED},
     {{"u of level 0", "", "ivec3(ivec2(x), layer), level)", "ivec3(ivec2(x), layer), 0)"}, PACKED},
     {{"a mixed unit taken for a whole one", "", "(BTF_FACTOR_C1_2 + BTF_FACTOR_C2_2 + 3) / 4",
       "(BTF_FACTOR_C1_2 + BTF_FACTOR_C2_2) / 4"},
