@@ -152,58 +152,99 @@ static bool edge_meets(const btfi_directions *d, uint32_t h, const cell *cell) {
     return reaches(cell, (point){ab.y, -ab.x}, b) || reaches(cell, (point){bc.y, -bc.x}, b);
 }
 
-/* Writes the cells of a G x G grid: for each the count, then record numbers. Returns the number of records,
- * or BTFI_MAX_RECORDS + 1 when there would be more. */
-static uint32_t make_cells(const btfi_directions *d, uint32_t grid, uint16_t *cells, size_t *out_length) {
-    uint32_t records = 0;
-    size_t length = 0;
-    for (uint32_t i = 0; i < grid * grid; i++) {
-        cell c = cell_at(grid, i % grid, i / grid);
-        size_t count_at = length++;
-        uint32_t count = 0;
-        for (uint32_t r = 0; r < d->triangle_count + d->hull_count; r++) {
-            bool is_edge = r >= d->triangle_count;
-            if (!(is_edge ? edge_meets(d, r - d->triangle_count, &c) : triangle_meets(d, r, &c)))
-                continue;
-            if (records + ++count > BTFI_MAX_RECORDS)
-                return BTFI_MAX_RECORDS + 1;
-            cells[length++] = (uint16_t)r;
-        }
-        cells[count_at] = (uint16_t)count;
-        records += count;
-    }
-    *out_length = length;
-    return records;
+/* A record that a cell lists. */
+typedef struct listing {
+    uint16_t record, cell;
+} listing;
+
+/* The cells along one axis that hold the coordinates low .. high. */
+static void cell_span(uint32_t grid, int64_t low, int64_t high, uint32_t out[2]) {
+    const int64_t last = 2 * BTFI_PLANE - 1;
+    out[0] = (uint32_t)((low < last ? low : last) * grid >> 14);
+    out[1] = (uint32_t)((high < last ? high : last) * grid >> 14);
 }
 
-static btf_result build_grid(const btfi_check *check, const char *name, btfi_directions *d) {
-    uint16_t *cells = malloc((BTFI_MAX_GRID * BTFI_MAX_GRID + BTFI_MAX_RECORDS) * sizeof *cells);
-    uint16_t *best = malloc((BTFI_MAX_GRID * BTFI_MAX_GRID + BTFI_MAX_RECORDS) * sizeof *best);
-    btf_result result = BTF_OK;
-    if (!cells || !best) {
-        result = btfi_fail(check->log, BTF_ERROR_MEMORY, "%s: out of memory for the look-up grid", name);
-        goto end;
+/* The cells that could list a record: all of them for an edge, which reaches to the border of the plane. */
+static void record_span(const btfi_directions *d, uint32_t record, uint32_t grid, uint32_t x[2],
+                        uint32_t y[2]) {
+    x[0] = y[0] = 0;
+    x[1] = y[1] = grid - 1;
+    if (record >= d->triangle_count)
+        return;
+    const uint16_t *i = d->triangles + 3 * (size_t)record;
+    const point a = vertex(d, i[0]), b = vertex(d, i[1]), c = vertex(d, i[2]);
+    cell_span(grid, min3(a.x, b.x, c.x), max3(a.x, b.x, c.x), x);
+    cell_span(grid, min3(a.y, b.y, c.y), max3(a.y, b.y, c.y), y);
+}
+
+/* Writes who lists what, by rising record. Returns how many there are, BTFI_MAX_RECORDS + 1 when more. */
+static uint32_t list_records(const btfi_directions *d, uint32_t grid, listing *out) {
+    uint32_t count = 0;
+    for (uint32_t r = 0; r < d->triangle_count + d->hull_count; r++) {
+        const bool is_edge = r >= d->triangle_count;
+        uint32_t x[2], y[2];
+        record_span(d, r, grid, x, y);
+        for (uint32_t cy = y[0]; cy <= y[1]; cy++)
+            for (uint32_t cx = x[0]; cx <= x[1]; cx++) {
+                const cell c = cell_at(grid, cx, cy);
+                if (!(is_edge ? edge_meets(d, r - d->triangle_count, &c) : triangle_meets(d, r, &c)))
+                    continue;
+                if (count == BTFI_MAX_RECORDS)
+                    return BTFI_MAX_RECORDS + 1;
+                out[count++] = (listing){(uint16_t)r, (uint16_t)(cy * grid + cx)};
+            }
     }
+    return count;
+}
+
+/* For each cell the count, then its record numbers, which rise as those of the list do. */
+static btf_result sort_into_cells(const btfi_check *check, const char *name, const listing *list,
+                                  uint32_t count, btfi_directions *d) {
+    const uint32_t n_cells = d->grid * d->grid;
+    uint32_t start[BTFI_MAX_GRID * BTFI_MAX_GRID] = {0};
+    d->cells_length = n_cells + count;
+    d->cells = calloc(d->cells_length, sizeof *d->cells);
+    if (!d->cells)
+        return btfi_fail(check->log, BTF_ERROR_MEMORY, "%s: out of memory for the look-up grid", name);
+    for (uint32_t i = 0; i < count; i++)
+        start[list[i].cell]++;
+    for (uint32_t c = 0, at = 0; c < n_cells; c++) {
+        const uint32_t n = start[c];
+        start[c] = at;
+        at += 1 + n;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        uint16_t *cell = d->cells + start[list[i].cell];
+        cell[++cell[0]] = list[i].record;
+    }
+    return BTF_OK;
+}
+
+/* The coarsest grid with few records a cell, or else the finest of which all records have numbers: with
+ * one cell they always have, since triangles and hull edges are fewer than twice the directions. */
+static btf_result build_grid(const btfi_check *check, const char *name, btfi_directions *d) {
+    listing *list = malloc(BTFI_MAX_RECORDS * sizeof *list),
+            *best = malloc(BTFI_MAX_RECORDS * sizeof *best);
+    btf_result result = BTF_OK;
+    uint32_t count = 0;
     d->grid = 0;
-    for (uint32_t grid = 1; grid <= BTFI_MAX_GRID; grid *= 2) {
-        size_t length;
-        uint32_t records = make_cells(d, grid, cells, &length);
+    if (!list || !best)
+        result = btfi_fail(check->log, BTF_ERROR_MEMORY, "%s: out of memory for the look-up grid", name);
+    for (uint32_t grid = 1; result == BTF_OK && grid <= BTFI_MAX_GRID; grid *= 2) {
+        const uint32_t records = list_records(d, grid, list);
         if (records > BTFI_MAX_RECORDS)
             break;
+        listing *swap = best;
+        best = list;
+        list = swap;
         d->grid = grid;
-        d->cells_length = length;
-        memcpy(best, cells, length * sizeof *cells);
+        count = records;
         if (records <= WANTED_RECORDS * grid * grid)
             break;
     }
-    d->cells = malloc(d->cells_length * sizeof *d->cells);
-    if (!d->cells) {
-        result = btfi_fail(check->log, BTF_ERROR_MEMORY, "%s: out of memory for the look-up grid", name);
-        goto end;
-    }
-    memcpy(d->cells, best, d->cells_length * sizeof *d->cells);
-end:
-    free(cells);
+    if (result == BTF_OK)
+        result = sort_into_cells(check, name, best, count, d);
+    free(list);
     free(best);
     return result;
 }
@@ -240,8 +281,8 @@ btf_result btfi_directions_build(const btfi_check *check, const char *name, uint
         return result;
     out->xyz = malloc((size_t)count * 3 * sizeof *out->xyz);
     out->vertices = malloc((size_t)count * 2 * sizeof *out->vertices);
-    out->triangles = malloc((size_t)count * 2 * 3);
-    out->hull = malloc((size_t)count * 2);
+    out->triangles = malloc((size_t)count * 2 * 3 * sizeof *out->triangles);
+    out->hull = malloc((size_t)count * 2 * sizeof *out->hull);
     if (!out->xyz || !out->vertices || !out->triangles || !out->hull) {
         result = btfi_fail(check->log, BTF_ERROR_MEMORY, "%s: out of memory", name);
         goto fail;
@@ -251,7 +292,7 @@ btf_result btfi_directions_build(const btfi_check *check, const char *name, uint
         btfi_project(out->xyz + 3 * (size_t)i, out->vertices + 2 * (size_t)i);
     if ((result = check_distinct(check, name, count, out->vertices)))
         goto fail;
-    result = btfi_triangulate(count, (const uint16_t(*)[2])out->vertices, (uint8_t(*)[3])out->triangles,
+    result = btfi_triangulate(count, (const uint16_t(*)[2])out->vertices, (uint16_t(*)[3])out->triangles,
                               &out->triangle_count, out->hull, &out->hull_count);
     if (result) {
         btfi_fail(check->log, result, "%s: out of memory for the triangulation", name);
@@ -281,7 +322,7 @@ static btf_result check_vertices(const btfi_check *check, const char *name, cons
 
 static btf_result check_triangles(const btfi_check *check, const char *name, const btfi_directions *d) {
     for (uint32_t t = 0; t < d->triangle_count; t++) {
-        const uint8_t *i = d->triangles + 3 * (size_t)t;
+        const uint16_t *i = d->triangles + 3 * (size_t)t;
         for (int k = 0; k < 3; k++)
             if (i[k] >= d->count)
                 return btfi_fail(check->log, check->code, "%s: triangle %u has vertex %u of %u", name,
@@ -366,8 +407,8 @@ static uint32_t record_shift(int64_t x) {
     return s;
 }
 
-/* One record of the GPU table: two RGBA16UI texels. */
-static void write_record(const btfi_directions *d, uint32_t record, uint16_t out[8]) {
+/* One record of the GPU table. */
+static void write_record(const btfi_directions *d, uint32_t record, uint16_t out[4 * BTFI_RECORD_TEXELS]) {
     const bool is_edge = record >= d->triangle_count;
     uint32_t i[3];
     if (is_edge)
@@ -381,13 +422,16 @@ static void write_record(const btfi_directions *d, uint32_t record, uint16_t out
         out[2 * k] = d->vertices[2 * i[k]];
         out[2 * k + 1] = d->vertices[2 * i[k] + 1];
     }
-    out[6] = (uint16_t)(i[0] + 256 * i[1]);
-    out[7] = (uint16_t)(i[2] + 256 * ((is_edge ? 1 : 0) + 2 * s));
+    out[6] = (uint16_t)i[2];
+    out[7] = (uint16_t)((is_edge ? 1 : 0) + 2 * s);
+    out[8] = (uint16_t)i[0];
+    out[9] = (uint16_t)i[1];
+    out[10] = out[11] = 0;
 }
 
 btf_result btfi_directions_make_table(const btf_log *log, btfi_directions *d) {
     const uint32_t n_cells = d->grid * d->grid;
-    const size_t records = d->cells_length - n_cells, texels = n_cells + 2 * records;
+    const size_t records = d->cells_length - n_cells, texels = n_cells + BTFI_RECORD_TEXELS * records;
     d->table_height = (uint32_t)((texels + BTFI_TABLE_WIDTH - 1) / BTFI_TABLE_WIDTH);
     d->table = calloc((size_t)d->table_height * BTFI_TABLE_WIDTH, 4 * sizeof *d->table);
     if (!d->table)
@@ -399,7 +443,7 @@ btf_result btfi_directions_make_table(const btf_log *log, btfi_directions *d) {
         d->table[4 * (size_t)c] = (uint16_t)record;
         d->table[4 * (size_t)c + 1] = count;
         for (uint16_t i = 0; i < count; i++, record++)
-            write_record(d, d->cells[at++], d->table + 4 * (n_cells + 2 * record));
+            write_record(d, d->cells[at++], d->table + 4 * (n_cells + BTFI_RECORD_TEXELS * record));
     }
     return BTF_OK;
 }

@@ -12,7 +12,13 @@
 #pragma GCC visibility push(hidden)
 
 /* Vertices lie in 0 .. 2 * BTFI_PLANE (FORMAT.md section 6). */
-enum { BTFI_PLANE = 8192, BTFI_MAX_GRID = 64, BTFI_MAX_RECORDS = 65535, BTFI_TABLE_WIDTH = 256 };
+enum {
+    BTFI_PLANE = 8192,
+    BTFI_MAX_GRID = 64,
+    BTFI_MAX_RECORDS = 65535,
+    BTFI_TABLE_WIDTH = 256,
+    BTFI_RECORD_TEXELS = 3 /* of the GPU table */
+};
 
 /* A direction list with its triangulation; the owned twin of btf_directions, and its GPU table. */
 typedef struct btfi_directions {
@@ -20,9 +26,9 @@ typedef struct btfi_directions {
     float *xyz;
     uint16_t *vertices;
     uint32_t triangle_count;
-    uint8_t *triangles;
+    uint16_t *triangles;
     uint32_t hull_count;
-    uint8_t *hull;
+    uint16_t *hull;
     uint32_t grid;
     uint16_t *cells;
     size_t cells_length;

@@ -97,8 +97,8 @@ static void put_directions(header *h, const btfi_directions *d, const char *list
 #define NAME(format, word) (snprintf(name, sizeof name, "openbtf." format, word), name)
     put_floats(h, NAME("%s", list), d->xyz, 3 * (size_t)d->count);
     put_integers(h, NAME("%sVertices", one), d->vertices, 2 * (size_t)d->count, 2);
-    put_integers(h, NAME("%sTriangles", one), d->triangles, 3 * (size_t)d->triangle_count, 1);
-    put_integers(h, NAME("%sHull", one), d->hull, d->hull_count, 1);
+    put_integers(h, NAME("%sTriangles", one), d->triangles, 3 * (size_t)d->triangle_count, 2);
+    put_integers(h, NAME("%sHull", one), d->hull, d->hull_count, 2);
     put_int(h, NAME("%sGrid", one), d->grid);
     put_integers(h, NAME("%sCells", one), d->cells, d->cells_length, 2);
 #undef NAME

@@ -40,7 +40,8 @@ static const uint32_t pack_names[PACK_COUNT] = {GL_PACK_SWAP_BYTES, GL_PACK_ROW_
 typedef struct state {
     uint8_t enabled[CAPABILITY_COUNT], mask[4];
     int32_t polygon_mode[2]; /* front, back; core contexts have one mode, and may fill in only the first */
-    int32_t viewport[4], draw, read, array, program, texture, unit, sampler, pack_buffer, pack[PACK_COUNT];
+    int32_t viewport[4], draw, read, array, program, texture, texture_array, unit, sampler, pack_buffer,
+        pack[PACK_COUNT];
     btfi_gl_unpack unpack;
 } state;
 
@@ -78,6 +79,7 @@ static void save_state(const btfi_gl_functions *gl, state *s) {
     gl->GetIntegerv(GL_VERTEX_ARRAY_BINDING, &s->array);
     gl->GetIntegerv(GL_CURRENT_PROGRAM, &s->program);
     gl->GetIntegerv(GL_TEXTURE_BINDING_2D, &s->texture);
+    gl->GetIntegerv(GL_TEXTURE_BINDING_2D_ARRAY, &s->texture_array);
     gl->GetIntegerv(GL_ACTIVE_TEXTURE, &s->unit);
     s->unit -= GL_TEXTURE0;
     gl->GetIntegerv(GL_SAMPLER_BINDING, &s->sampler);
@@ -97,6 +99,7 @@ static void restore_state(const btfi_gl_functions *gl, const state *s) {
     btfi_gl_restore_unpack(gl, &s->unpack);
     gl->BindBuffer(GL_PIXEL_PACK_BUFFER, (uint32_t)s->pack_buffer);
     gl->BindTexture(GL_TEXTURE_2D, (uint32_t)s->texture);
+    gl->BindTexture(GL_TEXTURE_2D_ARRAY, (uint32_t)s->texture_array);
     gl->BindSampler((uint32_t)s->unit, (uint32_t)s->sampler);
     gl->UseProgram((uint32_t)s->program);
     gl->BindVertexArray((uint32_t)s->array);
@@ -166,7 +169,7 @@ static btf_result run_program(const btfi_gl_functions *gl, uint32_t program, int
         return BTF_ERROR_UNSUPPORTED;
     uint32_t pixels[SIDE * SIDE][4] = {{0}};
     gl->UseProgram(program);
-    int32_t location = gl->GetUniformLocation(program, "btf_levels");
+    int32_t location = gl->GetUniformLocation(program, "btf_texels");
     if (location >= 0)
         gl->Uniform1i(location, unit);
     gl->DrawArrays(GL_TRIANGLES, 0, 3);
@@ -201,11 +204,11 @@ static btf_result run_levels(const btfi_gl_functions *gl, const char *version, i
                              const btf_log *log, uint32_t *failures) {
     static const char head_text[] = "precision highp float;\n"
                                     "precision highp int;\n"
-                                    "uniform highp usampler2D btf_levels;\n"
+                                    "uniform highp usampler2D btf_texels;\n"
                                     "out highp uvec4 btf_result;\n";
     static const char main_text[] =
         "uint wrong(int level) {\n"
-        "    return texelFetch(btf_levels, ivec2(0), level).x ^ (0x1234567u << uint(level));\n"
+        "    return texelFetch(btf_texels, ivec2(0), level).x ^ (0x1234567u << uint(level));\n"
         "}\n"
         "void main() {\n"
         "    ivec2 p = ivec2(gl_FragCoord.xy);\n"
@@ -227,6 +230,41 @@ static btf_result run_levels(const btfi_gl_functions *gl, const char *version, i
         gl->TexImage2D(GL_TEXTURE_2D, level, GL_RGBA32UI, 4 >> level, 4 >> level, 0, GL_RGBA_INTEGER,
                        GL_UNSIGNED_INT, texels);
     }
+    const char *parts[] = {version, head_text, "", main_text};
+    btf_result result = run_program(gl, make_program(gl, parts, log), unit, log, failures);
+    gl->DeleteTextures(1, &texture);
+    return result;
+}
+
+/* Four neighbouring pixels fetch texels of 128 bits from different layers of an array, as factors do. */
+static btf_result run_array(const btfi_gl_functions *gl, const char *version, int32_t unit,
+                            const btf_log *log, uint32_t *failures) {
+    static const char head_text[] = "precision highp float;\n"
+                                    "precision highp int;\n"
+                                    "uniform highp usampler2DArray btf_texels;\n"
+                                    "out highp uvec4 btf_result;\n";
+    static const char main_text[] =
+        "void main() {\n"
+        "    ivec2 p = ivec2(gl_FragCoord.xy);\n"
+        "    uvec4 wrong = uvec4(0u);\n"
+        "    for (int i = 0; i < 3; ++i) {\n"
+        "        ivec3 at = ivec3(p, (p.x + 2 * p.y + i) % 3);\n"
+        "        uint texel = uint(4 * (2 * (2 * at.z + at.y) + at.x));\n"
+        "        wrong |= texelFetch(btf_texels, at, 0) ^ (uvec4(texel) + uvec4(1u, 2u, 3u, 4u)) * "
+        "0x9E3779B9u;\n"
+        "    }\n"
+        "    btf_result = uvec4(wrong != uvec4(0u) ? 256u : 0u, 0x42544621u, 0u, 0u);\n"
+        "}\n";
+    uint32_t texture = 0, words[3 * SIDE * SIDE * 4];
+    for (uint32_t i = 0; i < sizeof words / sizeof *words; ++i)
+        words[i] = (i + 1) * 0x9E3779B9u;
+    gl->GenTextures(1, &texture);
+    gl->BindTexture(GL_TEXTURE_2D_ARRAY, texture);
+    gl->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    gl->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    gl->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAX_LEVEL, 0);
+    gl->TexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RGBA32UI, SIDE, SIDE, 3, 0, GL_RGBA_INTEGER, GL_UNSIGNED_INT,
+                   words);
     const char *parts[] = {version, head_text, "", main_text};
     btf_result result = run_program(gl, make_program(gl, parts, log), unit, log, failures);
     gl->DeleteTextures(1, &texture);
@@ -271,6 +309,8 @@ btf_result btf_gl_self_test(const btf_gl_options *options, const btf_log *log, u
         result = run_arithmetic(&api, version, 0, log, out_failures);
     if (result == BTF_OK)
         result = run_levels(&api, version, saved.unit, log, out_failures);
+    if (result == BTF_OK)
+        result = run_array(&api, version, saved.unit, log, out_failures);
 
     api.DeleteVertexArrays(1, &array);
     api.DeleteFramebuffers(1, &framebuffer);

@@ -183,12 +183,13 @@ static void *get_integers(reader *r, const char *name, bool required, size_t gro
     return values ? copy_integers(r, name, values, *out_count, high, element) : NULL;
 }
 
-static void get_directions(reader *r, const char *list, const char *one, btfi_directions *d) {
+/* A list of at most `most` directions. */
+static void get_directions(reader *r, const char *list, const char *one, size_t most, btfi_directions *d) {
     char name[64];
     size_t count;
     const btfi_check check = {r->log, BTF_ERROR_BAD_FILE};
 #define NAME(format, word) (snprintf(name, sizeof name, "openbtf." format, word), name)
-    const float *xyz = get_floats(r, NAME("%s", list), true, 3, BTF_MAX_DIRECTIONS, &count);
+    const float *xyz = get_floats(r, NAME("%s", list), true, 3, most, &count);
     if (!xyz)
         return;
     d->count = (uint32_t)(count / 3);
@@ -204,9 +205,9 @@ static void get_directions(reader *r, const char *list, const char *one, btfi_di
                (unsigned)d->count);
     const unsigned last = d->count - 1;
     d->triangles =
-        get_integers(r, NAME("%sTriangles", one), false, 3, 2 * (size_t)d->count, last, 1, &count);
+        get_integers(r, NAME("%sTriangles", one), false, 3, 2 * (size_t)d->count, last, 2, &count);
     d->triangle_count = (uint32_t)(count / 3);
-    d->hull = get_integers(r, NAME("%sHull", one), false, 1, 2 * (size_t)d->count, last, 1, &count);
+    d->hull = get_integers(r, NAME("%sHull", one), false, 1, 2 * (size_t)d->count, last, 2, &count);
     d->hull_count = (uint32_t)count;
     d->grid = get_int(r, NAME("%sGrid", one), 1, BTFI_MAX_GRID);
     d->cells =
@@ -388,8 +389,8 @@ btf_result btfi_header_read(exr_const_context_t context, const btf_log *log, btf
         info->atlas_width = get_int(&r, "openbtf.atlasWidth", 1, BTF_MAX_SIZE);
         info->atlas_height = get_int(&r, "openbtf.atlasHeight", 1, BTF_MAX_SIZE);
     }
-    get_directions(&r, "views", "view", &m->views);
-    get_directions(&r, "lights", "light", &m->lights);
+    get_directions(&r, "views", "view", BTF_MAX_DIRECTION_LAYERS, &m->views);
+    get_directions(&r, "lights", "light", BTF_MAX_DIRECTION_LAYERS, &m->lights);
     info->n_views = m->views.count;
     info->n_lights = m->lights.count;
     info->levels = get_int_or(&r, "openbtf.levels", 1, BTF_MAX_LEVELS, &(uint32_t){1});

@@ -157,7 +157,7 @@ static void edge_regions(const btfi_directions *d, uint32_t h, polygon *strip, p
 
 static void reach_records(const btfi_directions *d, const region *r, btfi_reach *out) {
     for (uint32_t t = 0; t < d->triangle_count; t++) {
-        const uint8_t *i = d->triangles + 3 * (size_t)t;
+        const uint16_t *i = d->triangles + 3 * (size_t)t;
         const polygon triangle = {3, {vertex(d, i[0]), vertex(d, i[1]), vertex(d, i[2])}};
         if (!meets(r, &triangle))
             continue;
@@ -239,7 +239,7 @@ static void answer(uint32_t index[3], uint32_t weight[3], uint32_t i0, uint32_t 
 
 static bool try_triangle(const btfi_directions *d, uint32_t t, const uint16_t q[2], uint32_t index[3],
                          uint32_t weight[3]) {
-    const uint8_t *i = d->triangles + 3 * (size_t)t;
+    const uint16_t *i = d->triangles + 3 * (size_t)t;
     const uint16_t *a = d->vertices + 2 * i[0], *b = d->vertices + 2 * i[1], *c = d->vertices + 2 * i[2];
     const int32_t e0 = cross_integer(subtract(b, q), subtract(c, q));
     const int32_t e1 = cross_integer(subtract(c, q), subtract(a, q));

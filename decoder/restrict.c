@@ -48,7 +48,7 @@ btf_material_info btfi_restricted_info(const btf_material_info *info, uint32_t e
 /* Views or lights that are kept: their numbers in the whole material. */
 typedef struct subset {
     uint32_t count;
-    uint8_t number[BTF_MAX_DIRECTIONS];
+    uint16_t number[BTF_MAX_DIRECTIONS];
     float xyz[BTF_MAX_DIRECTIONS][3];
 } subset;
 
@@ -60,19 +60,26 @@ static bool same_directions(const btfi_directions *a, const btfi_directions *b) 
     return a->count == b->count && a->triangle_count == b->triangle_count &&
            a->hull_count == b->hull_count && a->grid == b->grid && a->cells_length == b->cells_length &&
            same_array(a->vertices, b->vertices, 2 * (size_t)a->count * sizeof *a->vertices) &&
-           same_array(a->triangles, b->triangles, 3 * (size_t)a->triangle_count) &&
-           same_array(a->hull, b->hull, a->hull_count) &&
+           same_array(a->triangles, b->triangles, 3 * (size_t)a->triangle_count * sizeof *a->triangles) &&
+           same_array(a->hull, b->hull, a->hull_count * sizeof *a->hull) &&
            same_array(a->cells, b->cells, a->cells_length * sizeof *a->cells);
 }
 
-static bool has_triangle(const btfi_directions *d, const uint8_t corner[3]) {
-    for (uint32_t t = 0; t < d->triangle_count; t++)
-        if (memcmp(d->triangles + 3 * (size_t)t, corner, 3) == 0)
-            return true;
-    return false;
+static int compare_triangles(const void *a, const void *b) {
+    const uint16_t *p = a, *q = b;
+    for (int k = 0; k < 2; k++)
+        if (p[k] != q[k])
+            return p[k] - q[k];
+    return p[2] - q[2];
 }
 
-static bool has_edge(const btfi_directions *d, const uint8_t corner[3], bool with_next) {
+/* In a list that was triangulated here, which is sorted. */
+static bool has_triangle(const btfi_directions *d, const uint16_t corner[3]) {
+    return d->triangle_count > 0 && bsearch(corner, d->triangles, d->triangle_count,
+                                            3 * sizeof *d->triangles, compare_triangles) != NULL;
+}
+
+static bool has_edge(const btfi_directions *d, const uint16_t corner[3], bool with_next) {
     for (uint32_t h = 0; h < d->hull_count; h++)
         if (d->hull[h] == corner[0] && d->hull[(h + 1) % d->hull_count] == corner[1] &&
             (!with_next || d->hull[(h + 2) % d->hull_count] == corner[2]))
@@ -83,9 +90,9 @@ static bool has_edge(const btfi_directions *d, const uint8_t corner[3], bool wit
 /* Does the triangulation of the subset hold every record that the range needs? */
 static bool has_records(const btfi_directions *whole, const btfi_reach *reach, const subset *kept,
                         const btfi_directions *small) {
-    uint8_t now[BTF_MAX_DIRECTIONS] = {0}, corner[3];
+    uint16_t now[BTF_MAX_DIRECTIONS] = {0}, corner[3];
     for (uint32_t i = 0; i < kept->count; i++)
-        now[kept->number[i]] = (uint8_t)i;
+        now[kept->number[i]] = (uint16_t)i;
     for (uint32_t t = 0; t < whole->triangle_count; t++) {
         for (int k = 0; k < 3; k++)
             corner[k] = now[whole->triangles[3 * (size_t)t + (size_t)k]];
@@ -118,7 +125,7 @@ static void select_directions(const btfi_directions *whole, const bool *keep, su
     for (uint32_t i = 0; i < whole->count; i++)
         if (!keep || keep[i]) {
             memcpy(out->xyz[out->count], whole->xyz + 3 * (size_t)i, sizeof out->xyz[0]);
-            out->number[out->count++] = (uint8_t)i;
+            out->number[out->count++] = (uint16_t)i;
         }
 }
 
@@ -391,8 +398,9 @@ static btf_result copy_directions(const btfi_directions *from, const btf_log *lo
     if (copy_array(from->xyz, 3 * (size_t)from->count * sizeof *from->xyz, (void **)&to->xyz) ||
         copy_array(from->vertices, 2 * (size_t)from->count * sizeof *from->vertices,
                    (void **)&to->vertices) ||
-        copy_array(from->triangles, 3 * (size_t)from->triangle_count, (void **)&to->triangles) ||
-        copy_array(from->hull, from->hull_count, (void **)&to->hull) ||
+        copy_array(from->triangles, 3 * (size_t)from->triangle_count * sizeof *from->triangles,
+                   (void **)&to->triangles) ||
+        copy_array(from->hull, from->hull_count * sizeof *from->hull, (void **)&to->hull) ||
         copy_array(from->cells, from->cells_length * sizeof *from->cells, (void **)&to->cells) ||
         copy_array(from->table, (size_t)from->table_height * BTFI_TABLE_WIDTH * 4 * sizeof *from->table,
                    (void **)&to->table))

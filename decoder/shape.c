@@ -370,12 +370,12 @@ btf_result btfi_check_info(const btfi_check *check, const btf_material_info *inf
     if (info->width < 1 || info->width > BTF_MAX_SIZE || info->height < 1 || info->height > BTF_MAX_SIZE)
         return btfi_fail(check->log, check->code, "size %u x %u is not within 1 to %d",
                          (unsigned)info->width, (unsigned)info->height, BTF_MAX_SIZE);
-    if (info->n_views < 1 || info->n_views > BTF_MAX_DIRECTIONS)
+    if (info->n_views < 1 || info->n_views > BTF_MAX_DIRECTION_LAYERS)
         return btfi_fail(check->log, check->code, "%u views, not 1 to %d", (unsigned)info->n_views,
-                         BTF_MAX_DIRECTIONS);
-    if (info->n_lights < 1 || info->n_lights > BTF_MAX_DIRECTIONS)
+                         BTF_MAX_DIRECTION_LAYERS);
+    if (info->n_lights < 1 || info->n_lights > BTF_MAX_DIRECTION_LAYERS)
         return btfi_fail(check->log, check->code, "%u lights, not 1 to %d", (unsigned)info->n_lights,
-                         BTF_MAX_DIRECTIONS);
+                         BTF_MAX_DIRECTION_LAYERS);
     if (info->domain != BTF_DOMAIN_LINEAR && info->domain != BTF_DOMAIN_SQRT)
         return btfi_fail(check->log, check->code, "unknown domain %d", (int)info->domain);
 

@@ -44,18 +44,20 @@ void btf_ref_project(const float direction[3], int32_t out_q[2]) {
     out_q[1] = project_component(direction[1], k);
 }
 
-/** Reads the record in texels `texel` and `texel + 1` of a table. */
+enum { RECORD_TEXELS = 3 };
+
+/** Reads the record that begins in texel `texel` of a table. */
 static record read_record(const uint16_t *table, uint32_t texel) {
     const uint16_t *t = table + 4 * texel;
     record r;
     r.a = (point){t[0], t[1]};
     r.b = (point){t[2], t[3]};
     r.c = (point){t[4], t[5]};
-    r.ia = t[6] & 255u;
-    r.ib = t[6] >> 8;
-    r.ic = t[7] & 255u;
-    r.edge = (t[7] >> 8 & 1) != 0;
-    r.shift = t[7] >> 9;
+    r.ic = t[6];
+    r.edge = t[7] % 2 != 0;
+    r.shift = t[7] / 2u;
+    r.ia = t[8];
+    r.ib = t[9];
     return r;
 }
 
@@ -103,7 +105,7 @@ btf_ref_neighbours btf_ref_lookup(const uint16_t *table, uint32_t grid, const in
 
     btf_ref_neighbours neighbours = {{0, 0, 0}, {4096, 0, 0}};
     for (uint32_t i = first; i < first + count; ++i) {
-        record r = read_record(table, grid * grid + 2 * i);
+        record r = read_record(table, grid * grid + RECORD_TEXELS * i);
         if (r.edge ? try_edge(&r, p, &neighbours) : try_triangle(&r, p, &neighbours))
             break;
     }

@@ -10,7 +10,8 @@ uint btf_centre_index(uvec3 codes) {
     return codes.y + 256u * codes.z;
 }
 
-/* Radiance, before radianceScale, of a centre under the first n neighbouring lights (1 or 3). */
+/* Radiance, before radianceScale, of a centre under the first n neighbouring lights (1 or 3); its root where
+ * views are blended as roots. */
 vec3 btf_centre_radiance(uint centre, btf_neighbours lights, int n) {
     uvec3 t = uvec3(0u);
     for (int b = 0; b < n; ++b) {
@@ -22,7 +23,11 @@ vec3 btf_centre_radiance(uint centre, btf_neighbours lights, int n) {
 #endif
     }
     vec3 y = btf_mul(vec3(t), BTF_CENTRE_SCALE);
+#if BTF_BLEND_ROOTS
+    return y;
+#else
     return btf_mul(y, y);
+#endif
 }
 
 #endif

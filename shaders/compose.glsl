@@ -11,6 +11,9 @@ struct btf_setting {
     int n_views;  /* views in use: 1 to 3 */
     vec3 product; /* l * v, by component */
     float cosine; /* l.z, its root in the square-root domain */
+#if BTF_FACTORS
+    float horizon; /* 1 down to the outermost sampled light, from there on falling to 0 with the cosine */
+#endif
     int level;    /* of detail */
 };
 
@@ -42,6 +45,16 @@ btf_setting btf_prepare(vec3 l, vec3 v, bool nearest, int level) {
 #else
     s.cosine = l.z;
 #endif
+#if BTF_FACTORS
+    float q = btf_mul(l.z, BTF_HORIZON_SCALE);
+    s.horizon = 1.0;
+    if (q < 1.0)
+#if BTF_DOMAIN_SQRT
+        s.horizon = btf_pow(q, 0.5);
+#else
+        s.horizon = q;
+#endif
+#endif
     return s;
 }
 
@@ -49,7 +62,17 @@ float btf_clamp(float y) {
     return y >= uintBitsToFloat(0x30800000u) ? min(y, 4294967296.0) : 0.0;
 }
 
-/* Radiance, before radianceScale, of a source with a residual and a gain code. */
+/* Radiance, before radianceScale, of what the model gives. */
+vec3 btf_radiance(vec3 y) {
+    y = vec3(btf_clamp(y.x), btf_clamp(y.y), btf_clamp(y.z));
+#if BTF_DOMAIN_SQRT
+    y = btf_mul(y, y);
+#endif
+    return y;
+}
+
+/* Radiance, before radianceScale, of a source with a residual and a gain code; its root, which may be
+ * negative, where views are blended as roots. */
 vec3 btf_source_radiance(uvec2 source, vec3 residual, uint gain, btf_setting s) {
     vec3 y = vec3(0.0);
 #if BTF_COLOUR != 2
@@ -58,6 +81,14 @@ vec3 btf_source_radiance(uvec2 source, vec3 residual, uint gain, btf_setting s) 
     y = btf_mul(y, btf_shadow_factor(source, s.lights, s.n, s.level));
 #endif
 #endif
+#if BTF_FACTORS
+    residual = btf_mul(residual, s.horizon);
+#if BTF_COLOUR != 2
+    y = btf_add(btf_mul(y, s.cosine), residual);
+#else
+    y = residual;
+#endif
+#else
 #if BTF_COMPONENTS > 0
 #if BTF_COLOUR != 2
     y = btf_add(y, residual);
@@ -66,6 +97,7 @@ vec3 btf_source_radiance(uvec2 source, vec3 residual, uint gain, btf_setting s) 
 #endif
 #endif
     y = btf_mul(y, s.cosine);
+#endif
 #if BTF_GAIN
 #if BTF_CODE_ZERO
     if (gain != 0u)
@@ -74,30 +106,41 @@ vec3 btf_source_radiance(uvec2 source, vec3 residual, uint gain, btf_setting s) 
     y = btf_mul(y, btf_mul(float(gain), BTF_GAIN_SCALE));
 #endif
 #endif
-    y = vec3(btf_clamp(y.x), btf_clamp(y.y), btf_clamp(y.z));
-#if BTF_DOMAIN_SQRT
-    y = btf_mul(y, y);
+#if !BTF_BLEND_ROOTS
+    y = btf_radiance(y);
 #endif
     return y;
 }
 
 /* Adds what each texel x shows in one sampled view, weighted, to its sum. */
-void btf_add_view(inout vec3 sum[BTF_TEXELS], uvec2 x[BTF_TEXELS], uint view, float weight, btf_setting s) {
+void btf_add_view(inout vec3 sum[BTF_TEXELS], uvec2 x[BTF_TEXELS], uint view, float weight,
+#if BTF_FACTORS && !BTF_SHIFT
+                  vec3 residual[BTF_TEXELS],
+#endif
+                  btf_setting s) {
     uvec3 codes[BTF_TEXELS];
     uvec2 source[BTF_TEXELS];
+#if !BTF_FACTORS || BTF_SHIFT
     vec3 residual[BTF_TEXELS];
+#endif
     bool visible = false;
     for (int i = 0; i < BTF_TEXELS; ++i) {
         codes[i] = btf_view_codes(x[i], view, s.level);
         source[i] = btf_source(x[i], codes[i], s.level);
+#if !BTF_FACTORS || BTF_SHIFT
         residual[i] = vec3(0.0);
+#endif
         visible = visible || codes[i].x != 0u;
     }
-#if BTF_COMPONENTS > 0
+#if BTF_COMPONENTS > 0 && (!BTF_FACTORS || BTF_SHIFT)
 #if BTF_HIDDEN
     if (visible)
 #endif
+#if BTF_FACTORS
+        btf_factors(residual, btf_factor_place(source, s.level, uvec3(view), 1, s.lights, s.n));
+#else
         btf_residual(residual, source, view, s.lights, s.n, s.level);
+#endif
 #endif
     for (int i = 0; i < BTF_TEXELS; ++i) {
         vec3 radiance;
@@ -113,10 +156,27 @@ void btf_add_view(inout vec3 sum[BTF_TEXELS], uvec2 x[BTF_TEXELS], uint view, fl
 
 /* Radiance of each texel x: the neighbouring views, blended. */
 void btf_texels(inout vec3 sum[BTF_TEXELS], uvec2 x[BTF_TEXELS], btf_setting s) {
+#if BTF_FACTORS && !BTF_SHIFT
+    vec3 all[BTF_FACTOR_SUMS];
+    btf_factors(all, btf_factor_place(x, s.level, s.views.index, s.n_views, s.lights, s.n));
+    for (int a = 0; a < s.n_views; ++a) {
+        vec3 residual[BTF_TEXELS];
+        for (int i = 0; i < BTF_TEXELS; ++i)
+            residual[i] = all[a * BTF_TEXELS + i];
+        if (s.views.weight[a] > 0u)
+            btf_add_view(sum, x, s.views.index[a],
+                         btf_mul(float(s.views.weight[a]), uintBitsToFloat(0x39800000u)), residual, s);
+    }
+#else
     for (int a = 0; a < s.n_views; ++a)
         if (s.views.weight[a] > 0u)
             btf_add_view(sum, x, s.views.index[a],
                          btf_mul(float(s.views.weight[a]), uintBitsToFloat(0x39800000u)), s);
-    for (int i = 0; i < BTF_TEXELS; ++i)
+#endif
+    for (int i = 0; i < BTF_TEXELS; ++i) {
+#if BTF_BLEND_ROOTS
+        sum[i] = btf_radiance(sum[i]);
+#endif
         sum[i] = btf_mul(sum[i], BTF_RADIANCE_SCALE);
+    }
 }

@@ -34,36 +34,37 @@ uint btf_fraction(int part, int whole, int drop) {
     return btf_divide(uint(part >> drop) << 12u, uint(whole >> drop));
 }
 
-/* Records are tried in the order of the cell; the first that accepts gives the answer. */
+/* Records are tried in the order of the cell; the first that accepts gives the answer. Its third texel, the
+ * indices of a and b, is fetched for that one alone. */
 btf_neighbours btf_lookup(highp usampler2D table, uint grid, ivec2 q) {
     btf_neighbours r = btf_neighbours(uvec3(0u), uvec3(4096u, 0u, 0u));
     uvec2 at = (uvec2(min(q, 16383)) * grid) >> 14u;
     uvec4 cell = btf_table(table, at.y * grid + at.x);
-    uint record = grid * grid + 2u * cell.x;
-    for (uint i = 0u; i < cell.y; ++i, record += 2u) {
+    uint record = grid * grid + 3u * cell.x;
+    for (uint i = 0u; i < cell.y; ++i, record += 3u) {
         uvec4 ab = btf_table(table, record);
         uvec4 more = btf_table(table, record + 1u);
         ivec2 a = ivec2(ab.xy), b = ivec2(ab.zw), c = ivec2(more.xy);
-        uvec3 index = uvec3(more.z & 255u, more.z >> 8u, more.w & 255u);
-        bool edge = (more.w & 256u) != 0u;
-        int drop = int(more.w >> 9u);
+        bool edge = (more.w & 1u) != 0u;
+        int drop = int(more.w >> 1u);
         if (!edge) {
             int e0 = btf_cross(b - q, c - q), e1 = btf_cross(c - q, a - q), e2 = btf_cross(a - q, b - q);
             if (min(e0, min(e1, e2)) >= 0) {
                 int area = btf_cross(b - a, c - a);
                 uint w0 = btf_fraction(e0, area, drop), w1 = btf_fraction(e1, area, drop);
-                r = btf_neighbours(index, uvec3(w0, w1, 4096u - w0 - w1));
+                r = btf_neighbours(uvec3(btf_table(table, record + 2u).xy, more.z),
+                                   uvec3(w0, w1, 4096u - w0 - w1));
                 break;
             }
         } else {
             int t = btf_dot(q - a, b - a), n = btf_dot(b - a, b - a);
             if (t >= 0 && t <= n && btf_cross(b - a, q - a) <= 0) {
                 uint w1 = btf_fraction(t, n, drop);
-                r = btf_neighbours(uvec3(index.xy, index.x), uvec3(4096u - w1, w1, 0u));
+                r = btf_neighbours(btf_table(table, record + 2u).xyx, uvec3(4096u - w1, w1, 0u));
                 break;
             }
             if (t >= n && btf_dot(q - b, c - b) <= 0) {
-                r = btf_neighbours(index.yyy, uvec3(4096u, 0u, 0u));
+                r = btf_neighbours(btf_table(table, record + 2u).yyy, uvec3(4096u, 0u, 0u));
                 break;
             }
         }

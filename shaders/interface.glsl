@@ -21,6 +21,10 @@
 #define BTF_BINDING_RESIDUAL_SCALES 8
 #define BTF_BINDING_VIEW_TABLE 9
 #define BTF_BINDING_LIGHT_TABLE 10
+#define BTF_BINDING_FACTOR_TEXELS 11
+#define BTF_BINDING_FACTOR_DIRECTIONS 12
+#define BTF_BINDING_FACTOR_SCALES 13
+#define BTF_BINDING_FACTOR_VIEWS 14
 #endif
 
 #ifndef BTF_NO_INTERFACE
@@ -45,10 +49,16 @@ BTF_UNIFORM(BTF_BINDING_CENTRES) highp usampler2D btf_centres;
 BTF_UNIFORM(BTF_BINDING_MAPS) highp usampler2D btf_maps;
 #endif
 #endif
-#if BTF_COMPONENTS > 0
+#if BTF_COMPONENTS > 0 && !BTF_FACTORS
 BTF_UNIFORM(BTF_BINDING_RESIDUAL_TEXELS) highp isampler2DArray btf_residual_texels;
 BTF_UNIFORM(BTF_BINDING_RESIDUAL_DIRECTIONS) highp isampler2DArray btf_residual_directions;
 BTF_UNIFORM(BTF_BINDING_RESIDUAL_SCALES) highp sampler2D btf_residual_scales;
+#endif
+#if BTF_FACTORS
+BTF_UNIFORM(BTF_BINDING_FACTOR_TEXELS) highp usampler2DArray btf_factor_texels;
+BTF_UNIFORM(BTF_BINDING_FACTOR_DIRECTIONS) highp usampler2DArray btf_factor_directions;
+BTF_UNIFORM(BTF_BINDING_FACTOR_SCALES) highp sampler2D btf_factor_scales;
+BTF_UNIFORM(BTF_BINDING_FACTOR_VIEWS) highp sampler2D btf_factor_views;
 #endif
 #if BTF_FIXED_VIEW == 0
 BTF_UNIFORM(BTF_BINDING_VIEW_TABLE) highp usampler2D btf_view_table;

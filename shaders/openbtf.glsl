@@ -20,6 +20,7 @@
 #include "cluster.glsl"
 #include "lafortune.glsl"
 #include "residual.glsl"
+#include "factors.glsl"
 #include "compose.glsl"
 #include "evaluate.glsl"
 #endif

@@ -38,6 +38,12 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#ifndef BTF_FACTORS
+#define BTF_FACTORS 0
+#endif
+#ifndef BTF_BLEND_ROOTS
+#define BTF_BLEND_ROOTS 0
+#endif
 #ifndef BTF_LEVELS
 #define BTF_LEVELS 1u
 #endif

@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#if BTF_COMPONENTS > 0
+#if BTF_COMPONENTS > 0 && !BTF_FACTORS
 
 ivec4 btf_direction_components(uint light, uint view, int layer) {
     return texelFetch(btf_residual_directions, ivec3(int(light), int(view), layer), 0);

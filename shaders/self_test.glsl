@@ -109,9 +109,32 @@ uint btf_check_elementary(uint zero) {
     return hash == 0x1140115Au ? 0u : 64u;
 }
 
+/* Steps of factors.glsl: products of packed fields modulo 2^32, of which a borrow is undone before an arithmetic
+ * shift; sums of integers to 5e8, shifted below 2^24, where they convert exactly. */
+uint btf_check_factors(uint zero) {
+    uint hash = 2166136261u;
+    uint state = 98765u ^ zero;
+    for (uint i = 0u; i < 32u; ++i) {
+        state = state * 1664525u + 1013904223u;
+        uvec4 w = state * uvec4(1u, 3u, 5u, 7u), u = (state ^ (state >> 15u)) * uvec4(9u, 11u, 13u, 15u);
+        uvec4 t = uvec4(0u);
+        for (uint s = 0u; s < 16u; s += 4u)
+            t += ((w >> s) & 0x000F000Fu) * (((u >> s) & 0x000F000Fu) * 2u - 0x000F000Fu);
+        ivec4 e = (ivec4(t + 0x8000u) >> 16) * int(4095u ^ zero);
+        e += ((ivec4(w) << 8) >> 24) * ((ivec4(u) << 8) >> 24);
+        uvec4 sum = floatBitsToUint(vec4(e >> 1));
+        for (int k = 0; k < 4; ++k)
+            hash = (hash ^ sum[k]) * 16777619u;
+    }
+    int most = int(501350399u ^ zero);
+    bool ok = hash == 0xB337006Du && btf_is(float(most >> 5), 0x4B6F0FFFu) && btf_is(float(-most >> 5), 0xCB6F1000u);
+    ok = ok && btf_is(float(-int(16777215u ^ zero)), 0xCB7FFFFFu);
+    return ok ? 0u : 256u;
+}
+
 /* The sum of the bits of what fails, 0 where exact decoding works. zero is 0, but must not be known to be. */
 uint btf_self_test(uint zero) {
     return btf_check_contraction(zero) | btf_check_reassociation(zero) | btf_check_rounding(zero) |
            btf_check_flush(zero) | btf_check_conversion(zero) | btf_check_integer(zero) |
-           btf_check_elementary(zero);
+           btf_check_elementary(zero) | btf_check_factors(zero);
 }

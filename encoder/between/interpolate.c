@@ -28,7 +28,7 @@ static btf_result make_tables(const enc_context *context, const enc_direction *d
                               enc_interpolator *out) {
     static const int8_t texel[4] = {0};
     static const float scales[4] = {1, 0, 0, 0}, pole[3] = {0, 0, 1};
-    float xyz[256][3];
+    float xyz[ENC_MAX_DIRECTIONS][3];
     for (int i = 0; i < count; i++)
         memcpy(xyz[i], directions[i].xyz, sizeof xyz[i]);
     btf_material_desc desc = {.struct_size = sizeof desc,

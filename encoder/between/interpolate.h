@@ -16,15 +16,15 @@ typedef enum enc_interpolation {
 /* Samples and their weights, which sum to 1. */
 typedef struct enc_weights {
     int count;
-    uint32_t index[256];
-    float weight[256]; /* of a spline also below 0 and above 1 */
+    uint32_t index[ENC_MAX_DIRECTIONS];
+    float weight[ENC_MAX_DIRECTIONS]; /* of a spline also below 0 and above 1 */
 } enc_weights;
 
 typedef struct enc_interpolator enc_interpolator;
 
-/* For count directions, 1 to 256, distinct; `name` ("views", "lights") is for messages. Errors, on the log:
- * BTF_ERROR_UNSUPPORTED (a spline through directions that lie in one line of the plane), those of
- * btf_material_create, BTF_ERROR_MEMORY. */
+/* For count directions, 1 to ENC_MAX_DIRECTIONS, distinct; `name` ("views", "lights") is for messages.
+ * Errors, on the log: BTF_ERROR_UNSUPPORTED (a spline through directions that lie in one line of the
+ * plane), those of btf_material_create, BTF_ERROR_MEMORY. */
 btf_result enc_interpolator_create(const enc_context *context, const char *name,
                                    const enc_direction *directions, int count, enc_interpolation kind,
                                    enc_interpolator **out_interpolator);

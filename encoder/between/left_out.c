@@ -46,7 +46,7 @@ static btf_ref_neighbours to_neighbours(const enc_weights *w) {
 /* The weights of the others in direction i. */
 static btf_result without(const enc_context *context, const enc_direction *directions, int count, int i,
                           enc_weights *out) {
-    enc_direction others[256];
+    enc_direction others[ENC_MAX_DIRECTIONS];
     enc_interpolator *made = NULL;
     for (int k = 0, n = 0; k < count; k++)
         if (k != i)

@@ -11,8 +11,8 @@
 
 typedef struct enc_left_out {
     int count;      /* directions that can be left out, of which the others have something to say */
-    int index[256]; /* [count] in the list, ascending */
-    btf_ref_neighbours near[256]; /* [count]: indices in the list */
+    int index[ENC_MAX_DIRECTIONS];               /* [count] in the list, ascending */
+    btf_ref_neighbours near[ENC_MAX_DIRECTIONS]; /* [count]: indices in the list */
 } enc_left_out;
 
 /* A direction at the rim can be left out only where the hull of the others ends close to it: nearer than

@@ -15,7 +15,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-enum { MAX_SIDE = 16384, MAX_DIRECTIONS = 256 };
+enum { MAX_SIDE = 16384 };
 
 /* sin and cos of multiples of 90 degrees are exactly 0, 1 or -1. */
 static float direction_component(double value) {
@@ -66,9 +66,9 @@ static btf_result create_empty(const enc_context *context, int width, int height
     if (width < 1 || height < 1 || width > MAX_SIDE || height > MAX_SIDE)
         return enc_fail(context, BTF_ERROR_USAGE, "size %dx%d is not usable: each side is 1 to %d", width,
                         height, MAX_SIDE);
-    if (n_views < 1 || n_lights < 1 || n_views > MAX_DIRECTIONS || n_lights > MAX_DIRECTIONS)
+    if (n_views < 1 || n_lights < 1 || n_views > ENC_MAX_DIRECTIONS || n_lights > ENC_MAX_DIRECTIONS)
         return enc_fail(context, BTF_ERROR_USAGE, "%d views and %d lights are not usable: each is 1 to %d",
-                        n_views, n_lights, MAX_DIRECTIONS);
+                        n_views, n_lights, ENC_MAX_DIRECTIONS);
     const btf_result enough = check_memory(context, width, height, n_views, n_lights);
     if (enough != BTF_OK)
         return enough;

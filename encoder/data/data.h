@@ -8,6 +8,8 @@
 #include "encoder/base/context.h"
 #include <stdint.h>
 
+enum { ENC_MAX_DIRECTIONS = 256 }; /* views, or lights, of a data set */
+
 /* A sampled direction in the tangent frame of FORMAT.md: x along +u, y along +v, z the normal.
  * theta from z, phi from x towards y, both in degrees; xyz the unit vector rounded to float. */
 typedef struct enc_direction {
@@ -46,7 +48,7 @@ struct enc_data_origin {
  * 3 * n_lights contiguous floats, and all samples of a texel are n_views * 3 * n_lights.
  *
  * Directions are in paper order: theta ascending, then phi ascending from 0. Both lists hold up to
- * 256 directions, need not be equal, and have no duplicates. */
+ * ENC_MAX_DIRECTIONS, need not be equal, and have no duplicates. */
 typedef struct enc_data {
     int width, height;
     int n_views, n_lights;

@@ -144,7 +144,7 @@ static btf_result order_directions(const enc_context *context, const enc_bonn_fi
                                    const enc_read_options *options, const char *what, float (*list)[2],
                                    uint32_t count, enc_direction *out_directions, int *out_order) {
     const double degrees = 180.0 / 3.14159265358979323846;
-    numbered sorted[256];
+    numbered sorted[ENC_MAX_DIRECTIONS];
     for (uint32_t i = 0; i < count; i++) {
         const double theta = round((double)list[i][0] * degrees * 1e4) / 1e4;
         const double phi = round((double)list[i][1] * degrees * 1e4) / 1e4;
@@ -182,8 +182,8 @@ static btf_result settle_area(const enc_context *context, bonn_origin *o, const 
 static btf_result prepare(const enc_context *context, bonn_origin *o, const enc_read_options *options,
                           enc_direction *views, enc_direction *lights) {
     const enc_bonn_file *f = o->file;
-    int view_order[256], light_order[256];
-    float factor[256];
+    int view_order[ENC_MAX_DIRECTIONS], light_order[ENC_MAX_DIRECTIONS];
+    float factor[ENC_MAX_DIRECTIONS];
     btf_result result =
         order_directions(context, f, options, "view", f->views, f->n_views, views, view_order);
     if (result == BTF_OK)
@@ -212,7 +212,7 @@ static btf_result prepare(const enc_context *context, bonn_origin *o, const enc_
 
 btf_result enc_read_bonn(const enc_context *context, const char *input, const enc_read_options *options,
                          enc_data **out_data) {
-    enc_direction views[256], lights[256];
+    enc_direction views[ENC_MAX_DIRECTIONS], lights[ENC_MAX_DIRECTIONS];
     bonn_origin *o = calloc(1, sizeof *o);
     *out_data = NULL;
     if (!o)

@@ -11,8 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_DIRECTIONS = 256 };
-
 /* A direction of one image: as the name gives it, and as it is used. */
 typedef struct named_direction {
     double theta, phi;
@@ -385,9 +383,9 @@ static btf_result collect(const enc_context *context, const enc_source *source, 
         list[i] = lights ? images[i].light : images[i].view;
     const size_t n = sort_unique(list, count);
     *out_count = n;
-    if (n > MAX_DIRECTIONS)
+    if (n > ENC_MAX_DIRECTIONS)
         return enc_fail(context, BTF_ERROR_UNSUPPORTED, "%s: %zu %s directions, more than %d",
-                        source->location, n, what, MAX_DIRECTIONS);
+                        source->location, n, what, ENC_MAX_DIRECTIONS);
     if (n > 1 && list[1].theta == 0.0)
         return enc_fail(context, BTF_ERROR_BAD_FILE,
                         "%s: %s directions (0,%g) and (0,%g) are one, the pole: %s, %s", source->location,

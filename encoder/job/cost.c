@@ -6,6 +6,8 @@
 
 #include "encoder/base/scratch.h"
 #include "encoder/data/level_filter.h"
+#include "encoder/factor/factor.h"
+#include "encoder/factor/round.h"
 #include "encoder/input/bonn_reader.h"
 #include "encoder/joint/cost.h"
 #include "encoder/model/pack.h"
@@ -24,6 +26,8 @@ static const double per_file = 60e-6, per_pixel = 25e-9, per_jpeg_pixel = 12e-9,
 /* of the paper's method, */
 static const double per_fit = 110e-9, per_shadow = 20e-9, per_flow = 1.2e-6, per_flow_label = 3e-9,
                     per_refine = 0.05e-9, per_cluster = 0.1e-9, hidden_share = 0.25;
+/* of factors: a sample that a pass splits into channels, a product of a pass, of a Gram matrix or of the descent, */
+static const double per_split = 1.2e-9, per_product = 0.025e-9, per_square = 0.06e-9, per_level_square = 0.25e-9;
 /* of what comes after the analysis. */
 static const double per_measured = 8e-9, per_measured_component = 0.17e-9, per_measured_lobe = 6e-9,
                     per_ssim = 8e-9, per_evaluation = 0.25e-6, per_left_out = 0.4e-6, per_packed = 30e-9,
@@ -146,6 +150,31 @@ static outcome add_paper(list *l, const enc_extent *e, const counts *c, double f
     return (outcome){.lobes = o->fit.lobes, .effects = __builtin_popcount(o->effects)};
 }
 
+/* Components of luma and of all channels that a budget of factors is thought to hold (see factor.c). */
+static outcome add_factors(list *l, const counts *c, const enc_factors_settings *settings, double fetch) {
+    const double columns = c->views * c->lights, side = fmin(c->texels, columns);
+    const double luma = fmin((double)settings->budget * 8 / 3.2 / (c->texels + columns) + 24, side);
+    const double all = luma + 2 * fmin(luma / 8 + 24, side);
+    const double pass = c->samples * (per_split + fetch) + c->texels * columns * all * per_product;
+    const double square = (c->texels + columns) * luma * luma;
+    const int passes = enc_factor_round_passes(settings->sweeps);
+    const double times = settings->quality > 0 ? 1 + ENC_FACTORS_TRIALS / 2.0 : 1;
+    add(l, "factorise", times * (4 * pass + 6 * square * per_square));
+    add(l, "round factors", times * (passes * pass + 2 * (1 + settings->sweeps) * square * per_square));
+    if (settings->quality > 0)
+        add(l, "measure factors", times * (pass + c->samples * per_measured));
+    return (outcome){.components = 3 * all * per_product / per_measured_component, .effects = 1};
+}
+
+/* Of further levels: one pass, Gram matrices, and descents texel by texel. */
+static double factor_levels(const counts *c, double further_share, const enc_factors_settings *settings) {
+    const double columns = c->views * c->lights, side = fmin(c->texels, columns);
+    const double luma = fmin((double)settings->budget * 8 / 3.2 / (c->texels + columns), side);
+    return further_share * (c->samples * per_split + c->texels * columns * 1.25 * luma * per_product +
+                            (ENC_FACTORS_LEVEL_SWEEPS + 12) * c->texels * luma * luma * per_level_square) +
+           luma * luma * columns * per_square;
+}
+
 /* Levels of detail beyond the first have a third of the texels. */
 static double further(int levels) {
     return levels > 1 ? (1 - pow(0.25, levels - 1)) / 3 : 0;
@@ -165,11 +194,18 @@ size_t enc_cost_parts(const enc_context *context, const enc_job *job, const enc_
     list l = {out_parts, 0};
     add_reading(&l, context, e, &c);
     const size_t first = l.count;
-    const outcome found = paper ? add_paper(&l, e, &c, fetch, &job->paper) : add_joint(&l, e, fetch, job);
+    const enc_factors_settings settings =
+        enc_settings_of_factors(job, e->width, e->height, e->n_views, e->n_lights);
+    const bool factors = job->method == ENC_METHOD_FACTORS;
+    const outcome found = paper     ? add_paper(&l, e, &c, fetch, &job->paper)
+                          : factors ? add_factors(&l, &c, &settings, fetch)
+                                    : add_joint(&l, e, fetch, job);
     const double analysis = enc_cost_total(out_parts + first, l.count - first);
     if (levels > 1) /* of the joint method, two rounds of some twenty and no candidates */
         add(&l, "levels",
-            further(levels) * (c.samples * (per_filtered + fetch) + (paper ? 1 : 0.2) * analysis));
+            further(levels) * (c.samples * (per_filtered + fetch)) +
+                (factors ? factor_levels(&c, further(levels), &settings)
+                         : further(levels) * (paper ? 1 : 0.2) * analysis));
     const double sample =
         per_measured + per_measured_component * found.components + per_measured_lobe * found.lobes + fetch;
     const double steps = (paper ? 3 : 1) + found.effects;

@@ -16,6 +16,7 @@
 #include "encoder/model/pack.h"
 #include "encoder/report/pictures.h"
 #include "encoder/model/decode_samples.h"
+#include "encoder/model/preview.h"
 #include "encoder/report/report.h"
 #include "encoder/base/ranks.h"
 #include "encoder/model/unpack.h"
@@ -107,10 +108,26 @@ typedef struct job_state {
     char *options;
     enc_joint_stats joint;
     enc_paper_stats paper;
+    enc_factors_stats factors;
+    uint16_t *preview;
 } job_state;
+
+static btf_result analyse_factors(const enc_context *context, const enc_job *job, job_state *s,
+                                  enc_report *report) {
+    const enc_data *data = s->data;
+    const enc_factors_settings settings =
+        enc_settings_of_factors(job, data->width, data->height, data->n_views, data->n_lights);
+    const btf_result result = enc_factors_solve(context, data, &settings, &s->found, &s->factors);
+    report->trials = s->factors.trials;
+    report->n_trials = s->factors.trials_count;
+    return enc_ranks_agree(context, result);
+}
 
 static btf_result analyse(const enc_context *context, const enc_job *job, job_state *s,
                           enc_report *report) {
+    if (job->method == ENC_METHOD_FACTORS) {
+        return analyse_factors(context, job, s, report);
+    }
     if (job->method == ENC_METHOD_PAPER) {
         const enc_paper_stats *stats = &s->paper;
         const btf_result result =
@@ -185,7 +202,11 @@ static btf_result pack_and_measure(const enc_context *context, const enc_job *jo
     if (result == BTF_OK) {
         result = enc_report_measure_levels(context, s->data, &s->stored_levels, s->material, report);
     }
+    if (result == BTF_OK && s->stored.factors.units > 0) {
+        result = enc_preview(context, s->data, &s->stored, &s->preview);
+    }
     if (result == BTF_OK) {
+        options.preview = s->preview;
         options.effect_errors = effect_errors;
         options.between_errors = between;
         options.between_error_count = enc_leave_one_out_numbers(&report->between, between);
@@ -285,6 +306,7 @@ static void clear_state(job_state *s) {
     enc_solution_clear(&s->found);
     enc_occlusion_destroy(&s->occlusion);
     enc_data_destroy(&s->data);
+    free(s->preview);
     free(s->options);
 }
 
@@ -294,9 +316,30 @@ typedef struct stage_planner {
     enc_report *report;
 } stage_planner;
 
+/* More than the default budget takes more than the reader knows of. */
+static btf_result check_budget(const enc_context *context, const enc_job *job, const enc_extent *e) {
+    if (job->method != ENC_METHOD_FACTORS || context->memory == 0) {
+        return BTF_OK;
+    }
+    const uint64_t budget = enc_settings_of_factors(job, e->width, e->height, e->n_views, e->n_lights).budget;
+    const uint64_t least =
+        enc_memory_of_factors(e->width, e->height, e->n_views, e->n_lights, context->threads, budget);
+    return least <= context->memory
+               ? BTF_OK
+               : enc_fail(context, BTF_ERROR_USAGE,
+                          "--memory %zu is too small: factors of %llu bytes for %dx%d texels, %d views and %d lights "
+                          "take at least %lluK",
+                          context->memory, (unsigned long long)budget, e->width, e->height, e->n_views, e->n_lights,
+                          (unsigned long long)((least + 999) / 1000));
+}
+
 static btf_result plan_stages(void *user, const enc_context *context, const enc_extent *extent) {
     const stage_planner *planner = user;
     enc_report *report = planner->report;
+    const btf_result enough = check_budget(context, planner->job, extent);
+    if (enough != BTF_OK) {
+        return enough;
+    }
     report->n_parts = enc_cost_parts(context, planner->job, extent, report->parts);
     if (context->progress) {
         progress_plan(context->progress, report->parts, report->n_parts);
@@ -350,7 +393,7 @@ btf_result enc_job_run(const enc_context *caller, const enc_job *job) {
     job_state state = {.options = join_options(job->option_values)};
     enc_report report = {.input = job->input,
                          .output = job->output,
-                         .method = job->method == ENC_METHOD_PAPER ? "paper" : "joint",
+                         .method = enc_method_name(job->method),
                          .progress = context->progress};
     btf_result result = state.options ? prepare_outputs(context, job, &made_folder)
                                       : enc_fail(context, BTF_ERROR_MEMORY, "out of memory");

@@ -13,7 +13,7 @@ static struct {
     enc_option_values values;
     uint32_t effects; /* UINT32_MAX: auto */
     int method, layout, centres;
-    bool layout_given, effects_given;
+    bool layout_given, effects_given, tolerance_given;
     double hidden_threshold, error_threshold, btf_threshold;
     int window[2];
     double effect_tolerance[2]; /* dB; dB for each MB */
@@ -33,17 +33,17 @@ static const cli_option table[] = {
     {.name = "method",
      .type = CLI_CHOICE,
      .value = &o.method,
-     .choices = "joint|paper",
-     .help =
-         "joint (default): everything found together, best quality;\npaper: stage after stage, as printed"},
+     .choices = "joint|paper|factors",
+     .help = "joint (default): everything found together, best quality;\npaper: stage after stage, as printed;\n"
+             "factors: low-bit factors alone, colour apart (format version 2,\na draft); no --checkpoint"},
     {.name = "preset",
      .type = CLI_CHOICE,
      .value = &o.all.job.joint.preset,
      .given = &given[0],
      .choices = "fast|medium|thorough|exhaustive",
-     .only = "joint",
+     .only = "joint|factors",
      .help = "joint: fast tries one set of effects, then 5 rounds; medium\n(default) 3 and 18; thorough 6 "
-             "and 60; exhaustive all, until\nnothing is gained"},
+             "and 60; exhaustive all, until\nnothing is gained. factors: 0, 6, 12 and 24 sweeps of descent"},
     {.name = "effects",
      .type = CLI_EFFECTS,
      .value = &o.effects,
@@ -51,11 +51,12 @@ static const cli_option table[] = {
      .choices = "auto",
      .help =
          "auto (default): those that pay (--effect-tolerance), and with\n--method paper the diffuse fit "
-         "alone where that is better;\nnone; or exactly these of shadow,shift,hidden,gain,residual"},
+         "alone where that is better;\nnone; or exactly these of shadow,shift,hidden,gain,residual\n(factors have the residual alone)"},
     {.name = "effect-tolerance",
      .arg = "DB[,DB]",
      .type = CLI_CUSTOM,
      .value = o.effect_tolerance,
+     .given = &o.tolerance_given,
      .parse = enc_parse_tolerance,
      .help = "--effects auto leaves out an effect that gains less than so\nmany dB (joint: in the fitted "
              "domain; paper: linear), and so\nmany for each MB that it adds; default 0.05,0"},
@@ -65,8 +66,8 @@ static const cli_option table[] = {
      .given = &given[1],
      .minimum = 1,
      .maximum = 0x1p62,
-     .only = "joint",
-     .help = "joint: bytes on the GPU at most; default what the paper's\nlayout takes (2.36 MB for 64x64 "
+     .only = "joint|factors",
+     .help = "joint, factors: bytes on the GPU at most; default what the paper's\nlayout takes (2.36 MB for 64x64 "
              "and 81 directions)"},
     {.name = "quality",
      .arg = "DB",
@@ -75,8 +76,8 @@ static const cli_option table[] = {
      .given = &given[2],
      .minimum = 0,
      .maximum = 100,
-     .only = "joint",
-     .help = "joint: the fewest bytes that reach this PSNR (sRGB-coded), at\nmost --budget"},
+     .only = "joint|factors",
+     .help = "joint, factors: the fewest bytes that reach this PSNR (sRGB-coded), at\nmost --budget"},
     {.name = "metric",
      .type = CLI_CHOICE,
      .value = &o.all.job.joint.metric,
@@ -265,14 +266,45 @@ const cli_program enc_program = {
     .max_arguments = 1,
 };
 
-static btf_result refuse_other(const char *method, const char *other) {
+/* Whether `methods`, "a|b", has a method. */
+static bool has_method(const char *methods, const char *method) {
+    const size_t length = strlen(method);
+    for (const char *at = methods; at; at = strchr(at, '|')) {
+        at += *at == '|';
+        if (strncmp(at, method, length) == 0 && (at[length] == '|' || at[length] == '\0')) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static btf_result refuse_other(const char *method) {
     for (const cli_option *option = table; option->type != CLI_END; option++) {
-        if (option->only && strcmp(option->only, other) == 0 && *option->given) {
-            return cli_error(&enc_program, BTF_ERROR_USAGE, "option --%s: for --method %s only, not for %s",
-                             option->name, other, method);
+        if (option->only && !has_method(option->only, method) && *option->given) {
+            const char *bar = strchr(option->only, '|');
+            return cli_error(&enc_program, BTF_ERROR_USAGE, "option --%s: for --method %.*s%s%s only, not for %s",
+                             option->name, bar ? (int)(bar - option->only) : (int)strlen(option->only),
+                             option->only, bar ? " and " : "", bar ? bar + 1 : "", method);
         }
     }
     return BTF_OK;
+}
+
+/* Options that mean nothing where there are factors alone. */
+static btf_result check_factors(const enc_job *job) {
+    const char *refused = NULL;
+    if (o.effects != UINT32_MAX && o.effects != BTF_EFFECT_RESIDUAL) {
+        refused = "option --effects: --method factors has the effect residual and no other";
+    } else if (o.tolerance_given && (o.effect_tolerance[0] > 0 || o.effect_tolerance[1] > 0)) {
+        refused = "option --effect-tolerance: --method factors has no effects to choose among";
+    } else if (o.layout_given && o.layout == 0) {
+        refused = "option --layout: --method factors has no maps for the atlas of layout paper; take tight";
+    } else if (job->half_float) {
+        refused = "option --half: --method factors has no SBRDF parameters";
+    } else if (job->checkpoint) {
+        refused = "option --checkpoint: --method factors keeps no checkpoints; --method joint and paper do";
+    }
+    return refused ? cli_error(&enc_program, BTF_ERROR_USAGE, "%s", refused) : BTF_OK;
 }
 
 /* Checks what depends on several options, and fills in the job. */
@@ -287,14 +319,16 @@ static btf_result settle(void) {
         return cli_error(&enc_program, BTF_ERROR_USAGE,
                          "option --resume: expected --checkpoint DIR as well");
     }
-    job->method = o.method == 1 ? ENC_METHOD_PAPER : ENC_METHOD_JOINT;
+    job->method = (enc_method)o.method;
     if (job->method == ENC_METHOD_PAPER && o.effects_given && o.effects != UINT32_MAX &&
         (o.effects & ~paper_effects)) {
         return cli_error(&enc_program, BTF_ERROR_USAGE,
                          "option --effects: --method paper has shadow, shift and hidden only");
     }
-    const bool paper = job->method == ENC_METHOD_PAPER;
-    const btf_result refused = refuse_other(paper ? "paper" : "joint", paper ? "joint" : "paper");
+    btf_result refused = refuse_other(enc_method_name(job->method));
+    if (refused == BTF_OK && job->method == ENC_METHOD_FACTORS) {
+        refused = check_factors(job);
+    }
     if (refused != BTF_OK) {
         return refused;
     }

@@ -40,7 +40,7 @@ static double scale_of(const scales *s, const char *stage) {
 
 static btf_result scales_of_report(const enc_context *context, const enc_job *job, const char *path,
                                    scales *out) {
-    const char *method = job->method == ENC_METHOD_PAPER ? "paper" : "joint";
+    const char *method = enc_method_name(job->method);
     const enc_stage_times *measured = &out->report.measured, *predicted = &out->report.predicted;
     const btf_result result = enc_report_times_read(context, path, &out->report);
     if (result != BTF_OK)
@@ -114,10 +114,14 @@ static void print_prediction(const enc_context *context, const enc_job *job, con
     estimate_part parts[ESTIMATE_PARTS];
     const size_t count = enc_cost_parts(context, job, e, parts),
                  components = enc_cost_components(job, e, true);
-    const enc_memory_use use = enc_memory_expected(context, job->method, e->width, e->height, e->n_views,
-                                                   e->n_lights, components, e->origin == ENC_ORIGIN_BONN);
+    const uint64_t budget = enc_settings_of_factors(job, e->width, e->height, e->n_views, e->n_lights).budget;
+    const enc_memory_use use =
+        enc_memory_expected(context, job->method, e->width, e->height, e->n_views, e->n_lights, components, budget,
+                            e->origin == ENC_ORIGIN_BONN);
     const uint64_t least =
-        enc_memory_least(job->method)(e->width, e->height, e->n_views, e->n_lights, context->threads);
+        job->method == ENC_METHOD_FACTORS
+            ? enc_memory_of_factors(e->width, e->height, e->n_views, e->n_lights, context->threads, budget)
+            : enc_memory_least(job->method)(e->width, e->height, e->n_views, e->n_lights, context->threads);
     double total = 0;
     fprintf(out, "%s: %d x %d texels, %d views, %d lights: %.2f GB of samples\n", job->input, e->width,
             e->height, e->n_views, e->n_lights, (double)enc_extent_bytes(e) * 1e-9);

@@ -5,12 +5,33 @@
 #include "settings.h"
 
 #include "decoder/toolkit/cli.h"
+#include "encoder/factor/factor.h"
 
 #include <assert.h>
 #include <inttypes.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+
+const char *enc_method_name(enc_method method) {
+    static const char *const names[ENC_METHODS] = {"joint", "paper", "factors"};
+    return names[method];
+}
+
+/* Sweeps of the descent of each preset. */
+static const int factor_sweeps[] = {0, ENC_FACTOR_SWEEPS, 2 * ENC_FACTOR_SWEEPS, 4 * ENC_FACTOR_SWEEPS};
+
+enc_factors_settings enc_settings_of_factors(const enc_job *job, int width, int height, int n_views,
+                                             int n_lights) {
+    const enc_data data = {.width = width, .height = height, .n_views = n_views, .n_lights = n_lights};
+    const uint64_t least = enc_factor_least_budget(width, height, n_views, n_lights),
+                   usual = joint_default_budget(&data);
+    return (enc_factors_settings){.budget = job->joint.budget > 0 ? job->joint.budget
+                                            : usual > least       ? usual
+                                                                  : least,
+                                  .quality = job->joint.quality,
+                                  .sweeps = factor_sweeps[job->joint.preset]};
+}
 
 const char *enc_parse_tolerance(const char *text, void *tolerance) {
     static const double most[2] = {100, 1e6};
@@ -97,11 +118,13 @@ static void describe_paper(enc_option_values *values, const enc_paper_options *p
     describe(values, "data-points", "%s", yes_no(paper->cluster.data_points));
 }
 
-static void describe_joint(enc_option_values *values, const enc_joint_options *joint) {
+static void describe_joint(enc_option_values *values, const enc_joint_options *joint, bool with_metric) {
     static const char *const presets[] = {"fast", "medium", "thorough", "exhaustive"};
     static const char *const metrics[] = {"balanced", "srgb", "linear"};
     describe(values, "preset", "%s", presets[joint->preset]);
-    describe(values, "metric", "%s", metrics[joint->metric]);
+    if (with_metric) {
+        describe(values, "metric", "%s", metrics[joint->metric]);
+    }
     if (joint->budget > 0) {
         describe(values, "budget", "%" PRIu64, joint->budget);
     }
@@ -114,14 +137,16 @@ void enc_settings_describe(const enc_job *job, enc_option_values *values) {
     char effects[48];
     values->count = 0;
     describe_input(values, &job->read);
-    describe(values, "effects", "%s",
-             job->joint.choose ? "auto" : cli_effects_text(job->joint.effects, effects));
-    if (job->joint.choose) {
-        describe(values, "effect-tolerance", "%g,%g", job->joint.effect_tolerance,
-                 job->joint.effect_tolerance_bytes);
+    if (job->method != ENC_METHOD_FACTORS) {
+        describe(values, "effects", "%s",
+                 job->joint.choose ? "auto" : cli_effects_text(job->joint.effects, effects));
+        if (job->joint.choose) {
+            describe(values, "effect-tolerance", "%g,%g", job->joint.effect_tolerance,
+                     job->joint.effect_tolerance_bytes);
+        }
+        describe(values, "layout", "%s", job->layout == BTF_LAYOUT_PAPER ? "paper" : "tight");
+        describe(values, "half", "%s", yes_no(job->half_float));
     }
-    describe(values, "layout", "%s", job->layout == BTF_LAYOUT_PAPER ? "paper" : "tight");
-    describe(values, "half", "%s", yes_no(job->half_float));
     if (job->levels == 0) {
         describe(values, "levels", "all");
     } else {
@@ -130,6 +155,6 @@ void enc_settings_describe(const enc_job *job, enc_option_values *values) {
     if (job->method == ENC_METHOD_PAPER) {
         describe_paper(values, &job->paper);
     } else {
-        describe_joint(values, &job->joint);
+        describe_joint(values, &job->joint, job->method == ENC_METHOD_JOINT);
     }
 }

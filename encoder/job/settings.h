@@ -5,11 +5,16 @@
 #ifndef OPENBTF_ENCODER_SETTINGS_H
 #define OPENBTF_ENCODER_SETTINGS_H
 
+#include "encoder/factor/method.h"
 #include "encoder/input/reader.h"
 #include "encoder/joint/joint.h"
 #include "encoder/paper/paper.h"
 
-typedef enum enc_method { ENC_METHOD_JOINT = 0, ENC_METHOD_PAPER = 1 } enc_method;
+typedef enum enc_method { ENC_METHOD_JOINT = 0, ENC_METHOD_PAPER = 1, ENC_METHOD_FACTORS = 2 } enc_method;
+enum { ENC_METHODS = 3 };
+
+/* As --method takes it. */
+const char *enc_method_name(enc_method method);
 
 typedef struct enc_job enc_job;
 struct enc_job {
@@ -18,7 +23,7 @@ struct enc_job {
     enc_read_options read;
     enc_method method;
     enc_paper_options paper;
-    enc_joint_options joint;
+    enc_joint_options joint; /* preset, budget and quality are those of the method factors as well */
     btf_layout layout;
     int levels; /* of detail, 1 at least; 0: down to one texel */
     bool half_float;
@@ -42,6 +47,10 @@ typedef struct enc_option_values {
 /* For the material's provenance and the report; every member of job but option_values is set. The list
  * points to names that stay and into *out_values, which is not to be moved. */
 void enc_settings_describe(const enc_job *job, enc_option_values *out_values);
+
+/* The settings of the method factors for data of this extent. */
+enc_factors_settings enc_settings_of_factors(const enc_job *job, int width, int height, int n_views,
+                                             int n_lights);
 
 /* Parsers of options, see cli_option.parse. DB[,DB] into tolerance[2], of which the second is 0 where it is
  * not given: --effect-tolerance. */

@@ -192,7 +192,7 @@ static void decide(void *user, size_t view, size_t first, size_t count, const fl
     const chooser *c = user;
     joint_model *model = c->model;
     const size_t row = c->rows->row;
-    float front[3 * BTF_MAX_DIRECTIONS];
+    float front[3 * ENC_MAX_DIRECTIONS];
     for (size_t i = 0; i < count; i++) {
         const size_t point = view * c->rows->texels + first + i;
         const candidate *candidates = c->candidates + 2 * point;

@@ -192,7 +192,7 @@ static btf_result fit_sbrdf(const batch *b, const joint_front *front, size_t sou
 /* Keeps what a step made of a source only where that lowers its error. */
 typedef struct keeper {
     float parameters[3 + 7 * ENC_MAX_LOBES + 4];
-    uint8_t shadow[BTF_MAX_DIRECTIONS];
+    uint8_t shadow[ENC_MAX_DIRECTIONS];
     double error;
 } keeper;
 

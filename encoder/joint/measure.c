@@ -21,7 +21,7 @@ typedef struct measure_pass {
     float *scratch; /* [thread] */
     size_t scratch_pitch;
     const float *table;
-    float lights[3][BTF_MAX_DIRECTIONS]; /* components of the directions */
+    float lights[3][ENC_MAX_DIRECTIONS]; /* components of the directions */
     joint_error *sums;                   /* [view] */
 } measure_pass;
 
@@ -54,7 +54,7 @@ static void add_sbrdf(const measure_pass *pass, size_t view, size_t source, floa
     const joint_rows *rows = pass->rows;
     const enc_solution *s = pass->solution;
     const size_t row = rows->row, lights = row / 3;
-    float model[3 * BTF_MAX_DIRECTIONS];
+    float model[3 * ENC_MAX_DIRECTIONS];
     enc_sbrdf_evaluate(s->sbrdf, source, rows->data->views[view].xyz, (int)lights, pass->lights[0],
                        pass->lights[1], pass->lights[2], model);
     for (size_t p = 0; p < row; p++) {

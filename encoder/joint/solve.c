@@ -422,7 +422,7 @@ static void gather_block(void *user, size_t view, size_t first, size_t count, co
     const size_t row_right = enc_gemm_panels(row, ENC_GEMM_N) * ENC_GEMM_N;
     float *left = pass->scratch + enc_thread_index() * pass->scratch_pitch;
     float *right = left + JOINT_BLOCK * k_left, *scaled = right + JOINT_BLOCK * row_right;
-    float *rest = scaled + JOINT_BLOCK * k, front[3 * BTF_MAX_DIRECTIONS];
+    float *rest = scaled + JOINT_BLOCK * k, front[3 * ENC_MAX_DIRECTIONS];
     const uint32_t *match = model->match + view * model->texels + first;
     const uint8_t *code = model->gain + view * model->texels + first;
     for (size_t i = 0; i < count; i++) {

@@ -4,6 +4,7 @@
  */
 #include "decode_samples.h"
 
+#include "factor_profiles.h"
 #include "occlusion.h"
 
 #include <math.h>
@@ -21,7 +22,7 @@ struct enc_sample_decoder {
 btf_result enc_sample_decoder_create(const enc_context *context, const enc_data *data,
                                      const enc_solution *solution, enc_sample_decoder **out_decoder) {
     const size_t lights = (size_t)data->n_lights, texels = enc_solution_texels(solution);
-    const size_t k = solution->effects & BTF_EFFECT_RESIDUAL ? solution->n_components : 0;
+    const size_t k = solution->factors.units > 0 ? 0 : enc_solution_components(solution);
     *out_decoder = NULL;
     enc_sample_decoder *d = calloc(1, sizeof *d);
     if (!d) {
@@ -90,9 +91,10 @@ static void decode_centre(const enc_solution *s, size_t centre, size_t lights, f
     }
 }
 
-/* gain * m * (SBRDF * shadow + residual) of source texel `t` seen from `view`. */
+/* gain * m * (SBRDF * shadow + residual) of source texel `t` seen from `view`; `factors` [channel][light] is
+ * the residual of the other store, which has m in it, or NULL. */
 static void decode_source(const enc_sample_decoder *d, uint32_t effects, size_t t, size_t view, float gain,
-                          float *out) {
+                          const float *factors, float *out) {
     const enc_solution *s = d->solution;
     const size_t lights = (size_t)s->n_lights, n = 3 * lights;
     if (s->sbrdf) {
@@ -111,7 +113,7 @@ static void decode_source(const enc_sample_decoder *d, uint32_t effects, size_t 
             out[i] = 0;
         }
     }
-    if (effects & BTF_EFFECT_RESIDUAL) {
+    if (d->residual && effects & BTF_EFFECT_RESIDUAL) {
         const size_t k = s->n_components;
         for (size_t j = 0; j < k; j++) {
             const float u = s->residual_texels[t * k + j];
@@ -124,46 +126,83 @@ static void decode_source(const enc_sample_decoder *d, uint32_t effects, size_t 
     const bool square = s->domain == BTF_DOMAIN_SQRT;
     for (size_t channel = 0; channel < 3; channel++) {
         for (size_t l = 0; l < lights; l++) {
-            const float y = out[channel * lights + l] * d->cosine[l] * gain;
+            float y = out[channel * lights + l] * d->cosine[l];
+            y = (factors ? y + factors[channel * lights + l] : y) * gain;
             const float clamped = y >= 0x1p-30f ? fminf(y, 0x1p32f) : 0.0f;
             out[channel * lights + l] = square ? clamped * clamped : clamped;
         }
     }
 }
 
-static btf_result decode_view(const void *user, int view, float *out) {
-    const enc_decoded_samples *decoded = user;
+/* How one point (view, texel) is shown. */
+typedef struct point {
+    bool centre;   /* by a cluster centre, else by a source */
+    size_t source; /* texel */
+    float gain;
+} point;
+
+static point point_at(const enc_solution *s, uint32_t effects, size_t view, size_t texel) {
+    const size_t at = view * enc_solution_texels(s) + texel;
+    const int code = s->gain ? s->gain[at] : BTF_GAIN_ONE;
+    const bool hidden = (s->effects & BTF_EFFECT_HIDDEN) && code == 0;
+    point p = {.centre = hidden && (effects & BTF_EFFECT_HIDDEN), .source = texel, .gain = 1.0f};
+    if (!hidden && (effects & BTF_EFFECT_SHIFT)) {
+        p.source = enc_occlusion_source(s->width, s->height, texel, s->shift[2 * at], s->shift[2 * at + 1]);
+    }
+    if (!hidden && (effects & BTF_EFFECT_GAIN)) {
+        p.gain = (float)code * s->gain_scale;
+    }
+    return p;
+}
+
+/* Texels first .. first + count - 1 of a view. `residual` is room for the profiles of `factors`, or NULL. */
+static void decode_block(const enc_decoded_samples *decoded, size_t view, size_t first, size_t count,
+                         enc_factor_profiles *factors, float *residual, float *profile, float *out) {
     const enc_sample_decoder *d = decoded->decoder;
     const enc_solution *s = d->solution;
     const uint32_t effects = decoded->effects & s->effects;
     const size_t lights = (size_t)s->n_lights, texels = enc_solution_texels(s);
-    float *profile = malloc(3 * lights * sizeof *profile);
-    if (!profile) {
-        return BTF_ERROR_MEMORY;
+    point points[ENC_FACTOR_BLOCK];
+    size_t sources[ENC_FACTOR_BLOCK];
+    for (size_t i = 0; i < count; i++) {
+        points[i] = point_at(s, effects, view, first + i);
+        sources[i] = points[i].source;
     }
-    for (size_t t = 0; t < texels; t++) {
-        const size_t at = (size_t)view * texels + t;
-        const int code = s->gain ? s->gain[at] : BTF_GAIN_ONE;
-        const bool hidden = (s->effects & BTF_EFFECT_HIDDEN) && code == 0;
-        if (hidden && (effects & BTF_EFFECT_HIDDEN)) {
-            decode_centre(s, s->centre[at], lights, profile);
+    if (factors) {
+        enc_factor_profiles_get(factors, sources, count, residual);
+    }
+    for (size_t i = 0; i < count; i++) {
+        if (points[i].centre) {
+            decode_centre(s, s->centre[view * texels + first + i], lights, profile);
         } else {
-            size_t source = t;
-            if (!hidden && (effects & BTF_EFFECT_SHIFT)) {
-                source =
-                    enc_occlusion_source(s->width, s->height, t, s->shift[2 * at], s->shift[2 * at + 1]);
-            }
-            const float gain = !hidden && (effects & BTF_EFFECT_GAIN) ? (float)code * s->gain_scale : 1.0f;
-            decode_source(d, effects, source, (size_t)view, gain, profile);
+            decode_source(d, effects, sources[i], view, points[i].gain,
+                          factors ? residual + i * 3 * lights : NULL, profile);
         }
         for (size_t l = 0; l < lights; l++) {
             for (size_t channel = 0; channel < 3; channel++) {
-                out[(l * texels + t) * 3 + channel] = profile[channel * lights + l] * s->radiance_scale;
+                out[(l * texels + first + i) * 3 + channel] =
+                    profile[channel * lights + l] * s->radiance_scale;
             }
         }
     }
-    free(profile);
-    return BTF_OK;
+}
+
+static btf_result decode_view(const void *user, int view, float *out) {
+    const enc_decoded_samples *decoded = user;
+    const enc_solution *s = decoded->decoder->solution;
+    const size_t lights = (size_t)s->n_lights, texels = enc_solution_texels(s);
+    const bool has_factors = s->factors.units > 0 && decoded->effects & s->effects & BTF_EFFECT_RESIDUAL;
+    enc_factor_profiles *factors =
+        has_factors ? enc_factor_profiles_create(s, (size_t)view, s->factors.units) : NULL;
+    float *profiles = malloc((1 + ENC_FACTOR_BLOCK) * 3 * lights * sizeof *profiles);
+    const btf_result result = profiles && (factors || !has_factors) ? BTF_OK : BTF_ERROR_MEMORY;
+    for (size_t first = 0; result == BTF_OK && first < texels; first += ENC_FACTOR_BLOCK) {
+        const size_t count = texels - first < ENC_FACTOR_BLOCK ? texels - first : ENC_FACTOR_BLOCK;
+        decode_block(decoded, (size_t)view, first, count, factors, profiles + 3 * lights, profiles, out);
+    }
+    enc_factor_profiles_destroy(&factors);
+    free(profiles);
+    return result;
 }
 
 enc_image_source enc_decoded_images(const enc_decoded_samples *decoded) {

@@ -21,7 +21,13 @@ static btf_material_info describe(const enc_data *data, const enc_solution *s, c
     info.lobes = s->sbrdf ? (uint32_t)s->sbrdf->lobes : 0;
     info.effects = s->effects;
     info.centres = s->effects & BTF_EFFECT_HIDDEN ? s->n_centres : 0;
-    info.components = s->effects & BTF_EFFECT_RESIDUAL ? s->n_components : 0;
+    info.components = enc_solution_components(s);
+    info.blend = s->blend;
+    if (s->factors.units > 0) {
+        info.store = BTF_STORE_FACTORS;
+        info.horizon_scale = s->factors.horizon_scale;
+        memcpy(info.factor_classes, s->factors.classes, sizeof info.factor_classes);
+    }
     info.radiance_scale = s->radiance_scale;
     info.shadow_scale = s->effects & BTF_EFFECT_SHADOW ? s->shadow_scale : 1.0f / 255.0f;
     info.gain_scale = s->effects & BTF_EFFECT_GAIN ? s->gain_scale : BTF_GAIN_SCALE;
@@ -155,6 +161,18 @@ static void fill(const btf_material_info *info, const enc_solution *s, btf_textu
     case BTF_TEXTURE_RESIDUAL_SCALES:
         memcpy(out, s->residual_scales, s->n_components * sizeof(float));
         break;
+    case BTF_TEXTURE_FACTOR_TEXELS:
+        memcpy(out, s->factors.texels, shape->size);
+        break;
+    case BTF_TEXTURE_FACTOR_DIRECTIONS:
+        memcpy(out, s->factors.directions, shape->size);
+        break;
+    case BTF_TEXTURE_FACTOR_SCALES:
+        memcpy(out, s->factors.scales, shape->size);
+        break;
+    case BTF_TEXTURE_FACTOR_VIEWS:
+        memcpy(out, s->factors.views, shape->size);
+        break;
     default:
         assert(!"a table is not packed here");
     }
@@ -163,7 +181,7 @@ static void fill(const btf_material_info *info, const enc_solution *s, btf_textu
 /* The textures that one level has for itself; out [BTF_TEXTURE_COUNT] owns them. */
 static btf_result pack_level(const enc_context *context, const btf_material_info *info, uint32_t level,
                              const enc_solution *solution, void **out) {
-    for (int id = 0; id < BTF_TEXTURE_VIEW_TABLE; id++) {
+    for (int id = 0; id < BTF_TEXTURE_COUNT; id++) { /* of tables that are made later the shape is none */
         const btf_texture shape = btf_material_level_shape(info, level, (btf_texture_id)id);
         if (shape.format == BTF_FORMAT_NONE) {
             continue;
@@ -235,6 +253,7 @@ btf_result enc_pack(const enc_context *context, const enc_data *data, const enc_
     desc.between_error_count = options->between_error_count;
     desc.level_errors = options->level_errors;
     desc.level_error_count = options->level_error_count;
+    desc.preview = options->preview;
     result = btf_material_create(&desc, context ? &context->log : NULL, out_material);
 done:
     for (int i = 0; i < BTF_MAX_LEVELS * BTF_TEXTURE_COUNT; i++) {

@@ -23,6 +23,7 @@ typedef struct enc_pack_options {
     int levels;                /* 0 means 1 */
     const btf_level_error *level_errors;
     size_t level_error_count;
+    const uint16_t *preview; /* btf_material_desc.preview; NULL: none */
 } enc_pack_options;
 
 /* Lays the solution out in textures and makes the material. Directions come from `data`.

@@ -18,6 +18,7 @@ void enc_solution_clear(enc_solution *s) {
     free(s->residual_texels);
     free(s->residual_directions);
     free(s->residual_scales);
+    enc_store_clear(&s->factors);
     memset(s, 0, sizeof *s);
 }
 
@@ -31,6 +32,7 @@ enc_solution enc_level_of(const enc_solution *base, int width, int height) {
     level.gain = NULL;
     level.centre = NULL;
     level.residual_texels = NULL;
+    level.factors.texels = NULL;
     return level;
 }
 
@@ -38,6 +40,9 @@ void enc_level_clear(enc_solution *level) {
     level->centre_codes = NULL;
     level->residual_directions = NULL;
     level->residual_scales = NULL;
+    level->factors.directions = NULL;
+    level->factors.scales = NULL;
+    level->factors.views = NULL;
     enc_solution_clear(level);
 }
 

@@ -7,6 +7,7 @@
 #define OPENBTF_ENCODER_MODEL_SOLUTION_H
 
 #include "encoder/data/data.h"
+#include "factor_store.h"
 #include "sbrdf.h"
 #include <openbtf/material.h>
 
@@ -37,17 +38,25 @@ typedef struct enc_solution {
     int8_t *residual_directions; /* [view][light][channel][component] */
     float *residual_scales;      /* [component] */
     uint32_t n_components;
+    enc_factor_store factors; /* the residual in the other store; n_components is 0 then */
+    btf_blend blend;
 } enc_solution;
 
 static inline size_t enc_solution_texels(const enc_solution *s) {
     return (size_t)s->width * (size_t)s->height;
 }
 
+/* Components of the residual as FORMAT.md counts them: units, where its store is factors. */
+static inline uint32_t enc_solution_components(const enc_solution *s) {
+    return !(s->effects & BTF_EFFECT_RESIDUAL) ? 0 : s->factors.units > 0 ? s->factors.units : s->n_components;
+}
+
 /* Frees every array and the SBRDF, and zeroes the struct. */
 void enc_solution_clear(enc_solution *solution);
 
 /* Levels of detail have maps of texels of their own and share centre_codes, residual_directions,
- * residual_scales and every scale with level 0. An empty one of `base`, with pointers to what is shared: */
+ * residual_scales, factors but for their texels, and every scale with level 0. An empty one of `base`, with
+ * pointers to what is shared: */
 enc_solution enc_level_of(const enc_solution *base, int width, int height);
 /* Frees what belongs to the level alone. */
 void enc_level_clear(enc_solution *level);

@@ -122,6 +122,38 @@ static void unpack_residual_directions(const btf_material *material, enc_solutio
            k * sizeof(float));
 }
 
+static bool copy_texture(const btf_material *material, uint32_t level, btf_texture_id id, void **out) {
+    const btf_texture texture = btf_material_level_texture(material, level, id);
+    *out = malloc(texture.size);
+    if (*out) {
+        memcpy(*out, texture.data, texture.size);
+    }
+    return *out;
+}
+
+static bool unpack_factor_texels(const btf_material *material, uint32_t level, enc_solution *s) {
+    void *texels;
+    const bool ok = copy_texture(material, level, BTF_TEXTURE_FACTOR_TEXELS, &texels);
+    s->factors.texels = texels;
+    return ok;
+}
+
+/* Factors of level 0. */
+static bool unpack_factors(const btf_material *material, const btf_material_info *info, enc_solution *s) {
+    void *directions, *scales, *views;
+    s->factors = (enc_factor_store){.units = info->components,
+                               .layers = enc_store_layers(info->factor_classes),
+                               .horizon_scale = info->horizon_scale};
+    memcpy(s->factors.classes, info->factor_classes, sizeof s->factors.classes);
+    bool ok = copy_texture(material, 0, BTF_TEXTURE_FACTOR_DIRECTIONS, &directions);
+    ok = copy_texture(material, 0, BTF_TEXTURE_FACTOR_SCALES, &scales) && ok;
+    ok = copy_texture(material, 0, BTF_TEXTURE_FACTOR_VIEWS, &views) && ok;
+    s->factors.directions = directions;
+    s->factors.scales = scales;
+    s->factors.views = views;
+    return unpack_factor_texels(material, 0, s) && ok;
+}
+
 /* Room for the maps of texels. */
 static bool allocate_texels(const btf_material_info *info, enc_solution *s) {
     const size_t texels = enc_solution_texels(s), points = texels * info->n_views;
@@ -135,8 +167,8 @@ static bool allocate_texels(const btf_material_info *info, enc_solution *s) {
     if (info->effects & BTF_EFFECT_SHADOW) {
         ok = (s->shadow = calloc(texels, info->n_lights)) && ok;
     }
-    if (info->components > 0) {
-        ok = (s->residual_texels = calloc(texels, info->components)) && ok;
+    if (s->n_components > 0) {
+        ok = (s->residual_texels = calloc(texels, s->n_components)) && ok;
     }
     return ok;
 }
@@ -158,15 +190,19 @@ btf_result enc_unpack(const enc_context *context, const btf_material *material, 
                         .gain_scale = info.gain_scale,
                         .n_centres = info.centres,
                         .centre_scale = info.centre_scale,
-                        .n_components = info.components};
+                        .n_components = info.store == BTF_STORE_FACTORS ? 0 : info.components,
+                        .blend = info.blend};
     bool ok = allocate_texels(&info, s);
     if (info.centres > 0) {
         ok = (s->centre_codes = calloc((size_t)info.centres * info.n_lights, 3)) && ok;
     }
-    if (info.components > 0) {
-        ok = (s->residual_directions = calloc((size_t)info.n_views * info.n_lights * 3, info.components)) &&
+    if (s->n_components > 0) {
+        ok = (s->residual_directions = calloc((size_t)info.n_views * info.n_lights * 3, s->n_components)) &&
              ok;
-        ok = (s->residual_scales = calloc(info.components, sizeof *s->residual_scales)) && ok;
+        ok = (s->residual_scales = calloc(s->n_components, sizeof *s->residual_scales)) && ok;
+    }
+    if (info.store == BTF_STORE_FACTORS) {
+        ok = unpack_factors(material, &info, s) && ok;
     }
     if (!ok) {
         enc_solution_clear(s);
@@ -183,7 +219,7 @@ btf_result enc_unpack(const enc_context *context, const btf_material *material, 
     } else {
         memset(s->gain, BTF_GAIN_ONE, enc_solution_texels(s) * info.n_views);
     }
-    if (info.components > 0) {
+    if (s->n_components > 0) {
         unpack_residual_texels(material, 0, s);
         unpack_residual_directions(material, s);
     }
@@ -199,7 +235,8 @@ btf_result enc_unpack_level(const enc_context *context, const btf_material *mate
     }
     *s =
         enc_level_of(base, (int)btf_level_size(info.width, level), (int)btf_level_size(info.height, level));
-    if (!allocate_texels(&info, s)) {
+    const bool factors = info.store == BTF_STORE_FACTORS;
+    if (!allocate_texels(&info, s) || (factors && !unpack_factor_texels(material, level, s))) {
         enc_level_clear(s);
         return enc_fail(context, BTF_ERROR_MEMORY, "unpacking: out of memory");
     }
@@ -207,7 +244,7 @@ btf_result enc_unpack_level(const enc_context *context, const btf_material *mate
         unpack_sbrdf(&info, btf_material_level_texture(material, level, BTF_TEXTURE_SBRDF).data, s->sbrdf);
     }
     unpack_tight(material, level, s);
-    if (info.components > 0) {
+    if (s->n_components > 0) {
         unpack_residual_texels(material, level, s);
     }
     return BTF_OK;

@@ -23,7 +23,7 @@ double enc_paper_texel_error(const enc_data *data, const enc_solution *s, const 
                              uint32_t effects, double peak, size_t texel, const float *samples,
                              float *model) {
     const size_t texels = enc_data_texel_count(data), n = (size_t)data->n_lights;
-    float x[BTF_MAX_DIRECTIONS], y[BTF_MAX_DIRECTIONS], z[BTF_MAX_DIRECTIONS];
+    float x[ENC_MAX_DIRECTIONS], y[ENC_MAX_DIRECTIONS], z[ENC_MAX_DIRECTIONS];
     double sum = 0.0;
     for (size_t l = 0; l < n; l++) {
         x[l] = data->lights[l].xyz[0];

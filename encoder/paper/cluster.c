@@ -52,8 +52,8 @@ void enc_cluster_shares(int n_views, const size_t *hidden, const size_t *distinc
     const size_t k = k_total < all_distinct ? k_total : all_distinct;
     if (k == 0)
         return;
-    double left[256];
-    assert(n_views <= 256);
+    double left[ENC_MAX_DIRECTIONS];
+    assert(n_views <= ENC_MAX_DIRECTIONS);
     size_t dealt = 0;
     if (k < active) { /* one each, to those with most */
         for (int v = 0; v < n_views; v++)

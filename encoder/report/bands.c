@@ -9,8 +9,8 @@
 #include <math.h>
 
 enc_bands enc_bands_make(const enc_direction *directions, int count) {
-    double theta[256];
-    int ring_of[256];
+    double theta[ENC_MAX_DIRECTIONS];
+    int ring_of[ENC_MAX_DIRECTIONS];
     const int rings = enc_rings(directions, count, theta, ring_of);
     enc_bands b = {.count = rings < BTF_MAX_BANDS ? rings : BTF_MAX_BANDS};
     for (int i = 1; i < b.count; i++) {
@@ -22,7 +22,7 @@ enc_bands enc_bands_make(const enc_direction *directions, int count) {
 }
 
 int enc_bands_members(const enc_bands *bands, int band, const enc_direction *directions, int count,
-                      int out_members[256]) {
+                      int out_members[ENC_MAX_DIRECTIONS]) {
     int n = 0;
     for (int i = 0; i < count; i++) {
         if (directions[i].theta >= bands->limit[band] - 1e-3 &&

@@ -26,10 +26,10 @@ static btf_result measure_one(const job *j, size_t index, double *sums) {
     const size_t texel = first + enc_mix(index) % ((index + 1) * count / j->draws - first);
     float *buffer = malloc(enc_data_texel_stride(j->data) * sizeof *buffer);
     const float *samples;
-    const btf_result result =
+    btf_result result =
         buffer ? enc_data_texels(j->context, j->data, texel, 1, buffer, &samples) : BTF_ERROR_MEMORY;
     if (result == BTF_OK)
-        j->measure(j->user, index, texel, samples, sums);
+        result = j->measure(j->user, index, texel, samples, sums);
     free(buffer);
     return result;
 }

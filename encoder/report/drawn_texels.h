@@ -19,12 +19,13 @@ static inline uint64_t enc_mix(uint64_t x) {
 
 /* Adds what draw `index` contributes to its sums. samples: all of the texel (enc_data_texels). Called from
  * several threads at once. */
-typedef void enc_measure_texel(const void *user, size_t index, size_t texel, const float *samples,
-                               double *sums);
+typedef btf_result enc_measure_texel(const void *user, size_t index, size_t texel, const float *samples,
+                                     double *sums);
 
 /* Draws `draws` texels, one of each of as many equal parts of the data, and adds the `length` sums of each
  * to total[length], in the order of the draws. Shared by the ranks; all have the totals after it. draws: 1
- * .. number of texels. Errors: BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED, those of enc_data_texels. */
+ * .. number of texels. Errors: BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED, those of enc_data_texels and of
+ * `measure`. */
 btf_result enc_drawn_texels_sum(const enc_context *context, const enc_data *data, size_t draws,
                                 size_t length, enc_measure_texel *measure, const void *user, double *total);
 

@@ -5,12 +5,12 @@
 #include "effect_errors.h"
 
 #include "bands.h"
-#include "decoder/toolkit/reference_view.h"
 #include "drawn_texels.h"
 #include "encoder/base/ranks.h"
 #include "encoder/base/stage.h"
 #include "encoder/data/level_filter.h"
 #include "encoder/math/srgb.h"
+#include "encoder/model/evaluator.h"
 #include "metrics.h"
 #include "report.h"
 
@@ -19,7 +19,7 @@
 #include <string.h>
 
 enum {
-    MOST_VARIANTS = 1024,
+    MOST_VARIANTS = 32 * 5, /* subsets of effects, kinds */
     MOST_TEXELS = 512,
     MOST_PAIRS = 16,
     LEAST_EVALUATIONS = 200000,
@@ -34,24 +34,35 @@ enum {
 /* Column 3 of a row. */
 typedef enum kind { INTERPOLATED, NEAREST, AT_SAMPLES, VIEW_AT_SAMPLE, LIGHT_AT_SAMPLE, KINDS } kind;
 
-/* One variant of decoding: a subset of effects, a number of components, a kind of directions. */
+enum { MOST_COUNTS = 16 };
+
+/* Variants of decoding that one evaluation gives: a subset of effects, a kind of directions, and falling
+ * numbers of components. */
 typedef struct variant {
-    btf_ref_options options;
+    btf_ref_options options; /* but for the components */
     kind kind;
-    double gpu_bytes;
+    uint32_t components[MOST_COUNTS];
+    double gpu_bytes[MOST_COUNTS];
+    size_t count, first; /* of components; first: number of its first row */
 } variant;
+
+/* The row of a variant with its i-th number of components: rows of all kinds stand together. */
+static size_t row_of(const variant *v, size_t i) {
+    return v->first + i * KINDS;
+}
 
 typedef struct job {
     const enc_context *context;
     const enc_data *data;
-    btf_ref_material material;
+    enc_evaluator *evaluator;
+    const btf_ref_material *material; /* of the evaluator */
     enc_bands views, lights;
     variant *variants;
-    size_t n_variants, cells;
-    btf_ref_options full; /* everything: effects and components of the file */
+    size_t n_variants, n_rows, cells;
+    uint32_t all_effects; /* of the file */
     size_t texels, pairs; /* of the level at hand; pairs: directions a texel and pair of bands */
     const btf_material *packed;
-    float *rows; /* of the levels so far */
+    float *rows; /* of the level at hand */
 } job;
 
 /* Effects that change anything: without an SBRDF and without a residual, sources are black. */
@@ -65,43 +76,45 @@ static uint32_t effective(const btf_material_info *info, uint32_t effects) {
     return effects;
 }
 
-static void add_way(job *j, const btf_material_info *info, uint32_t effects, uint32_t components) {
-    btf_material_info reduced = *info;
-    reduced.components = components;
+static void add_way(job *j, const btf_material_info *info, uint32_t effects, const uint32_t *components,
+                    size_t count) {
     for (int kind = INTERPOLATED; kind < KINDS; kind++) {
         const int interpolation = kind == NEAREST || kind == AT_SAMPLES ? BTF_REF_NEAREST : BTF_REF_LINEAR;
-        j->variants[j->n_variants++] =
-            (variant){.options = {.effects = effects,
-                                  .components = components,
-                                  .interpolation = interpolation,
-                                  .filter = BTF_REF_TEXEL},
-                      .kind = (enum kind)kind,
-                      .gpu_bytes = (double)enc_report_gpu_bytes(&reduced, effects)};
+        variant *v = &j->variants[j->n_variants++];
+        *v = (variant){.options = {.effects = effects, .interpolation = interpolation, .filter = BTF_REF_TEXEL},
+                       .kind = (enum kind)kind,
+                       .count = count,
+                       .first = j->n_rows + (size_t)kind};
+        for (size_t i = 0; i < count; i++) {
+            v->components[i] = components[i];
+            v->gpu_bytes[i] = (double)enc_report_gpu_bytes_part(info, effects, components[i]);
+        }
     }
+    j->n_rows += count * KINDS;
 }
 
 /* All subsets of the effects present; of the residual all components, three quarters, a half, ... an
- * eighth, and 8 and 4, in whole groups of four. */
+ * eighth, and 8 and 4, in whole groups of four; of factors as many units, one at the least. */
 static void make_variants(job *j, const btf_material_info *info) {
+    const uint32_t group = info->store == BTF_STORE_FACTORS ? 1 : 4;
     for (uint32_t effects = 0; effects <= info->effects; effects++) {
         if ((effects & ~info->effects) || effective(info, effects) != effects) {
             continue;
         }
-        if (!(effects & BTF_EFFECT_RESIDUAL)) {
-            add_way(j, info, effects, 0);
-            continue;
-        }
-        const uint32_t k = info->components;
-        const uint32_t some[] = {
-            k, k > 4 ? k - 4 : 0, 7 * k / 8, 3 * k / 4, k / 2, 3 * k / 8, k / 4, k / 8, 8, 4};
-        uint32_t last = UINT32_MAX;
-        for (size_t i = 0; i < sizeof some / sizeof *some; i++) {
-            const uint32_t components = i == 0 ? k : (some[i] + 3) / 4 * 4;
-            if (components < last && components > 0) {
-                add_way(j, info, effects, components);
-                last = components;
+        uint32_t list[MOST_COUNTS] = {0};
+        size_t count = 0;
+        if (effects & BTF_EFFECT_RESIDUAL) {
+            const uint32_t k = info->components;
+            const uint32_t some[] = {k,         k > group ? k - group : 0, 7 * k / 8, 3 * k / 4, k / 2, 3 * k / 8,
+                                     k / 4, k / 8,                     2 * group, group};
+            for (size_t i = 0; i < sizeof some / sizeof *some; i++) {
+                const uint32_t components = i == 0 ? k : (some[i] + group - 1) / group * group;
+                if (components > 0 && (count == 0 || components < list[count - 1])) {
+                    list[count++] = components;
+                }
             }
         }
+        add_way(j, info, effects, list, count > 0 ? count : 1);
     }
 }
 
@@ -122,7 +135,7 @@ static void pick(const enc_bands *b, int band, uint64_t seed, float out[3]) {
 /* One of the sampled directions of a band. */
 static void pick_sample(const enc_bands *b, int band, const enc_direction *directions, int count,
                         uint64_t seed, float out[3]) {
-    int inside[256];
+    int inside[ENC_MAX_DIRECTIONS];
     const int n = enc_bands_members(b, band, directions, count, inside);
     memcpy(out, directions[n > 0 ? inside[enc_mix(seed) % (uint64_t)n] : 0].xyz, 3 * sizeof *out);
 }
@@ -161,33 +174,43 @@ typedef struct pair {
 } pair;
 
 static void look_up_pair(const job *j, const float *profiles, pair *p) {
-    p->views = look_up(j->material.view_table, j->material.view_grid, p->view);
-    p->lights = look_up(j->material.light_table, j->material.light_grid, p->light);
+    p->views = look_up(j->material->view_table, j->material->view_grid, p->view);
+    p->lights = look_up(j->material->light_table, j->material->light_grid, p->light);
     interpolate(j->data, profiles, &p->views, &p->lights, p->truth);
 }
 
 /* One texel under a pair of directions for each kind: adds squared errors, linear and sRGB-coded, of each
- * variant: sum[variant][cell][2]. */
-static void measure_pair(const job *j, size_t texel, const pair pairs[KINDS], double *sum) {
-    const uint32_t column = (uint32_t)texel % j->material.width, row = (uint32_t)texel / j->material.width;
+ * row: sum[row][cell][2]. */
+static void measure_pair(const job *j, const enc_evaluated_texel *texel, const pair pairs[KINDS], double *sum) {
     for (size_t w = 0; w < j->n_variants; w++) {
-        const pair *p = &pairs[j->variants[w].kind];
-        float rgb[3];
-        btf_ref_evaluate_neighbours(&j->material, &j->variants[w].options, column, row, &p->lights,
-                                    &p->views, p->light, p->view, rgb);
+        const variant *v = &j->variants[w];
+        const pair *p = &pairs[v->kind];
+        const enc_evaluated_at at = {&p->lights, &p->views, p->light, p->view};
+        float rgb[MOST_COUNTS][3], truth[3];
+        enc_evaluate(texel, &v->options, &at, v->components, v->count, rgb);
         for (int c = 0; c < 3; c++) {
-            const double linear = (double)clip(rgb[c]) - clip(p->truth[c]);
-            const double srgb = (double)enc_srgb_encode(rgb[c]) - enc_srgb_encode(p->truth[c]);
-            sum[2 * w * j->cells] += linear * linear;
-            sum[2 * w * j->cells + 1] += srgb * srgb;
+            truth[c] = enc_srgb_encode(p->truth[c]);
+        }
+        for (size_t i = 0; i < v->count; i++) {
+            double *of_row = sum + 2 * row_of(v, i) * j->cells;
+            for (int c = 0; c < 3; c++) {
+                const double linear = (double)clip(rgb[i][c]) - clip(p->truth[c]);
+                const double srgb = (double)enc_srgb_encode(rgb[i][c]) - truth[c];
+                of_row[0] += linear * linear;
+                of_row[1] += srgb * srgb;
+            }
         }
     }
 }
 
-/* All pairs of directions of one texel: sum[variant][cell][2]. */
-static void measure_texel(const void *user, size_t index, size_t texel, const float *profiles,
-                          double *sum) {
+/* All pairs of directions of one texel: sum[row][cell][2]. Errors: BTF_ERROR_MEMORY. */
+static btf_result measure_texel(const void *user, size_t index, size_t texel, const float *profiles,
+                                double *sum) {
     const job *j = user;
+    enc_evaluated_texel *evaluated = enc_evaluated_texel_create(j->evaluator, texel);
+    if (!evaluated) {
+        return BTF_ERROR_MEMORY;
+    }
     for (size_t cell = 0; cell < j->cells; cell++) {
         for (size_t p = 0; p < j->pairs; p++) {
             const uint64_t seed = enc_mix((index * j->cells + cell) * j->pairs + p);
@@ -205,17 +228,19 @@ static void measure_texel(const void *user, size_t index, size_t texel, const fl
                 memcpy(pairs[kind].light, at_light ? at.light : between.light, sizeof at.light);
                 look_up_pair(j, profiles, &pairs[kind]);
             }
-            measure_pair(j, texel, pairs, sum + 2 * cell);
+            measure_pair(j, evaluated, pairs, sum + 2 * cell);
         }
     }
+    enc_evaluated_texel_destroy(&evaluated);
+    return BTF_OK;
 }
 
-/* Texels and pairs of directions so that all variants take at most `evaluations`; halved so many times. */
+/* Texels and pairs of directions so that all rows take at most `evaluations`; halved so many times. */
 static void choose_samples(job *j, size_t evaluations, int halvings) {
     const size_t count = enc_data_texel_count(j->data);
     const size_t samples = count * (size_t)j->data->n_views * (size_t)j->data->n_lights;
     const size_t enough = samples / 2 > LEAST_EVALUATIONS ? samples / 2 : LEAST_EVALUATIONS;
-    size_t each = (enough < evaluations ? enough : evaluations) / (j->n_variants * j->cells);
+    size_t each = (enough < evaluations ? enough : evaluations) / (j->n_rows * j->cells);
     each = (each > CELL_SAMPLES ? CELL_SAMPLES : each) >> halvings;
     each = each < 16 ? 16 : each;
     j->texels = count < MOST_TEXELS ? count : MOST_TEXELS;
@@ -228,10 +253,10 @@ static void choose_samples(job *j, size_t evaluations, int halvings) {
     }
 }
 
-/* Mean squared errors of some variants: out[variant][cell][2]. Errors: BTF_ERROR_MEMORY, those of the data.
+/* Mean squared errors of some variants: out[row][cell][2]. Errors: BTF_ERROR_MEMORY, those of the data.
  */
 static btf_result measure_means(const job *j, double **out) {
-    const size_t length = 2 * j->n_variants * j->cells;
+    const size_t length = 2 * j->n_rows * j->cells;
     *out = calloc(length, sizeof **out);
     btf_result result = enc_ranks_agree(j->context, *out ? BTF_OK : BTF_ERROR_MEMORY);
     if (result == BTF_OK)
@@ -248,20 +273,22 @@ static btf_result measure_means(const job *j, double **out) {
 static btf_result correct_by_full(const job *all, double *mean) {
     job j = *all;
     variant full[KINDS];
-    size_t index[KINDS];
+    size_t row[KINDS];
     double *better = NULL;
     j.variants = full;
     j.n_variants = 0;
     for (size_t w = 0; w < all->n_variants && j.n_variants < KINDS; w++) {
-        if (all->variants[w].options.effects == all->full.effects &&
-            all->variants[w].options.components == all->full.components) {
-            index[j.n_variants] = w;
-            full[j.n_variants++] = all->variants[w];
+        if (all->variants[w].options.effects == all->all_effects) {
+            row[j.n_variants] = all->variants[w].first;
+            full[j.n_variants] = all->variants[w];
+            full[j.n_variants].first = j.n_variants;
+            full[j.n_variants++].count = 1;
         }
     }
     if (j.n_variants < KINDS) {
         return BTF_OK;
     }
+    j.n_rows = j.n_variants;
     choose_samples(&j, MOST_OF_FULL, 0);
     if (j.texels * j.pairs <= all->texels * all->pairs) {
         return BTF_OK;
@@ -269,14 +296,14 @@ static btf_result correct_by_full(const job *all, double *mean) {
     const btf_result result = measure_means(&j, &better);
     for (size_t k = 0; result == BTF_OK && k < KINDS; k++) {
         for (size_t i = 0; i < 2 * j.cells; i++) {
-            const double step = better[2 * k * j.cells + i] - mean[2 * index[k] * j.cells + i];
+            const double step = better[2 * k * j.cells + i] - mean[2 * row[k] * j.cells + i];
             for (size_t w = 0; w < all->n_variants; w++) {
-                double *m = &mean[2 * w * j.cells + i];
-                if (all->variants[w].kind == full[k].kind && w != index[k]) {
-                    *m = fmax(*m + step, *m / 4);
+                const variant *v = &all->variants[w];
+                for (size_t n = 0; v->kind == full[k].kind && n < v->count; n++) {
+                    double *m = &mean[2 * row_of(v, n) * j.cells + i];
+                    *m = row_of(v, n) == row[k] ? *m + step : fmax(*m + step, *m / 4);
                 }
             }
-            mean[2 * index[k] * j.cells + i] += step;
         }
     }
     free(better);
@@ -288,30 +315,45 @@ static size_t steps_of(int level) {
     return (size_t)1 << (BTF_MAX_LEVELS - level);
 }
 
+static void write_rows(const job *j, const variant *v, int level, const double *mean) {
+    for (size_t n = 0; n < v->count; n++) {
+        const double *of_row = mean + 2 * row_of(v, n) * j->cells;
+        float *row = j->rows + row_of(v, n) * (ROW_HEAD + 2 * j->cells);
+        *row++ = (float)v->options.effects;
+        *row++ = (float)v->components[n];
+        *row++ = (float)v->kind;
+        *row++ = (float)level;
+        *row++ = (float)v->gpu_bytes[n];
+        for (size_t i = 0; i < 2 * j->cells; i++) {
+            *row++ = fminf((float)of_row[i], 1.0f);
+        }
+    }
+}
+
 /* Measures all variants in a level (an enc_level_fn) and writes their rows. */
 static btf_result measure_level(void *user, int level, const enc_data *data) {
     job *j = user;
     double *mean = NULL;
     j->data = data;
-    reference_view(j->packed, (uint32_t)level, &j->material);
-    choose_samples(j, MOST_EVALUATIONS, level);
-    btf_result result = measure_means(j, &mean);
+    btf_result result = enc_evaluator_create(j->context, j->packed, (uint32_t)level, &j->evaluator);
+    result = enc_ranks_agree(j->context, result);
+    if (result == BTF_OK) {
+        j->material = enc_evaluator_reference(j->evaluator);
+        choose_samples(j, MOST_EVALUATIONS, level);
+        result = measure_means(j, &mean);
+    }
     if (result == BTF_OK) {
         result = correct_by_full(j, mean);
     }
     enc_stage_step(j->context, steps_of(level));
     for (size_t w = 0; result == BTF_OK && w < j->n_variants; w++) {
-        const btf_ref_options *o = &j->variants[w].options;
-        *j->rows++ = (float)o->effects;
-        *j->rows++ = (float)o->components;
-        *j->rows++ = (float)j->variants[w].kind;
-        *j->rows++ = (float)level;
-        *j->rows++ = (float)j->variants[w].gpu_bytes;
-        for (size_t i = 0; i < 2 * j->cells; i++) {
-            *j->rows++ = fminf((float)mean[2 * w * j->cells + i], 1.0f);
-        }
+        write_rows(j, &j->variants[w], level, mean);
+    }
+    if (result == BTF_OK) {
+        j->rows += j->n_rows * (ROW_HEAD + 2 * j->cells);
     }
     free(mean);
+    enc_evaluator_destroy(&j->evaluator);
     return result;
 }
 
@@ -329,14 +371,14 @@ btf_result enc_effect_errors(const enc_context *context, const enc_data *data, c
              .views = enc_bands_make(data->views, data->n_views),
              .lights = enc_bands_make(data->lights, data->n_lights)};
     j.cells = (size_t)j.views.count * (size_t)j.lights.count;
-    j.full = (btf_ref_options){.effects = info.effects, .components = info.components};
+    j.all_effects = info.effects;
     j.variants = calloc(MOST_VARIANTS, sizeof *j.variants);
     float *values = NULL;
     size_t count = 0;
     if (j.variants) {
         make_variants(&j, &info);
         count = 4 + (size_t)(j.views.count + j.lights.count) +
-                info.levels * j.n_variants * (ROW_HEAD + 2 * j.cells);
+                info.levels * j.n_rows * (ROW_HEAD + 2 * j.cells);
         values = malloc(count * sizeof *values);
     }
     if (!values) {

@@ -4,12 +4,12 @@
  */
 #include "leave_one_out.h"
 
-#include "decoder/toolkit/reference_view.h"
 #include "drawn_texels.h"
 #include "encoder/base/ranks.h"
 #include "encoder/base/stage.h"
 #include "encoder/between/left_out.h"
 #include "encoder/math/srgb.h"
+#include "encoder/model/evaluator.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -20,15 +20,15 @@ enum { SUMS = 4 };
 /* The directions of a band that are drawn from: those that can be left out, or where there are none, all.
  */
 typedef struct pool {
-    int count, member[256]; /* in the list */
+    int count, member[ENC_MAX_DIRECTIONS]; /* in the list */
     bool can_leave;         /* `near` says what the others have in their place */
-    btf_ref_neighbours near[256];
+    btf_ref_neighbours near[ENC_MAX_DIRECTIONS];
 } pool;
 
 typedef struct job {
     const enc_context *context;
     const enc_data *data;
-    const btf_ref_material *material; /* or NULL */
+    const enc_evaluator *material; /* or NULL */
     int view_bands, light_bands;
     size_t cells; /* pairs of bands */
     pool views[BTF_MAX_BANDS], lights[BTF_MAX_BANDS];
@@ -84,22 +84,23 @@ static void interpolate(const enc_data *data, const float *samples, const pair *
 }
 
 /* One sample, predicted: sum[0..1] of the data, sum[2..3] of the material. */
-static void measure_pair(const job *j, uint32_t texel, const float *samples, const pair *p, double *sum) {
+static void measure_pair(const job *j, const enc_evaluated_texel *texel, const float *samples, const pair *p,
+                         double *sum) {
+    static const uint32_t all = UINT32_MAX;
     static const btf_ref_options everything = {.effects = BTF_EFFECT_ALL,
-                                               .components = UINT32_MAX,
                                                .interpolation = BTF_REF_LINEAR,
                                                .filter = BTF_REF_TEXEL};
     const enc_data *data = j->data;
     const pair at = {.views = only(p->view), .lights = only(p->light)};
-    float truth[3], found[3];
+    float truth[3], found[1][3];
     interpolate(data, samples, &at, truth);
-    interpolate(data, samples, p, found);
-    add_error(truth, found, sum);
-    if (j->material) {
-        const uint32_t width = j->material->width;
-        btf_ref_evaluate_neighbours(j->material, &everything, texel % width, texel / width, &p->lights,
-                                    &p->views, data->lights[p->light].xyz, data->views[p->view].xyz, found);
-        add_error(truth, found, sum + 2);
+    interpolate(data, samples, p, found[0]);
+    add_error(truth, found[0], sum);
+    if (texel) {
+        const enc_evaluated_at directions = {&p->lights, &p->views, data->lights[p->light].xyz,
+                                             data->views[p->view].xyz};
+        enc_evaluate(texel, &everything, &directions, &all, 1, found);
+        add_error(truth, found[0], sum + 2);
     }
 }
 
@@ -118,8 +119,8 @@ static pair pick_pair(const job *j, size_t cell, uint64_t seed) {
 }
 
 /* One texel in one pair of bands: sums[left out][SUMS]. */
-static void measure_cell(const job *j, uint32_t texel, const float *samples, size_t cell, uint64_t seed,
-                         double *sums, size_t stride) {
+static void measure_cell(const job *j, const enc_evaluated_texel *texel, const float *samples, size_t cell,
+                         uint64_t seed, double *sums, size_t stride) {
     const pool *views = &j->views[cell / (size_t)j->light_bands];
     const pool *lights = &j->lights[cell % (size_t)j->light_bands];
     for (size_t n = 0; n < j->pairs; n++) {
@@ -135,14 +136,19 @@ static void measure_cell(const job *j, uint32_t texel, const float *samples, siz
     }
 }
 
-/* All pairs of one texel: sums[left out][cell][SUMS]. */
-static void measure_texel(const void *user, size_t index, size_t texel, const float *samples,
-                          double *sums) {
+/* All pairs of one texel: sums[left out][cell][SUMS]. Errors: BTF_ERROR_MEMORY. */
+static btf_result measure_texel(const void *user, size_t index, size_t texel, const float *samples,
+                                double *sums) {
     const job *j = user;
+    enc_evaluated_texel *evaluated = j->material ? enc_evaluated_texel_create(j->material, texel) : NULL;
+    if (j->material && !evaluated)
+        return BTF_ERROR_MEMORY;
     for (size_t cell = 0; cell < j->cells; cell++)
-        measure_cell(j, (uint32_t)texel, samples, cell, (index * j->cells + cell) * j->pairs,
-                     sums + cell * SUMS, j->cells * SUMS);
+        measure_cell(j, evaluated, samples, cell, (index * j->cells + cell) * j->pairs, sums + cell * SUMS,
+                     j->cells * SUMS);
     enc_stage_step(j->context, 1);
+    enc_evaluated_texel_destroy(&evaluated);
+    return BTF_OK;
 }
 
 static void add_mean(enc_left_out_errors *to, const enc_left_out_errors *from, double share) {
@@ -190,7 +196,7 @@ static btf_result make_pools(const enc_context *context, const enc_direction *di
     btf_result result = left ? enc_left_out_make(context, directions, count, left) : BTF_ERROR_MEMORY;
     for (int b = 0; result == BTF_OK && b < bands->count; b++) {
         pool *p = &pools[b];
-        int member[256], n = enc_bands_members(bands, b, directions, count, member);
+        int member[ENC_MAX_DIRECTIONS], n = enc_bands_members(bands, b, directions, count, member);
         for (int i = 0; i < left->count; i++) {
             for (int k = 0; k < n; k++) {
                 if (member[k] == left->index[i]) {
@@ -236,19 +242,21 @@ static btf_result measure_all(job *j, enc_leave_one_out *out) {
 
 btf_result enc_leave_one_out_measure(const enc_context *context, const enc_data *data,
                                      const btf_material *material, enc_leave_one_out *out) {
-    btf_ref_material reference;
-    btf_result result = BTF_ERROR_MEMORY;
+    enc_evaluator *evaluator = NULL;
     job *j = calloc(1, sizeof *j);
     *out = (enc_leave_one_out){.view_bands = enc_bands_make(data->views, data->n_views),
                                .light_bands = enc_bands_make(data->lights, data->n_lights)};
-    if (material)
-        reference_view(material, 0, &reference);
-    if (j) {
+    btf_result result = j ? BTF_OK : BTF_ERROR_MEMORY;
+    if (j && material)
+        result = enc_evaluator_create(context, material, 0, &evaluator);
+    result = enc_ranks_agree(context, result);
+    if (result == BTF_OK) {
         j->context = context;
         j->data = data;
-        j->material = material ? &reference : NULL;
+        j->material = evaluator;
         result = measure_all(j, out);
     }
+    enc_evaluator_destroy(&evaluator);
     free(j);
     return result == BTF_ERROR_MEMORY ? enc_fail(context, result, "leave one out: out of memory") : result;
 }

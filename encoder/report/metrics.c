@@ -100,7 +100,7 @@ btf_result enc_metrics_compare(const enc_context *context, const enc_data *shape
     const int views = shape->n_views, lights = shape->n_lights;
     enc_error_sum *error = calloc((size_t)views * (size_t)lights, sizeof *error);
     double *ssim = calloc((size_t)views, sizeof *ssim);
-    int view_ring_of[256], light_ring_of[256];
+    int view_ring_of[BTF_MAX_DIRECTIONS], light_ring_of[BTF_MAX_DIRECTIONS];
     btf_result result = error && ssim ? BTF_OK : BTF_ERROR_MEMORY;
     const int threads = enc_memory_threads(context, 2 * enc_data_texel_count(shape) *
                                                         (uint64_t)shape->n_lights * 3 * sizeof(float));

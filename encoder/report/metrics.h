@@ -9,6 +9,7 @@
 #include "decoder/toolkit/json.h"
 #include "encoder/data/images.h"
 #include "encoder/model/solution.h"
+#include <openbtf/material.h>
 
 /* Squared errors of values clipped to [0, 1]: linear, and after sRGB coding. */
 typedef struct enc_error_sum {
@@ -22,8 +23,8 @@ typedef struct enc_metrics {
     double ssim; /* mean over images; sRGB-coded luminance, Gaussian window (Wang et al. 2004), periodic
                     edges */
     int n_view_rings, n_light_rings;
-    double view_ring_theta[256], light_ring_theta[256]; /* degrees */
-    enc_error_sum view_ring[256], light_ring[256];
+    double view_ring_theta[BTF_MAX_DIRECTIONS], light_ring_theta[BTF_MAX_DIRECTIONS]; /* degrees */
+    enc_error_sum view_ring[BTF_MAX_DIRECTIONS], light_ring[BTF_MAX_DIRECTIONS];
 } enc_metrics;
 
 /* PSNR in dB with peak 1; 100 for an error of zero. */

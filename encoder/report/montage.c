@@ -69,8 +69,8 @@ static void draw_error(enc_canvas *canvas, int x, int y, int zoom, const enc_dat
 
 btf_result enc_montage_write(const enc_context *context, const enc_data *shape, int count,
                              const enc_montage_column *columns, const char *path) {
-    double theta[256];
-    int ring_of[256];
+    double theta[ENC_MAX_DIRECTIONS];
+    int ring_of[ENC_MAX_DIRECTIONS];
     const int rings = enc_rings(shape->views, shape->n_views, theta, ring_of);
     const int light = enc_nearest_direction(shape->lights, shape->n_lights, 45, 60);
     const int zoom = zoom_for(shape), cell_h = shape->height * zoom + GAP;

@@ -29,7 +29,11 @@ size_t enc_report_gpu_bytes(const btf_material_info *info, uint32_t effects) {
     reduced.effects &= effects;
     const size_t texels = (size_t)info->width * info->height;
     size_t bytes = 0;
-    for (int id = 0; id < BTF_TEXTURE_RESIDUAL_SCALES; id++) {
+    for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
+        if (id == BTF_TEXTURE_RESIDUAL_SCALES || id == BTF_TEXTURE_FACTOR_SCALES ||
+            id == BTF_TEXTURE_FACTOR_VIEWS) {
+            continue; /* tables */
+        }
         if (id == BTF_TEXTURE_MAPS && info->layout == BTF_LAYOUT_PAPER &&
             reduced.effects != info->effects) {
             bytes += reduced.effects & BTF_EFFECT_SHADOW ? texels * info->n_lights : 0;
@@ -42,6 +46,15 @@ size_t enc_report_gpu_bytes(const btf_material_info *info, uint32_t effects) {
         }
     }
     return bytes;
+}
+
+size_t enc_report_gpu_bytes_part(const btf_material_info *info, uint32_t effects, uint32_t components) {
+    btf_material_info part = *info;
+    part.components = components;
+    if (info->store == BTF_STORE_FACTORS) {
+        enc_store_truncate(info->factor_classes, components, part.factor_classes);
+    }
+    return enc_report_gpu_bytes(&part, effects);
 }
 
 static btf_result measure(const enc_context *context, const enc_data *data,

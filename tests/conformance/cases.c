@@ -52,7 +52,7 @@ static void from_angles(double theta, double phi, float out[3]) {
 static void on_edge(random_state *r, const btf_directions *list, float out[3]) {
     uint32_t a, b;
     if (list->triangle_count > 0 && random_below(r, 3)) {
-        const uint8_t *triangle = list->triangles + 3 * (size_t)random_below(r, list->triangle_count);
+        const uint16_t *triangle = list->triangles + 3 * (size_t)random_below(r, list->triangle_count);
         uint32_t corner = random_below(r, 3);
         a = triangle[corner];
         b = triangle[(corner + 1) % 3];

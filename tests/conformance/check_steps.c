@@ -7,6 +7,7 @@
 #include "decoder/toolkit/reference_view.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* One program answers for every step: b.w says which. Numbers as in the table below. */
@@ -27,9 +28,8 @@ static const char body[] =
     "        else\n"
     "            n = btf_lookup(btf_light_table, BTF_LIGHT_GRID, ivec2(a.xy));\n"
     "        m = btf_nearest(n);\n"
-    "        return uvec4(n.index.x | n.index.y << 8u | n.index.z << 16u | m.index.x << 24u, n.weight.x, "
-    "n.weight.y,\n"
-    "                     n.weight.z | m.weight.x << 16u);\n"
+    "        return uvec4(n.index.x | n.index.y << 16u, n.index.z | m.index.x << 16u,\n"
+    "                     n.weight.x | n.weight.y << 16u, n.weight.z | m.weight.x << 16u);\n"
     "    }\n"
     "#if !BTF_LAYOUT_TIGHT\n"
     "    if (b.w == 6u)\n"
@@ -148,9 +148,9 @@ static void make_lookup(steps *s, int of_lights, uint32_t *in, uint32_t *out) {
                                ? btf_ref_lookup(s->reference->light_table, s->reference->light_grid, q)
                                : btf_ref_lookup(s->reference->view_table, s->reference->view_grid, q);
     btf_ref_neighbours m = btf_ref_nearest(n);
-    out[0] = n.index[0] | n.index[1] << 8 | n.index[2] << 16 | m.index[0] << 24;
-    out[1] = n.weight[0];
-    out[2] = n.weight[1];
+    out[0] = n.index[0] | n.index[1] << 16;
+    out[1] = n.index[2] | m.index[0] << 16;
+    out[2] = n.weight[0] | n.weight[1] << 16;
     out[3] = n.weight[2] | m.weight[0] << 16;
 }
 
@@ -344,6 +344,33 @@ static btf_result run_step(check_session *session, steps *s, uint32_t step, uint
     return BTF_OK;
 }
 
+/* The look-up steps run on the material's tables with wide indices: i * 257 modulo 2^16, which says both
+ * bytes of the number of every direction, also of a material that has few. Replaces the table on the GPU;
+ * NULL where memory is out. */
+static uint16_t *widen_table(const check_session *session, btf_texture_id id) {
+    const btf_material *material = session->subject->material;
+    const btf_texture t = btf_material_texture(material, id);
+    const btf_directions d =
+        id == BTF_TEXTURE_VIEW_TABLE ? btf_material_views(material) : btf_material_lights(material);
+    const size_t cells = (size_t)d.grid * d.grid;
+    const gl_api *gl = gpu_api(session->subject->gpu);
+    uint16_t *wide = malloc(t.size);
+    if (!wide)
+        return NULL;
+    memcpy(wide, t.data, t.size);
+    for (size_t r = 0; r < d.cells_length - cells; ++r) {
+        uint16_t *record = wide + 4 * (cells + 3 * r);
+        static const int places[] = {6, 8, 9}; /* ic, ia, ib */
+        for (int i = 0; i < 3; ++i)
+            record[places[i]] = (uint16_t)(257u * record[places[i]]);
+    }
+    gl->ActiveTexture(GL_TEXTURE0);
+    gl->BindTexture(GL_TEXTURE_2D, btf_gl_texture(session->gl, id));
+    gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, (GLsizei)t.width, (GLsizei)t.height, GL_RGBA_INTEGER,
+                      GL_UNSIGNED_SHORT, wide);
+    return wide;
+}
+
 btf_result check_steps(const check_subject *subject, uint64_t seed, uint64_t most, const char *only,
                        check_outcome *outcome) {
     check_session session;
@@ -359,9 +386,17 @@ btf_result check_steps(const check_subject *subject, uint64_t seed, uint64_t mos
     s.info.height = session.reference.height;
     s.textures = btf_shader_textures(&s.info, subject->shader);
     s.effects = s.info.effects & ~subject->shader->leave_out;
+    uint16_t *views = widen_table(&session, BTF_TEXTURE_VIEW_TABLE),
+             *lights = widen_table(&session, BTF_TEXTURE_LIGHT_TABLE);
+    session.reference.view_table = views;
+    session.reference.light_table = lights;
+    if (!views || !lights)
+        result = BTF_ERROR_MEMORY;
     for (uint32_t step = 0; step < STEP_COUNT && result == BTF_OK; ++step)
         if (!only || strcmp(only, check_step_names[step]) == 0)
             result = run_step(&session, &s, step, most, outcome);
     check_end(&session);
+    free(views);
+    free(lights);
     return result;
 }

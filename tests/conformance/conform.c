@@ -128,18 +128,22 @@ static const char *swap_shift(char *library) {
     return library;
 }
 
-/* True when the material has levels of detail and the device fetches from wrong ones. */
-static bool beyond_device(const runner *r, const btf_material *material) {
+/* The bits of the self-test that the material needs and the device fails in: it has levels of detail and
+ * the device fetches from wrong ones, or factors and the device gives others. */
+static uint32_t beyond_device(const runner *r, const btf_material *material) {
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(material, &info);
-    return info.levels > 1 && r->self_test & BTF_SELF_TEST_LEVELS;
+    return r->self_test & ((info.levels > 1 ? BTF_SELF_TEST_LEVELS : 0u) |
+                           (info.store == BTF_STORE_FACTORS ? BTF_SELF_TEST_FACTORS : 0u));
 }
 
 /* Stands for the cases of a variant that the device cannot pass. */
-static void refuse_levels(runner *r, const char *name) {
+static void refuse_variant(runner *r, uint32_t failures, const char *name) {
+    char names[120];
     conform_case c = {0};
-    snprintf(c.name, sizeof c.name, "levels %s", name);
-    snprintf(r->listener.last, sizeof r->listener.last, "the self-test finds: levels");
+    btf_self_test_names(failures, names, sizeof names);
+    snprintf(c.name, sizeof c.name, "%.30s %s", names, name);
+    snprintf(r->listener.last, sizeof r->listener.last, "the self-test finds: %s", names);
     finish(r, &c, BTF_ERROR_UNSUPPORTED, now());
 }
 
@@ -148,8 +152,9 @@ static void run_variant(runner *r, const btf_material *material, const btf_shade
                         const char *name, uint64_t seed, uint64_t divide) {
     const conform_options *o = r->options;
     static const char *const kinds[] = {"steps", "radiance", "planned"};
-    if (beyond_device(r, material)) {
-        refuse_levels(r, name);
+    const uint32_t beyond = beyond_device(r, material);
+    if (beyond) {
+        refuse_variant(r, beyond, name);
         return;
     }
     for (int kind = 0; kind < 3; ++kind) {
@@ -281,7 +286,7 @@ static void run_child(const context_device *device, const conform_options *optio
     if (btf_gl_self_test(&gl, &r.log, &h.self_test) != BTF_OK) {
         h.verdict = CONFORM_NOT_SUPPORTED;
         snprintf(h.reason, sizeof h.reason, "%s", r.listener.last);
-    } else if (h.self_test & ~(uint32_t)BTF_SELF_TEST_LEVELS) {
+    } else if (h.self_test & ~(uint32_t)(BTF_SELF_TEST_LEVELS | BTF_SELF_TEST_FACTORS)) {
         char names[120];
         btf_self_test_names(h.self_test, names, sizeof names);
         h.verdict = CONFORM_NOT_SUPPORTED;

@@ -349,6 +349,17 @@ static btf_result make_level(random_state *r, const synthetic_spec *spec, const 
     return BTF_OK;
 }
 
+/* A picture for viewers, which no decoder may read, in every second material of version 2; NULL in others.
+ */
+static uint16_t *make_preview(random_state *r, const synthetic_spec *spec, const btf_material_info *info) {
+    const bool version_2 = info->store == BTF_STORE_FACTORS || info->blend == BTF_BLEND_ROOTS;
+    const size_t texels = (size_t)info->width * info->height;
+    uint16_t *halves = version_2 && (spec->seed & 1) ? malloc(texels * 4 * sizeof *halves) : NULL;
+    for (size_t i = 0; halves && i < 4 * texels; ++i)
+        halves[i] = i % 4 == 3 ? 0 : half_of_float(plausible_float(r, 0, 1));
+    return halves;
+}
+
 btf_result synthetic_create(const synthetic_spec *spec, const btf_log *log, btf_material **out_material) {
     *out_material = NULL;
     random_state r = {spec->seed};
@@ -365,8 +376,11 @@ btf_result synthetic_create(const synthetic_spec *spec, const btf_log *log, btf_
         for (int id = 0; id < BTF_TEXTURE_COUNT; ++id)
             *(level ? &desc.level_texture[level][id] : &desc.texture[id]) = texture[level][id];
     }
+    uint16_t *preview = make_preview(&r, spec, &desc.info);
+    desc.preview = preview;
     if (result == BTF_OK)
         result = btf_material_create(&desc, log, out_material);
+    free(preview);
     for (int level = 0; level < BTF_MAX_LEVELS; ++level)
         for (int id = 0; id < BTF_TEXTURE_COUNT; ++id)
             free(texture[level][id]);

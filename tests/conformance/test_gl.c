@@ -39,6 +39,7 @@ static struct {
     const char *version;
     int live;         /* textures made and not deleted */
     int wrong_levels; /* mip levels hold other texels than those given */
+    int wrong_layers; /* so do arrays of 128-bit texels */
 } fake;
 
 static void APIENTRY fake_get_integer(GLenum name, GLint *value) {
@@ -77,6 +78,14 @@ static void APIENTRY fake_tex_image(GLenum target, GLint level, GLint internal, 
                     fake.wrong_levels && level > 0 ? zeros : data);
 }
 
+static void APIENTRY fake_tex_image_3d(GLenum target, GLint level, GLint internal, GLsizei width,
+                                       GLsizei height, GLsizei depth, GLint border, GLenum format,
+                                       GLenum type, const void *data) {
+    static const uint32_t zeros[64];
+    api->TexImage3D(target, level, internal, width, height, depth, border, format, type,
+                    fake.wrong_layers ? zeros : data);
+}
+
 static btf_gl_function fake_get_proc_address(void *user, const char *name) {
     (void)user;
     if (fake.missing && strcmp(name, fake.missing) == 0)
@@ -89,6 +98,8 @@ static btf_gl_function fake_get_proc_address(void *user, const char *name) {
         return (btf_gl_function)fake_gen_textures;
     if (strcmp(name, "glTexImage2D") == 0)
         return (btf_gl_function)fake_tex_image;
+    if (strcmp(name, "glTexImage3D") == 0)
+        return (btf_gl_function)fake_tex_image_3d;
     if (strcmp(name, "glDeleteTextures") == 0)
         return (btf_gl_function)fake_delete_textures;
     return real(name);
@@ -186,6 +197,12 @@ static void wrong_mip_levels_are_told(void **state) {
     assert_int_equal(failures, BTF_SELF_TEST_LEVELS);
     btf_self_test_names(failures, names, sizeof names);
     assert_string_equal(names, "levels");
+    assert_int_equal(fake.live, 0);
+    fake.wrong_layers = 1;
+    assert_int_equal(btf_gl_self_test(&faked, &hearing, &failures), BTF_OK);
+    assert_int_equal(failures, BTF_SELF_TEST_LEVELS | BTF_SELF_TEST_FACTORS);
+    btf_self_test_names(failures, names, sizeof names);
+    assert_string_equal(names, "levels, factors");
     assert_int_equal(fake.live, 0);
     memset(&fake, 0, sizeof fake);
 }

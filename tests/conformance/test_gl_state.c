@@ -19,8 +19,9 @@
 
 static unsigned char pixels[16 * 16 * 4];
 static OSMesaContext contexts[2]; /* core, compatibility */
-static btf_material *material;    /* has a texture of each format but RGBA16F, which half_floats has */
-static btf_material *half_floats;
+static btf_material *material; /* has a texture of each format but RGBA16F and RGBA32UI, which half_floats
+                                  and factored have */
+static btf_material *half_floats, *factored;
 
 static char said[400];
 static void hear(void *user, btf_log_level level, const char *message) {
@@ -220,7 +221,7 @@ static void pixel_transfer_does_not_matter(void **state) {
     set_transfer(1);
     read_transfer(before);
     assert_true(before[0] == 0.5f && before[12] == 1 && before[8] == 4); /* it took */
-    btf_gl *gl = upload(material), *halves = upload(half_floats);
+    btf_gl *gl = upload(material), *halves = upload(half_floats), *packed = upload(factored);
     expect_no_error();
     read_transfer(after);
     assert_memory_equal(before, after, sizeof before);
@@ -233,8 +234,13 @@ static void pixel_transfer_does_not_matter(void **state) {
     set_transfer(0);
     expect_every_texel(gl);
     expect_texels(halves, half_floats, BTF_TEXTURE_SBRDF, GL_RGBA, GL_HALF_FLOAT);
+    expect_texels(packed, factored, BTF_TEXTURE_FACTOR_TEXELS, GL_RGBA_INTEGER, GL_UNSIGNED_INT);
+    expect_texels(packed, factored, BTF_TEXTURE_FACTOR_DIRECTIONS, GL_RGBA_INTEGER, GL_UNSIGNED_INT);
+    expect_texels(packed, factored, BTF_TEXTURE_FACTOR_SCALES, GL_RGBA, GL_FLOAT);
+    expect_texels(packed, factored, BTF_TEXTURE_FACTOR_VIEWS, GL_RGBA, GL_FLOAT);
     btf_gl_destroy(&gl);
     btf_gl_destroy(&halves);
+    btf_gl_destroy(&packed);
 }
 
 /* The probe itself: an upload under this state is another one. */
@@ -392,13 +398,18 @@ static int setup(void **state) {
     if (synthetic_create(&spec, &hearing, &material) != BTF_OK)
         return 1;
     spec.half_float = 1;
-    return synthetic_create(&spec, &hearing, &half_floats) != BTF_OK;
+    if (synthetic_create(&spec, &hearing, &half_floats) != BTF_OK)
+        return 1;
+    spec.components = 3;
+    spec.classes[0][0] = spec.classes[2][0] = spec.classes[3][0] = 1;
+    return synthetic_create(&spec, &hearing, &factored) != BTF_OK;
 }
 
 static int teardown(void **state) {
     (void)state;
     btf_material_close(&material);
     btf_material_close(&half_floats);
+    btf_material_close(&factored);
     OSMesaDestroyContext(contexts[0]);
     OSMesaDestroyContext(contexts[1]);
     return 0;

@@ -31,10 +31,37 @@ enum factor {
     NEAREST,
     BILINEAR,
     FAST,
+    STORE, /* components, factors of all classes, of some */
+    ROOTS,
     FACTORS
 };
-static const uint8_t levels[FACTORS] = {2, 2, 3, 4, 2, 2, 3, 2, 4, 2, 2, 2};
+static const uint8_t levels[FACTORS] = {2, 2, 3, 4, 2, 2, 3, 2, 4, 2, 2, 2, 3, 2};
 static const int components[] = {0, 1, 6, 16};
+
+/* Of each class units, words of C1 and of C2, of the stores after the first. */
+static const int classes[][5][3] = {
+    {{1, 1, 2}, {2, 1, 3}, {3, 0, 1}, {1, 0, 0}, {2, 4, 4}},
+    {{0, 0, 0}, {2, 0, 0}, {0, 0, 0}, {0, 0, 0}, {9, 3, 2}},
+};
+
+static int has_factors(const uint8_t *row) {
+    return row[STORE] > 0 && components[row[COMPONENTS]] > 0;
+}
+
+/* What the library defines for a material of version 2. */
+static void write_version_2(char *out, size_t size, const uint8_t *row) {
+    size_t at =
+        (size_t)snprintf(out, size, "%s", row[ROOTS] && row[DOMAIN] ? "#define BTF_BLEND_ROOTS 1\n" : "");
+    if (!has_factors(row))
+        return;
+    const int(*of)[3] = classes[row[STORE] - 1];
+    at += (size_t)snprintf(out + at, size - at, "#define BTF_FACTORS 1\n#define BTF_HORIZON_SCALE 3.75\n");
+    for (int c = 0; c < 5; ++c)
+        at += (size_t)snprintf(
+            out + at, size - at,
+            "#define BTF_FACTOR_UNITS_%d %d\n#define BTF_FACTOR_C1_%d %d\n#define BTF_FACTOR_C2_%d %d\n", c,
+            of[c][0], c, of[c][1], c, of[c][2]);
+}
 
 typedef struct version {
     const char *name, *line, *extra; /* `extra` stands before the library */
@@ -79,11 +106,12 @@ static char *make_shader(const version *v, const uint8_t *row) {
         "    colour = vec4(btf_evaluate(uv, l, v) + btf_evaluate_nearest(uv, l, v), 1.0);\n"
         "    colour.xyz -= btf_evaluate_level(uv, l, v, int(btf_level(dFdx(uv), dFdy(uv)) + 0.5));\n"
         "}\n";
-    char options[2000];
+    char options[2000], version_2[1000];
     write_options(options, sizeof options, row);
+    write_version_2(version_2, sizeof version_2, row);
     const char *library = btf_shader_library();
     const char *in = v->vulkan ? "#define IN(n) layout(location = n)\n" : "#define IN(n)\n";
-    const char *parts[] = {v->line, v->extra, options, in, library, "\n", main_text};
+    const char *parts[] = {v->line, v->extra, options, version_2, in, library, "\n", main_text};
     size_t length = 1;
     for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i)
         length += strlen(parts[i]);
@@ -123,7 +151,8 @@ static int check_absence(const char *preprocessed, const uint8_t *row) {
     } effects[] = {
         {row[SHADOW] && row[COLOUR] != 2, {"btf_shadow_code", "btf_shadow_factor", NULL}},
         {row[HIDDEN] == 2, {"btf_centre_radiance", "btf_centre_index", "btf_centres"}},
-        {components[row[COMPONENTS]] > 0, {"btf_residual", NULL, NULL}},
+        {components[row[COMPONENTS]] > 0 && !has_factors(row), {"btf_residual", NULL, NULL}},
+        {has_factors(row), {"btf_factor", "s.horizon", NULL}},
         {row[COLOUR] != 2, {"btf_lafortune", "btf_sbrdf", NULL}},
         {row[SHIFT], {"btf_wrap(x", NULL, NULL}},
         {row[GAIN], {"float(gain)", "float ( gain", NULL}},
@@ -207,6 +236,11 @@ static int combination(uint64_t i, uint8_t *row) {
         row[f] = (uint8_t)(i % levels[f]);
         i /= levels[f];
     }
+    /* Factors are the same for every number of lobes. */
+    if (row[STORE] > 0 && (row[COMPONENTS] != 2 || row[LOBES] > 1))
+        return 0;
+    if (row[ROOTS] && (!row[DOMAIN] || row[LOBES] > 1))
+        return 0;
     return row[COLOUR] != 2 || (row[LOBES] == 0 && !row[SHADOW]);
 }
 

@@ -75,6 +75,9 @@ static void names_what_breaks(void **state) {
         {BTF_SELF_TEST_CONVERSION, "conversion", "int(floor(x)) == -3", "int(trunc(x)) == -3"},
         {BTF_SELF_TEST_INTEGER, "integer", "(b >> 3) == -16", "int(uint(b) >> 3u) == -16"},
         {BTF_SELF_TEST_ELEMENTARY, "elementary", "0xBF38AAD4u", "0xBF38AAD5u"},
+        {BTF_SELF_TEST_FACTORS, "factors", "ivec4(t + 0x8000u) >> 16", "ivec4((t + 0x8000u) >> 16u)"},
+        {BTF_SELF_TEST_FACTORS, "factors", "ivec4(t + 0x8000u) >> 16", "ivec4(t) >> 16"},
+        {BTF_SELF_TEST_FACTORS, "factors", "float(-most >> 5)", "float(-(most >> 5))"},
     };
     for (size_t i = 0; i < sizeof list / sizeof *list; ++i) {
         const char *text = btf_shader_self_test(), *at = strstr(text, list[i].from);

@@ -70,6 +70,7 @@ static const uint32_t mixtures[][BTF_FACTOR_CLASSES][3] = {
     {{0, 0, 0}, {2, 0, 1}, {0, 0, 0}, {2, 1, 0}, {2, 2, 2}},
     {{1, 2, 2}, {1, 2, 2}, {1, 1, 3}, {1, 3, 1}, {1, 2, 2}}, /* no Y */
     {{0, 0, 0}, {0, 0, 0}, {9, 2, 1}, {0, 0, 0}, {9, 1, 1}},
+    {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}},    /* components, of roots that are blended */
     {{0, 0, 0}, {60, 9, 9}, {60, 8, 9}, {0, 0, 0}, {76, 5, 6}}, /* as many layers of u as there may be */
 };
 
@@ -164,6 +165,12 @@ static void make_variant_2(const uint8_t row[FACTORS_2], uint64_t seed, size_t m
     memcpy(s->classes, mixtures[mixture], sizeof s->classes);
     for (int c = 0; c < BTF_FACTOR_CLASSES; ++c)
         s->components += s->classes[c][0];
+    if (s->components == 0) {
+        s->components = 6;
+        s->domain = BTF_DOMAIN_SQRT;
+        s->blend = BTF_BLEND_ROOTS;
+        s->horizon_scale = 0;
+    }
     v->shader.struct_size = sizeof v->shader;
     v->shader.leave_out =
         (row[LEAVE_OUT_2] ? BTF_EFFECT_SHIFT : 0u) | (mixture == 9 ? BTF_EFFECT_RESIDUAL : 0u);

@@ -127,7 +127,7 @@ expect_that "joint: the report lists what was tried" test "$(json joint.json "le
 expect "joint: an option of the paper's method" 1 btf-encode data -o x.btf.exr --lobes 2 -q
 expect_text "is refused by name" "option --lobes: for --method paper only" err
 expect "paper: an option of the joint method" 1 btf-encode data -o x.btf.exr --method paper $starts --budget 1M -q
-expect_text "is refused by name" "option --budget: for --method joint only" err
+expect_text "is refused by name" "option --budget: for --method joint and factors only" err
 for tolerance in a 0.05, ,1 0.05,0.2,1 0.05x -1 nan 101 ""; do
     expect "no tolerance: '$tolerance'" 1 btf-encode data -o x.btf.exr --effect-tolerance "$tolerance"
 done

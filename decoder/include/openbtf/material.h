@@ -30,7 +30,10 @@ extern "C" {
 
 /** Upper bounds of the format (FORMAT.md). */
 #define BTF_MAX_SIZE 16384
-#define BTF_MAX_DIRECTIONS 256
+#define BTF_MAX_DIRECTIONS 4096 /* views, and lights */
+/** The most views, or lights, where a texture has a layer for each (shadow: lights; shift, gain: views),
+ * and of every material of version 1. */
+#define BTF_MAX_DIRECTION_LAYERS 256
 #define BTF_MAX_LOBES 4
 #define BTF_MAX_COMPONENTS 256 /**< components of the residual; units, where its store is factors */
 #define BTF_FACTOR_CLASSES 5
@@ -213,9 +216,9 @@ typedef struct btf_directions {
     const float *xyz;         /**< [count][3], unit, in paper order: theta ascending, then phi */
     const uint16_t *vertices; /**< [count][2], projected, 0 .. 16384 */
     uint32_t triangle_count;
-    const uint8_t *triangles; /**< [triangle_count][3], indices of directions */
+    const uint16_t *triangles; /**< [triangle_count][3], indices of directions */
     uint32_t hull_count;
-    const uint8_t *hull;   /**< [hull_count], indices of directions */
+    const uint16_t *hull;  /**< [hull_count], indices of directions */
     uint32_t grid;         /**< G */
     const uint16_t *cells; /**< for each of G * G cells, row by row: count, then record numbers */
     size_t cells_length;   /**< entries of cells */

@@ -74,7 +74,8 @@ typedef struct btf_shader_options {
     btf_filter filter;
     btf_math math;
     int have_precise; /**< 1: your shader enables GL_ARB_gpu_shader5 or GL_EXT_gpu_shader5, so that
-                         `precise` can be used below GLSL 400 and ESSL 320; default 0: as __VERSION__ says */
+                         `precise` can be used below GLSL 400 and ESSL 320; default 0: as __VERSION__ says
+                       */
     btf_bindings bindings;
     uint32_t first_binding;  /**< binding of texture id i is first_binding + i */
     uint32_t descriptor_set; /**< for Vulkan */
@@ -90,8 +91,8 @@ typedef struct btf_shader_options {
  * may be NULL. */
 uint32_t btf_shader_textures(const btf_material_info *info, const btf_shader_options *options);
 
-/** Assembles the text for a material: its macros, then the library text, 0-terminated ASCII. *out_text is to
- * be freed with btf_free; NULL on error. @p options and @p log may be NULL. Errors: BTF_ERROR_USAGE (the
+/** Assembles the text for a material: its macros, then the library text, 0-terminated ASCII. *out_text is
+ * to be freed with btf_free; NULL on error. @p options and @p log may be NULL. Errors: BTF_ERROR_USAGE (the
  * prefix, an enum value, a fixed direction that is not a unit vector above the horizon), BTF_ERROR_MEMORY.
  */
 btf_result btf_shader_source(const btf_material *material, const btf_shader_options *options,
@@ -112,7 +113,10 @@ const char *btf_shader_library(void);
     X(BTF_SELF_TEST_ELEMENTARY, 64, "elementary", "log2, exp2, pow or reciprocal give other bits")         \
     X(BTF_SELF_TEST_LEVELS, 128, "levels",                                                                 \
       "fetches from another mip level than asked for (matters to "                                         \
-      "materials of several levels of detail alone)")
+      "materials of several levels of detail alone)")                                                      \
+    X(BTF_SELF_TEST_FACTORS, 256, "factors",                                                               \
+      "packed factors are multiplied, shifted or fetched otherwise (matters to materials whose "           \
+      "residual is factors alone)")
 
 typedef enum btf_self_test {
 #define BTF_SELF_TEST_ENUM(id, bit, name, text) id = bit,
@@ -125,9 +129,9 @@ typedef enum btf_self_test {
 void btf_self_test_names(uint32_t failures, char *out_names, size_t size);
 
 /** @return text with `uint btf_self_test(uint zero)`, which gives the sum of the BTF_SELF_TEST bits that
- * fail when called with a zero that is known at run time only (LEVELS, which takes a texture, is tested by
- * btf_gl_self_test alone). Static; needs no other text; for the same #version as the decoder, and like it
- * in front of your own macros. */
+ * fail when called with a zero that is known at run time only (LEVELS and the fetches of FACTORS, which
+ * take textures, are tested by btf_gl_self_test alone). Static; needs no other text; for the same #version
+ * as the decoder, and like it in front of your own macros. */
 const char *btf_shader_self_test(void);
 
 #ifdef __cplusplus

@@ -164,7 +164,8 @@ static btf_result make_variant(gl_device *d, const context_device *device, const
     return btf_gl_bind(d->material, d->programs[variant], UNIT_MATERIAL, NULL, log, NULL);
 }
 
-/* Exact decoding must be exact here; levels of detail must be fetched from, whatever the arithmetic. */
+/* Exact decoding must be exact here; levels of detail must be fetched from, and factors be whole numbers,
+ * whatever the arithmetic. */
 static btf_result check_device(gl_device *d, const context_device *device, const shader_request *request,
                                const btf_log *log) {
     const btf_gl_options options = {sizeof options, context_get_proc_address, d->context, NULL};
@@ -174,7 +175,7 @@ static btf_result check_device(gl_device *d, const context_device *device, const
              (const char *)d->gl.GetString(GL_VERSION));
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(request->material, &info);
-    if (request->math == BTF_MATH_FAST && info.levels == 1)
+    if (request->math == BTF_MATH_FAST && info.levels == 1 && info.store != BTF_STORE_FACTORS)
         return BTF_OK;
     btf_result result = btf_gl_self_test(&options, log, &failures);
     if (!result && failures & BTF_SELF_TEST_LEVELS && info.levels > 1) {
@@ -185,7 +186,15 @@ static btf_result check_device(gl_device *d, const context_device *device, const
             device->name, d->name);
         return BTF_ERROR_UNSUPPORTED;
     }
-    failures &= ~(uint32_t)BTF_SELF_TEST_LEVELS;
+    if (!result && failures & BTF_SELF_TEST_FACTORS && info.store == BTF_STORE_FACTORS) {
+        file_say(
+            log,
+            "device %s (%s) does not multiply or fetch packed factors as it should: it cannot show this "
+            "material",
+            device->name, d->name);
+        return BTF_ERROR_UNSUPPORTED;
+    }
+    failures &= ~(uint32_t)(BTF_SELF_TEST_LEVELS | BTF_SELF_TEST_FACTORS);
     if (!result && failures && request->math != BTF_MATH_FAST) {
         btf_self_test_names(failures, names, sizeof names);
         file_say(log, "device %s (%s) does not keep to the format's arithmetic: %s; try --math fast",

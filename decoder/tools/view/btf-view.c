@@ -194,7 +194,11 @@ static btf_result check_device(viewer *v) {
     if (failures & BTF_SELF_TEST_LEVELS)
         fprintf(stderr, "btf-view: warning: this device fetches from wrong mip levels: "
                         "materials of several levels of detail will look wrong\n");
-    failures &= ~(uint32_t)BTF_SELF_TEST_LEVELS;
+    if (failures & BTF_SELF_TEST_FACTORS)
+        fprintf(stderr,
+                "btf-view: warning: this device does not multiply or fetch packed factors as it should: "
+                "materials that hold them will look wrong\n");
+    failures &= ~(uint32_t)(BTF_SELF_TEST_LEVELS | BTF_SELF_TEST_FACTORS);
     if (!result && failures) {
         btf_self_test_names(failures, names, sizeof names);
         fprintf(stderr, "btf-view: warning: this device is not exact (%s): using fast math\n", names);

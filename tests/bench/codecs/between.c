@@ -256,7 +256,7 @@ static btf_result weights_of_truth(const enc_context *context, const bench_betwe
 static btf_result spline_without(const enc_context *context, const char *name,
                                  const enc_direction *directions, int count, int without,
                                  enc_weights *out) {
-    enc_direction others[256];
+    enc_direction others[ENC_MAX_DIRECTIONS];
     enc_interpolator *spline;
     int n = 0;
     for (int i = 0; i < count; i++) {
@@ -308,7 +308,8 @@ static btf_result weights_of_list(const enc_context *context, const char *name,
 static btf_result weights_of_estimate(const enc_context *context, const bench_between *b,
                                       enc_interpolation kind, pair_weights *weights) {
     const enc_data *data = b->data;
-    enc_weights *views = malloc(256 * sizeof *views), *lights = malloc(256 * sizeof *lights);
+    enc_weights *views = malloc(ENC_MAX_DIRECTIONS * sizeof *views),
+                *lights = malloc(ENC_MAX_DIRECTIONS * sizeof *lights);
     btf_result result = views && lights ? BTF_OK : BTF_ERROR_MEMORY;
     if (result == BTF_OK) {
         result = weights_of_list(context, "views", data->views, data->n_views, &b->views, kind, views);

@@ -14,14 +14,14 @@ static const double held_theta = 45;
 
 /* Indices into a list of directions. */
 typedef struct choice {
-    int index[256];
+    int index[ENC_MAX_DIRECTIONS];
     int count;
 } choice;
 
 /* The ring of several directions nearest to 45 degrees loses every second one to `held`. */
 static void split(const enc_direction *directions, int count, choice *train, choice *held) {
-    double theta[256];
-    int ring_of[256], members[256] = {0}, ring = -1, position = 0;
+    double theta[ENC_MAX_DIRECTIONS];
+    int ring_of[ENC_MAX_DIRECTIONS], members[ENC_MAX_DIRECTIONS] = {0}, ring = -1, position = 0;
     const int rings = enc_rings(directions, count, theta, ring_of);
     for (int i = 0; i < count; i++) {
         members[ring_of[i]]++;
@@ -42,7 +42,7 @@ static void split(const enc_direction *directions, int count, choice *train, cho
 /* The data of some views under some lights. */
 static btf_result subset(const enc_context *context, const enc_data *data, const choice *views,
                          const choice *lights, enc_data **out_data) {
-    enc_direction view_list[256], light_list[256];
+    enc_direction view_list[ENC_MAX_DIRECTIONS], light_list[ENC_MAX_DIRECTIONS];
     for (int i = 0; i < views->count; i++) {
         view_list[i] = data->views[views->index[i]];
     }

@@ -59,11 +59,11 @@ static uint32_t records_tried(const uint16_t *table, uint32_t grid, const int32_
     uint32_t cx = ((uint32_t)(q[0] < 16383 ? q[0] : 16383) * grid) >> 14,
              cy = ((uint32_t)(q[1] < 16383 ? q[1] : 16383) * grid) >> 14;
     const uint16_t *cell = table + 4 * (cy * grid + cx);
-    *out_first = grid * grid + 2u * cell[0];
+    *out_first = grid * grid + 3u * cell[0];
     for (uint32_t i = 0; i < cell[1]; ++i) {
-        const uint16_t *r = table + 4 * ((size_t)*out_first + 2 * i);
+        const uint16_t *r = table + 4 * ((size_t)*out_first + 3 * i);
         int64_t x[4] = {r[0], r[2], r[4], r[0]}, y[4] = {r[1], r[3], r[5], r[1]};
-        int inside = !(r[7] & 256);
+        int inside = !(r[7] & 1);
         for (int e = 0; e < 3; ++e)
             inside = inside && (x[e] - q[0]) * (y[e + 1] - q[1]) - (y[e] - q[1]) * (x[e + 1] - q[0]) >= 0;
         if (inside)
@@ -88,10 +88,10 @@ void rig_floor_inputs(const btf_material *material, const uint32_t *decode, uint
             btf_ref_project(f + (of_lights ? 2 : 5), q);
             btf_ref_neighbours n = btf_ref_lookup(table, grid, q);
             tried = records_tried(table, grid, q, &first);
-            floor[2 + of_lights] = n.index[0] | n.index[1] << 8 | n.index[2] << 16 | tried << 24;
-            floor[4 + of_lights] = first;
+            floor[2 + of_lights] = n.index[0] | n.index[1] << 16;
+            floor[4 + of_lights] = n.index[2] | tried << 16;
+            floor[6 + of_lights] = first;
         }
-        floor[6] = floor[7] = 0;
     }
 }
 

@@ -13,20 +13,21 @@ static const char bench_body_decode[] =
     "    return uvec4(floatBitsToUint(btf_evaluate(uv, l, uintBitsToFloat(b.yzw))), 0u);\n"
     "}\n";
 
-/* The same fetches, added up: texel in a.xy, neighbours in a.z (views) and a.w (lights) with the records
- * that a look-up tries in the top byte, addresses of the first records in b.xy. */
+/* The same fetches, added up: texel in a.xy; of views, then lights, the first two neighbours in a.zw, the
+ * third and the records that a look-up tries in b.xy, the addresses of the first records in b.zw. */
 static const char bench_body_floor[] =
     "uint floor_table(highp usampler2D table, uint first, uint tried) {\n"
     "    uvec4 sum = btf_table(table, first >> 1u);\n"
-    "    for (uint i = 0u; i < 2u * tried; ++i)\n"
-    "        sum += btf_table(table, first + i);\n"
+    "    for (uint i = 0u; i < tried; ++i, first += 3u)\n"
+    "        sum += btf_table(table, first) + btf_table(table, first + 1u);\n"
+    "    sum += btf_table(table, first - 1u);\n"
     "    return sum.x + sum.y + sum.z + sum.w;\n"
     "}\n"
     "uvec4 check(uvec4 a, uvec4 b) {\n"
-    "    uvec3 views = uvec3(a.z, a.z >> 8u, a.z >> 16u) & 255u, lights = uvec3(a.w, a.w >> 8u, a.w >> "
-    "16u) & 255u;\n"
-    "    uint t = floor_table(btf_view_table, b.x, a.z >> 24u) + floor_table(btf_light_table, b.y, a.w >> "
-    "24u);\n"
+    "    uvec3 views = uvec3(a.z, a.z >> 16u, b.x) & 65535u, lights = uvec3(a.w, a.w >> 16u, b.y) & "
+    "65535u;\n"
+    "    uint t = floor_table(btf_view_table, b.z, b.x >> 16u);\n"
+    "    t += floor_table(btf_light_table, b.w, b.y >> 16u);\n"
     "    vec4 s = vec4(0.0);\n"
     "    const int n = BTF_NEAREST != 0 ? 1 : 3;\n"
     "    for (int i = 0; i < n; ++i) {\n"

@@ -3,6 +3,8 @@
  * SPDX-License-Identifier: MIT
  */
 #include <openbtf/reference.h>
+#include "decoder/directions.h"
+#include "decoder/reach.h"
 #include "tests/support/random_material.h"
 #include <math.h>
 #include <setjmp.h>
@@ -61,7 +63,7 @@ static int shift_of(int64_t a) {
 /* The look-up of FORMAT.md section 6 over one record; returns false when it does not accept. */
 static bool look_up_record(const btf_directions *d, uint32_t record, vec q, btf_ref_neighbours *out) {
     if (record < d->triangle_count) {
-        const uint8_t *t = d->triangles + 3 * record;
+        const uint16_t *t = d->triangles + 3 * record;
         vec a = at(d, t[0]), b = at(d, t[1]), c = at(d, t[2]);
         int64_t area = cross(sub(b, a), sub(c, a));
         int64_t e0 = cross(sub(b, q), sub(c, q)), e1 = cross(sub(c, q), sub(a, q)),
@@ -175,18 +177,42 @@ static double longest_edge(const btf_directions *d) {
     return longest;
 }
 
+/* Directions under test. */
+typedef struct list {
+    btf_directions d;
+    const uint16_t *table;
+    size_t starts[64 * 64]; /* of the cells */
+    bool straight;          /* see has_straight_corner */
+} list;
+
+/* A corner of the hull on a straight side accepts the whole line across it, also beyond the other side of
+ * the hull, which cells there do not list: then they alone say what the answer is. */
+static bool has_straight_corner(const btf_directions *d) {
+    bool found = false;
+    for (uint32_t h = 0; d->triangle_count > 0 && h < d->hull_count; h++) {
+        vec a = at(d, d->hull[h]), b = at(d, d->hull[(h + 1) % d->hull_count]),
+            c = at(d, d->hull[(h + 2) % d->hull_count]);
+        found = found || cross(sub(b, a), sub(c, b)) == 0;
+    }
+    return found;
+}
+
 /* Everything that must hold at one q. */
-static void check_point(const btf_directions *d, const size_t *starts, const uint16_t *table, vec q) {
-    btf_ref_neighbours all = look_up_all(d, q), cell = look_up_cell(d, starts, q);
+static void check_point(const list *l, vec q) {
+    const btf_directions *d = &l->d;
+    btf_ref_neighbours cell = look_up_cell(d, l->starts, q);
     const int32_t q32[2] = {(int32_t)q.x, (int32_t)q.y};
-    btf_ref_neighbours gpu = btf_ref_lookup(table, d->grid, q32);
-    assert_memory_equal(&all, &cell, sizeof all);
-    assert_memory_equal(&all, &gpu, sizeof all);
-    assert_int_equal(all.weight[0] + all.weight[1] + all.weight[2], 4096);
+    btf_ref_neighbours gpu = btf_ref_lookup(l->table, d->grid, q32);
+    assert_memory_equal(&gpu, &cell, sizeof gpu);
+    if (!l->straight) {
+        btf_ref_neighbours all = look_up_all(d, q);
+        assert_memory_equal(&gpu, &all, sizeof gpu);
+    }
+    assert_int_equal(gpu.weight[0] + gpu.weight[1] + gpu.weight[2], 4096);
     for (int i = 0; i < 3; i++)
-        assert_true(all.weight[i] <= 4096 && all.index[i] < d->count);
+        assert_true(gpu.weight[i] <= 4096 && gpu.index[i] < d->count);
     double have[2], want[2];
-    weighted(d, &all, have);
+    weighted(d, &gpu, have);
     nearest(d, q, want);
     /* two weights rounded down, each after a shift that keeps at least 18 bits */
     double tolerance = 2.1 * longest_edge(d) / 4096 + 1e-6;
@@ -196,7 +222,7 @@ static void check_point(const btf_directions *d, const size_t *starts, const uin
 static void check_delaunay(const btf_directions *d) {
     int64_t sum = 0, hull = 0;
     for (uint32_t t = 0; t < d->triangle_count; t++) {
-        const uint8_t *i = d->triangles + 3 * t;
+        const uint16_t *i = d->triangles + 3 * t;
         vec a = at(d, i[0]), b = at(d, i[1]), c = at(d, i[2]);
         int64_t area = cross(sub(b, a), sub(c, a));
         assert_true(area > 0);
@@ -212,54 +238,103 @@ static void check_delaunay(const btf_directions *d) {
     assert_int_equal(sum, hull); /* the triangles fill the hull */
 }
 
+/* At vertex i and around it. */
+static void check_vertex(const list *l, uint32_t i) {
+    const btf_directions *d = &l->d;
+    int32_t q[2];
+    btf_ref_project(d->xyz + 3 * i, q);
+    assert_int_equal(q[0], d->vertices[2 * i]);
+    assert_int_equal(q[1], d->vertices[2 * i + 1]);
+    btf_ref_neighbours n = look_up_cell(d, l->starts, at(d, i));
+    for (int k = 0; k < 3; k++)
+        assert_true(n.weight[k] == (n.index[k] == i && n.weight[k] ? 4096 : 0));
+    for (int dy = -1; dy <= 1; dy++)
+        for (int dx = -1; dx <= 1; dx++) {
+            vec near = {d->vertices[2 * i] + dx, d->vertices[2 * i + 1] + dy};
+            if (near.x >= 0 && near.x <= END && near.y >= 0 && near.y <= END)
+                check_point(l, near);
+        }
+}
+
+/* Checks directions and their table, prints what they are, and finds the cells. */
+static void check_shape(const char *name, list *l, uint32_t table_height) {
+    const btf_directions *d = &l->d;
+    cell_starts(d, l->starts);
+    size_t records = d->cells_length - d->grid * d->grid;
+    assert_true(records <= 65535);
+    assert_int_equal(table_height, (d->grid * d->grid + 3 * records + 255) / 256);
+    print_message("%s: %u triangles, hull %u, grid %u, %.2f records a cell\n", name,
+                  (unsigned)d->triangle_count, (unsigned)d->hull_count, (unsigned)d->grid,
+                  (double)records / (d->grid * d->grid));
+    check_delaunay(d);
+}
+
+/* Halfway along every `every`th edge of the hull, and on a lattice of `step`. */
+static void check_plane(const list *l, uint32_t every, int step) {
+    const btf_directions *d = &l->d;
+    for (uint32_t h = 0; h < d->hull_count; h += every) {
+        vec a = at(d, d->hull[h]), b = at(d, d->hull[(h + 1) % d->hull_count]);
+        check_point(l, (vec){(a.x + b.x) / 2, (a.y + b.y) / 2});
+    }
+    for (int64_t y = 0; y <= END; y += step)
+        for (int64_t x = y * 7 % step; x <= END; x += step)
+            check_point(l, (vec){x, y});
+}
+
 /* Checks a list of directions; q on a lattice of `step`, at every vertex and its neighbourhood, on edges.
  */
 static void check_list(const char *name, uint32_t count, const float *xyz, int step) {
     btf_material *material = with_views(count, xyz);
-    btf_directions d = btf_material_views(material);
     btf_texture table = btf_material_texture(material, BTF_TEXTURE_VIEW_TABLE);
-    size_t starts[64 * 64];
-    assert_int_equal(d.count, count);
-    cell_starts(&d, starts);
+    list l = {.d = btf_material_views(material), .table = table.data};
+    assert_int_equal(l.d.count, count);
     assert_int_equal(table.format, BTF_FORMAT_RGBA16UI);
     assert_int_equal(table.width, 256);
-    size_t records = d.cells_length - d.grid * d.grid;
-    assert_true(records <= 65535);
-    assert_int_equal(table.height, (d.grid * d.grid + 2 * records + 255) / 256);
-    print_message("%s: %u triangles, hull %u, grid %u, %.2f records a cell\n", name,
-                  (unsigned)d.triangle_count, (unsigned)d.hull_count, (unsigned)d.grid,
-                  (double)records / (d.grid * d.grid));
-    check_delaunay(&d);
-    for (uint32_t i = 0; i < count; i++) {
-        int32_t q[2];
-        btf_ref_project(xyz + 3 * i, q);
-        assert_int_equal(q[0], d.vertices[2 * i]);
-        assert_int_equal(q[1], d.vertices[2 * i + 1]);
-        btf_ref_neighbours n = look_up_all(&d, at(&d, i));
-        for (int k = 0; k < 3; k++)
-            assert_true(n.weight[k] == (n.index[k] == i && n.weight[k] ? 4096 : 0));
-        for (int dy = -1; dy <= 1; dy++)
-            for (int dx = -1; dx <= 1; dx++) {
-                vec near = {d.vertices[2 * i] + dx, d.vertices[2 * i + 1] + dy};
-                if (near.x >= 0 && near.x <= END && near.y >= 0 && near.y <= END)
-                    check_point(&d, starts, table.data, near);
-            }
-    }
-    for (uint32_t h = 0; h < d.hull_count; h++) { /* halfway along the hull */
-        vec a = at(&d, d.hull[h]), b = at(&d, d.hull[(h + 1) % d.hull_count]);
-        check_point(&d, starts, table.data, (vec){(a.x + b.x) / 2, (a.y + b.y) / 2});
-    }
-    for (int64_t y = 0; y <= END; y += step)
-        for (int64_t x = y * 7 % step; x <= END; x += step)
-            check_point(&d, starts, table.data, (vec){x, y});
+    check_shape(name, &l, table.height);
+    for (uint32_t i = 0; i < count; i++)
+        check_vertex(&l, i);
+    check_plane(&l, 1, step);
     for (int64_t x = 0; x <= END; x += 64) /* along the borders of the plane and of cells */
         for (int64_t border = 0; border <= END; border += 4096) {
-            check_point(&d, starts, table.data, (vec){x, border});
-            check_point(&d, starts, table.data, (vec){border, x});
+            check_point(&l, (vec){x, border});
+            check_point(&l, (vec){border, x});
             if (border > 0)
-                check_point(&d, starts, table.data, (vec){x, border - 1});
+                check_point(&l, (vec){x, border - 1});
         }
     btf_material_close(&material);
+}
+
+/* A list that no material of version 1 may have, built as the library builds it: the same checks, at
+ * fewer points, and btfi_lookup beside the table. */
+static void check_many(const char *name, uint32_t count, const float *xyz, uint32_t every, int step) {
+    btfi_directions made;
+    assert_int_equal(btfi_directions_build(&(btfi_check){NULL, BTF_ERROR_USAGE}, name, count, xyz, &made),
+                     BTF_OK);
+    assert_int_equal(btfi_directions_check(&(btfi_check){NULL, BTF_ERROR_USAGE}, name, &made), BTF_OK);
+    list l = {.table = made.table};
+    l.d = (btf_directions){.count = made.count,
+                           .xyz = made.xyz,
+                           .vertices = made.vertices,
+                           .triangle_count = made.triangle_count,
+                           .triangles = made.triangles,
+                           .hull_count = made.hull_count,
+                           .hull = made.hull,
+                           .grid = made.grid,
+                           .cells = made.cells,
+                           .cells_length = made.cells_length};
+    check_shape(name, &l, made.table_height);
+    l.straight = has_straight_corner(&l.d);
+    for (uint32_t i = 0; i < count; i += every) {
+        check_vertex(&l, i);
+        uint32_t index[3], weight[3];
+        const int32_t q[2] = {made.vertices[2 * i], made.vertices[2 * i + 1]};
+        const btf_ref_neighbours n = btf_ref_lookup(made.table, made.grid, q);
+        btfi_lookup(&made, xyz + 3 * i, index, weight);
+        assert_memory_equal(index, n.index, sizeof index);
+        assert_memory_equal(weight, n.weight, sizeof weight);
+    }
+    check_plane(&l, every, step);
+    btfi_directions_clear(&made);
 }
 
 static void test_measured_sets(void **state) {
@@ -425,12 +500,58 @@ static void test_projection(void **state) {
     }
 }
 
+/* Directions whose vertices are those of the plane given; distinct, since the plane's units are. */
+static void direction_at(double x, double y, float out[3]) {
+    const double px = (x - 8192) / 8192, py = (y - 8192) / 8192, r = px * px + py * py;
+    out[0] = (float)(2 * px / (1 + r));
+    out[1] = (float)(2 * py / (1 + r));
+    out[2] = (float)((1 - r) / (1 + r));
+}
+
+static void test_many(void **state) {
+    (void)state;
+    random_state r = {13};
+    static float xyz[BTF_MAX_DIRECTIONS * 3];
+    random_directions(&r, 300, 60, xyz);
+    check_many("300 random", 300, xyz, 1, 293);
+    random_directions(&r, 1000, 89.9, xyz);
+    check_many("1000 random", 1000, xyz, 1, 211);
+    random_rings(1000, 85, xyz);
+    check_many("1000 in rings", 1000, xyz, 3, 293);
+    random_directions(&r, BTF_MAX_DIRECTIONS, 89.9, xyz);
+    check_many("4096 random", BTF_MAX_DIRECTIONS, xyz, 15, 293);
+}
+
+/* The same on a lattice, where all is co-circular, within a triangle; on one ring, nearly all of it hull;
+ * on a line, there and back. The edges of the last two reach over so many cells that grids are coarser. */
+static void test_many_of_a_kind(void **state) {
+    (void)state;
+    enum { COUNT = BTF_MAX_DIRECTIONS };
+    static float xyz[COUNT * 3];
+    for (int i = 0; i < COUNT - 3; i++)
+        direction_at(8192 + 120 * (i % 64 - 32), 8192 + 120 * (i / 64 - 32), xyz + 3 * i);
+    for (int i = 0; i < 3; i++) {
+        const double phi = 0.3 + 2 * 3.14159265358979323846 * i / 3;
+        direction_at(8192 + 8191 * cos(phi), 8192 + 8191 * sin(phi), xyz + 3 * (COUNT - 3 + i));
+    }
+    check_many("a lattice of 4096", COUNT, xyz, 31, 491);
+    for (int i = 0; i < COUNT; i++) {
+        const double phi = 2 * 3.14159265358979323846 * i / COUNT;
+        direction_at(8192 + 8000 * cos(phi), 8192 + 8000 * sin(phi), xyz + 3 * i);
+    }
+    check_many("a ring of 4096", COUNT, xyz, 31, 491);
+    for (int i = 0; i < COUNT; i++)
+        direction_at(4 * (i < COUNT / 2 ? COUNT / 2 + i : COUNT - 1 - i) + 2, 8192, xyz + 3 * i);
+    check_many("a line of 4096", COUNT, xyz, 31, 991);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_measured_sets), cmocka_unit_test(test_random_sets),
         cmocka_unit_test(test_regular_sets),  cmocka_unit_test(test_one_and_two),
         cmocka_unit_test(test_collinear),     cmocka_unit_test(test_cocircular),
         cmocka_unit_test(test_continuity),    cmocka_unit_test(test_projection),
+        cmocka_unit_test(test_many),          cmocka_unit_test(test_many_of_a_kind),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

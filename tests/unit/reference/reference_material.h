@@ -24,6 +24,8 @@ enum {
     MADE_SBRDF_LAYERS = 8,
     MADE_GRID = 4,
     MADE_TABLE = 4 * 2048, /**< numbers in a direction table */
+    MADE_UNITS = 12,
+    MADE_UNIT_LAYERS = 24,
 };
 
 /** A float of the given bits, and back. */
@@ -138,8 +140,11 @@ static inline void put_record(uint16_t *texel, const int32_t (*vertices)[2], con
         texel[2 + i] = (uint16_t)b[i];
         texel[4 + i] = (uint16_t)c[i];
     }
-    texel[6] = (uint16_t)(corner[0] + 256 * corner[1]);
-    texel[7] = (uint16_t)(corner[2] + 256 * (edge + 2 * shift));
+    texel[6] = (uint16_t)corner[2];
+    texel[7] = (uint16_t)(edge + 2 * shift);
+    texel[8] = (uint16_t)corner[0];
+    texel[9] = (uint16_t)corner[1];
+    texel[10] = texel[11] = 0;
 }
 
 /** The GPU table of a set of directions; every cell lists every record.
@@ -151,16 +156,16 @@ static inline size_t make_table(const direction_set *set, uint32_t grid, uint16_
         texel[0] = (uint16_t)(cell * records);
         texel[1] = (uint16_t)records;
         texel[2] = texel[3] = 0;
-        uint16_t *record = out_table + 4 * (grid * grid + 2 * cell * records);
-        for (uint32_t i = 0; i < set->n_triangles; ++i, record += 8)
+        uint16_t *record = out_table + 4 * (grid * grid + 3 * cell * records);
+        for (uint32_t i = 0; i < set->n_triangles; ++i, record += 12)
             put_record(record, set->vertices, set->triangles[i], 0);
-        for (uint32_t i = 0; i < set->n_hull; ++i, record += 8) {
+        for (uint32_t i = 0; i < set->n_hull; ++i, record += 12) {
             uint32_t corner[3] = {set->hull[i], set->hull[(i + 1) % set->n_hull],
                                   set->hull[(i + 2) % set->n_hull]};
             put_record(record, set->vertices, corner, 1);
         }
     }
-    return 4 * (size_t)(grid * grid + 2 * grid * grid * records);
+    return 4 * (size_t)(grid * grid + 3 * grid * grid * records);
 }
 
 /** The arrays that a made-up material points to. */
@@ -291,6 +296,58 @@ static inline void make_material(uint32_t seed, uint32_t kind, uint32_t effects,
     make_table(&made_views, MADE_GRID, s->view_table);
     make_table(&made_lights, 1, s->light_table);
     *out_material = m;
+}
+
+/** The arrays of version 2 that a made-up material points to. */
+typedef struct made_factors {
+    uint32_t texels[MADE_UNIT_LAYERS * MADE_TEXELS * 4];
+    uint32_t directions[MADE_UNITS * MADE_VIEWS * MADE_LIGHTS * 4];
+    float scales[MADE_UNITS * 4];
+    float views[MADE_VIEWS * 3 * 4];
+} made_factors;
+
+/** A word of codes: all at their largest or smallest, or at random; no byte is -128. */
+static inline uint32_t random_codes(uint32_t *state) {
+    uint32_t choice = random_below(state, 6);
+    if (choice < 2)
+        return choice == 0 ? 0x7F7F7F7Fu : 0x81818181u;
+    if (choice < 4)
+        return choice == 2 ? 0xFFFFFFFFu : 0x01010101u;
+    return random_bits(state) | 0x01010101u;
+}
+
+/** Gives a made-up material factors in place of components: random classes and words of colour, all of its
+ * other effects kept. `extreme` as in make_material(). */
+static inline void make_factors(uint32_t seed, int extreme, made_factors *f, btf_ref_material *m) {
+    uint32_t state = seed * 2246822519u + 1u;
+    state = state != 0 ? state : 1;
+    m->store = BTF_REF_FACTORS;
+    m->blend = m->domain_sqrt && random_below(&state, 2) ? BTF_REF_BLEND_ROOTS : BTF_REF_BLEND_RADIANCE;
+    m->horizon_scale = random_below(&state, 2) ? random_scale(&state, 3.75f, extreme) : 1.0f;
+    m->horizon_scale = m->horizon_scale < 1 ? 1 : m->horizon_scale;
+    m->effects |= BTF_REF_RESIDUAL;
+    m->components = 0;
+    for (int c = 0; c < BTF_REF_FACTOR_CLASSES; ++c) {
+        uint32_t *counts = m->factor_classes[c];
+        counts[0] = random_below(&state, 3);
+        counts[1] = random_below(&state, 4 * counts[0] + 1);
+        counts[2] = random_below(&state, 4 * counts[0] - counts[1] + 1);
+        m->components += counts[0];
+    }
+    m->factor_texels = f->texels;
+    m->factor_directions = f->directions;
+    m->factor_scales = f->scales;
+    m->factor_views = f->views;
+    for (size_t i = 0; i < sizeof f->texels / sizeof *f->texels; ++i)
+        f->texels[i] = random_codes(&state);
+    for (size_t i = 0; i < sizeof f->directions / sizeof *f->directions; ++i)
+        f->directions[i] = random_codes(&state);
+    for (size_t i = 0; i < sizeof f->scales / sizeof *f->scales; ++i)
+        f->scales[i] = extreme ? random_parameter(&state) : random_float(&state, 0x1p-14f, 0x1p-10f);
+    for (size_t i = 0; i < sizeof f->views / sizeof *f->views; ++i)
+        f->views[i] = i % 4 == 3 ? 0.0f
+                      : extreme  ? random_parameter(&state)
+                                 : random_float(&state, 0.0f, 1.0f);
 }
 
 #endif

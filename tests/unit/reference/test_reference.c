@@ -320,7 +320,7 @@ static void test_project(void **state) {
 
 static void test_lookup_small(void **state) {
     (void)state;
-    static uint16_t table[4 * 64 * 64 * (1 + 2 * 4)]; /* 64 x 64 cells of 4 records */
+    static uint16_t table[4 * 64 * 64 * (1 + 3 * 4)]; /* 64 x 64 cells of 4 records */
 
     /* one direction: a cell without records */
     memset(table, 0, sizeof table);
@@ -356,8 +356,8 @@ static void test_lookup_small(void **state) {
                            .triangles = {{0, 1, 2}},
                            .hull = {0, 1, 2}};
     make_table(&large, 64, table);
-    assert_int_equal(table[4 * 64 * 64 + 7] >> 9, 10);       /* A = 2^28 */
-    assert_int_equal(table[4 * (64 * 64 + 4) + 7] >> 9, 11); /* n = 2^29, the second edge */
+    assert_int_equal(table[4 * 64 * 64 + 7] >> 1, 10);       /* A = 2^28 */
+    assert_int_equal(table[4 * (64 * 64 + 6) + 7] >> 1, 11); /* n = 2^29, the second edge */
     assert_neighbours(look_up(table, 64, 0, 0), 0, 4096, 1, 0, 2, 0);
     assert_neighbours(look_up(table, 64, 16384, 0), 0, 0, 1, 4096, 2, 0);
     assert_neighbours(look_up(table, 64, 0, 16384), 0, 0, 1, 0, 2, 4096);
@@ -368,6 +368,23 @@ static void test_lookup_small(void **state) {
 }
 
 /** At right angles to the edge after it, a corner answers for itself rather than for that edge. */
+/** Numbers of directions take 16 bits each, whichever record names them. */
+static void test_lookup_wide(void **state) {
+    (void)state;
+    static const uint32_t indices[][3] = {
+        {256, 511, 4095}, {4095, 255, 256}, {0x1234, 0xABCD, 0xFFFF}, {65535, 0, 65534}};
+    for (size_t i = 0; i < sizeof indices / sizeof *indices; ++i) {
+        const uint16_t a = (uint16_t)indices[i][0], b = (uint16_t)indices[i][1],
+                       c = (uint16_t)indices[i][2];
+        /* a triangle of area 2^24, shift 6, and the edge below it with the cone at its end */
+        const uint16_t table[] = {0, 2, 0,    0,    4096, 4096, 8192, 4096, 4096, 8192, c, 12, a, b,
+                                  0, 0, 4096, 4096, 8192, 4096, 4096, 8192, c,    13,   a, b,  0, 0};
+        assert_neighbours(look_up(table, 1, 5120, 6144), a, 1024, b, 1024, c, 2048);
+        assert_neighbours(look_up(table, 1, 5120, 4000), a, 3072, b, 1024, a, 0);
+        assert_neighbours(look_up(table, 1, 9000, 4000), b, 4096, b, 0, b, 0);
+    }
+}
+
 static void test_lookup_corner(void **state) {
     (void)state;
     static uint16_t table[MADE_TABLE];
@@ -438,14 +455,15 @@ static void test_self_test(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_log2),          cmocka_unit_test(test_exp2),
-        cmocka_unit_test(test_reciprocal),    cmocka_unit_test(test_pow),
-        cmocka_unit_test(test_half),          cmocka_unit_test(test_coordinate),
-        cmocka_unit_test(test_bilinear),      cmocka_unit_test(test_wrap),
-        cmocka_unit_test(test_atlas),         cmocka_unit_test(test_tight_centres),
-        cmocka_unit_test(test_project),       cmocka_unit_test(test_lookup_small),
-        cmocka_unit_test(test_lookup_corner), cmocka_unit_test(test_lookup_octagon),
-        cmocka_unit_test(test_nearest),       cmocka_unit_test(test_self_test),
+        cmocka_unit_test(test_log2),           cmocka_unit_test(test_exp2),
+        cmocka_unit_test(test_reciprocal),     cmocka_unit_test(test_pow),
+        cmocka_unit_test(test_half),           cmocka_unit_test(test_coordinate),
+        cmocka_unit_test(test_bilinear),       cmocka_unit_test(test_wrap),
+        cmocka_unit_test(test_atlas),          cmocka_unit_test(test_tight_centres),
+        cmocka_unit_test(test_project),        cmocka_unit_test(test_lookup_small),
+        cmocka_unit_test(test_lookup_wide),    cmocka_unit_test(test_lookup_corner),
+        cmocka_unit_test(test_lookup_octagon), cmocka_unit_test(test_nearest),
+        cmocka_unit_test(test_self_test),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
