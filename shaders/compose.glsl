@@ -137,7 +137,7 @@ void btf_add_view(inout vec3 sum[BTF_TEXELS], uvec2 x[BTF_TEXELS], uint view, fl
     if (visible)
 #endif
 #if BTF_FACTORS
-        btf_factors(residual, btf_factor_place(source, s.level, uvec3(view), 1, s.lights, s.n));
+        btf_factors(residual, btf_factor_scene(source, s.level, uvec3(view), 1, s.lights, s.n));
 #else
         btf_residual(residual, source, view, s.lights, s.n, s.level);
 #endif
@@ -158,7 +158,7 @@ void btf_add_view(inout vec3 sum[BTF_TEXELS], uvec2 x[BTF_TEXELS], uint view, fl
 void btf_texels(inout vec3 sum[BTF_TEXELS], uvec2 x[BTF_TEXELS], btf_setting s) {
 #if BTF_FACTORS && !BTF_SHIFT
     vec3 all[BTF_FACTOR_SUMS];
-    btf_factors(all, btf_factor_place(x, s.level, s.views.index, s.n_views, s.lights, s.n));
+    btf_factors(all, btf_factor_scene(x, s.level, s.views.index, s.n_views, s.lights, s.n));
     for (int a = 0; a < s.n_views; ++a) {
         vec3 residual[BTF_TEXELS];
         for (int i = 0; i < BTF_TEXELS; ++i)
