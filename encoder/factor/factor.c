@@ -146,8 +146,8 @@ static btf_result encode(const enc_factor_matrix *m, const enc_factor_options *o
     result = result == BTF_OK ? enc_factor_codes_create(m, &plan, components, &codes) : result;
     if (result == BTF_OK) {
         enc_stage_begin(m->context, "round factors",
-                        (size_t)enc_factor_round_passes(options->sweeps) * m->texels);
-        result = enc_factor_round(m, options->sweeps, &codes);
+                        2 * (size_t)options->passes * m->texels);
+        result = enc_factor_round(m, components, options->sweeps, options->passes, &codes);
         enc_stage_end(m->context);
     }
     if (result == BTF_OK && options->measure) {
@@ -190,9 +190,7 @@ uint64_t enc_factor_memory(int width, int height, int n_views, int n_lights, uin
     const uint64_t rank = ranks[0] + ranks[1] + ranks[2], longest = texels > columns ? texels : columns;
     const uint64_t factors = sizeof(float) * rank * (texels + columns);
     const uint64_t square = (uint64_t)ranks[0] * ranks[0];
-    /* two copies of the factors in the range finder; one and a product while they are rounded */
-    const uint64_t most =
-        2 * factors > factors + sizeof(float) * rank * longest ? 2 * factors
-                                                               : factors + sizeof(float) * rank * longest;
-    return most + 24 * square + budget + enc_factor_product_memory(texels, columns, rank, threads);
+    /* the range finder turns one copy of the factors into another; then components, codes and a product */
+    return 2 * factors + sizeof(float) * rank * longest + 24 * square + budget +
+           enc_factor_product_memory(texels, columns, rank, threads);
 }

@@ -193,7 +193,7 @@ static uint64_t units(const enc_data *data, double n) {
 /* Encodes, and checks what holds for all data: bytes, classes, scales, and that the packed words decode to what
  * the encoder measured. */
 static enc_factors *encode(const enc_context *context, const enc_data *data, uint64_t budget, int sweeps) {
-    const enc_factor_options options = {.budget = budget, .sweeps = sweeps, .measure = true};
+    const enc_factor_options options = {.budget = budget, .sweeps = sweeps, .passes = sweeps > 0, .measure = true};
     enc_factors *f = NULL;
     assert_int_equal(enc_factor_encode(context, data, &options, &f), BTF_OK);
     const uint64_t bytes =
