@@ -24,7 +24,7 @@ static void place_class(const enc_factor_plan *plan, int class, int channel, uin
         const uint32_t scale =
             enc_factor_unit_is_pure(plan, class, unit) ? unit * ENC_FACTOR_UNIT_WORDS : word;
         out[j] = (enc_factor_place){
-            .class = (uint8_t)class,
+            .class = (uint8_t) class,
             .word = (uint8_t)(word % ENC_FACTOR_UNIT_WORDS),
             .index = (uint8_t)(j % k->word),
             .unit = (uint16_t)(first_unit + unit),
@@ -34,8 +34,8 @@ static void place_class(const enc_factor_plan *plan, int class, int channel, uin
     }
 }
 
-static bool channel_init(const enc_factor_plan *plan, int channel, const enc_components *from, size_t texels,
-                         size_t columns, enc_factor_channel *out) {
+static bool channel_init(const enc_factor_plan *plan, int channel, const enc_components *from,
+                         size_t texels, size_t columns, enc_factor_channel *out) {
     uint32_t unit = 0, texel = 0;
     for (int k = 0; k < ENC_FACTOR_CLASSES; k++) {
         out->rank += enc_factor_held(plan, k, channel, from->rank);

@@ -22,7 +22,7 @@ typedef struct enc_factor_channel {
     enc_factor_place *place; /* [rank] */
     float *step_u, *step_w;  /* [rank] value of a level; equal within a group */
     float *u;                /* [rank][texel] values: level * step_u */
-    float *w; /* [rank][column] values: level * step_w * the view's factor */
+    float *w;                /* [rank][column] values: level * step_w * the view's factor */
 } enc_factor_channel;
 
 typedef struct enc_factor_codes {

@@ -61,7 +61,8 @@ static bool orthonormalise(const enc_factor_matrix *m, size_t rank, size_t count
 static bool finish(const enc_factor_matrix *m, const float *u, const float *w, enc_components *io) {
     const size_t sought = io->sought;
     double *gram = malloc(sought * sought * sizeof *gram);
-    float *turn = malloc(2 * sought * sought * sizeof *turn), *turn_w = turn ? turn + sought * sought : NULL;
+    float *turn = malloc(2 * sought * sought * sizeof *turn),
+          *turn_w = turn ? turn + sought * sought : NULL;
     bool done = gram && turn;
     if (done) {
         enc_gram_rows(m->context->threads, sought, m->columns, w, gram);

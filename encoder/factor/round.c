@@ -18,9 +18,9 @@
 #include <string.h>
 
 enum {
-    LANES = ENC_GEMM_N,  /* texels or columns that are refined together */
-    PANEL = ENC_GEMM_M,  /* components */
-    REFIT_SWEEPS = 3,    /* of u against rounded w, before u is rounded */
+    LANES = ENC_GEMM_N, /* texels or columns that are refined together */
+    PANEL = ENC_GEMM_M, /* components */
+    REFIT_SWEEPS = 3,   /* of u against rounded w, before u is rounded */
     STEP_TRIALS = 24,
     TURNS = 3, /* of a factor's components, against one product */
 };
@@ -33,7 +33,8 @@ static btf_result no_memory(const enc_factor_matrix *m) {
 /* Steps.
  * ------------------------------------------------------------------------------------------------ */
 
-ENC_FACTOR_CLONES static double rounding_error(size_t n, const float *x, enc_factor_levels levels, float step) {
+ENC_FACTOR_CLONES static double rounding_error(size_t n, const float *x, enc_factor_levels levels,
+                                               float step) {
     const float inverse = step > 0 ? 1 / step : 0.0f;
     double total = 0;
     for (size_t at = 0; at < n; at += 512) {
@@ -69,8 +70,8 @@ typedef struct factor {
 
 static factor factor_of(enc_factor_codes *codes, int channel, bool is_w) {
     enc_factor_channel *c = &codes->channel[channel];
-    return is_w ? (factor){codes,         channel,  true, codes->columns, codes->views, codes->lights,
-                           c->w, c->step_w}
+    return is_w ? (factor){codes,        channel,       true, codes->columns,
+                           codes->views, codes->lights, c->w, c->step_w}
                 : (factor){codes, channel, false, codes->texels, 1, codes->texels, c->u, c->step_u};
 }
 
@@ -211,7 +212,8 @@ static bool find_gram(int threads, size_t rank, size_t count, const float *f, fl
  * change is added to `seen`. */
 ENC_FACTOR_CLONES static void settle(const float *gram_row, size_t j, size_t after, bool round,
                                      enc_factor_levels levels, const float *restrict step,
-                                     const float *restrict product, float *restrict seen, float *restrict x) {
+                                     const float *restrict product, float *restrict seen,
+                                     float *restrict x) {
     const float inverse = gram_row[0] > 0 ? 1 / gram_row[0] : 0.0f;
     float change[LANES];
     for (size_t i = 0; i < LANES; i++) {
@@ -242,8 +244,8 @@ static void sweep(const problem *p, const float *product, const float *views, fl
             for (size_t i = 0; i < LANES; i++) {
                 step[i] = p->factor.steps[component] * views[tier * LANES + i];
             }
-            settle(gram + component * PANEL + j, j, n - 1 - j, p->round, levels_of(&p->factor, component), step,
-                   product + component * LANES, seen, x + component * LANES);
+            settle(gram + component * PANEL + j, j, n - 1 - j, p->round, levels_of(&p->factor, component),
+                   step, product + component * LANES, seen, x + component * LANES);
         }
     }
 }
@@ -258,9 +260,8 @@ static void refine_lanes(const problem *p, size_t first, size_t n, float *work) 
     }
     for (size_t t = 0; t < ENC_FACTOR_TIERS; t++) {
         for (size_t i = 0; i < LANES; i++) {
-            views[t * LANES + i] = f->is_w && i < n
-                                       ? enc_factor_view(f->codes, (first + i) / f->length, t, f->channel)
-                                       : 1.0f;
+            views[t * LANES + i] =
+                f->is_w && i < n ? enc_factor_view(f->codes, (first + i) / f->length, t, f->channel) : 1.0f;
         }
     }
     for (int s = 0; s < p->sweeps; s++) {
@@ -286,7 +287,8 @@ static bool refine(const enc_factor_matrix *m, enc_factor_codes *codes, int chan
                  .round = round,
                  .sweeps = sweeps};
     float *work = enc_gemm_alloc((size_t)m->context->threads * each);
-    const bool room = p.gram && work && find_gram(m->context->threads, rank, held.count, held.values, p.gram);
+    const bool room =
+        p.gram && work && find_gram(m->context->threads, rank, held.count, held.values, p.gram);
 #pragma omp parallel for schedule(dynamic) num_threads(m->context->threads) if (room)
     for (size_t first = 0; first < (room ? p.factor.count : 0); first += LANES) {
         const size_t n = p.factor.count - first < LANES ? p.factor.count - first : LANES;
@@ -329,12 +331,11 @@ static btf_result find_products(const enc_factor_matrix *m, const enc_factor_cod
     for (int c = 0; c < ENC_FACTOR_CHANNELS && room; c++) {
         const enc_components *from = &components[c];
         float *turn = enc_gemm_alloc(held.rank[c] * from->rank);
-        room = turn &&
-               (held.rank[c] == 0 ||
-                (enc_rows_dot(threads, held.rank[c], held.factor[c], from->rank, of_w ? from->u : from->w,
-                              depth, turn) &&
-                 enc_rows_turn(threads, held.rank[c], from->rank, turn, count, of_w ? from->w : from->u,
-                               out->factor[c])));
+        room =
+            turn && (held.rank[c] == 0 || (enc_rows_dot(threads, held.rank[c], held.factor[c], from->rank,
+                                                        of_w ? from->u : from->w, depth, turn) &&
+                                           enc_rows_turn(threads, held.rank[c], from->rank, turn, count,
+                                                         of_w ? from->w : from->u, out->factor[c])));
         free(turn);
     }
     return room ? BTF_OK : no_memory(m);

@@ -10,7 +10,8 @@
 
 enum { DEPTH = 1024 };
 
-bool enc_rows_dot(int threads, size_t n_a, const float *a, size_t n_b, const float *b, size_t count, float *out) {
+bool enc_rows_dot(int threads, size_t n_a, const float *a, size_t n_b, const float *b, size_t count,
+                  float *out) {
     const enc_gemm_tile tile = enc_gemm_select();
     const size_t panels = enc_gemm_panels(n_b, ENC_GEMM_N);
     float *left = enc_gemm_alloc((n_a + ENC_GEMM_M) * DEPTH);
