@@ -146,8 +146,9 @@ static btf_result encode(const enc_factor_matrix *m, const enc_factor_options *o
     enc_stage_end(m->context);
     result = result == BTF_OK ? enc_factor_codes_create(m, &plan, components, &codes) : result;
     if (result == BTF_OK) {
-        enc_stage_begin(m->context, "round factors", 2 * (size_t)options->passes * m->texels);
-        result = enc_factor_round(m, components, options->sweeps, options->passes, &codes);
+        enc_stage_begin(m->context, "round factors",
+                        (size_t)enc_factor_round_passes(options->sweeps) * m->texels);
+        result = enc_factor_round(m, components, options->sweeps, &codes);
         enc_stage_end(m->context);
     }
     if (result == BTF_OK && options->measure) {

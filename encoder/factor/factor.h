@@ -13,12 +13,11 @@
 #include "classes.h"
 #include "measure.h"
 
-enum { ENC_FACTOR_SWEEPS = 6, ENC_FACTOR_PASSES = 2 };
+enum { ENC_FACTOR_SWEEPS = 6 };
 
 typedef struct enc_factor_options {
     uint64_t budget; /* bytes on the GPU, at most: texels of u and w, scales and views' factors */
-    int sweeps;      /* rounds of descent against the components found, before any against the samples */
-    int passes;      /* rounds of descent against the samples, which are read twice a round */
+    int sweeps;      /* rounds of descent; 0: none. ENC_FACTOR_SWEEPS is where more gain little */
     bool measure;    /* the error at the samples is wanted: one more pass over them */
 } enc_factor_options;
 

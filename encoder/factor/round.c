@@ -22,7 +22,8 @@ enum {
     PANEL = ENC_GEMM_M, /* components */
     REFIT_SWEEPS = 3,   /* of u against rounded w, before u is rounded */
     STEP_TRIALS = 24,
-    TURNS = 3, /* of a factor's components, against one product */
+    SAMPLE_SHARE = 3, /* rounds against components for one against samples */
+    TURNS = 3,        /* of a factor's components, against one product */
 };
 #define STEP_RATIO 0.88f /* of one step that is tried to the one before */
 
@@ -374,8 +375,12 @@ static btf_result alternate(const enc_factor_matrix *m, enc_factor_codes *codes,
     return result;
 }
 
+int enc_factor_round_passes(int sweeps) {
+    return 2 * (sweeps / SAMPLE_SHARE);
+}
+
 btf_result enc_factor_round(const enc_factor_matrix *m, const enc_components components[3], int sweeps,
-                            int passes, enc_factor_codes *codes) {
+                            enc_factor_codes *codes) {
     const size_t longest = m->texels > m->columns ? m->texels : m->columns;
     enc_factor_set product = {0};
     bool room = find_view_factors(codes);
@@ -389,7 +394,7 @@ btf_result enc_factor_round(const enc_factor_matrix *m, const enc_components com
     }
     btf_result result = room ? descend(m, codes, false, true, components, &product) : no_memory(m);
     result = result == BTF_OK ? alternate(m, codes, sweeps, components, &product) : result;
-    result = result == BTF_OK ? alternate(m, codes, passes, NULL, &product) : result;
+    result = result == BTF_OK ? alternate(m, codes, sweeps / SAMPLE_SHARE, NULL, &product) : result;
     for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
         free(product.factor[c]);
     }
