@@ -192,6 +192,10 @@ static btf_result pack_and_measure(const enc_context *context, const enc_job *jo
     if (result == BTF_OK) {
         result =
             enc_effect_errors(context, s->data, s->material, &effect_errors, &options.effect_error_count);
+        report->n_truncations = result == BTF_OK
+                                    ? enc_truncations(effect_errors, options.effect_error_count, s->data,
+                                                      s->stored.effects, report->truncations)
+                                    : 0;
     }
     if (result == BTF_OK) {
         result = enc_leave_one_out_measure(context, s->data, s->material, &report->between);
