@@ -22,7 +22,7 @@ enum {
     PANEL = ENC_GEMM_M, /* components */
     REFIT_SWEEPS = 3,   /* of u against rounded w, before u is rounded */
     STEP_TRIALS = 24,
-    SAMPLE_SHARE = 3, /* rounds against components for one against samples */
+    SAMPLE_SHARE = 2, /* rounds against components for one against samples */
     TURNS = 3,        /* of a factor's components, against one product */
 };
 #define STEP_RATIO 0.88f /* of one step that is tried to the one before */
