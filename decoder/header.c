@@ -389,8 +389,9 @@ btf_result btfi_header_read(exr_const_context_t context, const btf_log *log, btf
         info->atlas_width = get_int(&r, "openbtf.atlasWidth", 1, BTF_MAX_SIZE);
         info->atlas_height = get_int(&r, "openbtf.atlasHeight", 1, BTF_MAX_SIZE);
     }
-    get_directions(&r, "views", "view", BTF_MAX_DIRECTION_LAYERS, &m->views);
-    get_directions(&r, "lights", "light", BTF_MAX_DIRECTION_LAYERS, &m->lights);
+    const size_t most = info->version < 2 ? BTF_MAX_DIRECTION_LAYERS : BTF_MAX_DIRECTIONS;
+    get_directions(&r, "views", "view", most, &m->views);
+    get_directions(&r, "lights", "light", most, &m->lights);
     info->n_views = m->views.count;
     info->n_lights = m->lights.count;
     info->levels = get_int_or(&r, "openbtf.levels", 1, BTF_MAX_LEVELS, &(uint32_t){1});
