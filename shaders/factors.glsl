@@ -18,8 +18,9 @@
  */
 #if BTF_FACTORS
 
-/* Views that are evaluated at once. With a shift each has sources of its own; without, u is fetched once for all. */
-#if BTF_SHIFT
+/* Views that are evaluated at once, for which u is then expanded once. With a shift each has sources of its own; with
+ * four texels, a text for three views would take a compiler seconds, and too many registers. */
+#if BTF_FACTORS_BY_VIEW
 #define BTF_FACTOR_VIEWS 1
 #else
 #define BTF_FACTOR_VIEWS 3
@@ -114,10 +115,11 @@ void btf_factor_fetch(out uvec4 w[3 * BTF_FACTOR_VIEWS], int unit, btf_factor_sc
 }
 
 /* Adds a class c to the sums p (Y, C1, C2) of its tier, [view][texel]: `words` units word by word, then `units`
- * of Y; first.x is the first unit, first.y its first layer of u. Words before c1 are of C1, before c2 of C2.
+ * of Y. Its words before c1 are of C1, those from there to before c2 of C2. first is (first unit, first layer of u),
+ * afterwards those of the next class.
  * The loops test at their end: a rasteriser on a CPU runs a body once more, masked, where the test is in front. */
-void btf_factor_class(inout vec3 p[BTF_FACTOR_SUMS], int c, ivec2 first, int words, int units, int c1, int c2,
-                      btf_factor_scene at) {
+void btf_factor_class(inout vec3 p[BTF_FACTOR_SUMS], inout ivec2 first, int c, int words, int units, int c1,
+                      int c2, btf_factor_scene at) {
     uvec4 w[3 * BTF_FACTOR_VIEWS];
     ivec2 step = ivec2(1, c == 1 || c == 3 ? 2 : 1);
     /* FORMAT.md shifts whole dot products by 4, 5, 1, 0 and 0: these are halves, but in class 0. */
@@ -182,31 +184,29 @@ void btf_factors(out vec3 r[BTF_FACTOR_SUMS], btf_factor_scene at) {
     for (int i = 0; i < BTF_FACTOR_SUMS; ++i)
         r[i] = p[i] = vec3(0.0);
     ivec2 first = ivec2(0);
-    /* n units of class c, the first m of them word by word; each has t texels of u. */
-#define BTF_FACTOR_CLASS(c, n, m, t, c1, c2)                                                                       \
-    btf_factor_class(p, c, first, m, n - (m), c1, c1 + c2, at);                                                    \
-    first += ivec2(n, t * n)
+    /* n units of class c, the first m of them word by word. */
+#define BTF_FACTOR_CLASS(c, n, m, c1, c2) btf_factor_class(p, first, c, m, n - (m), c1, c1 + c2, at)
 #if BTF_FACTOR_UNITS_0 > 0
-    BTF_FACTOR_CLASS(0, BTF_FACTOR_UNITS_0, BTF_FACTOR_UNITS_0, 1, BTF_FACTOR_C1_0, BTF_FACTOR_C2_0);
+    BTF_FACTOR_CLASS(0, BTF_FACTOR_UNITS_0, BTF_FACTOR_UNITS_0, BTF_FACTOR_C1_0, BTF_FACTOR_C2_0);
     btf_factor_tier(r, p, 0, at);
 #endif
 #if BTF_FACTOR_UNITS_1 > 0
-    BTF_FACTOR_CLASS(1, BTF_FACTOR_UNITS_1, (BTF_FACTOR_C1_1 + BTF_FACTOR_C2_1 + 3) / 4, 2, BTF_FACTOR_C1_1,
+    BTF_FACTOR_CLASS(1, BTF_FACTOR_UNITS_1, (BTF_FACTOR_C1_1 + BTF_FACTOR_C2_1 + 3) / 4, BTF_FACTOR_C1_1,
                      BTF_FACTOR_C2_1);
 #endif
 #if BTF_FACTOR_UNITS_2 > 0
-    BTF_FACTOR_CLASS(2, BTF_FACTOR_UNITS_2, (BTF_FACTOR_C1_2 + BTF_FACTOR_C2_2 + 3) / 4, 1, BTF_FACTOR_C1_2,
+    BTF_FACTOR_CLASS(2, BTF_FACTOR_UNITS_2, (BTF_FACTOR_C1_2 + BTF_FACTOR_C2_2 + 3) / 4, BTF_FACTOR_C1_2,
                      BTF_FACTOR_C2_2);
 #endif
 #if BTF_FACTOR_UNITS_1 + BTF_FACTOR_UNITS_2 > 0
     btf_factor_tier(r, p, 1, at);
 #endif
 #if BTF_FACTOR_UNITS_3 > 0
-    BTF_FACTOR_CLASS(3, BTF_FACTOR_UNITS_3, (BTF_FACTOR_C1_3 + BTF_FACTOR_C2_3 + 3) / 4, 2, BTF_FACTOR_C1_3,
+    BTF_FACTOR_CLASS(3, BTF_FACTOR_UNITS_3, (BTF_FACTOR_C1_3 + BTF_FACTOR_C2_3 + 3) / 4, BTF_FACTOR_C1_3,
                      BTF_FACTOR_C2_3);
 #endif
 #if BTF_FACTOR_UNITS_4 > 0
-    BTF_FACTOR_CLASS(4, BTF_FACTOR_UNITS_4, (BTF_FACTOR_C1_4 + BTF_FACTOR_C2_4 + 3) / 4, 1, BTF_FACTOR_C1_4,
+    BTF_FACTOR_CLASS(4, BTF_FACTOR_UNITS_4, (BTF_FACTOR_C1_4 + BTF_FACTOR_C2_4 + 3) / 4, BTF_FACTOR_C1_4,
                      BTF_FACTOR_C2_4);
 #endif
 #if BTF_FACTOR_UNITS_3 + BTF_FACTOR_UNITS_4 > 0
