@@ -162,7 +162,7 @@ if command -v cmake >/dev/null; then
     expect 'CMake: the reference' 0 cmake/build/reference
     sed -i 's/openbtf 0.2 /openbtf 0.3 /' cmake/CMakeLists.txt
     expect 'CMake: another version is refused' 1 cmake -S cmake -B cmake/build
-    expect_text 'CMake: and which one is there' 'version: 0\.1\.0' err
+    expect_text 'CMake: and which one is there' 'version: 0\.2\.0' err
 else
     echo 'no cmake: its checks are left out'
 fi
