@@ -82,17 +82,18 @@ uint64_t enc_memory_least_paper(int width, int height, int n_views, int n_lights
     return with_slack(paper(&e));
 }
 
-/* The analysis, or the profiles of a view that is decoded and the maps of every point that this fills. */
+/* The analysis, of few and large arrays, or the profiles of a view that is decoded and the maps of every point that
+ * this fills. */
 static uint64_t factors(const extent *e, int width, int height, uint64_t budget, int threads) {
     const uint64_t analysis = enc_factor_memory(width, height, (int)e->views, (int)e->lights, budget, threads);
     const uint64_t held = 3 * budget + 5 * e->points, components = budget * 8 / 2 / (e->texels + e->views * e->lights);
     const uint64_t levels = 2 * e->views * e->lights * components; /* of w, while errors are measured */
-    return larger(analysis, held + levels + common(e));
+    return larger(analysis + analysis / 16, with_slack(held + levels + common(e)));
 }
 
 uint64_t enc_memory_of_factors(int width, int height, int n_views, int n_lights, int threads, uint64_t budget) {
     const extent e = extent_of(width, height, n_views, n_lights, threads);
-    return with_slack(factors(&e, width, height, budget, threads > 0 ? threads : 1));
+    return factors(&e, width, height, budget, threads > 0 ? threads : 1);
 }
 
 uint64_t enc_memory_least_factors(int width, int height, int n_views, int n_lights, int threads) {
