@@ -78,10 +78,8 @@ static uint64_t gpu_bytes(const enc_data *data, const enc_factors *f) {
 /* One encode by a budget, noted as a trial whose verdict is `left out`. */
 static btf_result encode(const enc_context *context, const enc_data *data, const enc_factors_settings *settings,
                          uint64_t budget, enc_factors **out, enc_factors_stats *stats) {
-    const enc_factor_options options = {.budget = budget,
-                                        .sweeps = settings->sweeps,
-                                        .passes = settings->passes,
-                                        .measure = settings->quality > 0};
+    const enc_factor_options options = {
+        .budget = budget, .sweeps = settings->sweeps, .measure = settings->quality > 0};
     const double begin = progress_core_clock();
     const btf_result result = enc_factor_encode(context, data, &options, out);
     if (result != BTF_OK)

@@ -16,7 +16,7 @@ enum {
 typedef struct enc_factors_settings {
     uint64_t budget; /* gpu bytes at most */
     double quality;  /* dB of sRGB-coded PSNR that is enough; 0: none is */
-    int sweeps, passes; /* of the descent on codes: see enc_factor_options */
+    int sweeps;      /* of the descent on codes */
 } enc_factors_settings;
 
 typedef struct enc_factors_stats {

@@ -7,6 +7,7 @@
 #include "encoder/base/scratch.h"
 #include "encoder/data/level_filter.h"
 #include "encoder/factor/factor.h"
+#include "encoder/factor/round.h"
 #include "encoder/input/bonn_reader.h"
 #include "encoder/joint/cost.h"
 #include "encoder/model/pack.h"
@@ -158,7 +159,7 @@ static outcome add_factors(list *l, const counts *c, const enc_factors_settings 
     const double all = luma + 2 * fmin(luma / 8 + 24, side);
     const double pass = c->samples * (per_split + fetch) + c->texels * columns * all * per_product;
     const double square = (c->texels + columns) * luma * luma;
-    const double sweeps = 1 + settings->sweeps, passes = 2 * settings->passes;
+    const double sweeps = 1 + settings->sweeps, passes = enc_factor_round_passes(settings->sweeps);
     const double times = settings->quality > 0 ? 1 + ENC_FACTORS_TRIALS / 2.0 : 1;
     add(l, "factorise", times * (4 * pass + 6 * square * per_square));
     add(l, "round factors", times * (passes * pass + (2 * sweeps + passes) * square * per_square));

@@ -18,9 +18,8 @@ const char *enc_method_name(enc_method method) {
     return names[method];
 }
 
-/* Rounds of descent of each preset: against the components found, and against the samples. */
+/* Rounds of descent of each preset. */
 static const int factor_sweeps[] = {0, ENC_FACTOR_SWEEPS, 2 * ENC_FACTOR_SWEEPS, 4 * ENC_FACTOR_SWEEPS};
-static const int factor_passes[] = {0, ENC_FACTOR_PASSES, 2 * ENC_FACTOR_PASSES, 4 * ENC_FACTOR_PASSES};
 
 enc_factors_settings enc_settings_of_factors(const enc_job *job, int width, int height, int n_views,
                                              int n_lights) {
@@ -31,8 +30,7 @@ enc_factors_settings enc_settings_of_factors(const enc_job *job, int width, int 
                                             : usual > least       ? usual
                                                                   : least,
                                   .quality = job->joint.quality,
-                                  .sweeps = factor_sweeps[job->joint.preset],
-                                  .passes = factor_passes[job->joint.preset]};
+                                  .sweeps = factor_sweeps[job->joint.preset]};
 }
 
 const char *enc_parse_tolerance(const char *text, void *tolerance) {
