@@ -48,7 +48,9 @@ static inline size_t enc_solution_texels(const enc_solution *s) {
 
 /* Components of the residual as FORMAT.md counts them: units, where its store is factors. */
 static inline uint32_t enc_solution_components(const enc_solution *s) {
-    return !(s->effects & BTF_EFFECT_RESIDUAL) ? 0 : s->factors.units > 0 ? s->factors.units : s->n_components;
+    return !(s->effects & BTF_EFFECT_RESIDUAL) ? 0
+           : s->factors.units > 0              ? s->factors.units
+                                               : s->n_components;
 }
 
 /* Frees every array and the SBRDF, and zeroes the struct. */

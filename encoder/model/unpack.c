@@ -142,8 +142,8 @@ static bool unpack_factor_texels(const btf_material *material, uint32_t level, e
 static bool unpack_factors(const btf_material *material, const btf_material_info *info, enc_solution *s) {
     void *directions, *scales, *views;
     s->factors = (enc_factor_store){.units = info->components,
-                               .layers = enc_store_layers(info->factor_classes),
-                               .horizon_scale = info->horizon_scale};
+                                    .layers = enc_store_layers(info->factor_classes),
+                                    .horizon_scale = info->horizon_scale};
     memcpy(s->factors.classes, info->factor_classes, sizeof s->factors.classes);
     bool ok = copy_texture(material, 0, BTF_TEXTURE_FACTOR_DIRECTIONS, &directions);
     ok = copy_texture(material, 0, BTF_TEXTURE_FACTOR_SCALES, &scales) && ok;
