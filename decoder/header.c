@@ -154,10 +154,10 @@ static void out_of_memory(reader *r, const char *name) {
     r->result = btfi_fail(r->log, BTF_ERROR_MEMORY, "out of memory for attribute %s", name);
 }
 
-/* Copies integers 0..high. `out` has elements of 1 or 2 bytes. */
-static void *copy_integers(reader *r, const char *name, const float *values, size_t count, unsigned high,
-                           size_t element) {
-    void *out = malloc(count * element);
+/* Copies integers 0..high, which is at most 65535. */
+static uint16_t *copy_integers(reader *r, const char *name, const float *values, size_t count,
+                               unsigned high) {
+    uint16_t *out = malloc(count * sizeof *out);
     if (!out) {
         out_of_memory(r, name);
         return NULL;
@@ -169,18 +169,15 @@ static void *copy_integers(reader *r, const char *name, const float *values, siz
             free(out);
             return NULL;
         }
-        if (element == 1)
-            ((uint8_t *)out)[i] = (uint8_t)values[i];
-        else
-            ((uint16_t *)out)[i] = (uint16_t)values[i];
+        out[i] = (uint16_t)values[i];
     }
     return out;
 }
 
-static void *get_integers(reader *r, const char *name, bool required, size_t group, size_t most,
-                          unsigned high, size_t element, size_t *out_count) {
+static uint16_t *get_integers(reader *r, const char *name, bool required, size_t group, size_t most,
+                              unsigned high, size_t *out_count) {
     const float *values = get_floats(r, name, required, group, most, out_count);
-    return values ? copy_integers(r, name, values, *out_count, high, element) : NULL;
+    return values ? copy_integers(r, name, values, *out_count, high) : NULL;
 }
 
 /* A list of at most `most` directions. */
@@ -199,20 +196,19 @@ static void get_directions(reader *r, const char *list, const char *one, size_t 
         return;
     }
     memcpy(d->xyz, xyz, count * sizeof *xyz);
-    d->vertices = get_integers(r, NAME("%sVertices", one), true, 2, d->count, 2 * BTFI_PLANE, 2, &count);
+    d->vertices = get_integers(r, NAME("%sVertices", one), true, 2, d->count, 2 * BTFI_PLANE, &count);
     if (!r->result && count != 2 * (size_t)d->count)
         refuse(r, "attribute %s holds %zu numbers, not 2 for each of %u directions", name, count,
                (unsigned)d->count);
     const unsigned last = d->count - 1;
-    d->triangles =
-        get_integers(r, NAME("%sTriangles", one), false, 3, 2 * (size_t)d->count, last, 2, &count);
+    d->triangles = get_integers(r, NAME("%sTriangles", one), false, 3, 2 * (size_t)d->count, last, &count);
     d->triangle_count = (uint32_t)(count / 3);
-    d->hull = get_integers(r, NAME("%sHull", one), false, 1, 2 * (size_t)d->count, last, 2, &count);
+    d->hull = get_integers(r, NAME("%sHull", one), false, 1, 2 * (size_t)d->count, last, &count);
     d->hull_count = (uint32_t)count;
     d->grid = get_int(r, NAME("%sGrid", one), 1, BTFI_MAX_GRID);
     d->cells =
         get_integers(r, NAME("%sCells", one), true, 1, BTFI_MAX_GRID * BTFI_MAX_GRID + BTFI_MAX_RECORDS,
-                     BTFI_MAX_RECORDS, 2, &d->cells_length);
+                     BTFI_MAX_RECORDS, &d->cells_length);
 #undef NAME
     if (!r->result)
         r->result = btfi_directions_check(&check, list, d);
@@ -342,7 +338,7 @@ static void get_factors(reader *r, btf_material_info *info) {
     if (numbers) {
         info->store = BTF_STORE_FACTORS;
         info->horizon_scale = get_float(r, "openbtf.horizonScale");
-        uint16_t *integers = copy_integers(r, name, numbers, count, 4 * BTF_MAX_COMPONENTS, 2);
+        uint16_t *integers = copy_integers(r, name, numbers, count, 4 * BTF_MAX_COMPONENTS);
         for (size_t i = 0; integers && i < count; i++)
             info->factor_classes[i / 3][i % 3] = integers[i];
         free(integers);
@@ -389,8 +385,9 @@ btf_result btfi_header_read(exr_const_context_t context, const btf_log *log, btf
         info->atlas_width = get_int(&r, "openbtf.atlasWidth", 1, BTF_MAX_SIZE);
         info->atlas_height = get_int(&r, "openbtf.atlasHeight", 1, BTF_MAX_SIZE);
     }
-    get_directions(&r, "views", "view", BTF_MAX_DIRECTION_LAYERS, &m->views);
-    get_directions(&r, "lights", "light", BTF_MAX_DIRECTION_LAYERS, &m->lights);
+    const size_t most = info->version < 2 ? BTF_MAX_DIRECTION_LAYERS : BTF_MAX_DIRECTIONS;
+    get_directions(&r, "views", "view", most, &m->views);
+    get_directions(&r, "lights", "light", most, &m->lights);
     info->n_views = m->views.count;
     info->n_lights = m->lights.count;
     info->levels = get_int_or(&r, "openbtf.levels", 1, BTF_MAX_LEVELS, &(uint32_t){1});

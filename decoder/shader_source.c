@@ -180,7 +180,21 @@ static void define_fixed(text *t, const char *name, const btfi_directions *direc
                n.weight[2]);
 }
 
-/* The macros of shaders/options.glsl. */
+/* The classes of factors, cut to the first `units` units; then of words, as many as these hold. */
+static void define_classes(text *t, const btf_material_info *info, uint32_t units) {
+    for (int c = 0; c < BTF_FACTOR_CLASSES; ++c) {
+        const uint32_t *of = info->factor_classes[c];
+        uint32_t n = of[0] < units ? of[0] : units, c1 = of[1] < 4 * n ? of[1] : 4 * n,
+                 c2 = of[2] < 4 * n - c1 ? of[2] : 4 * n - c1;
+        units -= n;
+        text_print(t, "#define BTF_FACTOR_UNITS_%d %u\n", c, n);
+        text_print(t, "#define BTF_FACTOR_C1_%d %u\n", c, c1);
+        text_print(t, "#define BTF_FACTOR_C2_%d %u\n", c, c2);
+    }
+}
+
+/* The macros of shaders/options.glsl. Those of version 2 stand only where a material needs them, so that the text
+ * of one of version 1 stays what it was. */
 static void write_macros(text *t, const btf_material *material, const btf_material_info *info,
                          const btf_shader_options *options) {
     variant v = choose(info, options);
@@ -195,6 +209,12 @@ static void write_macros(text *t, const btf_material *material, const btf_materi
     text_print(t, "#define BTF_GAIN %d\n", (v.effects & BTF_EFFECT_GAIN) != 0);
     text_print(t, "#define BTF_COMPONENTS %u\n", v.components);
     text_print(t, "#define BTF_CODE_ZERO %d\n", v.code_zero);
+    if (info->blend == BTF_BLEND_ROOTS)
+        text_print(t, "#define BTF_BLEND_ROOTS 1\n");
+    if (v.components > 0 && info->store == BTF_STORE_FACTORS) {
+        text_print(t, "#define BTF_FACTORS 1\n");
+        define_classes(t, info, v.components);
+    }
     text_print(t, "#define BTF_NEAREST %d\n", options->interpolation == BTF_INTERPOLATION_NEAREST);
     text_print(t, "#define BTF_BILINEAR %d\n", options->filter == BTF_FILTER_BILINEAR);
     text_print(t, "#define BTF_FAST_MATH %d\n", options->math == BTF_MATH_FAST);
@@ -223,6 +243,8 @@ static void write_macros(text *t, const btf_material *material, const btf_materi
     define_float(t, "BTF_SHADOW_SCALE", info->shadow_scale * 0x1p-12f);
     define_float(t, "BTF_GAIN_SCALE", info->gain_scale);
     define_float(t, "BTF_CENTRE_SCALE", info->centre_scale * 0x1p-12f);
+    if (v.components > 0 && info->store == BTF_STORE_FACTORS)
+        define_float(t, "BTF_HORIZON_SCALE", info->horizon_scale);
 }
 
 /* The samplers' layout qualifiers; literals, since ESSL 310 takes no expression there. */

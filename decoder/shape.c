@@ -129,7 +129,8 @@ bool btfi_is_table(btf_texture_id id) {
 }
 
 uint32_t btfi_version(const btf_material_info *info) {
-    return info->store == BTF_STORE_FACTORS || info->blend != BTF_BLEND_RADIANCE ? 2 : 1;
+    const bool many = info->n_views > BTF_MAX_DIRECTION_LAYERS || info->n_lights > BTF_MAX_DIRECTION_LAYERS;
+    return many || info->store == BTF_STORE_FACTORS || info->blend != BTF_BLEND_RADIANCE ? 2 : 1;
 }
 
 static btf_texture shape(btf_format format, int is_array, uint32_t width, uint32_t height,
@@ -366,21 +367,32 @@ static btf_result check_levels(const btfi_check *check, const btf_material_info 
     return BTF_OK;
 }
 
+/* In layout `paper` as well, which has to be convertible to `tight`. */
+static btf_result check_directions(const btfi_check *check, const char *name, uint32_t count, bool layers,
+                                   const char *effects) {
+    if (count < 1 || count > BTF_MAX_DIRECTIONS)
+        return btfi_fail(check->log, check->code, "%u %s, not 1 to %d", (unsigned)count, name,
+                         BTF_MAX_DIRECTIONS);
+    if (layers && count > BTF_MAX_DIRECTION_LAYERS)
+        return btfi_fail(check->log, check->code, "%u %s with the effect %s, not 1 to %d", (unsigned)count,
+                         name, effects, BTF_MAX_DIRECTION_LAYERS);
+    return BTF_OK;
+}
+
 btf_result btfi_check_info(const btfi_check *check, const btf_material_info *info) {
     if (info->width < 1 || info->width > BTF_MAX_SIZE || info->height < 1 || info->height > BTF_MAX_SIZE)
         return btfi_fail(check->log, check->code, "size %u x %u is not within 1 to %d",
                          (unsigned)info->width, (unsigned)info->height, BTF_MAX_SIZE);
-    if (info->n_views < 1 || info->n_views > BTF_MAX_DIRECTION_LAYERS)
-        return btfi_fail(check->log, check->code, "%u views, not 1 to %d", (unsigned)info->n_views,
-                         BTF_MAX_DIRECTION_LAYERS);
-    if (info->n_lights < 1 || info->n_lights > BTF_MAX_DIRECTION_LAYERS)
-        return btfi_fail(check->log, check->code, "%u lights, not 1 to %d", (unsigned)info->n_lights,
-                         BTF_MAX_DIRECTION_LAYERS);
     if (info->domain != BTF_DOMAIN_LINEAR && info->domain != BTF_DOMAIN_SQRT)
         return btfi_fail(check->log, check->code, "unknown domain %d", (int)info->domain);
 
     btf_result result;
-    if ((result = check_effects(check, info)) || (result = check_model(check, info)) ||
+    if ((result = check_directions(check, "views", info->n_views,
+                                   info->effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN | BTF_EFFECT_GAIN),
+                                   "shift, hidden or gain")) ||
+        (result = check_directions(check, "lights", info->n_lights, info->effects & BTF_EFFECT_SHADOW,
+                                   "shadow")) ||
+        (result = check_effects(check, info)) || (result = check_model(check, info)) ||
         (result = check_version_2(check, info)) || (result = check_layout(check, info)) ||
         (result = check_levels(check, info)) ||
         (result = check_scale(check, "radianceScale", info->radiance_scale)) ||

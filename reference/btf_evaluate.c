@@ -258,11 +258,12 @@ static void view_value(const situation *s, uint32_t column, uint32_t row, uint32
     source(s, source_column, source_row, view, out);
     for (int c = 0; c < CHANNELS; ++c) {
         float value = out[c] * seen.gain; /* by 1, which changes nothing, without gain */
-        if (!roots) {
-            value = keep_within(value);
-            value = material->domain_sqrt ? value * value : value;
+        if (roots) {
+            out[c] = value > 0x1p32f ? 0x1p32f : value < -0x1p32f ? -0x1p32f : value;
+            continue;
         }
-        out[c] = value;
+        value = keep_within(value);
+        out[c] = material->domain_sqrt ? value * value : value;
     }
 }
 

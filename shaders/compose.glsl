@@ -106,38 +106,39 @@ vec3 btf_source_radiance(uvec2 source, vec3 residual, uint gain, btf_setting s) 
     y = btf_mul(y, btf_mul(float(gain), BTF_GAIN_SCALE));
 #endif
 #endif
-#if !BTF_BLEND_ROOTS
-    y = btf_radiance(y);
+#if BTF_BLEND_ROOTS
+    return clamp(y, vec3(-4294967296.0), vec3(4294967296.0)); /* else the views could add up to inf - inf */
+#else
+    return btf_radiance(y);
 #endif
-    return y;
 }
 
 /* Adds what each texel x shows in one sampled view, weighted, to its sum. */
 void btf_add_view(inout vec3 sum[BTF_TEXELS], uvec2 x[BTF_TEXELS], uint view, float weight,
-#if BTF_FACTORS && !BTF_SHIFT
+#if BTF_FACTORS && !BTF_FACTORS_BY_VIEW
                   vec3 residual[BTF_TEXELS],
 #endif
                   btf_setting s) {
     uvec3 codes[BTF_TEXELS];
     uvec2 source[BTF_TEXELS];
-#if !BTF_FACTORS || BTF_SHIFT
+#if !BTF_FACTORS || BTF_FACTORS_BY_VIEW
     vec3 residual[BTF_TEXELS];
 #endif
     bool visible = false;
     for (int i = 0; i < BTF_TEXELS; ++i) {
         codes[i] = btf_view_codes(x[i], view, s.level);
         source[i] = btf_source(x[i], codes[i], s.level);
-#if !BTF_FACTORS || BTF_SHIFT
+#if !BTF_FACTORS || BTF_FACTORS_BY_VIEW
         residual[i] = vec3(0.0);
 #endif
         visible = visible || codes[i].x != 0u;
     }
-#if BTF_COMPONENTS > 0 && (!BTF_FACTORS || BTF_SHIFT)
+#if BTF_COMPONENTS > 0 && (!BTF_FACTORS || BTF_FACTORS_BY_VIEW)
 #if BTF_HIDDEN
     if (visible)
 #endif
 #if BTF_FACTORS
-        btf_factors(residual, btf_factor_place(source, s.level, uvec3(view), 1, s.lights, s.n));
+        btf_factors(residual, btf_factor_scene(source, s.level, uvec3(view), 1, s.lights, s.n));
 #else
         btf_residual(residual, source, view, s.lights, s.n, s.level);
 #endif
@@ -156,9 +157,9 @@ void btf_add_view(inout vec3 sum[BTF_TEXELS], uvec2 x[BTF_TEXELS], uint view, fl
 
 /* Radiance of each texel x: the neighbouring views, blended. */
 void btf_texels(inout vec3 sum[BTF_TEXELS], uvec2 x[BTF_TEXELS], btf_setting s) {
-#if BTF_FACTORS && !BTF_SHIFT
+#if BTF_FACTORS && !BTF_FACTORS_BY_VIEW
     vec3 all[BTF_FACTOR_SUMS];
-    btf_factors(all, btf_factor_place(x, s.level, s.views.index, s.n_views, s.lights, s.n));
+    btf_factors(all, btf_factor_scene(x, s.level, s.views.index, s.n_views, s.lights, s.n));
     for (int a = 0; a < s.n_views; ++a) {
         vec3 residual[BTF_TEXELS];
         for (int i = 0; i < BTF_TEXELS; ++i)

@@ -1,76 +1,68 @@
-/* OpenBTF shaders: a source as low-bit factors (FORMAT.md sections 3 and 9). A unit of w is one texel of 128 bits
- * for a view and a light; each of its four words holds 4 to 16 codes, and u has as many for the texel.
+/* OpenBTF shaders: the residual of a source as factors of 8, 4 or 2 bits (FORMAT.md sections 3 and 9). A unit is one
+ * texel of 128 bits of w for a view and a light: four words of 4, 8 or 16 codes. u has as many codes for each texel.
  *
- * The dot product of the codes of w and u is taken without unpacking w. A field is 16 bits of a word (8 bits in
- * class 4). With w masked to one code a field, and u expanded once a pixel to one signed level a field, the
- * integer product of the two words has in its top field the sum of the products of w's fields with u's fields
- * in reverse order. The file stores u reversed, so that this is the dot product; the products of all
- * shifts add up before the top field is taken out with one shift.
- *   - Codes of w are 0 .. max where their levels are 2 code - max. The sum starts with -max/2 times the sum of
- *     the levels of u, which makes it half of the dot product, a whole number: a word has 8 or 16 components, all
- *     of odd levels.
- *   - Lower fields may be negative and then borrow 1 from the top one: half a field is added before the shift.
- *   - Bounds. Half a dot product of a word is at most 15300, 900, 360 and 72 in the classes 1 to 4. 16 bits hold two
- *     words of class 1 and all four of the classes 2 and 3, 8 bits hold one word of class 4; what lies below the
- *     top field is smaller than half of it: at most 30600 of 32768, 7.1 of 8.4 million in class 4. All of it
- *     is exact modulo 2^32.
+ * Codes of w are not unpacked: one integer product does the work of several. Words count as fields of 16 bits (8 in
+ * class 4). Masked, a word of w has one code in each field; u, expanded once, has one signed level in each.
+ * The top field of the product of two such words is the sum of the products of w's fields with u's in reverse
+ * order, for which the file stores u reversed. Shifting w brings up its next codes; products of all shifts
+ * are summed before the top field is taken out, which then is the dot product of codes of w and levels of u.
+ *   - Levels of w are 2 code - most, not codes. So the sum starts at -most / 2 times the sum of u's levels, and
+ *     the top field becomes half of the dot product: of 8 or 16 products of odd numbers, hence a whole number.
+ *   - Levels are negative too, and a negative lower field takes 1 from the top one. Half a unit of the top field,
+ *     added before it is shifted down, gives that back, as long as all lower fields are less than this half.
+ *   - Bounds: half of the dot product of a word is at most 15300, 900, 360 and 72 in classes 1, 2, 3 and 4; the top
+ *     field holds two words of class 1, four of 2 or 3, one of class 4. Lower fields come to at most 30600 of
+ *     32768 and, in class 4, 0.85 of a half. Integers wrap at 2^32, which changes nothing in the top field.
  *
  * SPDX-License-Identifier: MIT
  */
 #if BTF_FACTORS
 
-/* Without shift all views see the same texel, whose u is then expanded once for all of them. */
-#if BTF_SHIFT
+/* Views that are evaluated at once, for which u is then expanded once. With a shift each has sources of its own; with
+ * four texels, a text for three views would take a compiler seconds, and too many registers. */
+#if BTF_FACTORS_BY_VIEW
 #define BTF_FACTOR_VIEWS 1
 #else
 #define BTF_FACTOR_VIEWS 3
 #endif
 #define BTF_FACTOR_SUMS (BTF_FACTOR_VIEWS * BTF_TEXELS)
 
-/* Where and under which directions factors are evaluated. */
-struct btf_factor_place {
+/* Sources, and the views and lights (1 to 3 each) under which they are seen. */
+struct btf_factor_scene {
     uvec2 x[BTF_TEXELS];
-    int level;
+    int level; /* of detail */
     uvec3 views;
     int n_views;
     btf_neighbours lights;
     int n;
 };
 
-/* u of a unit for a texel: levels in fields for each shift of w, and the sum of a word before its products. */
-struct btf_factor_u {
+/* u of a unit at a source: its levels for each shift of w, and where the sum of each word starts. */
+struct btf_factor_levels {
     uvec4 q[8];
     uvec4 start;
 };
 
-/* One code a field becomes its signed level, 2 code - max; the mask is max in each field. */
-uvec4 btf_factor_levels(uvec4 u, int shift, uint mask) {
-    return ((u >> uint(shift)) & mask) * 2u - mask;
-}
-
-uvec4 btf_factor_fetch(uvec2 x, int layer, int level) {
-    return texelFetch(btf_factor_texels, ivec3(ivec2(x), layer), level);
-}
-
-/* u of the unit of class c whose first layer is given. */
-btf_factor_u btf_factor_expand(int c, uvec2 x, int layer, int level) {
-    btf_factor_u u;
-    uvec4 t = btf_factor_fetch(x, layer, level);
+/* u of a unit of class c, whose first layer is given, at source x; codes as they are in class 0. */
+btf_factor_levels btf_factor_expand(int c, uvec2 x, int layer, int level) {
+    btf_factor_levels u;
+    u.start = uvec4(0u);
+    uvec4 texel = texelFetch(btf_factor_texels, ivec3(ivec2(x), layer), level), next = texel;
+    if (c == 1 || c == 3)
+        next = texelFetch(btf_factor_texels, ivec3(ivec2(x), layer + 1), level);
     if (c == 0) {
-        u.q[0] = t;
+        u.q[0] = texel;
         return u;
     }
+    uint mask = c == 1 ? 0x00FF00FFu : (c == 4 ? 0x03030303u : 0x000F000Fu);
+    int bits = c == 1 ? 8 : (c == 4 ? 2 : 4), shifts = c == 3 ? 8 : 4, of_texel = c == 1 ? 2 : 4;
     uvec4 sum = uvec4(0u);
-    int steps = c == 3 ? 8 : 4;
-    for (int s = 0; s < steps; ++s) {
-        if (c == 1)
-            u.q[s] = btf_factor_levels(s == 2 ? t = btf_factor_fetch(x, layer + 1, level) : t, 8 * (s & 1), 0x00FF00FFu);
-        if (c == 2 || c == 3)
-            u.q[s] = btf_factor_levels(s == 4 ? t = btf_factor_fetch(x, layer + 1, level) : t, 4 * (s & 3), 0x000F000Fu);
-        if (c == 4)
-            u.q[s] = btf_factor_levels(t, 2 * s, 0x03030303u);
+    for (int s = 0; s < shifts; ++s) {
+        uvec4 codes = ((s < of_texel ? texel : next) >> uint(bits * (s % of_texel))) & mask;
+        u.q[s] = codes * 2u - mask;
         sum += u.q[s];
     }
+    /* The product with ones in all fields has the sum of a word's levels in its top field: an even number. */
     if (c == 4)
         u.start = uvec4((ivec4(sum * 0x01010101u + 0x00800000u) >> 25) * -3) << 24u;
     else
@@ -78,145 +70,152 @@ btf_factor_u btf_factor_expand(int c, uvec2 x, int layer, int level) {
     return u;
 }
 
-/* The products of the four words, summed over shifts. */
-uvec4 btf_factor_products(int c, uvec4 w, btf_factor_u u) {
-    uint mask = c == 4 ? 0x03030303u : c == 3 ? 0x00030003u : 0x000F000Fu;
-    uint step = c < 3 ? 4u : 2u;
+/* Packed products of w and u, summed over shifts; the start is not in it. */
+uvec4 btf_factor_products(int c, uvec4 w, btf_factor_levels u) {
+    uint mask = c == 4 ? 0x03030303u : (c == 3 ? 0x00030003u : 0x000F000Fu);
+    int bits = c < 3 ? 4 : 2, shifts = c == 3 ? 8 : 4;
     uvec4 t = (w & mask) * u.q[0];
-    t += ((w >> step) & mask) * u.q[1];
-    t += ((w >> (2u * step)) & mask) * u.q[2];
-    t += ((w >> (3u * step)) & mask) * u.q[3];
-    if (c == 3) {
-        t += ((w >> 8u) & mask) * u.q[4];
-        t += ((w >> 10u) & mask) * u.q[5];
-        t += ((w >> 12u) & mask) * u.q[6];
-        t += ((w >> 14u) & mask) * u.q[7];
-    }
+    for (int s = 1; s < shifts; ++s)
+        t += ((w >> uint(bits * s)) & mask) * u.q[s];
     return t;
 }
 
-/* Half of the dot product of each word, all of it in class 0. */
-ivec4 btf_factor_words(int c, uvec4 w, btf_factor_u u) {
+/* Half of the dot product of each word; in class 0, four signed bytes a word, all of it. */
+ivec4 btf_factor_words(int c, uvec4 w, btf_factor_levels u) {
     if (c == 0) {
         ivec4 v = ivec4(w), t = ivec4(u.q[0]);
-        return (v >> 24) * (t >> 24) + ((v << 8) >> 24) * ((t << 8) >> 24) +
-               ((v << 16) >> 24) * ((t << 16) >> 24) + ((v << 24) >> 24) * ((t << 24) >> 24);
+        return ((v << 24) >> 24) * ((t << 24) >> 24) + ((v << 16) >> 24) * ((t << 16) >> 24) +
+               ((v << 8) >> 24) * ((t << 8) >> 24) + (v >> 24) * (t >> 24);
     }
-    uvec4 t = btf_factor_products(c, w, u) + u.start;
-    if (c == 4)
-        return ivec4(t + 0x00800000u) >> 24;
-    return ivec4(t + 0x8000u) >> 16;
+    uvec4 t = btf_factor_products(c, w, u);
+    return c == 4 ? ivec4(t + (u.start + 0x00800000u)) >> 24 : ivec4(t + (u.start + 0x8000u)) >> 16;
 }
 
-/* Half of the dot product of a unit. */
-int btf_factor_whole(int c, uvec4 w, btf_factor_u u) {
+/* Half of the dot product of a unit of class 1 to 4. */
+int btf_factor_unit(int c, uvec4 w, btf_factor_levels u) {
     if (c == 4) {
-        ivec4 d = btf_factor_words(c, w, u);
-        return d.x + d.y + d.z + d.w;
+        ivec4 words = btf_factor_words(c, w, u);
+        return (words.x + words.y) + (words.z + words.w);
     }
-    uvec4 t = btf_factor_products(c, w, u) + u.start;
-    uvec2 two = t.xy + t.zw;
+    uvec4 t = btf_factor_products(c, w, u);
+    uvec2 start = u.start.xy + u.start.zw, pair = t.xy + t.zw;
     if (c == 1) {
-        ivec2 d = ivec2(two + 0x8000u) >> 16;
-        return d.x + d.y;
+        ivec2 pairs = ivec2(pair + (start + 0x8000u)) >> 16;
+        return pairs.x + pairs.y;
     }
-    return int(two.x + two.y + 0x8000u) >> 16;
+    return int((pair.x + pair.y) + (start.x + start.y + 0x8000u)) >> 16;
 }
 
-/* w of a unit for all views and lights, fetched before any is used. */
-void btf_factor_directions_of(out uvec4 w[3 * BTF_FACTOR_VIEWS], int unit, btf_factor_place at) {
+/* w of a unit for each view and light, which all texels share. */
+void btf_factor_fetch(out uvec4 w[3 * BTF_FACTOR_VIEWS], int unit, btf_factor_scene at) {
     for (int a = 0; a < at.n_views; ++a)
         for (int b = 0; b < at.n; ++b)
-            w[3 * a + b] = texelFetch(btf_factor_directions, ivec3(int(at.lights.index[b]), int(at.views[a]), unit), 0);
+            w[3 * a + b] =
+                texelFetch(btf_factor_directions, ivec3(int(at.lights.index[b]), int(at.views[a]), unit), 0);
 }
 
-/* Adds the units of class c, whose first unit and first layer of u are given, to the sums (Y, C1, C2) of their
- * tier, [view][texel]. The first `mixed` are evaluated word by word. */
-void btf_factor_class(inout vec3 p[BTF_FACTOR_SUMS], int c, int unit, int layer, int units, int mixed, int c1,
-                      int c12, btf_factor_place at) {
-    int layers = c == 1 || c == 3 ? 2 : 1;
-    int shift = c == 0 || c == 1 ? 4 : 0;
-    float unit_scale = uintBitsToFloat(c == 0 ? 0x3B800000u : c == 1 ? 0x3C000000u : 0x3A000000u);
+/* Adds a class c to the sums p (Y, C1, C2) of its tier, [view][texel]: `words` units word by word, then `units`
+ * of Y. Its words before c1 are of C1, those from there to before c2 of C2. first is (first unit, first layer of u),
+ * afterwards those of the next class.
+ * The loops test at their end: a rasteriser on a CPU runs a body once more, masked, where the test is in front. */
+void btf_factor_class(inout vec3 p[BTF_FACTOR_SUMS], inout ivec2 first, int c, int words, int units, int c1,
+                      int c2, btf_factor_scene at) {
     uvec4 w[3 * BTF_FACTOR_VIEWS];
-    for (int g = 0; g < mixed; ++g) {
-        btf_factor_directions_of(w, unit + g, at);
-        vec4 scale = btf_mul(texelFetch(btf_factor_scales, ivec2(unit + g, 0), 0), unit_scale);
-        for (int i = 0; i < BTF_TEXELS; ++i) {
-            btf_factor_u u = btf_factor_expand(c, at.x[i], layer + layers * g, at.level);
-            for (int a = 0; a < at.n_views; ++a) {
-                ivec4 e = ivec4(0);
-                for (int b = 0; b < at.n; ++b)
-                    e += int(at.lights.weight[b]) * btf_factor_words(c, w[3 * a + b], u);
-                vec4 y = btf_mul(vec4(e >> shift), scale);
-                for (int k = 0; k < 4; ++k) {
-                    vec3 word = 4 * g + k >= c12 ? vec3(y[k], 0.0, 0.0)
-                                : 4 * g + k < c1 ? vec3(0.0, y[k], 0.0)
-                                                 : vec3(0.0, 0.0, y[k]);
-                    p[a * BTF_TEXELS + i] = btf_add(p[a * BTF_TEXELS + i], word);
+    ivec2 step = ivec2(1, c == 1 || c == 3 ? 2 : 1);
+    /* FORMAT.md shifts whole dot products by 4, 5, 1, 0 and 0: these are halves, but in class 0. */
+    int shift = c < 2 ? 4 : 0;
+    float power = uintBitsToFloat(c == 0 ? 0x3B800000u : (c == 1 ? 0x3C000000u : 0x3A000000u));
+    int g = 0;
+    if (words > 0)
+        do {
+            btf_factor_fetch(w, first.x, at);
+            vec4 scale = btf_mul(texelFetch(btf_factor_scales, ivec2(first.x, 0), 0), power);
+            for (int i = 0; i < BTF_TEXELS; ++i) {
+                btf_factor_levels u = btf_factor_expand(c, at.x[i], first.y, at.level);
+                for (int a = 0; a < at.n_views; ++a) {
+                    ivec4 e = ivec4(0);
+                    for (int b = 0; b < at.n; ++b)
+                        e += int(at.lights.weight[b]) * btf_factor_words(c, w[3 * a + b], u);
+                    vec4 y = btf_mul(vec4(e >> shift), scale);
+                    for (int k = 0; k < 4; ++k) {
+                        int word = 4 * g + k;
+                        vec3 term = word < c1 ? vec3(0.0, y[k], 0.0) : vec3(0.0, 0.0, y[k]);
+                        if (word >= c2)
+                            term = vec3(y[k], 0.0, 0.0);
+                        p[a * BTF_TEXELS + i] = btf_add(p[a * BTF_TEXELS + i], term);
+                    }
                 }
             }
-        }
-    }
-    for (int g = mixed; g < units; ++g) {
-        btf_factor_directions_of(w, unit + g, at);
-        float scale = btf_mul(texelFetch(btf_factor_scales, ivec2(unit + g, 0), 0).x, unit_scale);
-        for (int i = 0; i < BTF_TEXELS; ++i) {
-            btf_factor_u u = btf_factor_expand(c, at.x[i], layer + layers * g, at.level);
-            for (int a = 0; a < at.n_views; ++a) {
-                int e = 0;
-                for (int b = 0; b < at.n; ++b)
-                    e += int(at.lights.weight[b]) * btf_factor_whole(c, w[3 * a + b], u);
-                p[a * BTF_TEXELS + i].x = btf_add(p[a * BTF_TEXELS + i].x, btf_mul(float(e >> shift), scale));
+            first += step;
+        } while (++g < words);
+    g = 0;
+    if (units > 0)
+        do {
+            btf_factor_fetch(w, first.x, at);
+            float scale = btf_mul(texelFetch(btf_factor_scales, ivec2(first.x, 0), 0).x, power);
+            for (int i = 0; i < BTF_TEXELS; ++i) {
+                btf_factor_levels u = btf_factor_expand(c, at.x[i], first.y, at.level);
+                for (int a = 0; a < at.n_views; ++a) {
+                    int e = 0;
+                    for (int b = 0; b < at.n; ++b)
+                        e += int(at.lights.weight[b]) * btf_factor_unit(c, w[3 * a + b], u);
+                    float y = btf_mul(float(e >> shift), scale);
+                    p[a * BTF_TEXELS + i].x = btf_add(p[a * BTF_TEXELS + i].x, y);
+                }
             }
-        }
-    }
+            first += step;
+        } while (++g < units);
 }
 
-/* Adds a tier's sums, times the factors of their view, to the channels; empties them for the next tier. */
-void btf_factor_tier(inout vec3 channels[BTF_FACTOR_SUMS], inout vec3 p[BTF_FACTOR_SUMS], int tier, btf_factor_place at) {
+/* Adds the sums p of a tier, times the factors of their view, to r, and empties them. */
+void btf_factor_tier(inout vec3 r[BTF_FACTOR_SUMS], inout vec3 p[BTF_FACTOR_SUMS], int tier, btf_factor_scene at) {
     for (int a = 0; a < at.n_views; ++a) {
-        vec3 scale = texelFetch(btf_factor_views, ivec2(tier, int(at.views[a])), 0).xyz;
-        for (int i = a * BTF_TEXELS; i < (a + 1) * BTF_TEXELS; ++i) {
-            channels[i] = btf_add(channels[i], btf_mul(p[i], scale));
-            p[i] = vec3(0.0);
+        vec3 factor = texelFetch(btf_factor_views, ivec2(tier, int(at.views[a])), 0).xyz;
+        for (int i = 0; i < BTF_TEXELS; ++i) {
+            r[a * BTF_TEXELS + i] = btf_add(r[a * BTF_TEXELS + i], btf_mul(p[a * BTF_TEXELS + i], factor));
+            p[a * BTF_TEXELS + i] = vec3(0.0);
         }
     }
 }
 
-#define BTF_MIXED(c1, c2, units) min((c1 + c2 + 3) / 4, units)
-
-/* The residual of each view and texel, [view][texel]. */
-void btf_factors(out vec3 r[BTF_FACTOR_SUMS], btf_factor_place at) {
+/* The residual of each source in each view, [view][texel]. */
+void btf_factors(out vec3 r[BTF_FACTOR_SUMS], btf_factor_scene at) {
     vec3 p[BTF_FACTOR_SUMS];
     for (int i = 0; i < BTF_FACTOR_SUMS; ++i)
         r[i] = p[i] = vec3(0.0);
-    const int u1 = BTF_FACTOR_UNITS_0, u2 = u1 + BTF_FACTOR_UNITS_1, u3 = u2 + BTF_FACTOR_UNITS_2, u4 = u3 + BTF_FACTOR_UNITS_3;
-    const int l1 = BTF_FACTOR_UNITS_0, l2 = l1 + 2 * BTF_FACTOR_UNITS_1, l3 = l2 + BTF_FACTOR_UNITS_2, l4 = l3 + 2 * BTF_FACTOR_UNITS_3;
+    ivec2 first = ivec2(0);
+    /* n units of class c, the first m of them word by word. */
+#define BTF_FACTOR_CLASS(c, n, m, c1, c2) btf_factor_class(p, first, c, m, n - (m), c1, c1 + c2, at)
 #if BTF_FACTOR_UNITS_0 > 0
-    btf_factor_class(p, 0, 0, 0, BTF_FACTOR_UNITS_0, BTF_FACTOR_UNITS_0, BTF_FACTOR_C1_0, BTF_FACTOR_C1_0 + BTF_FACTOR_C2_0, at);
+    BTF_FACTOR_CLASS(0, BTF_FACTOR_UNITS_0, BTF_FACTOR_UNITS_0, BTF_FACTOR_C1_0, BTF_FACTOR_C2_0);
     btf_factor_tier(r, p, 0, at);
 #endif
 #if BTF_FACTOR_UNITS_1 > 0
-    btf_factor_class(p, 1, u1, l1, BTF_FACTOR_UNITS_1, BTF_MIXED(BTF_FACTOR_C1_1, BTF_FACTOR_C2_1, BTF_FACTOR_UNITS_1), BTF_FACTOR_C1_1, BTF_FACTOR_C1_1 + BTF_FACTOR_C2_1, at);
+    BTF_FACTOR_CLASS(1, BTF_FACTOR_UNITS_1, (BTF_FACTOR_C1_1 + BTF_FACTOR_C2_1 + 3) / 4, BTF_FACTOR_C1_1,
+                     BTF_FACTOR_C2_1);
 #endif
 #if BTF_FACTOR_UNITS_2 > 0
-    btf_factor_class(p, 2, u2, l2, BTF_FACTOR_UNITS_2, BTF_MIXED(BTF_FACTOR_C1_2, BTF_FACTOR_C2_2, BTF_FACTOR_UNITS_2), BTF_FACTOR_C1_2, BTF_FACTOR_C1_2 + BTF_FACTOR_C2_2, at);
+    BTF_FACTOR_CLASS(2, BTF_FACTOR_UNITS_2, (BTF_FACTOR_C1_2 + BTF_FACTOR_C2_2 + 3) / 4, BTF_FACTOR_C1_2,
+                     BTF_FACTOR_C2_2);
 #endif
 #if BTF_FACTOR_UNITS_1 + BTF_FACTOR_UNITS_2 > 0
     btf_factor_tier(r, p, 1, at);
 #endif
 #if BTF_FACTOR_UNITS_3 > 0
-    btf_factor_class(p, 3, u3, l3, BTF_FACTOR_UNITS_3, BTF_MIXED(BTF_FACTOR_C1_3, BTF_FACTOR_C2_3, BTF_FACTOR_UNITS_3), BTF_FACTOR_C1_3, BTF_FACTOR_C1_3 + BTF_FACTOR_C2_3, at);
+    BTF_FACTOR_CLASS(3, BTF_FACTOR_UNITS_3, (BTF_FACTOR_C1_3 + BTF_FACTOR_C2_3 + 3) / 4, BTF_FACTOR_C1_3,
+                     BTF_FACTOR_C2_3);
 #endif
 #if BTF_FACTOR_UNITS_4 > 0
-    btf_factor_class(p, 4, u4, l4, BTF_FACTOR_UNITS_4, BTF_MIXED(BTF_FACTOR_C1_4, BTF_FACTOR_C2_4, BTF_FACTOR_UNITS_4), BTF_FACTOR_C1_4, BTF_FACTOR_C1_4 + BTF_FACTOR_C2_4, at);
+    BTF_FACTOR_CLASS(4, BTF_FACTOR_UNITS_4, (BTF_FACTOR_C1_4 + BTF_FACTOR_C2_4 + 3) / 4, BTF_FACTOR_C1_4,
+                     BTF_FACTOR_C2_4);
 #endif
 #if BTF_FACTOR_UNITS_3 + BTF_FACTOR_UNITS_4 > 0
     btf_factor_tier(r, p, 2, at);
 #endif
-    for (int i = 0; i < BTF_FACTOR_SUMS; ++i)
-        r[i] = vec3(btf_add(btf_add(r[i].x, r[i].y), r[i].z), btf_add(r[i].x, -btf_add(r[i].z, r[i].z)),
-                    btf_add(btf_add(r[i].x, -r[i].y), r[i].z));
+    for (int i = 0; i < BTF_FACTOR_SUMS; ++i) {
+        float y = r[i].x, c1 = r[i].y, c2 = r[i].z;
+        r[i] = vec3(btf_add(btf_add(y, c1), c2), btf_add(y, -btf_add(c2, c2)), btf_add(btf_add(y, -c1), c2));
+    }
 }
 
 #endif

@@ -9,8 +9,11 @@
  *     BTF_COLOUR         0 mono, 1 rgb, 2 none (no SBRDF)
  *     BTF_LOBES          J, 1..4; 0 with colour none
  *     BTF_SHADOW BTF_SHIFT BTF_HIDDEN BTF_GAIN    1: the effect is in the file and is decoded
- *     BTF_COMPONENTS     k' of the residual that are decoded, 0 none
+ *     BTF_COMPONENTS     k' of the residual that are decoded, 0 none; units, where its store is factors
  *     BTF_CODE_ZERO      1: the file marks hidden points, decoded or not
+ *     BTF_FACTORS        1: the residual's store is factors. Default 0. With 1, for each class c of 0..4:
+ *     BTF_FACTOR_UNITS_c BTF_FACTOR_C1_c BTF_FACTOR_C2_c    units that are decoded; of their words, those of C1 and C2
+ *     BTF_BLEND_ROOTS    1: views are blended as roots. Default 0
  *   values (any expressions, e.g. uniforms of your own)
  *     BTF_WIDTH BTF_HEIGHT BTF_N_LIGHTS BTF_VIEW_GRID BTF_LIGHT_GRID          uint
  *     BTF_LEVELS                                                              uint, levels of detail; default 1
@@ -18,6 +21,7 @@
  *     BTF_CENTRE_ROWS                                uint, layout tight with hidden: R of section 3
  *     BTF_RADIANCE_SCALE BTF_SHADOW_SCALE BTF_GAIN_SCALE BTF_CENTRE_SCALE     float; SHADOW_SCALE is
  *                        shadowScale * 2^-12, CENTRE_SCALE is centreScale * 2^-12
+ *     BTF_HORIZON_SCALE                              float, with factors
  *   how to decode
  *     BTF_NEAREST        1: btf_evaluate takes the nearest directions, 0: it interpolates between three
  *     BTF_BILINEAR       1: four decoded texels are blended, 0: one texel
@@ -58,6 +62,7 @@
 #else
 #define BTF_TEXELS 1
 #endif
+#define BTF_FACTORS_BY_VIEW (BTF_SHIFT || BTF_BILINEAR)
 #ifndef BTF_FAST_MATH
 #define BTF_FAST_MATH 0
 #endif

@@ -1,10 +1,10 @@
 /* Lagrange's multiplier, then whole units. See allocate.h.
  *
  * Each component alone would take the class of the least error + price * bytes (Shoham and Gersho 1988); a
- * bisection finds the price that meets the budget. Units then have to be whole. Two classes have two texels of
- * u a unit, the others one, so that only so many combinations of both exhaust the budget: for each of them the
- * nearest plan is improved by moving words from channel to channel and units from class to class until nothing
- * gains.
+ * bisection finds the price that meets the budget. Units then have to be whole. Two classes have two texels
+ * of u a unit, the others one, so that only so many combinations of both exhaust the budget: for each of
+ * them the nearest plan is improved by moving words from channel to channel and units from class to class
+ * until nothing gains.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -42,7 +42,8 @@ size_t enc_factor_held(const enc_factor_plan *plan, int class, int channel, size
     return class == 0 && held > rank ? rank : held;
 }
 
-static uint64_t bytes_of(size_t texels, size_t n_views, size_t n_lights, uint64_t units, uint64_t u_texels) {
+static uint64_t bytes_of(size_t texels, size_t n_views, size_t n_lights, uint64_t units,
+                         uint64_t u_texels) {
     return 16 * (units * n_views * n_lights + u_texels * texels + units + 3 * (uint64_t)n_views);
 }
 
@@ -134,7 +135,8 @@ static double best_step(const search *s, const enc_factor_plan *from, size_t u_t
 }
 
 /* Word moves between channels of a class. */
-static double best_word_move(const search *s, const enc_factor_plan *from, double least, enc_factor_plan *out) {
+static double best_word_move(const search *s, const enc_factor_plan *from, double least,
+                             enc_factor_plan *out) {
     for (int k = 0; k < ENC_FACTOR_CLASSES; k++) {
         for (int move = 0; move < 9; move++) {
             const int a = move / 3, b = move % 3;
@@ -155,7 +157,8 @@ static double best_word_move(const search *s, const enc_factor_plan *from, doubl
 }
 
 /* Unit moves between classes of as many texels of u. */
-static double best_unit_move(const search *s, const enc_factor_plan *from, double least, enc_factor_plan *out) {
+static double best_unit_move(const search *s, const enc_factor_plan *from, double least,
+                             enc_factor_plan *out) {
     for (int k = 0; k < ENC_FACTOR_CLASSES; k++) {
         for (int to = 0; to < ENC_FACTOR_CLASSES; to++) {
             for (int i = 0; i < SPLITS * SPLITS; i++) {
@@ -216,7 +219,8 @@ static double component_bytes(const search *s, int class) {
 }
 
 /* How many components of each channel go to each class at a price of a byte; returns their bytes. */
-static double count_at(const search *s, double price, size_t counts[ENC_FACTOR_CLASSES][ENC_FACTOR_CHANNELS]) {
+static double count_at(const search *s, double price,
+                       size_t counts[ENC_FACTOR_CLASSES][ENC_FACTOR_CHANNELS]) {
     double bytes = 0;
     memset(counts, 0, sizeof(size_t) * ENC_FACTOR_CLASSES * ENC_FACTOR_CHANNELS);
     for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
@@ -224,8 +228,8 @@ static double count_at(const search *s, double price, size_t counts[ENC_FACTOR_C
             double least = s->energies->energy[c][j];
             int best = -1;
             for (int k = 0; k < ENC_FACTOR_CLASSES; k++) {
-                const double cost = s->energies->energy[c][j] * enc_factor_classes[k].error +
-                                    price * component_bytes(s, k);
+                const double cost =
+                    s->energies->energy[c][j] * enc_factor_classes[k].error + price * component_bytes(s, k);
                 if (cost < least) {
                     least = cost;
                     best = k;
@@ -276,7 +280,8 @@ static enc_factor_plan rough_plan(const search *s, double budget) {
 }
 
 /* The best of all combinations of units of one and of two texels of u that exhaust the budget. */
-static bool allocate(const search *s, size_t n_views, size_t n_lights, uint64_t budget, enc_factor_plan *out) {
+static bool allocate(const search *s, size_t n_views, size_t n_lights, uint64_t budget,
+                     enc_factor_plan *out) {
     const enc_factor_plan rough = rough_plan(s, (double)budget);
     double least = INFINITY;
     const uint32_t most = ENC_FACTOR_MOST_UNITS;
@@ -302,8 +307,8 @@ static bool allocate(const search *s, size_t n_views, size_t n_lights, uint64_t 
     return !isinf(least);
 }
 
-bool enc_factor_allocate(const enc_factor_energies *energies, size_t texels, size_t n_views, size_t n_lights,
-                         uint64_t budget, enc_factor_plan *out_plan) {
+bool enc_factor_allocate(const enc_factor_energies *energies, size_t texels, size_t n_views,
+                         size_t n_lights, uint64_t budget, enc_factor_plan *out_plan) {
     search s = {.energies = energies, .texels = texels, .columns = n_views * n_lights};
     const enc_factor_plan one = {{{ENC_FACTOR_UNIT_WORDS, 0, 0}}};
     bool room = true, found = enc_factor_bytes(&one, texels, n_views, n_lights) <= budget;

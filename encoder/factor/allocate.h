@@ -25,8 +25,8 @@ uint32_t enc_factor_units(const enc_factor_plan *plan, int class);
 uint32_t enc_factor_all_units(const enc_factor_plan *plan);
 uint32_t enc_factor_u_texels(const enc_factor_plan *plan);
 
-/* Components of a channel that a class holds: its words' capacity, and for class 0 at most what there is, the
- * rest being codes of zero. rank: components of the channel. */
+/* Components of a channel that a class holds: its words' capacity, and for class 0 at most what there is,
+ * the rest being codes of zero. rank: components of the channel. */
 size_t enc_factor_held(const enc_factor_plan *plan, int class, int channel, size_t rank);
 
 /* Bytes on the GPU: texels of u and w, scales, and the views' factors. */
@@ -34,7 +34,7 @@ uint64_t enc_factor_bytes(const enc_factor_plan *plan, size_t texels, size_t n_v
 
 /* The plan of the least error within `budget` bytes and the limits of the format. Each channel's components
  * are taken by falling energy, the first into class 0. Returns false where not one unit fits. */
-bool enc_factor_allocate(const enc_factor_energies *energies, size_t texels, size_t n_views, size_t n_lights,
-                         uint64_t budget, enc_factor_plan *out_plan);
+bool enc_factor_allocate(const enc_factor_energies *energies, size_t texels, size_t n_views,
+                         size_t n_lights, uint64_t budget, enc_factor_plan *out_plan);
 
 #endif

@@ -22,8 +22,9 @@ typedef struct enc_factor_class {
     size_t word;     /* components a word of 32 bits of w; a unit has four words */
     size_t u_texels; /* texels of u a unit */
     size_t tier;     /* of the views' factors */
-    int top_w, top_u; /* the largest level; -top .. top in steps of 2, of 1 with a zero where the class is 0 */
-    double error;    /* that rounding leaves, over the energy of a component */
+    int top_w,
+        top_u;    /* the largest level; -top .. top in steps of 2, of 1 with a zero where the class is 0 */
+    double error; /* that rounding leaves, over the energy of a component */
 } enc_factor_class;
 
 extern const enc_factor_class enc_factor_classes[ENC_FACTOR_CLASSES];

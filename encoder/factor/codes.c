@@ -5,6 +5,7 @@
 #include "codes.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 bool enc_factor_unit_is_pure(const enc_factor_plan *plan, int class, uint32_t unit) {
     const uint32_t chroma = plan->words[class][1] + plan->words[class][2];
@@ -23,7 +24,7 @@ static void place_class(const enc_factor_plan *plan, int class, int channel, uin
         const uint32_t scale =
             enc_factor_unit_is_pure(plan, class, unit) ? unit * ENC_FACTOR_UNIT_WORDS : word;
         out[j] = (enc_factor_place){
-            .class = (uint8_t)class,
+            .class = (uint8_t) class,
             .word = (uint8_t)(word % ENC_FACTOR_UNIT_WORDS),
             .index = (uint8_t)(j % k->word),
             .unit = (uint16_t)(first_unit + unit),
@@ -33,8 +34,8 @@ static void place_class(const enc_factor_plan *plan, int class, int channel, uin
     }
 }
 
-static bool channel_init(const enc_factor_plan *plan, int channel, enc_components *from,
-                         enc_factor_channel *out) {
+static bool channel_init(const enc_factor_plan *plan, int channel, const enc_components *from,
+                         size_t texels, size_t columns, enc_factor_channel *out) {
     uint32_t unit = 0, texel = 0;
     for (int k = 0; k < ENC_FACTOR_CLASSES; k++) {
         out->rank += enc_factor_held(plan, k, channel, from->rank);
@@ -42,11 +43,14 @@ static bool channel_init(const enc_factor_plan *plan, int channel, enc_component
     out->place = calloc(out->rank + 1, sizeof *out->place);
     out->step_u = calloc(out->rank + 1, sizeof *out->step_u);
     out->step_w = calloc(out->rank + 1, sizeof *out->step_w);
-    out->u = from->u;
-    out->w = from->w;
-    from->u = from->w = NULL;
-    if (!out->place || !out->step_u || !out->step_w) {
+    out->u = enc_gemm_alloc(out->rank * texels);
+    out->w = enc_gemm_alloc(out->rank * columns);
+    if (!out->place || !out->step_u || !out->step_w || !out->u || !out->w) {
         return false;
+    }
+    if (out->rank > 0) {
+        memcpy(out->u, from->u, out->rank * texels * sizeof *out->u);
+        memcpy(out->w, from->w, out->rank * columns * sizeof *out->w);
     }
     size_t at = 0;
     for (int k = 0; k < ENC_FACTOR_CLASSES; k++) {
@@ -60,7 +64,7 @@ static bool channel_init(const enc_factor_plan *plan, int channel, enc_component
 }
 
 btf_result enc_factor_codes_create(const enc_factor_matrix *m, const enc_factor_plan *plan,
-                                   enc_components io[3], enc_factor_codes *out) {
+                                   const enc_components components[3], enc_factor_codes *out) {
     const size_t views = (size_t)m->data->n_views;
     *out = (enc_factor_codes){.plan = *plan,
                               .texels = m->texels,
@@ -70,7 +74,7 @@ btf_result enc_factor_codes_create(const enc_factor_matrix *m, const enc_factor_
     out->view = calloc(views * ENC_FACTOR_TIERS * ENC_FACTOR_CHANNELS, sizeof *out->view);
     bool room = out->view;
     for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
-        room = channel_init(plan, c, &io[c], &out->channel[c]) && room;
+        room = channel_init(plan, c, &components[c], m->texels, m->columns, &out->channel[c]) && room;
     }
     if (!room) {
         enc_factor_codes_clear(out);

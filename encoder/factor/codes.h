@@ -22,7 +22,7 @@ typedef struct enc_factor_channel {
     enc_factor_place *place; /* [rank] */
     float *step_u, *step_w;  /* [rank] value of a level; equal within a group */
     float *u;                /* [rank][texel] values: level * step_u */
-    float *w; /* [rank][column] values: level * step_w * the view's factor */
+    float *w;                /* [rank][column] values: level * step_w * the view's factor */
 } enc_factor_channel;
 
 typedef struct enc_factor_codes {
@@ -32,10 +32,9 @@ typedef struct enc_factor_codes {
     enc_factor_channel channel[ENC_FACTOR_CHANNELS];
 } enc_factor_codes;
 
-/* The kept components of a plan, unrounded, with steps of 0. Takes their u and w out of `io_components`.
- * Errors: BTF_ERROR_MEMORY. */
+/* The kept components of a plan, copied, unrounded, with steps of 0. Errors: BTF_ERROR_MEMORY. */
 btf_result enc_factor_codes_create(const enc_factor_matrix *matrix, const enc_factor_plan *plan,
-                                   enc_components io_components[ENC_FACTOR_CHANNELS],
+                                   const enc_components components[ENC_FACTOR_CHANNELS],
                                    enc_factor_codes *out_codes);
 void enc_factor_codes_clear(enc_factor_codes *codes);
 

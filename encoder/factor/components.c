@@ -6,6 +6,7 @@
 
 #include "encoder/math/linear.h"
 #include "encoder/math/symmetric.h"
+#include "rows.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -24,27 +25,6 @@ static void fill_random(size_t count, uint32_t seed, float *out) {
         state = state * 6364136223846793005u + 1442695040888963407u;
         out[i] = (float)(int32_t)(state >> 32) * 0x1p-31f;
     }
-}
-
-/* x [rank][count] := turn x, turn [out_rank][rank], in place where out_rank <= rank. */
-static bool turn_rows(const enc_factor_matrix *m, size_t out_rank, size_t rank, const float *turn, size_t count,
-                      const float *x, float *out) {
-    float *left = enc_gemm_alloc((out_rank + ENC_GEMM_M) * rank);
-    float *panels = enc_gemm_alloc((size_t)m->context->threads * ENC_GEMM_N * rank);
-    const bool room = left && panels;
-    if (room) {
-        enc_gemm_pack_rows(out_rank, rank, turn, rank, ENC_GEMM_M, left);
-#pragma omp parallel for schedule(dynamic, 4) num_threads(m->context->threads)
-        for (size_t i = 0; i < count; i += ENC_GEMM_N) {
-            const size_t n = count - i < ENC_GEMM_N ? count - i : ENC_GEMM_N;
-            float *panel = panels + enc_thread_index() * ENC_GEMM_N * rank;
-            enc_gemm_pack_columns(n, rank, x + i, count, ENC_GEMM_N, panel);
-            enc_gemm_multiply(m->tile, out_rank, n, rank, left, panel, out + i, count, 0);
-        }
-    }
-    free(left);
-    free(panels);
-    return room;
 }
 
 /* Orthonormal rows of the span of x [rank][count], by two rounds of Cholesky QR, whose Gram matrices are in
@@ -69,7 +49,7 @@ static bool orthonormalise(const enc_factor_matrix *m, size_t rank, size_t count
             for (size_t i = 0; i < rank * rank; i++) {
                 turn[i] = (float)inverse[i];
             }
-            done = turn_rows(m, rank, rank, turn, count, x, x);
+            done = enc_rows_turn(m->context->threads, rank, rank, turn, count, x, x);
         }
     }
     free(gram);
@@ -81,7 +61,8 @@ static bool orthonormalise(const enc_factor_matrix *m, size_t rank, size_t count
 static bool finish(const enc_factor_matrix *m, const float *u, const float *w, enc_components *io) {
     const size_t sought = io->sought;
     double *gram = malloc(sought * sought * sizeof *gram);
-    float *turn = malloc(2 * sought * sought * sizeof *turn), *turn_w = turn ? turn + sought * sought : NULL;
+    float *turn = malloc(2 * sought * sought * sizeof *turn),
+          *turn_w = turn ? turn + sought * sought : NULL;
     bool done = gram && turn;
     if (done) {
         enc_gram_rows(m->context->threads, sought, m->columns, w, gram);
@@ -96,8 +77,8 @@ static bool finish(const enc_factor_matrix *m, const float *u, const float *w, e
         }
         io->rank++;
     }
-    done = done && turn_rows(m, io->rank, sought, turn, m->texels, u, io->u) &&
-           turn_rows(m, io->rank, sought, turn_w, m->columns, w, io->w);
+    done = done && enc_rows_turn(m->context->threads, io->rank, sought, turn, m->texels, u, io->u) &&
+           enc_rows_turn(m->context->threads, io->rank, sought, turn_w, m->columns, w, io->w);
     free(gram);
     free(turn);
     return done;

@@ -38,10 +38,10 @@ static enc_factor_energies energies_of(const enc_components components[ENC_FACTO
     return e;
 }
 
-/* How many components a channel should have had: 0, enough; it was found short where all that were found are
- * kept, up to a word, and there are more. */
-static size_t missing(const enc_factor_matrix *m, const enc_components *components, const enc_factor_plan *plan,
-                      int channel) {
+/* How many components a channel should have had: 0, enough; it was found short where all that were found
+ * are kept, up to a word, and there are more. */
+static size_t missing(const enc_factor_matrix *m, const enc_components *components,
+                      const enc_factor_plan *plan, int channel) {
     const size_t side = m->texels < m->columns ? m->texels : m->columns;
     size_t kept = 0;
     for (int k = 0; k < ENC_FACTOR_CLASSES; k++) {
@@ -84,7 +84,8 @@ static enc_factors *factors_create(const enc_data *data, const enc_factor_plan *
     if (!f) {
         return NULL;
     }
-    const size_t texels = enc_data_texel_count(data), columns = (size_t)data->n_views * (size_t)data->n_lights;
+    const size_t texels = enc_data_texel_count(data),
+                 columns = (size_t)data->n_views * (size_t)data->n_lights;
     f->width = data->width;
     f->height = data->height;
     f->n_views = data->n_views;
@@ -147,7 +148,7 @@ static btf_result encode(const enc_factor_matrix *m, const enc_factor_options *o
     if (result == BTF_OK) {
         enc_stage_begin(m->context, "round factors",
                         (size_t)enc_factor_round_passes(options->sweeps) * m->texels);
-        result = enc_factor_round(m, options->sweeps, &codes);
+        result = enc_factor_round(m, components, options->sweeps, &codes);
         enc_stage_end(m->context);
     }
     if (result == BTF_OK && options->measure) {
@@ -160,10 +161,11 @@ static btf_result encode(const enc_factor_matrix *m, const enc_factor_options *o
     return result;
 }
 
-btf_result enc_factor_encode(const enc_context *context, const enc_data *data, const enc_factor_options *options,
-                             enc_factors **out_factors) {
+btf_result enc_factor_encode(const enc_context *context, const enc_data *data,
+                             const enc_factor_options *options, enc_factors **out_factors) {
     const enc_factor_matrix m = enc_factor_matrix_of(context, data);
-    const uint64_t least = enc_factor_least_budget(data->width, data->height, data->n_views, data->n_lights);
+    const uint64_t least =
+        enc_factor_least_budget(data->width, data->height, data->n_views, data->n_lights);
     enc_components components[ENC_FACTOR_CHANNELS] = {{0}};
     *out_factors = NULL;
     if (options->budget < least) {
@@ -190,9 +192,7 @@ uint64_t enc_factor_memory(int width, int height, int n_views, int n_lights, uin
     const uint64_t rank = ranks[0] + ranks[1] + ranks[2], longest = texels > columns ? texels : columns;
     const uint64_t factors = sizeof(float) * rank * (texels + columns);
     const uint64_t square = (uint64_t)ranks[0] * ranks[0];
-    /* two copies of the factors in the range finder; one and a product while they are rounded */
-    const uint64_t most =
-        2 * factors > factors + sizeof(float) * rank * longest ? 2 * factors
-                                                               : factors + sizeof(float) * rank * longest;
-    return most + 24 * square + budget + enc_factor_product_memory(texels, columns, rank, threads);
+    /* the range finder turns one copy of the factors into another; then components, codes and a product */
+    return 2 * factors + sizeof(float) * rank * longest + 24 * square + budget +
+           enc_factor_product_memory(texels, columns, rank, threads);
 }

@@ -1,8 +1,9 @@
 /* A BTF as low-bit, colour-separated factors: the store "factors" of format 2 (FORMAT.md).
  *
- * The square root of a sample of radiance, cosine included, is a sum of products u_j(x) w_j(v, l) in each of
- * three channels of opponent colour. The leading components are found by a randomised range finder, given 8, 4
- * or 2 bits a factor by Lagrange's multiplier, rounded by coordinate descent on the codes, and packed.
+ * The square root of a sample of radiance, cosine included, is a sum of products u_j(x) w_j(v, l) in each
+ * of three channels of opponent colour. The leading components are found by a randomised range finder,
+ * given 8, 4 or 2 bits a factor by Lagrange's multiplier, rounded by coordinate descent on the codes, and
+ * packed.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -34,12 +35,12 @@ typedef struct enc_factors {
     enc_factor_error error;                                    /* 0 where not asked for */
 } enc_factors;
 
-/* Encodes a BTF. The same bits for any number of threads. Samples are read in passes, each of them once a pass,
- * and not kept; enc_factor_memory says what it takes. Every rank does all of it. Stages "factorise", "round
- * factors" and "measure factors". Errors: BTF_ERROR_USAGE (a budget that holds no unit), BTF_ERROR_MEMORY,
- * BTF_ERROR_IO, BTF_ERROR_INTERRUPTED; *out_factors is NULL then. */
-btf_result enc_factor_encode(const enc_context *context, const enc_data *data, const enc_factor_options *options,
-                             enc_factors **out_factors);
+/* Encodes a BTF. The same bits for any number of threads. Samples are read in passes, each of them once a
+ * pass, and not kept; enc_factor_memory says what it takes. Every rank does all of it. Stages "factorise",
+ * "round factors" and "measure factors". Errors: BTF_ERROR_USAGE (a budget that holds no unit),
+ * BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED; *out_factors is NULL then. */
+btf_result enc_factor_encode(const enc_context *context, const enc_data *data,
+                             const enc_factor_options *options, enc_factors **out_factors);
 void enc_factors_destroy(enc_factors **factors);
 
 /* The fewest bytes that hold factors: one unit. */

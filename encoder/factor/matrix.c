@@ -48,8 +48,8 @@ void enc_factor_split(const enc_factor_matrix *m, size_t count, const float *sam
 static btf_result load(const enc_factor_matrix *m, size_t first, size_t count, float *buffer,
                        float *const out[3]) {
     const float *samples;
-    const btf_result result =
-        enc_cancelled(m->context) ? BTF_ERROR_INTERRUPTED
+    const btf_result result = enc_cancelled(m->context)
+                                  ? BTF_ERROR_INTERRUPTED
                                   : enc_data_texels(m->context, m->data, first, count, buffer, &samples);
     if (result == BTF_OK) {
         enc_factor_split(m, count, samples, out);
@@ -105,7 +105,8 @@ static void multiply_texels(const enc_factor_matrix *m, const enc_factor_set *w,
     }
 }
 
-btf_result enc_factor_times_w(const enc_factor_matrix *m, const enc_factor_set *w, const enc_factor_set *out) {
+btf_result enc_factor_times_w(const enc_factor_matrix *m, const enc_factor_set *w,
+                              const enc_factor_set *out) {
     const size_t samples = buffer_floats(m, ENC_GEMM_N), one = (size_t)ENC_GEMM_N * m->columns;
     const size_t each = (samples + 3 * one + DEPTH * ENC_GEMM_N + 15) / 16 * 16;
     float *packed = enc_gemm_alloc(padded_ranks(w) * m->columns);
@@ -178,7 +179,8 @@ static btf_result add_block(const enc_factor_matrix *m, const enc_factor_set *u,
     return BTF_OK;
 }
 
-btf_result enc_factor_times_u(const enc_factor_matrix *m, const enc_factor_set *u, const enc_factor_set *out) {
+btf_result enc_factor_times_u(const enc_factor_matrix *m, const enc_factor_set *u,
+                              const enc_factor_set *out) {
     const size_t one = (size_t)BLOCK * m->columns;
     float *split = enc_gemm_alloc(3 * one), *buffer = enc_gemm_alloc(buffer_floats(m, BLOCK));
     float *packed = enc_gemm_alloc(padded_ranks(u) * BLOCK);

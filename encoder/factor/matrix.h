@@ -1,12 +1,13 @@
-/* The samples of a BTF as three matrices, one a channel of opponent colour, and their products with factors.
+/* The samples of a BTF as three matrices, one a channel of opponent colour, and their products with
+ * factors.
  *
- * A value is the square root of a sample of radiance, cosine included. Channels are Y = (r + g + b) / sqrt 3,
- * C1 = (r - b) / sqrt 2, C2 = (r - 2 g + b) / sqrt 6 of the roots, so that squared errors add up. Rows are
- * texels, columns are view * n_lights + light. No matrix is ever held: each product reads the samples once and
- * splits them block by block.
+ * A value is the square root of a sample of radiance, cosine included. Channels are Y = (r + g + b) / sqrt
+ * 3, C1 = (r - b) / sqrt 2, C2 = (r - 2 g + b) / sqrt 6 of the roots, so that squared errors add up. Rows
+ * are texels, columns are view * n_lights + light. No matrix is ever held: each product reads the samples
+ * once and splits them block by block.
  *
- * Factors lie component by component: u [rank][texel], w [rank][column]. Products have the same bits for any
- * number of threads.
+ * Factors lie component by component: u [rank][texel], w [rank][column]. Products have the same bits for
+ * any number of threads.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -32,7 +33,8 @@ typedef struct enc_factor_set {
     float *factor[ENC_FACTOR_CHANNELS];
 } enc_factor_set;
 
-/* out [rank][texel] = w A^T of each channel. Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED. */
+/* out [rank][texel] = w A^T of each channel. Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED.
+ */
 btf_result enc_factor_times_w(const enc_factor_matrix *matrix, const enc_factor_set *w,
                               const enc_factor_set *out);
 /* out [rank][column] = u A. */

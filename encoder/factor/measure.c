@@ -49,10 +49,9 @@ static btf_result measure_block(const decoder *d, size_t first, size_t count, si
     const size_t lights = d->codes->lights, one = BLOCK * m->columns;
     float *left = work, *blocks = work + BLOCK * most, *rgb = blocks + 3 * one;
     const float *samples;
-    const btf_result result =
-        enc_cancelled(m->context)
-            ? BTF_ERROR_INTERRUPTED
-            : enc_data_texels(m->context, m->data, first, count, rgb + 3 * lights, &samples);
+    const btf_result result = enc_cancelled(m->context) ? BTF_ERROR_INTERRUPTED
+                                                        : enc_data_texels(m->context, m->data, first, count,
+                                                                          rgb + 3 * lights, &samples);
     for (int c = 0; c < ENC_FACTOR_CHANNELS && result == BTF_OK; c++) {
         const size_t rank = d->codes->channel[c].rank;
         enc_gemm_pack_columns(count, rank, d->codes->channel[c].u + first, m->texels, ENC_GEMM_M, left);
@@ -67,7 +66,8 @@ static btf_result measure_block(const decoder *d, size_t first, size_t count, si
     return result;
 }
 
-static btf_result measure_all(const decoder *d, size_t most, size_t each, float *work, enc_factor_error *sums) {
+static btf_result measure_all(const decoder *d, size_t most, size_t each, float *work,
+                              enc_factor_error *sums) {
     const enc_factor_matrix *m = d->matrix;
     const size_t blocks = (m->texels + BLOCK - 1) / BLOCK;
     btf_result result = BTF_OK;

@@ -43,6 +43,7 @@ static btf_result to_solution(const enc_context *context, const enc_data *data, 
                           .domain = BTF_DOMAIN_SQRT,
                           .effects = BTF_EFFECT_RESIDUAL,
                           .radiance_scale = 1,
+                          .blend = BTF_BLEND_ROOTS, /* measured: FORMAT.md, section 12 */
                           .factors = {.units = (uint32_t)f->n_units,
                                       .layers = (uint32_t)f->n_u_texels,
                                       .horizon_scale = horizon_scale(data)}};

@@ -37,15 +37,16 @@ static uint32_t code_of(int class, int top, float value, float step) {
     return class == 0 ? (uint32_t)held & 0xFF : (uint32_t)((held + top) / 2);
 }
 
-static void pack_u(const enc_factor_codes *codes, const enc_factor_channel *channel, size_t j, uint32_t *out) {
+static void pack_u(const enc_factor_codes *codes, const enc_factor_channel *channel, size_t j,
+                   uint32_t *out) {
     const enc_factor_place *place = &channel->place[j];
     const enc_factor_class *class = &enc_factor_classes[place->class];
     const slot at = slot_of_u(place->class, place->index);
     uint32_t *words = out + (place->u_texel + at.texel) * codes->texels * 4 + place->word;
     for (size_t t = 0; t < codes->texels; t++) {
-        words[4 * t] |= code_of(place->class, class->top_u, channel->u[j * codes->texels + t],
-                                channel->step_u[j])
-                        << at.bit;
+        words[4 * t] |=
+            code_of(place->class, class->top_u, channel->u[j * codes->texels + t], channel->step_u[j])
+            << at.bit;
     }
 }
 

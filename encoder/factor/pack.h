@@ -7,8 +7,8 @@
 
 #include "codes.h"
 
-/* texels [u texel][texel][4] and directions [unit][column][4], zeroed by the caller; scales [unit][4] of the
- * values in red, green and blue, by the axis of the word's channel. */
+/* texels [u texel][texel][4] and directions [unit][column][4], zeroed by the caller; scales [unit][4] of
+ * the values in red, green and blue, by the axis of the word's channel. */
 void enc_factor_pack(const enc_context *context, const enc_factor_codes *codes, uint32_t *texels,
                      uint32_t *directions, float *scales);
 

@@ -10,6 +10,7 @@
 #include "round.h"
 
 #include "levels.h"
+#include "rows.h"
 #include "vectors.h"
 
 #include <math.h>
@@ -17,18 +18,24 @@
 #include <string.h>
 
 enum {
-    LANES = ENC_GEMM_N,  /* texels or columns that are refined together */
-    PANEL = ENC_GEMM_M,  /* components */
-    REFIT_SWEEPS = 3,    /* of u against rounded w, before u is rounded */
+    LANES = ENC_GEMM_N, /* texels or columns that are refined together */
+    PANEL = ENC_GEMM_M, /* components */
+    REFIT_SWEEPS = 3,   /* of u against rounded w, before u is rounded */
     STEP_TRIALS = 24,
-    GRAM_DEPTH = 1024,
+    SAMPLE_SHARE = 2, /* rounds against components for one against samples */
+    TURNS = 3,        /* of a factor's components, against one product */
 };
 #define STEP_RATIO 0.88f /* of one step that is tried to the one before */
+
+static btf_result no_memory(const enc_factor_matrix *m) {
+    return enc_fail(m->context, BTF_ERROR_MEMORY, "factors: out of memory while codes are rounded");
+}
 
 /* Steps.
  * ------------------------------------------------------------------------------------------------ */
 
-ENC_FACTOR_CLONES static double rounding_error(size_t n, const float *x, enc_factor_levels levels, float step) {
+ENC_FACTOR_CLONES static double rounding_error(size_t n, const float *x, enc_factor_levels levels,
+                                               float step) {
     const float inverse = step > 0 ? 1 / step : 0.0f;
     double total = 0;
     for (size_t at = 0; at < n; at += 512) {
@@ -64,8 +71,8 @@ typedef struct factor {
 
 static factor factor_of(enc_factor_codes *codes, int channel, bool is_w) {
     enc_factor_channel *c = &codes->channel[channel];
-    return is_w ? (factor){codes,         channel,  true, codes->columns, codes->views, codes->lights,
-                           c->w, c->step_w}
+    return is_w ? (factor){codes,        channel,       true, codes->columns,
+                           codes->views, codes->lights, c->w, c->step_w}
                 : (factor){codes, channel, false, codes->texels, 1, codes->texels, c->u, c->step_u};
 }
 
@@ -192,36 +199,22 @@ typedef struct problem {
 } problem;
 
 /* gram = f f^T of f [rank][count], packed for products with it from the left. */
-static bool find_gram(const enc_factor_matrix *m, size_t rank, size_t count, const float *f, float *packed_out) {
-    const size_t rows = enc_gemm_panels(rank, PANEL) * PANEL, columns = enc_gemm_panels(rank, LANES);
-    float *left = enc_gemm_alloc(rows * GRAM_DEPTH), *gram = enc_gemm_alloc(rank * rank);
-    float *panels = enc_gemm_alloc((size_t)m->context->threads * LANES * GRAM_DEPTH);
-    const bool room = left && gram && panels;
-    for (size_t at = 0; at < count && room; at += GRAM_DEPTH) {
-        const size_t depth = count - at < GRAM_DEPTH ? count - at : GRAM_DEPTH;
-        enc_gemm_pack_rows(rank, depth, f + at, count, PANEL, left);
-#pragma omp parallel for schedule(dynamic) num_threads(m->context->threads)
-        for (size_t p = 0; p < columns; p++) {
-            const size_t j = p * LANES, n = rank - j < LANES ? rank - j : LANES;
-            float *panel = panels + enc_thread_index() * LANES * GRAM_DEPTH;
-            enc_gemm_pack_rows(n, depth, f + j * count + at, count, LANES, panel);
-            enc_gemm_multiply(m->tile, rank, n, depth, left, panel, gram + j, rank, at > 0);
-        }
-    }
-    if (room) {
+static bool find_gram(int threads, size_t rank, size_t count, const float *f, float *packed_out) {
+    float *gram = enc_gemm_alloc(rank * rank);
+    const bool done = gram && enc_rows_dot(threads, rank, f, rank, f, count, gram);
+    if (done) {
         enc_gemm_pack_rows(rank, rank, gram, rank, PANEL, packed_out);
     }
-    free(left);
     free(gram);
-    free(panels);
-    return room;
+    return done;
 }
 
 /* One component of a panel goes to its best value in all lanes; what the others of the panel see of the
  * change is added to `seen`. */
 ENC_FACTOR_CLONES static void settle(const float *gram_row, size_t j, size_t after, bool round,
                                      enc_factor_levels levels, const float *restrict step,
-                                     const float *restrict product, float *restrict seen, float *restrict x) {
+                                     const float *restrict product, float *restrict seen,
+                                     float *restrict x) {
     const float inverse = gram_row[0] > 0 ? 1 / gram_row[0] : 0.0f;
     float change[LANES];
     for (size_t i = 0; i < LANES; i++) {
@@ -252,8 +245,8 @@ static void sweep(const problem *p, const float *product, const float *views, fl
             for (size_t i = 0; i < LANES; i++) {
                 step[i] = p->factor.steps[component] * views[tier * LANES + i];
             }
-            settle(gram + component * PANEL + j, j, n - 1 - j, p->round, levels_of(&p->factor, component), step,
-                   product + component * LANES, seen, x + component * LANES);
+            settle(gram + component * PANEL + j, j, n - 1 - j, p->round, levels_of(&p->factor, component),
+                   step, product + component * LANES, seen, x + component * LANES);
         }
     }
 }
@@ -268,9 +261,8 @@ static void refine_lanes(const problem *p, size_t first, size_t n, float *work) 
     }
     for (size_t t = 0; t < ENC_FACTOR_TIERS; t++) {
         for (size_t i = 0; i < LANES; i++) {
-            views[t * LANES + i] = f->is_w && i < n
-                                       ? enc_factor_view(f->codes, (first + i) / f->length, t, f->channel)
-                                       : 1.0f;
+            views[t * LANES + i] =
+                f->is_w && i < n ? enc_factor_view(f->codes, (first + i) / f->length, t, f->channel) : 1.0f;
         }
     }
     for (int s = 0; s < p->sweeps; s++) {
@@ -296,7 +288,8 @@ static bool refine(const enc_factor_matrix *m, enc_factor_codes *codes, int chan
                  .round = round,
                  .sweeps = sweeps};
     float *work = enc_gemm_alloc((size_t)m->context->threads * each);
-    const bool room = p.gram && work && find_gram(m, rank, held.count, held.values, p.gram);
+    const bool room =
+        p.gram && work && find_gram(m->context->threads, rank, held.count, held.values, p.gram);
 #pragma omp parallel for schedule(dynamic) num_threads(m->context->threads) if (room)
     for (size_t first = 0; first < (room ? p.factor.count : 0); first += LANES) {
         const size_t n = p.factor.count - first < LANES ? p.factor.count - first : LANES;
@@ -321,36 +314,73 @@ static void round_w(const enc_context *context, enc_factor_codes *codes, int cha
     }
 }
 
-/* A product with the samples, then each channel refined. */
-static btf_result descend(const enc_factor_matrix *m, enc_factor_codes *codes, bool of_w, bool fresh,
-                          const enc_factor_set *product) {
+/* Products of the held factor with the samples, or with the components that stand for them (NULL: the
+ * samples themselves): what is beyond the components found is little, and unlike the codes. */
+static btf_result find_products(const enc_factor_matrix *m, const enc_factor_codes *codes, bool of_w,
+                                const enc_components *components, const enc_factor_set *out) {
     enc_factor_set held = {0};
     for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
         held.rank[c] = codes->channel[c].rank;
         held.factor[c] = of_w ? codes->channel[c].u : codes->channel[c].w;
     }
-    btf_result result = of_w ? enc_factor_times_u(m, &held, product) : enc_factor_times_w(m, &held, product);
+    if (!components) {
+        return of_w ? enc_factor_times_u(m, &held, out) : enc_factor_times_w(m, &held, out);
+    }
+    const size_t count = of_w ? m->columns : m->texels, depth = of_w ? m->texels : m->columns;
+    const int threads = m->context->threads;
+    bool room = true;
+    for (int c = 0; c < ENC_FACTOR_CHANNELS && room; c++) {
+        const enc_components *from = &components[c];
+        float *turn = enc_gemm_alloc(held.rank[c] * from->rank);
+        room =
+            turn && (held.rank[c] == 0 || (enc_rows_dot(threads, held.rank[c], held.factor[c], from->rank,
+                                                        of_w ? from->u : from->w, depth, turn) &&
+                                           enc_rows_turn(threads, held.rank[c], from->rank, turn, count,
+                                                         of_w ? from->w : from->u, out->factor[c])));
+        free(turn);
+    }
+    return room ? BTF_OK : no_memory(m);
+}
+
+/* The first codes of u: fitted to rounded w, then rounded in turn. */
+static bool begin_u(const enc_factor_matrix *m, enc_factor_codes *codes, int c, const float *product) {
+    const factor u = factor_of(codes, c, false);
+    const bool room = refine(m, codes, c, false, product, false, REFIT_SWEEPS);
+    find_steps(m->context, &u);
+    return room;
+}
+
+/* Products, then each channel refined. */
+static btf_result descend(const enc_factor_matrix *m, enc_factor_codes *codes, bool of_w, bool begin,
+                          const enc_components *components, const enc_factor_set *product) {
+    btf_result result = enc_cancelled(m->context) ? BTF_ERROR_INTERRUPTED
+                                                  : find_products(m, codes, of_w, components, product);
     for (int c = 0; c < ENC_FACTOR_CHANNELS && result == BTF_OK; c++) {
-        bool room = true;
-        if (held.rank[c] == 0) {
-            continue;
+        if (codes->channel[c].rank > 0) {
+            const bool room = (!begin || begin_u(m, codes, c, product->factor[c])) &&
+                              refine(m, codes, c, of_w, product->factor[c], true, TURNS);
+            result = room ? BTF_OK : no_memory(m);
         }
-        if (fresh) {
-            const factor u = factor_of(codes, c, false);
-            room = refine(m, codes, c, false, product->factor[c], false, REFIT_SWEEPS);
-            find_steps(m->context, &u);
-        }
-        room = room && refine(m, codes, c, of_w, product->factor[c], true, 1);
-        result = room ? BTF_OK : enc_fail(m->context, BTF_ERROR_MEMORY, "factors: out of memory");
+    }
+    return result;
+}
+
+/* `rounds` of descent on w and u in turn. */
+static btf_result alternate(const enc_factor_matrix *m, enc_factor_codes *codes, int rounds,
+                            const enc_components *components, const enc_factor_set *product) {
+    btf_result result = BTF_OK;
+    for (int i = 0; i < 2 * rounds && result == BTF_OK; i++) {
+        result = descend(m, codes, i % 2 == 0, false, components, product);
     }
     return result;
 }
 
 int enc_factor_round_passes(int sweeps) {
-    return 1 + 2 * sweeps;
+    return 2 * (sweeps / SAMPLE_SHARE);
 }
 
-btf_result enc_factor_round(const enc_factor_matrix *m, int sweeps, enc_factor_codes *codes) {
+btf_result enc_factor_round(const enc_factor_matrix *m, const enc_components components[3], int sweeps,
+                            enc_factor_codes *codes) {
     const size_t longest = m->texels > m->columns ? m->texels : m->columns;
     enc_factor_set product = {0};
     bool room = find_view_factors(codes);
@@ -362,13 +392,9 @@ btf_result enc_factor_round(const enc_factor_matrix *m, int sweeps, enc_factor_c
         find_steps(m->context, &w);
         round_w(m->context, codes, c);
     }
-    btf_result result =
-        room ? descend(m, codes, false, true, &product)
-             : enc_fail(m->context, BTF_ERROR_MEMORY, "factors: out of memory");
-    for (int s = 0; s < sweeps && result == BTF_OK; s++) {
-        result = descend(m, codes, true, false, &product);
-        result = result == BTF_OK ? descend(m, codes, false, false, &product) : result;
-    }
+    btf_result result = room ? descend(m, codes, false, true, components, &product) : no_memory(m);
+    result = result == BTF_OK ? alternate(m, codes, sweeps, components, &product) : result;
+    result = result == BTF_OK ? alternate(m, codes, sweeps / SAMPLE_SHARE, NULL, &product) : result;
     for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
         free(product.factor[c]);
     }

@@ -7,11 +7,14 @@
 
 #include "codes.h"
 
-/* Rounds w to steps that fit it, one a group times a factor of the view, fits u to it and rounds that, then
- * `sweeps` rounds of coordinate descent on the codes of w and u in turn: each component goes to the level
- * nearest to its best value with the others held. The same bits for any number of threads. Errors:
- * BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED. */
-btf_result enc_factor_round(const enc_factor_matrix *matrix, int sweeps, enc_factor_codes *io_codes);
+/* Rounds w to steps that fit it, one a group times a factor of the view, fits u to it and rounds that; then
+ * rounds of coordinate descent on the codes of w and u in turn: each component goes to the level nearest to
+ * its best value with the others held. In `sweeps` rounds the components that were found stand for the
+ * samples, which costs a tenth; in half as many further rounds the samples are read, twice each. The
+ * same bits for any number of threads. Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED. */
+btf_result enc_factor_round(const enc_factor_matrix *matrix,
+                            const enc_components components[ENC_FACTOR_CHANNELS], int sweeps,
+                            enc_factor_codes *io_codes);
 
 /* Passes over the samples that it takes. */
 int enc_factor_round_passes(int sweeps);

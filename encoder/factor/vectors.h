@@ -1,7 +1,7 @@
 /* Copies of the hot loops for wider vectors, chosen when the program starts.
  *
- * The loops that bear the mark hold no float sums across lanes and are not contracted, so that all copies give
- * the same bits.
+ * The loops that bear the mark hold no float sums across lanes and are not contracted, so that all copies
+ * give the same bits.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -79,6 +79,8 @@ static void add_reading(list *l, const enc_context *context, const enc_extent *e
 /* The model that the analysis is likely to find: measuring it costs by its size. */
 typedef struct outcome {
     double components, lobes, effects;
+    bool factors; /* levels are added up as products of matrices, and in long vectors: components are those of the
+                     other store that take as long */
 } outcome;
 
 /* An empty data set of this extent: what budgets are counted from. */
@@ -163,7 +165,7 @@ static outcome add_factors(list *l, const counts *c, const enc_factors_settings 
     add(l, "round factors", times * (passes * pass + 2 * (1 + settings->sweeps) * square * per_square));
     if (settings->quality > 0)
         add(l, "measure factors", times * (pass + c->samples * per_measured));
-    return (outcome){.components = 3 * all * per_product / per_measured_component, .effects = 1};
+    return (outcome){.components = all / 5, .factors = true};
 }
 
 /* Of further levels: one pass, Gram matrices, and descents texel by texel. */
@@ -212,7 +214,8 @@ size_t enc_cost_parts(const enc_context *context, const enc_job *job, const enc_
     add(&l, ENC_STAGE_PACK, c.points * per_packed);
     add(&l, "measure", c.samples * (steps * sample + per_ssim));
     add(&l, "effect errors",
-        fmin(c.samples / 6, EFFECT_ERROR_SAMPLES) * per_evaluation * (1 + 0.02 * found.components));
+        fmin(c.samples / 6, EFFECT_ERROR_SAMPLES) * per_evaluation *
+            (found.factors ? 1 : 1 + 0.02 * found.components));
     add(&l, "leave one out",
         fmin(c.texels, ENC_LEFT_OUT_TEXELS) *
             (3 * ENC_LEFT_OUT_PAIRS * per_left_out * (1 + 0.02 * found.components) +

@@ -117,6 +117,10 @@ static btf_result analyse_factors(const enc_context *context, const enc_job *job
     const enc_data *data = s->data;
     const enc_factors_settings settings =
         enc_settings_of_factors(job, data->width, data->height, data->n_views, data->n_lights);
+    if (enc_ranks_count(context) > 1 && enc_ranks_leads(context)) {
+        enc_log(context, BTF_LOG_WARNING, "factors: the analysis is not split: each of %d ranks does all of it",
+                enc_ranks_count(context));
+    }
     const btf_result result = enc_factors_solve(context, data, &settings, &s->found, &s->factors);
     report->trials = s->factors.trials;
     report->n_trials = s->factors.trials_count;
@@ -192,6 +196,10 @@ static btf_result pack_and_measure(const enc_context *context, const enc_job *jo
     if (result == BTF_OK) {
         result =
             enc_effect_errors(context, s->data, s->material, &effect_errors, &options.effect_error_count);
+        report->n_truncations = result == BTF_OK
+                                    ? enc_truncations(effect_errors, options.effect_error_count, s->data,
+                                                      s->stored.effects, report->truncations)
+                                    : 0;
     }
     if (result == BTF_OK) {
         result = enc_leave_one_out_measure(context, s->data, s->material, &report->between);

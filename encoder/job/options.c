@@ -35,7 +35,7 @@ static const cli_option table[] = {
      .value = &o.method,
      .choices = "joint|paper|factors",
      .help = "joint (default): everything found together, best quality;\npaper: stage after stage, as printed;\n"
-             "factors: low-bit factors alone, colour apart (format version 2,\na draft); no --checkpoint"},
+             "factors: low-bit factors alone, colour apart (format version 2,\na draft); no --checkpoint, and ranks do not share the analysis"},
     {.name = "preset",
      .type = CLI_CHOICE,
      .value = &o.all.job.joint.preset,

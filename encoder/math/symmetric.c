@@ -1,5 +1,5 @@
-/* Householder's reduction and implicit QL (see symmetric.h). Of the matrix v of the literature, v[j] here is
- * column j, so that all inner loops run along memory.
+/* Householder's reduction and implicit QL (see symmetric.h). Of the matrix v of the literature, v[j] here
+ * is column j, so that all inner loops run along memory.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Copies of the hot loops for wider vectors. They hold no sums across lanes but in the lanes that are written
- * out, and are not contracted, so that all copies give the same bits. */
+/* Copies of the hot loops for wider vectors. They hold no sums across lanes but in the lanes that are
+ * written out, and are not contracted, so that all copies give the same bits. */
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
 #define CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
 #else

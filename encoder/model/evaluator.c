@@ -180,7 +180,9 @@ static void residual_of(const sums *s, const float *views, int tier, float r[3])
 static void add_view(const enc_evaluator *e, const float r[3], float m, uint32_t weight, float acc[3]) {
     for (int c = 0; c < 3; c++) {
         float y = r[c] * m;
-        if (!e->roots) {
+        if (e->roots) {
+            y = fminf(fmaxf(y, -0x1p32f), 0x1p32f);
+        } else {
             y = y >= 0x1p-30f ? fminf(y, 0x1p32f) : 0.0f;
             y = e->reference.domain_sqrt ? y * y : y;
         }

@@ -226,6 +226,44 @@ static void print_levels(const enc_report *report, FILE *out) {
     }
 }
 
+/* Units, or components, of the residual. */
+static const char *part_name(const btf_material_info *info) {
+    return info->store == BTF_STORE_FACTORS ? "units" : "components";
+}
+
+static void print_truncations(const enc_report *report, const btf_material_info *info, FILE *out) {
+    if (report->n_truncations < 2) {
+        return;
+    }
+    fprintf(out,
+            "\nThe first %s of the residual alone, at some samples and between samples (against the data,\n"
+            "interpolated; PSNR in dB, linear / sRGB)\n  %-12s %10s %16s %16s\n",
+            part_name(info), part_name(info), "MB", "samples", "between");
+    for (size_t i = 0; i < report->n_truncations; i++) {
+        const enc_truncation *t = &report->truncations[i];
+        fprintf(out, "  %-12u %10.3f    %5.2f / %5.2f    %5.2f / %5.2f\n", t->components, t->gpu_bytes / 1e6,
+                enc_psnr_linear(&t->samples), enc_psnr_srgb(&t->samples), enc_psnr_linear(&t->between),
+                enc_psnr_srgb(&t->between));
+    }
+}
+
+/* Textures of all levels, and how many bytes each takes for a texel of level 0. */
+static void print_parts(const enc_report *report, const btf_material_info *info, FILE *out) {
+    const double texels = (double)enc_data_texel_count(report->data);
+    fprintf(out, "\nBytes by texture (tables of directions and scales are not part of the sum)\n  %-24s %10s %14s\n",
+            "", "MB", "bytes a texel");
+    for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
+        double bytes = 0;
+        for (uint32_t level = 0; level < info->levels; level++) {
+            bytes += (double)btf_material_level_texture(report->material, level, (btf_texture_id)id).size;
+        }
+        if (bytes > 0) {
+            fprintf(out, "  %-24s %10.3f %14.1f\n", btf_texture_name((btf_texture_id)id), bytes / 1e6, bytes / texels);
+        }
+    }
+    fprintf(out, "  %-24s %10.3f %14.1f\n", "sum", (double)info->gpu_bytes / 1e6, (double)info->gpu_bytes / texels);
+}
+
 /* The traffic between ranks, as rank 0 counted it. */
 static void print_volumes(const enc_report *report, FILE *out) {
     enc_ranks_volume all = {0};
@@ -252,6 +290,8 @@ void enc_report_print(const enc_report *report, FILE *out) {
     const enc_metrics *first = &report->ladder[0].metrics;
     const enc_report_step *full = &report->ladder[report->n_ladder - 1];
     const double all = data_bytes(data);
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_material_get_info(report->material, &info);
     fprintf(out, "\n%s: %d x %d texels, %d views, %d lights; method %s\n", report->input, data->width,
             data->height, data->n_views, data->n_lights, report->method);
     if (report->has_hidden) {
@@ -277,6 +317,7 @@ void enc_report_print(const enc_report *report, FILE *out) {
     }
     fprintf(out, "  %-24s %10.3f %11.2f%%\n", "material file", (double)report->file_bytes / 1e6,
             100 * (1 - (double)report->file_bytes / all));
+    print_parts(report, &info, out);
     fprintf(out, "\nAccuracy over all samples, clipped to [0, 1] (PSNR in dB, linear and sRGB-coded)\n");
     fprintf(out, "  %-20s %8s %8s %8s\n", "", "linear", "sRGB", "SSIM");
     for (int i = 0; i < report->n_ladder; i++) {
@@ -296,6 +337,7 @@ void enc_report_print(const enc_report *report, FILE *out) {
     fprintf(out, "\n");
     print_rings(out, "by light theta", first->n_light_rings, first->light_ring_theta, report, true);
     print_coincident(report, out);
+    print_truncations(report, &info, out);
     fprintf(out, "\n");
     enc_leave_one_out_print(&report->between, out);
     print_levels(report, out);
@@ -325,6 +367,27 @@ static void write_bytes(json *j, const enc_report *report, const btf_material_in
         }
     }
     json_end(j);
+    json_number(j, "a_texel", (double)info->gpu_bytes / (double)enc_data_texel_count(report->data));
+    json_end(j);
+}
+
+/* Nothing for a residual that has but one part, or none. */
+static void write_truncations(json *j, const enc_report *report, const btf_material_info *info) {
+    if (report->n_truncations < 2) {
+        return;
+    }
+    json_array(j, "truncations");
+    for (size_t i = 0; i < report->n_truncations; i++) {
+        const enc_truncation *t = &report->truncations[i];
+        json_object(j, NULL);
+        json_integer(j, part_name(info), t->components);
+        json_integer(j, "gpu", (int64_t)t->gpu_bytes);
+        json_number(j, "linear", enc_psnr_linear(&t->samples));
+        json_number(j, "srgb", enc_psnr_srgb(&t->samples));
+        json_number(j, "between_linear", enc_psnr_linear(&t->between));
+        json_number(j, "between_srgb", enc_psnr_srgb(&t->between));
+        json_end(j);
+    }
     json_end(j);
 }
 
@@ -463,6 +526,7 @@ btf_result enc_report_write(const enc_context *context, const enc_report *report
         json_null(&j, "hidden");
     }
     enc_leave_one_out_json(&j, "between", &report->between);
+    write_truncations(&j, report, &info);
     write_effects(&j, report);
     write_trials(&j, report);
     write_levels(&j, report);

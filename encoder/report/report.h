@@ -10,6 +10,7 @@
 #include "leave_one_out.h"
 #include "messages.h"
 #include "metrics.h"
+#include "truncations.h"
 #include "encoder/model/solution.h"
 #include "encoder/base/ranks.h"
 #include "encoder/model/trial.h"
@@ -46,6 +47,8 @@ typedef struct enc_report {
     enc_report_level
         level[BTF_MAX_LEVELS]; /* of a material with several; level 0 is the last of the ladder */
     int n_levels;              /* 0 or 1: no table of them */
+    enc_truncation truncations[ENC_MOST_TRUNCATIONS]; /* sampled; of a residual that has several */
+    size_t n_truncations;
     enc_leave_one_out between; /* an estimate of the accuracy between the samples */
     bool has_hidden;           /* table 1 applies */
     size_t hidden_before, hidden_after, hidden_total;

@@ -499,7 +499,7 @@ class Material:
         if gain is not None:
             values = [mul(v, mul(float(gain), self.gain_scale)) for v in values]
         if self.blend_roots:
-            return values
+            return [min(max(v, -(2.0 ** 32)), 2.0 ** 32) for v in values]
         values = [kept(v) for v in values]
         return [mul(v, v) for v in values] if self.root else values
 

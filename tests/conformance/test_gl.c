@@ -269,6 +269,67 @@ static void uploads_what_a_variant_reads(void **state) {
     btf_gl_destroy(&gl);
 }
 
+static GLint layers_on_device(const btf_gl *gl, btf_texture_id id, GLint level) {
+    GLint layers = -1;
+    api->BindTexture(GL_TEXTURE_2D_ARRAY, btf_gl_texture(gl, id));
+    api->GetTexLevelParameteriv(GL_TEXTURE_2D_ARRAY, level, GL_TEXTURE_DEPTH, &layers);
+    api->BindTexture(GL_TEXTURE_2D_ARRAY, 0);
+    return layers;
+}
+
+/* Units are whole layers, of classes 1 and 3 two of factor_texels, at every level; a context of few layers
+ * holds so many of them. */
+static void uploads_the_first_units(void **state) {
+    (void)state;
+    enum { UNITS = 9, WIDTH = 8, HEIGHT = 6, LEVELS = 3, VIEWS = 5, LIGHTS = 4 };
+    static const GLint layers[UNITS + 1] = {0, 1, 2, 4, 5, 6, 7, 9, 10, 11};
+    synthetic_spec spec = {.seed = 23,
+                           .width = WIDTH,
+                           .height = HEIGHT,
+                           .n_views = VIEWS,
+                           .n_lights = LIGHTS,
+                           .layout = BTF_LAYOUT_TIGHT,
+                           .colour = BTF_COLOUR_MONO,
+                           .lobes = 1,
+                           .effects = BTF_EFFECT_RESIDUAL,
+                           .components = UNITS,
+                           .levels = LEVELS,
+                           .classes = {{2, 3, 2}, {1, 1, 1}, {3, 0, 0}, {1, 2, 0}, {2, 0, 1}}};
+    btf_material *material = NULL;
+    assert_int_equal(synthetic_create(&spec, &hearing, &material), BTF_OK);
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_material_get_info(material, &info);
+    memset(&fake, 0, sizeof fake);
+    for (uint32_t units = 1; units <= UNITS; ++units) {
+        const btf_shader_options shader = {.struct_size = sizeof shader, .components = units};
+        btf_gl_options options = faked;
+        options.shader = &shader;
+        btf_gl *gl;
+        assert_int_equal(btf_gl_upload(material, &options, &hearing, &gl), BTF_OK);
+        assert_int_equal(fake.live, 7); /* the SBRDF, four of factors, two tables */
+        size_t bytes = info.table_bytes + (size_t)16 * VIEWS * LIGHTS * units;
+        for (GLint level = 0; level < LEVELS; ++level) {
+            assert_int_equal(layers_on_device(gl, BTF_TEXTURE_FACTOR_TEXELS, level), layers[units]);
+            bytes += (size_t)16 * (WIDTH >> level) * (HEIGHT >> level) * (size_t)(2 + layers[units]);
+        }
+        assert_int_equal(layers_on_device(gl, BTF_TEXTURE_FACTOR_DIRECTIONS, 0), units);
+        assert_int_equal(btf_gl_bytes(gl), bytes);
+        btf_gl_destroy(&gl);
+        assert_int_equal(fake.live, 0);
+        for (fake.layers = 2; fake.layers < 14; ++fake.layers) {
+            int fits = -1;
+            assert_int_equal(btf_gl_fits(material, &options, &hearing, &fits), BTF_OK);
+            assert_int_equal(fits, fake.layers >= layers[units]);
+        }
+        fake.layers = 0;
+    }
+    fake.layers = 10;
+    expect_refusal(material, BTF_ERROR_UNSUPPORTED,
+                   "factor_texels: 11 layers exceed GL_MAX_ARRAY_TEXTURE_LAYERS 10");
+    memset(&fake, 0, sizeof fake);
+    btf_material_close(&material);
+}
+
 /* State that a program may have set: every entry must be as it was. */
 static const GLenum state_names[] = {
     GL_ACTIVE_TEXTURE,
@@ -531,6 +592,7 @@ int main(void) {
         cmocka_unit_test(wrong_mip_levels_are_told),
         cmocka_unit_test(frees_what_it_made),
         cmocka_unit_test(uploads_what_a_variant_reads),
+        cmocka_unit_test(uploads_the_first_units),
         cmocka_unit_test(state_is_restored),
         cmocka_unit_test(unpacking_state_does_not_matter),
         cmocka_unit_test(two_materials_share_a_program),

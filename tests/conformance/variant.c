@@ -6,6 +6,7 @@
 #include "variant.h"
 #include "pairwise.h"
 
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -47,16 +48,16 @@ enum factor_2 {
     CODES_2,
     HORIZON_2,
     VALUES_2,
-    TRUNCATE_2, /* all units, some, one */
+    TRUNCATE_2,
     LEAVE_OUT_2,
     INTERPOLATION_2,
     FILTER_2,
     FACTORS_2
 };
-static const uint8_t levels_2[FACTORS_2] = {3, 3, 3, 3, 3, 2, 2, 2, 2, 2, 2, 2, 3, 2, 2, 2};
+static const uint8_t levels_2[FACTORS_2] = {2, 2, 3, 3, 3, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2};
 
 /* Units, words of C1 and of C2 of each class: every class alone and with others, and mixed units of 0 to 5
- * words of colour in each class. Variant i takes mixture i, modulo their number. */
+ * words of colour in each class. */
 static const uint32_t mixtures[][BTF_FACTOR_CLASSES][3] = {
     {{2, 1, 1}, {2, 1, 2}, {3, 2, 2}, {2, 0, 3}, {2, 0, 0}},
     {{1, 0, 0}, {2, 2, 2}, {2, 1, 0}, {2, 3, 2}, {2, 0, 1}},
@@ -68,11 +69,12 @@ static const uint32_t mixtures[][BTF_FACTOR_CLASSES][3] = {
     {{3, 2, 2}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}},
     {{2, 1, 0}, {1, 0, 0}, {5, 4, 3}, {1, 0, 0}, {4, 0, 0}},
     {{0, 0, 0}, {2, 0, 1}, {0, 0, 0}, {2, 1, 0}, {2, 2, 2}},
-    {{1, 2, 2}, {1, 2, 2}, {1, 1, 3}, {1, 3, 1}, {1, 2, 2}}, /* no Y */
-    {{0, 0, 0}, {0, 0, 0}, {9, 2, 1}, {0, 0, 0}, {9, 1, 1}},
+    {{1, 2, 2}, {1, 2, 2}, {1, 1, 3}, {1, 3, 1}, {1, 2, 2}},    /* no Y */
     {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}},    /* components, of roots that are blended */
     {{0, 0, 0}, {60, 9, 9}, {60, 8, 9}, {0, 0, 0}, {76, 5, 6}}, /* as many layers of u as there may be */
 };
+
+enum { MIXTURES = sizeof mixtures / sizeof *mixtures };
 
 static const uint32_t sizes[][2] = {{1, 1}, {3, 5}, {16, 16}, {37, 41}, {130, 7}, {64, 32}};
 static const struct {
@@ -139,15 +141,15 @@ static void make_variant(const uint8_t row[FACTORS], uint64_t seed, variant *v) 
 }
 
 static void make_variant_2(const uint8_t row[FACTORS_2], uint64_t seed, size_t mixture, variant *v) {
-    static const uint32_t few_sizes[][2] = {{3, 5}, {16, 16}, {37, 21}};
+    static const uint32_t few_sizes[][2] = {{3, 5}, {37, 21}};
     memset(v, 0, sizeof *v);
     synthetic_spec *s = &v->spec;
     s->seed = seed;
     s->width = few_sizes[row[SIZE_2]][0];
     s->height = few_sizes[row[SIZE_2]][1];
-    s->directions = row[DIRECTIONS_2] == 1 ? SYNTHETIC_RANDOM : SYNTHETIC_RINGS;
-    s->n_views = row[DIRECTIONS_2] == 2 ? 37 : 7;
-    s->n_lights = row[DIRECTIONS_2] == 2 ? 19 : 11;
+    s->directions = row[DIRECTIONS_2] ? SYNTHETIC_RANDOM : SYNTHETIC_RINGS;
+    s->n_views = row[DIRECTIONS_2] ? 7 : 37;
+    s->n_lights = row[DIRECTIONS_2] ? 11 : 19;
     s->layout = row[LAYOUT_2] ? BTF_LAYOUT_TIGHT : BTF_LAYOUT_PAPER;
     s->levels = row[LAYOUT_2] == 2 ? BTF_MAX_LEVELS : 1;
     s->domain = row[BLEND_2] ? BTF_DOMAIN_SQRT : BTF_DOMAIN_LINEAR;
@@ -174,10 +176,29 @@ static void make_variant_2(const uint8_t row[FACTORS_2], uint64_t seed, size_t m
     v->shader.struct_size = sizeof v->shader;
     v->shader.leave_out =
         (row[LEAVE_OUT_2] ? BTF_EFFECT_SHIFT : 0u) | (mixture == 9 ? BTF_EFFECT_RESIDUAL : 0u);
-    v->shader.components = row[TRUNCATE_2] == 2 ? 1 : row[TRUNCATE_2] == 1 ? 1 + 2 * s->components / 3 : 0;
+    v->shader.components = row[TRUNCATE_2] ? 1 + 2 * s->components / 3 : 0;
     v->shader.interpolation = (btf_interpolation)row[INTERPOLATION_2];
     v->shader.filter = (btf_filter)row[FILTER_2];
     write_name(v);
+}
+
+/* A mixture that was not used yet, of few classes for bilinear filtering, else of many: compilers take long
+ * over both together. */
+static size_t choose_mixture(bool used[MIXTURES], bool bilinear) {
+    size_t best = 0;
+    int least = BTF_FACTOR_CLASSES + 1;
+    for (size_t i = 0; i < MIXTURES; ++i) {
+        int classes = 0;
+        for (int c = 0; c < BTF_FACTOR_CLASSES; ++c)
+            classes += mixtures[i][c][0] > 0;
+        const int cost = bilinear ? classes : BTF_FACTOR_CLASSES - classes;
+        if (!used[i] && cost < least) {
+            least = cost;
+            best = i;
+        }
+    }
+    used[best] = true;
+    return best;
 }
 
 size_t variant_pairwise(uint64_t seed, variant list[VARIANT_MAX]) {
@@ -186,10 +207,10 @@ size_t variant_pairwise(uint64_t seed, variant list[VARIANT_MAX]) {
     for (size_t i = 0; i < count; ++i)
         make_variant(rows[i], seed + i, &list[i]);
 
-    const size_t mixture_count = sizeof mixtures / sizeof *mixtures;
+    bool used[MIXTURES] = {false};
     size_t more = pairwise_rows(seed, FACTORS_2, levels_2, VARIANT_MAX - count, rows);
     for (size_t i = 0; i < more; ++i, ++count)
-        make_variant_2(rows[i], seed + count, i % mixture_count, &list[count]);
+        make_variant_2(rows[i], seed + count, choose_mixture(used, rows[i][FILTER_2]), &list[count]);
     return count;
 }
 

@@ -4,8 +4,13 @@
  */
 #include "bits.h"
 
+#include "decoder/toolkit/reference_view.h"
+#include "tests/conformance/cases.h"
+#include <openbtf/reference.h>
+
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 const bit_class bit_classes[] = {
     {"0", 0x00000000, 1},
@@ -41,7 +46,7 @@ const bit_class bit_classes[] = {
 const size_t bit_class_count = sizeof bit_classes / sizeof *bit_classes;
 
 synthetic_spec bits_spec(int index) {
-    return (synthetic_spec){
+    synthetic_spec spec = {
         .seed = 100 + (uint64_t)index,
         .width = 5,
         .height = 3,
@@ -58,6 +63,16 @@ synthetic_spec bits_spec(int index) {
         .directions = index == 5 ? SYNTHETIC_RANDOM : SYNTHETIC_RINGS,
         .values = SYNTHETIC_EXTREME,
     };
+    static const uint32_t classes[BTF_FACTOR_CLASSES][3] = {
+        {2, 3, 1}, {1, 1, 1}, {3, 2, 1}, {1, 0, 1}, {2, 1, 2}};
+    if (index >= BITS_FACTORS) {
+        memcpy(spec.classes, classes, sizeof classes);
+        spec.components = 9;
+        spec.codes = SYNTHETIC_BOUNDS;
+        spec.blend = index & 2 ? BTF_BLEND_ROOTS : BTF_BLEND_RADIANCE;
+        spec.horizon_scale = index & 1 ? 0x1p24f : 5;
+    }
+    return spec;
 }
 
 void bits_begin(const synthetic_spec *spec, bits_desc *out) {
@@ -79,9 +94,10 @@ void bits_begin(const synthetic_spec *spec, bits_desc *out) {
         memcpy(xyz, lists[i].xyz, 3 * lists[i].count * sizeof *xyz);
         *(i == 0 ? &out->desc.views : &out->desc.lights) = xyz;
     }
-    for (int id = 0; id < BTF_TEXTURE_VIEW_TABLE; id++) {
+    for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
         const btf_texture t = btf_material_texture(material, (btf_texture_id)id);
-        if (t.format != BTF_FORMAT_NONE) {
+        const bool table = id == BTF_TEXTURE_VIEW_TABLE || id == BTF_TEXTURE_LIGHT_TABLE;
+        if (t.format != BTF_FORMAT_NONE && !table) {
             out->desc.texture[id] = out->texture[id] = malloc(t.size);
             if (out->texture[id] == NULL) {
                 exit(1);
@@ -109,6 +125,21 @@ static float legal(random_state *r, int positive) {
     }
 }
 
+/* A unit of Y alone has one scale. */
+static void fill_factors(random_state *r, const btf_material_info *info, float *scales, float *views) {
+    for (int c = 0; scales && c < BTF_FACTOR_CLASSES; c++) {
+        for (uint32_t unit = 0; unit < info->factor_classes[c][0]; unit++, scales += 4) {
+            const bool mixed = c == 0 || 4 * unit < info->factor_classes[c][1] + info->factor_classes[c][2];
+            for (int word = 0; word < 4; word++) {
+                scales[word] = word == 0 || mixed ? legal(r, 0) : scales[0];
+            }
+        }
+    }
+    for (uint32_t i = 0; views && i < 12 * info->n_views; i++) {
+        views[i] = i % 4 == 3 ? 0 : legal(r, 0);
+    }
+}
+
 void bits_fill(random_state *r, bits_desc *d) {
     static const uint16_t halves[] = {0x0000, 0x8000, 0x0400, 0x8400, 0x0401, 0x3C00,
                                       0xBC00, 0x3BFF, 0x7BFE, 0x7BFF, 0xFBFF, 0x5A40};
@@ -130,11 +161,40 @@ void bits_fill(random_state *r, bits_desc *d) {
         }
     }
     float *scales = d->texture[BTF_TEXTURE_RESIDUAL_SCALES];
-    for (uint32_t i = 0; i < info->components; i++) {
+    for (uint32_t i = 0; scales && i < info->components; i++) {
         scales[i] = legal(r, 0);
     }
+    fill_factors(r, info, d->texture[BTF_TEXTURE_FACTOR_SCALES], d->texture[BTF_TEXTURE_FACTOR_VIEWS]);
     info->radiance_scale = legal(r, 1);
     info->shadow_scale = legal(r, 1);
     info->gain_scale = legal(r, 1);
     info->centre_scale = legal(r, 1);
+}
+
+bool bits_decode(const btf_material *material, uint64_t seed, int count) {
+    btf_ref_material view;
+    if (reference_view(material, 0, &view) != 0) {
+        return false;
+    }
+    random_state r = {seed};
+    for (int i = 0; i < count; i++) {
+        uint32_t words[CASE_WORDS];
+        float f[CASE_WORDS], rgb[2][3];
+        case_make(&r, material, words);
+        memcpy(f, words, sizeof f);
+        const btf_ref_options options = {random_below(&r, 4) ? UINT32_MAX : random_below(&r, 32),
+                                         UINT32_MAX, i & 1, i >> 1 & 1};
+        for (int run = 0; run < 2; run++) {
+            btf_ref_evaluate(&view, &options, f[0], f[1], f + 2, f + 5, rgb[run]);
+        }
+        for (int c = 0; c < 3; c++) {
+            if (!(rgb[0][c] >= 0 && rgb[0][c] <= 0x1.fffffep127f)) {
+                return false;
+            }
+        }
+        if (memcmp(rgb[0], rgb[1], sizeof rgb[0]) != 0) {
+            return false;
+        }
+    }
+    return true;
 }

@@ -7,6 +7,7 @@
 
 #include "tests/conformance/random.h"
 #include "tests/conformance/synthetic.h"
+#include <stdbool.h>
 
 /* One class of bit patterns of a float parameter. */
 typedef struct bit_class {
@@ -28,12 +29,18 @@ typedef struct bits_desc {
 void bits_begin(const synthetic_spec *spec, bits_desc *out);
 void bits_end(bits_desc *d);
 
-/* Every parameter and scale of the material becomes a random legal one of bit_classes (halves: 2^-14,
- * 65504, 1, their neighbours and 0). */
+/* Every parameter, scale and factor of a view of the material becomes a random legal one of bit_classes
+ * (halves: 2^-14, 65504, 1, their neighbours and 0). */
 void bits_fill(random_state *r, bits_desc *d);
 
-/* Kinds of material that between them have every effect, layout, domain and kind of parameter. */
-enum { BITS_SPECS = 8 };
+/* Decodes `count` random and extreme arguments by every combination of options; false when a value is no
+ * number, infinite or negative, or when a second run gives other bits. */
+bool bits_decode(const btf_material *material, uint64_t seed, int count);
+
+/* Kinds of material that between them have every effect, layout, domain, store of the residual, blend and
+ * kind of parameter. From BITS_FACTORS on the residual is factors of all classes, of codes at their bounds.
+ */
+enum { BITS_FACTORS = 8, BITS_SPECS = 12 };
 synthetic_spec bits_spec(int index);
 
 #endif

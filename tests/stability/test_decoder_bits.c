@@ -31,36 +31,6 @@ static bool is_legal(uint32_t bits) {
     return magnitude == 0 || (magnitude >= 0x33800000u && magnitude <= 0x4B800000u);
 }
 
-/* Decodes `count` random and extreme arguments by every combination of options; false when a value is no
- * number, infinite or negative, or when a second run gives other bits. */
-static bool decodes(const btf_material *material, uint64_t seed, int count) {
-    btf_ref_material view;
-    if (reference_view(material, 0, &view) != 0) {
-        return false;
-    }
-    random_state r = {seed};
-    for (int i = 0; i < count; i++) {
-        uint32_t words[CASE_WORDS];
-        float f[CASE_WORDS], rgb[2][3];
-        case_make(&r, material, words);
-        memcpy(f, words, sizeof f);
-        const btf_ref_options options = {random_below(&r, 4) ? UINT32_MAX : random_below(&r, 32),
-                                         UINT32_MAX, i & 1, i >> 1 & 1};
-        for (int run = 0; run < 2; run++) {
-            btf_ref_evaluate(&view, &options, f[0], f[1], f + 2, f + 5, rgb[run]);
-        }
-        for (int c = 0; c < 3; c++) {
-            if (!(rgb[0][c] >= 0 && rgb[0][c] <= 0x1.fffffep127f)) {
-                return false;
-            }
-        }
-        if (memcmp(rgb[0], rgb[1], sizeof rgb[0]) != 0) {
-            return false;
-        }
-    }
-    return true;
-}
-
 /* ---- what a file may hold ---- */
 
 /* A material of this kind, saved, to be edited. */
@@ -84,7 +54,7 @@ static void file_parameters(void) {
         bool ok = true;
         int places = 0;
         char example[200] = "opens, radiance finite";
-        for (int spec = 0; spec < BITS_SPECS; spec += 4) { /* one colour, RGB lobes; floats */
+        for (int spec = 0; spec < BITS_FACTORS; spec += 4) { /* one colour, RGB lobes; floats */
             const synthetic_spec s = bits_spec(spec);
             edit_file *file = saved_file(&s);
             btf_material *material = NULL;
@@ -103,7 +73,7 @@ static void file_parameters(void) {
                 free(data);
                 places++;
                 if (bit_classes[k].legal) {
-                    ok = ok && result == BTF_OK && decodes(material, k + 1, 40);
+                    ok = ok && result == BTF_OK && bits_decode(material, k + 1, 40);
                 } else {
                     char place[100];
                     snprintf(place, sizeof place, "sbrdf: channel %s at (%d, %d) holds",
@@ -126,18 +96,28 @@ static void file_parameters(void) {
 
 /* Each class in each float attribute of the header. */
 static void file_scales(void) {
-    static const char *const names[] = {"openbtf.radianceScale", "openbtf.shadowScale", "openbtf.gainScale",
-                                        "openbtf.centreScale", "openbtf.residualScales"};
-    const synthetic_spec s = bits_spec(1);
-    edit_file *file = saved_file(&s);
+    enum { POSITIVE = -1, FROM_ONE = -2 };
+    static const struct {
+        const char *name;
+        int spec, number; /* POSITIVE, FROM_ONE: the attribute is one float, of that range */
+    } list[] = {{"openbtf.radianceScale", 1, POSITIVE},
+                {"openbtf.shadowScale", 1, POSITIVE},
+                {"openbtf.gainScale", 1, POSITIVE},
+                {"openbtf.centreScale", 1, POSITIVE},
+                {"openbtf.residualScales", 1, 2},
+                {"openbtf.factorScales", BITS_FACTORS + 1, 6},
+                {"openbtf.factorViews", BITS_FACTORS + 1, 40},
+                {"openbtf.horizonScale", BITS_FACTORS + 1, FROM_ONE}};
     btf_material *material = NULL;
     void *data;
     size_t size;
-    for (size_t n = 0; n < sizeof names / sizeof *names; n++) {
+    for (size_t n = 0; n < sizeof list / sizeof *list; n++) {
         bool ok = true;
-        edit_attribute *a = edit_find_attribute(file, names[n]);
-        float *value = n == 4 ? a->values + 2 : &a->f;
-        const float before = *value;
+        const synthetic_spec s = bits_spec(list[n].spec);
+        edit_file *file = saved_file(&s);
+        edit_attribute *a = edit_find_attribute(file, list[n].name);
+        const bool many = list[n].number >= 0; /* of these 0 and negative ones are taken too */
+        float *value = many ? a->values + list[n].number : &a->f;
         int refused = 0;
         for (size_t k = 0; k < bit_class_count; k++) {
             *value = float_of_bits(bit_classes[k].bits);
@@ -145,26 +125,28 @@ static void file_scales(void) {
             message[0] = 0;
             const btf_result result = btf_material_open_memory(data, size, &listener, &material);
             free(data);
-            const bool legal = n == 4 ? bit_classes[k].legal : bit_classes[k].legal && *value > 0;
+            const bool legal = bit_classes[k].legal &&
+                               (many || *value > (list[n].number == FROM_ONE ? 0x1.fffffep-1f : 0));
             ok = ok && (result == BTF_OK) == legal;
             if (result == BTF_OK) {
-                ok = ok && decodes(material, k + 1, 100);
+                ok = ok && bits_decode(material, k + 1, 100);
             } else {
                 refused++;
                 ok = ok && result == BTF_ERROR_BAD_FILE &&
-                     strstr(message, strchr(names[n], '.') + 1) != NULL;
+                     strstr(message, strchr(list[n].name, '.') + 1) != NULL;
             }
             btf_material_close(&material);
         }
-        *value = before;
+        edit_free(file);
         char input[100];
-        snprintf(input, sizeof input, "every class of bits in %s", names[n]);
+        snprintf(input, sizeof input, "every class of bits in %s", list[n].name);
         cases_add(input,
-                  n == 4 ? "refused by name, or 0 or of magnitude 2^-24 to 2^24"
-                         : "refused by name, or positive and of magnitude 2^-24 to 2^24",
+                  many ? "refused by name, or 0 or of magnitude 2^-24 to 2^24"
+                  : list[n].number == FROM_ONE
+                      ? "refused by name, or 1 to 2^24"
+                      : "refused by name, or positive and of magnitude 2^-24 to 2^24",
                   ok, "%d of %zu refused", refused, bit_class_count);
     }
-    edit_free(file);
 }
 
 /* Every exponent, both signs, three mantissas; and every half there is. */
@@ -186,7 +168,7 @@ static void all_patterns(void) {
                 want = (bits & 0x7FFF) == 0 || ((bits & 0x7C00) != 0 && (bits & 0x7C00) != 0x7C00);
                 btf_material *material = NULL;
                 ok = ok && (btf_material_create(&d.desc, NULL, &material) == BTF_OK) == want;
-                ok = ok && (!want || i % 16 != 0 || decodes(material, i, 2));
+                ok = ok && (!want || i % 16 != 0 || bits_decode(material, i, 2));
                 btf_material_close(&material);
                 *at = before;
             } else {
@@ -195,7 +177,7 @@ static void all_patterns(void) {
                 want = is_legal(bits);
                 btf_material *material = NULL;
                 ok = ok && (btf_material_create(&d.desc, NULL, &material) == BTF_OK) == want;
-                ok = ok && (!want || decodes(material, i, 4));
+                ok = ok && (!want || bits_decode(material, i, 4));
                 btf_material_close(&material);
                 *at = before;
             }
@@ -221,13 +203,13 @@ static void extreme_materials(void) {
         bits_begin(&s, &d);
         bits_fill(&r, &d);
         ok = ok && btf_material_create(&d.desc, NULL, &material) == BTF_OK &&
-             decodes(material, (uint64_t)i, 1500);
+             bits_decode(material, (uint64_t)i, 1500);
         btf_material_close(&material);
         bits_end(&d);
     }
-    cases_add("32 materials of nothing but limits, 48000 random and extreme arguments",
+    cases_add("48 materials of nothing but limits, 72000 random and extreme arguments",
               "radiance finite and not negative, twice the same bits", ok,
-              "all effects, both layouts, both domains");
+              "all effects, both layouts, both domains, both stores, both blends");
 }
 
 /* ---- arguments ---- */

@@ -31,11 +31,14 @@ int main(int argc, char **argv) {
         const synthetic_spec s = bits_spec(i);
         const char *const expected = "the same finite bits at random and extreme arguments";
         char input[160];
-        snprintf(input, sizeof input, "%s, %s, %s, %s, %u lobes, every parameter at a limit",
+        snprintf(input, sizeof input, "%s, %s, %s, %s, %u lobes%s, every parameter at a limit",
                  s.layout == BTF_LAYOUT_PAPER ? "paper" : "tight",
                  s.domain == BTF_DOMAIN_SQRT ? "square root" : "linear",
                  s.colour == BTF_COLOUR_RGB ? "RGB lobes" : "one colour",
-                 s.half_float ? "halves" : "floats", s.lobes);
+                 s.half_float ? "halves" : "floats", s.lobes,
+                 i < BITS_FACTORS             ? ""
+                 : s.blend == BTF_BLEND_ROOTS ? ", factors blended as roots"
+                                              : ", factors");
         if (g == NULL) {
             cases_skip(input, expected, why);
             continue;

@@ -3,12 +3,13 @@
 #
 # SPDX-License-Identifier: MIT
 . "$BTF_SOURCE_ROOT/tests/tools/common.sh" || exit 99
-PATH=$build/decoder/examples:$PATH
+PATH=$build/decoder/examples:$build/tests/tools:$PATH
 small_data
 btf-encode data -o a.btf.exr --method paper -q || exit 99
 btf-sample -o other --relief bumps --size 12 --directions 0:1,45:4 --quiet || exit 99
 btf-encode other -o b.btf.exr --method paper -q || exit 99
 btf-encode other -o c.btf.exr --method paper --levels all -q || exit 99
+factor_file d.btf.exr 3 tight 3 roots || exit 99
 
 # third NAME PART: the middle of a third of the columns, 0..2
 third() {
@@ -34,12 +35,19 @@ expect_that "right is its own material" cmp ba2 aa2
 expect_that "the ordinary one does not depend on them" cmp ab1 ba1
 expect_that "left and right differ by material" test "$(cmp -s ab0 ba0; echo $?)" = 1
 expect_that "no part is black" test "$(for f in ab0 ab1 ab2; do tr -d '\0' <$f | head -c 1 | wc -c; done | tr -d '\n')" = 111
+expect "forward: format version 2" 0 forward d.btf.exr a.btf.exr
+cp out da.ppm
+third da.ppm 0 >da0
+expect_that "left is another material" test "$(cmp -s da0 aa0; echo $?)" = 1
+expect_that "and not black" test "$(tr -d '\0' <da0 | head -c 1 | wc -c)" = 1
 expect "forward without arguments" 1 forward
 expect "forward without a file" 2 forward none.btf.exr a.btf.exr
 
 if command -v vulkan >/dev/null && command -v glslangValidator >/dev/null; then
     lavapipe=$(ls /usr/share/vulkan/icd.d/lvp_icd*.json 2>/dev/null | head -1)
-    for m in a b c; do
+    cp "$BTF_SOURCE_ROOT/tests/data/golden/v2-all.btf.exr" factors.btf.exr
+    cp "$BTF_SOURCE_ROOT/tests/data/golden/v2-paper.btf.exr" atlas.btf.exr
+    for m in factors atlas a b d c; do
         expect "vulkan: the shader of $m" 0 vulkan $m.btf.exr
         cp out decode.comp
         expect "vulkan: to SPIR-V" 0 glslangValidator -V decode.comp -o decode.spv

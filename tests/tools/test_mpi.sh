@@ -65,6 +65,10 @@ same "joint, Bonn, samples made when needed" 2 small.btf --preset fast --memory 
 same "paper, folder" "2 3" data --method paper
 same "paper, archive, levels" 2 data.zip --method paper --levels 2
 same "paper, Bonn" 2 small.btf --method paper
+same "factors, levels" 2 data --method factors --levels all
+same "factors, Bonn, samples made when needed" 2 small.btf --method factors \
+    --memory "$(least_memory small.btf --method factors)"
+expect_text "factors: that ranks share little is said" "factors: the analysis is not split" <(on_ranks 2 data --method factors -o r.btf.exr 2>&1)
 expect_that "no scratch file stays" nothing_left none
 
 # The report knows of the ranks; the tables come once.

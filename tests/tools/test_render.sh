@@ -49,6 +49,19 @@ for mesh in $meshes; do
         done
     done
 done
+# Format version 2: factors, both blends.
+for made in "1 tight 1 roots" "2 paper 1 radiance"; do
+    "$build/tests/tools/factor_file" v2.btf.exr $made || exit 99
+    for way in "" "--components 4 --filter bilinear" "--interpolation nearest --effects shift,residual"; do
+        v2() { btf-render v2.btf.exr --size 40 --quiet --mesh torus $way "$@"; }
+        v2 -o r.png --device reference
+        for device in $devices; do
+            [ $device = softpipe ] && [ -n "$way" ] && continue # minutes
+            v2 -o g.png --device $device
+            same "factors, $made, ${way:-all}: $device gives the reference's picture" r.png g.png
+        done
+    done
+done
 for way in "--interpolation nearest" "--filter bilinear" "--samples 3 --exposure -1.5" "--point 1,1,2,3 --light 20,0,0.5,1,0,0" \
     "--tone filmic --background 0.2" "--tone reinhard" "--fov 0 --zoom 0.5 --repeat 1.5" "--size 31x17"; do
     render -o r.png --device reference $way

@@ -180,8 +180,8 @@ typedef struct btf_level_error {
 
 /** Errors of the ways to decode as the encoder measured them, by bands of view and light elevation
  * (FORMAT.md section 7, openbtf.effectErrors). Row r has 5 + 2 * view_bands * light_bands numbers:
- * btf_effect bits decoded, residual components, 0 for interpolated directions, 1 for nearest ones, 2 for
- * either at the samples, 3 and 4 for interpolated ones where the view or the light is a sample, level of
+ * btf_effect bits decoded, components (or units) of the residual, 0 for interpolated directions, 1 for
+ * nearest ones, 2 for either at the samples, 3 and 4 for interpolated ones where the view or the light is a sample, level of
  * detail, gpu bytes of level 0; then, [view band][light band], the mean squared error of values clipped to
  * [0, 1], linear and sRGB-coded. All 0 and NULL when there is none. */
 typedef struct btf_effect_errors {

@@ -69,7 +69,8 @@ typedef enum btf_fixed {
 typedef struct btf_shader_options {
     size_t struct_size;  /**< sizeof(btf_shader_options) */
     uint32_t leave_out;  /**< btf_effect bits not to decode; default 0: decode all that the file has */
-    uint32_t components; /**< at most this many residual components; default 0: all */
+    uint32_t components; /**< at most so many components of the residual, or units, where its store is
+                              factors; default 0: all */
     btf_interpolation interpolation;
     btf_filter filter;
     btf_math math;

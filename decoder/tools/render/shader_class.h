@@ -20,7 +20,7 @@ typedef struct shader_request {
     const btf_material *material;
     int variants; /* 1..SHADER_VARIANTS */
     uint32_t effects[SHADER_VARIANTS];
-    uint32_t components; /* residual components at most */
+    uint32_t components; /* of the residual at most, or units; 0: all */
     btf_interpolation interpolation;
     btf_filter filter;
     btf_math math;  /* BTF_MATH_FAST: not of the reference */

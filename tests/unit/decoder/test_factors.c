@@ -932,6 +932,51 @@ static void test_effect_errors(void **state) {
     random_material_free(&desc);
 }
 
+/* More directions than layers: version 2 whatever else, where no texture has a layer for each. */
+static void test_many_directions(void **state) {
+    (void)state;
+    static const uint32_t classes[BTF_FACTOR_CLASSES][3] = {{0}, {0}, {1}};
+    random_state r = {16};
+    btf_material_desc desc =
+        factor_material_desc(2, 2, 5, 1000, BTF_LAYOUT_TIGHT, BTF_EFFECT_SHIFT, classes);
+    factor_material_fill(&r, &desc);
+    round_trip(&desc);
+    btf_material *whole = create_accepted(&desc), *small;
+    const btf_plan plan = {.struct_size = sizeof plan,
+                           .scene = {.struct_size = sizeof plan.scene, .light.theta = {0, 20}},
+                           .effects = BTF_EFFECT_RESIDUAL};
+    assert_int_equal(btf_material_restrict(whole, &plan, &log_keep, &small), BTF_OK);
+    assert_in_range(info_of(small).n_lights, 20, 400);
+    assert_first_units(whole, small, 0);
+    btf_material_close(&small);
+    btf_material_close(&whole);
+    desc.info.effects |= BTF_EFFECT_SHADOW;
+    create_refused(&desc, "1000 lights with the effect shadow, not 1 to 256");
+    random_material_free(&desc);
+
+    desc = random_material_desc(2, 2, BTF_MAX_DIRECTIONS, 2, BTF_LAYOUT_PAPER, 0);
+    random_material_fill(&r, &desc);
+    round_trip(&desc);
+    btf_material *m = create_accepted(&desc);
+    assert_int_equal(info_of(m).version, 2);
+    saved s = save(&desc);
+    edit_file *e = take(&s);
+    assert_int_equal(edit_find_attribute(e, "openbtf.version")->i, 2);
+    edit_find_attribute(e, "openbtf.version")->i = 1;
+    refused(e, "attribute openbtf.views holds 12288 numbers, not 1 to 256 times 3");
+    btf_free(s.data);
+    btf_material_close(&m);
+    static const uint32_t layered[] = {BTF_EFFECT_SHIFT, BTF_EFFECT_HIDDEN, BTF_EFFECT_GAIN};
+    for (size_t i = 0; i < sizeof layered / sizeof *layered; i++) {
+        desc.info.effects = layered[i];
+        create_refused(&desc, "4096 views with the effect shift, hidden or gain, not 1 to 256");
+    }
+    desc.info.effects = 0;
+    desc.info.n_views++;
+    create_refused(&desc, "4097 views, not 1 to 4096");
+    random_material_free(&desc);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_shapes),
@@ -954,6 +999,7 @@ int main(void) {
         cmocka_unit_test(test_restrict),
         cmocka_unit_test(test_to_tight),
         cmocka_unit_test(test_effect_errors),
+        cmocka_unit_test(test_many_directions),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }

@@ -1,5 +1,5 @@
-/* The factors of format 2: they recover what they are made of, keep to their budget, fill their units, and lie
- * in their words as FORMAT.md says, which is read back here by a decoder of its own, in double.
+/* The factors of format 2: they recover what they are made of, keep to their budget, fill their units, and
+ * lie in their words as FORMAT.md says, which is read back here by a decoder of its own, in double.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -88,13 +88,15 @@ static void decode(const enc_factors *f, int n_units, size_t texel, size_t colum
             for (int word = 0; word < 4; word++) {
                 const int c = channel_of(f->classes[k], 4 * n + (uint32_t)word);
                 sums[c] += (double)dot(f, k, unit, u_texel, word, texel, column) *
-                           f->scales[unit * 4 + (size_t)word] * f->views[(view * 3 + (size_t)tier_of[k]) * 3 + (size_t)c];
+                           f->scales[unit * 4 + (size_t)word] *
+                           f->views[(view * 3 + (size_t)tier_of[k]) * 3 + (size_t)c];
             }
             unit++;
             u_texel += (size_t)texels_of[k];
         }
     }
-    const double root[3] = {sums[0] + sums[1] + sums[2], sums[0] - 2 * sums[2], sums[0] - sums[1] + sums[2]};
+    const double root[3] = {sums[0] + sums[1] + sums[2], sums[0] - 2 * sums[2],
+                            sums[0] - sums[1] + sums[2]};
     for (int i = 0; i < 3; i++) {
         rgb[i] = root[i] > 0 ? root[i] * root[i] : 0;
     }
@@ -110,7 +112,8 @@ static double error_of(const enc_data *data, const enc_factors *f, int n_units) 
             double rgb[3];
             decode(f, n_units, t, c, rgb);
             for (size_t i = 0; i < 3; i++) {
-                const double was = data->samples[((t * columns + c / lights * lights) * 3) + i * lights + c % lights];
+                const double was =
+                    data->samples[((t * columns + c / lights * lights) * 3) + i * lights + c % lights];
                 const double e = fmin(was, 1) - fmin(rgb[i], 1);
                 sum += e * e;
             }
@@ -141,8 +144,8 @@ static enc_data *empty(const enc_context *context, int width, int height, int vi
 
 enum { MOST_TERMS = 160 };
 
-/* Samples whose roots are sums of `terms` products of falling size, and of `noise`; `tint` is the share of them
- * that differs between channels. */
+/* Samples whose roots are sums of `terms` products of falling size, and of `noise`; `tint` is the share of
+ * them that differs between channels. */
 static void fill(enc_data *data, size_t terms, float tint, float noise) {
     const size_t texels = enc_data_texel_count(data), lights = (size_t)data->n_lights;
     const size_t columns = (size_t)data->n_views * lights;
@@ -187,18 +190,19 @@ static enc_data *textured(int side, int views, size_t terms, float tint, float n
 static uint64_t units(const enc_data *data, double n) {
     return enc_factor_least_budget(data->width, data->height, data->n_views, data->n_lights) +
            (uint64_t)((n - 1) * 16 *
-                      (double)(enc_data_texel_count(data) + (size_t)data->n_views * (size_t)data->n_lights + 1));
+                      (double)(enc_data_texel_count(data) + (size_t)data->n_views * (size_t)data->n_lights +
+                               1));
 }
 
-/* Encodes, and checks what holds for all data: bytes, classes, scales, and that the packed words decode to what
- * the encoder measured. */
+/* Encodes, and checks what holds for all data: bytes, classes, scales, and that the packed words decode to
+ * what the encoder measured. */
 static enc_factors *encode(const enc_context *context, const enc_data *data, uint64_t budget, int sweeps) {
     const enc_factor_options options = {.budget = budget, .sweeps = sweeps, .measure = true};
     enc_factors *f = NULL;
     assert_int_equal(enc_factor_encode(context, data, &options, &f), BTF_OK);
-    const uint64_t bytes =
-        16 * ((uint64_t)f->n_units * (size_t)(f->n_views * f->n_lights) +
-              (uint64_t)f->n_u_texels * enc_data_texel_count(data) + (uint64_t)(f->n_units + 3 * f->n_views));
+    const uint64_t bytes = 16 * ((uint64_t)f->n_units * (size_t)(f->n_views * f->n_lights) +
+                                 (uint64_t)f->n_u_texels * enc_data_texel_count(data) +
+                                 (uint64_t)(f->n_units + 3 * f->n_views));
     assert_true(f->bytes == bytes && bytes <= budget);
     int n_units = 0, n_texels = 0;
     for (int k = 0; k < 5; k++) {
@@ -294,7 +298,8 @@ static void test_every_class_round_trips(void **state) {
     for (int c = 0; c < 3; c++) {
         randomise(&codes, c, &seed);
     }
-    enc_factors f = {.width = SIDE, .height = SIDE, .n_views = VIEWS, .n_lights = LIGHTS, .views = codes.view};
+    enc_factors f = {
+        .width = SIDE, .height = SIDE, .n_views = VIEWS, .n_lights = LIGHTS, .views = codes.view};
     f.n_units = (int)enc_factor_all_units(&plan);
     for (int k = 0; k < 5; k++) {
         f.classes[k][0] = enc_factor_units(&plan, k);
@@ -310,11 +315,13 @@ static void test_every_class_round_trips(void **state) {
             double rgb[3], sums[3] = {0};
             for (int c = 0; c < 3; c++) {
                 for (size_t j = 0; j < codes.channel[c].rank; j++) {
-                    sums[c] += (double)codes.channel[c].u[j * TEXELS + t] * codes.channel[c].w[j * COLUMNS + i] * axis[c];
+                    sums[c] += (double)codes.channel[c].u[j * TEXELS + t] *
+                               codes.channel[c].w[j * COLUMNS + i] * axis[c];
                 }
             }
             decode(&f, f.n_units, t, i, rgb);
-            const double root[3] = {sums[0] + sums[1] + sums[2], sums[0] - 2 * sums[2], sums[0] - sums[1] + sums[2]};
+            const double root[3] = {sums[0] + sums[1] + sums[2], sums[0] - 2 * sums[2],
+                                    sums[0] - sums[1] + sums[2]};
             for (int c = 0; c < 3; c++) {
                 const double expected = root[c] > 0 ? root[c] * root[c] : 0;
                 assert_true(fabs(rgb[c] - expected) <= 1e-4 * (fabs(expected) + 100));
@@ -349,7 +356,8 @@ static void test_budget_is_kept_and_used(void **state) {
     const uint64_t unit = units(data, 2) - units(data, 1);
     double before = 1;
     for (double n = 1; n < 7; n += 0.7) {
-        enc_factors *f = encode(&two, data, units(data, n), 1), *plain = encode(&two, data, units(data, n), 0);
+        enc_factors *f = encode(&two, data, units(data, n), 1),
+                    *plain = encode(&two, data, units(data, n), 0);
         assert_true(units(data, n) - f->bytes < unit);
         assert_true(f->error.linear <= before * 1.001);
         assert_true(f->error.linear < plain->error.linear);
@@ -395,9 +403,10 @@ static void test_threads_and_storage_do_not_matter(void **state) {
     assert_null(stored->samples);
     assert_int_equal(enc_data_store_texels(&small, stored, 0, 256, data->samples), BTF_OK);
     assert_int_equal(enc_data_complete(&small, stored, BTF_OK), BTF_OK);
-    enc_factors *f = encode(&one, data, units(data, 4.5), 2);
-    enc_factors *others[] = {encode(&two, data, units(data, 4.5), 2), encode(&five, data, units(data, 4.5), 2),
-                             encode(&small, stored, units(data, 4.5), 2)};
+    enc_factors *f = encode(&one, data, units(data, 4.5), 3);
+    enc_factors *others[] = {encode(&two, data, units(data, 4.5), 3),
+                             encode(&five, data, units(data, 4.5), 3),
+                             encode(&small, stored, units(data, 4.5), 3)};
     for (int i = 0; i < 3; i++) {
         assert_same(f, others[i]);
         enc_factors_destroy(&others[i]);
@@ -415,7 +424,8 @@ static void test_grey(void **state) {
     for (int k = 0; k < 5; k++) {
         assert_int_equal(f->classes[k][1] + f->classes[k][2], 0);
     }
-    assert_true(f->components[1] == 0 && f->components[2] == 0 && g->components[1] > 0 && g->components[2] > 0);
+    assert_true(f->components[1] == 0 && f->components[2] == 0 && g->components[1] > 0 &&
+                g->components[2] > 0);
     assert_true(f->error.linear < g->error.linear);
     enc_factors_destroy(&f);
     enc_factors_destroy(&g);
@@ -449,7 +459,8 @@ static void test_constant_and_black(void **state) {
  * what there is. */
 static void test_small_sizes(void **state) {
     (void)state;
-    static const int sizes[][4] = {{16, 16, 1, 20}, {16, 16, 20, 1}, {1, 1, 12, 12}, {4, 3, 20, 20}, {20, 1, 1, 1}};
+    static const int sizes[][4] = {
+        {16, 16, 1, 20}, {16, 16, 20, 1}, {1, 1, 12, 12}, {4, 3, 20, 20}, {20, 1, 1, 1}};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         enc_data *data = empty(&two, sizes[i][0], sizes[i][1], sizes[i][2], sizes[i][3]);
         fill(data, 30, 0.3f, 0.1f);
@@ -457,7 +468,8 @@ static void test_small_sizes(void **state) {
         assert_true(f->error.linear < 1e-4);
         assert_true(fabs(error_of(data, f, f->n_units) - f->error.linear) < 1e-9);
         enc_factors_destroy(&f);
-        f = encode(&two, data, enc_factor_least_budget(sizes[i][0], sizes[i][1], sizes[i][2], sizes[i][3]), 1);
+        f = encode(&two, data, enc_factor_least_budget(sizes[i][0], sizes[i][1], sizes[i][2], sizes[i][3]),
+                   1);
         assert_int_equal(f->n_units, 1);
         enc_factors_destroy(&f);
         enc_data_destroy(&data);

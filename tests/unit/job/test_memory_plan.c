@@ -32,7 +32,7 @@ static btf_result create(size_t memory, enc_least_memory least) {
 
 static void test_refused_below_the_least(void **state) {
     (void)state;
-    for (enc_method method = ENC_METHOD_JOINT; method < ENC_METHODS; method++) {
+    for (enc_method method = ENC_METHOD_JOINT; (int)method < ENC_METHODS; method++) {
         const enc_least_memory by_method = enc_memory_least(method);
         const size_t least = (size_t)by_method(20, 10, 1, 1, 2);
         char number[32];
@@ -51,7 +51,7 @@ static void test_refused_below_the_least(void **state) {
 /* Data sets that must fit: UBO2003 in 2 GB, UBO2014 in 8 GB; and no overflow at the largest. */
 static void test_large_data(void **state) {
     (void)state;
-    for (enc_method method = ENC_METHOD_JOINT; method < ENC_METHODS; method++) {
+    for (enc_method method = ENC_METHOD_JOINT; (int)method < ENC_METHODS; method++) {
         const enc_least_memory least = enc_memory_least(method);
         const uint64_t ubo2003 = least(256, 256, 81, 81, 2);
         const uint64_t ubo2014 = least(400, 400, 151, 151, 2);

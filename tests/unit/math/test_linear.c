@@ -4,6 +4,7 @@
  */
 #include "encoder/math/gemm.h"
 #include "encoder/math/linear.h"
+#include "encoder/math/symmetric.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -154,6 +155,62 @@ static void test_eigen(void **unused) {
     }
 }
 
+/* Of all sizes, also with eigenvalues of one value and of none: a v = x v, orthonormal, in falling order. */
+static void test_eigen_symmetric(void **unused) {
+    (void)unused;
+    enum { MOST = 70 };
+    static double a[MOST * MOST], v[MOST * MOST], values[MOST];
+    for (int n = 1; n <= MOST; n += 23) {
+        for (int kind = 0; kind < 3; kind++) { /* any, of rank 2, a multiple of the identity */
+            for (int i = 0; i < n; i++)
+                for (int j = 0; j <= i; j++) {
+                    const double x = kind == 0   ? uniform()
+                                     : kind == 1 ? cos(i) * cos(j) + 2.0 * sin(i) * sin(j)
+                                                 : 3.0 * (i == j);
+                    a[i * n + j] = a[j * n + i] = x;
+                }
+            memcpy(v, a, sizeof v);
+            assert_true(enc_eigen_symmetric((size_t)n, v, values));
+            for (int i = 0; i < n; i++) {
+                assert_true(i == 0 || values[i] <= values[i - 1]);
+                for (int j = 0; j < n; j++) {
+                    double product = 0.0, dot = 0.0;
+                    for (int p = 0; p < n; p++) {
+                        product += a[j * n + p] * v[i * n + p];
+                        dot += v[i * n + p] * v[j * n + p];
+                    }
+                    assert_true(fabs(product - values[i] * v[i * n + j]) < 1e-11 * n);
+                    assert_true(fabs(dot - (i == j)) < 1e-12 * n);
+                }
+            }
+        }
+    }
+    for (int i = 0; i < 25; i++)
+        a[i] = NAN;
+    assert_true(!enc_eigen_symmetric(5, a, values));
+}
+
+static void test_gram_rows(void **unused) {
+    (void)unused;
+    enum { MOST = 11, LENGTH = 2503 };
+    static float x[MOST * LENGTH];
+    static double one[MOST * MOST], four[MOST * MOST];
+    for (int i = 0; i < MOST * LENGTH; i++)
+        x[i] = (float)uniform() + (i / LENGTH == 3 ? 1e4f : 0.0f);
+    for (size_t n = 1; n <= MOST; n++)
+        for (size_t length = n; length <= LENGTH; length += 1248) {
+            enc_gram_rows(1, n, length, x, one);
+            enc_gram_rows(4, n, length, x, four);
+            assert_memory_equal(one, four, n * n * sizeof *one);
+            for (size_t i = 0; i < n * n; i++) {
+                double sum = 0.0;
+                for (size_t p = 0; p < length; p++)
+                    sum += (double)x[i / n * length + p] * x[i % n * length + p];
+                assert_true(fabs(one[i] - sum) <= 1e-12 * fabs(sum) + 1e-8);
+            }
+        }
+}
+
 /* The product of packed operands, in both packings and for sizes off the tile, against plain sums. */
 static void test_product(void **unused) {
     (void)unused;
@@ -194,6 +251,8 @@ int main(void) {
         cmocka_unit_test(test_lattice),
         cmocka_unit_test(test_orthonormal_rows),
         cmocka_unit_test(test_eigen),
+        cmocka_unit_test(test_eigen_symmetric),
+        cmocka_unit_test(test_gram_rows),
         cmocka_unit_test(test_product),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
