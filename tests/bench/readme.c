@@ -25,9 +25,9 @@ static void print_pair(double linear, double srgb, FILE *out) {
 }
 
 static btf_result encode_table(const bench_run *run, const bench_table *table, const bench_row *medium) {
-    static const char *const names[] = {"joint fast",           "joint medium", "joint thorough",
-                                        "joint exhaustive",     "paper",        "paper; 0 rejections",
-                                        "paper; 9 lights vote", "paper; 1 lobe"};
+    static const char *const names[] = {"joint fast",       "joint medium",  "joint thorough",
+                                        "joint exhaustive", "factors fast",  "factors medium",
+                                        "factors thorough", "paper",         "paper; 1 lobe"};
     FILE *out;
     const btf_result result = bench_open(run, "readme-encode", "md", &out);
     if (result != BTF_OK) {

@@ -36,7 +36,7 @@ expect_that "every sweep is there" python3 - <<'P'
 import csv
 rows = list(csv.DictReader(open("b/encode-tiny.csv")))
 sweeps = {row["sweep"] for row in rows}
-assert sweeps == {"paper", "preset", "rounds", "joint effects", "lobes", "rejection", "lights voted", "window",
+assert sweeps == {"paper", "preset", "factors", "rounds", "joint effects", "lobes", "rejection", "lights voted", "window",
                   "centres", "numbers"}, sweeps
 names = {row["setting"]: row for row in rows}
 for row in rows:
@@ -56,7 +56,7 @@ for row in front:
         assert not (float(other["core_s"]) < float(row["core_s"]) and
                     float(other["psnr_between_linear"]) > float(row["psnr_between_linear"])), (row, other)
 stored = {row["setting"]: row for row in csv.DictReader(open("b/storage-tiny.csv"))}
-assert {row["sweep"] for row in stored.values()} >= {"joint", "paper", "PCA linear", "split PCA", "low-bit PCA",
+assert {row["sweep"] for row in stored.values()} >= {"joint", "factors", "paper", "PCA linear", "split PCA", "low-bit PCA",
                                                      "uncompressed", "splines"}, stored
 assert stored["uncompressed; splines"]["psnr_linear"] == "" != stored["uncompressed; splines"]["psnr_between_srgb"]
 P
@@ -115,7 +115,7 @@ def check(row, path, key="between", column="psnr_between"):
         assert abs(float(row[f"{column}_{kind}"]) - figures[kind]) < 2e-3, (row, path, figures[kind])
 given, none, cast = rows("e/between-tiny.csv"), rows("f/between-tiny.csv"), rows("r/between-bricks.csv")
 assert list(given) == list(none) == list(cast) == [
-    "joint fast", "paper", "PCA 8 bit linear", "PCA 8 bit square root", "split PCA 8 bit", "low-bit split PCA",
+    "joint fast", "factors", "paper", "PCA 8 bit linear", "PCA 8 bit square root", "split PCA 8 bit", "low-bit split PCA",
     "uncompressed; barycentric", "uncompressed; splines"], list(given)
 for of, data in ((given, "tiny"), (cast, "same")):
     check(of["uncompressed; barycentric"], data + "-linear.json")
