@@ -171,8 +171,8 @@ static void take_estimate(const double figures[2], decode_row *row) {
 
 /* Components that a subset decodes: whole groups of four, or units. */
 static uint32_t part_of(const decode_material *m, const decode_subset *s) {
-    const uint32_t all = m->view.components, group = m->view.store == BTF_REF_FACTORS ? 1 : 4;
-    return s->part ? (all / s->part + group - 1) / group * group : 0;
+    const uint32_t group = m->view.store == BTF_REF_FACTORS ? 1 : 4, of = s->part * group;
+    return s->part ? (m->view.components + of - 1) / of * group : 0;
 }
 
 static btf_result estimate_material(const decoding *d, const decode_material *m, const decode_subset *s,
