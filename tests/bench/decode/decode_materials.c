@@ -20,8 +20,8 @@ static const decode_subset low_rank[] = {{.name = "whole"},
                                          {.name = "half the components", .part = 2},
                                          {.name = "a quarter of the components", .part = 4},
                                          {.name = "without gain", .leave_out = BTF_EFFECT_GAIN},
-                                         {.name = "whole, one view", .fixed = BTF_FIXED_VIEW},
-                                         {.name = "whole, one light", .fixed = BTF_FIXED_LIGHT}};
+                                         {.name = "whole; one view", .fixed = BTF_FIXED_VIEW},
+                                         {.name = "whole; one light", .fixed = BTF_FIXED_LIGHT}};
 static const decode_subset sources[] = {
     {.name = "whole"},
     {.name = "without gain", .leave_out = BTF_EFFECT_GAIN},
@@ -35,8 +35,8 @@ static const decode_subset paper[] = {
 static const decode_subset factors[] = {{.name = "whole"},
                                         {.name = "half the components", .part = 2},
                                         {.name = "a quarter of the components", .part = 4},
-                                        {.name = "whole, one view", .fixed = BTF_FIXED_VIEW},
-                                        {.name = "whole, one light", .fixed = BTF_FIXED_LIGHT}};
+                                        {.name = "whole; one view", .fixed = BTF_FIXED_VIEW},
+                                        {.name = "whole; one light", .fixed = BTF_FIXED_LIGHT}};
 
 #define SUBSETS(of) .subsets = (of), .count = sizeof(of) / sizeof *(of)
 
@@ -105,45 +105,67 @@ static double margin(const decode_material *m, const decode_material *of) {
     return fmin(m->linear - of->linear, m->srgb - of->srgb);
 }
 
-/* The fewest bytes that reach joint's PSNR, by steps along the straight line of dB over the logarithm of bytes
- * through the last two encodes; *out is the best of SEARCH_ENCODES. Where even twice the bytes do not reach it,
- * nothing is there. */
+/* Bytes and what they lack or exceed in dB. bytes 0: not known. */
+typedef struct tried {
+    double bytes, over;
+} tried;
+
+/* Keeps the most bytes that fall short and the fewest that reach the target. */
+static void note(tried *low, tried *high, double bytes, double over) {
+    if (over < 0 && bytes > low->bytes) {
+        *low = (tried){bytes, over};
+    } else if (over >= 0 && (high->bytes == 0 || bytes < high->bytes)) {
+        *high = (tried){bytes, over};
+    }
+}
+
+/* Along the straight line of dB over the logarithm of bytes, a little above the target, between the two or beyond
+ * the one that is known. */
+static double next_bytes(const tried *low, const tried *high) {
+    static const double usual_rise = 3.5, aim = 0.05; /* dB each e-fold of the bytes; dB */
+    if (low->bytes > 0 && high->bytes > 0) {
+        const double share = (aim - low->over) / fmax(high->over - low->over, aim);
+        return low->bytes * pow(high->bytes / low->bytes, fmin(fmax(share, 0.1), 0.9));
+    }
+    const tried *known = low->bytes > 0 ? low : high;
+    return known->bytes * exp((aim - known->over) / usual_rise);
+}
+
+/* The fewest bytes that reach joint's PSNR, at most SEARCH_ENCODES encodes beyond those of `whole` and `half`.
+ * Where none of them is as small as one of these, that is encoded again; where not even twice the bytes of joint
+ * reach it, nothing is there. */
 static btf_result search_equal(const bench_run *run, const decode_material *joint, const decode_material *whole,
                                const decode_material *half, decode_material *out) {
+    const decode_material empty = *out;
     const double most = 2.0 * (double)joint->encoded.bytes;
-    double bytes[2] = {(double)whole->encoded.bytes, (double)half->encoded.bytes},
-           over[2] = {margin(whole, joint), margin(half, joint)};
+    tried low = {0}, high = {0};
     btf_result result = BTF_OK;
-    const char *name = out->name;
-    decode_material best = {0};
-    for (int i = 0; i < SEARCH_ENCODES && result == BTF_OK; i++) {
-        const double slope = (over[0] - over[1]) / log(bytes[0] / bytes[1]);
-        const double rise = isfinite(slope) && slope > 1 ? slope : 3.5;
-        decode_material trial = *out;
-        const double next = fmin(bytes[1] * exp((0.05 - over[1]) / rise), most);
-        result = encode_factors(run, (uint64_t)next, &trial);
-        if (result != BTF_OK) {
-            bench_encoded_clear(&trial.encoded);
+    out->name = NULL;
+    note(&low, &high, (double)whole->encoded.bytes, margin(whole, joint));
+    note(&low, &high, (double)half->encoded.bytes, margin(half, joint));
+    for (int i = 0; i <= SEARCH_ENCODES && result == BTF_OK; i++) {
+        const bool done = (high.bytes > 0 && (high.over < 0.1 || high.bytes < 1.02 * low.bytes)) ||
+                          i == SEARCH_ENCODES || low.bytes >= most;
+        const double budget = done ? high.bytes : fmin(next_bytes(&low, &high), most);
+        if (done && (out->name || high.bytes == 0)) {
             break;
         }
-        const double reached = margin(&trial, joint);
-        const bool again = trial.encoded.bytes == (size_t)bytes[1];
-        bytes[0] = bytes[1];
-        over[0] = over[1];
-        bytes[1] = (double)trial.encoded.bytes;
-        over[1] = reached;
-        enc_log(run->context, BTF_LOG_INFO, "  %s: %.3f MB, %+.2f dB", name, 1e-6 * bytes[1], reached);
-        if (reached >= 0 && (!best.name || trial.encoded.bytes < best.encoded.bytes)) {
-            bench_encoded_clear(&best.encoded);
-            best = trial;
-        } else {
-            bench_encoded_clear(&trial.encoded);
+        decode_material trial = empty;
+        result = encode_factors(run, (uint64_t)budget, &trial);
+        const double over = result == BTF_OK ? margin(&trial, joint) : -HUGE_VAL,
+                     bytes = (double)trial.encoded.bytes;
+        const bool best = over >= 0 && bytes <= (high.bytes > 0 ? high.bytes : HUGE_VAL);
+        enc_log(run->context, BTF_LOG_INFO, "  %s: %.3f MB, %+.2f dB", empty.name, 1e-6 * bytes, over);
+        note(&low, &high, over < 0 ? budget : bytes, over);
+        decode_material *loser = best ? out : &trial;
+        bench_encoded_clear(&loser->encoded);
+        if (best) {
+            *out = trial;
         }
-        if (again || (reached >= 0 && reached < 0.1)) {
+        if (done) {
             break;
         }
     }
-    *out = best;
     return result;
 }
 

@@ -23,7 +23,7 @@ enum { DECODE_MATERIALS = 7 };
 #define DECODE_PAPER "paper"
 #define DECODE_FACTORS "factors"
 #define DECODE_HALF_FACTORS "factors; half the bytes"
-#define DECODE_EQUAL_FACTORS "factors; joint's PSNR"
+#define DECODE_EQUAL_FACTORS "factors; PSNR of joint"
 #define DECODE_SHIFTED_FACTORS "factors; with shift"
 
 typedef struct decode_material {

@@ -171,8 +171,8 @@ static void take_estimate(const double figures[2], decode_row *row) {
 
 /* Components that a subset decodes: whole groups of four, or units. */
 static uint32_t part_of(const decode_material *m, const decode_subset *s) {
-    const uint32_t all = m->view.components, group = m->view.store == BTF_REF_FACTORS ? 1 : 4;
-    return s->part ? (all / s->part + group - 1) / group * group : 0;
+    const uint32_t group = m->view.store == BTF_REF_FACTORS ? 1 : 4, of = s->part * group;
+    return s->part ? (m->view.components + of - 1) / of * group : 0;
 }
 
 static btf_result estimate_material(const decoding *d, const decode_material *m, const decode_subset *s,
@@ -285,12 +285,16 @@ static void run_floor(decoding *d, decode_rig *rig, const char *device, const de
 
 /* Whether a subset is decoded in this way: all of them in every way where `all`; else the whole in both
  * interpolations of texels, and on the first device whatever is exact there. Directions that never change, parts
- * of factors and materials at random are decoded in one way. */
+ * of factors and materials at random are decoded in one way; so are factors of fewer bytes where not all is wanted, on the first device natively too. */
 static bool is_run(const decoding *d, const decode_material *m, int s, int way, bool all) {
     const decode_subset *of = &m->subsets[s];
     const bool first = d->table->devices == 1;
-    if (m->random || of->fixed || (s > 0 && m->view.store == BTF_REF_FACTORS)) {
+    const bool factors = m->view.store == BTF_REF_FACTORS;
+    if (m->random || of->fixed || (s > 0 && factors)) {
         return way == 0 && first;
+    }
+    if (factors && !all && m != decode_material_find(d->materials, DECODE_FACTORS)) {
+        return way == 0 || (first && way == 4);
     }
     return all || (s == 0 && (way & 2) == 0) || (s == 0 && first) || (first && way < 2);
 }
@@ -311,7 +315,7 @@ static btf_result run_material(decoding *d, decode_rig *rig, const char *device,
     }
     rig_floor_inputs(m->encoded.material, rig->inputs, d->floor);
     run_floor(d, rig, device, m, (btf_shader_options){0});
-    if (d->table->devices == 1) {
+    if (all && d->table->devices == 1) {
         run_floor(d, rig, device, m, (btf_shader_options){.interpolation = BTF_INTERPOLATION_NEAREST});
         run_floor(d, rig, device, m, (btf_shader_options){.filter = BTF_FILTER_BILINEAR});
     }
