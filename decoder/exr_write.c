@@ -174,6 +174,11 @@ static exr_result_t write_attributes(exr_context_t context, const btf_material *
                    info->components);
     if (info->blend != BTF_BLEND_RADIANCE)
         put_string(&h, "openbtf.blend", btfi_blend_words[info->blend]);
+    if (info->point_store == BTF_POINTS_PACKED) {
+        put_string(&h, "openbtf.pointStore", btfi_point_words[info->point_store]);
+        put_float(&h, "openbtf.gainBase", info->gain_base);
+        put_float(&h, "openbtf.gainStep", info->gain_step);
+    }
     put_float(&h, "openbtf.radianceScale", info->radiance_scale);
     put_float(&h, "openbtf.shadowScale", info->shadow_scale);
     put_float(&h, "openbtf.gainScale", info->gain_scale);

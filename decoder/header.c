@@ -326,6 +326,18 @@ static void get_all_scales(reader *r, const btf_material_info *info, btfi_scales
     get_scales(r, "openbtf.factorViews", 9, factors ? info->n_views : 0, "views of factors", &out->view);
 }
 
+/* Version 2: the store of shift and gain. */
+static void get_points(reader *r, btf_material_info *info) {
+    if (info->version < 2 || !find(r, "openbtf.pointStore", EXR_ATTR_STRING, "string", false))
+        return;
+    info->point_store = (btf_point_store)get_word(r, "openbtf.pointStore", btfi_point_words, 2);
+    if (info->point_store != BTF_POINTS_PACKED)
+        return;
+    const float base = get_float(r, "openbtf.gainBase"), step = get_float(r, "openbtf.gainStep");
+    info->gain_base = base == 0 ? 0 : base; /* -0 becomes 0 */
+    info->gain_step = step == 0 ? 0 : step;
+}
+
 /* Version 2: the store of the residual and how views are blended. In version 1 such attributes have no
  * meaning. */
 static void get_factors(reader *r, btf_material_info *info) {
@@ -377,6 +389,7 @@ btf_result btfi_header_read(exr_const_context_t context, const btf_log *log, btf
     info->centres = get_int(&r, "openbtf.centres", 0, BTF_MAX_CENTRES);
     info->components = get_int(&r, "openbtf.residual", 0, BTF_MAX_COMPONENTS);
     get_factors(&r, info);
+    get_points(&r, info);
     info->radiance_scale = get_float(&r, "openbtf.radianceScale");
     info->shadow_scale = get_float(&r, "openbtf.shadowScale");
     info->gain_scale = get_float(&r, "openbtf.gainScale");

@@ -150,7 +150,7 @@ static point point_at(const enc_solution *s, uint32_t effects, size_t view, size
         p.source = enc_occlusion_source(s->width, s->height, texel, s->shift[2 * at], s->shift[2 * at + 1]);
     }
     if (!hidden && (effects & BTF_EFFECT_GAIN)) {
-        p.gain = (float)code * s->gain_scale;
+        p.gain = enc_solution_gain(s, code);
     }
     return p;
 }

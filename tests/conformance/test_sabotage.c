@@ -76,10 +76,10 @@ static const sabotage list[] = {
     {"index of 255s", "index", "256u * codes.z", "255u * codes.z"},
     {"unsigned shift", "source", "int(b ^ 128u) - 128", "int(b)"},
     {"sign and magnitude shift", "source", "int(b ^ 128u) - 128", "(b < 128u ? int(b) : 128 - int(b))"},
-    {"shift bytes swapped", "source", "btf_wrap(x.x, btf_signed_byte(codes.y)",
-     "btf_wrap(x.x, btf_signed_byte(codes.z)"},
-    {"wrap at the other side's size", "source", "btf_signed_byte(codes.z), size.y",
-     "btf_signed_byte(codes.z), size.x"},
+    {"shift bytes swapped", "source", "btf_wrap(x.x, btf_shift_of(codes.y)",
+     "btf_wrap(x.x, btf_shift_of(codes.z)"},
+    {"wrap at the other side's size", "source", "btf_shift_of(codes.z), size.y",
+     "btf_shift_of(codes.z), size.x"},
     {"wrap at the size of level 0", "source", "uvec2 size = btf_size(level);\n    return",
      "uvec2 size = btf_size(0);\n    return"},
     {"levels rounded up", "source", "max(BTF_WIDTH >> level, 1u)",
@@ -145,7 +145,7 @@ static const sabotage list[] = {
 };
 
 /* The same of version 2, and the subject that shows it. */
-enum { MIXED = 4, PACKED = 5, BOUNDS = 6 };
+enum { MIXED = 4, PACKED = 5, BOUNDS = 6, POINTS = 7 };
 static const struct {
     sabotage fault;
     int subject;
@@ -205,6 +205,27 @@ static const struct {
     {{"a sum of roots not clamped", "", "#if BTF_BLEND_ROOTS\n        sum[i] = btf_radiance(sum[i]);",
       "#if BTF_BLEND_ROOTS\n        sum[i] = btf_mul(sum[i], sum[i]);"},
      BOUNDS},
+    {{"bytes of a point swapped", "codes", "bytes.x + 256u * bytes.y", "bytes.y + 256u * bytes.x"}, POINTS},
+    {{"columns and rows of a point swapped", "codes", "point & 63u, (point >> 6u) & 63u",
+      "(point >> 6u) & 63u, point & 63u"},
+     POINTS},
+    {{"rows of a point of 5 bits", "codes", "(point >> 6u) & 63u", "(point >> 6u) & 31u"}, POINTS},
+    {{"gains of a point of 3 bits", "codes", "point >> 12u", "(point >> 12u) & 7u"}, POINTS},
+    {{"points of another view", "codes", "btf_points, ivec3(x, view)", "btf_points, ivec3(x, view ^ 1u)"}, POINTS},
+    {{"points of level 0", "codes", "btf_points, ivec3(x, view), level)", "btf_points, ivec3(x, view), 0)"},
+     POINTS},
+    {{"shifts of points from -31", "source", "int(code) - 32", "int(code) - 31"}, POINTS},
+    {{"shifts of points in two's complement", "source", "int(code) - 32", "int(code ^ 32u) - 32"}, POINTS},
+    {{"gains without the base", "", "btf_add(BTF_GAIN_BASE, btf_mul(float(gain), BTF_GAIN_STEP))",
+      "btf_mul(float(gain), BTF_GAIN_STEP)"},
+     POINTS},
+    {{"base and step of the gains swapped", "", "btf_add(BTF_GAIN_BASE, btf_mul(float(gain), BTF_GAIN_STEP))",
+      "btf_add(BTF_GAIN_STEP, btf_mul(float(gain), BTF_GAIN_BASE))"},
+     POINTS},
+    {{"gains multiplied apart", "", "btf_mul(y, btf_add(BTF_GAIN_BASE, btf_mul(float(gain), BTF_GAIN_STEP)))",
+      "btf_add(btf_mul(y, BTF_GAIN_BASE), btf_mul(y, btf_mul(float(gain), BTF_GAIN_STEP)))"},
+     POINTS},
+    {{"no gain of code 0", "", "#if BTF_POINTS\n    y =", "#if BTF_POINTS\n    if (gain > 0u)\n        y ="}, POINTS},
 };
 enum { SABOTAGES = sizeof list / sizeof *list, SABOTAGES_2 = sizeof list_2 / sizeof *list_2 };
 
@@ -313,6 +334,22 @@ static const struct {
                  .codes = SYNTHETIC_BOUNDS,
                  .blend = BTF_BLEND_ROOTS,
                  .horizon_scale = 4},
+                {0}},
+    [POINTS] = {{.seed = 18,
+                 .width = 70,
+                 .height = 67,
+                 .n_views = 7,
+                 .n_lights = 9,
+                 .layout = BTF_LAYOUT_TIGHT,
+                 .domain = BTF_DOMAIN_SQRT,
+                 .colour = BTF_COLOUR_NONE,
+                 .effects = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL,
+                 .components = 2,
+                 .directions = SYNTHETIC_RANDOM,
+                 .levels = 3,
+                 .classes = {{0, 0, 0}, {0, 0, 0}, {2, 1, 0}},
+                 .horizon_scale = 4,
+                 .packed = 1},
                 {0}},
 };
 enum { SUBJECTS = sizeof subjects / sizeof *subjects, COUNT = 6000 };
