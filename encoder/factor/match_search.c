@@ -1,22 +1,28 @@
 /* Search by blocked matrix product. See match_search.h.
  *
  * |c - g z|^2 = |c|^2 - g (2 <c, z> - g |z|^2): for each query c, the source z and the gain g of the scale that make
- * the last term greatest are wanted. A tile of the product has twelve queries by 32 sources; each lane keeps its best.
+ * the last term greatest are wanted. A product of matrices finds <c, z> in the first few coordinates alone, a tile of
+ * twelve queries by 32 sources at a time. As the distance in all of them is no less, only sources that are near enough
+ * there are looked at in full.
  *
  * SPDX-License-Identifier: MIT
  */
 #include "match_search.h"
 
 #include "encoder/math/linear.h"
+#include "encoder/math/symmetric.h"
 #include "vectors.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
+
 enum {
-    LANES = 16,
+    SCREEN = 16, /* coordinates that tell most sources to be too far away */
     SIDE = 16,  /* of a tile of texels that look at the same sources */
     EXACT = 64, /* texels along an axis up to which all are looked at */
     SAMPLE = 512,
@@ -57,6 +63,32 @@ static void power_step(size_t k, size_t length, size_t count, const float *rows,
     }
 }
 
+/* Turns the basis so that falling energy of the rows' coordinates comes first. */
+static bool order_basis(size_t k, size_t length, size_t count, const float *rows, const float *from, float *basis) {
+    double *gram = calloc(k * k, sizeof *gram), *at = malloc(2 * k * sizeof *at);
+    bool done = gram && at;
+    for (size_t i = 0; i < count && done; i++) {
+        for (size_t j = 0; j < k; j++) {
+            at[j] = enc_dot(length, from + j * length, rows + i * length);
+            for (size_t p = 0; p <= j; p++) {
+                gram[j * k + p] = gram[p * k + j] += at[j] * at[p];
+            }
+        }
+    }
+    done = done && enc_eigen_symmetric(k, gram, at + k);
+    for (size_t j = 0; j < k && done; j++) {
+        memset(basis + j * length, 0, length * sizeof *basis);
+        for (size_t p = 0; p < k; p++) {
+            for (size_t i = 0; i < length; i++) {
+                basis[j * length + i] += (float)gram[j * k + p] * from[p * length + i];
+            }
+        }
+    }
+    free(gram);
+    free(at);
+    return done;
+}
+
 /* work: profiles, and twice the basis. */
 static bool find_basis(const enc_factor_matrix *m, size_t view, size_t k, size_t length, float *work, float *basis) {
     float *rows = work, *q = work + SAMPLE * length, *lower = q + k * length;
@@ -73,7 +105,7 @@ static bool find_basis(const enc_factor_matrix *m, size_t view, size_t k, size_t
         room = enc_orthonormal_rows(k, length, q, basis, lower);
         memcpy(q, basis, k * length * sizeof *q);
     }
-    return room;
+    return room && order_basis(k, length, count, rows, q, basis);
 }
 
 btf_result enc_match_find_bases(const enc_factor_matrix *m, enc_match_bases *out) {
@@ -117,8 +149,11 @@ typedef struct view_search {
     enc_match *match;
     float *query, *source; /* [texel][k] */
     float *norm, *inverse; /* [texel] of sources: squared length; its inverse over the step of gains */
-    float *panels, *lows;  /* packed sources of a tile of texels, [panel][k][32]; their norms and inverses */
+    size_t screen;         /* coordinates of panels */
+    float *panels;         /* sources of a tile of texels, [panel][screen][32], as unit vectors */
+    float *low, *high;     /* their lengths times the least and the greatest gain */
     uint32_t *list;        /* which sources they are */
+    uint32_t (*screener)(const float *dot, const float *low, const float *high, float threshold);
     double error, energy;
 } view_search;
 
@@ -179,64 +214,102 @@ static void find_sources(const view_search *s, size_t length, float *work) {
 /* The nearest.
  * ------------------------------------------------------------------------------------------------ */
 
-typedef struct nearest {
-    float value[ENC_GEMM_M][LANES], gain[ENC_GEMM_M][LANES], at[ENC_GEMM_M][LANES];
-} nearest;
+/* What was found for a point. */
+typedef struct choice {
+    uint32_t source;
+    float index; /* of the gain */
+    float value;
+} choice;
 
-/* The index of the gain of the scale for inner products, and the term that it makes great. */
-static inline __attribute__((always_inline)) float gain_index(float dot, float inverse, float offset, float top) {
-    float index = dot * inverse - offset;
+/* The index of the gain of the scale that suits an inner product best. */
+static float gain_index(const enc_match_gains *g, float dot, float inverse) {
+    const float top = (float)(g->count - 1);
+    float index = g->step > 0 ? dot * inverse - g->base / g->step : 0.0f;
     index = index > 0 ? index : 0.0f;
     index = index < top ? index : top;
     return (index + 0x1.8p23f) - 0x1.8p23f;
 }
 
-ENC_FACTOR_CLONES static void take_tile(const float *restrict tile, const float *restrict norm,
-                                        const float *restrict inverse, float base, float step, float offset, float top,
-                                        float at, nearest *restrict best) {
-    for (size_t q = 0; q < ENC_GEMM_M; q++) {
-        for (size_t half = 0; half < ENC_GEMM_N; half += LANES) {
-            for (size_t i = 0; i < LANES; i++) {
-                const float dot = tile[q * ENC_GEMM_N + half + i];
-                const float index = gain_index(dot, inverse[half + i], offset, top);
-                const float gain = base + step * index;
-                const float value = gain * (2 * dot - gain * norm[half + i]);
-                const int better = value > best->value[q][i];
-                best->value[q][i] = better ? value : best->value[q][i];
-                best->gain[q][i] = better ? index : best->gain[q][i];
-                best->at[q][i] = better ? at + (float)half : best->at[q][i];
-            }
+/* The inner product of k coordinates, k a multiple of 16 where the space has as many; in one order for any width. */
+ENC_FACTOR_CLONES static float short_dot(size_t k, const float *restrict a, const float *restrict b) {
+    float sum[16] = {0}, total = 0;
+    size_t i = 0;
+    for (; i + 16 <= k; i += 16) {
+        for (size_t j = 0; j < 16; j++) {
+            sum[j] += a[i + j] * b[i + j];
         }
     }
+    for (; i < k; i++) {
+        total += a[i] * b[i];
+    }
+    for (size_t j = 0; j < 8; j++) {
+        sum[j] += sum[j + 8];
+    }
+    for (size_t j = 0; j < 4; j++) {
+        sum[j] += sum[j + 4];
+    }
+    return total + ((sum[0] + sum[2]) + (sum[1] + sum[3]));
 }
 
-/* What a point has, and what was found for it. */
-static void take_point(view_search *s, size_t texel, const nearest *best, size_t q) {
+static choice look_at(const view_search *s, const float *query, uint32_t source) {
     const enc_match_gains *g = &s->match->gains;
-    const size_t point = s->view * s->m->texels + texel;
-    const float *c = s->query + texel * s->k;
-    const uint32_t now = s->match->source[point];
-    const float offset = g->step > 0 ? g->base / g->step : 0.0f;
-    const float dot = (float)enc_dot(s->k, c, s->source + now * s->k);
-    const float index = gain_index(dot, s->inverse[now], offset, (float)(g->count - 1));
-    const float gain = g->base + g->step * index;
-    float value = gain * (2 * dot - gain * s->norm[now]);
-    const double energy = enc_dot(s->k, c, c);
-    s->match->gain[point] = (uint8_t)index;
-    size_t lane = 0;
-    for (size_t i = 1; i < LANES; i++) {
-        const bool equal = best->value[q][i] == best->value[q][lane];
-        if (best->value[q][i] > best->value[q][lane] || (equal && best->at[q][i] < best->at[q][lane])) {
-            lane = i;
-        }
+    const float dot = short_dot(s->k, query, s->source + source * s->k);
+    const float index = gain_index(g, dot, s->inverse[source]), gain = g->base + g->step * index;
+    return (choice){source, index, gain * (2 * dot - gain * s->norm[source])};
+}
+
+/* Which of 32 sources may be nearer than a threshold: t (2 d - t) over it, d their inner products as unit vectors,
+ * t = d within low .. high. */
+typedef uint32_t (*screen_fn)(const float *dot, const float *low, const float *high, float threshold);
+
+static uint32_t screen_plain(const float *dot, const float *low, const float *high, float threshold) {
+    uint32_t mask = 0;
+    for (unsigned i = 0; i < ENC_GEMM_N; i++) {
+        float t = dot[i] > low[i] ? dot[i] : low[i];
+        t = t < high[i] ? t : high[i];
+        mask |= (uint32_t)(t * (dot[i] + dot[i] - t) > threshold) << i;
     }
-    if (best->value[q][lane] > value + 1e-6f * (float)energy) {
-        value = best->value[q][lane];
-        s->match->source[point] = s->list[(size_t)best->at[q][lane] + lane];
-        s->match->gain[point] = (uint8_t)best->gain[q][lane];
+    return mask;
+}
+
+#if defined(__x86_64__)
+__attribute__((target("avx512f"))) static uint32_t screen_avx512(const float *dot, const float *low, const float *high,
+                                                                 float threshold) {
+    uint32_t mask = 0;
+    for (unsigned i = 0; i < ENC_GEMM_N; i += 16) {
+        const __m512 d = _mm512_loadu_ps(dot + i);
+        const __m512 t =
+            _mm512_min_ps(_mm512_max_ps(d, _mm512_loadu_ps(low + i)), _mm512_loadu_ps(high + i));
+        const __m512 value = _mm512_mul_ps(t, _mm512_sub_ps(_mm512_add_ps(d, d), t));
+        mask |= (uint32_t)_mm512_cmp_ps_mask(value, _mm512_set1_ps(threshold), _CMP_GT_OQ) << i;
     }
-    s->error += energy - value;
-    s->energy += energy;
+    return mask;
+}
+
+__attribute__((target("avx2"))) static uint32_t screen_avx2(const float *dot, const float *low, const float *high,
+                                                            float threshold) {
+    uint32_t mask = 0;
+    for (unsigned i = 0; i < ENC_GEMM_N; i += 8) {
+        const __m256 d = _mm256_loadu_ps(dot + i);
+        const __m256 t =
+            _mm256_min_ps(_mm256_max_ps(d, _mm256_loadu_ps(low + i)), _mm256_loadu_ps(high + i));
+        const __m256 value = _mm256_mul_ps(t, _mm256_sub_ps(_mm256_add_ps(d, d), t));
+        mask |= (uint32_t)_mm256_movemask_ps(_mm256_cmp_ps(value, _mm256_set1_ps(threshold), _CMP_GT_OQ)) << i;
+    }
+    return mask;
+}
+#endif
+
+static screen_fn select_screen(void) {
+#if defined(__x86_64__)
+    if (__builtin_cpu_supports("avx512f")) {
+        return screen_avx512;
+    }
+    if (__builtin_cpu_supports("avx2")) {
+        return screen_avx2;
+    }
+#endif
+    return screen_plain;
 }
 
 /* Sources along an axis that all of the places first .. first + n - 1 reach: out of them `count`, from the return
@@ -252,21 +325,23 @@ static int reach(int size, int first, int n, int *count) {
 
 /* Packs the sources that the tile's texels look at; returns their panels. */
 static size_t pack_sources(view_search *s, int column, int row, int columns, int rows) {
+    const enc_match_gains *g = &s->match->gains;
     const int width = s->match->width, height = s->match->height;
     int across, down;
     const int x0 = reach(width, column, columns, &across), y0 = reach(height, row, rows, &down);
     const size_t count = (size_t)across * (size_t)down, panels = enc_gemm_panels(count, ENC_GEMM_N);
-    float *norm = s->lows, *inverse = s->lows + panels * ENC_GEMM_N;
     for (size_t i = 0; i < panels * ENC_GEMM_N; i++) {
         const size_t at = i < count ? i : 0; /* the first again, which then never wins */
         const int x = (x0 + (int)at % across) % width, y = (y0 + (int)at / across) % height;
         const uint32_t source = (uint32_t)(y * width + x);
-        float *to = s->panels + i / ENC_GEMM_N * ENC_GEMM_N * s->k + i % ENC_GEMM_N;
+        const float *from = s->source + source * s->k;
+        float *to = s->panels + i / ENC_GEMM_N * ENC_GEMM_N * s->screen + i % ENC_GEMM_N;
+        const float length = sqrtf(short_dot(s->screen, from, from)), inverse = length > 0 ? 1 / length : 0.0f;
         s->list[i] = source;
-        norm[i] = s->norm[source];
-        inverse[i] = s->inverse[source];
-        for (size_t d = 0; d < s->k; d++) {
-            to[d * ENC_GEMM_N] = s->source[source * s->k + d];
+        s->low[i] = length * g->base;
+        s->high[i] = length * (g->base + g->step * (float)(g->count - 1));
+        for (size_t d = 0; d < s->screen; d++) {
+            to[d * ENC_GEMM_N] = from[d] * inverse;
         }
     }
     return panels;
@@ -274,26 +349,38 @@ static size_t pack_sources(view_search *s, int column, int row, int columns, int
 
 /* `count` texels of the tile, at most ENC_GEMM_M. */
 static void search_panel(view_search *s, size_t panels, size_t count, const uint32_t *texel, float *left) {
-    const enc_match_gains *g = &s->match->gains;
-    const float offset = g->step > 0 ? g->base / g->step : 0.0f, top = (float)(g->count - 1);
     _Alignas(64) float tile[ENC_GEMM_M * ENC_GEMM_N];
-    nearest best;
-    memset(&best, 0, sizeof best);
-    for (size_t q = 0; q < ENC_GEMM_M; q++) {
-        for (size_t i = 0; i < LANES; i++) {
-            best.value[q][i] = -FLT_MAX;
-        }
-        for (size_t d = 0; d < s->k; d++) {
-            left[d * ENC_GEMM_M + q] = q < count ? s->query[texel[q] * s->k + d] : 0.0f;
+    choice best[ENC_GEMM_M];
+    float margin[ENC_GEMM_M]; /* what coordinates that are not screened may add to a value */
+    double energy[ENC_GEMM_M];
+    memset(left, 0, s->screen * ENC_GEMM_M * sizeof *left);
+    for (size_t q = 0; q < count; q++) {
+        const float *query = s->query + texel[q] * s->k;
+        energy[q] = enc_dot(s->k, query, query);
+        margin[q] = (float)(energy[q] * (1 + 1e-5) - enc_dot(s->screen, query, query));
+        best[q] = look_at(s, query, s->match->source[s->view * s->m->texels + texel[q]]);
+        for (size_t d = 0; d < s->screen; d++) {
+            left[d * ENC_GEMM_M + q] = query[d];
         }
     }
     for (size_t p = 0; p < panels; p++) {
-        s->m->tile(s->k, left, s->panels + p * ENC_GEMM_N * s->k, tile);
-        take_tile(tile, s->lows + p * ENC_GEMM_N, s->lows + (panels + p) * ENC_GEMM_N, g->base, g->step, offset, top,
-                  (float)(p * ENC_GEMM_N), &best);
+        s->m->tile(s->screen, left, s->panels + p * ENC_GEMM_N * s->screen, tile);
+        for (size_t q = 0; q < count; q++) {
+            uint32_t mask = s->screener(tile + q * ENC_GEMM_N, s->low + p * ENC_GEMM_N, s->high + p * ENC_GEMM_N,
+                                        best[q].value - margin[q]);
+            for (; mask; mask &= mask - 1) {
+                const choice next = look_at(s, s->query + texel[q] * s->k,
+                                            s->list[p * ENC_GEMM_N + (size_t)__builtin_ctz(mask)]);
+                best[q] = next.value > best[q].value ? next : best[q];
+            }
+        }
     }
     for (size_t q = 0; q < count; q++) {
-        take_point(s, texel[q], &best, q);
+        const size_t point = s->view * s->m->texels + texel[q];
+        s->match->source[point] = best[q].source;
+        s->match->gain[point] = (uint8_t)best[q].index;
+        s->error += energy[q] - best[q].value;
+        s->energy += energy[q];
     }
 }
 
@@ -320,9 +407,10 @@ static void search_view(view_search *s, size_t length, size_t most, float *work)
     s->inverse = s->norm + texels;
     float *left = aligned(s->inverse + texels);
     s->panels = aligned(left + ENC_GEMM_M * s->k);
-    s->lows = s->panels + most * s->k;
-    s->list = (uint32_t *)(s->lows + 2 * most);
-    float *rest = aligned(s->lows + 3 * most);
+    s->low = s->panels + most * s->screen;
+    s->high = s->low + most;
+    s->list = (uint32_t *)(s->high + most);
+    float *rest = aligned(s->high + 2 * most);
     find_queries(s, length, rest);
     find_sources(s, length, rest);
     for (int row = 0; row < s->match->height; row += SIDE) {
@@ -367,7 +455,8 @@ btf_result enc_match_search(const enc_factor_matrix *m, const enc_factor_codes *
 #pragma omp parallel for schedule(dynamic) num_threads(m->context->threads)
         for (size_t v = first; v < views; v += stride) {
             view_search s = {.m = m, .codes = codes, .packed_u = packed, .components = components,
-                             .k = bases->leading, .view = v, .match = match,
+                             .k = bases->leading, .view = v, .screener = select_screen(),
+                             .screen = bases->leading < SCREEN ? bases->leading : SCREEN, .match = match,
                              .basis = bases->basis + v * bases->leading * bases->length};
             if (!enc_cancelled(m->context)) {
                 search_view(&s, bases->length, most, work + enc_thread_index() * each);
