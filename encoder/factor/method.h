@@ -17,6 +17,7 @@ typedef struct enc_factors_settings {
     uint64_t budget; /* gpu bytes at most */
     double quality;  /* dB of sRGB-coded PSNR that is enough; 0: none is */
     int sweeps;      /* of the descent on codes */
+    uint32_t effects; /* btf_effect bits: shift and gain are match; residual always */
 } enc_factors_settings;
 
 typedef struct enc_factors_stats {

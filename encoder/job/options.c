@@ -299,8 +299,9 @@ static btf_result refuse_other(const char *method) {
 /* Options that mean nothing where there are factors alone. */
 static btf_result check_factors(const enc_job *job) {
     const char *refused = NULL;
-    if (o.effects != UINT32_MAX && o.effects != BTF_EFFECT_RESIDUAL) {
-        refused = "option --effects: --method factors has the effect residual and no other";
+    const uint32_t match = BTF_EFFECT_RESIDUAL | BTF_EFFECT_SHIFT;
+    if (o.effects != UINT32_MAX && o.effects != BTF_EFFECT_RESIDUAL && (o.effects | BTF_EFFECT_GAIN) != (match | BTF_EFFECT_GAIN)) {
+        refused = "option --effects: --method factors has residual, with shift and gain or without";
     } else if (o.tolerance_given && (o.effect_tolerance[0] > 0 || o.effect_tolerance[1] > 0)) {
         refused = "option --effect-tolerance: --method factors has no effects to choose among";
     } else if (o.layout_given && o.layout == 0) {

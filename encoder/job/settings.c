@@ -30,7 +30,8 @@ enc_factors_settings enc_settings_of_factors(const enc_job *job, int width, int 
                                             : usual > least       ? usual
                                                                   : least,
                                   .quality = job->joint.quality,
-                                  .sweeps = factor_sweeps[job->joint.preset]};
+                                  .sweeps = factor_sweeps[job->joint.preset],
+                                  .effects = job->joint.choose ? BTF_EFFECT_RESIDUAL : job->joint.effects};
 }
 
 const char *enc_parse_tolerance(const char *text, void *tolerance) {
