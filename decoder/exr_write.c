@@ -77,8 +77,7 @@ static void put_floats(header *h, const char *name, const float *values, size_t 
         h->result = exr_attr_set_float_vector(h->context, 0, name, (int32_t)count, values);
 }
 
-/* Integers of 1 or 2 bytes, as floats. */
-static void put_integers(header *h, const char *name, const void *values, size_t count, size_t element) {
+static void put_integers(header *h, const char *name, const uint16_t *values, size_t count) {
     if (h->result || !count)
         return;
     float *floats = malloc(count * sizeof *floats);
@@ -87,7 +86,7 @@ static void put_integers(header *h, const char *name, const void *values, size_t
         return;
     }
     for (size_t i = 0; i < count; i++)
-        floats[i] = element == 1 ? ((const uint8_t *)values)[i] : ((const uint16_t *)values)[i];
+        floats[i] = values[i];
     put_floats(h, name, floats, count);
     free(floats);
 }
@@ -96,11 +95,11 @@ static void put_directions(header *h, const btfi_directions *d, const char *list
     char name[64];
 #define NAME(format, word) (snprintf(name, sizeof name, "openbtf." format, word), name)
     put_floats(h, NAME("%s", list), d->xyz, 3 * (size_t)d->count);
-    put_integers(h, NAME("%sVertices", one), d->vertices, 2 * (size_t)d->count, 2);
-    put_integers(h, NAME("%sTriangles", one), d->triangles, 3 * (size_t)d->triangle_count, 2);
-    put_integers(h, NAME("%sHull", one), d->hull, d->hull_count, 2);
+    put_integers(h, NAME("%sVertices", one), d->vertices, 2 * (size_t)d->count);
+    put_integers(h, NAME("%sTriangles", one), d->triangles, 3 * (size_t)d->triangle_count);
+    put_integers(h, NAME("%sHull", one), d->hull, d->hull_count);
     put_int(h, NAME("%sGrid", one), d->grid);
-    put_integers(h, NAME("%sCells", one), d->cells, d->cells_length, 2);
+    put_integers(h, NAME("%sCells", one), d->cells, d->cells_length);
 #undef NAME
 }
 
@@ -175,6 +174,11 @@ static exr_result_t write_attributes(exr_context_t context, const btf_material *
                    info->components);
     if (info->blend != BTF_BLEND_RADIANCE)
         put_string(&h, "openbtf.blend", btfi_blend_words[info->blend]);
+    if (info->point_store == BTF_POINTS_PACKED) {
+        put_string(&h, "openbtf.pointStore", btfi_point_words[info->point_store]);
+        put_float(&h, "openbtf.gainBase", info->gain_base);
+        put_float(&h, "openbtf.gainStep", info->gain_step);
+    }
     put_float(&h, "openbtf.radianceScale", info->radiance_scale);
     put_float(&h, "openbtf.shadowScale", info->shadow_scale);
     put_float(&h, "openbtf.gainScale", info->gain_scale);

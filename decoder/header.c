@@ -154,10 +154,10 @@ static void out_of_memory(reader *r, const char *name) {
     r->result = btfi_fail(r->log, BTF_ERROR_MEMORY, "out of memory for attribute %s", name);
 }
 
-/* Copies integers 0..high. `out` has elements of 1 or 2 bytes. */
-static void *copy_integers(reader *r, const char *name, const float *values, size_t count, unsigned high,
-                           size_t element) {
-    void *out = malloc(count * element);
+/* Copies integers 0..high, which is at most 65535. */
+static uint16_t *copy_integers(reader *r, const char *name, const float *values, size_t count,
+                               unsigned high) {
+    uint16_t *out = malloc(count * sizeof *out);
     if (!out) {
         out_of_memory(r, name);
         return NULL;
@@ -169,18 +169,15 @@ static void *copy_integers(reader *r, const char *name, const float *values, siz
             free(out);
             return NULL;
         }
-        if (element == 1)
-            ((uint8_t *)out)[i] = (uint8_t)values[i];
-        else
-            ((uint16_t *)out)[i] = (uint16_t)values[i];
+        out[i] = (uint16_t)values[i];
     }
     return out;
 }
 
-static void *get_integers(reader *r, const char *name, bool required, size_t group, size_t most,
-                          unsigned high, size_t element, size_t *out_count) {
+static uint16_t *get_integers(reader *r, const char *name, bool required, size_t group, size_t most,
+                              unsigned high, size_t *out_count) {
     const float *values = get_floats(r, name, required, group, most, out_count);
-    return values ? copy_integers(r, name, values, *out_count, high, element) : NULL;
+    return values ? copy_integers(r, name, values, *out_count, high) : NULL;
 }
 
 /* A list of at most `most` directions. */
@@ -199,20 +196,19 @@ static void get_directions(reader *r, const char *list, const char *one, size_t 
         return;
     }
     memcpy(d->xyz, xyz, count * sizeof *xyz);
-    d->vertices = get_integers(r, NAME("%sVertices", one), true, 2, d->count, 2 * BTFI_PLANE, 2, &count);
+    d->vertices = get_integers(r, NAME("%sVertices", one), true, 2, d->count, 2 * BTFI_PLANE, &count);
     if (!r->result && count != 2 * (size_t)d->count)
         refuse(r, "attribute %s holds %zu numbers, not 2 for each of %u directions", name, count,
                (unsigned)d->count);
     const unsigned last = d->count - 1;
-    d->triangles =
-        get_integers(r, NAME("%sTriangles", one), false, 3, 2 * (size_t)d->count, last, 2, &count);
+    d->triangles = get_integers(r, NAME("%sTriangles", one), false, 3, 2 * (size_t)d->count, last, &count);
     d->triangle_count = (uint32_t)(count / 3);
-    d->hull = get_integers(r, NAME("%sHull", one), false, 1, 2 * (size_t)d->count, last, 2, &count);
+    d->hull = get_integers(r, NAME("%sHull", one), false, 1, 2 * (size_t)d->count, last, &count);
     d->hull_count = (uint32_t)count;
     d->grid = get_int(r, NAME("%sGrid", one), 1, BTFI_MAX_GRID);
     d->cells =
         get_integers(r, NAME("%sCells", one), true, 1, BTFI_MAX_GRID * BTFI_MAX_GRID + BTFI_MAX_RECORDS,
-                     BTFI_MAX_RECORDS, 2, &d->cells_length);
+                     BTFI_MAX_RECORDS, &d->cells_length);
 #undef NAME
     if (!r->result)
         r->result = btfi_directions_check(&check, list, d);
@@ -330,6 +326,18 @@ static void get_all_scales(reader *r, const btf_material_info *info, btfi_scales
     get_scales(r, "openbtf.factorViews", 9, factors ? info->n_views : 0, "views of factors", &out->view);
 }
 
+/* Version 2: the store of shift and gain. */
+static void get_points(reader *r, btf_material_info *info) {
+    if (info->version < 2 || !find(r, "openbtf.pointStore", EXR_ATTR_STRING, "string", false))
+        return;
+    info->point_store = (btf_point_store)get_word(r, "openbtf.pointStore", btfi_point_words, 2);
+    if (info->point_store != BTF_POINTS_PACKED)
+        return;
+    const float base = get_float(r, "openbtf.gainBase"), step = get_float(r, "openbtf.gainStep");
+    info->gain_base = base == 0 ? 0 : base; /* -0 becomes 0 */
+    info->gain_step = step == 0 ? 0 : step;
+}
+
 /* Version 2: the store of the residual and how views are blended. In version 1 such attributes have no
  * meaning. */
 static void get_factors(reader *r, btf_material_info *info) {
@@ -342,7 +350,7 @@ static void get_factors(reader *r, btf_material_info *info) {
     if (numbers) {
         info->store = BTF_STORE_FACTORS;
         info->horizon_scale = get_float(r, "openbtf.horizonScale");
-        uint16_t *integers = copy_integers(r, name, numbers, count, 4 * BTF_MAX_COMPONENTS, 2);
+        uint16_t *integers = copy_integers(r, name, numbers, count, 4 * BTF_MAX_COMPONENTS);
         for (size_t i = 0; integers && i < count; i++)
             info->factor_classes[i / 3][i % 3] = integers[i];
         free(integers);
@@ -381,6 +389,7 @@ btf_result btfi_header_read(exr_const_context_t context, const btf_log *log, btf
     info->centres = get_int(&r, "openbtf.centres", 0, BTF_MAX_CENTRES);
     info->components = get_int(&r, "openbtf.residual", 0, BTF_MAX_COMPONENTS);
     get_factors(&r, info);
+    get_points(&r, info);
     info->radiance_scale = get_float(&r, "openbtf.radianceScale");
     info->shadow_scale = get_float(&r, "openbtf.shadowScale");
     info->gain_scale = get_float(&r, "openbtf.gainScale");

@@ -255,6 +255,8 @@ btf_result btf_material_create(const btf_material_desc *desc, const btf_log *log
     info.levels = info.levels ? info.levels : 1;
     info.half_float = info.half_float && info.colour != BTF_COLOUR_NONE;
     info.horizon_scale = info.horizon_scale == 0 ? 1 : info.horizon_scale;
+    info.gain_base = info.gain_base == 0 ? 0 : info.gain_base; /* -0 becomes 0 */
+    info.gain_step = info.gain_step == 0 ? 0 : info.gain_step;
     btf_result result = btfi_check_info(&check, &info);
     if (result)
         return result;

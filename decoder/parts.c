@@ -85,6 +85,7 @@ bool btfi_part_of(const btf_material_info *info, uint32_t level, btf_texture_id 
         make_sheet(&part, part.shape.layers);
         break;
     case BTF_TEXTURE_SHIFT:
+    case BTF_TEXTURE_POINTS:
         add_letters(&part, "RG");
         make_sheet(&part, part.shape.layers);
         break;
@@ -158,6 +159,7 @@ btfi_run btfi_part_run(const btfi_part *part, int channel, uint32_t x, uint32_t 
     case BTF_TEXTURE_SHADOW:
     case BTF_TEXTURE_SHIFT:
     case BTF_TEXTURE_GAIN:
+    case BTF_TEXTURE_POINTS:
     case BTF_TEXTURE_FACTOR_TEXELS:
     case BTF_TEXTURE_FACTOR_DIRECTIONS:
         layer = item;

@@ -90,7 +90,7 @@ static float cost_of(const btf_material *material, btf_layout layout, const btf_
     if (o->fixed & BTF_FIXED_VIEW && !(effects & codes) && !residual)
         views = (direction_count){1, 0};
     float fetched = effects & codes ? 1 : 0, each = 0;
-    if (tight)
+    if (tight && info->point_store != BTF_POINTS_PACKED)
         fetched = (effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN) ? 1.0f : 0.0f) +
                   (effects & (BTF_EFFECT_GAIN | BTF_EFFECT_HIDDEN) ? 1.0f : 0.0f);
     if (info->colour != BTF_COLOUR_NONE) {

@@ -27,6 +27,14 @@ btf_material_info btfi_restricted_info(const btf_material_info *info, uint32_t e
     if ((info->effects & BTF_EFFECT_HIDDEN) && (effects & BTF_EFFECT_GAIN) &&
         info->gain_scale != BTF_GAIN_SCALE)
         effects |= BTF_EFFECT_HIDDEN;
+    /* Packed gains are no multiples of a scale, so that no other store says them. A shift alone takes as many
+     * bytes in its own. */
+    if (info->point_store == BTF_POINTS_PACKED && effects & BTF_EFFECT_GAIN) {
+        effects |= BTF_EFFECT_SHIFT;
+    } else {
+        small.point_store = BTF_POINTS_SEPARATE;
+        small.gain_base = small.gain_step = 0;
+    }
     small.layout = BTF_LAYOUT_TIGHT;
     small.atlas_width = small.atlas_height = 0;
     small.width = btf_level_size(info->width, level);
@@ -155,6 +163,7 @@ static btf_result choose_directions(const btfi_directions *whole, const btf_rang
 typedef struct work {
     const btf_material *whole;
     uint32_t level; /* of the whole that becomes level 0 */
+    bool shift;     /* the plan has that effect */
     btf_material_desc desc;
     subset views, lights;
     uint32_t *centre;                              /* [centre of the whole] its new number, or UINT32_MAX */
@@ -174,6 +183,29 @@ static uint8_t atlas_byte(const btf_material *m, uint32_t i, size_t t, size_t ch
                 .data)[4 * (y * m->info.atlas_width + x) + channel];
 }
 
+/* Shift bytes and code of a packed point. */
+static void read_point(const uint8_t point[2], uint8_t out[3]) {
+    const unsigned p = point[0] + 256u * point[1];
+    out[0] = (uint8_t)(p >> 12);
+    out[1] = (uint8_t)((p & 63) - 32);
+    out[2] = (uint8_t)((p >> 6 & 63) - 32);
+}
+
+/* Packed points; their shifts are 0 where the plan leaves that effect out. */
+static void fill_points(const work *w, uint32_t level, size_t texels, uint8_t *out) {
+    const uint8_t *in = whole_data(w, level, BTF_TEXTURE_POINTS);
+    for (uint32_t v = 0; v < w->views.count; v++) {
+        const uint8_t *of_view = in + 2 * texels * w->views.number[v];
+        memcpy(out, of_view, 2 * texels);
+        for (size_t t = 0; t < texels && !w->shift; t++) {
+            const unsigned p = (of_view[2 * t + 1] & 0xF0u) << 8 | 32 << 6 | 32;
+            out[2 * t] = (uint8_t)p;
+            out[2 * t + 1] = (uint8_t)(p >> 8);
+        }
+        out += 2 * texels;
+    }
+}
+
 /* Gain code and shift bytes as stored: (128, 0, 0) where they are not. */
 static void read_codes(const work *w, uint32_t level, uint32_t view, size_t t, size_t texels,
                        uint8_t out[3]) {
@@ -181,6 +213,10 @@ static void read_codes(const work *w, uint32_t level, uint32_t view, size_t t, s
     const bool code = info->effects & (BTF_EFFECT_GAIN | BTF_EFFECT_HIDDEN);
     const bool bytes = info->effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN);
     const size_t at = view * texels + t;
+    if (info->point_store == BTF_POINTS_PACKED) {
+        read_point((const uint8_t *)whole_data(w, level, BTF_TEXTURE_POINTS) + 2 * at, out);
+        return;
+    }
     const bool tight = info->layout == BTF_LAYOUT_TIGHT;
     const uint8_t *gain = tight && code ? whole_data(w, level, BTF_TEXTURE_GAIN) : NULL;
     const uint8_t *shift = tight && bytes ? whole_data(w, level, BTF_TEXTURE_SHIFT) : NULL;
@@ -335,6 +371,9 @@ static void fill(const work *w, uint32_t level, btf_texture_id id, const btf_tex
     case BTF_TEXTURE_GAIN:
         fill_codes(w, level, texels, id == BTF_TEXTURE_SHIFT, out);
         break;
+    case BTF_TEXTURE_POINTS:
+        fill_points(w, level, texels, out);
+        break;
     case BTF_TEXTURE_CENTRES:
         fill_centres(w, shape, out);
         break;
@@ -437,6 +476,7 @@ btf_result btf_material_restrict(const btf_material *material, const btf_plan *p
         return btfi_fail(log, BTF_ERROR_MEMORY, "restrict: out of memory");
     w->whole = material;
     w->level = plan->level;
+    w->shift = plan->effects & BTF_EFFECT_SHIFT;
     w->desc.struct_size = sizeof w->desc;
     w->desc.info = btfi_restricted_info(&material->info, plan->effects, plan->components, plan->level);
     btf_result result = choose_directions(&material->views, &plan->scene.view, log, &w->views);

@@ -116,9 +116,12 @@ uint32_t btf_shader_textures(const btf_material_info *info, const btf_shader_opt
     } else {
         if (shadow)
             textures |= 1u << BTF_TEXTURE_SHADOW;
-        if (shift || hidden)
+        const int packed = info->point_store == BTF_POINTS_PACKED;
+        if (packed && (shift || gain))
+            textures |= 1u << BTF_TEXTURE_POINTS;
+        if (!packed && (shift || hidden))
             textures |= 1u << BTF_TEXTURE_SHIFT;
-        if (gain || hidden || (shift && v.code_zero))
+        if (!packed && (gain || hidden || (shift && v.code_zero)))
             textures |= 1u << BTF_TEXTURE_GAIN;
         if (hidden)
             textures |= 1u << BTF_TEXTURE_CENTRES;
@@ -215,6 +218,8 @@ static void write_macros(text *t, const btf_material *material, const btf_materi
         text_print(t, "#define BTF_FACTORS 1\n");
         define_classes(t, info, v.components);
     }
+    if (info->point_store == BTF_POINTS_PACKED)
+        text_print(t, "#define BTF_POINTS 1\n");
     text_print(t, "#define BTF_NEAREST %d\n", options->interpolation == BTF_INTERPOLATION_NEAREST);
     text_print(t, "#define BTF_BILINEAR %d\n", options->filter == BTF_FILTER_BILINEAR);
     text_print(t, "#define BTF_FAST_MATH %d\n", options->math == BTF_MATH_FAST);
@@ -245,6 +250,10 @@ static void write_macros(text *t, const btf_material *material, const btf_materi
     define_float(t, "BTF_CENTRE_SCALE", info->centre_scale * 0x1p-12f);
     if (v.components > 0 && info->store == BTF_STORE_FACTORS)
         define_float(t, "BTF_HORIZON_SCALE", info->horizon_scale);
+    if (info->point_store == BTF_POINTS_PACKED) {
+        define_float(t, "BTF_GAIN_BASE", info->gain_base);
+        define_float(t, "BTF_GAIN_STEP", info->gain_step);
+    }
 }
 
 /* The samplers' layout qualifiers; literals, since ESSL 310 takes no expression there. */

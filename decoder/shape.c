@@ -24,6 +24,7 @@ static const char *const texture_names[BTF_TEXTURE_COUNT] = {
     "factor_directions",
     "factor_scales",
     "factor_views",
+    "points",
 };
 
 static const char *const effect_names[] = {"shadow", "shift", "hidden", "gain", "residual"};
@@ -130,7 +131,10 @@ bool btfi_is_table(btf_texture_id id) {
 
 uint32_t btfi_version(const btf_material_info *info) {
     const bool many = info->n_views > BTF_MAX_DIRECTION_LAYERS || info->n_lights > BTF_MAX_DIRECTION_LAYERS;
-    return many || info->store == BTF_STORE_FACTORS || info->blend != BTF_BLEND_RADIANCE ? 2 : 1;
+    return many || info->store == BTF_STORE_FACTORS || info->blend != BTF_BLEND_RADIANCE ||
+                   info->point_store == BTF_POINTS_PACKED
+               ? 2
+               : 1;
 }
 
 static btf_texture shape(btf_format format, int is_array, uint32_t width, uint32_t height,
@@ -144,7 +148,7 @@ static btf_texture shape(btf_format format, int is_array, uint32_t width, uint32
 btf_texture btf_material_texture_shape(const btf_material_info *info, btf_texture_id id) {
     const btf_texture none = {0};
     const uint32_t w = info->width, h = info->height, effects = info->effects;
-    const bool tight = info->layout == BTF_LAYOUT_TIGHT;
+    const bool tight = info->layout == BTF_LAYOUT_TIGHT, packed = info->point_store == BTF_POINTS_PACKED;
     const uint32_t quads = ceil_div(info->components, 4);
     const bool residual = effects & BTF_EFFECT_RESIDUAL && info->store == BTF_STORE_COMPONENTS;
     const bool factors = effects & BTF_EFFECT_RESIDUAL && info->store == BTF_STORE_FACTORS;
@@ -165,12 +169,16 @@ btf_texture btf_material_texture_shape(const btf_material_info *info, btf_textur
         return tight && effects & BTF_EFFECT_SHADOW ? shape(BTF_FORMAT_R8UI, 1, w, h, info->n_lights)
                                                     : none;
     case BTF_TEXTURE_SHIFT:
-        return tight && effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN)
+        return tight && !packed && effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN)
                    ? shape(BTF_FORMAT_RG8UI, 1, w, h, info->n_views)
                    : none;
     case BTF_TEXTURE_GAIN:
-        return tight && effects & (BTF_EFFECT_GAIN | BTF_EFFECT_HIDDEN)
+        return tight && !packed && effects & (BTF_EFFECT_GAIN | BTF_EFFECT_HIDDEN)
                    ? shape(BTF_FORMAT_R8UI, 1, w, h, info->n_views)
+                   : none;
+    case BTF_TEXTURE_POINTS:
+        return packed && effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN)
+                   ? shape(BTF_FORMAT_RG8UI, 1, w, h, info->n_views)
                    : none;
     case BTF_TEXTURE_CENTRES: {
         if (!tight || !(effects & BTF_EFFECT_HIDDEN) || info->centres == 0)
@@ -267,6 +275,31 @@ static btf_result check_classes(const btfi_check *check, const btf_material_info
     return BTF_OK;
 }
 
+/* Packed points hold both effects and leave no code for hidden points. */
+static btf_result check_points(const btfi_check *check, const btf_material_info *info) {
+    if (info->point_store != BTF_POINTS_SEPARATE && info->point_store != BTF_POINTS_PACKED)
+        return btfi_fail(check->log, check->code, "unknown store %d of shift and gain",
+                         (int)info->point_store);
+    if (info->point_store == BTF_POINTS_SEPARATE) {
+        if (info->gain_base != 0 || info->gain_step != 0)
+            return btfi_fail(check->log, check->code, "gainBase %g and gainStep %g without packed points",
+                             (double)info->gain_base, (double)info->gain_step);
+        return BTF_OK;
+    }
+    const uint32_t both = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN;
+    if (info->layout != BTF_LAYOUT_TIGHT)
+        return btfi_fail(check->log, check->code, "packed points with layout paper");
+    if ((info->effects & (both | BTF_EFFECT_HIDDEN)) != both)
+        return btfi_fail(check->log, check->code,
+                         "packed points need the effects shift and gain, and no effect hidden");
+    if (!btfi_is_parameter(info->gain_base) || !btfi_is_parameter(info->gain_step))
+        return btfi_fail(check->log, check->code,
+                         "%s %g is neither 0 nor of magnitude 2^-24 to 2^24",
+                         btfi_is_parameter(info->gain_base) ? "gainStep" : "gainBase",
+                         (double)(btfi_is_parameter(info->gain_base) ? info->gain_step : info->gain_base));
+    return BTF_OK;
+}
+
 /* Checks the members that only version 2 stores. */
 static btf_result check_version_2(const btfi_check *check, const btf_material_info *info) {
     if (info->store != BTF_STORE_COMPONENTS && info->store != BTF_STORE_FACTORS)
@@ -283,7 +316,8 @@ static btf_result check_version_2(const btfi_check *check, const btf_material_in
     if (info->store != BTF_STORE_FACTORS && info->horizon_scale != 1)
         return btfi_fail(check->log, check->code, "horizonScale %g without factors",
                          (double)info->horizon_scale);
-    return check_classes(check, info);
+    const btf_result result = check_points(check, info);
+    return result ? result : check_classes(check, info);
 }
 
 static btf_result check_effects(const btfi_check *check, const btf_material_info *info) {

@@ -45,6 +45,24 @@ static int32_t signed_byte(uint8_t byte) {
     return byte < 128 ? byte : (int32_t)byte - 256;
 }
 
+/** Section 3, packed points: 6 bits of column shift, 6 of row shift, 4 of gain. */
+static appearance read_packed(const situation *s, uint32_t column, uint32_t row, uint32_t view) {
+    const btf_ref_material *material = s->material;
+    const uint8_t *bytes = material->points + 2 * layer_index(material, view, column, row);
+    uint32_t point = bytes[0] + 256u * bytes[1];
+    appearance result = {false, 0, 0, 0, 1.0f};
+
+    if (s->effects & BTF_REF_SHIFT) {
+        result.columns = (int32_t)(point & 63) - 32;
+        result.rows = (int32_t)(point >> 6 & 63) - 32;
+    }
+    if (s->effects & BTF_REF_GAIN) {
+        float above = (float)(point >> 12) * material->gain_step;
+        result.gain = material->gain_base + above;
+    }
+    return result;
+}
+
 /** Section 3: gain code and shift bytes of a texel in a view, as far as the file stores and the caller
  * wants. A code is stored where the file has gain or hidden, and is read to tell shifts from centre indices
  * even where neither is decoded. */
@@ -53,6 +71,8 @@ static appearance read_appearance(const situation *s, uint32_t column, uint32_t 
     appearance result = {false, 0, 0, 0, 1.0f};
     uint32_t code = 128, byte0 = 0, byte1 = 0;
 
+    if (material->points_packed)
+        return read_packed(s, column, row, view);
     if (material->effects & (BTF_REF_GAIN | BTF_REF_HIDDEN)) {
         code = material->layout_tight ? material->gain[layer_index(material, view, column, row)]
                                       : tile_byte(material, view, column, row, 1);
@@ -258,11 +278,12 @@ static void view_value(const situation *s, uint32_t column, uint32_t row, uint32
     source(s, source_column, source_row, view, out);
     for (int c = 0; c < CHANNELS; ++c) {
         float value = out[c] * seen.gain; /* by 1, which changes nothing, without gain */
-        if (!roots) {
-            value = keep_within(value);
-            value = material->domain_sqrt ? value * value : value;
+        if (roots) {
+            out[c] = value > 0x1p32f ? 0x1p32f : value < -0x1p32f ? -0x1p32f : value;
+            continue;
         }
-        out[c] = value;
+        value = keep_within(value);
+        out[c] = material->domain_sqrt ? value * value : value;
     }
 }
 

@@ -99,6 +99,9 @@ vec3 btf_source_radiance(uvec2 source, vec3 residual, uint gain, btf_setting s) 
     y = btf_mul(y, s.cosine);
 #endif
 #if BTF_GAIN
+#if BTF_POINTS
+    y = btf_mul(y, btf_add(BTF_GAIN_BASE, btf_mul(float(gain), BTF_GAIN_STEP)));
+#else
 #if BTF_CODE_ZERO
     if (gain != 0u)
         y = btf_mul(y, btf_mul(float(gain), BTF_GAIN_SCALE));
@@ -106,10 +109,12 @@ vec3 btf_source_radiance(uvec2 source, vec3 residual, uint gain, btf_setting s) 
     y = btf_mul(y, btf_mul(float(gain), BTF_GAIN_SCALE));
 #endif
 #endif
-#if !BTF_BLEND_ROOTS
-    y = btf_radiance(y);
 #endif
-    return y;
+#if BTF_BLEND_ROOTS
+    return clamp(y, vec3(-4294967296.0), vec3(4294967296.0)); /* else the views could add up to inf - inf */
+#else
+    return btf_radiance(y);
+#endif
 }
 
 /* Adds what each texel x shows in one sampled view, weighted, to its sum. */

@@ -120,7 +120,7 @@ def squeeze(lines):
 # The defines of a variant that the program around it has to know; options.glsl explains each.
 VALUES = ("BTF_WIDTH", "BTF_HEIGHT", "BTF_N_LIGHTS", "BTF_VIEW_GRID", "BTF_LIGHT_GRID", "BTF_ATLAS_WIDTH",
           "BTF_ATLAS_HEIGHT", "BTF_TILES", "BTF_CENTRE_ROWS", "BTF_RADIANCE_SCALE", "BTF_SHADOW_SCALE", "BTF_GAIN_SCALE",
-          "BTF_CENTRE_SCALE", "BTF_HORIZON_SCALE")
+          "BTF_CENTRE_SCALE", "BTF_HORIZON_SCALE", "BTF_GAIN_BASE", "BTF_GAIN_STEP")
 
 
 def variant_head(macros, lines):

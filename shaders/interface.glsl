@@ -1,7 +1,9 @@
 /* OpenBTF shaders: the samplers, one a texture of FORMAT.md section 3, and the run-time zero.
  *
- * Only what the variant reads is declared. In Vulkan, BTF_UNIFORM(n) has to give set and binding. To use samplers
- * of other names, define BTF_NO_INTERFACE and, say, btf_maps as the name of yours.
+ * Only what the variant reads is declared: at most 11 samplers (layout tight: an SBRDF, shadow, shift, gain, centres,
+ * four of factors and two tables; 9 where points are packed) of the 16 that every GL and ES has for a fragment shader.
+ * In Vulkan, BTF_UNIFORM(n) has to give set and binding. To use samplers of other names, define BTF_NO_INTERFACE and,
+ * say, btf_maps as the name of yours.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -25,6 +27,7 @@
 #define BTF_BINDING_FACTOR_DIRECTIONS 12
 #define BTF_BINDING_FACTOR_SCALES 13
 #define BTF_BINDING_FACTOR_VIEWS 14
+#define BTF_BINDING_POINTS 15
 #endif
 
 #ifndef BTF_NO_INTERFACE
@@ -35,11 +38,17 @@ BTF_UNIFORM(BTF_BINDING_SBRDF) highp sampler2DArray btf_sbrdf;
 #if BTF_SHADOW
 BTF_UNIFORM(BTF_BINDING_SHADOW) highp usampler2DArray btf_shadow;
 #endif
+#if BTF_POINTS
+#if BTF_SHIFT || BTF_GAIN
+BTF_UNIFORM(BTF_BINDING_POINTS) highp usampler2DArray btf_points;
+#endif
+#else
 #if BTF_SHIFT || BTF_HIDDEN
 BTF_UNIFORM(BTF_BINDING_SHIFT) highp usampler2DArray btf_shift;
 #endif
 #if BTF_GAIN || BTF_HIDDEN || (BTF_SHIFT && BTF_CODE_ZERO)
 BTF_UNIFORM(BTF_BINDING_GAIN) highp usampler2DArray btf_gain;
+#endif
 #endif
 #if BTF_HIDDEN
 BTF_UNIFORM(BTF_BINDING_CENTRES) highp usampler2D btf_centres;

@@ -14,6 +14,7 @@
  *     BTF_FACTORS        1: the residual's store is factors. Default 0. With 1, for each class c of 0..4:
  *     BTF_FACTOR_UNITS_c BTF_FACTOR_C1_c BTF_FACTOR_C2_c    units that are decoded; of their words, those of C1 and C2
  *     BTF_BLEND_ROOTS    1: views are blended as roots. Default 0
+ *     BTF_POINTS         1: shift and gain lie packed in one texture. Default 0
  *   values (any expressions, e.g. uniforms of your own)
  *     BTF_WIDTH BTF_HEIGHT BTF_N_LIGHTS BTF_VIEW_GRID BTF_LIGHT_GRID          uint
  *     BTF_LEVELS                                                              uint, levels of detail; default 1
@@ -22,6 +23,7 @@
  *     BTF_RADIANCE_SCALE BTF_SHADOW_SCALE BTF_GAIN_SCALE BTF_CENTRE_SCALE     float; SHADOW_SCALE is
  *                        shadowScale * 2^-12, CENTRE_SCALE is centreScale * 2^-12
  *     BTF_HORIZON_SCALE                              float, with factors
+ *     BTF_GAIN_BASE BTF_GAIN_STEP                    float, with BTF_POINTS and BTF_GAIN
  *   how to decode
  *     BTF_NEAREST        1: btf_evaluate takes the nearest directions, 0: it interpolates between three
  *     BTF_BILINEAR       1: four decoded texels are blended, 0: one texel
@@ -47,6 +49,9 @@
 #endif
 #ifndef BTF_BLEND_ROOTS
 #define BTF_BLEND_ROOTS 0
+#endif
+#ifndef BTF_POINTS
+#define BTF_POINTS 0
 #endif
 #ifndef BTF_LEVELS
 #define BTF_LEVELS 1u

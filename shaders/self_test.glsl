@@ -109,7 +109,7 @@ uint btf_check_elementary(uint zero) {
     return hash == 0x1140115Au ? 0u : 64u;
 }
 
-/* Steps of factors.glsl: products of packed fields modulo 2^32, of which a borrow is undone before an arithmetic
+/* Steps of the decoder of factors: products of packed fields modulo 2^32, of which a borrow is undone before an arithmetic
  * shift; sums of integers to 5e8, shifted below 2^24, where they convert exactly. */
 uint btf_check_factors(uint zero) {
     uint hash = 2166136261u;

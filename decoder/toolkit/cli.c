@@ -15,7 +15,7 @@
 #include <unistd.h>
 
 #ifndef OPENBTF_VERSION
-#define OPENBTF_VERSION "0.1.0"
+#define OPENBTF_VERSION "0.2.0"
 #endif
 
 static const char *const effect_words[5] = {"shadow", "shift", "hidden", "gain", "residual"};

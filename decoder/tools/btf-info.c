@@ -54,6 +54,7 @@ static const char *const domain_names[] = {"linear", "sqrt"};
 static const char *const colour_names[] = {"mono", "rgb", "none"};
 static const char *const store_names[] = {"components", "factors"};
 static const char *const blend_names[] = {"radiance", "roots"};
+static const char *const point_store_names[] = {"separate", "packed"};
 
 /* Bits of the codes of w and of u in each class of factors (FORMAT.md section 3). */
 static const int class_bits[BTF_FACTOR_CLASSES][2] = {{8, 8}, {4, 8}, {4, 4}, {2, 4}, {2, 2}};
@@ -319,6 +320,9 @@ static void print_text(const char *path, uint64_t file_bytes, const btf_material
                                            : ", float");
     if (info->centres)
         printf("  %-14s%u\n", "centres", (unsigned)info->centres);
+    if (info->point_store == BTF_POINTS_PACKED)
+        printf("  %-14spacked: shifts within -32..31, gain %g + %g * 0..15\n", "points", (double)info->gain_base,
+               (double)info->gain_step);
     print_residual(info);
     if (info->version >= 2)
         printf("  %-14s%s\n", "blend", blend_names[info->blend]);
@@ -500,6 +504,7 @@ static btf_result print_json(const char *path, uint64_t file_bytes, const btf_ma
     json_classes(&j, info);
     json_float(&j, "horizon_scale", info->horizon_scale);
     json_string(&j, "blend", blend_names[info->blend]);
+    json_string(&j, "point_store", point_store_names[info->point_store]);
     json_bool(&j, "preview", btf_material_preview(material) != NULL);
     if (info->layout == BTF_LAYOUT_PAPER) {
         json_integer(&j, "atlas_width", info->atlas_width);
@@ -509,6 +514,8 @@ static btf_result print_json(const char *path, uint64_t file_bytes, const btf_ma
     json_float(&j, "radiance", info->radiance_scale);
     json_float(&j, "shadow", info->shadow_scale);
     json_float(&j, "gain", info->gain_scale);
+    json_float(&j, "gain_base", info->gain_base);
+    json_float(&j, "gain_step", info->gain_step);
     json_float(&j, "centre", info->centre_scale);
     json_end(&j);
     json_object(&j, "bytes");

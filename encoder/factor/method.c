@@ -13,7 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-_Static_assert((int)ENC_FACTOR_CLASSES == (int)BTF_FACTOR_CLASSES && (int)ENC_FACTOR_TIERS == (int)ENC_STORE_TIERS,
+_Static_assert((int)ENC_FACTOR_CLASSES == (int)BTF_FACTOR_CLASSES &&
+                   (int)ENC_FACTOR_TIERS == (int)ENC_STORE_TIERS,
                "two names of one number");
 
 /* 1 / l.z of the outermost light, in float as decoders read it. */
@@ -25,10 +26,24 @@ static float horizon_scale(const enc_data *data) {
     return fminf(fmaxf(scale, 1.0f), 0x1p24f);
 }
 
-static float *spread_views(const float *views, size_t count) {
+/* The views' factors are about 1, and the scales of weak components may be less than files hold: this much
+ * goes from the ones to the others, which changes no bit of a decoded value. */
+static const float balance = 0x1p12f;
+
+/* What a file may hold: next to nothing becomes nothing. */
+static float parameter(float x) {
+    return fabsf(x) >= 0x1p-24f ? x : 0;
+}
+
+static void balance_scales(float *scales, size_t units) {
+    for (size_t i = 0; i < ENC_STORE_WORDS * units; i++)
+        scales[i] = parameter(scales[i] * balance);
+}
+
+static float *balance_views(const float *views, size_t count) {
     float *out = calloc(count * ENC_STORE_TIERS, 4 * sizeof *out);
-    for (size_t i = 0; out && i < count * ENC_STORE_TIERS; i++)
-        memcpy(out + 4 * i, views + 3 * i, 3 * sizeof *out);
+    for (size_t i = 0; out && i < 3 * count * ENC_STORE_TIERS; i++)
+        out[i / 3 * 4 + i % 3] = parameter(views[i] / balance);
     return out;
 }
 
@@ -48,7 +63,16 @@ static btf_result to_solution(const enc_context *context, const enc_data *data, 
                                       .layers = (uint32_t)f->n_u_texels,
                                       .horizon_scale = horizon_scale(data)}};
     memcpy(out->factors.classes, f->classes, sizeof out->factors.classes);
-    out->factors.views = spread_views(f->views, (size_t)data->n_views);
+    if (f->shift) {
+        out->effects |= BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN;
+        out->gain_scale = f->gain_scale;
+        out->shift = f->shift;
+        out->gain = f->gain;
+        f->shift = NULL;
+        f->gain = NULL;
+    }
+    out->factors.views = balance_views(f->views, (size_t)data->n_views);
+    balance_scales(f->scales, (size_t)f->n_units);
     out->factors.texels = f->texels;
     out->factors.directions = f->directions;
     out->factors.scales = f->scales;
@@ -76,10 +100,15 @@ static uint64_t gpu_bytes(const enc_data *data, const enc_factors *f) {
 }
 
 /* One encode by a budget, noted as a trial whose verdict is `left out`. */
-static btf_result encode(const enc_context *context, const enc_data *data, const enc_factors_settings *settings,
-                         uint64_t budget, enc_factors **out, enc_factors_stats *stats) {
+static btf_result encode(const enc_context *context, const enc_data *data,
+                         const enc_factors_settings *settings, uint64_t budget, enc_factors **out,
+                         enc_factors_stats *stats) {
     const enc_factor_options options = {
-        .budget = budget, .sweeps = settings->sweeps, .measure = settings->quality > 0};
+        .budget = budget,
+        .sweeps = settings->sweeps,
+        .match = settings->effects & BTF_EFFECT_SHIFT,
+        .gain = settings->effects & BTF_EFFECT_GAIN,
+        .measure = settings->quality > 0 || settings->effects & BTF_EFFECT_SHIFT};
     const double begin = progress_core_clock();
     const btf_result result = enc_factor_encode(context, data, &options, out);
     if (result != BTF_OK)
@@ -95,21 +124,25 @@ static btf_result encode(const enc_context *context, const enc_data *data, const
     enc_log(context, BTF_LOG_INFO, "factors: %zu + %zu + %zu components in %d units, %llu bytes",
             f->components[0], f->components[1], f->components[2], f->n_units,
             (unsigned long long)trial->gpu_bytes);
+    if (options.measure)
+        enc_log(context, BTF_LOG_INFO, "factors: %.3f / %.3f dB, linear and sRGB-coded", psnr(f->error.linear),
+                psnr(f->error.srgb));
     return BTF_OK;
 }
 
-/* Between a budget that falls short of the quality and one that reaches it, by the straight line of dB over the
- * logarithm of bytes, but not at the ends. */
+/* Between a budget that falls short of the quality and one that reaches it, by the straight line of dB over
+ * the logarithm of bytes, but not at the ends. */
 static uint64_t next_budget(double low, double low_psnr, double high, double high_psnr, double quality) {
-    const double share = isnan(low_psnr) || !(high_psnr > low_psnr) ? 0.5
-                                                                    : (quality - low_psnr) / (high_psnr - low_psnr);
+    const double share =
+        isnan(low_psnr) || !(high_psnr > low_psnr) ? 0.5 : (quality - low_psnr) / (high_psnr - low_psnr);
     const double inside = fmin(fmax(share + 0.05, 0.1), 0.9);
     return (uint64_t)(low * pow(high / low, inside));
 }
 
 /* Replaces *io_best, the encode of trial `best`, by one of fewer bytes that reaches the quality, too. */
-static btf_result reduce(const enc_context *context, const enc_data *data, const enc_factors_settings *settings,
-                         enc_factors **io_best, enc_factors_stats *stats, int *io_best_trial) {
+static btf_result reduce(const enc_context *context, const enc_data *data,
+                         const enc_factors_settings *settings, enc_factors **io_best,
+                         enc_factors_stats *stats, int *io_best_trial) {
     double low = (double)enc_factor_least_budget(data->width, data->height, data->n_views, data->n_lights);
     double low_psnr = NAN, high = (double)(*io_best)->bytes, high_psnr = psnr((*io_best)->error.srgb);
     for (int i = 0; i < ENC_FACTORS_TRIALS && high > 1.01 * low; i++) {
@@ -134,8 +167,9 @@ static btf_result reduce(const enc_context *context, const enc_data *data, const
     return BTF_OK;
 }
 
-btf_result enc_factors_solve(const enc_context *context, const enc_data *data, const enc_factors_settings *settings,
-                             enc_solution *out_solution, enc_factors_stats *out_stats) {
+btf_result enc_factors_solve(const enc_context *context, const enc_data *data,
+                             const enc_factors_settings *settings, enc_solution *out_solution,
+                             enc_factors_stats *out_stats) {
     enc_factors *best = NULL;
     int best_trial = 0;
     *out_solution = (enc_solution){0};
@@ -344,7 +378,7 @@ static btf_result fit_texels(const level_fit *fit, uint32_t *out) {
         int16_t *levels = malloc(fit->components * sizeof *levels);
 #pragma omp for schedule(dynamic)
         for (size_t t = 0; t < texels; t++) {
-            const btf_result mine = !x || !levels                     ? BTF_ERROR_MEMORY
+            const btf_result mine = !x || !levels                 ? BTF_ERROR_MEMORY
                                     : enc_cancelled(fit->context) ? BTF_ERROR_INTERRUPTED
                                                                   : BTF_OK;
             if (mine == BTF_OK) {
@@ -368,7 +402,8 @@ btf_result enc_factors_level(const enc_context *context, const enc_data *data, c
     uint32_t *texels =
         calloc((size_t)base->factors.layers * enc_data_texel_count(data), ENC_STORE_WORDS * sizeof *texels);
     out_solution->factors.texels = texels;
-    btf_result result = texels ? prepare(&fit) : enc_fail(context, BTF_ERROR_MEMORY, "levels: out of memory");
+    btf_result result =
+        texels ? prepare(&fit) : enc_fail(context, BTF_ERROR_MEMORY, "levels: out of memory");
     if (result == BTF_OK)
         result = fit_texels(&fit, texels);
     clear_fit(&fit);

@@ -26,8 +26,10 @@ static const double per_file = 60e-6, per_pixel = 25e-9, per_jpeg_pixel = 12e-9,
 /* of the paper's method, */
 static const double per_fit = 110e-9, per_shadow = 20e-9, per_flow = 1.2e-6, per_flow_label = 3e-9,
                     per_refine = 0.05e-9, per_cluster = 0.1e-9, hidden_share = 0.25;
-/* of factors: a sample that a pass splits into channels, a product of a pass, of a Gram matrix or of the descent, */
-static const double per_split = 1.2e-9, per_product = 0.025e-9, per_square = 0.06e-9, per_level_square = 0.25e-9;
+/* of factors: a sample that a pass splits into channels, a product of a pass, of a Gram matrix or of the
+ * descent, */
+static const double per_split = 1.2e-9, per_product = 0.025e-9, per_square = 0.06e-9,
+                    per_level_square = 0.25e-9;
 /* of what comes after the analysis. */
 static const double per_measured = 8e-9, per_measured_component = 0.17e-9, per_measured_lobe = 6e-9,
                     per_ssim = 8e-9, per_evaluation = 0.25e-6, per_left_out = 0.4e-6, per_packed = 30e-9,
@@ -79,8 +81,8 @@ static void add_reading(list *l, const enc_context *context, const enc_extent *e
 /* The model that the analysis is likely to find: measuring it costs by its size. */
 typedef struct outcome {
     double components, lobes, effects;
-    bool factors; /* levels are added up as products of matrices, and in long vectors: components are those of the
-                     other store that take as long */
+    bool factors; /* levels are added up as products of matrices, and in long vectors: components are those
+                     of the other store that take as long */
 } outcome;
 
 /* An empty data set of this extent: what budgets are counted from. */
@@ -159,10 +161,10 @@ static outcome add_factors(list *l, const counts *c, const enc_factors_settings 
     const double all = luma + 2 * fmin(luma / 8 + 24, side);
     const double pass = c->samples * (per_split + fetch) + c->texels * columns * all * per_product;
     const double square = (c->texels + columns) * luma * luma;
-    const int passes = enc_factor_round_passes(settings->sweeps);
+    const double sweeps = 1 + settings->sweeps, passes = enc_factor_round_passes(settings->sweeps);
     const double times = settings->quality > 0 ? 1 + ENC_FACTORS_TRIALS / 2.0 : 1;
     add(l, "factorise", times * (4 * pass + 6 * square * per_square));
-    add(l, "round factors", times * (passes * pass + 2 * (1 + settings->sweeps) * square * per_square));
+    add(l, "round factors", times * (passes * pass + (2 * sweeps + passes) * square * per_square));
     if (settings->quality > 0)
         add(l, "measure factors", times * (pass + c->samples * per_measured));
     return (outcome){.components = all / 5, .factors = true};

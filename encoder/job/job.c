@@ -118,7 +118,8 @@ static btf_result analyse_factors(const enc_context *context, const enc_job *job
     const enc_factors_settings settings =
         enc_settings_of_factors(job, data->width, data->height, data->n_views, data->n_lights);
     if (enc_ranks_count(context) > 1 && enc_ranks_leads(context)) {
-        enc_log(context, BTF_LOG_WARNING, "factors: the analysis is not split: each of %d ranks does all of it",
+        enc_log(context, BTF_LOG_WARNING,
+                "factors: the analysis is not split: each of %d ranks does all of it",
                 enc_ranks_count(context));
     }
     const btf_result result = enc_factors_solve(context, data, &settings, &s->found, &s->factors);
@@ -329,16 +330,18 @@ static btf_result check_budget(const enc_context *context, const enc_job *job, c
     if (job->method != ENC_METHOD_FACTORS || context->memory == 0) {
         return BTF_OK;
     }
-    const uint64_t budget = enc_settings_of_factors(job, e->width, e->height, e->n_views, e->n_lights).budget;
+    const uint64_t budget =
+        enc_settings_of_factors(job, e->width, e->height, e->n_views, e->n_lights).budget;
     const uint64_t least =
         enc_memory_of_factors(e->width, e->height, e->n_views, e->n_lights, context->threads, budget);
     return least <= context->memory
                ? BTF_OK
                : enc_fail(context, BTF_ERROR_USAGE,
-                          "--memory %zu is too small: factors of %llu bytes for %dx%d texels, %d views and %d lights "
+                          "--memory %zu is too small: factors of %llu bytes for %dx%d texels, %d views and "
+                          "%d lights "
                           "take at least %lluK",
-                          context->memory, (unsigned long long)budget, e->width, e->height, e->n_views, e->n_lights,
-                          (unsigned long long)((least + 999) / 1000));
+                          context->memory, (unsigned long long)budget, e->width, e->height, e->n_views,
+                          e->n_lights, (unsigned long long)((least + 999) / 1000));
 }
 
 static btf_result plan_stages(void *user, const enc_context *context, const enc_extent *extent) {

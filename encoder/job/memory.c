@@ -82,17 +82,21 @@ uint64_t enc_memory_least_paper(int width, int height, int n_views, int n_lights
     return with_slack(paper(&e));
 }
 
-/* The analysis, or the profiles of a view that is decoded and the maps of every point that this fills. */
+/* The analysis, of few and large arrays, or the profiles of a view that is decoded and the maps of every
+ * point that this fills. */
 static uint64_t factors(const extent *e, int width, int height, uint64_t budget, int threads) {
-    const uint64_t analysis = enc_factor_memory(width, height, (int)e->views, (int)e->lights, budget, threads);
-    const uint64_t held = 3 * budget + 5 * e->points, components = budget * 8 / 2 / (e->texels + e->views * e->lights);
+    const uint64_t analysis =
+        enc_factor_memory(width, height, (int)e->views, (int)e->lights, budget, threads);
+    const uint64_t held = 3 * budget + 5 * e->points,
+                   components = budget * 8 / 2 / (e->texels + e->views * e->lights);
     const uint64_t levels = 2 * e->views * e->lights * components; /* of w, while errors are measured */
-    return larger(analysis, held + levels + common(e));
+    return larger(analysis + analysis / 16, with_slack(held + levels + common(e)));
 }
 
-uint64_t enc_memory_of_factors(int width, int height, int n_views, int n_lights, int threads, uint64_t budget) {
+uint64_t enc_memory_of_factors(int width, int height, int n_views, int n_lights, int threads,
+                               uint64_t budget) {
     const extent e = extent_of(width, height, n_views, n_lights, threads);
-    return with_slack(factors(&e, width, height, budget, threads > 0 ? threads : 1));
+    return factors(&e, width, height, budget, threads > 0 ? threads : 1);
 }
 
 uint64_t enc_memory_least_factors(int width, int height, int n_views, int n_lights, int threads) {
@@ -108,14 +112,15 @@ enc_least_memory enc_memory_least(enc_method method) {
 }
 
 enc_memory_use enc_memory_expected(const enc_context *context, enc_method method, int width, int height,
-                                   int n_views, int n_lights, size_t components, uint64_t budget, bool made) {
+                                   int n_views, int n_lights, size_t components, uint64_t budget,
+                                   bool made) {
     const extent e = extent_of(width, height, n_views, n_lights, context->threads);
     const uint64_t samples = e.image_view * e.views, projection = 4 * e.points * (uint64_t)components;
     const bool kept = enc_data_fits(context, width, height, n_views, n_lights);
     const bool joined = method == ENC_METHOD_JOINT;
     const bool projected = joined && (context->memory == 0 || projection <= context->memory / 4);
     enc_memory_use use = {PROGRAM, 0};
-    use.peak += joined                        ? joint(&e, (uint64_t)components)
+    use.peak += joined                       ? joint(&e, (uint64_t)components)
                 : method == ENC_METHOD_PAPER ? paper(&e)
                                              : factors(&e, width, height, budget, context->threads);
     if (kept)

@@ -18,16 +18,18 @@ uint64_t enc_memory_least_factors(int width, int height, int n_views, int n_ligh
 enc_least_memory enc_memory_least(enc_method method);
 
 /* The same for factors that fill `budget`. */
-uint64_t enc_memory_of_factors(int width, int height, int n_views, int n_lights, int threads, uint64_t budget);
+uint64_t enc_memory_of_factors(int width, int height, int n_views, int n_lights, int threads,
+                               uint64_t budget);
 
 /* Bytes that an encode is expected to take at its peak with what is allowed, and those of its scratch
- * files; `components`: of the joint method's residual; `budget`: of factors; `made`: samples are made again rather than kept in a
- * file. */
+ * files; `components`: of the joint method's residual; `budget`: of factors; `made`: samples are made again
+ * rather than kept in a file. */
 typedef struct enc_memory_use {
     uint64_t peak, scratch;
 } enc_memory_use;
 
 enc_memory_use enc_memory_expected(const enc_context *context, enc_method method, int width, int height,
-                                   int n_views, int n_lights, size_t components, uint64_t budget, bool made);
+                                   int n_views, int n_lights, size_t components, uint64_t budget,
+                                   bool made);
 
 #endif

@@ -34,16 +34,19 @@ static const cli_option table[] = {
      .type = CLI_CHOICE,
      .value = &o.method,
      .choices = "joint|paper|factors",
-     .help = "joint (default): everything found together, best quality;\npaper: stage after stage, as printed;\n"
-             "factors: low-bit factors alone, colour apart (format version 2,\na draft); no --checkpoint, and ranks do not share the analysis"},
+     .help = "joint (default): everything found together, best quality;\npaper: stage after stage, as "
+             "printed;\n"
+             "factors: low-bit factors alone, colour apart (format version 2,\na draft); no --checkpoint, "
+             "and ranks do not share the analysis"},
     {.name = "preset",
      .type = CLI_CHOICE,
      .value = &o.all.job.joint.preset,
      .given = &given[0],
      .choices = "fast|medium|thorough|exhaustive",
      .only = "joint|factors",
-     .help = "joint: fast tries one set of effects, then 5 rounds; medium\n(default) 3 and 18; thorough 6 "
-             "and 60; exhaustive all, until\nnothing is gained. factors: 0, 6, 12 and 24 sweeps of descent"},
+     .help =
+         "joint: fast tries one set of effects, then 5 rounds; medium\n(default) 3 and 18; thorough 6 "
+         "and 60; exhaustive all, until\nnothing is gained. factors: 0, 6, 12 and 24 sweeps of descent"},
     {.name = "effects",
      .type = CLI_EFFECTS,
      .value = &o.effects,
@@ -51,7 +54,8 @@ static const cli_option table[] = {
      .choices = "auto",
      .help =
          "auto (default): those that pay (--effect-tolerance), and with\n--method paper the diffuse fit "
-         "alone where that is better;\nnone; or exactly these of shadow,shift,hidden,gain,residual\n(factors have the residual alone)"},
+         "alone where that is better;\nnone; or exactly these of "
+         "shadow,shift,hidden,gain,residual\n(factors have the residual alone)"},
     {.name = "effect-tolerance",
      .arg = "DB[,DB]",
      .type = CLI_CUSTOM,
@@ -67,7 +71,8 @@ static const cli_option table[] = {
      .minimum = 1,
      .maximum = 0x1p62,
      .only = "joint|factors",
-     .help = "joint, factors: bytes on the GPU at most; default what the paper's\nlayout takes (2.36 MB for 64x64 "
+     .help = "joint, factors: bytes on the GPU at most; default what the paper's\nlayout takes (2.36 MB "
+             "for 64x64 "
              "and 81 directions)"},
     {.name = "quality",
      .arg = "DB",
@@ -282,9 +287,10 @@ static btf_result refuse_other(const char *method) {
     for (const cli_option *option = table; option->type != CLI_END; option++) {
         if (option->only && !has_method(option->only, method) && *option->given) {
             const char *bar = strchr(option->only, '|');
-            return cli_error(&enc_program, BTF_ERROR_USAGE, "option --%s: for --method %.*s%s%s only, not for %s",
-                             option->name, bar ? (int)(bar - option->only) : (int)strlen(option->only),
-                             option->only, bar ? " and " : "", bar ? bar + 1 : "", method);
+            return cli_error(&enc_program, BTF_ERROR_USAGE,
+                             "option --%s: for --method %.*s%s%s only, not for %s", option->name,
+                             bar ? (int)(bar - option->only) : (int)strlen(option->only), option->only,
+                             bar ? " and " : "", bar ? bar + 1 : "", method);
         }
     }
     return BTF_OK;
@@ -293,8 +299,9 @@ static btf_result refuse_other(const char *method) {
 /* Options that mean nothing where there are factors alone. */
 static btf_result check_factors(const enc_job *job) {
     const char *refused = NULL;
-    if (o.effects != UINT32_MAX && o.effects != BTF_EFFECT_RESIDUAL) {
-        refused = "option --effects: --method factors has the effect residual and no other";
+    const uint32_t match = BTF_EFFECT_RESIDUAL | BTF_EFFECT_SHIFT;
+    if (o.effects != UINT32_MAX && o.effects != BTF_EFFECT_RESIDUAL && (o.effects | BTF_EFFECT_GAIN) != (match | BTF_EFFECT_GAIN)) {
+        refused = "option --effects: --method factors has residual, with shift and gain or without";
     } else if (o.tolerance_given && (o.effect_tolerance[0] > 0 || o.effect_tolerance[1] > 0)) {
         refused = "option --effect-tolerance: --method factors has no effects to choose among";
     } else if (o.layout_given && o.layout == 0) {

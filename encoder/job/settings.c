@@ -18,7 +18,7 @@ const char *enc_method_name(enc_method method) {
     return names[method];
 }
 
-/* Sweeps of the descent of each preset. */
+/* Rounds of descent of each preset. */
 static const int factor_sweeps[] = {0, ENC_FACTOR_SWEEPS, 2 * ENC_FACTOR_SWEEPS, 4 * ENC_FACTOR_SWEEPS};
 
 enc_factors_settings enc_settings_of_factors(const enc_job *job, int width, int height, int n_views,
@@ -30,7 +30,8 @@ enc_factors_settings enc_settings_of_factors(const enc_job *job, int width, int 
                                             : usual > least       ? usual
                                                                   : least,
                                   .quality = job->joint.quality,
-                                  .sweeps = factor_sweeps[job->joint.preset]};
+                                  .sweeps = factor_sweeps[job->joint.preset],
+                                  .effects = job->joint.choose ? BTF_EFFECT_RESIDUAL : job->joint.effects};
 }
 
 const char *enc_parse_tolerance(const char *text, void *tolerance) {

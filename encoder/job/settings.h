@@ -10,8 +10,12 @@
 #include "encoder/joint/joint.h"
 #include "encoder/paper/paper.h"
 
-typedef enum enc_method { ENC_METHOD_JOINT = 0, ENC_METHOD_PAPER = 1, ENC_METHOD_FACTORS = 2 } enc_method;
-enum { ENC_METHODS = 3 };
+typedef enum enc_method {
+    ENC_METHOD_JOINT = 0,
+    ENC_METHOD_PAPER = 1,
+    ENC_METHOD_FACTORS = 2,
+    ENC_METHODS, /* how many there are */
+} enc_method;
 
 /* As --method takes it. */
 const char *enc_method_name(enc_method method);

@@ -91,8 +91,8 @@ static void decode_centre(const enc_solution *s, size_t centre, size_t lights, f
     }
 }
 
-/* gain * m * (SBRDF * shadow + residual) of source texel `t` seen from `view`; `factors` [channel][light] is
- * the residual of the other store, which has m in it, or NULL. */
+/* gain * m * (SBRDF * shadow + residual) of source texel `t` seen from `view`; `factors` [channel][light]
+ * is the residual of the other store, which has m in it, or NULL. */
 static void decode_source(const enc_sample_decoder *d, uint32_t effects, size_t t, size_t view, float gain,
                           const float *factors, float *out) {
     const enc_solution *s = d->solution;
@@ -150,12 +150,13 @@ static point point_at(const enc_solution *s, uint32_t effects, size_t view, size
         p.source = enc_occlusion_source(s->width, s->height, texel, s->shift[2 * at], s->shift[2 * at + 1]);
     }
     if (!hidden && (effects & BTF_EFFECT_GAIN)) {
-        p.gain = (float)code * s->gain_scale;
+        p.gain = enc_solution_gain(s, code);
     }
     return p;
 }
 
-/* Texels first .. first + count - 1 of a view. `residual` is room for the profiles of `factors`, or NULL. */
+/* Texels first .. first + count - 1 of a view. `residual` is room for the profiles of `factors`, or NULL.
+ */
 static void decode_block(const enc_decoded_samples *decoded, size_t view, size_t first, size_t count,
                          enc_factor_profiles *factors, float *residual, float *profile, float *out) {
     const enc_sample_decoder *d = decoded->decoder;

@@ -31,7 +31,7 @@ struct enc_evaluator {
 struct enc_evaluated_texel {
     const enc_evaluator *evaluator;
     uint32_t column, row;
-    int16_t *u;      /* [component] */
+    int16_t *u;       /* [component] */
     int32_t *scratch; /* [component] */
 };
 
@@ -56,7 +56,7 @@ static btf_result load_factors(const enc_context *context, const btf_material *m
     for (size_t i = 0; i < e->n_units; i++)
         for (size_t p = 0; p < pairs; p++)
             enc_store_w_levels(&e->units[i], directions + (i * pairs + p) * ENC_STORE_WORDS,
-                                 e->w + p * e->components + e->units[i].first);
+                               e->w + p * e->components + e->units[i].first);
     return BTF_OK;
 }
 
@@ -105,7 +105,7 @@ enc_evaluated_texel *enc_evaluated_texel_create(const enc_evaluator *e, size_t t
         t->scratch = malloc(e->components * sizeof *t->scratch);
         if (t->u && t->scratch)
             enc_store_texel_levels(e->units, e->n_units, e->texels,
-                                     (size_t)e->reference.width * e->reference.height, texel, t->u);
+                                   (size_t)e->reference.width * e->reference.height, texel, t->u);
         else
             enc_evaluated_texel_destroy(&t);
     }
@@ -180,7 +180,9 @@ static void residual_of(const sums *s, const float *views, int tier, float r[3])
 static void add_view(const enc_evaluator *e, const float r[3], float m, uint32_t weight, float acc[3]) {
     for (int c = 0; c < 3; c++) {
         float y = r[c] * m;
-        if (!e->roots) {
+        if (e->roots) {
+            y = fminf(fmaxf(y, -0x1p32f), 0x1p32f);
+        } else {
             y = y >= 0x1p-30f ? fminf(y, 0x1p32f) : 0.0f;
             y = e->reference.domain_sqrt ? y * y : y;
         }
@@ -256,7 +258,7 @@ void enc_evaluate(const enc_evaluated_texel *t, const btf_ref_options *options, 
     for (size_t i = 0; i < count; i++) {
         btf_ref_options each = *options;
         each.components = components[i];
-        btf_ref_evaluate_neighbours(&e->reference, &each, t->column, t->row, at->lights, at->views, at->light,
-                                    at->view, out[i]);
+        btf_ref_evaluate_neighbours(&e->reference, &each, t->column, t->row, at->lights, at->views,
+                                    at->light, at->view, out[i]);
     }
 }

@@ -1,5 +1,5 @@
-/* The light profiles that factors give at the sampled directions: sums of level(w) * level(u) as products of
- * matrices, a channel at a time.
+/* The light profiles that factors give at the sampled directions: sums of level(w) * level(u) as products
+ * of matrices, a channel at a time.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -17,8 +17,9 @@ enum { ENC_FACTOR_BLOCK = 48 }; /* texels at a time, at most */
 enc_factor_profiles *enc_factor_profiles_create(const enc_solution *solution, size_t view, uint32_t units);
 void enc_factor_profiles_destroy(enc_factor_profiles **profiles);
 
-/* out[i][channel R, G, B][light] of texels sources[0 .. count - 1]: the residual of FORMAT.md section 9. One
- * thread at a time. */
-void enc_factor_profiles_get(enc_factor_profiles *profiles, const size_t *sources, size_t count, float *out);
+/* out[i][channel R, G, B][light] of texels sources[0 .. count - 1]: the residual of FORMAT.md section 9.
+ * One thread at a time. */
+void enc_factor_profiles_get(enc_factor_profiles *profiles, const size_t *sources, size_t count,
+                             float *out);
 
 #endif

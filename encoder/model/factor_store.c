@@ -11,11 +11,8 @@
 static const struct {
     int bits_w, bits_u, word, tier, shift;
     uint32_t u_texels;
-} class_table[BTF_FACTOR_CLASSES] = {{8, 8, 4, 0, 4, 1},
-                                     {4, 8, 8, 1, 5, 2},
-                                     {4, 4, 8, 1, 1, 1},
-                                     {2, 4, 16, 2, 0, 2},
-                                     {2, 2, 16, 2, 0, 1}};
+} class_table[BTF_FACTOR_CLASSES] = {
+    {8, 8, 4, 0, 4, 1}, {4, 8, 8, 1, 5, 2}, {4, 4, 8, 1, 1, 1}, {2, 4, 16, 2, 0, 2}, {2, 2, 16, 2, 0, 1}};
 
 static uint32_t smaller(uint32_t a, uint32_t b) {
     return a < b ? a : b;
@@ -36,7 +33,7 @@ uint32_t enc_store_layers(const uint32_t classes[BTF_FACTOR_CLASSES][3]) {
 }
 
 void enc_store_truncate(const uint32_t classes[BTF_FACTOR_CLASSES][3], uint32_t units,
-                          uint32_t out[BTF_FACTOR_CLASSES][3]) {
+                        uint32_t out[BTF_FACTOR_CLASSES][3]) {
     for (int c = 0; c < BTF_FACTOR_CLASSES; c++) {
         out[c][0] = smaller(classes[c][0], units);
         units -= out[c][0];
@@ -73,8 +70,7 @@ static int16_t level(uint32_t field, int bits) {
     return (int16_t)(2 * (int)(field & ((1u << bits) - 1)) - ((1 << bits) - 1));
 }
 
-void enc_store_w_levels(const enc_factor_unit *unit, const uint32_t words[ENC_STORE_WORDS],
-                          int16_t *out) {
+void enc_store_w_levels(const enc_factor_unit *unit, const uint32_t words[ENC_STORE_WORDS], int16_t *out) {
     const int bits = class_table[unit->class].bits_w;
     for (int k = 0; k < ENC_STORE_WORDS; k++)
         for (int i = 0; i < unit->word; i++)
@@ -116,12 +112,12 @@ void enc_store_u_levels(const enc_factor_unit *unit, const uint32_t first[ENC_ST
 }
 
 void enc_store_texel_levels(const enc_factor_unit *units, size_t count, const uint32_t *texel_words,
-                              size_t texels, size_t texel, int16_t *out) {
+                            size_t texels, size_t texel, int16_t *out) {
     for (size_t i = 0; i < count; i++) {
         const uint32_t *first = texel_words + (units[i].layer * texels + texel) * ENC_STORE_WORDS;
         const bool two = class_table[units[i].class].u_texels == 2;
         enc_store_u_levels(&units[i], first, two ? first + texels * ENC_STORE_WORDS : first,
-                             out + units[i].first);
+                           out + units[i].first);
     }
 }
 
@@ -132,10 +128,10 @@ void enc_store_pack_texel(const enc_factor_unit *units, size_t count, const int1
         for (int n = 0; n < ENC_STORE_WORDS * unit->word; n++) {
             const place at = place_of_u(unit->class, n % unit->word);
             const int value = levels[unit->first + (size_t)n];
-            const uint32_t code =
-                unit->class == 0 ? (uint32_t)value & 255 : (uint32_t)((value + top) / 2);
+            const uint32_t code = unit->class == 0 ? (uint32_t)value & 255 : (uint32_t)((value + top) / 2);
             const size_t layer = unit->layer + (uint32_t)at.second;
-            texel_words[(layer * texels + texel) * ENC_STORE_WORDS + (size_t)(n / unit->word)] |= code << at.bit;
+            texel_words[(layer * texels + texel) * ENC_STORE_WORDS + (size_t)(n / unit->word)] |= code
+                                                                                                  << at.bit;
         }
     }
 }

@@ -1,5 +1,5 @@
-/* The store of the residual as factors (FORMAT.md section 3, version 2): its arrays, and the levels of their
- * codes.
+/* The store of the residual as factors (FORMAT.md section 3, version 2): its arrays, and the levels of
+ * their codes.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -31,7 +31,7 @@ typedef struct enc_factor_unit {
     uint32_t layer;         /* its first texel of u */
     int word;               /* components of a word */
     int channel[ENC_STORE_WORDS]; /* 0 Y, 1 C1, 2 C2 */
-    size_t first;                   /* its first component, counting from unit 0; four words follow */
+    size_t first;                 /* its first component, counting from unit 0; four words follow */
 } enc_factor_unit;
 
 /* Sums of a table of classes: units, and texels of u. */
@@ -39,20 +39,19 @@ uint32_t enc_store_units(const uint32_t classes[BTF_FACTOR_CLASSES][3]);
 uint32_t enc_store_layers(const uint32_t classes[BTF_FACTOR_CLASSES][3]);
 /* The classes of the first `units` units. */
 void enc_store_truncate(const uint32_t classes[BTF_FACTOR_CLASSES][3], uint32_t units,
-                          uint32_t out[BTF_FACTOR_CLASSES][3]);
+                        uint32_t out[BTF_FACTOR_CLASSES][3]);
 /* Describes each unit, out [units]. Returns the components of all. */
 size_t enc_store_list(const uint32_t classes[BTF_FACTOR_CLASSES][3], enc_factor_unit *out);
 
 /* Levels of a unit's codes, word by word, from its texel of w and from its one or two texels of u: out [4 *
  * unit->word]. */
-void enc_store_w_levels(const enc_factor_unit *unit, const uint32_t words[ENC_STORE_WORDS],
-                          int16_t *out);
+void enc_store_w_levels(const enc_factor_unit *unit, const uint32_t words[ENC_STORE_WORDS], int16_t *out);
 void enc_store_u_levels(const enc_factor_unit *unit, const uint32_t first[ENC_STORE_WORDS],
-                          const uint32_t second[ENC_STORE_WORDS], int16_t *out);
+                        const uint32_t second[ENC_STORE_WORDS], int16_t *out);
 
 /* Levels of all units of a texel, [component]; `texels` are those of a layer. */
 void enc_store_texel_levels(const enc_factor_unit *units, size_t count, const uint32_t *texel_words,
-                              size_t texels, size_t texel, int16_t *out);
+                            size_t texels, size_t texel, int16_t *out);
 
 /* Writes the codes of these levels, [component], to a texel whose words are 0. */
 void enc_store_pack_texel(const enc_factor_unit *units, size_t count, const int16_t *levels, size_t texels,

@@ -31,6 +31,11 @@ static btf_material_info describe(const enc_data *data, const enc_solution *s, c
     info.radiance_scale = s->radiance_scale;
     info.shadow_scale = s->effects & BTF_EFFECT_SHADOW ? s->shadow_scale : 1.0f / 255.0f;
     info.gain_scale = s->effects & BTF_EFFECT_GAIN ? s->gain_scale : BTF_GAIN_SCALE;
+    if (s->packed) {
+        info.point_store = BTF_POINTS_PACKED;
+        info.gain_base = s->gain_base;
+        info.gain_step = s->gain_step;
+    }
     info.centre_scale = info.centres > 0 ? s->centre_scale : 1.0f / 255.0f;
     info.levels = o->levels > 0 ? (uint32_t)o->levels : 1;
     info.method = o->method;
@@ -66,6 +71,15 @@ static void shift_bytes(const enc_solution *s, size_t at, uint8_t out[2]) {
     } else {
         out[0] = out[1] = 0;
     }
+}
+
+/* The two bytes of a packed point. */
+static void point_bytes(const enc_solution *s, size_t at, uint8_t out[2]) {
+    const int columns = s->shift[2 * at] + 32, rows = s->shift[2 * at + 1] + 32, code = s->gain[at];
+    assert(columns >= 0 && columns < 64 && rows >= 0 && rows < 64 && code < 16);
+    const int p = columns | rows << 6 | code << 12;
+    out[0] = (uint8_t)p;
+    out[1] = (uint8_t)(p >> 8);
 }
 
 static void pack_maps(const btf_material_info *info, const enc_solution *s, uint8_t *maps) {
@@ -148,6 +162,11 @@ static void fill(const btf_material_info *info, const enc_solution *s, btf_textu
         break;
     case BTF_TEXTURE_GAIN:
         memcpy(out, s->gain, shape->size);
+        break;
+    case BTF_TEXTURE_POINTS:
+        for (size_t i = 0; i < map_texels; i++) {
+            point_bytes(s, i, (uint8_t *)out + 2 * i);
+        }
         break;
     case BTF_TEXTURE_CENTRES:
         pack_centres(info, s, shape, out);

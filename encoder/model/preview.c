@@ -27,9 +27,8 @@ btf_result enc_preview(const enc_context *context, const enc_data *data, const e
     enc_sample_decoder *decoder = NULL;
     uint16_t *preview = calloc(texels, 4 * sizeof *preview);
     float *images = malloc((size_t)data->n_lights * texels * 3 * sizeof *images);
-    btf_result result = preview && images
-                            ? enc_sample_decoder_create(context, data, solution, &decoder)
-                            : enc_fail(context, BTF_ERROR_MEMORY, "preview: out of memory");
+    btf_result result = preview && images ? enc_sample_decoder_create(context, data, solution, &decoder)
+                                          : enc_fail(context, BTF_ERROR_MEMORY, "preview: out of memory");
     if (result == BTF_OK) {
         const enc_decoded_samples decoded = {.decoder = decoder, .effects = BTF_EFFECT_ALL};
         const enc_image_source source = enc_decoded_images(&decoded);

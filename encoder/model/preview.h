@@ -7,8 +7,8 @@
 
 #include "solution.h"
 
-/* The solution from its view nearest to the pole under the light nearest to 45 degrees, the first of equals:
- * btf_material_desc.preview, to be freed. Errors: BTF_ERROR_MEMORY. */
+/* The solution from its view nearest to the pole under the light nearest to 45 degrees, the first of
+ * equals: btf_material_desc.preview, to be freed. Errors: BTF_ERROR_MEMORY. */
 btf_result enc_preview(const enc_context *context, const enc_data *data, const enc_solution *solution,
                        uint16_t **out_preview);
 

@@ -29,6 +29,11 @@ typedef struct enc_solution {
     uint8_t *gain; /* [view][texel]: 0 hidden, else the gain code; BTF_GAIN_ONE without gain */
     float gain_scale;
 
+    /* Stored as packed points (layout tight, shift and gain, no hidden): shifts are within -32..31 and gain codes
+     * 0..15, which say gain_base + code * gain_step; gain_scale is not read. */
+    bool packed;
+    float gain_base, gain_step;
+
     uint16_t *centre;      /* [view][texel], read where gain is 0 */
     uint8_t *centre_codes; /* [centre][light][3] */
     uint32_t n_centres;
@@ -46,9 +51,16 @@ static inline size_t enc_solution_texels(const enc_solution *s) {
     return (size_t)s->width * (size_t)s->height;
 }
 
+/* What a gain code says, of a point that is not hidden. */
+static inline float enc_solution_gain(const enc_solution *s, int code) {
+    return s->packed ? s->gain_base + (float)code * s->gain_step : (float)code * s->gain_scale;
+}
+
 /* Components of the residual as FORMAT.md counts them: units, where its store is factors. */
 static inline uint32_t enc_solution_components(const enc_solution *s) {
-    return !(s->effects & BTF_EFFECT_RESIDUAL) ? 0 : s->factors.units > 0 ? s->factors.units : s->n_components;
+    return !(s->effects & BTF_EFFECT_RESIDUAL) ? 0
+           : s->factors.units > 0              ? s->factors.units
+                                               : s->n_components;
 }
 
 /* Frees every array and the SBRDF, and zeroes the struct. */

@@ -76,11 +76,18 @@ static void unpack_tight(const btf_material *material, uint32_t level, enc_solut
     const uint8_t *shadow = btf_material_level_texture(material, level, BTF_TEXTURE_SHADOW).data;
     const uint8_t *shift = btf_material_level_texture(material, level, BTF_TEXTURE_SHIFT).data;
     const uint8_t *gain = btf_material_level_texture(material, level, BTF_TEXTURE_GAIN).data;
+    const uint8_t *packed = btf_material_level_texture(material, level, BTF_TEXTURE_POINTS).data;
     static const uint8_t none[2] = {0, 0};
     if (shadow) {
         memcpy(s->shadow, shadow, (size_t)s->n_lights * texels);
     }
-    for (size_t i = 0; i < points; i++) {
+    for (size_t i = 0; i < points && packed; i++) {
+        const int p = packed[2 * i] | packed[2 * i + 1] << 8;
+        s->gain[i] = (uint8_t)(p >> 12);
+        s->shift[2 * i] = (int8_t)((p & 63) - 32);
+        s->shift[2 * i + 1] = (int8_t)((p >> 6 & 63) - 32);
+    }
+    for (size_t i = 0; i < points && !packed; i++) {
         unpack_point(s, i, gain ? gain[i] : BTF_GAIN_ONE, shift ? shift + 2 * i : none);
     }
 }
@@ -142,8 +149,8 @@ static bool unpack_factor_texels(const btf_material *material, uint32_t level, e
 static bool unpack_factors(const btf_material *material, const btf_material_info *info, enc_solution *s) {
     void *directions, *scales, *views;
     s->factors = (enc_factor_store){.units = info->components,
-                               .layers = enc_store_layers(info->factor_classes),
-                               .horizon_scale = info->horizon_scale};
+                                    .layers = enc_store_layers(info->factor_classes),
+                                    .horizon_scale = info->horizon_scale};
     memcpy(s->factors.classes, info->factor_classes, sizeof s->factors.classes);
     bool ok = copy_texture(material, 0, BTF_TEXTURE_FACTOR_DIRECTIONS, &directions);
     ok = copy_texture(material, 0, BTF_TEXTURE_FACTOR_SCALES, &scales) && ok;
@@ -188,6 +195,9 @@ btf_result enc_unpack(const enc_context *context, const btf_material *material, 
                         .radiance_scale = info.radiance_scale,
                         .shadow_scale = info.shadow_scale,
                         .gain_scale = info.gain_scale,
+                        .packed = info.point_store == BTF_POINTS_PACKED,
+                        .gain_base = info.gain_base,
+                        .gain_step = info.gain_step,
                         .n_centres = info.centres,
                         .centre_scale = info.centre_scale,
                         .n_components = info.store == BTF_STORE_FACTORS ? 0 : info.components,

@@ -81,10 +81,11 @@ static void add_way(job *j, const btf_material_info *info, uint32_t effects, con
     for (int kind = INTERPOLATED; kind < KINDS; kind++) {
         const int interpolation = kind == NEAREST || kind == AT_SAMPLES ? BTF_REF_NEAREST : BTF_REF_LINEAR;
         variant *v = &j->variants[j->n_variants++];
-        *v = (variant){.options = {.effects = effects, .interpolation = interpolation, .filter = BTF_REF_TEXEL},
-                       .kind = (enum kind)kind,
-                       .count = count,
-                       .first = j->n_rows + (size_t)kind};
+        *v = (variant){
+            .options = {.effects = effects, .interpolation = interpolation, .filter = BTF_REF_TEXEL},
+            .kind = (enum kind)kind,
+            .count = count,
+            .first = j->n_rows + (size_t)kind};
         for (size_t i = 0; i < count; i++) {
             v->components[i] = components[i];
             v->gpu_bytes[i] = (double)enc_report_gpu_bytes_part(info, effects, components[i]);
@@ -105,8 +106,11 @@ static void make_variants(job *j, const btf_material_info *info) {
         size_t count = 0;
         if (effects & BTF_EFFECT_RESIDUAL) {
             const uint32_t k = info->components;
-            const uint32_t some[] = {k,         k > group ? k - group : 0, 7 * k / 8, 3 * k / 4, k / 2, 3 * k / 8,
-                                     k / 4, k / 8,                     2 * group, group};
+            const uint32_t some[] = {k,         k > group ? k - group : 0,
+                                     7 * k / 8, 3 * k / 4,
+                                     k / 2,     3 * k / 8,
+                                     k / 4,     k / 8,
+                                     2 * group, group};
             for (size_t i = 0; i < sizeof some / sizeof *some; i++) {
                 const uint32_t components = i == 0 ? k : (some[i] + group - 1) / group * group;
                 if (components > 0 && (count == 0 || components < list[count - 1])) {
@@ -181,7 +185,8 @@ static void look_up_pair(const job *j, const float *profiles, pair *p) {
 
 /* One texel under a pair of directions for each kind: adds squared errors, linear and sRGB-coded, of each
  * row: sum[row][cell][2]. */
-static void measure_pair(const job *j, const enc_evaluated_texel *texel, const pair pairs[KINDS], double *sum) {
+static void measure_pair(const job *j, const enc_evaluated_texel *texel, const pair pairs[KINDS],
+                         double *sum) {
     for (size_t w = 0; w < j->n_variants; w++) {
         const variant *v = &j->variants[w];
         const pair *p = &pairs[v->kind];

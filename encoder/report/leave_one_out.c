@@ -84,8 +84,8 @@ static void interpolate(const enc_data *data, const float *samples, const pair *
 }
 
 /* One sample, predicted: sum[0..1] of the data, sum[2..3] of the material. */
-static void measure_pair(const job *j, const enc_evaluated_texel *texel, const float *samples, const pair *p,
-                         double *sum) {
+static void measure_pair(const job *j, const enc_evaluated_texel *texel, const float *samples,
+                         const pair *p, double *sum) {
     static const uint32_t all = UINT32_MAX;
     static const btf_ref_options everything = {.effects = BTF_EFFECT_ALL,
                                                .interpolation = BTF_REF_LINEAR,

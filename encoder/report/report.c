@@ -241,27 +241,31 @@ static void print_truncations(const enc_report *report, const btf_material_info 
             part_name(info), part_name(info), "MB", "samples", "between");
     for (size_t i = 0; i < report->n_truncations; i++) {
         const enc_truncation *t = &report->truncations[i];
-        fprintf(out, "  %-12u %10.3f    %5.2f / %5.2f    %5.2f / %5.2f\n", t->components, t->gpu_bytes / 1e6,
-                enc_psnr_linear(&t->samples), enc_psnr_srgb(&t->samples), enc_psnr_linear(&t->between),
-                enc_psnr_srgb(&t->between));
+        fprintf(out, "  %-12u %10.3f    %5.2f / %5.2f    %5.2f / %5.2f\n", t->components,
+                t->gpu_bytes / 1e6, enc_psnr_linear(&t->samples), enc_psnr_srgb(&t->samples),
+                enc_psnr_linear(&t->between), enc_psnr_srgb(&t->between));
     }
 }
 
 /* Textures of all levels, and how many bytes each takes for a texel of level 0. */
 static void print_parts(const enc_report *report, const btf_material_info *info, FILE *out) {
     const double texels = (double)enc_data_texel_count(report->data);
-    fprintf(out, "\nBytes by texture (tables of directions and scales are not part of the sum)\n  %-24s %10s %14s\n",
-            "", "MB", "bytes a texel");
+    fprintf(
+        out,
+        "\nBytes by texture (tables of directions and scales are not part of the sum)\n  %-24s %10s %14s\n",
+        "", "MB", "bytes a texel");
     for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
         double bytes = 0;
         for (uint32_t level = 0; level < info->levels; level++) {
             bytes += (double)btf_material_level_texture(report->material, level, (btf_texture_id)id).size;
         }
         if (bytes > 0) {
-            fprintf(out, "  %-24s %10.3f %14.1f\n", btf_texture_name((btf_texture_id)id), bytes / 1e6, bytes / texels);
+            fprintf(out, "  %-24s %10.3f %14.1f\n", btf_texture_name((btf_texture_id)id), bytes / 1e6,
+                    bytes / texels);
         }
     }
-    fprintf(out, "  %-24s %10.3f %14.1f\n", "sum", (double)info->gpu_bytes / 1e6, (double)info->gpu_bytes / texels);
+    fprintf(out, "  %-24s %10.3f %14.1f\n", "sum", (double)info->gpu_bytes / 1e6,
+            (double)info->gpu_bytes / texels);
 }
 
 /* The traffic between ranks, as rank 0 counted it. */

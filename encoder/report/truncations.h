@@ -8,8 +8,8 @@
 #include "bands.h"
 #include "metrics.h"
 
-/* All effects with the first `components` of the residual (units, where its store is factors), at level 0. Means of
- * squared errors at directions drawn from each pair of bands, which counts by its samples. */
+/* All effects with the first `components` of the residual (units, where its store is factors), at level 0.
+ * Means of squared errors at directions drawn from each pair of bands, which counts by its samples. */
 typedef struct enc_truncation {
     uint32_t components;
     double gpu_bytes;

@@ -12,6 +12,17 @@
 
 enum { BENCH_PRESETS = 4, BENCH_DECODE_REPEATS = 5 };
 
+/* What section `decode` decodes. */
+enum {
+    BENCH_METHOD_JOINT = 1,
+    BENCH_METHOD_SOURCES = 2, /* joint without a residual: SBRDF times shadow */
+    BENCH_METHOD_PAPER = 4,
+    BENCH_METHOD_FACTORS = 8,
+    BENCH_METHOD_PEERS = 16,
+    BENCH_METHOD_REFERENCE = 32, /* the reference decoder on the CPU, of the others */
+    BENCH_METHOD_ALL = 63,
+};
+
 typedef struct bench_run {
     const enc_context *context;
     const enc_data *data;
@@ -32,6 +43,7 @@ typedef struct bench_run {
     const bench_system *system;
     int repeats;        /* of an encode; a decode is repeated at least BENCH_DECODE_REPEATS times */
     bool quick;         /* fewer settings */
+    uint32_t methods;   /* BENCH_METHOD bits of section `decode` */
     const char *device; /* the only one to decode on; NULL: all */
     const char *keep;   /* folder of materials that section `plan` encodes once; NULL: none */
 } bench_run;

@@ -72,6 +72,13 @@ static btf_result measure_joint(const section *s, int preset, bench_row *row) {
     return result == BTF_OK ? measure_encoded(s, &encoded, row) : result;
 }
 
+static btf_result measure_factors(const section *s, int preset, bench_row *row) {
+    bench_encoded encoded;
+    const btf_result result =
+        bench_encode_factors(s->run->context, s->run->data, preset, s->budget, &encoded);
+    return result == BTF_OK ? measure_encoded(s, &encoded, row) : result;
+}
+
 static btf_result measure_paper(const section *s, int setting, bench_row *row) {
     bench_encoded encoded;
     (void)setting;
@@ -124,7 +131,8 @@ static btf_result measure_all(section *s) {
         const char *sweep, *name;
         measure_fn measure;
         int setting;
-    } rows[] = {{"paper", "paper", measure_paper, 0},
+    } rows[] = {{"factors", "factors", measure_factors, ENC_JOINT_MEDIUM},
+                {"paper", "paper", measure_paper, 0},
                 {"PCA", "PCA 8 bit linear", measure_pca, PCA_LINEAR},
                 {"PCA", "PCA 8 bit square root", measure_pca, PCA_SQRT},
                 {"split PCA", "split PCA 8 bit", measure_split, 1},
@@ -139,9 +147,10 @@ static btf_result measure_all(section *s) {
             result = measured(s, "preset", name, measure_joint, i);
         }
     }
-    const bool components = pca_rank_for(s->run->data, PCA_BYTE, 1, s->budget) > 0;
+    const bool components = pca_rank_for(s->run->data, PCA_BYTE, 1, s->budget) > 0,
+               factors = s->budget >= bench_factors_least(s->run->data);
     for (size_t i = 0; i < sizeof rows / sizeof *rows && result == BTF_OK; i++) {
-        if (components || !strstr(rows[i].name, "PCA")) {
+        if (strstr(rows[i].name, "PCA") ? components : factors || rows[i].measure != measure_factors) {
             result = measured(s, rows[i].sweep, rows[i].name, rows[i].measure, rows[i].setting);
         }
     }

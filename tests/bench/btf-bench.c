@@ -62,6 +62,7 @@ static struct {
     int count, threads, texels, rank, repeats, holdout;
     name_set set;
     bool only, presets_given, repeats_given, quick, quiet;
+    uint32_t methods;
     uint64_t budget;
     enc_read_options read;
 } o = {.out = "bench", .texels = 24, .rank = 400};
@@ -141,6 +142,28 @@ static const char *parse_only(const char *text, void *value) {
     return NULL;
 }
 
+/* In the order of the bits BENCH_METHOD. */
+static const char *const method_names[] = {"joint", "sources", "paper", "factors", "peers", "reference"};
+enum { METHODS = sizeof method_names / sizeof method_names[0] };
+
+static const char *parse_methods(const char *text, void *value) {
+    char word[32];
+    (void)value;
+    while (next_word(&text, word, sizeof word)) {
+        int i = 0;
+        while (i < METHODS && strcmp(word, method_names[i]) != 0) {
+            i++;
+        }
+        if (i == METHODS) {
+            return "names of joint, sources, paper, factors, peers, reference, with commas between";
+        }
+        o.methods |= 1u << i;
+    }
+    return o.methods & (BENCH_METHOD_JOINT | BENCH_METHOD_SOURCES | BENCH_METHOD_PAPER | BENCH_METHOD_FACTORS)
+               ? NULL
+               : "one of joint, sources, paper, factors at least";
+}
+
 static const cli_option table[] = {
     {.name = "input",
      .arg = "DATA",
@@ -208,6 +231,12 @@ static const cli_option table[] = {
      .value = &o.device,
      .help = "decode on one GL device of btf-conform --list; default all of\nthem, with --quick one a "
              "language"},
+    {.name = "methods",
+     .arg = "NAMES",
+     .type = CLI_CUSTOM,
+     .parse = parse_methods,
+     .help = "section decode: some of joint, sources (joint without components),\npaper, factors (format 2), "
+             "peers, reference (the decoder on the CPU);\ndefault all"},
     {.name = "keep",
      .arg = "DIR",
      .type = CLI_STRING,
@@ -249,7 +278,8 @@ static const cli_program program = {
                "what counts.\n"
                "A slow run informs and never fails.",
     .example = "btf-bench --input BRICKS64.zip --only codecs,holdout --out bench\n"
-               "btf-bench --materials bricks,bumps,weave --size 32x32 --preset fast",
+               "btf-bench --materials bricks,bumps,weave --size 32x32 --preset fast\n"
+               "btf-bench --input BRICKS64.zip --only decode --device osmesa --methods joint,factors,peers",
     .options = table,
     .max_arguments = 0,
 };
@@ -385,6 +415,7 @@ static btf_result run_material(const enc_context *context, const material *m, co
                        .system = system,
                        .repeats = o.repeats,
                        .quick = o.quick,
+                       .methods = o.methods,
                        .device = o.device,
                        .keep = o.keep};
     memcpy(bench.presets, o.set.presets, sizeof bench.presets);
@@ -510,6 +541,7 @@ int main(int argc, char **argv) {
     if (!cli_parse(&program, argc, argv, &arguments, &exit_code)) {
         return exit_code;
     }
+    o.methods = o.methods ? o.methods : BENCH_METHOD_ALL;
     if (o.count == 0) {
         o.materials[o.count++] = (material){.relief = RELIEF_BRICKS};
     }

@@ -17,7 +17,7 @@ typedef struct setting {
     char sweep[24], name[72];
     double x;
     int same_as; /* the setting that has the same options, -1: none */
-    bool paper, half;
+    bool paper, factors, half;
     enc_paper_options paper_options;
     enc_joint_options joint_options;
 } setting;
@@ -52,6 +52,18 @@ static void plan_presets(plan *p, const bench_run *run) {
             s->joint_options.preset = i;
             NAME(s, "joint %s", bench_preset_names[i]);
             p->medium = i == ENC_JOINT_MEDIUM ? p->count - 1 : p->medium;
+        }
+    }
+}
+
+/* Factors by the same presets: rounds of descent on the codes. */
+static void plan_factors(plan *p, const bench_run *run) {
+    for (int i = 0; i < BENCH_PRESETS; i++) {
+        if (run->presets_given ? run->presets[i] : !run->quick || i < ENC_JOINT_THOROUGH) {
+            setting *s = add(p, "factors", i, -1);
+            s->factors = true;
+            s->joint_options.preset = i;
+            NAME(s, "factors %s", bench_preset_names[i]);
         }
     }
 }
@@ -148,19 +160,23 @@ static btf_result plan_centres(plan *p, const bench_run *run) {
     return BTF_OK;
 }
 
+static btf_result encode(const bench_run *run, const setting *s, bench_encoded *out) {
+    const enc_data *data = run->held->train;
+    enc_joint_options joint = s->joint_options;
+    joint.budget = run->budget;
+    return s->paper     ? bench_encode_paper_options(run->context, data, &s->paper_options, s->half, out)
+           : s->factors ? bench_encode_factors(run->context, data, joint.preset, run->budget, out)
+                        : bench_encode_joint_options(run->context, data, &joint, s->half, out);
+}
+
 /* Encodes run->repeats times; accuracy is that of the last, since all are the same. */
 static btf_result measure(const bench_run *run, const setting *s, bench_row *row) {
     double core[BENCH_MOST_REPEATS], wall[BENCH_MOST_REPEATS];
     btf_result result = BTF_OK;
     for (int i = 0; i < run->repeats && result == BTF_OK; i++) {
         bench_encoded encoded;
-        enc_joint_options joint = s->joint_options;
-        joint.budget = run->budget;
         const double before = bench_peak_reset();
-        result = s->paper ? bench_encode_paper_options(run->context, run->held->train, &s->paper_options,
-                                                       s->half, &encoded)
-                          : bench_encode_joint_options(run->context, run->held->train, &joint, s->half,
-                                                       &encoded);
+        result = encode(run, s, &encoded);
         if (result != BTF_OK) {
             break;
         }
@@ -256,6 +272,7 @@ btf_result bench_section_encode(const bench_run *run) {
     if (result == BTF_OK) {
         p->medium = -1;
         plan_presets(p, run);
+        plan_factors(p, run);
         plan_joint(p, run);
         plan_fit(p);
         plan_points(p, run->held->train);

@@ -4,6 +4,8 @@
  */
 #include "encodes.h"
 
+#include "encoder/factor/factor.h"
+#include "encoder/job/settings.h"
 #include "encoder/model/pack.h"
 #include "encoder/model/unpack.h"
 
@@ -76,6 +78,26 @@ btf_result bench_encode_joint(const enc_context *context, const enc_data *data, 
 btf_result bench_encode_paper(const enc_context *context, const enc_data *data, bench_encoded *out) {
     const enc_paper_options options = enc_paper_options_default();
     return bench_encode_paper_options(context, data, &options, false, out);
+}
+
+btf_result bench_encode_factors(const enc_context *context, const enc_data *data, int preset, uint64_t budget,
+                                bench_encoded *out) {
+    const bench_clock start = bench_now();
+    enc_job job = {.joint = enc_joint_options_default()};
+    enc_factors_stats stats;
+    enc_solution found;
+    job.joint.preset = preset;
+    job.joint.budget = budget;
+    const enc_factors_settings settings =
+        enc_settings_of_factors(&job, data->width, data->height, data->n_views, data->n_lights);
+    *out = (bench_encoded){0};
+    const btf_result result = enc_factors_solve(context, data, &settings, &found, &stats);
+    return result == BTF_OK ? store(context, data, &found, BTF_LAYOUT_TIGHT, false, "factors", start, out)
+                            : result;
+}
+
+uint64_t bench_factors_least(const enc_data *data) {
+    return enc_factor_least_budget(data->width, data->height, data->n_views, data->n_lights);
 }
 
 void bench_encoded_clear(bench_encoded *encoded) {

@@ -68,7 +68,8 @@ static btf_result plot_headline(const bench_run *run, const bench_table *table) 
     static const struct {
         shown by;
         const char *more[6]; /* sweeps of the same series */
-    } all[] = {{{"preset", "joint, by preset", true, true}, {NULL}},
+    } all[] = {{{"factors", "factors (format 2), by preset", true, true}, {NULL}},
+               {{"preset", "joint, by preset", true, true}, {NULL}},
                {{"rounds", "joint medium, 1 to 16 rounds", true, false}, {NULL}},
                {{"joint effects", "joint, effects left out", false, false}, {NULL}},
                {{"paper", "paper, by its settings", false, true},
@@ -97,7 +98,8 @@ static btf_result plot_headline(const bench_run *run, const bench_table *table) 
 }
 
 btf_result bench_plot_encode(const bench_run *run, const bench_table *table) {
-    static const shown all[] = {{"preset", "joint, by preset", true, true},
+    static const shown all[] = {{"factors", "factors (format 2), by preset", true, true},
+                                {"preset", "joint, by preset", true, true},
                                 {"rounds", "joint medium, by rounds (1 to 16)", true, false},
                                 {"joint effects", "joint, effects left out", false, false},
                                 {"paper", "paper", false, true},
@@ -134,7 +136,8 @@ btf_result bench_plot_encode(const bench_run *run, const bench_table *table) {
 }
 
 btf_result bench_plot_storage(const bench_run *run, const bench_table *table) {
-    static const shown all[] = {{"joint", "joint medium, by budget", true, false},
+    static const shown all[] = {{"factors", "factors (format 2), by budget", true, false},
+                                {"joint", "joint medium, by budget", true, false},
                                 {"joint SBRDF", "joint, SBRDF x shadow sources", false, false},
                                 {"paper", "paper: SBRDF, STVS, full", true, false},
                                 {"PCA linear", "PCA, 8 bit, linear values", true, false},

@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "readme.h"
+#include "tests/bench/decode/decode_materials.h"
 
 #include <math.h>
 #include <string.h>
@@ -25,9 +26,9 @@ static void print_pair(double linear, double srgb, FILE *out) {
 }
 
 static btf_result encode_table(const bench_run *run, const bench_table *table, const bench_row *medium) {
-    static const char *const names[] = {"joint fast",           "joint medium", "joint thorough",
-                                        "joint exhaustive",     "paper",        "paper; 0 rejections",
-                                        "paper; 9 lights vote", "paper; 1 lobe"};
+    static const char *const names[] = {"joint fast",       "joint medium",  "joint thorough",
+                                        "joint exhaustive", "factors fast",  "factors medium",
+                                        "factors thorough", "paper",         "paper; 1 lobe"};
     FILE *out;
     const btf_result result = bench_open(run, "readme-encode", "md", &out);
     if (result != BTF_OK) {
@@ -88,7 +89,8 @@ static void print_gain(const bench_row *a, const bench_row *b, FILE *out) {
 
 btf_result bench_readme_encode(const bench_run *run, const bench_table *table) {
     const bench_row *fast = find(table, "joint fast"), *medium = find(table, "joint medium"),
-                    *thorough = find(table, "joint thorough"), *paper = find(table, "paper");
+                    *thorough = find(table, "joint thorough"), *factors = find(table, "factors medium"),
+                    *paper = find(table, "paper");
     FILE *out;
     if (!fast || !medium || !paper) {
         return BTF_OK;
@@ -107,6 +109,12 @@ btf_result bench_readme_encode(const bench_run *run, const bench_table *table) {
         print_gain(thorough, medium, out);
         fprintf(out, ".\n");
     }
+    if (factors) {
+        fprintf(out, "- `--method factors`, format 2, a draft: %.2f times the time of `medium`, ",
+                factors->core / medium->core);
+        print_gain(factors, medium, out);
+        fprintf(out, ".\n");
+    }
     fprintf(out, "- `--method paper`: %.1f times the time of `medium`, ", paper->core / medium->core);
     print_gain(paper, medium, out);
     fprintf(out, "; there as a baseline, not to be used.\n");
@@ -119,7 +127,8 @@ static void print_row(const decode_row *r, const char *name, double unit, FILE *
         const int seen = decode_seen(r);
         print_pair(r->linear[seen], r->srgb[seen], out);
         print_pair(r->linear[0], r->srgb[0], out);
-        fputc('\n', out);
+        fprintf(out, " %.3f | %.0f / %.0f | %.0f / %.0f |\n", 1e-6 * r->gpu_bytes, r->cost.fetches, r->cost.bytes,
+                r->cost.integers, r->cost.floats);
     }
 }
 
@@ -129,15 +138,20 @@ static btf_result decode_rows(const bench_run *run, const decode_table *table, c
         const char *material, *effects, *name;
         bool nearest, bilinear, fast;
     } rows[] = {
-        {"joint", "whole", "joint: three directions, exact", false, false, false},
-        {"joint", "whole", "the same, fast math", false, false, true},
-        {"joint", "whole", "joint: nearest directions, exact", true, false, false},
-        {"joint", "whole", "joint: three directions, bilinear, exact", false, true, false},
-        {"joint", "half the components", "joint: half of the components", false, false, false},
-        {"joint; SBRDF x shadow sources", "whole", "SBRDF x shadow sources, exact", false, false, false},
-        {"paper", "whole", "paper: three directions, exact", false, false, false},
-        {"paper", "whole", "the same, fast math", false, false, true},
-        {"paper", "SBRDF and shadow", "paper: SBRDF and shadow", false, false, false},
+        {DECODE_JOINT, "whole", "joint: three directions, exact", false, false, false},
+        {DECODE_JOINT, "whole", "the same, fast math", false, false, true},
+        {DECODE_JOINT, "whole", "joint: nearest directions, exact", true, false, false},
+        {DECODE_JOINT, "whole", "joint: three directions, bilinear, exact", false, true, false},
+        {DECODE_FACTORS, "whole", "factors: three directions, exact", false, false, false},
+        {DECODE_FACTORS, "whole", "the same, fast math", false, false, true},
+        {DECODE_FACTORS, "whole", "factors: nearest directions, exact", true, false, false},
+        {DECODE_FACTORS, "whole", "factors: three directions, bilinear, exact", false, true, false},
+        {DECODE_HALF_FACTORS, "whole", "factors: half the bytes of joint", false, false, false},
+        {DECODE_EQUAL_FACTORS, "whole", "factors: PSNR of joint", false, false, false},
+        {DECODE_SHIFTED_FACTORS, "whole", "factors: a source of its own for each view", false, false, false},
+        {DECODE_SOURCES, "whole", "SBRDF x shadow sources, exact", false, false, false},
+        {DECODE_PAPER, "whole", "paper: three directions, exact", false, false, false},
+        {DECODE_PAPER, "whole", "the same, fast math", false, false, true},
         {"Phong", "two maps", "Phong, two maps", false, false, true},
         {"uncompressed", "3 x 3 images of 8 bits", "uncompressed, 3 x 3 images", false, false, true}};
     FILE *out;
@@ -146,8 +160,9 @@ static btf_result decode_rows(const bench_run *run, const decode_table *table, c
         return result;
     }
     fprintf(out,
-            "| decoding, %s | times joint | ns a pixel | %s | at the samples |\n"
-            "| --- | --- | --- | --- | --- |\n",
+            "| decoding, %s | times joint | ns a pixel | %s | at the samples | GPU MB | fetches / bytes | operations "
+            "of integers / floats |\n"
+            "| --- | --- | --- | --- | --- | --- | --- | --- |\n",
             table->device[0].renderer, bench_seen_words(run));
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         print_row(decode_table_find(table, device, rows[i].material, rows[i].effects, rows[i].nearest,
@@ -188,9 +203,15 @@ static void print_way(const char *text, const decode_row *r, const decode_row *b
     fprintf(out, ".\n");
 }
 
+/* One way to decode a material. */
+static const decode_row *way(const decode_table *table, const char *material, const char *effects, bool nearest,
+                             bool bilinear, bool fast) {
+    return decode_table_find(table, table->device[0].name, material, effects, nearest, bilinear, fast);
+}
+
 btf_result bench_readme_decode(const bench_run *run, const decode_table *table) {
     const char *device = table->devices > 0 ? table->device[0].name : "";
-    const decode_row *base = decode_table_find(table, device, "joint", "whole", false, false, false);
+    const decode_row *base = decode_table_find(table, device, DECODE_JOINT, "whole", false, false, false);
     FILE *out;
     if (!base) {
         return BTF_OK;
@@ -203,30 +224,36 @@ btf_result bench_readme_decode(const bench_run *run, const decode_table *table) 
             "\nOf the shader, against joint with three directions, texels and exact mathematics (%.0f ns a "
             "pixel; a viewer's choice), on that device:\n\n",
             base->ns);
-    print_way(
-        "**A game**: `--effects shadow,shift,gain` when encoding: SBRDF times shadow instead of components",
-        decode_table_find(table, device, "joint; SBRDF x shadow sources", "whole", false, false, false),
-        base, out);
-    print_way("a game that cannot afford more: nearest directions",
-              decode_table_find(table, device, "joint", "whole", true, false, false), base, out);
-    print_way("half of the components, `components` of the shader's options",
-              decode_table_find(table, device, "joint", "half the components", false, false, false), base,
-              out);
-    print_way("a quarter of them",
-              decode_table_find(table, device, "joint", "a quarter of the components", false, false, false),
-              base, out);
+    print_way("**A game**: `--method factors` (format 2, a draft) at the same bytes",
+              way(table, DECODE_FACTORS, "whole", false, false, false), base, out);
+    print_way("with half of the bytes, `--budget`",
+              way(table, DECODE_HALF_FACTORS, "whole", false, false, false), base, out);
+    print_way("with nearest directions", way(table, DECODE_FACTORS, "whole", true, false, false), base, out);
+    print_way("half of its units, `components` of the shader's options",
+              way(table, DECODE_FACTORS, "half the components", false, false, false), base, out);
+    print_way("joint with `--effects shadow,shift,gain`: SBRDF times shadow instead of components",
+              way(table, DECODE_SOURCES, "whole", false, false, false), base, out);
+    print_way("joint with nearest directions", way(table, DECODE_JOINT, "whole", true, false, false), base, out);
+    print_way("half of the components of joint",
+              way(table, DECODE_JOINT, "half the components", false, false, false), base, out);
     print_way("**A still, or a close look**: bilinear texels",
-              decode_table_find(table, device, "joint", "whole", false, true, false), base, out);
-    print_way("native mathematics (`BTF_MATH_FAST`), what exactness costs here",
-              decode_table_find(table, device, "joint", "whole", false, false, true), base, out);
-    const decode_row *paper = decode_table_find(table, device, "paper", "whole", false, false, false),
-                     *fast = decode_table_find(table, device, "paper", "whole", false, false, true);
-    if (paper && fast) {
-        fprintf(
-            out,
-            "- where `pow` is computed, exactness costs more: `--method paper` takes %.2f times the time "
-            "of native mathematics.\n",
-            paper->ns / fast->ns);
+              way(table, DECODE_JOINT, "whole", false, true, false), base, out);
+    print_way("of factors", way(table, DECODE_FACTORS, "whole", false, true, false), base, out);
+    const decode_row *fast = way(table, DECODE_JOINT, "whole", false, false, true),
+                     *factors = way(table, DECODE_FACTORS, "whole", false, false, false),
+                     *factors_fast = way(table, DECODE_FACTORS, "whole", false, false, true),
+                     *paper = way(table, DECODE_PAPER, "whole", false, false, false),
+                     *paper_fast = way(table, DECODE_PAPER, "whole", false, false, true);
+    if (fast) {
+        fprintf(out, "- exactness costs %.2f times the time of native mathematics (`BTF_MATH_FAST`)",
+                base->ns / fast->ns);
+        if (factors && factors_fast) {
+            fprintf(out, ", factors %.2f", factors->ns / factors_fast->ns);
+        }
+        if (paper && paper_fast) {
+            fprintf(out, ", `--method paper`, which computes `pow`, %.2f", paper->ns / paper_fast->ns);
+        }
+        fprintf(out, ".\n");
     }
     fprintf(
         out,

@@ -106,6 +106,31 @@ static btf_result run_joint(storage *s) {
     return result;
 }
 
+static btf_result measure_factors(storage *s, const void *what, bench_row *row) {
+    const uint64_t *budget = what;
+    bench_encoded encoded;
+    btf_result result = bench_encode_factors(s->run->context, s->data, ENC_JOINT_MEDIUM, *budget, &encoded);
+    const subset whole = {&encoded, BTF_EFFECT_ALL};
+    if (result == BTF_OK) {
+        result = measure_subset(s, &whole, row);
+        bench_encoded_clear(&encoded);
+    }
+    return result;
+}
+
+static btf_result run_factors(storage *s) {
+    char name[72];
+    btf_result result = BTF_OK;
+    for (int i = 0; i < PARTS && result == BTF_OK; i++) {
+        const uint64_t budget = (uint64_t)(parts[i] * (double)s->budget);
+        if (budget >= bench_factors_least(s->data)) {
+            snprintf(name, sizeof name, "factors; %g of the budget", parts[i]);
+            result = measured(s, bench_row_named("factors", name, parts[i]), measure_factors, &budget);
+        }
+    }
+    return result;
+}
+
 static btf_result run_paper(storage *s) {
     static const struct {
         const char *name;
@@ -303,6 +328,9 @@ btf_result bench_section_storage(const bench_run *run) {
     if (result == BTF_OK) {
         reference_view(s.first.material, 0, &s.tables);
         result = run_joint(&s);
+    }
+    if (result == BTF_OK) {
+        result = run_factors(&s);
     }
     if (result == BTF_OK) {
         result = run_paper(&s);

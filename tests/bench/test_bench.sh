@@ -26,6 +26,8 @@ if [ -n "$light" ]; then # the sections that encode do nothing but what test_enc
     expect "an unknown section" 1 btf-bench --only nothing
     expect "no data" 2 btf-bench --input missing --out x -q
     expect "pairs of nothing" 1 btf-bench --pairs pairs --input tiny
+    expect "unknown methods" 1 btf-bench --methods joint,none
+    expect "nothing to decode" 1 btf-bench --methods peers
     expect "no folder" 2 btf-bench --quick --input tiny --out columns.py/x -q
     OMP_WAIT_POLICY=passive expect "interrupted" 130 at "1 rename journal" INT btf-bench --materials bricks --size 24x24 --only encode --out i -q
     finish
@@ -36,7 +38,7 @@ expect_that "every sweep is there" python3 - <<'P'
 import csv
 rows = list(csv.DictReader(open("b/encode-tiny.csv")))
 sweeps = {row["sweep"] for row in rows}
-assert sweeps == {"paper", "preset", "rounds", "joint effects", "lobes", "rejection", "lights voted", "window",
+assert sweeps == {"paper", "preset", "factors", "rounds", "joint effects", "lobes", "rejection", "lights voted", "window",
                   "centres", "numbers"}, sweeps
 names = {row["setting"]: row for row in rows}
 for row in rows:
@@ -56,7 +58,7 @@ for row in front:
         assert not (float(other["core_s"]) < float(row["core_s"]) and
                     float(other["psnr_between_linear"]) > float(row["psnr_between_linear"])), (row, other)
 stored = {row["setting"]: row for row in csv.DictReader(open("b/storage-tiny.csv"))}
-assert {row["sweep"] for row in stored.values()} >= {"joint", "paper", "PCA linear", "split PCA", "low-bit PCA",
+assert {row["sweep"] for row in stored.values()} >= {"joint", "factors", "paper", "PCA linear", "split PCA", "low-bit PCA",
                                                      "uncompressed", "splines"}, stored
 assert stored["uncompressed; splines"]["psnr_linear"] == "" != stored["uncompressed; splines"]["psnr_between_srgb"]
 P
@@ -91,10 +93,10 @@ expect "other settings, another run" 0 btf-bench --quick --input tiny --only mac
 expect_that "nothing of the other run is left" test -z "$(grep 'come from before' b/summary.md)"
 
 # Between the samples: the figures of btf-compare, whatever the peer; an estimate where there is no truth.
-btf_between() { btf-bench --input tiny "$@" --only between --preset fast -q; }
+btf_between() { btf-bench --input tiny "$@" --only between --preset fast --repeats 1 -q; }
 expect "between" 0 btf_between --pairs pairs --out e
 expect "between, without truth" 0 btf_between --out f
-expect "between, ray-cast" 0 btf-bench --materials bricks --size 8x8 --only between --preset fast --out r -q
+expect "between, ray-cast" 0 btf-bench --materials bricks --size 8x8 --only between --preset fast --repeats 1 --out r -q
 expect "the same data as images" 0 btf-sample -o same --size 8x8 --format exr --quiet
 expect "the same truth as images" 0 btf-sample -o same_pairs --size 8x8 --between 100 --quiet
 expect "encodes" 0 btf-encode tiny -o tiny.btf.exr --preset fast --quiet
@@ -115,7 +117,7 @@ def check(row, path, key="between", column="psnr_between"):
         assert abs(float(row[f"{column}_{kind}"]) - figures[kind]) < 2e-3, (row, path, figures[kind])
 given, none, cast = rows("e/between-tiny.csv"), rows("f/between-tiny.csv"), rows("r/between-bricks.csv")
 assert list(given) == list(none) == list(cast) == [
-    "joint fast", "paper", "PCA 8 bit linear", "PCA 8 bit square root", "split PCA 8 bit", "low-bit split PCA",
+    "joint fast", "factors", "paper", "PCA 8 bit linear", "PCA 8 bit square root", "split PCA 8 bit", "low-bit split PCA",
     "uncompressed; barycentric", "uncompressed; splines"], list(given)
 for of, data in ((given, "tiny"), (cast, "same")):
     check(of["uncompressed; barycentric"], data + "-linear.json")
@@ -161,20 +163,48 @@ assert len(rows) == 4 and all(math.isfinite(float(row[i])) for row in rows for i
 P
 
 if "$build/tests/conformance/btf-conform" --device osmesa --count 10 --steps 10 >/dev/null 2>&1; then
-    expect "decode" 0 btf-bench --quick --input tiny --pairs pairs --holdout ring --only decode --device osmesa --out d -q
+    expect "decode" 0 btf-bench --quick --input tiny --pairs pairs --holdout ring --only decode --device osmesa --methods joint,sources,paper,factors,reference --out d -q
     expect_that "decode has its columns" python3 columns.py d/decode-tiny.csv
-    expect_that "the CPU and the GPU decode alike" python3 - <<'P'
-import csv
-rows = [row for row in csv.DictReader(open("d/decode-tiny.csv")) if row["effects"] == "whole" and row["side"] == "0"]
-def of(device, material, directions):
-    return next(row for row in rows if (row["device"], row["material"], row["directions"], row["filter"], row["math"]) ==
-                (device, material, directions, "texel", "exact"))
-for material in {row["material"] for row in rows}:
-    for directions in ("linear", "nearest"):
+    cat >decode.py <<'P'
+import csv, sys
+rows = [row for row in csv.DictReader(open("d/decode-tiny.csv")) if row["side"] == "0"]
+def of(device, material, directions="linear", effects="whole", math="exact"):
+    found = [row for row in rows if (row["device"], row["material"], row["directions"], row["effects"], row["filter"],
+                                     row["math"]) == (device, material, directions, effects, "texel", math)]
+    assert len(found) == 1, (device, material, directions, effects, math, found)
+    return found[0]
+ours = {row["material"] for row in rows if row["device"] == "CPU reference"}
+factors = {"factors", "factors; half the bytes", "factors; PSNR of joint"}
+assert ours == factors | {"joint", "joint; SBRDF x shadow sources", "paper"}, ours
+for material in ours:
+    for directions in ("linear",) if "factors;" in material else ("linear", "nearest"):
         a, b = (of(device, material, directions) for device in ("osmesa", "CPU reference"))
         for figure in ("psnr_linear", "psnr_srgb", "psnr_held_linear", "psnr_held_srgb", "psnr_between_linear",
-                       "psnr_between_srgb"):
+                       "psnr_between_srgb", "fetches", "fetched_bytes", "integer_operations", "float_operations"):
             assert a[figure] == b[figure] != "", (material, directions, figure, a[figure], b[figure])
+# Every one has its fetches alone, native mathematics, and counts.
+for material in ours | {"factors; with shift"}:
+    whole, floor = of("osmesa", material), of("osmesa", material, effects="fetches only")
+    assert whole["fetches"] == floor["fetches"] != "0" and floor["integer_operations"] == "0", (whole, floor)
+    assert float(whole["ns"]) > 0 and float(floor["ns"]) > 0 and int(whole["gpu_bytes"]) > 0
+    assert "shift" in material or float(of("osmesa", material, math="fast")["ns"]) > 0
+joint, half, equal = (of("osmesa", name) for name in ("joint", "factors; half the bytes", "factors; PSNR of joint"))
+assert int(of("osmesa", "factors")["gpu_bytes"]) <= int(joint["gpu_bytes"]) >= 2 * int(half["gpu_bytes"])
+assert float(equal["psnr_srgb"]) > float(joint["psnr_srgb"]) - 0.3, (joint, equal)  # of random samples, not of all
+for effects in ("whole; one view", "whole; one light", "half the components", "a quarter of the components"):
+    part = of("osmesa", "factors", effects=effects)
+    assert 0 < int(part["fetches"]) < int(of("osmesa", "factors")["fetches"]), part
+P
+    expect_that "the CPU and the GPU decode alike, and counts are there" python3 decode.py
+    expect_text "aims stand beside what was measured" "^\\| factors \\| whole, linear, texel .* 0.55 \\|" d/summary.md
+    expect_text "the README's rows have factors" "^\\| factors: PSNR of joint \\|" d/readme-decode-tiny.md
+    expect "conformance and decoding for a GPU" 0 env QUICK=1 OUT="$work/gpu" "$BTF_SOURCE_ROOT/tests/bench/gpu.sh" "$build" osmesa tiny --variant 3 --count 10 --steps 10
+    expect_text "prints what it found" "^\\| factors; half the bytes \\|" out
+    expect_that "and keeps it, of the methods asked for" python3 - <<'P'
+import csv, os
+rows = list(csv.DictReader(open("gpu/decode-tiny.csv")))
+assert {row["material"].split(";")[0] for row in rows} == {"joint", "factors", "PCA", "Phong", "uncompressed"}
+assert {row["device"] for row in rows} == {"osmesa"} and os.path.getsize("gpu/conform.txt") > 0
 P
 else
     printf '[ RUN      ] decode\nskipped: no OSMesa\n[  SKIPPED ] decode\n'

@@ -203,7 +203,7 @@ static void make_index(steps *s, uint64_t i, uint32_t *in, uint32_t *out) {
     out[0] = (uint32_t)i;
 }
 
-/* All 65536 pairs of bytes, as a shift. */
+/* All 65536 pairs of bytes, as a shift; of packed points all 4096 pairs of codes, each often. */
 static uint64_t count_shift(const steps *s) {
     (void)s;
     return 65536;
@@ -213,14 +213,23 @@ static void make_shift(steps *s, uint64_t i, uint32_t *in, uint32_t *out) {
     uint32_t column = random_below(&s->random, s->info.width),
              row = random_below(&s->random, s->info.height);
     int32_t dx = (int32_t)(i & 255), dy = (int32_t)(i >> 8);
+    if (s->reference->points_packed) {
+        dx &= 63;
+        dy &= 63;
+    }
     in[0] = random_below(&s->random, 16) ? 1 + random_below(&s->random, 255) : 0;
     in[1] = (uint32_t)dx;
     in[2] = (uint32_t)dy;
     in[3] = s->level;
     in[4] = column;
     in[5] = row;
-    dx -= dx > 127 ? 256 : 0;
-    dy -= dy > 127 ? 256 : 0;
+    if (s->reference->points_packed) {
+        dx -= 32;
+        dy -= 32;
+    } else {
+        dx -= dx > 127 ? 256 : 0;
+        dy -= dy > 127 ? 256 : 0;
+    }
     int shifted =
         (s->effects & BTF_EFFECT_SHIFT) && !(in[0] == 0 && (s->reference->effects & BTF_REF_HIDDEN));
     out[0] = shifted ? btf_ref_wrap(column, dx, s->info.width) : column;
@@ -248,6 +257,12 @@ static void make_codes(steps *s, uint64_t i, uint32_t *in, uint32_t *out) {
             for (size_t c = 0; c < 3; ++c)
                 out[c] = m->maps[4 * ((size_t)y * m->atlas_width + x) + 1 + c];
         return;
+    }
+    if (s->textures >> BTF_TEXTURE_POINTS & 1) {
+        const uint32_t point = m->points[2 * i] + 256u * m->points[2 * i + 1];
+        out[0] = point / 4096;
+        out[1] = point % 64;
+        out[2] = point / 64 % 64;
     }
     if (s->textures >> BTF_TEXTURE_GAIN & 1)
         out[0] = m->gain[i];

@@ -121,10 +121,10 @@ static void finish(runner *r, conform_case *c, btf_result result, double started
 
 /* A decoder that takes the row's shift for the column's. */
 static const char *swap_shift(char *library) {
-    static const char right[] = "btf_wrap(x.x, btf_signed_byte(codes.y)";
+    static const char right[] = "btf_wrap(x.x, btf_shift_of(codes.y)";
     char *at = strstr(library, right);
     if (at)
-        *strchr(at + sizeof "btf_wrap(x.x, btf_signed_byte(codes" - 1, 'y') = 'z';
+        *strchr(at + sizeof "btf_wrap(x.x, btf_shift_of(codes" - 1, 'y') = 'z';
     return library;
 }
 

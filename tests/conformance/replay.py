@@ -319,6 +319,10 @@ class Material:
             self.scales = head.floats("openbtf.factorScales")
             self.view_factors = head.floats("openbtf.factorViews")
             self.horizon_scale = head.floats("openbtf.horizonScale")[0]
+        self.packed = (head.integer("openbtf.version") >= 2 and "openbtf.pointStore" in head.attributes
+                       and head.text("openbtf.pointStore") == "packed")
+        if self.packed:
+            self.gain_base, self.gain_step = (head.floats("openbtf.gain" + name)[0] for name in ("Base", "Step"))
         self.blend_roots = "openbtf.blend" in head.attributes and head.text("openbtf.blend") == "roots"
         self.radiance_scale, self.shadow_scale, self.gain_scale, self.centre_scale = (
             head.floats("openbtf.%sScale" % name)[0] for name in ("radiance", "shadow", "gain", "centre"))
@@ -339,6 +343,15 @@ class Material:
         if self.paper:
             return self.tile("R", light, x, y)
         return int(sheet(self.parts["shadow"], "Y", self.width, self.height, self.n_lights, light, x, y))
+
+    def point(self, x, y, view):
+        """A packed point: gain code, or None, and shift bytes."""
+        size = (self.width, self.height, self.n_views, view, x, y)
+        low, high = (int(sheet(self.parts["points"], c, *size)) for c in "RG")
+        columns, rows = low % 64 - 32, low // 64 + high % 16 * 4 - 32
+        if "shift" not in self.effects:
+            columns, rows = 0, 0
+        return high // 16 if "gain" in self.effects else None, columns % 256, rows % 256
 
     def codes(self, x, y, view):
         """Gain code and shift bytes, as this decoder sees them."""
@@ -471,8 +484,8 @@ class Material:
 
     def view_radiance(self, x, y, view, lights, product, m, horizon):
         """Radiance of a texel in one sampled view, before radianceScale; its root where roots are blended."""
-        gain, b0, b1 = self.codes(x, y, view)
-        if gain == 0:
+        gain, b0, b1 = self.point(x, y, view) if self.packed else self.codes(x, y, view)
+        if gain == 0 and not self.packed:
             totals = [0, 0, 0]
             for i, w in lights:
                 totals = [t + w * code for t, code in zip(totals, self.centre(b0 + 256 * b1, i))]
@@ -497,9 +510,11 @@ class Material:
                 h = r if h is None else [add(a, b) for a, b in zip(h, r)]
             values = [mul(v, m) for v in h or [0.0] * 3]
         if gain is not None:
-            values = [mul(v, mul(float(gain), self.gain_scale)) for v in values]
+            factor = mul(float(gain), self.gain_step if self.packed else self.gain_scale)
+            factor = add(self.gain_base, factor) if self.packed else factor
+            values = [mul(v, factor) for v in values]
         if self.blend_roots:
-            return values
+            return [min(max(v, -(2.0 ** 32)), 2.0 ** 32) for v in values]
         values = [kept(v) for v in values]
         return [mul(v, v) for v in values] if self.root else values
 

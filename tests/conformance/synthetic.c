@@ -173,6 +173,9 @@ static void fill_tight(random_state *r, const synthetic_spec *s, const btf_mater
     size_t points = (size_t)info->width * info->height * info->n_views;
     uint8_t *shift = texture[BTF_TEXTURE_SHIFT], *gain = texture[BTF_TEXTURE_GAIN];
     uint8_t *shadow = texture[BTF_TEXTURE_SHADOW], *centres = texture[BTF_TEXTURE_CENTRES];
+    uint8_t *packed = texture[BTF_TEXTURE_POINTS];
+    for (size_t i = 0; packed && i < 2 * points; ++i) /* each may be anything */
+        packed[i] = (uint8_t)random_bits(r);
     for (size_t i = 0; i < points; ++i) {
         uint8_t point[3];
         make_point(r, s, info->centres, point);
@@ -306,6 +309,11 @@ static btf_result make_info(random_state *r, const synthetic_spec *s, btf_materi
         memcpy(info->factor_classes[c], s->classes[c], sizeof info->factor_classes[c]);
     }
     info->blend = s->blend;
+    if (s->packed) {
+        info->point_store = BTF_POINTS_PACKED;
+        info->gain_base = s->values == SYNTHETIC_EXTREME ? extreme_float(r, 0) : 0.3f;
+        info->gain_step = s->values == SYNTHETIC_EXTREME ? extreme_float(r, 0) : 0.11f;
+    }
     info->horizon_scale = info->store == BTF_STORE_FACTORS ? s->horizon_scale : 0;
     uint32_t room = BTF_MAX_CENTRES;
     if (s->layout == BTF_LAYOUT_PAPER) {
@@ -352,7 +360,7 @@ static btf_result make_level(random_state *r, const synthetic_spec *spec, const 
 /* A picture for viewers, which no decoder may read, in every second material of version 2; NULL in others.
  */
 static uint16_t *make_preview(random_state *r, const synthetic_spec *spec, const btf_material_info *info) {
-    const bool version_2 = info->store == BTF_STORE_FACTORS || info->blend == BTF_BLEND_ROOTS;
+    const bool version_2 = info->store == BTF_STORE_FACTORS || info->blend == BTF_BLEND_ROOTS || spec->packed;
     const size_t texels = (size_t)info->width * info->height;
     uint16_t *halves = version_2 && (spec->seed & 1) ? malloc(texels * 4 * sizeof *halves) : NULL;
     for (size_t i = 0; halves && i < 4 * texels; ++i)

@@ -44,6 +44,7 @@ typedef struct synthetic_spec {
     synthetic_codes codes;
     btf_blend blend;
     float horizon_scale; /* 0 means 1 */
+    int packed;          /* shift and gain are packed points: layout tight, both effects, not hidden */
 } synthetic_spec;
 
 /* Makes it. Errors as btf_material_create. */

@@ -56,6 +56,21 @@ enum factor_2 {
 };
 static const uint8_t levels_2[FACTORS_2] = {2, 2, 3, 3, 3, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2};
 
+/* The same for packed points, which meet every other part of a material. */
+enum factor_3 {
+    LAYOUT_3,   /* one level, all levels of detail */
+    DOMAIN_3,   /* linear, roots blended as radiance, as roots */
+    COLOUR_3,
+    SHADOW_3,
+    RESIDUAL_3, /* none, components, factors */
+    VALUES_3,
+    LEAVE_OUT_3, /* nothing, shift, gain, both */
+    INTERPOLATION_3,
+    FILTER_3,
+    FACTORS_3
+};
+static const uint8_t levels_3[FACTORS_3] = {2, 3, 3, 2, 3, 2, 4, 2, 2};
+
 /* Units, words of C1 and of C2 of each class: every class alone and with others, and mixed units of 0 to 5
  * words of colour in each class. */
 static const uint32_t mixtures[][BTF_FACTOR_CLASSES][3] = {
@@ -97,11 +112,12 @@ static void write_name(variant *v) {
             at += snprintf(classes + at, sizeof classes - (size_t)at, " %d:%u/%u/%u", c, s->classes[c][0],
                            s->classes[c][1], s->classes[c][2]);
     snprintf(v->name, sizeof v->name,
-             "%ux%u V%u L%u %s %s %s%s J%u%s%s%s%s k%u%s%s%s%s%s%s minus %u cut %u %s %s", s->width,
+             "%ux%u V%u L%u %s %s %s%s J%u%s%s%s%s%s k%u%s%s%s%s%s%s minus %u cut %u %s %s", s->width,
              s->height, s->n_views, s->n_lights, s->layout ? "tight" : "paper",
              s->domain ? "sqrt" : "linear", colours[s->colour], s->half_float ? " half" : "", s->lobes,
              s->effects & BTF_EFFECT_SHADOW ? " shadow" : "", s->effects & BTF_EFFECT_SHIFT ? " shift" : "",
              s->effects & BTF_EFFECT_HIDDEN ? " hidden" : "", s->effects & BTF_EFFECT_GAIN ? " gain" : "",
+             s->packed ? " packed" : "",
              s->components, classes, s->codes ? " bounds" : "", s->blend ? " roots" : "",
              s->all_hidden ? " all-hidden" : "", s->values ? " extreme" : "",
              s->levels > 1 ? " levels" : "", v->shader.leave_out, v->shader.components,
@@ -182,6 +198,38 @@ static void make_variant_2(const uint8_t row[FACTORS_2], uint64_t seed, size_t m
     write_name(v);
 }
 
+static void make_variant_3(const uint8_t row[FACTORS_3], uint64_t seed, variant *v) {
+    static const uint32_t classes[BTF_FACTOR_CLASSES][3] = {{1, 1, 1}, {0}, {2, 1, 0}};
+    memset(v, 0, sizeof *v);
+    synthetic_spec *s = &v->spec;
+    s->seed = seed;
+    s->width = 37;
+    s->height = 21;
+    s->directions = seed & 1 ? SYNTHETIC_RANDOM : SYNTHETIC_RINGS;
+    s->n_views = seed & 1 ? 7 : 37;
+    s->n_lights = 11;
+    s->layout = BTF_LAYOUT_TIGHT;
+    s->levels = row[LAYOUT_3] ? BTF_MAX_LEVELS : 1;
+    s->domain = row[DOMAIN_3] ? BTF_DOMAIN_SQRT : BTF_DOMAIN_LINEAR;
+    s->blend = row[DOMAIN_3] == 2 ? BTF_BLEND_ROOTS : BTF_BLEND_RADIANCE;
+    s->colour = (btf_colour)row[COLOUR_3];
+    s->lobes = s->colour == BTF_COLOUR_NONE ? 0 : 2;
+    s->packed = 1;
+    const int residual = s->colour == BTF_COLOUR_NONE && !row[RESIDUAL_3] ? 1 : row[RESIDUAL_3];
+    s->components = residual == 0 ? 0 : residual == 1 ? 6 : 3;
+    if (residual == 2)
+        memcpy(s->classes, classes, sizeof s->classes);
+    s->horizon_scale = residual == 2 ? 3.75f : 0;
+    s->effects = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | (row[SHADOW_3] ? BTF_EFFECT_SHADOW : 0u) |
+                 (residual ? BTF_EFFECT_RESIDUAL : 0u);
+    s->values = (synthetic_values)row[VALUES_3];
+    v->shader.struct_size = sizeof v->shader;
+    v->shader.leave_out = (row[LEAVE_OUT_3] & 1 ? BTF_EFFECT_SHIFT : 0u) | (row[LEAVE_OUT_3] & 2 ? BTF_EFFECT_GAIN : 0u);
+    v->shader.interpolation = (btf_interpolation)row[INTERPOLATION_3];
+    v->shader.filter = (btf_filter)row[FILTER_3];
+    write_name(v);
+}
+
 /* A mixture that was not used yet, of few classes for bilinear filtering, else of many: compilers take long
  * over both together. */
 static size_t choose_mixture(bool used[MIXTURES], bool bilinear) {
@@ -211,6 +259,9 @@ size_t variant_pairwise(uint64_t seed, variant list[VARIANT_MAX]) {
     size_t more = pairwise_rows(seed, FACTORS_2, levels_2, VARIANT_MAX - count, rows);
     for (size_t i = 0; i < more; ++i, ++count)
         make_variant_2(rows[i], seed + count, choose_mixture(used, rows[i][FILTER_2]), &list[count]);
+    more = pairwise_rows(seed, FACTORS_3, levels_3, VARIANT_MAX - count, rows);
+    for (size_t i = 0; i < more; ++i, ++count)
+        make_variant_3(rows[i], seed + count, &list[count]);
     return count;
 }
 

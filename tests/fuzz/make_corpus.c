@@ -90,7 +90,8 @@ static void write_material(const char *name, btf_layout layout, btf_colour colou
     random_material_free(&desc);
 }
 
-/* One of version 2: a unit of each class and a picture, or roots and nothing else that is new. */
+/* One of version 2: a unit of each class, points packed where they can be, and a picture; or roots and nothing
+ * else that is new. */
 static void write_version_2(const char *name, btf_layout layout, uint32_t effects, bool factors) {
     static const uint32_t classes[BTF_FACTOR_CLASSES][3] = {{1, 1, 1}, {1, 2, 0}, {1}, {1, 0, 1}, {1}};
     uint16_t preview[2 * 2 * 4] = {0x3C00, 0x3800, 0x3400, 0, 0x3000};
@@ -103,6 +104,7 @@ static void write_version_2(const char *name, btf_layout layout, uint32_t effect
     desc.info.domain = BTF_DOMAIN_SQRT;
     desc.info.blend = factors && effects ? BTF_BLEND_RADIANCE : BTF_BLEND_ROOTS;
     desc.preview = preview;
+    factor_material_pack_points(&desc);
     factor_material_fill(&r, &desc);
     write_material_file(name, &desc);
     random_material_free(&desc);
@@ -116,6 +118,7 @@ static void write_materials(void) {
                    false);
     write_version_2("factors", BTF_LAYOUT_TIGHT, 0, true);
     write_version_2("factors-all", BTF_LAYOUT_PAPER, all, true);
+    write_version_2("points", BTF_LAYOUT_TIGHT, BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN, true);
     write_version_2("roots", BTF_LAYOUT_TIGHT, BTF_EFFECT_SHADOW | BTF_EFFECT_RESIDUAL, false);
 }
 

@@ -59,10 +59,22 @@ static void fill_scales(random_state *r, const btf_material_info *info, float *o
         }
 }
 
+void factor_material_pack_points(btf_material_desc *desc) {
+    const uint32_t both = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN;
+    btf_material_info *info = &desc->info;
+    if (info->layout != BTF_LAYOUT_TIGHT || (info->effects & (both | BTF_EFFECT_HIDDEN)) != both)
+        return;
+    info->point_store = BTF_POINTS_PACKED;
+    info->gain_base = 0.3f;
+    info->gain_step = 0.11f;
+}
+
 void factor_material_choose(random_state *r, btf_material_desc *desc) {
     btf_material_info *info = &desc->info;
     if (info->domain == BTF_DOMAIN_SQRT)
         info->blend = (btf_blend)random_below(r, 2);
+    if (random_below(r, 3) > 0)
+        factor_material_pack_points(desc);
     if (!(info->effects & BTF_EFFECT_RESIDUAL) || random_below(r, 3) == 0)
         return;
     info->store = BTF_STORE_FACTORS;

@@ -17,7 +17,10 @@ btf_material_desc factor_material_desc(uint32_t width, uint32_t height, uint32_t
                                        btf_layout layout, uint32_t effects,
                                        const uint32_t classes[BTF_FACTOR_CLASSES][3]);
 
-/* A store of the residual and a blend at random, with one to ten units of any class. */
+/* Packs shift and gain where the layout and the effects allow it: gains of 0.3 to 1.95. */
+void factor_material_pack_points(btf_material_desc *desc);
+
+/* Stores of the residual and of points, and a blend, at random, with one to ten units of any class. */
 void factor_material_choose(random_state *r, btf_material_desc *desc);
 
 /* random_material_fill, then, where the store is factors, codes, scales and factors of the views. */

@@ -216,6 +216,8 @@ static void fill_level(random_state *r, const btf_material_info *info, const btf
             ((uint8_t *)data[BTF_TEXTURE_SHADOW])[i] = (uint8_t)random_next(r);
     if (data[BTF_TEXTURE_SHIFT] || data[BTF_TEXTURE_GAIN])
         fill_points(r, info, data[BTF_TEXTURE_SHIFT], data[BTF_TEXTURE_GAIN]);
+    for (size_t i = 0; data[BTF_TEXTURE_POINTS] && i < shape[BTF_TEXTURE_POINTS].size; i++)
+        ((uint8_t *)data[BTF_TEXTURE_POINTS])[i] = (uint8_t)random_next(r);
     if (data[BTF_TEXTURE_CENTRES])
         fill_centres(r, info, &shape[BTF_TEXTURE_CENTRES], data[BTF_TEXTURE_CENTRES]);
     if (data[BTF_TEXTURE_RESIDUAL_TEXELS])

@@ -9,18 +9,19 @@ most=${light:+2} most=${most:-6} last_step=${light:+2} last_step=${last_step:-4}
 expect "--resume alone is refused" 1 btf-encode data -o x.btf.exr --resume
 expect_text "it says what is missing" "--checkpoint" err
 
-for method in paper joint; do
-    expect "$method, uninterrupted" 0 btf-encode data -o whole.btf.exr --method $method -q
-    expect "$method with a checkpoint" 0 btf-encode data -o kept.btf.exr --method $method -q --checkpoint steps
+for how in "paper --starts 1" joint; do
+    method=${how%% *}
+    expect "$method, uninterrupted" 0 btf-encode data -o whole.btf.exr --method $how -q
+    expect "$method with a checkpoint" 0 btf-encode data -o kept.btf.exr --method $how -q --checkpoint steps
     expect_that "$method: the same bytes" cmp whole.btf.exr kept.btf.exr
     expect_that "$method: the checkpoint is gone" test ! -e steps
 
     same=0 killed=0 tried=0
-    for n in $(moments $most "$(calls btf-encode data -o cut.btf.exr --method $method -q --checkpoint steps)"); do
+    for n in $(moments $most "$(calls btf-encode data -o cut.btf.exr --method $how -q --checkpoint steps)"); do
         rm -rf steps cut.btf.exr
-        at "$n call" KILL btf-encode data -o cut.btf.exr --method $method -q --checkpoint steps >/dev/null 2>&1
+        at "$n call" KILL btf-encode data -o cut.btf.exr --method $how -q --checkpoint steps >/dev/null 2>&1
         [ $? = 137 ] && killed=$((killed + 1))
-        [ -e cut.btf.exr ] && [ ! -e steps ] || btf-encode data -o cut.btf.exr --method $method -q --checkpoint steps --resume
+        [ -e cut.btf.exr ] && [ ! -e steps ] || btf-encode data -o cut.btf.exr --method $how -q --checkpoint steps --resume
         cmp -s whole.btf.exr cut.btf.exr && same=$((same + 1))
         tried=$((tried + 1))
     done
@@ -30,9 +31,9 @@ for method in paper joint; do
     same=0 kept=0
     for wanted in $(seq $last_step); do # steps that are there when it is killed
         rm -rf steps cut.btf.exr
-        at "$wanted rename .btf-step" KILL btf-encode data -o cut.btf.exr --method $method -q --checkpoint steps >/dev/null 2>&1
+        at "$wanted rename .btf-step" KILL btf-encode data -o cut.btf.exr --method $how -q --checkpoint steps >/dev/null 2>&1
         ls steps/*.btf-step >/dev/null 2>&1 && [ ! -e cut.btf.exr ] && kept=$((kept + 1))
-        [ -e cut.btf.exr ] || btf-encode data -o cut.btf.exr --method $method -q --checkpoint steps --resume
+        [ -e cut.btf.exr ] || btf-encode data -o cut.btf.exr --method $how -q --checkpoint steps --resume
         cmp -s whole.btf.exr cut.btf.exr && same=$((same + 1))
     done
     expect_that "$method: killed after each of $last_step steps and resumed, the same bytes" test $same = $last_step

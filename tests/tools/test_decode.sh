@@ -156,6 +156,17 @@ assert t["factor_texels"]["bytes_a_texel"] == 176 and t["factor_views"]["table"]
 assert sum(x["bytes"] for x in t.values() if not x["table"]) == r["levels"][0]["gpu"]
 assert sum(x["bytes"] for x in t.values() if x["table"]) == r["bytes"]["tables"]
 P
+expect "packed points" 0 factor_file points.btf.exr 1 tight 1 roots packed
+expect "are told" 0 btf-info points.btf.exr
+expect_text "with their gains" "^  points +packed: shifts within -32..31, gain 0.3 \\+ 0.11 \\* 0..15$" out
+expect_text "and their bytes" "^  points +RG8UI +16 x 12 x 19 +7296 bytes +38.00 a texel$" out
+expect "and as JSON" 0 btf-info points.btf.exr --json
+expect_that "the same" python3 - <<'P'
+import json
+r = json.load(open("out"))
+assert r["version"] == 2 and r["point_store"] == "packed" and abs(r["scales"]["gain_step"] - 0.11) < 1e-6, r
+assert r["textures"]["points"]["format"] == "RG8UI" and "shift" not in r["textures"], r["textures"]
+P
 expect "version 1 as JSON" 0 btf-info m.btf.exr --json
 expect_that "is of version 1" python3 -c 'import json; r = json.load(open("out")); assert (r["version"], r["store"], r["classes"]) == (1, "components", [])'
 expect "a plan of it" 0 btf-info v2.btf.exr --plan views=0:15

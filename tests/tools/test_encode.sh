@@ -33,7 +33,7 @@ assert {"file", "gpu", "parts"} <= set(r["bytes"])
 assert {"before", "after", "total"} <= set(r["hidden"])
 assert r["seconds"]["total"] > 0 and r["peak_rss"] > 1e6
 P
-expect "a report through a pipe" 0 bash -c 'set -o pipefail; btf-encode data -o pipe.btf.exr --method paper --report /dev/stdout -q | python3 -c "import json,sys; json.load(sys.stdin)"'
+expect "a report through a pipe" 0 bash -c 'set -o pipefail; btf-encode data -o pipe.btf.exr --method paper '"$starts"' --report /dev/stdout -q | python3 -c "import json,sys; json.load(sys.stdin)"'
 expect_that "the report has the options used" python3 - <<'P'
 import json
 options = json.load(open("paper.json"))["options"]

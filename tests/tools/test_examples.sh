@@ -45,7 +45,10 @@ expect "forward without a file" 2 forward none.btf.exr a.btf.exr
 
 if command -v vulkan >/dev/null && command -v glslangValidator >/dev/null; then
     lavapipe=$(ls /usr/share/vulkan/icd.d/lvp_icd*.json 2>/dev/null | head -1)
-    for m in a b d c; do
+    cp "$BTF_SOURCE_ROOT/tests/data/golden/v2-all.btf.exr" factors.btf.exr
+    cp "$BTF_SOURCE_ROOT/tests/data/golden/v2-paper.btf.exr" atlas.btf.exr
+    cp "$BTF_SOURCE_ROOT/tests/data/golden/v2-points.btf.exr" points.btf.exr
+    for m in factors atlas points a b d c; do
         expect "vulkan: the shader of $m" 0 vulkan $m.btf.exr
         cp out decode.comp
         expect "vulkan: to SPIR-V" 0 glslangValidator -V decode.comp -o decode.spv

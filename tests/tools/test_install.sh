@@ -25,10 +25,10 @@ unset PKG_CONFIG_PATH
 {
     printf 'bin/btf-%s\n' bench compare conform decode encode info render sample view
     printf 'include/openbtf/%s.h\n' compat/btf_reference gl material plan reference result shader
-    printf 'LIB/%s\n' libopenbtf{,_reference}.so{,.0.1,.0.1.0} pkgconfig/openbtf{,-reference}.pc
+    printf 'LIB/%s\n' libopenbtf{,_reference}.so{,.0.2,.0.2.0} pkgconfig/openbtf{,-reference}.pc
     printf 'share/cmake/openbtf/%s\n' openbtfConfig{,Version}.cmake
     printf 'share/openbtf/%s\n' FORMAT.md LICENSE README.md openbtf.glsl self_test.glsl \
-        openbtf_{paper,joint,residual,sbrdf}_{texel,bilinear,fast}.glsl
+        openbtf_{factors,joint,paper,points,residual,sbrdf}_{texel,bilinear,fast}.glsl
 } | sort >documented
 [ -x "$prefix/bin/btf-view" ] || sed -i '/btf-view/d' documented # built where GLFW is
 expect_that 'the documented files, and no other' diff documented files
@@ -53,7 +53,7 @@ expect_that 'what installed files refer to' complete
 variant() {
     {
         echo '#version 450 core'
-        sed '/\*\//q' "$1" | grep -oE 'BTF_[A-Z_]+' | sed 's/.*SCALE/#define & 1.0/; t; s/.*/#define & 7u/'
+        sed '/\*\//q' "$1" | grep -oE 'BTF_[A-Z_]+' | sed -E 's/.*(SCALE|GAIN_BASE|GAIN_STEP)/#define & 1.0/; t; s/.*/#define & 7u/'
         cat "$1"
         echo 'in vec3 l; out vec4 colour; void main() { colour = vec4(btf_evaluate(l.xy, l, l), 1.0); }'
     } >variant.frag
@@ -145,7 +145,7 @@ cmake_project() {
     cat >"$1/CMakeLists.txt" <<'TEXT'
 cmake_minimum_required(VERSION 3.13)
 project(user C CXX)
-find_package(openbtf 0.1 REQUIRED)
+find_package(openbtf 0.2 REQUIRED)
 add_executable(in_c program.c)
 target_link_libraries(in_c openbtf::openbtf)
 add_executable(in_cpp program.cc)
@@ -160,9 +160,9 @@ if command -v cmake >/dev/null; then
     prints_shader 'CMake, C' cmake/build/in_c
     prints_shader 'CMake, C++' cmake/build/in_cpp
     expect 'CMake: the reference' 0 cmake/build/reference
-    sed -i 's/openbtf 0.1 /openbtf 0.2 /' cmake/CMakeLists.txt
+    sed -i 's/openbtf 0.2 /openbtf 0.3 /' cmake/CMakeLists.txt
     expect 'CMake: another version is refused' 1 cmake -S cmake -B cmake/build
-    expect_text 'CMake: and which one is there' 'version: 0\.1\.0' err
+    expect_text 'CMake: and which one is there' 'version: 0\.2\.0' err
 else
     echo 'no cmake: its checks are left out'
 fi

@@ -44,7 +44,7 @@ P
 odd texel --size 1 --directions 0:1,40:6
 odd narrow --size 1x9 --directions 0:1,40:4
 odd pair --size 6 --directions 0:1
-odd long --size 307x14 --directions 0:1,40:2
+odd long --size 307x$([ -n "$light" ] && echo 7 || echo 14) --directions 0:1,40:2
 odd top --size 8 --views 0:1 --lights ubo
 odd unequal --size 3x5 --views 0:1,37.5:5:7.5 --lights 20:3,62.25:7
 odd lights --size 4x3 --views 0:1,50:2 --lights 256

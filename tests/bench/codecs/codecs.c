@@ -55,6 +55,16 @@ static btf_result measure(const bench_run *run, enc_image_source images, bool wi
     return result;
 }
 
+/* Components of the residual: of factors those of all three channels. */
+static size_t components_of(const btf_material_info *info) {
+    static const uint32_t of_unit[BTF_FACTOR_CLASSES] = {16, 32, 32, 64, 64};
+    size_t count = 0;
+    for (int c = 0; c < BTF_FACTOR_CLASSES; c++) {
+        count += info->factor_classes[c][0] * of_unit[c];
+    }
+    return info->store == BTF_STORE_FACTORS ? count : info->components;
+}
+
 /* One row a subset of effects: subsets[i] named names[i], the last one whole. */
 static btf_result measure_encoded(const bench_run *run, const bench_encoded *encoded, int count,
                                   const char *const *names, const uint32_t *subsets, codec_table *table) {
@@ -67,7 +77,7 @@ static btf_result measure_encoded(const bench_run *run, const bench_encoded *enc
     for (int i = 0; result == BTF_OK && i < count; i++) {
         const enc_decoded_samples played = {.decoder = decoder, .effects = subsets[i]};
         codec_row row = {.kind = CODEC_OURS,
-                         .rank = subsets[i] & info.effects & BTF_EFFECT_RESIDUAL ? info.components : 0,
+                         .rank = subsets[i] & info.effects & BTF_EFFECT_RESIDUAL ? components_of(&info) : 0,
                          .bytes = enc_report_gpu_bytes(&info, subsets[i]),
                          .wall = encoded->wall,
                          .core = encoded->core};
@@ -88,6 +98,21 @@ static btf_result run_joint(const bench_run *run, uint64_t budget, int preset, c
     bench_encoded encoded;
     snprintf(name, sizeof name, "joint, %s", bench_preset_names[preset]);
     btf_result result = bench_encode_joint(run->context, run->data, preset, budget, &encoded);
+    if (result == BTF_OK) {
+        result = measure_encoded(run, &encoded, 1, names, all, table);
+        bench_encoded_clear(&encoded);
+    }
+    return result;
+}
+
+static btf_result run_factors(const bench_run *run, uint64_t budget, codec_table *table) {
+    const char *const names[] = {"factors"};
+    const uint32_t all[] = {BTF_EFFECT_ALL};
+    bench_encoded encoded;
+    if (budget < bench_factors_least(run->data)) {
+        return BTF_OK;
+    }
+    btf_result result = bench_encode_factors(run->context, run->data, ENC_JOINT_MEDIUM, budget, &encoded);
     if (result == BTF_OK) {
         result = measure_encoded(run, &encoded, 1, names, all, table);
         bench_encoded_clear(&encoded);
@@ -312,6 +337,9 @@ btf_result bench_section_codecs(const bench_run *run) {
         if (run->presets[preset]) {
             result = run_joint(run, budget, preset, &table);
         }
+    }
+    if (result == BTF_OK) {
+        result = run_factors(run, budget, &table);
     }
     if (result == BTF_OK) {
         result = run_paper(run, &table);

@@ -42,15 +42,12 @@ static btf_result bench_variant(bench *b, const char *name, const btf_material *
     bench_decode_row *row = add_row(b, name, residual ? (int)k : 0);
     row->ns =
         rig_measure_variant(&b->rig, material, &shader, bench_body_decode, b->rig.inputs, &row->spread);
-    /* The floor is of one texel. */
-    if (shader.filter == BTF_FILTER_TEXEL) {
-        uint32_t *floor = calloc(RIG_PIXELS, GPU_INPUTS * sizeof *floor);
-        if (!floor)
-            return BTF_ERROR_MEMORY;
-        rig_floor_inputs(material, b->rig.inputs, floor);
-        row->floor_ns = rig_measure_variant(&b->rig, material, &shader, bench_body_floor, floor, NULL);
-        free(floor);
-    }
+    uint32_t *floor = calloc(RIG_PIXELS, GPU_INPUTS * sizeof *floor);
+    if (!floor)
+        return BTF_ERROR_MEMORY;
+    rig_floor_inputs(material, b->rig.inputs, floor);
+    row->floor_ns = rig_measure_variant(&b->rig, material, &shader, bench_body_floor, floor, NULL);
+    free(floor);
     shader.math = BTF_MATH_FAST;
     row->fast_ns = rig_measure_variant(&b->rig, material, &shader, bench_body_decode, b->rig.inputs, NULL);
     return row->ns > 0 ? BTF_OK : BTF_ERROR_INTERNAL;
@@ -143,6 +140,43 @@ static btf_result bench_loading(bench *b, const btf_material *material) {
 }
 
 /* The variants of layout paper, then of layout tight. */
+/* Factors of 2.36, 1.26 and 0.68 MB, then the first with a source of its own for each view. */
+static btf_result bench_factors(bench *b) {
+    static const struct {
+        const char *name;
+        uint32_t classes[BTF_FACTOR_CLASSES][3], effects;
+    } sets[] = {{"factors, 13 units", {{2, 2, 1}, {1, 0, 0}, {5, 2, 1}, {1, 0, 0}, {4, 1, 0}}, 0},
+                {"factors, 7 units", {{1, 1, 1}, {1, 0, 0}, {3, 1, 1}, {0, 0, 0}, {2, 0, 0}}, 0},
+                {"factors, 4 units", {{1, 1, 1}, {0, 0, 0}, {2, 1, 1}, {0, 0, 0}, {1, 0, 0}}, 0},
+                {"factors, 13 units; shift",
+                 {{2, 2, 1}, {1, 0, 0}, {5, 2, 1}, {1, 0, 0}, {4, 1, 0}},
+                 BTF_EFFECT_SHIFT}};
+    static const btf_shader_options ways[] = {{0},
+                                              {.filter = BTF_FILTER_BILINEAR},
+                                              {.interpolation = BTF_INTERPOLATION_NEAREST}};
+    static const char *const words[] = {"", ", bilinear", ", nearest directions"};
+    char name[BENCH_DECODE_NAME];
+    btf_result result = BTF_OK;
+    for (size_t i = 0; i < sizeof sets / sizeof *sets && result == BTF_OK; ++i) {
+        synthetic_spec spec = base_spec();
+        btf_material *material = NULL;
+        spec.layout = BTF_LAYOUT_TIGHT;
+        spec.domain = BTF_DOMAIN_SQRT;
+        spec.colour = BTF_COLOUR_NONE;
+        spec.effects = BTF_EFFECT_RESIDUAL | sets[i].effects;
+        memcpy(spec.classes, sets[i].classes, sizeof spec.classes);
+        for (int c = 0; c < BTF_FACTOR_CLASSES; ++c)
+            spec.components += spec.classes[c][0];
+        result = synthetic_create(&spec, b->log, &material);
+        for (size_t way = 0; way < sizeof ways / sizeof *ways && result == BTF_OK; ++way) {
+            snprintf(name, sizeof name, "%s%s", sets[i].name, words[way]);
+            result = bench_variant(b, name, material, ways[way]);
+        }
+        btf_material_close(&material);
+    }
+    return result;
+}
+
 static btf_result bench_variants(bench *b) {
     synthetic_spec spec = base_spec();
     spec.colour = BTF_COLOUR_MONO;
@@ -198,6 +232,8 @@ static btf_result bench_variants(bench *b) {
         result = bench_variant(b, "joint: residual sources", tight, (btf_shader_options){.components = 16});
     if (result == BTF_OK)
         result = bench_loading(b, tight);
+    if (result == BTF_OK)
+        result = bench_factors(b);
     if (result == BTF_OK)
         bench_peers(b, paper);
     btf_material_close(&tight);

@@ -99,12 +99,29 @@ static double seconds(const decode_rig *rig) {
     return rig->software ? rig_core_seconds() : rig_wall_seconds();
 }
 
+/* How often a picture is drawn, so that the clock can tell: as many pixels for small ones, and on a GPU until it takes
+ * long beside the wait for it. 0: failed. */
+static int draws_of(const decode_rig *rig, unsigned program, int side) {
+    static const double long_enough = 0.02; /* seconds */
+    int draws = 2 * (RIG_SIDE / side) * (RIG_SIDE / side);
+    while (!rig->software && draws < 1 << 16) {
+        const double before = seconds(rig);
+        if (gpu_draw(rig->gpu, program, side, draws) != BTF_OK)
+            return 0;
+        if (seconds(rig) - before >= long_enough)
+            break;
+        draws *= 2;
+    }
+    return draws;
+}
+
 double rig_measure(decode_rig *rig, unsigned program, const uint32_t *inputs, int side,
                    double *out_spread) {
     double ns[RIG_MOST_REPEATS];
-    /* Small pictures are drawn more often, so that the clock can tell. */
-    const int draws = 2 * (RIG_SIDE / side) * (RIG_SIDE / side);
     if (gpu_run(rig->gpu, program, RIG_PIXELS, inputs, rig->outputs, rig->log) != BTF_OK)
+        return 0;
+    const int draws = draws_of(rig, program, side);
+    if (draws == 0)
         return 0;
     for (int i = 0; i < rig->repeats; ++i) {
         double before = seconds(rig);

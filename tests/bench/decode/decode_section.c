@@ -6,13 +6,12 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "decode_table.h"
-
+#include "decode_cost.h"
+#include "decode_materials.h"
 #include "decode_peers.h"
 #include "decode_shaders.h"
+#include "decode_table.h"
 
-#include "decoder/toolkit/reference_view.h"
-#include "encoder/joint/cost.h"
 #include "encoder/report/metrics.h"
 #include "encoder/math/srgb.h"
 #include "tests/bench/readme.h"
@@ -23,7 +22,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { PROBES = RIG_PIXELS, REFERENCE_PIXELS = 4096, MATERIALS = 3 };
+enum { PROBES = RIG_PIXELS, REFERENCE_PIXELS = 4096 };
 
 /* Samples of the data as inputs of a shader, and what should come out. */
 typedef struct probes {
@@ -31,25 +30,18 @@ typedef struct probes {
     float *truth;     /* [PROBES][3] */
 } probes;
 
-/* A material and the subsets of its effects that are decoded. */
-typedef struct subset {
-    const char *name;
-    uint32_t leave_out;
-    uint32_t components; /* 0: all */
-} subset;
+/* A codec of 8-bit components, and for what it was chosen. */
+typedef struct peer_codec {
+    const char *note; /* NULL: not there */
+    pca_codec codec;
+} peer_codec;
 
-typedef struct material {
-    const char *name;
-    bench_encoded encoded;
-    btf_ref_material view;
-    const subset *subsets;
-    int count;
-} material;
+enum { PEER_CODECS = 3 };
 
 typedef struct decoding {
     const bench_run *run;
-    material materials[MATERIALS];
-    pca_codec equal_bytes, equal_quality;
+    decode_material materials[DECODE_MATERIALS];
+    peer_codec components[PEER_CODECS];
     probes trained, held, between;
     int repeats;
     decode_table *table;
@@ -177,10 +169,16 @@ static void take_estimate(const double figures[2], decode_row *row) {
     row->estimated = true;
 }
 
-static btf_result estimate_material(const decoding *d, const material *m, const subset *s,
+/* Components that a subset decodes: whole groups of four, or units. */
+static uint32_t part_of(const decode_material *m, const decode_subset *s) {
+    const uint32_t group = m->view.store == BTF_REF_FACTORS ? 1 : 4, of = s->part * group;
+    return s->part ? (m->view.components + of - 1) / of * group : 0;
+}
+
+static btf_result estimate_material(const decoding *d, const decode_material *m, const decode_subset *s,
                                     decode_row *row) {
     const btf_ref_options options = {.effects = BTF_EFFECT_ALL & ~s->leave_out,
-                                     .components = s->components ? s->components : UINT32_MAX,
+                                     .components = s->part ? part_of(m, s) : UINT32_MAX,
                                      .interpolation = row->nearest ? BTF_REF_NEAREST : BTF_REF_LINEAR,
                                      .filter = BTF_REF_TEXEL};
     bench_between_figures figures;
@@ -221,21 +219,50 @@ static btf_result estimate_peer(const decoding *d, const enc_image_source *image
 /* Our own materials.
  * ------------------------------------------------------------------------------------------------ */
 
-static btf_result run_variant(decoding *d, decode_rig *rig, const char *device, const material *m,
-                              const subset *s, btf_shader_options shader) {
+/* A row's counts and bytes. */
+static void count(const decode_material *m, const btf_shader_options *shader, decode_row *row) {
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_material_get_info(m->encoded.material, &info);
+    row->gpu_bytes = (double)m->encoded.bytes;
+    row->cost = decode_cost_of(&info, shader);
+    row->counted = true;
+}
+
+/* The options of a subset; its fixed directions are the first of the material. */
+static btf_shader_options options_of(const decode_material *m, const decode_subset *s, btf_shader_options how) {
+    const btf_directions views = btf_material_views(m->encoded.material),
+                         lights = btf_material_lights(m->encoded.material);
+    how.leave_out = s->leave_out;
+    how.components = part_of(m, s);
+    how.fixed = s->fixed;
+    memcpy(how.fixed_view, views.xyz, sizeof how.fixed_view);
+    memcpy(how.fixed_light, lights.xyz, sizeof how.fixed_light);
+    return how;
+}
+
+static decode_row row_of(const char *device, const decode_material *m, const char *effects,
+                         const btf_shader_options *shader) {
+    decode_row row = decode_row_named(device, m->name, effects);
+    row.nearest = shader->interpolation == BTF_INTERPOLATION_NEAREST;
+    row.bilinear = shader->filter == BTF_FILTER_BILINEAR;
+    row.fast = shader->math == BTF_MATH_FAST;
+    count(m, shader, &row);
+    return row;
+}
+
+static btf_result run_variant(decoding *d, decode_rig *rig, const char *device, const decode_material *m,
+                              const decode_subset *s, btf_shader_options how) {
     btf_result result = BTF_OK;
-    decode_row row = decode_row_named(device, m->name, s->name);
-    shader.leave_out = s->leave_out;
-    shader.components = s->components;
-    row.nearest = shader.interpolation == BTF_INTERPOLATION_NEAREST;
-    row.bilinear = shader.filter == BTF_FILTER_BILINEAR;
-    row.fast = shader.math == BTF_MATH_FAST;
+    const btf_shader_options shader = options_of(m, s, how);
+    decode_row row = row_of(device, m, s->name, &shader);
     rig_variant variant =
         rig_variant_create(rig, m->encoded.material, &shader, bench_body_decode, GPU_FIRST_UNIT);
     if (variant.program) {
         row.ns = rig_measure(rig, variant.program, rig->inputs, RIG_SIDE, &row.spread);
-        probe(d, rig, variant.program, &row);
-        result = estimate_material(d, m, s, &row);
+        if (!m->random && !s->fixed) {
+            probe(d, rig, variant.program, &row);
+            result = estimate_material(d, m, s, &row);
+        }
     }
     rig_variant_destroy(rig, &variant);
     if (row.ns > 0) {
@@ -245,10 +272,10 @@ static btf_result run_variant(decoding *d, decode_rig *rig, const char *device, 
 }
 
 /* The fetches of the whole material, added up. */
-static void run_floor(decoding *d, decode_rig *rig, const char *device, const material *m) {
-    const btf_shader_options shader = {0};
-    decode_row row = decode_row_named(device, m->name, "fetches only");
-    rig_floor_inputs(m->encoded.material, rig->inputs, d->floor);
+static void run_floor(decoding *d, decode_rig *rig, const char *device, const decode_material *m,
+                      btf_shader_options shader) {
+    decode_row row = row_of(device, m, DECODE_FLOOR, &shader);
+    row.cost.integers = row.cost.floats = 0;
     row.ns =
         rig_measure_variant(rig, m->encoded.material, &shader, bench_body_floor, d->floor, &row.spread);
     if (row.ns > 0) {
@@ -256,8 +283,23 @@ static void run_floor(decoding *d, decode_rig *rig, const char *device, const ma
     }
 }
 
-/* `all`: every combination, else for parts of a material only exact texels. */
-static btf_result run_material(decoding *d, decode_rig *rig, const char *device, const material *m,
+/* Whether a subset is decoded in this way: all of them in every way where `all`; else the whole in both
+ * interpolations of texels, and on the first device whatever is exact there. Directions that never change, parts
+ * of factors and materials at random are decoded in one way; so are factors of fewer bytes where not all is wanted, on the first device natively too. */
+static bool is_run(const decoding *d, const decode_material *m, int s, int way, bool all) {
+    const decode_subset *of = &m->subsets[s];
+    const bool first = d->table->devices == 1;
+    const bool factors = m->view.store == BTF_REF_FACTORS;
+    if (m->random || of->fixed || (s > 0 && factors)) {
+        return way == 0 && first;
+    }
+    if (factors && !all && m != decode_material_find(d->materials, DECODE_FACTORS)) {
+        return way == 0 || (first && way == 4);
+    }
+    return all || (s == 0 && (way & 2) == 0) || (s == 0 && first) || (first && way < 2);
+}
+
+static btf_result run_material(decoding *d, decode_rig *rig, const char *device, const decode_material *m,
                                bool all) {
     btf_result result = BTF_OK;
     for (int s = 0; s < m->count; s++) {
@@ -266,23 +308,27 @@ static btf_result run_material(decoding *d, decode_rig *rig, const char *device,
                                                                         : BTF_INTERPOLATION_LINEAR,
                                                .filter = way & 2 ? BTF_FILTER_BILINEAR : BTF_FILTER_TEXEL,
                                                .math = way & 4 ? BTF_MATH_FAST : BTF_MATH_EXACT};
-            if (all || (s == 0 && (way & 2) == 0) || (s == 0 && d->table->devices == 1) ||
-                (d->table->devices == 1 && way < 2)) {
+            if (is_run(d, m, s, way, all)) {
                 result = run_variant(d, rig, device, m, &m->subsets[s], shader);
             }
         }
     }
-    run_floor(d, rig, device, m);
+    rig_floor_inputs(m->encoded.material, rig->inputs, d->floor);
+    run_floor(d, rig, device, m, (btf_shader_options){0});
+    if (all && d->table->devices == 1) {
+        run_floor(d, rig, device, m, (btf_shader_options){.interpolation = BTF_INTERPOLATION_NEAREST});
+        run_floor(d, rig, device, m, (btf_shader_options){.filter = BTF_FILTER_BILINEAR});
+    }
     return result;
 }
 
 /* Decoding at smaller and smaller pictures. */
-static void run_sizes(decoding *d, decode_rig *rig, const char *device, const material *m) {
+static void run_sizes(decoding *d, decode_rig *rig, const char *device, const decode_material *m) {
     const btf_shader_options shader = {0};
     rig_variant variant =
         rig_variant_create(rig, m->encoded.material, &shader, bench_body_decode, GPU_FIRST_UNIT);
     for (int side = RIG_SIDE / 8; variant.program && side <= RIG_SIDE; side *= 2) {
-        decode_row row = decode_row_named(device, m->name, "whole");
+        decode_row row = row_of(device, m, "whole", &shader);
         row.side = side;
         row.ns = rig_measure(rig, variant.program, rig->inputs, side, &row.spread);
         decode_table_add_size(d->table, &row);
@@ -296,13 +342,16 @@ static void run_sizes(decoding *d, decode_rig *rig, const char *device, const ma
 /* images: what it decodes to at the samples and interpolates; NULL: it has no samples. */
 static btf_result run_peer(decoding *d, decode_rig *rig, const char *device, const char *name,
                            const char *note, const btf_material *tables, uint32_t leave_out,
-                           const char *body, const char *const samplers[2],
-                           const enc_image_source *images) {
+                           decode_cost cost, double bytes, const char *body,
+                           const char *const samplers[2], const enc_image_source *images) {
     btf_result result = BTF_OK;
     const btf_shader_options shader = {.leave_out = leave_out, .math = BTF_MATH_FAST};
     decode_row row = decode_row_named(device, name, note);
     row.peer = true;
     row.fast = true;
+    row.cost = cost;
+    row.counted = true;
+    row.gpu_bytes = bytes;
     rig_variant variant = rig_variant_create(rig, tables, &shader, body, GPU_FIRST_UNIT + 2);
     if (variant.program) {
         for (int i = 0; i < 2 && samplers[i]; ++i) {
@@ -327,7 +376,8 @@ static btf_result run_phong(decoding *d, decode_rig *rig, const char *device, co
         const unsigned textures[2] = {
             rig_texture(rig, GPU_FIRST_UNIT, GL_SRGB8_ALPHA8, data->width, data->height, 0, albedo),
             rig_texture(rig, GPU_FIRST_UNIT + 1, GL_RGBA8, data->width, data->height, 0, normal)};
-        result = run_peer(d, rig, device, "Phong", "two maps", tables, BTF_EFFECT_ALL, bench_body_phong,
+        result = run_peer(d, rig, device, "Phong", "two maps", tables, BTF_EFFECT_ALL, decode_cost_phong(),
+                          8 * (double)enc_data_texel_count(data), bench_body_phong,
                           (const char *const[]){"peer_albedo", "peer_normal"}, NULL);
         rig_texture_delete(rig, 2, textures);
         free(albedo);
@@ -347,52 +397,43 @@ static btf_result run_look_up(decoding *d, decode_rig *rig, const char *device,
                                              rows * data->height, data->n_views, bytes);
         const enc_image_source images = enc_data_images(data);
         result = run_peer(d, rig, device, "uncompressed", "3 x 3 images of 8 bits", tables, BTF_EFFECT_ALL,
-                          bench_body_lookup, (const char *const[]){"peer_images", NULL}, &images);
+                          decode_cost_lookup(), bench_samples_8bit(data), bench_body_lookup, (const char *const[]){"peer_images", NULL}, &images);
         rig_texture_delete(rig, 1, &texture);
         free(bytes);
     }
     return result;
 }
 
-static btf_result run_pca(decoding *d, decode_rig *rig, const char *device, const pca_codec *codec,
-                          const char *note) {
+static btf_result run_pca(decoding *d, decode_rig *rig, const char *device, const peer_codec *peer) {
+    const pca_codec *codec = &peer->codec;
     char name[64];
     btf_material *components = NULL;
-    if (codec->rank == 0) {
-        return BTF_OK;
-    }
     btf_result result = peer_components(d->run->context, codec, &components);
     if (result == BTF_OK) {
-        snprintf(name, sizeof name, "rank %zu; %s", codec->rank, note);
+        snprintf(name, sizeof name, "rank %zu; %s", codec->rank, peer->note);
         const enc_image_source images = pca_images(codec);
-        result = run_peer(d, rig, device, "PCA", name, components, 0, bench_body_pca,
-                          (const char *const[]){NULL, NULL}, &images);
+        result = run_peer(d, rig, device, "PCA", name, components, 0, decode_cost_pca((int)codec->rank),
+                          (double)codec->bytes, bench_body_pca, (const char *const[]){NULL, NULL}, &images);
     }
     btf_material_close(&components);
     return result;
 }
 
-/* The smallest rank that reaches the PSNR of joint, at most what a file may hold. */
-static btf_result find_ranks(decoding *d, const bench_row *joint) {
+/* The smallest rank of 8-bit components that reaches the linear PSNR; none where they do not. */
+static btf_result find_quality(decoding *d, const pca_factors *factors, double target, peer_codec *out) {
     const enc_data *data = d->run->held->train;
     const enc_context *context = d->run->context;
-    pca_factors factors;
-    btf_result result = pca_factorise(context, data, PCA_LINEAR, 256, &factors);
-    if (result != BTF_OK) {
-        return result;
-    }
-    size_t bytes_rank = pca_rank_for(data, PCA_BYTE, 1, (size_t)joint->bytes), low = 0,
-           high = factors.rank + 1;
-    bytes_rank = bytes_rank < factors.rank ? bytes_rank : factors.rank;
+    size_t low = 0, high = factors->rank + 1;
+    btf_result result = BTF_OK;
     while (high - low > 1 && result == BTF_OK) {
         const size_t rank = (low + high) / 2;
         pca_codec codec;
         enc_metrics m;
-        result = pca_encode(context, &factors, PCA_BYTE, rank, &codec);
+        result = pca_encode(context, factors, PCA_BYTE, rank, &codec);
         if (result == BTF_OK) {
             result =
                 enc_metrics_compare(context, data, enc_data_images(data), pca_images(&codec), false, &m);
-            if (result == BTF_OK && enc_psnr_linear(&m.total) >= joint->linear) {
+            if (result == BTF_OK && enc_psnr_linear(&m.total) >= target) {
                 high = rank;
             } else {
                 low = rank;
@@ -400,11 +441,44 @@ static btf_result find_ranks(decoding *d, const bench_row *joint) {
             pca_codec_clear(&codec);
         }
     }
-    if (result == BTF_OK && bytes_rank > 0) {
-        result = pca_encode(context, &factors, PCA_BYTE, bytes_rank, &d->equal_bytes);
+    if (result == BTF_OK && high <= factors->rank) {
+        return pca_encode(context, factors, PCA_BYTE, high, &out->codec);
     }
-    if (result == BTF_OK && high <= factors.rank) {
-        result = pca_encode(context, &factors, PCA_BYTE, high, &d->equal_quality);
+    if (result == BTF_OK) {
+        fprintf(d->run->summary, "PCA of rank %zu, the largest that a file of version 1 holds, does not reach %.2f dB (%s).\n\n",
+                factors->rank, target, out->note);
+    }
+    out->note = NULL;
+    return result;
+}
+
+/* Components of the bytes of joint, of its quality and of that of factors of these bytes. */
+static btf_result find_ranks(decoding *d) {
+    const enc_data *data = d->run->held->train;
+    const decode_material *joint = decode_material_find(d->materials, DECODE_JOINT),
+                          *coded = decode_material_find(d->materials, DECODE_FACTORS),
+                          *base = joint ? joint : coded;
+    const decode_material *const targets[] = {joint, coded};
+    static const char *const notes[] = {"equal quality", "quality of factors"};
+    pca_factors factors;
+    if (!base || !(d->run->methods & BENCH_METHOD_PEERS)) {
+        return BTF_OK;
+    }
+    btf_result result = pca_factorise(d->run->context, data, PCA_LINEAR, 256, &factors);
+    if (result != BTF_OK) {
+        return result;
+    }
+    size_t rank = pca_rank_for(data, PCA_BYTE, 1, base->encoded.bytes);
+    rank = rank < factors.rank ? rank : factors.rank;
+    if (rank > 0) {
+        d->components[0].note = "equal bytes";
+        result = pca_encode(d->run->context, &factors, PCA_BYTE, rank, &d->components[0].codec);
+    }
+    for (int i = 0; i < 2 && result == BTF_OK; i++) {
+        if (targets[i]) {
+            d->components[1 + i].note = notes[i];
+            result = find_quality(d, &factors, targets[i]->linear, &d->components[1 + i]);
+        }
     }
     pca_factors_clear(&factors);
     return result;
@@ -413,14 +487,14 @@ static btf_result find_ranks(decoding *d, const bench_row *joint) {
 /* The CPU.
  * ------------------------------------------------------------------------------------------------ */
 
-static void reference_pixel(const material *m, const btf_ref_options *options, const uint32_t *input,
+static void reference_pixel(const decode_material *m, const btf_ref_options *options, const uint32_t *input,
                             float out[3]) {
     float f[GPU_INPUTS];
     memcpy(f, input, sizeof f);
     btf_ref_evaluate(&m->view, options, f[0], f[1], f + 2, f + 5, out);
 }
 
-static btf_result run_reference(decoding *d, const material *m) {
+static btf_result run_reference(decoding *d, const decode_material *m) {
     float *decoded = malloc(3 * (size_t)PROBES * sizeof *decoded);
     uint32_t *sphere = malloc(REFERENCE_PIXELS * sizeof(uint32_t) * GPU_INPUTS);
     btf_result result =
@@ -432,9 +506,10 @@ static btf_result run_reference(decoding *d, const material *m) {
     }
     for (int way = 0; way < 4 && result == BTF_OK; way++) {
         double ns[RIG_MOST_REPEATS];
-        decode_row row = decode_row_named("CPU reference", m->name, m->subsets[0].name);
-        row.nearest = way & 1;
-        row.bilinear = way & 2;
+        const btf_shader_options as = {
+            .interpolation = way & 1 ? BTF_INTERPOLATION_NEAREST : BTF_INTERPOLATION_LINEAR,
+            .filter = way & 2 ? BTF_FILTER_BILINEAR : BTF_FILTER_TEXEL};
+        decode_row row = row_of("CPU reference", m, m->subsets[0].name, &as);
         const btf_ref_options options = {.effects = BTF_EFFECT_ALL,
                                          .components = UINT32_MAX,
                                          .interpolation = row.nearest ? BTF_REF_NEAREST : BTF_REF_LINEAR,
@@ -469,52 +544,18 @@ static btf_result run_reference(decoding *d, const material *m) {
 /* The section.
  * ------------------------------------------------------------------------------------------------ */
 
-static btf_result encode_all(decoding *d, bench_row *joint) {
-    static const subset low_rank[] = {{"whole", 0, 0},
-                                      {"half the components", 0, 2},
-                                      {"a quarter of the components", 0, 4},
-                                      {"without gain", BTF_EFFECT_GAIN, 0}};
-    static const subset sources[] = {{"whole", 0, 0},
-                                     {"without gain", BTF_EFFECT_GAIN, 0},
-                                     {"SBRDF and shadow", BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN, 0},
-                                     {"SBRDF", BTF_EFFECT_ALL, 0}};
-    static const subset paper[] = {{"whole", 0, 0},
-                                   {"without hidden points", BTF_EFFECT_HIDDEN, 0},
-                                   {"SBRDF and shadow", BTF_EFFECT_HIDDEN | BTF_EFFECT_SHIFT, 0},
-                                   {"SBRDF", BTF_EFFECT_ALL, 0}};
-    const enc_context *context = d->run->context;
-    const enc_data *data = d->run->held->train;
-    enc_joint_options options = enc_joint_options_default(), plain = options;
-    options.budget = plain.budget = d->run->budget;
-    plain.effects &= ~(uint32_t)BTF_EFFECT_RESIDUAL;
-    plain.rounds = 2;
-    d->materials[0] = (material){.name = "joint", .subsets = low_rank, .count = 4};
-    d->materials[1] = (material){.name = "joint; SBRDF x shadow sources", .subsets = sources, .count = 4};
-    d->materials[2] = (material){.name = "paper", .subsets = paper, .count = 4};
-    btf_result result =
-        bench_encode_joint_options(context, data, &options, false, &d->materials[0].encoded);
+/* tables: a material with the directions of the data. */
+static btf_result run_peers(decoding *d, decode_rig *rig, const char *device, const btf_material *tables) {
+    btf_result result = run_phong(d, rig, device, tables);
     if (result == BTF_OK) {
-        result = bench_encode_joint_options(context, data, &plain, false, &d->materials[1].encoded);
+        result = run_look_up(d, rig, device, tables);
     }
-    if (result == BTF_OK) {
-        result = bench_encode_paper(context, data, &d->materials[2].encoded);
-    }
-    for (int i = 0; i < MATERIALS && result == BTF_OK; i++) {
-        reference_view(d->materials[i].encoded.material, 0, &d->materials[i].view);
-    }
-    if (result == BTF_OK) {
-        joint->bytes = (double)d->materials[0].encoded.bytes;
-        result = bench_accuracy(context, d->run->held, d->run->between, &d->materials[0].encoded,
-                                BTF_EFFECT_ALL, joint);
+    for (int i = 0; i < PEER_CODECS && result == BTF_OK; i++) {
+        if (d->components[i].note) {
+            result = run_pca(d, rig, device, &d->components[i]);
+        }
     }
     return result;
-}
-
-/* The table of subsets says half and a quarter of the components as divisors. */
-static subset resolved(const material *m, int i) {
-    subset s = m->subsets[i];
-    s.components = s.components ? (m->view.components / s.components + 3) / 4 * 4 : 0;
-    return s;
 }
 
 static btf_result run_device(decoding *d, const context_device *device) {
@@ -528,30 +569,20 @@ static btf_result run_device(decoding *d, const context_device *device) {
     }
     decode_table_device(d->table, device->name, gpu_name(rig.gpu), rig.software);
     enc_log(d->run->context, BTF_LOG_INFO, "  %s: %s", device->name, gpu_name(rig.gpu));
-    for (int i = 0; i < MATERIALS && result == BTF_OK; i++) {
-        material m = d->materials[i];
-        subset subsets[8];
-        for (int s = 0; s < m.count; s++) {
-            subsets[s] = resolved(&m, s);
+    const btf_material *tables = NULL;
+    for (int i = 0; i < DECODE_MATERIALS && result == BTF_OK; i++) {
+        const decode_material *m = &d->materials[i];
+        if (!m->name) {
+            continue;
         }
-        m.subsets = subsets;
-        result = run_material(d, &rig, device->name, &m, !d->run->quick);
-        if (d->table->devices == 1 && i != 1) {
-            run_sizes(d, &rig, device->name, &m);
+        result = run_material(d, &rig, device->name, m, !d->run->quick);
+        if (d->table->devices == 1 && !strchr(m->name, ';')) {
+            run_sizes(d, &rig, device->name, m);
         }
+        tables = tables ? tables : m->encoded.material;
     }
-    const btf_material *tables = d->materials[0].encoded.material;
-    if (result == BTF_OK) {
-        result = run_phong(d, &rig, device->name, tables);
-    }
-    if (result == BTF_OK) {
-        result = run_look_up(d, &rig, device->name, tables);
-    }
-    if (result == BTF_OK) {
-        result = run_pca(d, &rig, device->name, &d->equal_bytes, "equal bytes");
-    }
-    if (result == BTF_OK) {
-        result = run_pca(d, &rig, device->name, &d->equal_quality, "equal quality");
+    if (result == BTF_OK && d->run->methods & BENCH_METHOD_PEERS) {
+        result = run_peers(d, &rig, device->name, tables);
     }
     rig_destroy(&rig);
     return result;
@@ -592,8 +623,7 @@ static btf_result run_devices(decoding *d) {
 
 static btf_result measure(decoding *d) {
     const bench_held *held = d->run->held;
-    bench_row joint = bench_row_named("", "", NAN);
-    btf_result result = encode_all(d, &joint);
+    btf_result result = decode_materials_create(d->run, d->materials);
     if (result == BTF_OK) {
         result = probes_create(d->run->context, held->train, &d->trained);
     }
@@ -604,13 +634,16 @@ static btf_result measure(decoding *d) {
         result = probes_between(d->run->context, d->run->truth, &d->between);
     }
     if (result == BTF_OK) {
-        result = find_ranks(d, &joint);
+        result = find_ranks(d);
     }
     if (result == BTF_OK) {
         result = run_devices(d);
     }
-    for (int i = 0; i < MATERIALS && result == BTF_OK; i++) {
-        result = run_reference(d, &d->materials[i]);
+    for (int i = 0; i < DECODE_MATERIALS && result == BTF_OK; i++) {
+        const decode_material *m = &d->materials[i];
+        if (m->name && !m->random && d->run->methods & BENCH_METHOD_REFERENCE) {
+            result = run_reference(d, m);
+        }
     }
     return result;
 }
@@ -631,11 +664,10 @@ btf_result bench_section_decode(const bench_run *run) {
     if (result == BTF_OK && d.table->devices > 0) {
         result = bench_readme_decode(run, d.table);
     }
-    for (int i = 0; i < MATERIALS; i++) {
-        bench_encoded_clear(&d.materials[i].encoded);
+    decode_materials_clear(d.materials);
+    for (int i = 0; i < PEER_CODECS; i++) {
+        pca_codec_clear(&d.components[i].codec);
     }
-    pca_codec_clear(&d.equal_bytes);
-    pca_codec_clear(&d.equal_quality);
     probes_clear(&d.trained);
     probes_clear(&d.held);
     probes_clear(&d.between);

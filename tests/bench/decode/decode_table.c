@@ -4,6 +4,8 @@
  */
 #include "decode_table.h"
 
+#include "decode_materials.h"
+
 #include "tests/bench/plots.h"
 
 #include <math.h>
@@ -62,7 +64,8 @@ static void write_figure(FILE *csv, double x) {
 
 static void write_csv(const decode_table *table, FILE *csv) {
     fprintf(csv, "device,material,effects,directions,filter,math,side,ns,spread,psnr_linear,psnr_srgb,"
-                 "psnr_held_linear,psnr_held_srgb,psnr_between_linear,psnr_between_srgb,between\n");
+                 "psnr_held_linear,psnr_held_srgb,psnr_between_linear,psnr_between_srgb,between,gpu_bytes,fetches,"
+                 "fetched_bytes,integer_operations,float_operations\n");
     for (int i = 0; i < table->count + table->size_count; i++) {
         const decode_row *r = i < table->count ? &table->rows[i] : &table->sizes[i - table->count];
         fprintf(csv, "%s,%s,%s,%s,%s,%s,%d,%.2f,%.4f", r->device, r->material, r->effects,
@@ -72,7 +75,11 @@ static void write_csv(const decode_table *table, FILE *csv) {
             write_figure(csv, r->linear[set]);
             write_figure(csv, r->srgb[set]);
         }
-        fprintf(csv, ",%s\n", isnan(r->linear[2]) ? "" : r->estimated ? "estimate" : "truth");
+        fprintf(csv, ",%s,%.0f,%.0f,%.0f,%.0f,%.0f\n",
+                isnan(r->linear[2]) ? ""
+                : r->estimated      ? "estimate"
+                                    : "truth",
+                r->gpu_bytes, r->cost.fetches, r->cost.bytes, r->cost.integers, r->cost.floats);
     }
 }
 
@@ -84,14 +91,26 @@ static void print_pair(double linear, double srgb, FILE *out) {
     }
 }
 
+static void print_cost(const decode_cost *cost, FILE *out) {
+    fprintf(out, " %.0f | %.0f | %.0f | %.0f |", cost->fetches, cost->bytes, cost->integers, cost->floats);
+}
+
+/* The same fetches alone; NULL: not measured. */
+static const decode_row *floor_of(const decode_table *table, const decode_row *r) {
+    return strcmp(r->effects, "whole") != 0
+               ? NULL
+               : decode_table_find(table, r->device, r->material, DECODE_FLOOR, r->nearest, r->bilinear, false);
+}
+
 static void print_device(const decode_table *table, const char *device, const char *renderer, bool software,
                          FILE *out) {
     const decode_row *base = decode_table_find(table, device, "joint", "whole", false, false, false);
     fprintf(out,
             "### %s\n\n%s; %s a pixel.\n\n"
             "| material | effects | directions | filter | mathematics | times joint | times its fetches "
-            "| ns | spread | between the samples%s | at the samples | held out |\n"
-            "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
+            "| ns | spread | between the samples%s | at the samples | held out | fetches | bytes | integer "
+            "operations | float operations |\n"
+            "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
             device, renderer, software ? "core time" : "time",
             base && base->estimated ? ", estimated" : "");
     for (int i = 0; i < table->count; i++) {
@@ -99,13 +118,11 @@ static void print_device(const decode_table *table, const char *device, const ch
         if (strcmp(r->device, device) != 0) {
             continue;
         }
-        const decode_row *floor =
-            decode_table_find(table, device, r->material, "fetches only", false, false, false);
-        const bool of_floor = floor && strcmp(r->effects, "whole") == 0 && !r->nearest && !r->bilinear;
+        const decode_row *floor = floor_of(table, r);
         fprintf(out, "| %s | %s | %s | %s | %s | %.2f |", r->material, r->effects,
                 r->nearest ? "nearest" : "linear", r->bilinear ? "bilinear" : "texel",
                 r->fast ? "fast" : "exact", base ? r->ns / base->ns : NAN);
-        if (of_floor) {
+        if (floor) {
             fprintf(out, " %.2f |", r->ns / floor->ns);
         } else {
             fprintf(out, " |");
@@ -114,6 +131,7 @@ static void print_device(const decode_table *table, const char *device, const ch
         print_pair(r->linear[2], r->srgb[2], out);
         print_pair(r->linear[0], r->srgb[0], out);
         print_pair(r->linear[1], r->srgb[1], out);
+        print_cost(&r->cost, out);
         fputc('\n', out);
     }
     fputc('\n', out);
@@ -121,11 +139,12 @@ static void print_device(const decode_table *table, const char *device, const ch
 
 /* Times of smaller pictures, and the exponent of a picture's time over its pixels. */
 static void print_sizes(const decode_table *table, FILE *out) {
-    static const char *const materials[] = {"joint", "paper"};
+    static const char *const materials[] = {DECODE_JOINT, DECODE_FACTORS, DECODE_PAPER};
+    enum { MATERIALS = sizeof materials / sizeof *materials };
     fprintf(out,
             "### Growth with resolution\n\n| material | exponent of time over pixels | ns a pixel at 32, "
             "64, 128, 256 pixels a side |\n| --- | --- | --- |\n");
-    for (int m = 0; m < 2; m++) {
+    for (int m = 0; m < MATERIALS; m++) {
         double pixels[DECODE_MOST_SIZES], time[DECODE_MOST_SIZES];
         int count = 0;
         for (int i = 0; i < table->size_count; i++) {
@@ -149,7 +168,9 @@ static void print_sizes(const decode_table *table, FILE *out) {
 
 /* Where the time of a whole pixel goes on the first device: found by leaving things out of the shader. */
 static void print_places(const decode_table *table, FILE *out) {
-    static const char *const materials[] = {"joint", "joint; SBRDF x shadow sources", "paper"};
+    static const char *const materials[] = {DECODE_JOINT,        DECODE_SOURCES,       DECODE_PAPER,
+                                            DECODE_FACTORS,      DECODE_HALF_FACTORS,  DECODE_EQUAL_FACTORS};
+    enum { MATERIALS = sizeof materials / sizeof *materials };
     const char *device = table->device[0].name;
     fprintf(out,
             "### Where the time goes, %s\n\nOf a whole pixel, three directions, texels, exact: the same "
@@ -157,17 +178,78 @@ static void print_places(const decode_table *table, FILE *out) {
             "alone; what exactness adds to native mathematics; the rest is arithmetic.\n\n"
             "| material | ns | fetches | exactness | the rest |\n| --- | --- | --- | --- | --- |\n",
             device);
-    for (int m = 0; m < 3; m++) {
+    for (int m = 0; m < MATERIALS; m++) {
         const decode_row *whole =
                              decode_table_find(table, device, materials[m], "whole", false, false, false),
                          *fast =
                              decode_table_find(table, device, materials[m], "whole", false, false, true),
-                         *floor = decode_table_find(table, device, materials[m], "fetches only", false,
-                                                    false, false);
+                         *floor = decode_table_find(table, device, materials[m], DECODE_FLOOR, false, false,
+                                                    false);
         if (whole && fast && floor) {
             fprintf(out, "| %s | %.0f | %.0f %% | %+.0f %% | %.0f %% |\n", materials[m], whole->ns,
                     100 * floor->ns / whole->ns, 100 * (whole->ns - fast->ns) / whole->ns,
                     100 * (fast->ns - floor->ns) / whole->ns);
+        }
+    }
+    fputc('\n', out);
+}
+
+/* Format 2 beside format 1: measured, and what was aimed at.
+ * ------------------------------------------------------------------------------------------------ */
+
+static const struct {
+    const char *material;
+    double aim; /* times joint, three directions, texels; 0: none */
+    const char *where;
+} versions[] = {{DECODE_JOINT, 0, ""},
+                {DECODE_FACTORS, 0.55, ""},
+                {DECODE_HALF_FACTORS, 0.35, ""},
+                {DECODE_EQUAL_FACTORS, 0.25, " (UBO_IMPALLA64)"},
+                {DECODE_SHIFTED_FACTORS, 0, ""}};
+
+static void print_version(const decode_table *table, const decode_row *r, int version, FILE *out) {
+    const bool first = strcmp(r->effects, "whole") == 0 && !r->nearest && !r->bilinear;
+    const decode_row *joint = decode_table_find(table, r->device, DECODE_JOINT, r->effects, r->nearest,
+                                                r->bilinear, false),
+                     *fast = decode_table_find(table, r->device, r->material, r->effects, r->nearest,
+                                               r->bilinear, true),
+                     *floor = floor_of(table, r);
+    fprintf(out, "| %s | %s, %s, %s | %.3f |", r->material, r->effects, r->nearest ? "nearest" : "linear",
+            r->bilinear ? "bilinear" : "texel", 1e-6 * r->gpu_bytes);
+    print_pair(r->linear[0], r->srgb[0], out);
+    fprintf(out, " %.0f | %.2f |", r->ns, joint ? r->ns / joint->ns : NAN);
+    if (first && versions[version].aim > 0) {
+        fprintf(out, " %.2f%s |", versions[version].aim, versions[version].where);
+    } else {
+        fprintf(out, " |");
+    }
+    fprintf(out, floor ? " %.2f |" : " |", floor ? r->ns / floor->ns : 0);
+    fprintf(out, fast ? " %.2f |" : " |", fast ? r->ns / fast->ns : 0);
+    print_cost(&r->cost, out);
+    fputc('\n', out);
+}
+
+static void print_versions(const decode_table *table, FILE *out) {
+    const char *device = table->device[0].name;
+    if (!decode_table_find(table, device, DECODE_FACTORS, "whole", false, false, false)) {
+        return;
+    }
+    fprintf(out,
+            "### Format 2 (factors) beside format 1 (joint), %s\n\nExact mathematics, %s a pixel. Times joint: of "
+            "the same directions and filter. Exact over native: at most 1.25 is the aim. Counts are by formula "
+            "(decode_cost.h): textures but the direction tables; sums of SBRDF, shadow and residual. Factors with "
+            "shift are random codes in the same units.\n\n"
+            "| material | decoded | MB | at the samples | ns | times joint | aim | times its fetches | exact over "
+            "native | fetches | bytes | integer operations | float operations |\n"
+            "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
+            device, table->device[0].software ? "core ns" : "ns");
+    for (int version = 0; version < (int)(sizeof versions / sizeof *versions); version++) {
+        for (int i = 0; i < table->count; i++) {
+            const decode_row *r = &table->rows[i];
+            if (strcmp(r->device, device) == 0 && strcmp(r->material, versions[version].material) == 0 &&
+                strcmp(r->effects, DECODE_FLOOR) != 0 && strcmp(r->effects, "without gain") != 0 && !r->fast) {
+                print_version(table, r, version, out);
+            }
         }
     }
     fputc('\n', out);
@@ -178,12 +260,17 @@ typedef struct shown {
     int fast; /* 0, 1; -1: either */
 } shown;
 
-static const shown series[] = {{"joint", "joint, exact", 0},
-                               {"joint", "joint, fast math", 1},
-                               {"paper", "paper, exact", 0},
-                               {"paper", "paper, fast math", 1},
-                               {"joint; SBRDF x shadow sources", "SBRDF x shadow, exact", 0},
-                               {"joint; SBRDF x shadow sources", "SBRDF x shadow, fast math", 1},
+/* Fast ones are not in the README's plot. */
+static const shown series[] = {{DECODE_FACTORS, "factors (format 2), exact", 0},
+                               {DECODE_HALF_FACTORS, "factors, half the bytes, exact", 0},
+                               {DECODE_EQUAL_FACTORS, "factors, PSNR of joint, exact", 0},
+                               {DECODE_FACTORS, "factors, fast math", 1},
+                               {DECODE_JOINT, "joint, exact", 0},
+                               {DECODE_JOINT, "joint, fast math", 1},
+                               {DECODE_PAPER, "paper, exact", 0},
+                               {DECODE_PAPER, "paper, fast math", 1},
+                               {DECODE_SOURCES, "SBRDF x shadow, exact", 0},
+                               {DECODE_SOURCES, "SBRDF x shadow, fast math", 1},
                                {"Phong", "Phong", -1},
                                {"PCA", "PCA, 8 bit", -1},
                                {"uncompressed", "uncompressed, 3 x 3 images", -1}};
@@ -208,6 +295,9 @@ static btf_result decode_plot(const bench_run *run, const decode_table *table, c
     bench_accuracy_panels(run, p, headline);
     plot_front(p);
     for (size_t s = 0; s < sizeof series / sizeof *series; s++) {
+        if (headline && series[s].fast > 0) {
+            continue;
+        }
         plot_series(p, series[s].title, false);
         for (int i = 0; i < table->count; i++) {
             const decode_row *r = &table->rows[i];
@@ -231,9 +321,9 @@ static btf_result decode_plot(const bench_run *run, const decode_table *table, c
     }
     for (int i = 0; i < table->count; i++) {
         const decode_row *r = &table->rows[i];
-        if (strcmp(r->device, device) == 0 && strcmp(r->effects, "fetches only") == 0) {
-            snprintf(title, sizeof title, "fetches of %s",
-                     strchr(r->material, ';') ? "SBRDF x shadow" : r->material);
+        if (strcmp(r->device, device) == 0 && strcmp(r->effects, DECODE_FLOOR) == 0 && !r->nearest &&
+            !r->bilinear && !strchr(r->material, ';')) {
+            snprintf(title, sizeof title, "fetches of %s", r->material);
             plot_vertical(p, r->ns, title);
         }
     }
@@ -262,6 +352,7 @@ btf_result decode_table_write(const bench_run *run, const decode_table *table) {
         if (result == BTF_OK) {
             result = decode_plot(run, table, table->device[0].name, "readme-decode", true);
         }
+        print_versions(table, run->summary);
         print_places(table, run->summary);
         print_sizes(table, run->summary);
     }
@@ -269,6 +360,8 @@ btf_result decode_table_write(const bench_run *run, const decode_table *table) {
         print_device(table, table->device[i].name, table->device[i].renderer, table->device[i].software,
                      run->summary);
     }
-    print_device(table, "CPU reference", run->system->cpu, true, run->summary);
+    if (run->methods & BENCH_METHOD_REFERENCE) {
+        print_device(table, "CPU reference", run->system->cpu, true, run->summary);
+    }
     return result;
 }

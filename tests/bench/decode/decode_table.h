@@ -6,15 +6,22 @@
 #define OPENBTF_TESTS_BENCH_DECODE_TABLE_H
 
 #include "tests/bench/bench.h"
+#include "decode_cost.h"
 #include "decode_rig.h"
 
 enum { DECODE_MOST_ROWS = 1200, DECODE_MOST_SIZES = 16, DECODE_MOST_DEVICES = 12 };
+
+/* The `effects` of a row of fetches alone. */
+#define DECODE_FLOOR "fetches only"
 
 typedef struct decode_row {
     char device[24], material[40], effects[40];
     bool nearest, bilinear, fast, peer;
     bool estimated;            /* what stands for truth between the samples is an estimate */
     int side;                  /* of the picture, where that is what changes; else 0 */
+    double gpu_bytes;          /* of the whole material */
+    bool counted;              /* has a cost */
+    decode_cost cost;          /* a pixel */
     double ns, spread;         /* a pixel: median of the repeats, (largest - smallest) / median */
     double linear[3], srgb[3]; /* PSNR at sampled directions, at those held out (both), and between the
                                   samples: against truth, else estimated; NAN: none */

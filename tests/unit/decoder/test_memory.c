@@ -6,7 +6,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "decoder/gl_functions.h"
-#include "tests/support/random_material.h"
+#include "tests/support/factor_material.h"
 #include "tests/support/refusals.h"
 #include <openbtf/gl.h>
 #include <openbtf/plan.h>
@@ -93,9 +93,19 @@ static void make_path(const char *name, char path[300]) {
              (long)getpid(), name);
 }
 
-static fixture make(btf_layout layout) {
+/* Kinds of material. */
+enum { PAPER, TIGHT, FACTORS, KINDS };
+static const char *const kind_names[KINDS] = {"layout paper", "layout tight", "factors"};
+
+static fixture make(int kind) {
+    static const uint16_t preview[3 * 2 * 4] = {0x3C00, 0x3800};
+    const btf_layout layout = kind == PAPER ? BTF_LAYOUT_PAPER : BTF_LAYOUT_TIGHT;
     random_state r = {41};
-    fixture f = {.desc = random_material_desc(3, 2, 5, 4, layout, BTF_EFFECT_ALL)};
+    fixture f = {.desc = kind == FACTORS
+                             ? factor_material_desc(3, 2, 5, 4, layout, BTF_EFFECT_ALL, factor_classes)
+                             : random_material_desc(3, 2, 5, 4, layout, BTF_EFFECT_ALL)};
+    f.desc.info.blend = kind == FACTORS ? BTF_BLEND_ROOTS : BTF_BLEND_RADIANCE;
+    f.desc.preview = kind == FACTORS ? preview : NULL;
     f.desc.info.method = "joint";
     static const btf_material_error errors[1] = {{0, 20, 20, 100}};
     static const btf_level_error level_errors[1] = {{0, 20, 20, 100}};
@@ -107,7 +117,7 @@ static fixture make(btf_layout layout) {
     static const float between[13] = {1, 1, 0, 60, 0, 60, 3, 0.1f, 0.2f, 0.1f, 0.2f, 0.1f, 0.2f};
     f.desc.between_errors = between;
     f.desc.between_error_count = 13;
-    random_material_fill(&r, &f.desc);
+    factor_material_fill(&r, &f.desc);
     assert_int_equal(btf_material_create(&f.desc, NULL, &f.material), BTF_OK);
     assert_int_equal(btf_material_save_memory(f.material, NULL, &f.data, &f.size), BTF_OK);
     make_path("in", f.path);
@@ -289,8 +299,8 @@ static btf_result do_upload(const fixture *f) {
 /* `spared`: blocks that may be left. OpenEXR 3.1.5 leaves one when it cannot name an attribute or a channel
  * that it is adding. */
 static void every_failure(const char *name, btf_result (*call)(const fixture *f), long long spared) {
-    for (int layout = 0; layout < 2; layout++) {
-        fixture f = make((btf_layout)layout);
+    for (int kind = 0; kind < KINDS; kind++) {
+        fixture f = make(kind);
         long long n = 0;
         assert_int_equal(call(&f), BTF_OK);
         const uint64_t wanted = given;
@@ -312,17 +322,16 @@ static void every_failure(const char *name, btf_result (*call)(const fixture *f)
             }
             assert_true(n < 100000);
         }
-        printf("CASE | %s, layout %s: each allocation fails in turn | one message and nothing left, or the "
-               "same "
+        printf("CASE | %s, %s: each allocation fails in turn | one message and nothing left, or the same "
                "result | %lld allocations | pass\n",
-               name, layout ? "tight" : "paper", n);
+               name, kind_names[kind], n);
         clear(&f);
     }
 }
 /* GL's own memory runs out at each image in turn. */
 static void every_image(void) {
-    for (int layout = 0; layout < 2; layout++) {
-        fixture f = make((btf_layout)layout);
+    for (int kind = 0; kind < KINDS; kind++) {
+        fixture f = make(kind);
         for (int n = 0;; n++) {
             message_count = textures = 0;
             images_left = n;

@@ -1,5 +1,6 @@
-/* Factors of version 2 in a solution: packed and unpacked unchanged; their levels are those that FORMAT.md's table of
- * bits says; profiles agree with the reference decoder, and evaluations equal it bit for bit.
+/* Factors of version 2 in a solution: packed and unpacked unchanged; their levels are those that
+ * FORMAT.md's table of bits says; profiles agree with the reference decoder, and evaluations equal it bit
+ * for bit.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -88,9 +89,8 @@ static enc_solution random_solution(btf_domain domain, btf_blend blend) {
     assert_true(f->scales && f->views);
     for (uint32_t i = 0; i < f->units; i++)
         for (int k = 0; k < 4; k++)
-            f->scales[4 * i + (uint32_t)k] = k > 0 && !units[i].mixed
-                                                 ? f->scales[4 * i]
-                                                 : random_scale(0.1 / top[units[i].class]);
+            f->scales[4 * i + (uint32_t)k] =
+                k > 0 && !units[i].mixed ? f->scales[4 * i] : random_scale(0.1 / top[units[i].class]);
     for (int i = 0; i < VIEWS * 12; i++)
         f->views[i] = i % 4 < 3 ? random_scale(1) : 0;
     f->horizon_scale = (float)(1 / cos(65 * 3.14159265358979323846 / 180));
@@ -134,7 +134,8 @@ static void test_levels(void **state) {
         assert_int_equal(units[c].word, words[c]);
         enc_store_u_levels(&units[c], first, second, levels);
         for (int n = 0; n < 4 * words[c]; n++)
-            assert_int_equal(levels[n], u_by_table(c, first[n / words[c]], second[n / words[c]], n % words[c]));
+            assert_int_equal(levels[n],
+                             u_by_table(c, first[n / words[c]], second[n / words[c]], n % words[c]));
         enc_store_w_levels(&units[c], first, levels);
         for (int n = 0; n < 4 * words[c]; n++) {
             const uint32_t word = first[n / words[c]];
@@ -172,7 +173,8 @@ static void check_images(const enc_data *data, const enc_solution *s, const btf_
     reference_view(material, 0, &reference.material);
     assert_int_equal(enc_sample_decoder_create(&context, data, s, &decoder), BTF_OK);
     const enc_decoded_samples decoded = {.decoder = decoder, .effects = 31};
-    const enc_image_source source = enc_decoded_images(&decoded), truth = enc_reference_image_source(&reference);
+    const enc_image_source source = enc_decoded_images(&decoded),
+                           truth = enc_reference_image_source(&reference);
     for (int v = 0; v < VIEWS; v++) {
         assert_int_equal(source.view(source.user, v, fast), BTF_OK);
         assert_int_equal(truth.view(truth.user, v, exact), BTF_OK);
@@ -223,8 +225,8 @@ static void check_evaluations(const btf_material *material) {
             for (int i = 0; i < COUNT; i++) {
                 float expected[3];
                 options.components = units[i];
-                btf_ref_evaluate_texel(m, &options, (uint32_t)texel % WIDTH, (uint32_t)texel / WIDTH, light, view,
-                                       expected);
+                btf_ref_evaluate_texel(m, &options, (uint32_t)texel % WIDTH, (uint32_t)texel / WIDTH, light,
+                                       view, expected);
                 assert_memory_equal(found[i], expected, sizeof expected);
                 bright += expected[0] > 0;
             }

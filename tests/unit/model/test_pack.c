@@ -112,6 +112,19 @@ static enc_solution random_solution(const enc_data *data, uint32_t effects, btf_
     return s;
 }
 
+/* The same with shift and gain in two bytes a point. */
+static void pack_points(enc_solution *s) {
+    const size_t points = enc_solution_texels(s) * (size_t)s->n_views;
+    s->packed = true;
+    s->gain_base = 0.3f;
+    s->gain_step = 0.11f;
+    for (size_t i = 0; i < points; i++) {
+        s->gain[i] = s->gain[i] & 15;
+        s->shift[2 * i] = (int8_t)(s->shift[2 * i] / 4);
+        s->shift[2 * i + 1] = (int8_t)(s->shift[2 * i + 1] / 4);
+    }
+}
+
 static void assert_equal_bytes(const void *a, const void *b, size_t size) {
     assert_true((a == NULL) == (b == NULL));
     if (a) {
@@ -119,15 +132,24 @@ static void assert_equal_bytes(const void *a, const void *b, size_t size) {
     }
 }
 
+static int packed_checks;
+
 static void check(int width, int height, int views, int lights, btf_layout layout, uint32_t effects,
                   btf_domain domain, int lobes, bool rgb) {
     enc_data *data = make_data(width, height, views, lights);
     const size_t texels = enc_data_texel_count(data), points = texels * (size_t)views, image = texels * 3;
     enc_solution s = random_solution(data, effects, domain, lobes, rgb), back;
+    const uint32_t both = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN;
+    if (layout == BTF_LAYOUT_TIGHT && (effects & (both | BTF_EFFECT_HIDDEN)) == both) {
+        pack_points(&s);
+        packed_checks++;
+    }
     const enc_pack_options options = {.layout = layout, .method = "test"};
     btf_material *material = NULL;
     assert_int_equal(enc_pack(&context, data, &s, &options, &material), BTF_OK);
     assert_int_equal(enc_unpack(&context, material, &back), BTF_OK);
+    assert_int_equal(s.packed, back.packed);
+    assert_int_equal(btf_material_texture(material, BTF_TEXTURE_POINTS).size, s.packed ? 2 * points : 0);
     if (s.sbrdf) {
         assert_equal_bytes(s.sbrdf->values, back.sbrdf->values,
                            texels * enc_sbrdf_stride(lobes, rgb) * sizeof(float));
@@ -181,6 +203,9 @@ static void test_round_trip(void **state) {
         check(4, 8, 9, 3, (btf_layout)layout, 31, BTF_DOMAIN_SQRT, 3, true);
     }
     check(4, 4, 3, 3, BTF_LAYOUT_TIGHT, BTF_EFFECT_RESIDUAL | BTF_EFFECT_SHIFT, BTF_DOMAIN_SQRT, 0, false);
+    check(4, 4, 3, 3, BTF_LAYOUT_TIGHT, BTF_EFFECT_RESIDUAL | BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN, BTF_DOMAIN_SQRT,
+          0, false);
+    assert_true(packed_checks > 1);
 }
 
 static void test_paper_room(void **state) {

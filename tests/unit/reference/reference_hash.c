@@ -1,7 +1,7 @@
 /* Hashes of what the reference decoder computes: every function of its header on seeded arguments, over
- * made-up materials of every kind, and another of materials of version 2. The same two have to come from
- * every compiler, optimisation level and machine; they are pinned below. Prints them; exits 1 when one is
- * another, 4 when the self-test refuses the build.
+ * made-up materials of every kind, another of materials of version 2, and one of packed points. The same three
+ * have to come from every compiler, optimisation level and machine; they are pinned below. Prints them; exits 1
+ * when one is another, 4 when the self-test refuses the build.
  *
  * With -DBTF_TEST_FREESTANDING it needs no C library (Linux on aarch64, i386 and x86-64), so that a
  * compiler for another machine and an emulator suffice.
@@ -11,7 +11,8 @@
 #include "reference_material.h"
 
 #define EXPECTED_HASH 0xfcda22e85c947b10u
-#define EXPECTED_HASH_2 0x034e7aaa243f76d5u
+#define EXPECTED_HASH_2 0x12326c76419da8d1u
+#define EXPECTED_HASH_3 0xbe302bc6c4de5000u
 
 enum {
     SEEDS = 3,
@@ -132,6 +133,22 @@ static uint64_t hash_version_2(void) {
     return hash;
 }
 
+/** @return the hash of materials with packed points. */
+static uint64_t hash_points(void) {
+    static made_storage storage;
+    static made_factors factors;
+    btf_ref_material material;
+    hash = 14695981039346656037u;
+    for (uint32_t kind = 0; kind < 48; ++kind) {
+        make_material(800 + kind, kind, kind * 5 % 32, kind % 3 == 0, &storage, &material);
+        if (kind % 2)
+            make_factors(kind, kind % 3 == 0, &factors, &material);
+        make_points(kind, kind % 3 == 0, &storage, &material);
+        hash_evaluation(&material, 8000 + kind);
+    }
+    return hash;
+}
+
 /** From now on denormal operands and results are 0, where we know how to say so. */
 static void flush_denormals(void) {
 #if defined __SSE2__
@@ -154,17 +171,19 @@ static void format_hash(uint64_t value, char out_text[17]) {
     out_text[16] = '\n';
 }
 
-static int run(char out_text[2 * 17]) {
-    uint64_t result = hash_all(), result_2 = hash_version_2();
+static int run(char out_text[3 * 17]) {
+    uint64_t result = hash_all(), result_2 = hash_version_2(), result_3 = hash_points();
     format_hash(result, out_text);
     format_hash(result_2, out_text + 17);
-    out_text[16] = ' ';
+    format_hash(result_3, out_text + 2 * 17);
+    out_text[16] = out_text[33] = ' ';
     if (!btf_ref_self_test())
         return EXIT_UNSOUND;
-    if (result != EXPECTED_HASH || result_2 != EXPECTED_HASH_2)
+    if (result != EXPECTED_HASH || result_2 != EXPECTED_HASH_2 || result_3 != EXPECTED_HASH_3)
         return EXIT_DIFFERENT;
     flush_denormals();
-    return hash_all() == result && hash_version_2() == result_2 ? 0 : EXIT_DENORMALS;
+    return hash_all() == result && hash_version_2() == result_2 && hash_points() == result_3 ? 0
+                                                                                             : EXIT_DENORMALS;
 }
 
 #ifdef BTF_TEST_FREESTANDING
@@ -226,7 +245,7 @@ __asm__(".globl _start\n_start:\n    xor %ebp, %ebp\n    and $-16, %esp\n    cal
 
 void start(void);
 void start(void) {
-    char text[2 * 17];
+    char text[3 * 17];
     int status = run(text);
     system_call(CALL_WRITE, 1, (long)text, (long)sizeof text);
     system_call(CALL_EXIT, status, 0, 0);
@@ -239,7 +258,7 @@ void start(void) {
 #include <stdio.h>
 
 int main(void) {
-    char text[2 * 17];
+    char text[3 * 17];
     int status = run(text);
     fwrite(text, 1, sizeof text, stdout);
     if (status == EXIT_UNSOUND)
@@ -247,10 +266,11 @@ int main(void) {
     if (status == EXIT_DENORMALS)
         fprintf(stderr, "another hash with denormals flushed to zero\n");
     if (status == EXIT_DIFFERENT) {
-        char expected[2][17];
+        char expected[3][17];
         format_hash(EXPECTED_HASH, expected[0]);
         format_hash(EXPECTED_HASH_2, expected[1]);
-        fprintf(stderr, "expected %.16s %.16s\n", expected[0], expected[1]);
+        format_hash(EXPECTED_HASH_3, expected[2]);
+        fprintf(stderr, "expected %.16s %.16s %.16s\n", expected[0], expected[1], expected[2]);
     }
     return status;
 }

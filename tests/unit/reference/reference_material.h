@@ -298,6 +298,19 @@ static inline void make_material(uint32_t seed, uint32_t kind, uint32_t effects,
     *out_material = m;
 }
 
+/** Packs the points of a made-up material: any two bytes of its shifts are one. `extreme` as in make_material(). */
+static inline void make_points(uint32_t seed, int extreme, made_storage *s, btf_ref_material *m) {
+    uint32_t state = seed * 3266489917u + 1u;
+    state = state != 0 ? state : 1;
+    m->layout_tight = 1;
+    m->effects = (m->effects | BTF_REF_SHIFT | BTF_REF_GAIN) & ~(uint32_t)BTF_REF_HIDDEN;
+    m->points_packed = 1;
+    m->points = s->shift;
+    m->shift = m->gain = 0;
+    m->gain_base = extreme ? random_parameter(&state) : random_float(&state, 0.25f, 0.5f);
+    m->gain_step = extreme ? random_parameter(&state) : random_float(&state, 0.03125f, 0.125f);
+}
+
 /** The arrays of version 2 that a made-up material points to. */
 typedef struct made_factors {
     uint32_t texels[MADE_UNIT_LAYERS * MADE_TEXELS * 4];

@@ -231,6 +231,60 @@ static void test_shift_and_gain(void **state) {
     assert_bits(rgb[0], own_albedo(3, 2));
 }
 
+/** Columns and rows from -32, a code of the gain, as section 3 packs them. */
+static void set_point(fixture *f, uint32_t column, uint32_t row, uint32_t view, int columns, int rows,
+                      int code) {
+    uint8_t *bytes = f->s.shift + 2 * ((view * MADE_HEIGHT + row) * MADE_WIDTH + column);
+    int p = columns + 32 + 64 * (rows + 32) + 4096 * code;
+    bytes[0] = (uint8_t)(p % 256);
+    bytes[1] = (uint8_t)(p / 256);
+}
+
+static void test_packed_points(void **state) {
+    (void)state;
+    float rgb[3];
+    fixture *f = plain(1, BTF_REF_SHIFT | BTF_REF_GAIN);
+    set_lambertian(f);
+    make_points(1, 0, &f->s, &f->m);
+    f->m.gain_base = 0.25f;
+    f->m.gain_step = 0.125f;
+    f->m.gain_scale = 77; /* not read */
+    set_point(f, 1, 1, 4, 2, 1, 6);
+    evaluate_pair(f, 1, 1, 0, 4, pole, pole, rgb);
+    assert_bits(rgb[0], own_albedo(3, 2));
+    set_point(f, 1, 1, 4, -2, -3, 0); /* code 0 hides nothing; wrapped: column 6, row 3 */
+    evaluate_pair(f, 1, 1, 0, 4, pole, pole, rgb);
+    assert_bits(rgb[0], own_albedo(6, 3) * 0.25f);
+    set_point(f, 1, 1, 4, 31, -32, 15); /* 1 + 31 = 32 = 4 * 7 + 4; 1 - 32 = -31 = -7 * 5 + 4 */
+    evaluate_pair(f, 1, 1, 0, 4, pole, pole, rgb);
+    assert_bits(rgb[0], own_albedo(4, 4) * 2.125f);
+    set_point(f, 1, 1, 4, -32, 31, 15); /* -31 = -5 * 7 + 4; 32 = 6 * 5 + 2 */
+    evaluate_pair(f, 1, 1, 0, 4, pole, pole, rgb);
+    assert_bits(rgb[0], own_albedo(4, 2) * 2.125f);
+
+    f->o.effects = BTF_REF_SHIFT; /* no gain */
+    evaluate_pair(f, 1, 1, 0, 4, pole, pole, rgb);
+    assert_bits(rgb[0], own_albedo(4, 2));
+    f->o.effects = BTF_REF_GAIN; /* no shift */
+    evaluate_pair(f, 1, 1, 0, 4, pole, pole, rgb);
+    assert_bits(rgb[0], own_albedo(1, 1) * 2.125f);
+    f->o.effects = 0;
+    evaluate_pair(f, 1, 1, 0, 4, pole, pole, rgb);
+    assert_bits(rgb[0], own_albedo(1, 1));
+
+    /* one multiplication, then one addition, each rounded */
+    f->o.effects = UINT32_MAX;
+    f->m.gain_base = 1.0f;
+    f->m.gain_step = 0x1.555556p-26f; /* 3 of them are 2^-24 rounded, and more than that before: a tie, not 1 + 2^-23 */
+    set_point(f, 1, 1, 4, 0, 0, 3);
+    parameter(f, 0, 1, 1)[3] = 1.0f;
+    evaluate_pair(f, 1, 1, 0, 4, pole, pole, rgb);
+    assert_bits(rgb[0], 1.0f);
+    f->m.gain_base = -1.0f; /* of either sign, clamped as ever */
+    evaluate_pair(f, 1, 1, 0, 4, pole, pole, rgb);
+    assert_rgb(rgb, 0, 0, 0);
+}
+
 static void test_hidden(void **state) {
     (void)state;
     float light[3] = {0.0f, 0.0f, 0.5f}, rgb[3];
@@ -627,6 +681,8 @@ static void test_finite(void **state) {
     uint32_t random = 77, lit = 0, evaluations = 0;
     for (uint32_t round = 0; round < 250; ++round) {
         make_material(round, round, round % 2 ? ALL_EFFECTS : round / 2 % 32, round % 5 != 0, &storage, &m);
+        if (round % 7 == 3)
+            make_points(round, round % 5 != 0, &storage, &m);
         for (int i = 0; i < 4000; ++i) {
             float l[3], v[3], rgb[3];
             for (int k = 0; k < 3; ++k) {
@@ -664,6 +720,7 @@ static void test_finite(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_lambertian), cmocka_unit_test(test_lobes),
+        cmocka_unit_test(test_packed_points),
         cmocka_unit_test(test_shadow),     cmocka_unit_test(test_shift_and_gain),
         cmocka_unit_test(test_hidden),     cmocka_unit_test(test_centre_index),
         cmocka_unit_test(test_two_views),  cmocka_unit_test(test_residual),

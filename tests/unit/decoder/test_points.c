@@ -1,0 +1,403 @@
+/* Packed points in the library: shapes, what is refused when a material is made or opened, the way through a
+ * file, what a plan leaves of them, and the shader's textures.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "tests/support/exr_edit.h"
+#include "tests/support/factor_material.h"
+#include "tests/support/plan_decode.h"
+#include "tests/support/refusals.h"
+#include <math.h>
+#include <openbtf/plan.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { WIDTH = 9, HEIGHT = 6, VIEWS = 19, LIGHTS = 7 };
+enum { BOTH = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN };
+
+static btf_material_desc make_desc(uint64_t seed, uint32_t effects, uint32_t levels) {
+    random_state r = {seed};
+    btf_material_desc desc =
+        random_material_desc(WIDTH, HEIGHT, VIEWS, LIGHTS, BTF_LAYOUT_TIGHT, BOTH | effects);
+    desc.info.levels = levels;
+    desc.info.domain = BTF_DOMAIN_SQRT;
+    factor_material_pack_points(&desc);
+    random_material_fill(&r, &desc);
+    return desc;
+}
+
+static btf_material_info info_of(const btf_material *material) {
+    btf_material_info info = {.struct_size = sizeof info};
+    assert_int_equal(btf_material_get_info(material, &info), BTF_OK);
+    return info;
+}
+
+static bool has(const btf_material *material, btf_texture_id id) {
+    return btf_material_texture(material, id).format != BTF_FORMAT_NONE;
+}
+
+static void test_shapes(void **state) {
+    (void)state;
+    btf_material_desc desc = make_desc(1, 0, 2);
+    btf_material *m = create_accepted(&desc);
+    const btf_material_info info = info_of(m);
+    assert_int_equal(info.version, 2);
+    assert_int_equal(info.point_store, BTF_POINTS_PACKED);
+    assert_true(info.gain_base == 0.3f && info.gain_step == 0.11f);
+    assert_string_equal(btf_texture_name(BTF_TEXTURE_POINTS), "points");
+    const btf_texture points = btf_material_texture(m, BTF_TEXTURE_POINTS),
+                      level = btf_material_level_texture(m, 1, BTF_TEXTURE_POINTS);
+    assert_int_equal(points.format, BTF_FORMAT_RG8UI);
+    assert_true(points.is_array);
+    assert_int_equal(points.width, WIDTH);
+    assert_int_equal(points.height, HEIGHT);
+    assert_int_equal(points.layers, VIEWS);
+    assert_int_equal(points.size, 2 * WIDTH * HEIGHT * VIEWS);
+    assert_int_equal(level.size, 2 * (WIDTH / 2) * (HEIGHT / 2) * VIEWS);
+    assert_false(has(m, BTF_TEXTURE_SHIFT) || has(m, BTF_TEXTURE_GAIN));
+    size_t others = 0;
+    others += btf_material_texture(m, BTF_TEXTURE_SBRDF).size;
+    others += btf_material_level_texture(m, 1, BTF_TEXTURE_SBRDF).size;
+    assert_int_equal(info.gpu_bytes, points.size + level.size + others);
+    btf_material_close(&m);
+    random_material_free(&desc);
+}
+
+static void test_create(void **state) {
+    (void)state;
+    btf_material_desc desc = make_desc(2, 0, 1);
+    const btf_material_info good = desc.info;
+    static const uint32_t missing[] = {BTF_EFFECT_SHIFT, BTF_EFFECT_GAIN, BOTH | BTF_EFFECT_HIDDEN};
+    for (size_t i = 0; i < sizeof missing / sizeof *missing; i++) {
+        desc.info.effects = missing[i];
+        desc.info.centres = missing[i] & BTF_EFFECT_HIDDEN ? 3 : 0;
+        create_refused(&desc, "packed points need the effects shift and gain, and no effect hidden");
+    }
+    desc.info = good;
+    desc.info.layout = BTF_LAYOUT_PAPER;
+    create_refused(&desc, "packed points with layout paper");
+    desc.info = good;
+    desc.info.point_store = (btf_point_store)2;
+    create_refused(&desc, "unknown store 2 of shift and gain");
+    desc.info.point_store = BTF_POINTS_SEPARATE;
+    create_refused(&desc, "gainBase 0.3 and gainStep 0.11 without packed points");
+    static const float bad[] = {NAN, INFINITY, 0x1p-25f, -0x1p25f};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        desc.info = good;
+        desc.info.gain_base = bad[i];
+        create_refused(&desc, "gainBase");
+        desc.info = good;
+        desc.info.gain_step = bad[i];
+        create_refused(&desc, "gainStep");
+    }
+    static const float limits[] = {0, -0.0f, 0x1p-24f, -0x1p24f};
+    for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
+        desc.info = good;
+        desc.info.gain_base = desc.info.gain_step = limits[i];
+        btf_material *m = create_accepted(&desc);
+        assert_true(info_of(m).gain_base == limits[i]);
+        assert_false(limits[i] == 0 && (signbit(info_of(m).gain_base) || signbit(info_of(m).gain_step)));
+        btf_material_close(&m);
+    }
+    random_material_free(&desc);
+}
+
+static void assert_same(const btf_material *a, const btf_material *b) {
+    const btf_material_info x = info_of(a), y = info_of(b);
+    assert_int_equal(x.version, y.version);
+    assert_int_equal(x.point_store, y.point_store);
+    assert_true(x.gain_base == y.gain_base && x.gain_step == y.gain_step);
+    assert_int_equal(x.gpu_bytes, y.gpu_bytes);
+    for (uint32_t level = 0; level < x.levels; level++)
+        for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
+            const btf_texture s = btf_material_level_texture(a, level, (btf_texture_id)id),
+                              t = btf_material_level_texture(b, level, (btf_texture_id)id);
+            assert_int_equal(s.size, t.size);
+            if (s.size)
+                assert_memory_equal(s.data, t.data, s.size);
+        }
+}
+
+static btf_material *through_a_file(const btf_material *m) {
+    void *data;
+    size_t size;
+    btf_material *opened;
+    assert_int_equal(btf_material_save_memory(m, NULL, &data, &size), BTF_OK);
+    if (btf_material_open_memory(data, size, &log_keep, &opened))
+        fail_msg("%s", last_message);
+    btf_free(data);
+    return opened;
+}
+
+static void test_round_trip(void **state) {
+    (void)state;
+    static const uint32_t more[] = {0, BTF_EFFECT_SHADOW, BTF_EFFECT_RESIDUAL};
+    for (uint32_t i = 0; i < 3; i++) {
+        btf_material_desc desc = make_desc(3 + i, more[i], 1 + i);
+        btf_material *m = create_accepted(&desc), *opened = through_a_file(m);
+        assert_same(m, opened);
+        assert_memory_equal(btf_material_texture(opened, BTF_TEXTURE_POINTS).data,
+                            desc.texture[BTF_TEXTURE_POINTS], 2 * WIDTH * HEIGHT * VIEWS);
+        btf_material_close(&m);
+        btf_material_close(&opened);
+        random_material_free(&desc);
+    }
+}
+
+/* A file of packed points, to be edited. */
+static void *file_data;
+static size_t file_size;
+
+static int setup(void **state) {
+    (void)state;
+    btf_material_desc desc = make_desc(6, 0, 2);
+    btf_material *m = create_accepted(&desc);
+    const btf_result result = btf_material_save_memory(m, NULL, &file_data, &file_size);
+    btf_material_close(&m);
+    random_material_free(&desc);
+    return result;
+}
+
+static int teardown(void **state) {
+    (void)state;
+    btf_free(file_data);
+    return 0;
+}
+
+static edit_file *take(void) {
+    return edit_load(file_data, file_size);
+}
+
+static void refused(edit_file *file, const char *text) {
+    refused_as(file, BTF_ERROR_BAD_FILE, text);
+}
+
+static void set_text(edit_file *file, const char *name, const char *text) {
+    edit_attribute *a = edit_find_attribute(file, name);
+    free(a->text);
+    a->text = strdup(text);
+}
+
+static void test_file(void **state) {
+    (void)state;
+    edit_file *e = take();
+    edit_remove_part(e, "points");
+    refused(e, "part points: missing");
+    e = take();
+    edit_remove_part(e, "level1.points");
+    refused(e, "part level1.points: missing");
+    e = take();
+    edit_copy_part(e, "points", "shift");
+    refused(e, "part shift: unknown");
+    e = take();
+    edit_remove_channel(edit_find_part(e, "points"), "G");
+    refused(e, "part points: channel G is missing");
+    e = take();
+    const uint16_t half = 0x5C00; /* 256 */
+    memcpy(edit_find_channel(e, "points", "R")->data, &half, 2);
+    refused(e, "part points: channel R at (0, 0) holds half 0x5c00, not an integer of its range");
+    e = take();
+    edit_remove_attribute(e, "openbtf.pointStore"); /* separate then */
+    refused(e, "unknown, or not in a material of these effects");
+    e = take();
+    set_text(e, "openbtf.pointStore", "dense");
+    refused(e, "attribute openbtf.pointStore is \"dense\", which is unknown");
+    e = take();
+    edit_find_attribute(e, "openbtf.pointStore")->type = EXR_ATTR_DOUBLE;
+    refused(e, "attribute openbtf.pointStore is of type double");
+    e = take();
+    set_text(e, "openbtf.effects", "shift");
+    refused(e, "packed points need the effects shift and gain");
+    e = take();
+    edit_find_attribute(e, "openbtf.version")->i = 1; /* which knows no such attribute */
+    refused(e, "unknown, or not in a material of these effects");
+}
+
+static void test_file_gains(void **state) {
+    (void)state;
+    static const char *const names[] = {"openbtf.gainBase", "openbtf.gainStep"};
+    for (int i = 0; i < 2; i++) {
+        char text[64];
+        edit_file *e = take();
+        edit_remove_attribute(e, names[i]);
+        snprintf(text, sizeof text, "attribute %s is missing", names[i]);
+        refused(e, text);
+        e = take();
+        edit_find_attribute(e, names[i])->f = 0x1p25f;
+        refused(e, names[i] + strlen("openbtf."));
+        e = take();
+        edit_find_attribute(e, names[i])->f = NAN;
+        refused(e, names[i] + strlen("openbtf."));
+        e = take();
+        edit_find_attribute(e, names[i])->f = -0.0f;
+        btf_material *m;
+        if (open_edited(e, &m))
+            fail_msg("%s", last_message);
+        const btf_material_info info = info_of(m);
+        assert_false(signbit(i ? info.gain_step : info.gain_base));
+        btf_material_close(&m);
+    }
+}
+
+/* The words of `separate` are a store too, of version 2. */
+static void test_separate(void **state) {
+    (void)state;
+    random_state r = {7};
+    btf_material_desc desc = random_material_desc(3, 2, 4, 3, BTF_LAYOUT_TIGHT, BOTH);
+    desc.info.domain = BTF_DOMAIN_SQRT;
+    desc.info.blend = BTF_BLEND_ROOTS;
+    random_material_fill(&r, &desc);
+    btf_material *m = create_accepted(&desc), *opened;
+    void *data;
+    size_t size;
+    assert_int_equal(btf_material_save_memory(m, NULL, &data, &size), BTF_OK);
+    edit_file *e = edit_load(data, size);
+    for (int a = 0; a < e->attribute_count; a++) {
+        assert_string_not_equal(e->attributes[a].name, "openbtf.pointStore");
+        assert_string_not_equal(e->attributes[a].name, "openbtf.gainBase");
+    }
+    edit_attribute *store = &e->attributes[e->attribute_count++];
+    *store = (edit_attribute){.name = "openbtf.pointStore", .type = EXR_ATTR_STRING, .text = strdup("separate")};
+    if (open_edited(e, &opened))
+        fail_msg("%s", last_message);
+    assert_same(m, opened);
+    btf_free(data);
+    btf_material_close(&m);
+    btf_material_close(&opened);
+    random_material_free(&desc);
+}
+
+/* What is left of packed points where a plan decodes both, the shift or the gain alone, or neither. */
+static void test_restrict(void **state) {
+    (void)state;
+    random_state r = {8};
+    static const uint32_t kept[] = {BOTH, BTF_EFFECT_SHIFT, BTF_EFFECT_GAIN, 0};
+    int lit = 0, all_lit = 0, fewer = 0;
+    for (int round = 0; round < 48; round++) {
+        const uint32_t effects = kept[round % 4] | BTF_EFFECT_RESIDUAL;
+        btf_material_desc desc = make_desc(20 + (uint64_t)round, BTF_EFFECT_RESIDUAL, 3);
+        desc.info.blend = round & 4 ? BTF_BLEND_ROOTS : BTF_BLEND_RADIANCE;
+        btf_material *whole = create_accepted(&desc), *small;
+        btf_plan plan = {.struct_size = sizeof plan,
+                         .scene = {.struct_size = sizeof plan.scene, .view.theta = {0, 35}},
+                         .effects = effects,
+                         .components = 5,
+                         .level = random_below(&r, 3),
+                         .shader = {.struct_size = sizeof plan.shader,
+                                    .leave_out = desc.info.effects & ~effects,
+                                    .components = 5}};
+        assert_int_equal(btf_material_restrict(whole, &plan, &log_keep, &small), BTF_OK);
+        const btf_material_info info = info_of(small);
+        const bool packed = effects & BTF_EFFECT_GAIN;
+        assert_int_equal(info.effects, packed ? effects | BTF_EFFECT_SHIFT : effects);
+        assert_int_equal(info.point_store, packed ? BTF_POINTS_PACKED : BTF_POINTS_SEPARATE);
+        assert_true(info.gain_step == (packed ? 0.11f : 0) && info.gain_base == (packed ? 0.3f : 0));
+        assert_int_equal(has(small, BTF_TEXTURE_POINTS), packed);
+        assert_int_equal(has(small, BTF_TEXTURE_SHIFT), !packed && effects & BTF_EFFECT_SHIFT);
+        assert_false(has(small, BTF_TEXTURE_GAIN));
+        assert_int_equal(info.version, packed || desc.info.blend == BTF_BLEND_ROOTS ? 2 : 1);
+        fewer += info.n_views < VIEWS;
+        assert_int_equal(plan_differences(&r, whole, small, &plan, 100, &lit), 0);
+        all_lit += lit;
+        /* Decoded whole, it is what the plan says too. */
+        btf_material *back = through_a_file(small);
+        assert_same(small, back);
+        if (round % 4 == 2) {
+            const btf_texture points = btf_material_texture(small, BTF_TEXTURE_POINTS);
+            const uint8_t *bytes = points.data;
+            for (size_t i = 0; i < points.size; i += 2)
+                assert_int_equal((bytes[i] + 256 * bytes[i + 1]) % 4096, 32 * 65);
+        }
+        btf_material_close(&back);
+        btf_material_close(&small);
+        btf_material_close(&whole);
+        random_material_free(&desc);
+    }
+    assert_true(all_lit > 48 * 50);
+    assert_true(fewer > 20);
+}
+
+/* Bytes of a plan are those of its restriction, its textures those that the shader reads; one code is fetched. */
+static void test_plan(void **state) {
+    (void)state;
+    static const uint32_t kept[] = {BOTH, BTF_EFFECT_SHIFT, BTF_EFFECT_GAIN, 0};
+    for (int i = 0; i < 4; i++) {
+        btf_material_desc desc = make_desc(9, BTF_EFFECT_RESIDUAL, 1);
+        const uint32_t effects = kept[i] | BTF_EFFECT_RESIDUAL;
+        float table[] = {1, 1, 0, 75, 0, 75, (float)desc.info.effects, 5, 0, 0, 1000, 0.01f, 0.02f,
+                         (float)effects, 5, 0, 0, 900, 0.01f, 0.02f};
+        desc.effect_errors = table;
+        desc.effect_error_count = sizeof table / sizeof *table;
+        btf_material *m = create_accepted(&desc), *small;
+        btf_plan plan;
+        assert_int_equal(btf_plan_effects(m, NULL, 0.5f, &plan), BTF_OK);
+        /* One of the two alone is as many bytes and fetches as both. */
+        assert_int_equal(plan.effects, i < 3 ? desc.info.effects : effects);
+        const uint32_t points = plan.textures & (1u << BTF_TEXTURE_POINTS | 1u << BTF_TEXTURE_SHIFT |
+                                                 1u << BTF_TEXTURE_GAIN);
+        assert_int_equal(points, i < 3 ? 1u << BTF_TEXTURE_POINTS : 0);
+        assert_int_equal(btf_material_restrict(m, &plan, NULL, &small), BTF_OK);
+        assert_int_equal(info_of(small).gpu_bytes, plan.gpu_bytes);
+        btf_material_close(&small);
+
+        const btf_shader_options options = {.struct_size = sizeof options};
+        btf_material_desc apart = desc;
+        uint8_t *shift = calloc(2, WIDTH * HEIGHT * VIEWS), *gain = malloc(WIDTH * HEIGHT * VIEWS);
+        assert_true(shift && gain);
+        memset(gain, BTF_GAIN_ONE, WIDTH * HEIGHT * VIEWS);
+        apart.info.point_store = BTF_POINTS_SEPARATE;
+        apart.info.gain_base = apart.info.gain_step = 0;
+        apart.texture[BTF_TEXTURE_POINTS] = NULL;
+        apart.texture[BTF_TEXTURE_SHIFT] = shift;
+        apart.texture[BTF_TEXTURE_GAIN] = gain;
+        btf_material *separate = create_accepted(&apart);
+        /* three neighbouring views, a code of cost 1 less each */
+        assert_float_equal(btf_plan_cost(separate, &options, NULL) - btf_plan_cost(m, &options, NULL), 3, 1e-3);
+        free(shift);
+        free(gain);
+        btf_material_close(&separate);
+        btf_material_close(&m);
+        random_material_free(&desc);
+    }
+}
+
+/* The text of a shader names what it reads, and only that. */
+static void test_shader(void **state) {
+    (void)state;
+    btf_material_desc desc = make_desc(10, 0, 1);
+    btf_material *m = create_accepted(&desc);
+    for (uint32_t left = 0; left < 4; left++) {
+        const btf_shader_options options = {.struct_size = sizeof options,
+                                            .leave_out = (left & 1 ? BTF_EFFECT_SHIFT : 0u) |
+                                                         (left & 2 ? BTF_EFFECT_GAIN : 0u),
+                                            .bindings = BTF_BINDINGS_GL,
+                                            .first_binding = 3};
+        const btf_material_info info = info_of(m);
+        const uint32_t textures = btf_shader_textures(&info, &options);
+        assert_int_equal(textures >> BTF_TEXTURE_POINTS & 1, left != 3);
+        assert_int_equal(textures & (1u << BTF_TEXTURE_SHIFT | 1u << BTF_TEXTURE_GAIN), 0);
+        char *text;
+        assert_int_equal(btf_shader_source(m, &options, NULL, &text), BTF_OK);
+        assert_non_null(strstr(text, "#define BTF_POINTS 1\n"));
+        assert_non_null(strstr(text, "#define BTF_GAIN_STEP uintBitsToFloat(0x3DE147AEu)\n"));
+        assert_non_null(strstr(text, "#define BTF_BINDING_POINTS 18\n"));
+        btf_free(text);
+    }
+    btf_material_close(&m);
+    random_material_free(&desc);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_shapes),     cmocka_unit_test(test_create),   cmocka_unit_test(test_round_trip),
+        cmocka_unit_test(test_file),       cmocka_unit_test(test_file_gains), cmocka_unit_test(test_separate),
+        cmocka_unit_test(test_restrict),   cmocka_unit_test(test_plan),     cmocka_unit_test(test_shader),
+    };
+    return cmocka_run_group_tests(tests, setup, teardown);
+}
