@@ -20,7 +20,7 @@
 
 /* Views that are evaluated at once, for which u is then fetched and expanded once. With a shift each has sources of its
  * own. */
-#if BTF_SHIFT
+#if BTF_FACTORS_BY_VIEW
 #define BTF_FACTOR_VIEWS 1
 #else
 #define BTF_FACTOR_VIEWS 3
@@ -133,7 +133,7 @@ void btf_factor_lights(out ivec4 e[BTF_TEXELS], int c, bool whole, int unit, btf
 
 /* Turns the sums of n views by one, so that the next view's are the first. */
 void btf_factor_turn(inout vec3 p[BTF_FACTOR_SUMS], int n) {
-#if BTF_FACTOR_VIEWS > 1
+#if !BTF_FACTORS_BY_VIEW
     for (int i = 0; i < BTF_TEXELS; ++i) {
         vec3 first = p[i], second = p[BTF_TEXELS + i];
         if (n > 1)
@@ -150,16 +150,17 @@ void btf_factor_turn(inout vec3 p[BTF_FACTOR_SUMS], int n) {
 /* Adds units of class c, whole or mixed ones, to the sums p (Y, C1, C2) of their tier, [view][texel]. Words before c1
  * are of C1, those from there to before c2 of C2. first is (first unit, first layer of u), afterwards those of what
  * follows.
- * The loops over units and views are meant to stay loops: ten copies of the body take a compiler seconds. Hence views
- * take turns at p[0 ..], as an index that varies would put p into memory; and to their number a zero is added that no
- * compiler knows (weights are at most 4096). They test at their end: a rasteriser on a CPU runs a body once more, masked,
- * where the test is in front. */
+ * The loops over units and views are meant to stay loops, as copies of their body take a compiler seconds. So views take
+ * turns at the first places of p, as an index that varies would put p into memory, and a zero that no compiler knows
+ * (weights are at most 4096) is added to their number. They test at their end: a rasteriser on a CPU runs a body once
+ * more, masked, where the test is in front. */
 void btf_factor_units(inout vec3 p[BTF_FACTOR_SUMS], inout ivec2 first, int c, bool whole, int units, int c1, int c2,
                       btf_factor_scene at) {
     if (units == 0)
         return;
     /* FORMAT.md shifts whole dot products by 4, 5, 1, 0 and 0: these are halves, but in class 0. */
-    int shift = c < 2 ? 4 : 0, n_views = BTF_FACTOR_VIEWS > 1 ? at.n_views + int(at.lights.weight.x >> 13u) : 1, g = 0;
+    int shift = c < 2 ? 4 : 0, g = 0;
+    int n_views = BTF_FACTOR_VIEWS > 1 ? at.n_views + int(at.lights.weight.x >> 13u) : 1;
     float power = uintBitsToFloat(c == 0 ? 0x3B800000u : (c == 1 ? 0x3C000000u : 0x3A000000u));
     btf_factor_levels u[BTF_TEXELS];
     ivec4 e[BTF_TEXELS];
