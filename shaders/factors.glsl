@@ -66,9 +66,8 @@ btf_factor_levels btf_factor_expand(int c, bool whole, uvec2 x, int layer, int l
     uvec4 sum = uvec4(0u);
     for (int s = 0; s < btf_factor_shifts(c); ++s) {
         uvec4 from = s < of_texel ? texel : next;
-        int down = bits * (s % of_texel);
-        uvec4 twice = (down == 0 ? from << 1u : from >> uint(down - 1)) & (2u * mask);
-        u.q[s] = c == 0 ? btf_factor_codes(0, texel, s) : twice - mask;
+        uvec4 codes = (from >> uint(bits * (s % of_texel))) & mask;
+        u.q[s] = c == 0 ? btf_factor_codes(0, texel, s) : codes * 2u - mask;
         sum += u.q[s];
     }
     if (whole && c != 4) {
