@@ -223,8 +223,8 @@ static const cli_option table[] = {
      .type = CLI_CUSTOM,
      .given = &o.presets_given,
      .parse = parse_presets,
-     .help = "of --method joint, one or more, with commas between;\ndefault: encode all of them, between, "
-             "codecs and holdout medium"},
+     .help = "of --method joint, one or more, with commas between;\ndefault: encode all of them, the "
+             "others medium (decode takes the\nfirst alone)"},
     {.name = "device",
      .arg = "NAME",
      .type = CLI_STRING,

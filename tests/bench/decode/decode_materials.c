@@ -8,7 +8,6 @@
 #include "encoder/joint/cost.h"
 #include "encoder/model/decode_samples.h"
 #include "encoder/report/metrics.h"
-#include "tests/conformance/synthetic.h"
 
 #include <math.h>
 #include <openbtf/shader.h>
@@ -93,10 +92,10 @@ static btf_result measure(const bench_run *run, decode_material *m) {
     return result;
 }
 
-static btf_result encode_factors(const bench_run *run, uint64_t budget, decode_material *m) {
+static btf_result encode_factors(const bench_run *run, uint64_t budget, uint32_t effects, decode_material *m) {
     const uint64_t least = bench_factors_least(run->held->train);
     const btf_result result = bench_encode_factors(run->context, run->held->train, ENC_JOINT_MEDIUM,
-                                                   budget > least ? budget : least, &m->encoded);
+                                                   budget > least ? budget : least, effects, &m->encoded);
     return result == BTF_OK ? measure(run, m) : result;
 }
 
@@ -151,7 +150,7 @@ static btf_result search_equal(const bench_run *run, const decode_material *join
             break;
         }
         decode_material trial = empty;
-        result = encode_factors(run, (uint64_t)budget, &trial);
+        result = encode_factors(run, (uint64_t)budget, 0, &trial);
         const double over = result == BTF_OK ? margin(&trial, joint) : -HUGE_VAL,
                      bytes = (double)trial.encoded.bytes;
         const bool best = over >= 0 && bytes <= (high.bytes > 0 ? high.bytes : HUGE_VAL);
@@ -169,33 +168,6 @@ static btf_result search_equal(const bench_run *run, const decode_material *join
     return result;
 }
 
-/* Of the units of `like`, each view with a source of its own. */
-static btf_result create_shifted(const bench_run *run, const decode_material *like, decode_material *out) {
-    btf_material_info info = {.struct_size = sizeof info};
-    btf_result result = btf_material_get_info(like->encoded.material, &info);
-    synthetic_spec spec = {.seed = 1,
-                           .width = info.width,
-                           .height = info.height,
-                           .n_views = info.n_views,
-                           .n_lights = info.n_lights,
-                           .layout = BTF_LAYOUT_TIGHT,
-                           .domain = BTF_DOMAIN_SQRT,
-                           .colour = BTF_COLOUR_NONE,
-                           .effects = BTF_EFFECT_SHIFT | BTF_EFFECT_RESIDUAL,
-                           .components = info.components,
-                           .horizon_scale = info.horizon_scale};
-    memcpy(spec.classes, info.factor_classes, sizeof spec.classes);
-    if (result == BTF_OK) {
-        result = synthetic_create(&spec, &run->context->log, &out->encoded.material);
-    }
-    if (result == BTF_OK) {
-        btf_material_get_info(out->encoded.material, &info);
-        out->encoded.bytes = info.gpu_bytes;
-        out->random = true;
-    }
-    return result;
-}
-
 /* Factors by way of joint, where that is there. */
 static btf_result create_factors(const bench_run *run, decode_material *materials) {
     const enc_data *data = run->held->train;
@@ -203,16 +175,18 @@ static btf_result create_factors(const bench_run *run, decode_material *material
     decode_material *whole = find(materials, DECODE_FACTORS), *half = find(materials, DECODE_HALF_FACTORS),
                     *equal = find(materials, DECODE_EQUAL_FACTORS);
     const uint64_t bytes = joint ? joint->encoded.bytes : run->budget ? run->budget : joint_default_budget(data);
-    btf_result result = encode_factors(run, bytes, whole);
+    btf_result result = encode_factors(run, bytes, 0, whole);
     if (result == BTF_OK) {
-        result = encode_factors(run, bytes / 2, half);
+        result = encode_factors(run, bytes / 2, 0, half);
     }
     if (result == BTF_OK && joint) {
         result = search_equal(run, joint, whole, half, equal);
     } else {
         equal->name = NULL;
     }
-    return result == BTF_OK ? create_shifted(run, whole, find(materials, DECODE_SHIFTED_FACTORS)) : result;
+    return result == BTF_OK ? encode_factors(run, bytes, BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN,
+                                             find(materials, DECODE_SHIFTED_FACTORS))
+                            : result;
 }
 
 static btf_result create_sources(const bench_run *run, decode_material *m) {
@@ -221,6 +195,15 @@ static btf_result create_sources(const bench_run *run, decode_material *m) {
     options.effects &= ~(uint32_t)BTF_EFFECT_RESIDUAL;
     options.rounds = 2;
     return bench_encode_joint_options(run->context, run->held->train, &options, false, &m->encoded);
+}
+
+/* The first preset that was asked for, else medium. */
+static int preset_of(const bench_run *run) {
+    int preset = 0;
+    while (run->presets_given && preset < BENCH_PRESETS - 1 && !run->presets[preset]) {
+        preset++;
+    }
+    return run->presets_given ? preset : ENC_JOINT_MEDIUM;
 }
 
 btf_result decode_materials_create(const bench_run *run, decode_material out[DECODE_MATERIALS]) {
@@ -239,7 +222,7 @@ btf_result decode_materials_create(const bench_run *run, decode_material out[DEC
     }
     if (run->methods & BENCH_METHOD_JOINT) {
         decode_material *joint = find(out, DECODE_JOINT);
-        result = bench_encode_joint(context, data, ENC_JOINT_MEDIUM, run->budget, &joint->encoded);
+        result = bench_encode_joint(context, data, preset_of(run), run->budget, &joint->encoded);
         if (result == BTF_OK) {
             result = measure(run, joint);
         }

@@ -259,7 +259,7 @@ static btf_result run_variant(decoding *d, decode_rig *rig, const char *device, 
         rig_variant_create(rig, m->encoded.material, &shader, bench_body_decode, GPU_FIRST_UNIT);
     if (variant.program) {
         row.ns = rig_measure(rig, variant.program, rig->inputs, RIG_SIDE, &row.spread);
-        if (!m->random && !s->fixed) {
+        if (!s->fixed) {
             probe(d, rig, variant.program, &row);
             result = estimate_material(d, m, s, &row);
         }
@@ -284,13 +284,14 @@ static void run_floor(decoding *d, decode_rig *rig, const char *device, const de
 }
 
 /* Whether a subset is decoded in this way: all of them in every way where `all`; else the whole in both
- * interpolations of texels, and on the first device whatever is exact there. Directions that never change, parts
- * of factors and materials at random are decoded in one way; so are factors of fewer bytes where not all is wanted, on the first device natively too. */
+ * interpolations of texels, and on the first device whatever is exact there. Directions that never change and
+ * parts of factors are decoded in one way; so are further factors where not all is wanted, on the first device
+ * natively too. */
 static bool is_run(const decoding *d, const decode_material *m, int s, int way, bool all) {
     const decode_subset *of = &m->subsets[s];
     const bool first = d->table->devices == 1;
     const bool factors = m->view.store == BTF_REF_FACTORS;
-    if (m->random || of->fixed || (s > 0 && factors)) {
+    if (of->fixed || (s > 0 && factors)) {
         return way == 0 && first;
     }
     if (factors && !all && m != decode_material_find(d->materials, DECODE_FACTORS)) {
@@ -641,7 +642,7 @@ static btf_result measure(decoding *d) {
     }
     for (int i = 0; i < DECODE_MATERIALS && result == BTF_OK; i++) {
         const decode_material *m = &d->materials[i];
-        if (m->name && !m->random && d->run->methods & BENCH_METHOD_REFERENCE) {
+        if (m->name && d->run->methods & BENCH_METHOD_REFERENCE) {
             result = run_reference(d, m);
         }
     }

@@ -238,7 +238,7 @@ static void print_versions(const decode_table *table, FILE *out) {
             "### Format 2 (factors) beside format 1 (joint), %s\n\nExact mathematics, %s a pixel. Times joint: of "
             "the same directions and filter. Exact over native: at most 1.25 is the aim. Counts are by formula "
             "(decode_cost.h): textures but the direction tables; sums of SBRDF, shadow and residual. Factors with "
-            "shift are random codes in the same units.\n\n"
+            "shift have a source of their own for each view.\n\n"
             "| material | decoded | MB | at the samples | ns | times joint | aim | times its fetches | exact over "
             "native | fetches | bytes | integer operations | float operations |\n"
             "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
