@@ -226,10 +226,10 @@ btf_result bench_readme_decode(const bench_run *run, const decode_table *table) 
             base->ns);
     print_way("**A game**: `--method factors` (format 2, a draft) at the same bytes",
               way(table, DECODE_FACTORS, "whole", false, false, false), base, out);
-    print_way("with half of the bytes, `--budget`",
+    print_way("factors of half of the bytes, `--budget`",
               way(table, DECODE_HALF_FACTORS, "whole", false, false, false), base, out);
-    print_way("with nearest directions", way(table, DECODE_FACTORS, "whole", true, false, false), base, out);
-    print_way("half of its units, `components` of the shader's options",
+    print_way("factors with nearest directions", way(table, DECODE_FACTORS, "whole", true, false, false), base, out);
+    print_way("half of the units of factors, `components` of the shader's options",
               way(table, DECODE_FACTORS, "half the components", false, false, false), base, out);
     print_way("joint with `--effects shadow,shift,gain`: SBRDF times shadow instead of components",
               way(table, DECODE_SOURCES, "whole", false, false, false), base, out);
@@ -238,7 +238,7 @@ btf_result bench_readme_decode(const bench_run *run, const decode_table *table) 
               way(table, DECODE_JOINT, "half the components", false, false, false), base, out);
     print_way("**A still, or a close look**: bilinear texels",
               way(table, DECODE_JOINT, "whole", false, true, false), base, out);
-    print_way("of factors", way(table, DECODE_FACTORS, "whole", false, true, false), base, out);
+    print_way("bilinear texels of factors", way(table, DECODE_FACTORS, "whole", false, true, false), base, out);
     const decode_row *fast = way(table, DECODE_JOINT, "whole", false, false, true),
                      *factors = way(table, DECODE_FACTORS, "whole", false, false, false),
                      *factors_fast = way(table, DECODE_FACTORS, "whole", false, false, true),

@@ -116,7 +116,9 @@ def check(row, path, key="between", column="psnr_between"):
     for kind in ("linear", "srgb"):
         assert abs(float(row[f"{column}_{kind}"]) - figures[kind]) < 2e-3, (row, path, figures[kind])
 given, none, cast = rows("e/between-tiny.csv"), rows("f/between-tiny.csv"), rows("r/between-bricks.csv")
-assert list(given) == list(none) == list(cast) == [
+# 8x8 texels of 81 views and lights have a budget too small for one unit of factors.
+assert list(cast) == [name for name in given if name != "factors"], list(cast)
+assert list(given) == list(none) == [
     "joint fast", "factors", "paper", "PCA 8 bit linear", "PCA 8 bit square root", "split PCA 8 bit", "low-bit split PCA",
     "uncompressed; barycentric", "uncompressed; splines"], list(given)
 for of, data in ((given, "tiny"), (cast, "same")):
