@@ -101,11 +101,13 @@ vec3 btf_source_radiance(uvec2 source, vec3 residual, uint gain, btf_setting s) 
 #if BTF_GAIN
 #if BTF_POINTS
     y = btf_mul(y, btf_add(BTF_GAIN_BASE, btf_mul(float(gain), BTF_GAIN_STEP)));
-#elif BTF_CODE_ZERO
+#else
+#if BTF_CODE_ZERO
     if (gain != 0u)
         y = btf_mul(y, btf_mul(float(gain), BTF_GAIN_SCALE));
 #else
     y = btf_mul(y, btf_mul(float(gain), BTF_GAIN_SCALE));
+#endif
 #endif
 #endif
 #if BTF_BLEND_ROOTS

@@ -14,7 +14,8 @@ uvec3 btf_view_codes(uvec2 x, uint view, int level) {
     uvec2 bytes = texelFetch(btf_points, ivec3(x, view), level).xy;
     uint point = bytes.x + 256u * bytes.y;
     codes = uvec3(point >> 12u, point & 63u, (point >> 6u) & 63u);
-#elif BTF_LAYOUT_TIGHT
+#else
+#if BTF_LAYOUT_TIGHT
 #if BTF_READS_CODE
     codes.x = texelFetch(btf_gain, ivec3(x, view), level).x;
 #endif
@@ -23,6 +24,7 @@ uvec3 btf_view_codes(uvec2 x, uint view, int level) {
 #endif
 #else
     codes = texelFetch(btf_maps, ivec2(btf_tile(view, x)), 0).yzw;
+#endif
 #endif
 #endif
     return codes;

@@ -21,7 +21,9 @@ values='#define BTF_WIDTH 64u
 #define BTF_SHADOW_SCALE 0.000000957415
 #define BTF_GAIN_SCALE 0.0078125
 #define BTF_CENTRE_SCALE 0.000000957415
-#define BTF_HORIZON_SCALE 3.5'
+#define BTF_HORIZON_SCALE 3.5
+#define BTF_GAIN_BASE 0.25
+#define BTF_GAIN_STEP 0.125'
 
 # compile NAME VERSION EXTRA LAYOUT OPTION...: file NAME as a fragment shader of a version.
 compile() {
@@ -48,7 +50,7 @@ for name in "$2"/openbtf_*.glsl; do
         echo "no flattened shader in $2"
         exit 1
     fi
-    if grep -nE '^#(el)?if .*(LAYOUT_TIGHT|COLOUR|HIDDEN|COMPONENTS|FACTOR|BLEND)' "$name"; then
+    if grep -nE '^#(el)?if .*(LAYOUT_TIGHT|COLOUR|HIDDEN|COMPONENTS|FACTOR|BLEND|POINTS)' "$name"; then
         echo "$(basename "$name") still has conditions that its variant decides"
         failures=$((failures + 1))
     fi

@@ -681,6 +681,8 @@ static void test_finite(void **state) {
     uint32_t random = 77, lit = 0, evaluations = 0;
     for (uint32_t round = 0; round < 250; ++round) {
         make_material(round, round, round % 2 ? ALL_EFFECTS : round / 2 % 32, round % 5 != 0, &storage, &m);
+        if (round % 7 == 3)
+            make_points(round, round % 5 != 0, &storage, &m);
         for (int i = 0; i < 4000; ++i) {
             float l[3], v[3], rgb[3];
             for (int k = 0; k < 3; ++k) {
