@@ -97,6 +97,11 @@ static void test_shift(void **state) {
     btf_shader_options shader = {0};
     expect(decode_cost_of(&info, &shader), 9 + 3 + 3 + 3 + 3, 18 * 16 + 3 * 2, 3 * (96 + 3 * 65 + 7),
            3 + 3 * 15);
+    /* Gain and shift of a view in one texel. */
+    btf_material_info packed = factors_info(classes, BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN);
+    expect(decode_cost_of(&packed, &shader), 24, 18 * 16 + 3 * 3, 3 * (96 + 3 * 65 + 7), 3 + 3 * 15);
+    packed.point_store = BTF_POINTS_PACKED;
+    expect(decode_cost_of(&packed, &shader), 21, 18 * 16 + 3 * 2, 3 * (96 + 3 * 65 + 7), 3 + 3 * 15);
     shader.leave_out = BTF_EFFECT_SHIFT;
     expect(decode_cost_of(&info, &shader), 14, 14 * 16, 96 + 3 * (3 * 65 + 7), 1 + 3 * 15);
 }
