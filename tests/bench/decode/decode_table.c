@@ -91,6 +91,15 @@ static void print_pair(double linear, double srgb, FILE *out) {
     }
 }
 
+/* The time over that of another row; nothing where that is NULL. */
+static void print_times(const decode_row *r, const decode_row *of, FILE *out) {
+    if (of) {
+        fprintf(out, " %.2f |", r->ns / of->ns);
+    } else {
+        fprintf(out, " |");
+    }
+}
+
 static void print_cost(const decode_cost *cost, FILE *out) {
     fprintf(out, " %.0f | %.0f | %.0f | %.0f |", cost->fetches, cost->bytes, cost->integers, cost->floats);
 }
@@ -119,14 +128,10 @@ static void print_device(const decode_table *table, const char *device, const ch
             continue;
         }
         const decode_row *floor = floor_of(table, r);
-        fprintf(out, "| %s | %s | %s | %s | %s | %.2f |", r->material, r->effects,
-                r->nearest ? "nearest" : "linear", r->bilinear ? "bilinear" : "texel",
-                r->fast ? "fast" : "exact", base ? r->ns / base->ns : NAN);
-        if (floor) {
-            fprintf(out, " %.2f |", r->ns / floor->ns);
-        } else {
-            fprintf(out, " |");
-        }
+        fprintf(out, "| %s | %s | %s | %s | %s |", r->material, r->effects, r->nearest ? "nearest" : "linear",
+                r->bilinear ? "bilinear" : "texel", r->fast ? "fast" : "exact");
+        print_times(r, base, out);
+        print_times(r, floor, out);
         fprintf(out, " %.0f | %.0f%% |", r->ns, 100 * r->spread);
         print_pair(r->linear[2], r->srgb[2], out);
         print_pair(r->linear[0], r->srgb[0], out);
@@ -217,14 +222,15 @@ static void print_version(const decode_table *table, const decode_row *r, int ve
     fprintf(out, "| %s | %s, %s, %s | %.3f |", r->material, r->effects, r->nearest ? "nearest" : "linear",
             r->bilinear ? "bilinear" : "texel", 1e-6 * r->gpu_bytes);
     print_pair(r->linear[0], r->srgb[0], out);
-    fprintf(out, " %.0f | %.2f |", r->ns, joint ? r->ns / joint->ns : NAN);
+    fprintf(out, " %.0f |", r->ns);
+    print_times(r, joint, out);
     if (first && versions[version].aim > 0) {
         fprintf(out, " %.2f%s |", versions[version].aim, versions[version].where);
     } else {
         fprintf(out, " |");
     }
-    fprintf(out, floor ? " %.2f |" : " |", floor ? r->ns / floor->ns : 0);
-    fprintf(out, fast ? " %.2f |" : " |", fast ? r->ns / fast->ns : 0);
+    print_times(r, floor, out);
+    print_times(r, fast, out);
     print_cost(&r->cost, out);
     fputc('\n', out);
 }
