@@ -45,13 +45,14 @@ static const struct {
     uint32_t method;
     const decode_subset *subsets;
     int count;
-} kinds[DECODE_MATERIALS] = {{DECODE_JOINT, BENCH_METHOD_JOINT, SUBSETS(low_rank)},
-                             {DECODE_SOURCES, BENCH_METHOD_SOURCES, SUBSETS(sources)},
-                             {DECODE_PAPER, BENCH_METHOD_PAPER, SUBSETS(paper)},
-                             {DECODE_FACTORS, BENCH_METHOD_FACTORS, SUBSETS(factors)},
-                             {DECODE_HALF_FACTORS, BENCH_METHOD_FACTORS, .subsets = factors, .count = 1},
-                             {DECODE_EQUAL_FACTORS, BENCH_METHOD_FACTORS, .subsets = factors, .count = 1},
-                             {DECODE_SHIFTED_FACTORS, BENCH_METHOD_FACTORS, .subsets = factors, .count = 1}};
+} kinds[DECODE_MATERIALS] = {
+    {DECODE_JOINT, BENCH_METHOD_JOINT, SUBSETS(low_rank)},
+    {DECODE_SOURCES, BENCH_METHOD_SOURCES, SUBSETS(sources)},
+    {DECODE_PAPER, BENCH_METHOD_PAPER, SUBSETS(paper)},
+    {DECODE_FACTORS, BENCH_METHOD_FACTORS, SUBSETS(factors)},
+    {DECODE_HALF_FACTORS, BENCH_METHOD_FACTORS, .subsets = factors, .count = 1},
+    {DECODE_EQUAL_FACTORS, BENCH_METHOD_FACTORS, .subsets = factors, .count = 1},
+    {DECODE_SHIFTED_FACTORS, BENCH_METHOD_FACTORS, .subsets = factors, .count = 1}};
 
 /* DECODE_MATERIALS: not there. */
 static int index_of(const decode_material *materials, const char *name) {
@@ -92,7 +93,8 @@ static btf_result measure(const bench_run *run, decode_material *m) {
     return result;
 }
 
-static btf_result encode_factors(const bench_run *run, uint64_t budget, uint32_t effects, decode_material *m) {
+static btf_result encode_factors(const bench_run *run, uint64_t budget, uint32_t effects,
+                                 decode_material *m) {
     const uint64_t least = bench_factors_least(run->held->train);
     const btf_result result = bench_encode_factors(run->context, run->held->train, ENC_JOINT_MEDIUM,
                                                    budget > least ? budget : least, effects, &m->encoded);
@@ -118,8 +120,8 @@ static void note(tried *low, tried *high, double bytes, double over) {
     }
 }
 
-/* Along the straight line of dB over the logarithm of bytes, a little above the target, between the two or beyond
- * the one that is known. */
+/* Along the straight line of dB over the logarithm of bytes, a little above the target, between the two or
+ * beyond the one that is known. */
 static double next_bytes(const tried *low, const tried *high) {
     static const double usual_rise = 3.5, aim = 0.05; /* dB each e-fold of the bytes; dB */
     if (low->bytes > 0 && high->bytes > 0) {
@@ -130,11 +132,12 @@ static double next_bytes(const tried *low, const tried *high) {
     return known->bytes * exp((aim - known->over) / usual_rise);
 }
 
-/* The fewest bytes that reach joint's PSNR, at most SEARCH_ENCODES encodes beyond those of `whole` and `half`.
- * Where none of them is as small as one of these, that is encoded again; where not even twice the bytes of joint
- * reach it, nothing is there. */
-static btf_result search_equal(const bench_run *run, const decode_material *joint, const decode_material *whole,
-                               const decode_material *half, decode_material *out) {
+/* The fewest bytes that reach joint's PSNR, at most SEARCH_ENCODES encodes beyond those of `whole` and
+ * `half`. Where none of them is as small as one of these, that is encoded again; where not even twice the
+ * bytes of joint reach it, nothing is there. */
+static btf_result search_equal(const bench_run *run, const decode_material *joint,
+                               const decode_material *whole, const decode_material *half,
+                               decode_material *out) {
     const decode_material empty = *out;
     const double most = 2.0 * (double)joint->encoded.bytes;
     tried low = {0}, high = {0};
@@ -174,7 +177,9 @@ static btf_result create_factors(const bench_run *run, decode_material *material
     const decode_material *joint = decode_material_find(materials, DECODE_JOINT);
     decode_material *whole = find(materials, DECODE_FACTORS), *half = find(materials, DECODE_HALF_FACTORS),
                     *equal = find(materials, DECODE_EQUAL_FACTORS);
-    const uint64_t bytes = joint ? joint->encoded.bytes : run->budget ? run->budget : joint_default_budget(data);
+    const uint64_t bytes = joint         ? joint->encoded.bytes
+                           : run->budget ? run->budget
+                                         : joint_default_budget(data);
     btf_result result = encode_factors(run, bytes, 0, whole);
     if (result == BTF_OK) {
         result = encode_factors(run, bytes / 2, 0, half);

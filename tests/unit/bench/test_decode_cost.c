@@ -106,8 +106,8 @@ static void test_shift(void **state) {
     expect(decode_cost_of(&info, &shader), 14, 14 * 16, 96 + 3 * (3 * 65 + 7), 1 + 3 * 15);
 }
 
-/* 13 units: 117 texels of w, 15 of u, 13 of scales and 9 of the views' factors. Operations of integers: in each
- * view and light 917 of the dot products by class, 384 of the blend of lights, 1184 that expand u. */
+/* 13 units: 117 texels of w, 15 of u, 13 of scales and 9 of the views' factors. Operations of integers: in
+ * each view and light 917 of the dot products by class, 384 of the blend of lights, 1184 that expand u. */
 static void test_units(void **state) {
     (void)state;
     const uint32_t classes[BTF_FACTOR_CLASSES][3] = {{2, 2, 1}, {1, 0, 0}, {5, 0, 0}, {1, 0, 0}, {4, 0, 0}};
