@@ -7,8 +7,8 @@
 
 #include "tests/bench/bench.h"
 
-/* A part of a material that is decoded: without some effects, of the first components, or in directions that
- * never change. */
+/* A part of a material that is decoded: without some effects, of the first components, or in directions
+ * that never change. */
 typedef struct decode_subset {
     const char *name;
     uint32_t leave_out;
@@ -32,17 +32,17 @@ typedef struct decode_material {
     btf_ref_material view;
     const decode_subset *subsets;
     int count;
-    bool random;         /* of the bytes and units of another one, filled at random: no accuracy */
     double linear, srgb; /* PSNR at the samples, dB */
 } decode_material;
 
 /* By name; NULL: not there. */
-const decode_material *decode_material_find(const decode_material materials[DECODE_MATERIALS], const char *name);
+const decode_material *decode_material_find(const decode_material materials[DECODE_MATERIALS],
+                                            const char *name);
 
-/* Encodes those of `run->methods`. Factors are encoded for the bytes of joint, or the budget where joint is not
- * wanted, for half of them, and for the fewest that reach joint's PSNR, linear and sRGB-coded; a material at
- * random has the same units and a shift. Clear with decode_materials_clear, also on an error. Errors: those of
- * encoding. */
+/* Encodes those of `run->methods`. Factors are encoded for the bytes of joint, or the budget where joint is
+ * not wanted, for half of them, and for the fewest that reach joint's PSNR, linear and sRGB-coded; for its
+ * bytes also with shift and gain, where each view has a source of its own. Clear with
+ * decode_materials_clear, also on an error. Errors: those of encoding. */
 btf_result decode_materials_create(const bench_run *run, decode_material out[DECODE_MATERIALS]);
 void decode_materials_clear(decode_material materials[DECODE_MATERIALS]);
 
