@@ -18,9 +18,9 @@
  */
 #if BTF_FACTORS
 
-/* Views that are evaluated at once, for which u is then expanded once. With a shift each has sources of its own; with
- * four texels, a text for three views would take a compiler seconds, and too many registers. */
-#if BTF_FACTORS_BY_VIEW
+/* Views that are evaluated at once, for which u is then fetched and expanded once. With a shift each has sources of its
+ * own. */
+#if BTF_SHIFT
 #define BTF_FACTOR_VIEWS 1
 #else
 #define BTF_FACTOR_VIEWS 3
@@ -37,134 +37,165 @@ struct btf_factor_scene {
     int n;
 };
 
-/* u of a unit at a source: its levels for each shift of w, and where the sum of each word starts. */
+/* u of a unit at a source: its levels for each shift of w, and where the sums of products start. */
 struct btf_factor_levels {
     uvec4 q[8];
     uvec4 start;
 };
 
-/* u of a unit of class c, whose first layer is given, at source x; codes as they are in class 0. */
-btf_factor_levels btf_factor_expand(int c, uvec2 x, int layer, int level) {
+int btf_factor_shifts(int c) {
+    return c == 3 ? 8 : 4;
+}
+
+/* The codes of w that shift s brings up, one in each field; in class 0 a signed byte, for u as well. */
+uvec4 btf_factor_codes(int c, uvec4 w, int s) {
+    if (c == 0)
+        return uvec4(ivec4(w << uint(24 - 8 * s)) >> 24);
+    int bits = c < 3 ? 4 : 2;
+    return (w >> uint(bits * s)) & (c == 4 ? 0x03030303u : (c == 3 ? 0x00030003u : 0x000F000Fu));
+}
+
+/* u of a unit of class c, whose first layer is given, at source x. */
+btf_factor_levels btf_factor_expand(int c, bool whole, uvec2 x, int layer, int level) {
     btf_factor_levels u;
-    u.start = uvec4(0u);
     uvec4 texel = texelFetch(btf_factor_texels, ivec3(ivec2(x), layer), level), next = texel;
     if (c == 1 || c == 3)
         next = texelFetch(btf_factor_texels, ivec3(ivec2(x), layer + 1), level);
-    if (c == 0) {
-        u.q[0] = texel;
-        return u;
-    }
     uint mask = c == 1 ? 0x00FF00FFu : (c == 4 ? 0x03030303u : 0x000F000Fu);
-    int bits = c == 1 ? 8 : (c == 4 ? 2 : 4), shifts = c == 3 ? 8 : 4, of_texel = c == 1 ? 2 : 4;
+    int bits = c == 1 ? 8 : (c == 4 ? 2 : 4), of_texel = c == 1 ? 2 : 4;
     uvec4 sum = uvec4(0u);
-    for (int s = 0; s < shifts; ++s) {
-        uvec4 codes = ((s < of_texel ? texel : next) >> uint(bits * (s % of_texel))) & mask;
-        u.q[s] = codes * 2u - mask;
+    for (int s = 0; s < btf_factor_shifts(c); ++s) {
+        uvec4 from = s < of_texel ? texel : next;
+        int down = bits * (s % of_texel);
+        uvec4 twice = (down == 0 ? from << 1u : from >> uint(down - 1)) & (2u * mask);
+        u.q[s] = c == 0 ? btf_factor_codes(0, texel, s) : twice - mask;
         sum += u.q[s];
     }
-    /* The product with ones in all fields has the sum of a word's levels in its top field: an even number. */
-    if (c == 4)
-        u.start = uvec4((ivec4(sum * 0x01010101u + 0x00800000u) >> 25) * -3) << 24u;
+    if (whole && c != 4) {
+        sum.xy += sum.zw;
+        if (c != 1)
+            sum.x += sum.y;
+    }
+    /* The product with ones in all fields has the sum of levels in its top field: an even number. */
+    if (c == 0)
+        u.start = uvec4(0u);
+    else if (c == 4)
+        u.start = (uvec4((ivec4(sum * 0x01010101u + 0x00800000u) >> 25) * -3) << 24u) + 0x00800000u;
     else
-        u.start = uvec4((ivec4(sum * 0x00010001u + 0x8000u) >> 17) * (c == 3 ? -3 : -15)) << 16u;
+        u.start = (uvec4((ivec4(sum * 0x00010001u + 0x8000u) >> 17) * (c == 3 ? -3 : -15)) << 16u) + 0x8000u;
     return u;
 }
 
-/* Packed products of w and u, summed over shifts; the start is not in it. */
-uvec4 btf_factor_products(int c, uvec4 w, btf_factor_levels u) {
-    uint mask = c == 4 ? 0x03030303u : (c == 3 ? 0x00030003u : 0x000F000Fu);
-    int bits = c < 3 ? 4 : 2, shifts = c == 3 ? 8 : 4;
-    uvec4 t = (w & mask) * u.q[0];
-    for (int s = 1; s < shifts; ++s)
-        t += ((w >> uint(bits * s)) & mask) * u.q[s];
-    return t;
+/* Half of the dot product of each word from its sum t of products; in class 0 all of it. */
+ivec4 btf_factor_words(int c, uvec4 t, uvec4 start) {
+    return ivec4(t + start) >> (c == 0 ? 0 : (c == 4 ? 24 : 16));
 }
 
-/* Half of the dot product of each word; in class 0, four signed bytes a word, all of it. */
-ivec4 btf_factor_words(int c, uvec4 w, btf_factor_levels u) {
-    if (c == 0) {
-        ivec4 v = ivec4(w), t = ivec4(u.q[0]);
-        return ((v << 24) >> 24) * ((t << 24) >> 24) + ((v << 16) >> 24) * ((t << 16) >> 24) +
-               ((v << 8) >> 24) * ((t << 8) >> 24) + (v >> 24) * (t >> 24);
-    }
-    uvec4 t = btf_factor_products(c, w, u);
-    return c == 4 ? ivec4(t + (u.start + 0x00800000u)) >> 24 : ivec4(t + (u.start + 0x8000u)) >> 16;
-}
-
-/* Half of the dot product of a unit of class 1 to 4. */
-int btf_factor_unit(int c, uvec4 w, btf_factor_levels u) {
+/* Half of the dot product of a whole unit. */
+int btf_factor_unit(int c, uvec4 t, uvec4 start) {
     if (c == 4) {
-        ivec4 words = btf_factor_words(c, w, u);
+        ivec4 words = btf_factor_words(c, t, start);
         return (words.x + words.y) + (words.z + words.w);
     }
-    uvec4 t = btf_factor_products(c, w, u);
-    uvec2 start = u.start.xy + u.start.zw, pair = t.xy + t.zw;
+    uvec2 pair = t.xy + t.zw;
     if (c == 1) {
-        ivec2 pairs = ivec2(pair + (start + 0x8000u)) >> 16;
+        ivec2 pairs = ivec2(pair + start.xy) >> 16;
         return pairs.x + pairs.y;
     }
-    return int((pair.x + pair.y) + (start.x + start.y + 0x8000u)) >> 16;
+    return int((pair.x + pair.y) + start.x) >> 16;
 }
 
-/* w of a unit for each view and light, which all texels share. */
-void btf_factor_fetch(out uvec4 w[3 * BTF_FACTOR_VIEWS], int unit, btf_factor_scene at) {
-    for (int a = 0; a < at.n_views; ++a)
-        for (int b = 0; b < at.n; ++b)
-            w[3 * a + b] =
-                texelFetch(btf_factor_directions, ivec3(int(at.lights.index[b]), int(at.views[a]), unit), 0);
+/* A unit, whole or mixed, of class c for a view: the half dot products (in x where it is whole), summed over lights.
+ * Of w all fetches come first, to be under way together, and each code is brought up once for all texels. */
+void btf_factor_lights(out ivec4 e[BTF_TEXELS], int c, bool whole, int unit, btf_factor_levels u[BTF_TEXELS], uint view,
+                       btf_factor_scene at) {
+    uvec4 w[3], t[BTF_TEXELS];
+    for (int b = 0; b < at.n; ++b)
+        w[b] = texelFetch(btf_factor_directions, ivec3(int(at.lights.index[b]), int(view), unit), 0);
+    for (int i = 0; i < BTF_TEXELS; ++i)
+        e[i] = ivec4(0);
+    for (int b = 0; b < at.n; ++b) {
+        int weight = int(at.lights.weight[b]);
+        for (int i = 0; i < BTF_TEXELS; ++i)
+            t[i] = uvec4(0u);
+        for (int s = 0; s < btf_factor_shifts(c); ++s) {
+            uvec4 codes = btf_factor_codes(c, w[b], s);
+            for (int i = 0; i < BTF_TEXELS; ++i)
+                t[i] += codes * u[i].q[s];
+        }
+        for (int i = 0; i < BTF_TEXELS; ++i)
+            if (whole)
+                e[i].x += weight * btf_factor_unit(c, t[i], u[i].start);
+            else
+                e[i] += weight * btf_factor_words(c, t[i], u[i].start);
+    }
 }
 
-/* Adds a class c to the sums p (Y, C1, C2) of its tier, [view][texel]: `words` units word by word, then `units`
- * of Y. Its words before c1 are of C1, those from there to before c2 of C2. first is (first unit, first layer of u),
- * afterwards those of the next class.
- * The loops test at their end: a rasteriser on a CPU runs a body once more, masked, where the test is in front. */
-void btf_factor_class(inout vec3 p[BTF_FACTOR_SUMS], inout ivec2 first, int c, int words, int units, int c1,
-                      int c2, btf_factor_scene at) {
-    uvec4 w[3 * BTF_FACTOR_VIEWS];
-    ivec2 step = ivec2(1, c == 1 || c == 3 ? 2 : 1);
+/* Turns the sums of n views by one, so that the next view's are the first. */
+void btf_factor_turn(inout vec3 p[BTF_FACTOR_SUMS], int n) {
+#if BTF_FACTOR_VIEWS > 1
+    for (int i = 0; i < BTF_TEXELS; ++i) {
+        vec3 first = p[i], second = p[BTF_TEXELS + i];
+        if (n > 1)
+            p[i] = second;
+        if (n > 2) {
+            p[BTF_TEXELS + i] = p[2 * BTF_TEXELS + i];
+            p[2 * BTF_TEXELS + i] = first;
+        } else if (n > 1)
+            p[BTF_TEXELS + i] = first;
+    }
+#endif
+}
+
+/* Adds units of class c, whole or mixed ones, to the sums p (Y, C1, C2) of their tier, [view][texel]. Words before c1
+ * are of C1, those from there to before c2 of C2. first is (first unit, first layer of u), afterwards those of what
+ * follows.
+ * The loops over units and views are meant to stay loops: ten copies of the body take a compiler seconds. Hence views
+ * take turns at p[0 ..], as an index that varies would put p into memory; and to their number a zero is added that no
+ * compiler knows (weights are at most 4096). They test at their end: a rasteriser on a CPU runs a body once more, masked,
+ * where the test is in front. */
+void btf_factor_units(inout vec3 p[BTF_FACTOR_SUMS], inout ivec2 first, int c, bool whole, int units, int c1, int c2,
+                      btf_factor_scene at) {
+    if (units == 0)
+        return;
     /* FORMAT.md shifts whole dot products by 4, 5, 1, 0 and 0: these are halves, but in class 0. */
-    int shift = c < 2 ? 4 : 0;
+    int shift = c < 2 ? 4 : 0, n_views = BTF_FACTOR_VIEWS > 1 ? at.n_views + int(at.lights.weight.x >> 13u) : 1, g = 0;
     float power = uintBitsToFloat(c == 0 ? 0x3B800000u : (c == 1 ? 0x3C000000u : 0x3A000000u));
-    int g = 0;
-    if (words > 0)
+    btf_factor_levels u[BTF_TEXELS];
+    ivec4 e[BTF_TEXELS];
+    do {
+        vec4 scale = btf_mul(texelFetch(btf_factor_scales, ivec2(first.x, 0), 0), power);
+        for (int i = 0; i < BTF_TEXELS; ++i)
+            u[i] = btf_factor_expand(c, whole, at.x[i], first.y, at.level);
+        uvec3 views = at.views;
+        int a = 0;
         do {
-            btf_factor_fetch(w, first.x, at);
-            vec4 scale = btf_mul(texelFetch(btf_factor_scales, ivec2(first.x, 0), 0), power);
+            btf_factor_lights(e, c, whole, first.x, u, views.x, at);
             for (int i = 0; i < BTF_TEXELS; ++i) {
-                btf_factor_levels u = btf_factor_expand(c, at.x[i], first.y, at.level);
-                for (int a = 0; a < at.n_views; ++a) {
-                    ivec4 e = ivec4(0);
-                    for (int b = 0; b < at.n; ++b)
-                        e += int(at.lights.weight[b]) * btf_factor_words(c, w[3 * a + b], u);
-                    vec4 y = btf_mul(vec4(e >> shift), scale);
+                vec4 y = btf_mul(vec4(e[i] >> shift), scale);
+                if (whole)
+                    p[i].x = btf_add(p[i].x, y.x);
+                else
                     for (int k = 0; k < 4; ++k) {
                         int word = 4 * g + k;
                         vec3 term = word < c1 ? vec3(0.0, y[k], 0.0) : vec3(0.0, 0.0, y[k]);
                         if (word >= c2)
                             term = vec3(y[k], 0.0, 0.0);
-                        p[a * BTF_TEXELS + i] = btf_add(p[a * BTF_TEXELS + i], term);
+                        p[i] = btf_add(p[i], term);
                     }
-                }
             }
-            first += step;
-        } while (++g < words);
-    g = 0;
-    if (units > 0)
-        do {
-            btf_factor_fetch(w, first.x, at);
-            float scale = btf_mul(texelFetch(btf_factor_scales, ivec2(first.x, 0), 0).x, power);
-            for (int i = 0; i < BTF_TEXELS; ++i) {
-                btf_factor_levels u = btf_factor_expand(c, at.x[i], first.y, at.level);
-                for (int a = 0; a < at.n_views; ++a) {
-                    int e = 0;
-                    for (int b = 0; b < at.n; ++b)
-                        e += int(at.lights.weight[b]) * btf_factor_unit(c, w[3 * a + b], u);
-                    float y = btf_mul(float(e >> shift), scale);
-                    p[a * BTF_TEXELS + i].x = btf_add(p[a * BTF_TEXELS + i].x, y);
-                }
-            }
-            first += step;
-        } while (++g < units);
+            btf_factor_turn(p, at.n_views);
+            views = views.yzx;
+        } while (++a < n_views);
+        first += ivec2(1, c == 1 || c == 3 ? 2 : 1);
+    } while (++g < units);
+}
+
+/* A class: its mixed units, then its whole ones. */
+void btf_factor_class(inout vec3 p[BTF_FACTOR_SUMS], inout ivec2 first, int c, int mixed, int whole, int c1, int c2,
+                      btf_factor_scene at) {
+    btf_factor_units(p, first, c, false, mixed, c1, c2, at);
+    btf_factor_units(p, first, c, true, whole, c1, c2, at);
 }
 
 /* Adds the sums p of a tier, times the factors of their view, to r, and empties them. */
