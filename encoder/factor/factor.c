@@ -52,30 +52,54 @@ static size_t missing(const enc_factor_matrix *m, const enc_components *componen
     return all && more ? 2 * components->sought : 0;
 }
 
-/* Components and the plan for them; channels that turn out short are found again, with twice as many. */
-static btf_result factorise(const enc_factor_matrix *m, uint64_t budget,
-                            enc_components components[ENC_FACTOR_CHANNELS], enc_factor_plan *plan) {
+/* The plan for components: without a tolerance one that fills the budget, else one that leaves out what is
+ * noise and stops where more bytes do not pay. asked: channels that were found anew. */
+static btf_result make_plan(const enc_factor_matrix *m, const enc_factor_options *options,
+                            const enc_components components[ENC_FACTOR_CHANNELS],
+                            const bool asked[ENC_FACTOR_CHANNELS], enc_signal *io_signal,
+                            enc_factor_plan *plan, enc_unspent *unspent) {
     const size_t views = (size_t)m->data->n_views, lights = (size_t)m->data->n_lights;
+    const enc_factor_energies energies = energies_of(components);
+    const bool stops = options->tolerance > 0;
+    const btf_result result = stops ? enc_signal_find(m, components, asked, io_signal) : BTF_OK;
+    if (result != BTF_OK) {
+        return result;
+    }
+    const bool planned =
+        stops ? enc_stop_allocate(&energies, io_signal, m->texels, views, lights, options->budget,
+                                  options->tolerance, plan, unspent)
+              : enc_factor_allocate(&energies, m->texels, views, lights, options->budget, plan);
+    return planned ? BTF_OK : enc_fail(m->context, BTF_ERROR_MEMORY, "factors: out of memory");
+}
+
+/* Components and the plan for them; channels that turn out short are found again, with twice as many,
+ * unless what was found ends in noise. */
+static btf_result factorise(const enc_factor_matrix *m, const enc_factor_options *options,
+                            enc_components components[ENC_FACTOR_CHANNELS], enc_factor_plan *plan,
+                            enc_unspent *unspent) {
     size_t ranks[ENC_FACTOR_CHANNELS];
-    first_ranks(m->texels, m->columns, budget, ranks);
-    for (;;) {
-        const btf_result result = enc_components_find(m, ranks, POWER_STEPS, components);
-        if (result != BTF_OK) {
-            return result;
-        }
-        const enc_factor_energies energies = energies_of(components);
-        if (!enc_factor_allocate(&energies, m->texels, views, lights, budget, plan)) {
-            return enc_fail(m->context, BTF_ERROR_MEMORY, "factors: out of memory");
-        }
-        bool again = false;
+    enc_signal signal = {0};
+    btf_result result = BTF_OK;
+    first_ranks(m->texels, m->columns, options->budget, ranks);
+    for (bool again = true; again && result == BTF_OK;) {
+        bool asked[ENC_FACTOR_CHANNELS];
         for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
-            ranks[c] = missing(m, &components[c], plan, c);
+            asked[c] = ranks[c] > 0;
+        }
+        enc_stage_begin(m->context, "factorise", 2 * (POWER_STEPS + 1) * m->texels);
+        result = enc_components_find(m, ranks, POWER_STEPS, components);
+        enc_stage_end(m->context);
+        result =
+            result == BTF_OK ? make_plan(m, options, components, asked, &signal, plan, unspent) : result;
+        again = false;
+        for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
+            const bool noise = unspent->budget > 0 && signal.rank[c] < components[c].rank;
+            ranks[c] = noise ? 0 : missing(m, &components[c], plan, c);
             again = again || ranks[c] > 0;
         }
-        if (!again) {
-            return BTF_OK;
-        }
     }
+    enc_signal_clear(&signal);
+    return result;
 }
 
 /* An empty result of a plan's shape. */
@@ -141,9 +165,8 @@ static btf_result encode(const enc_factor_matrix *m, const enc_factor_options *o
     enc_factor_plan plan;
     enc_factor_codes codes = {0};
     enc_factor_error error = {0};
-    enc_stage_begin(m->context, "factorise", 2 * (POWER_STEPS + 1) * m->texels);
-    btf_result result = factorise(m, options->budget, components, &plan);
-    enc_stage_end(m->context);
+    enc_unspent unspent = {0};
+    btf_result result = factorise(m, options, components, &plan, &unspent);
     result = result == BTF_OK ? enc_factor_codes_create(m, &plan, components, &codes) : result;
     if (result == BTF_OK) {
         enc_stage_begin(m->context, "round factors",
@@ -157,6 +180,9 @@ static btf_result encode(const enc_factor_matrix *m, const enc_factor_options *o
         enc_stage_end(m->context);
     }
     result = result == BTF_OK ? deliver(m, &codes, error, out) : result;
+    if (result == BTF_OK) {
+        (*out)->unspent = unspent;
+    }
     enc_factor_codes_clear(&codes);
     return result;
 }

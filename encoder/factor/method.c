@@ -96,12 +96,16 @@ static btf_result encode(const enc_context *context, const enc_data *data,
                          const enc_factors_settings *settings, uint64_t budget, enc_factors **out,
                          enc_factors_stats *stats) {
     const enc_factor_options options = {
-        .budget = budget, .sweeps = settings->sweeps, .measure = settings->quality > 0};
+        .budget = budget,
+        .sweeps = settings->sweeps,
+        .tolerance = settings->quality > 0 ? 0 : settings->tolerance, /* a quality has a stop of its own */
+        .measure = settings->quality > 0};
     const double begin = progress_core_clock();
     const btf_result result = enc_factor_encode(context, data, &options, out);
     if (result != BTF_OK)
         return result;
     const enc_factors *f = *out;
+    stats->unspent = f->unspent;
     enc_trial *trial = &stats->trials[stats->trials_count++];
     *trial = (enc_trial){.effects = BTF_EFFECT_RESIDUAL,
                          .components = f->n_units,
