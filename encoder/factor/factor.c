@@ -53,30 +53,54 @@ static size_t missing(const enc_factor_matrix *m, const enc_components *componen
     return all && more ? 2 * components->sought : 0;
 }
 
-/* Components and the plan for them; channels that turn out short are found again, with twice as many. */
-static btf_result factorise(const enc_factor_matrix *m, uint64_t budget,
-                            enc_components components[ENC_FACTOR_CHANNELS], enc_factor_plan *plan) {
+/* The plan for components: without a tolerance one that fills the budget, else one that leaves out what is
+ * noise and stops where more bytes do not pay. asked: channels that were found anew. */
+static btf_result make_plan(const enc_factor_matrix *m, const enc_factor_options *options,
+                            const enc_components components[ENC_FACTOR_CHANNELS],
+                            const bool asked[ENC_FACTOR_CHANNELS], enc_signal *io_signal,
+                            enc_factor_plan *plan, enc_unspent *unspent) {
     const size_t views = (size_t)m->data->n_views, lights = (size_t)m->data->n_lights;
+    const enc_factor_energies energies = energies_of(components);
+    const bool stops = options->tolerance > 0;
+    const btf_result result = stops ? enc_signal_find(m, components, asked, io_signal) : BTF_OK;
+    if (result != BTF_OK) {
+        return result;
+    }
+    const bool planned =
+        stops ? enc_stop_allocate(&energies, io_signal, m->texels, views, lights, options->budget,
+                                  options->tolerance, plan, unspent)
+              : enc_factor_allocate(&energies, m->texels, views, lights, options->budget, plan);
+    return planned ? BTF_OK : enc_fail(m->context, BTF_ERROR_MEMORY, "factors: out of memory");
+}
+
+/* Components and the plan for them; channels that turn out short are found again, with twice as many,
+ * unless what was found ends in noise. */
+static btf_result factorise(const enc_factor_matrix *m, const enc_factor_options *options,
+                            enc_components components[ENC_FACTOR_CHANNELS], enc_factor_plan *plan,
+                            enc_unspent *unspent) {
     size_t ranks[ENC_FACTOR_CHANNELS];
-    first_ranks(m->texels, m->columns, budget, ranks);
-    for (;;) {
-        const btf_result result = enc_components_find(m, ranks, POWER_STEPS, components);
-        if (result != BTF_OK) {
-            return result;
-        }
-        const enc_factor_energies energies = energies_of(components);
-        if (!enc_factor_allocate(&energies, m->texels, views, lights, budget, plan)) {
-            return enc_fail(m->context, BTF_ERROR_MEMORY, "factors: out of memory");
-        }
-        bool again = false;
+    enc_signal signal = {0};
+    btf_result result = BTF_OK;
+    first_ranks(m->texels, m->columns, options->budget, ranks);
+    for (bool again = true; again && result == BTF_OK;) {
+        bool asked[ENC_FACTOR_CHANNELS];
         for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
-            ranks[c] = missing(m, &components[c], plan, c);
+            asked[c] = ranks[c] > 0;
+        }
+        enc_stage_begin(m->context, "factorise", 2 * (POWER_STEPS + 1) * m->texels);
+        result = enc_components_find(m, ranks, POWER_STEPS, components);
+        enc_stage_end(m->context);
+        result =
+            result == BTF_OK ? make_plan(m, options, components, asked, &signal, plan, unspent) : result;
+        again = false;
+        for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
+            const bool noise = unspent->budget > 0 && signal.rank[c] < components[c].rank;
+            ranks[c] = noise ? 0 : missing(m, &components[c], plan, c);
             again = again || ranks[c] > 0;
         }
-        if (!again) {
-            return BTF_OK;
-        }
     }
+    enc_signal_clear(&signal);
+    return result;
 }
 
 /* An empty result of a plan's shape. */
@@ -147,6 +171,7 @@ typedef struct found {
     enc_match_bases bases;
     enc_factor_codes codes;
     enc_factor_error error;
+    enc_unspent unspent;
 } found;
 
 static void clear(found *f) {
@@ -161,16 +186,18 @@ static void clear(found *f) {
 /* Components, and with a match the sources as well. */
 static btf_result find(const enc_factor_matrix *m, const enc_factor_options *options, found *f) {
     const size_t views = (size_t)m->data->n_views;
-    const uint64_t points = options->match ? enc_match_bytes(m->texels, views, options->gain) : 0;
-    enc_stage_begin(m->context, "factorise", 2 * (POWER_STEPS + 1) * m->texels);
-    btf_result result = factorise(m, options->budget - points, f->components, &f->plan);
-    enc_stage_end(m->context);
+    enc_factor_options of_factors = *options;
+    if (options->match) { /* what is left out tells of factors alone, not of sources */
+        of_factors.budget -= enc_match_bytes(m->texels, views, options->gain);
+        of_factors.tolerance = 0;
+    }
+    btf_result result = factorise(m, &of_factors, f->components, &f->plan, &f->unspent);
     if (result == BTF_OK && options->match) {
         enc_stage_begin(m->context, "match", 2 * ENC_MATCH_ROUNDS * m->texels);
         result = enc_match_create(m->context, m->data->width, m->data->height, views, options->gain, &f->match);
         result = result == BTF_OK ? enc_match_find_bases(m, &f->bases) : result;
         result = result == BTF_OK
-                     ? enc_match_fit(m, options->budget - points, &f->bases, &f->match, f->components, &f->plan)
+                     ? enc_match_fit(m, of_factors.budget, &f->bases, &f->match, f->components, &f->plan)
                      : result;
         enc_stage_end(m->context);
     }
@@ -236,6 +263,9 @@ btf_result enc_factor_encode(const enc_context *context, const enc_data *data,
     }
     btf_result result = encode(&m, options, &f);
     result = result == BTF_OK ? deliver(&m, &f.codes, f.error, out_factors) : result;
+    if (result == BTF_OK) {
+        (*out_factors)->unspent = f.unspent;
+    }
     if (result == BTF_OK && options->match) {
         result = deliver_match(&m, &f.match, options->gain, *out_factors);
     }

@@ -19,6 +19,8 @@
 #include "encoder/math/gemm.h"
 #include "match.h"
 
+#include <stdint.h>
+
 typedef struct enc_factor_matrix {
     const enc_context *context;
     const enc_data *data;
@@ -26,6 +28,7 @@ typedef struct enc_factor_matrix {
      * takes samples in memory. */
     const enc_match *match;
     size_t texels, columns;
+    const uint32_t *list; /* [texels] of the data, where the rows are some of them; NULL: all */
     enc_gemm_tile tile;
 } enc_factor_matrix;
 
@@ -44,6 +47,12 @@ btf_result enc_factor_times_w(const enc_factor_matrix *matrix, const enc_factor_
 /* out [rank][column] = u A. */
 btf_result enc_factor_times_u(const enc_factor_matrix *matrix, const enc_factor_set *u,
                               const enc_factor_set *out);
+
+/* Sums of squares of what u w leaves of each channel, at the columns where `of_columns` [column] is not 0.
+ * Errors as above. */
+btf_result enc_factor_residual(const enc_factor_matrix *matrix, const enc_factor_set *u,
+                               const enc_factor_set *w, const uint8_t *of_columns,
+                               double out_sums[ENC_FACTOR_CHANNELS]);
 
 /* The channels of `count` texels whose samples begin at `samples`: out[channel] [count][columns]. */
 void enc_factor_split(const enc_factor_matrix *matrix, size_t count, const float *samples,

@@ -108,12 +108,14 @@ static btf_result encode(const enc_context *context, const enc_data *data,
         .sweeps = settings->sweeps,
         .match = settings->effects & BTF_EFFECT_SHIFT,
         .gain = settings->effects & BTF_EFFECT_GAIN,
+        .tolerance = settings->quality > 0 ? 0 : settings->tolerance, /* a quality has a stop of its own */
         .measure = settings->quality > 0 || settings->effects & BTF_EFFECT_SHIFT};
     const double begin = progress_core_clock();
     const btf_result result = enc_factor_encode(context, data, &options, out);
     if (result != BTF_OK)
         return result;
     const enc_factors *f = *out;
+    stats->unspent = f->unspent;
     enc_trial *trial = &stats->trials[stats->trials_count++];
     *trial = (enc_trial){.effects = BTF_EFFECT_RESIDUAL,
                          .components = f->n_units,
