@@ -329,3 +329,18 @@ bool enc_factor_allocate(const enc_factor_energies *energies, size_t texels, siz
     }
     return room && found;
 }
+
+double enc_factor_error_left(const enc_factor_energies *energies, const enc_factor_plan *plan) {
+    double error = 0;
+    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
+        size_t at = 0;
+        for (int k = 0; k <= ENC_FACTOR_CLASSES; k++) {
+            const size_t rest = energies->rank[c] - at;
+            const size_t held = k < ENC_FACTOR_CLASSES ? enc_factor_held(plan, k, c, energies->rank[c]) : rest;
+            for (size_t end = at + (held < rest ? held : rest); at < end; at++) {
+                error += energies->energy[c][at] * (k < ENC_FACTOR_CLASSES ? enc_factor_classes[k].error : 1);
+            }
+        }
+    }
+    return error;
+}

@@ -37,4 +37,7 @@ uint64_t enc_factor_bytes(const enc_factor_plan *plan, size_t texels, size_t n_v
 bool enc_factor_allocate(const enc_factor_energies *energies, size_t texels, size_t n_views,
                          size_t n_lights, uint64_t budget, enc_factor_plan *out_plan);
 
+/* The squared error that a plan leaves of the components, as enc_factor_allocate weighs it. */
+double enc_factor_error_left(const enc_factor_energies *energies, const enc_factor_plan *plan);
+
 #endif

@@ -147,6 +147,7 @@ typedef struct found {
     enc_match_bases bases;
     enc_factor_codes codes;
     enc_factor_error error;
+    double survey;
 } found;
 
 static void clear(found *f) {
@@ -165,6 +166,12 @@ static btf_result find(const enc_factor_matrix *m, const enc_factor_options *opt
     enc_stage_begin(m->context, "factorise", 2 * (POWER_STEPS + 1) * m->texels);
     btf_result result = factorise(m, options->budget - points, f->components, &f->plan);
     enc_stage_end(m->context);
+    f->survey = 1;
+    if (result == BTF_OK && options->survey && !options->match && m->data->samples) {
+        enc_stage_begin(m->context, "survey match", 1);
+        result = enc_match_survey(m, f->components, options->budget, true, &f->survey);
+        enc_stage_end(m->context);
+    }
     if (result == BTF_OK && options->match) {
         enc_stage_begin(m->context, "match", 2 * ENC_MATCH_ROUNDS * m->texels);
         result = enc_match_create(m->context, m->data->width, m->data->height, views, options->gain, &f->match);
@@ -229,6 +236,9 @@ btf_result enc_factor_encode(const enc_context *context, const enc_data *data,
     const uint64_t points = options->match ? enc_match_bytes(texels, views, options->gain) : 0;
     found f = {0};
     *out_factors = NULL;
+    if (options->match && !data->samples) {
+        return enc_fail(context, BTF_ERROR_UNSUPPORTED, "factors: match takes samples in memory, of which there is too little");
+    }
     if (options->budget < least + points) {
         return enc_fail(context, BTF_ERROR_USAGE,
                         "factors: a budget of %llu bytes holds no unit, which takes %llu",
@@ -236,6 +246,9 @@ btf_result enc_factor_encode(const enc_context *context, const enc_data *data,
     }
     btf_result result = encode(&m, options, &f);
     result = result == BTF_OK ? deliver(&m, &f.codes, f.error, out_factors) : result;
+    if (result == BTF_OK) {
+        (*out_factors)->survey = f.survey;
+    }
     if (result == BTF_OK && options->match) {
         result = deliver_match(&m, &f.match, options->gain, *out_factors);
     }

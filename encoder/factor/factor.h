@@ -19,6 +19,7 @@ typedef struct enc_factor_options {
     uint64_t budget; /* bytes on the GPU, at most: texels of u and w, scales and views' factors */
     int sweeps;      /* rounds of descent; 0: none. ENC_FACTOR_SWEEPS is where more gain little */
     bool match, gain; /* texels take the profiles of others, times a gain; samples must be in memory */
+    bool survey;      /* whether match and gain may pay is wanted; without match */
     bool measure;    /* the error at the samples is wanted: one more pass over them */
 } enc_factor_options;
 
@@ -35,6 +36,7 @@ typedef struct enc_factors {
     int8_t *shift;    /* [view][texel][2], as version 1 stores it; NULL without match */
     uint8_t *gain;    /* [view][texel] codes; NULL without match */
     float gain_scale; /* of a code */
+    double survey;    /* enc_match_survey; 1 where not asked for, or samples are not in memory */
     uint64_t bytes;                                            /* of the budget */
     enc_factor_error error;                                    /* 0 where not asked for */
 } enc_factors;

@@ -92,26 +92,36 @@ static enc_match_gains gains_between(float least, float most) {
     return (enc_match_gains){ENC_MATCH_GAINS, base * scale, step * scale, scale};
 }
 
-btf_result enc_match_fit_gains(const enc_context *context, enc_match *match) {
+void enc_match_fit_gains(const enc_context *context, enc_match *match) {
     size_t histogram[ENC_MATCH_TRIED] = {0};
     const size_t points = match->texels * match->views;
-    (void)context;
     for (size_t i = 0; i < points; i++) {
         histogram[match->gain[i]]++;
     }
     const enc_match_gains from = match->gains;
-    match->gains = gains_between(percentile(match, histogram, 0.01), percentile(match, histogram, 0.99));
+    /* a code of 1 is to exist: levels of detail have no gain */
+    match->gains =
+        gains_between(percentile(match, histogram, 0.01), fmaxf(percentile(match, histogram, 0.99), 1.0f));
     for (size_t i = 0; i < points; i++) {
         const float gain = from.base + from.step * (float)match->gain[i];
         const float index = rintf((gain - match->gains.base) / match->gains.step);
         match->gain[i] = (uint8_t)fminf(fmaxf(index, 0), ENC_MATCH_GAINS - 1);
     }
-    return BTF_OK;
+    enc_match_count_users(context, match);
+}
+
+/* Bits of a texel: with a list of so many pairs, or (0) with a pair each view. */
+static uint64_t texel_bits(size_t entries, size_t views, bool gains) {
+    const uint64_t pair = gains ? ENC_MATCH_PAIR_BITS : ENC_MATCH_PAIR_BITS_NO_GAIN;
+    return entries > 0 ? pair * entries + ENC_MATCH_INDEX_BITS * views : pair * views;
+}
+
+size_t enc_match_entries(size_t views, bool gains) {
+    return texel_bits(ENC_MATCH_ENTRIES, views, gains) < texel_bits(0, views, gains) ? ENC_MATCH_ENTRIES : 0;
 }
 
 uint64_t enc_match_bytes(size_t texels, size_t views, bool gains) {
-    const uint64_t bits = gains ? ENC_MATCH_POINT_BITS : ENC_MATCH_POINT_BITS_NO_GAIN;
-    return (bits * texels * views + 7) / 8;
+    return (texel_bits(enc_match_entries(views, gains), views, gains) * texels + 7) / 8;
 }
 
 /* From one place to another on a circle of `size`, the shorter way round. */

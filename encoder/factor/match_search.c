@@ -147,6 +147,7 @@ typedef struct view_search {
     size_t components, k, view;
     const float *basis;
     enc_match *match;
+    const enc_match_coordinates *keep;
     float *query, *source; /* [texel][k] */
     float *norm, *inverse; /* [texel] of sources: squared length; its inverse over the step of gains */
     size_t screen;         /* coordinates of panels */
@@ -401,10 +402,10 @@ static void search_tile(view_search *s, int column, int row, float *left) {
 /* All of one view. */
 static void search_view(view_search *s, size_t length, size_t most, float *work) {
     const size_t texels = s->m->texels;
-    s->query = work;
-    s->source = s->query + texels * s->k;
-    s->norm = s->source + texels * s->k;
-    s->inverse = s->norm + texels;
+    s->query = s->keep ? s->keep->query + s->view * texels * s->k : work;
+    s->source = s->keep ? s->keep->source + s->view * texels * s->k : work + texels * s->k;
+    s->norm = s->keep ? s->keep->norm + s->view * texels : work + 2 * texels * s->k;
+    s->inverse = work + texels * (2 * s->k + 1);
     float *left = aligned(s->inverse + texels);
     s->panels = aligned(left + ENC_GEMM_M * s->k);
     s->low = s->panels + most * s->screen;
@@ -442,7 +443,8 @@ static void pack_u(const enc_factor_matrix *m, const enc_factor_codes *codes, si
 }
 
 btf_result enc_match_search(const enc_factor_matrix *m, const enc_factor_codes *codes, const enc_match_bases *bases,
-                            size_t first, size_t stride, enc_match *match, double *out_error, double *out_energy) {
+                            size_t first, size_t stride, const enc_match_coordinates *keep, enc_match *match,
+                            double *out_error, double *out_energy) {
     const size_t components = codes->channel[0].rank + codes->channel[1].rank + codes->channel[2].rank;
     const size_t most = most_sources(match), views = match->views;
     const size_t each = thread_floats(m, bases->leading, bases->length, components, most);
@@ -455,7 +457,7 @@ btf_result enc_match_search(const enc_factor_matrix *m, const enc_factor_codes *
 #pragma omp parallel for schedule(dynamic) num_threads(m->context->threads)
         for (size_t v = first; v < views; v += stride) {
             view_search s = {.m = m, .codes = codes, .packed_u = packed, .components = components,
-                             .k = bases->leading, .view = v, .screener = select_screen(),
+                             .k = bases->leading, .view = v, .keep = keep, .screener = select_screen(),
                              .screen = bases->leading < SCREEN ? bases->leading : SCREEN, .match = match,
                              .basis = bases->basis + v * bases->leading * bases->length};
             if (!enc_cancelled(m->context)) {

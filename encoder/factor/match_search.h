@@ -6,6 +6,7 @@
 #define OPENBTF_ENCODER_FACTOR_MATCH_SEARCH_H
 
 #include "codes.h"
+#include "match_lists.h"
 
 enum {
     ENC_MATCH_LEADING = 48, /* directions of a view's profiles in which distances are taken */
@@ -27,7 +28,8 @@ void enc_match_bases_clear(enc_match_bases *bases);
  * far as the leading directions tell, and to *out_energy those of the profiles to 0. Users are counted anew. The same
  * bits for any number of threads. Errors: BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
 btf_result enc_match_search(const enc_factor_matrix *matrix, const enc_factor_codes *codes,
-                            const enc_match_bases *bases, size_t first, size_t stride, enc_match *io_match,
-                            double *out_error, double *out_energy);
+                            const enc_match_bases *bases, size_t first, size_t stride,
+                            const enc_match_coordinates *out_coordinates, enc_match *io_match, double *out_error,
+                            double *out_energy);
 
 #endif

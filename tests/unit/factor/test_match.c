@@ -24,7 +24,7 @@
 
 static const enc_context one = {.threads = 1}, two = {.threads = 2};
 
-enum { SIDE = 24, TEXELS = SIDE * SIDE, VIEWS = 7, LIGHTS = 15, COLUMNS = VIEWS * LIGHTS, TERMS = 6 };
+enum { SIDE = 24, TEXELS = SIDE * SIDE, VIEWS = 13, LIGHTS = 25, COLUMNS = VIEWS * LIGHTS, TERMS = 6 };
 
 static float uniform(uint32_t *state) {
     *state = *state * 1664525u + 1013904223u;
@@ -43,7 +43,7 @@ static enc_data *empty(void) {
     enc_direction views[VIEWS], lights[LIGHTS];
     enc_data *data = NULL;
     for (int i = 0; i < LIGHTS; i++) {
-        lights[i] = enc_direction_from_angles(i == 0 ? 0 : 20 + 3 * i, 40 * i % 360);
+        lights[i] = enc_direction_from_angles(i == 0 ? 0 : 20 + 2 * i, 40 * i % 360);
     }
     for (int i = 0; i < VIEWS; i++) {
         views[i] = lights[i];
@@ -69,7 +69,7 @@ static void fill(planted *p, float noise, uint32_t *state) {
     }
 }
 
-/* moved: whether sources and gains differ from their texel and from 1. */
+/* moved: whether a fifth of all points have sources and gains that differ from their texel and from 1. */
 static planted *plant(bool moved, float noise) {
     planted *p = calloc(1, sizeof *p);
     uint32_t state = 5;
@@ -77,16 +77,17 @@ static planted *plant(bool moved, float noise) {
     p->data = empty();
     for (size_t j = 0; j < TERMS; j++) {
         for (size_t x = 0; x < TEXELS; x++) {
-            p->u[j][x] = j == 0 ? 0.5f : 0.25f * (uniform(&state) - 0.5f);
+            p->u[j][x] = j == 0 ? 0.5f : 0.6f * (uniform(&state) - 0.5f);
         }
         for (size_t i = 0; i < COLUMNS; i++) {
-            p->w[j][i] = j == 0 ? 0.8f + 0.4f * uniform(&state) : 2 * uniform(&state) - 1;
+            p->w[j][i] = j == 0 ? 0.8f + 0.4f * uniform(&state) : uniform(&state) - 0.5f;
         }
     }
     for (size_t v = 0; v < VIEWS; v++) {
         for (size_t x = 0; x < TEXELS; x++) {
-            p->source[v][x] = moved && v > 0 ? (size_t)(uniform(&state) * TEXELS) : x;
-            p->gain[v][x] = moved && v > 0 ? 0.5f + uniform(&state) : 1.0f;
+            const bool here = moved && v > 0 && uniform(&state) < 0.2f;
+            p->source[v][x] = here ? (size_t)(uniform(&state) * TEXELS) : x;
+            p->gain[v][x] = here ? 0.5f + uniform(&state) : 1.0f;
         }
     }
     fill(p, noise, &state);
@@ -121,7 +122,7 @@ static void test_search_finds_what_was_planted(void **state) {
     double error = 0, energy = 0;
     assert_int_equal(enc_match_create(&two, SIDE, SIDE, VIEWS, true, &match), BTF_OK);
     assert_int_equal(enc_match_find_bases(&m, &bases), BTF_OK);
-    assert_int_equal(enc_match_search(&m, &codes, &bases, 0, 1, &match, &error, &energy), BTF_OK);
+    assert_int_equal(enc_match_search(&m, &codes, &bases, 0, 1, NULL, &match, &error, &energy), BTF_OK);
     for (size_t v = 0; v < VIEWS; v++) {
         for (size_t x = 0; x < TEXELS; x++) {
             assert_int_equal(match.source[v * TEXELS + x], p->source[v][x]);
@@ -129,7 +130,7 @@ static void test_search_finds_what_was_planted(void **state) {
         }
     }
     assert_true(error < 1e-3 * energy);
-    assert_int_equal(enc_match_fit_gains(&two, &match), BTF_OK);
+    enc_match_fit_gains(&two, &match);
     assert_int_equal(match.gains.count, ENC_MATCH_GAINS);
     enc_match_bases_clear(&bases);
     enc_match_clear(&match);
@@ -226,7 +227,7 @@ static enc_factors *encode(const enc_context *context, const enc_data *data, boo
     return f;
 }
 
-enum { BUDGET = 48000 };
+enum { BUDGET = 36000 };
 
 /* Shift alone helps, and shift with gain more, where there is such a thing; without it both cost. */
 static void test_pays_where_it_was_planted(void **state) {
