@@ -5,7 +5,6 @@
 #include "factor.h"
 
 #include "encoder/base/stage.h"
-#include "match_fit.h"
 #include "pack.h"
 #include "round.h"
 
@@ -138,8 +137,6 @@ void enc_factors_destroy(enc_factors **factors) {
         free((*factors)->directions);
         free((*factors)->scales);
         free((*factors)->views);
-        free((*factors)->shift);
-        free((*factors)->gain);
         free(*factors);
         *factors = NULL;
     }
@@ -163,88 +160,31 @@ static btf_result deliver(const enc_factor_matrix *m, enc_factor_codes *codes, e
     return BTF_OK;
 }
 
-/* What an encode finds. */
-typedef struct found {
-    enc_components components[ENC_FACTOR_CHANNELS];
+static btf_result encode(const enc_factor_matrix *m, const enc_factor_options *options,
+                         enc_components components[ENC_FACTOR_CHANNELS], enc_factors **out) {
     enc_factor_plan plan;
-    enc_match match;
-    enc_match_bases bases;
-    enc_factor_codes codes;
-    enc_factor_error error;
-    enc_unspent unspent;
-} found;
-
-static void clear(found *f) {
-    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
-        enc_components_clear(&f->components[c]);
-    }
-    enc_match_clear(&f->match);
-    enc_match_bases_clear(&f->bases);
-    enc_factor_codes_clear(&f->codes);
-}
-
-/* Components, and with a match the sources as well. */
-static btf_result find(const enc_factor_matrix *m, const enc_factor_options *options, found *f) {
-    const size_t views = (size_t)m->data->n_views;
-    enc_factor_options of_factors = *options;
-    if (options->match) { /* what is left out tells of factors alone, not of sources */
-        of_factors.budget -= enc_match_bytes(m->texels, views, options->gain);
-        of_factors.tolerance = 0;
-    }
-    btf_result result = factorise(m, &of_factors, f->components, &f->plan, &f->unspent);
-    if (result == BTF_OK && options->match) {
-        enc_stage_begin(m->context, "match", 2 * ENC_MATCH_ROUNDS * m->texels);
-        result = enc_match_create(m->context, m->data->width, m->data->height, views, options->gain, &f->match);
-        result = result == BTF_OK ? enc_match_find_bases(m, &f->bases) : result;
-        result = result == BTF_OK
-                     ? enc_match_fit(m, of_factors.budget, &f->bases, &f->match, f->components, &f->plan)
-                     : result;
-        enc_stage_end(m->context);
-    }
-    return result == BTF_OK ? enc_factor_codes_create(m, &f->plan, f->components, &f->codes) : result;
-}
-
-static btf_result round_codes(const enc_factor_matrix *m, const enc_factor_options *options, found *f) {
-    enc_factor_matrix matched = *m;
-    matched.match = &f->match;
-    if (!options->match) {
-        return enc_factor_round(m, f->components, options->sweeps, &f->codes);
-    }
-    const btf_result result = enc_factor_round(m, f->components, 0, &f->codes);
-    return result == BTF_OK ? enc_match_round(&matched, &f->bases, &f->match, &f->codes) : result;
-}
-
-static btf_result encode(const enc_factor_matrix *m, const enc_factor_options *options, found *f) {
-    enc_factor_matrix matched = *m;
-    matched.match = options->match ? &f->match : NULL;
-    btf_result result = find(m, options, f);
+    enc_factor_codes codes = {0};
+    enc_factor_error error = {0};
+    enc_unspent unspent = {0};
+    btf_result result = factorise(m, options, components, &plan, &unspent);
+    result = result == BTF_OK ? enc_factor_codes_create(m, &plan, components, &codes) : result;
     if (result == BTF_OK) {
-        const int passes =
-            options->match ? 2 * ENC_MATCH_CODE_ROUNDS : enc_factor_round_passes(options->sweeps);
-        enc_stage_begin(m->context, "round factors", (size_t)passes * m->texels);
-        result = round_codes(m, options, f);
+        enc_stage_begin(m->context, "round factors",
+                        (size_t)enc_factor_round_passes(options->sweeps) * m->texels);
+        result = enc_factor_round(m, components, options->sweeps, &codes);
         enc_stage_end(m->context);
     }
     if (result == BTF_OK && options->measure) {
         enc_stage_begin(m->context, "measure factors", m->texels);
-        result = enc_factor_measure(&matched, &f->codes, &f->error);
+        result = enc_factor_measure(m, &codes, &error);
         enc_stage_end(m->context);
     }
-    return result;
-}
-
-/* Shifts and gains to the result, and the bytes of the points. */
-static btf_result deliver_match(const enc_factor_matrix *m, const enc_match *match, bool gain, enc_factors *out) {
-    const size_t points = match->texels * match->views;
-    out->shift = malloc(2 * points);
-    out->gain = malloc(points);
-    out->gain_scale = match->gains.scale;
-    out->bytes += enc_match_bytes(match->texels, match->views, gain);
-    if (!out->shift || !out->gain) {
-        return enc_fail(m->context, BTF_ERROR_MEMORY, "factors: out of memory");
+    result = result == BTF_OK ? deliver(m, &codes, error, out) : result;
+    if (result == BTF_OK) {
+        (*out)->unspent = unspent;
     }
-    enc_match_store(match, out->shift, out->gain);
-    return BTF_OK;
+    enc_factor_codes_clear(&codes);
+    return result;
 }
 
 btf_result enc_factor_encode(const enc_context *context, const enc_data *data,
@@ -252,27 +192,17 @@ btf_result enc_factor_encode(const enc_context *context, const enc_data *data,
     const enc_factor_matrix m = enc_factor_matrix_of(context, data);
     const uint64_t least =
         enc_factor_least_budget(data->width, data->height, data->n_views, data->n_lights);
-    const size_t texels = enc_data_texel_count(data), views = (size_t)data->n_views;
-    const uint64_t points = options->match ? enc_match_bytes(texels, views, options->gain) : 0;
-    found f = {0};
+    enc_components components[ENC_FACTOR_CHANNELS] = {{0}};
     *out_factors = NULL;
-    if (options->budget < least + points) {
+    if (options->budget < least) {
         return enc_fail(context, BTF_ERROR_USAGE,
                         "factors: a budget of %llu bytes holds no unit, which takes %llu",
-                        (unsigned long long)options->budget, (unsigned long long)(least + points));
+                        (unsigned long long)options->budget, (unsigned long long)least);
     }
-    btf_result result = encode(&m, options, &f);
-    result = result == BTF_OK ? deliver(&m, &f.codes, f.error, out_factors) : result;
-    if (result == BTF_OK) {
-        (*out_factors)->unspent = f.unspent;
+    const btf_result result = encode(&m, options, components, out_factors);
+    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
+        enc_components_clear(&components[c]);
     }
-    if (result == BTF_OK && options->match) {
-        result = deliver_match(&m, &f.match, options->gain, *out_factors);
-    }
-    if (result != BTF_OK) {
-        enc_factors_destroy(out_factors);
-    }
-    clear(&f);
     return result;
 }
 

@@ -17,7 +17,6 @@ typedef struct enc_factors_settings {
     uint64_t budget; /* gpu bytes at most */
     double quality;  /* dB of sRGB-coded PSNR that is enough; 0: none is */
     int sweeps;      /* of the descent on codes */
-    uint32_t effects; /* btf_effect bits: shift and gain are match; residual always */
     double tolerance; /* dB that a tenth more bytes must gain at samples left out of the fit; 0: the budget
                          is filled */
 } enc_factors_settings;

@@ -301,10 +301,8 @@ static btf_result refuse_other(const char *method) {
 /* Options that mean nothing where there are factors alone. */
 static btf_result check_factors(const enc_job *job) {
     const char *refused = NULL;
-    const uint32_t match = BTF_EFFECT_RESIDUAL | BTF_EFFECT_SHIFT;
-    if (o.effects != UINT32_MAX && o.effects != BTF_EFFECT_RESIDUAL &&
-        (o.effects | BTF_EFFECT_GAIN) != (match | BTF_EFFECT_GAIN)) {
-        refused = "option --effects: --method factors has residual, with shift and gain or without";
+    if (o.effects != UINT32_MAX && o.effects != BTF_EFFECT_RESIDUAL) {
+        refused = "option --effects: --method factors has the effect residual and no other";
     } else if (o.tolerance_given && o.effect_tolerance[1] > 0) {
         refused =
             "option --effect-tolerance: --method factors takes one number, of dB for a tenth more bytes";

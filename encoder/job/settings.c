@@ -31,8 +31,7 @@ enc_factors_settings enc_settings_of_factors(const enc_job *job, int width, int 
                                                                   : least,
                                   .quality = job->joint.quality,
                                   .tolerance = job->joint.effect_tolerance,
-                                  .sweeps = factor_sweeps[job->joint.preset],
-                                  .effects = job->joint.choose ? BTF_EFFECT_RESIDUAL : job->joint.effects};
+                                  .sweeps = factor_sweeps[job->joint.preset]};
 }
 
 const char *enc_parse_tolerance(const char *text, void *tolerance) {

@@ -75,7 +75,7 @@ static btf_result measure_joint(const section *s, int preset, bench_row *row) {
 static btf_result measure_factors(const section *s, int preset, bench_row *row) {
     bench_encoded encoded;
     const btf_result result =
-        bench_encode_factors(s->run->context, s->run->data, preset, s->budget, 0, &encoded);
+        bench_encode_factors(s->run->context, s->run->data, preset, s->budget, &encoded);
     return result == BTF_OK ? measure_encoded(s, &encoded, row) : result;
 }
 

@@ -165,7 +165,7 @@ static btf_result encode(const bench_run *run, const setting *s, bench_encoded *
     enc_joint_options joint = s->joint_options;
     joint.budget = run->budget;
     return s->paper     ? bench_encode_paper_options(run->context, data, &s->paper_options, s->half, out)
-           : s->factors ? bench_encode_factors(run->context, data, joint.preset, run->budget, 0, out)
+           : s->factors ? bench_encode_factors(run->context, data, joint.preset, run->budget, out)
                         : bench_encode_joint_options(run->context, data, &joint, s->half, out);
 }
 

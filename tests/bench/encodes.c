@@ -81,15 +81,13 @@ btf_result bench_encode_paper(const enc_context *context, const enc_data *data, 
 }
 
 btf_result bench_encode_factors(const enc_context *context, const enc_data *data, int preset,
-                                uint64_t budget, uint32_t effects, bench_encoded *out) {
+                                uint64_t budget, bench_encoded *out) {
     const bench_clock start = bench_now();
     enc_job job = {.joint = enc_joint_options_default()};
     enc_factors_stats stats;
     enc_solution found;
     job.joint.preset = preset;
     job.joint.budget = budget;
-    job.joint.choose = false;
-    job.joint.effects = BTF_EFFECT_RESIDUAL | effects;
     const enc_factors_settings settings =
         enc_settings_of_factors(&job, data->width, data->height, data->n_views, data->n_lights);
     *out = (bench_encoded){0};

@@ -148,8 +148,6 @@ static btf_result decode_rows(const bench_run *run, const decode_table *table, c
         {DECODE_FACTORS, "whole", "factors: three directions, bilinear, exact", false, true, false},
         {DECODE_HALF_FACTORS, "whole", "factors: half the bytes of joint", false, false, false},
         {DECODE_EQUAL_FACTORS, "whole", "factors: PSNR of joint", false, false, false},
-        {DECODE_SHIFTED_FACTORS, "whole", "factors: a source of its own for each view", false, false,
-         false},
         {DECODE_SOURCES, "whole", "SBRDF x shadow sources, exact", false, false, false},
         {DECODE_PAPER, "whole", "paper: three directions, exact", false, false, false},
         {DECODE_PAPER, "whole", "the same, fast math", false, false, true},

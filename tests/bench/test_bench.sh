@@ -176,7 +176,7 @@ def of(device, material, directions="linear", effects="whole", math="exact"):
     assert len(found) == 1, (device, material, directions, effects, math, found)
     return found[0]
 ours = {row["material"] for row in rows if row["device"] == "CPU reference"}
-factors = {"factors", "factors; half the bytes", "factors; PSNR of joint", "factors; with shift"}
+factors = {"factors", "factors; half the bytes", "factors; PSNR of joint"}
 assert ours == factors | {"joint", "joint; SBRDF x shadow sources", "paper"}, ours
 for material in ours:
     for directions in ("linear",) if "factors;" in material else ("linear", "nearest"):

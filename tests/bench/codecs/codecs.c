@@ -113,7 +113,7 @@ static btf_result run_factors(const bench_run *run, uint64_t budget, codec_table
         return BTF_OK;
     }
     btf_result result =
-        bench_encode_factors(run->context, run->data, ENC_JOINT_MEDIUM, budget, 0, &encoded);
+        bench_encode_factors(run->context, run->data, ENC_JOINT_MEDIUM, budget, &encoded);
     if (result == BTF_OK) {
         result = measure_encoded(run, &encoded, 1, names, all, table);
         bench_encoded_clear(&encoded);

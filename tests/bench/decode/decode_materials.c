@@ -51,8 +51,7 @@ static const struct {
     {DECODE_PAPER, BENCH_METHOD_PAPER, SUBSETS(paper)},
     {DECODE_FACTORS, BENCH_METHOD_FACTORS, SUBSETS(factors)},
     {DECODE_HALF_FACTORS, BENCH_METHOD_FACTORS, .subsets = factors, .count = 1},
-    {DECODE_EQUAL_FACTORS, BENCH_METHOD_FACTORS, .subsets = factors, .count = 1},
-    {DECODE_SHIFTED_FACTORS, BENCH_METHOD_FACTORS, .subsets = factors, .count = 1}};
+    {DECODE_EQUAL_FACTORS, BENCH_METHOD_FACTORS, .subsets = factors, .count = 1}};
 
 /* DECODE_MATERIALS: not there. */
 static int index_of(const decode_material *materials, const char *name) {
@@ -93,11 +92,10 @@ static btf_result measure(const bench_run *run, decode_material *m) {
     return result;
 }
 
-static btf_result encode_factors(const bench_run *run, uint64_t budget, uint32_t effects,
-                                 decode_material *m) {
+static btf_result encode_factors(const bench_run *run, uint64_t budget, decode_material *m) {
     const uint64_t least = bench_factors_least(run->held->train);
     const btf_result result = bench_encode_factors(run->context, run->held->train, ENC_JOINT_MEDIUM,
-                                                   budget > least ? budget : least, effects, &m->encoded);
+                                                   budget > least ? budget : least, &m->encoded);
     return result == BTF_OK ? measure(run, m) : result;
 }
 
@@ -153,7 +151,7 @@ static btf_result search_equal(const bench_run *run, const decode_material *join
             break;
         }
         decode_material trial = empty;
-        result = encode_factors(run, (uint64_t)budget, 0, &trial);
+        result = encode_factors(run, (uint64_t)budget, &trial);
         const double over = result == BTF_OK ? margin(&trial, joint) : -HUGE_VAL,
                      bytes = (double)trial.encoded.bytes;
         const bool best = over >= 0 && bytes <= (high.bytes > 0 ? high.bytes : HUGE_VAL);
@@ -180,18 +178,16 @@ static btf_result create_factors(const bench_run *run, decode_material *material
     const uint64_t bytes = joint         ? joint->encoded.bytes
                            : run->budget ? run->budget
                                          : joint_default_budget(data);
-    btf_result result = encode_factors(run, bytes, 0, whole);
+    btf_result result = encode_factors(run, bytes, whole);
     if (result == BTF_OK) {
-        result = encode_factors(run, bytes / 2, 0, half);
+        result = encode_factors(run, bytes / 2, half);
     }
     if (result == BTF_OK && joint) {
         result = search_equal(run, joint, whole, half, equal);
     } else {
         equal->name = NULL;
     }
-    return result == BTF_OK ? encode_factors(run, bytes, BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN,
-                                             find(materials, DECODE_SHIFTED_FACTORS))
-                            : result;
+    return result;
 }
 
 static btf_result create_sources(const bench_run *run, decode_material *m) {

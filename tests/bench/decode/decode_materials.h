@@ -17,14 +17,13 @@ typedef struct decode_subset {
 } decode_subset;
 
 /* Names are those of rows. The first subset is "whole". */
-enum { DECODE_MATERIALS = 7 };
+enum { DECODE_MATERIALS = 6 };
 #define DECODE_JOINT "joint"
 #define DECODE_SOURCES "joint; SBRDF x shadow sources"
 #define DECODE_PAPER "paper"
 #define DECODE_FACTORS "factors"
 #define DECODE_HALF_FACTORS "factors; half the bytes"
 #define DECODE_EQUAL_FACTORS "factors; PSNR of joint"
-#define DECODE_SHIFTED_FACTORS "factors; with shift"
 
 typedef struct decode_material {
     const char *name; /* NULL: not there */
@@ -40,8 +39,7 @@ const decode_material *decode_material_find(const decode_material materials[DECO
                                             const char *name);
 
 /* Encodes those of `run->methods`. Factors are encoded for the bytes of joint, or the budget where joint is
- * not wanted, for half of them, and for the fewest that reach joint's PSNR, linear and sRGB-coded; for its
- * bytes also with shift and gain, where each view has a source of its own. Clear with
+ * not wanted, for half of them, and for the fewest that reach joint's PSNR, linear and sRGB-coded. Clear with
  * decode_materials_clear, also on an error. Errors: those of encoding. */
 btf_result decode_materials_create(const bench_run *run, decode_material out[DECODE_MATERIALS]);
 void decode_materials_clear(decode_material materials[DECODE_MATERIALS]);

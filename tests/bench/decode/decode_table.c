@@ -213,8 +213,7 @@ static const struct {
 } versions[] = {{DECODE_JOINT, 0, ""},
                 {DECODE_FACTORS, 0.55, ""},
                 {DECODE_HALF_FACTORS, 0.35, ""},
-                {DECODE_EQUAL_FACTORS, 0.25, " (UBO_IMPALLA64)"},
-                {DECODE_SHIFTED_FACTORS, 0, ""}};
+                {DECODE_EQUAL_FACTORS, 0.25, " (UBO_IMPALLA64)"}};
 
 static void print_version(const decode_table *table, const decode_row *r, int version, FILE *out) {
     const bool first = strcmp(r->effects, "whole") == 0 && !r->nearest && !r->bilinear;
