@@ -76,6 +76,25 @@ static double error_of(const search *s, const enc_factor_plan *plan) {
     return error;
 }
 
+double enc_factor_plan_error(const enc_factor_energies *energies, const enc_factor_plan *plan,
+                             int first_rounded) {
+    double error = 0;
+    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
+        size_t at = 0;
+        for (int k = 0; k < ENC_FACTOR_CLASSES; k++) {
+            const size_t held = enc_factor_held(plan, k, c, energies->rank[c] - at);
+            for (size_t i = 0; i < held && at < energies->rank[c]; i++) {
+                error += (k >= first_rounded ? enc_factor_classes[k].error : 0) * energies->energy[c][at];
+                at++;
+            }
+        }
+        while (at < energies->rank[c]) {
+            error += energies->energy[c][at++];
+        }
+    }
+    return error;
+}
+
 /* The ways in which the four words of a unit belong to channels. */
 static void split_words(int split, uint32_t out[ENC_FACTOR_CHANNELS]) {
     int at = 0;

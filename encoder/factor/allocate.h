@@ -32,6 +32,10 @@ size_t enc_factor_held(const enc_factor_plan *plan, int class, int channel, size
 /* Bytes on the GPU: texels of u and w, scales, and the views' factors. */
 uint64_t enc_factor_bytes(const enc_factor_plan *plan, size_t texels, size_t n_views, size_t n_lights);
 
+/* The error that a plan leaves: what it leaves out, and what classes from `first_rounded` on round off. */
+double enc_factor_plan_error(const enc_factor_energies *energies, const enc_factor_plan *plan,
+                             int first_rounded);
+
 /* The plan of the least error within `budget` bytes and the limits of the format. Each channel's components
  * are taken by falling energy, the first into class 0. Returns false where not one unit fits. */
 bool enc_factor_allocate(const enc_factor_energies *energies, size_t texels, size_t n_views,

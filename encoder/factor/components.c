@@ -27,9 +27,9 @@ static void fill_random(size_t count, uint32_t seed, float *out) {
     }
 }
 
-/* Orthonormal rows of the span of x [rank][count], by two rounds of Cholesky QR, whose Gram matrices are in
- * double: the rows of a random product are almost parallel. */
-static bool orthonormalise(const enc_factor_matrix *m, size_t rank, size_t count, float *x) {
+/* By two rounds of Cholesky QR, whose Gram matrices are in double: the rows of a random product are almost
+ * parallel. */
+bool enc_components_orthonormalise(const enc_factor_matrix *m, size_t rank, size_t count, float *x) {
     double *gram = malloc(2 * rank * rank * sizeof *gram), *inverse = gram ? gram + rank * rank : NULL;
     float *turn = malloc(rank * rank * sizeof *turn);
     bool done = gram && turn;
@@ -113,13 +113,13 @@ btf_result enc_components_find(const enc_factor_matrix *m, const size_t rank[3],
     for (int step = 0; step <= power_steps && result == BTF_OK; step++) {
         result = enc_factor_times_w(m, &w, &u);
         for (int c = 0; c < 3 && result == BTF_OK; c++) {
-            result = u.rank[c] == 0 || orthonormalise(m, u.rank[c], m->texels, u.factor[c])
+            result = u.rank[c] == 0 || enc_components_orthonormalise(m, u.rank[c], m->texels, u.factor[c])
                          ? BTF_OK
                          : no_memory(m, u.rank[c]);
         }
         result = result == BTF_OK ? enc_factor_times_u(m, &u, &w) : result;
         for (int c = 0; c < 3 && result == BTF_OK && step < power_steps; c++) {
-            result = w.rank[c] == 0 || orthonormalise(m, w.rank[c], m->columns, w.factor[c])
+            result = w.rank[c] == 0 || enc_components_orthonormalise(m, w.rank[c], m->columns, w.factor[c])
                          ? BTF_OK
                          : no_memory(m, w.rank[c]);
         }

@@ -7,6 +7,8 @@
 
 #include "matrix.h"
 
+#include <stdbool.h>
+
 typedef struct enc_components {
     size_t rank;
     float *u, *w; /* [rank][texel], [rank][column]: of equal lengths, the root of the singular value each */
@@ -21,6 +23,8 @@ typedef struct enc_components {
  * BTF_ERROR_INTERRUPTED. */
 btf_result enc_components_find(const enc_factor_matrix *matrix, const size_t rank[ENC_FACTOR_CHANNELS],
                                int power_steps, enc_components io_components[ENC_FACTOR_CHANNELS]);
+/* Orthonormal rows of the span of x [rank][count]. Errors: false when out of memory. */
+bool enc_components_orthonormalise(const enc_factor_matrix *matrix, size_t rank, size_t count, float *x);
 void enc_components_clear(enc_components *components);
 
 #endif

@@ -5,7 +5,6 @@
 #include "factor.h"
 
 #include "encoder/base/stage.h"
-#include "match_fit.h"
 #include "pack.h"
 #include "round.h"
 
@@ -53,30 +52,54 @@ static size_t missing(const enc_factor_matrix *m, const enc_components *componen
     return all && more ? 2 * components->sought : 0;
 }
 
-/* Components and the plan for them; channels that turn out short are found again, with twice as many. */
-static btf_result factorise(const enc_factor_matrix *m, uint64_t budget,
-                            enc_components components[ENC_FACTOR_CHANNELS], enc_factor_plan *plan) {
+/* The plan for components: without a tolerance one that fills the budget, else one that leaves out what is
+ * noise and stops where more bytes do not pay. asked: channels that were found anew. */
+static btf_result make_plan(const enc_factor_matrix *m, const enc_factor_options *options,
+                            const enc_components components[ENC_FACTOR_CHANNELS],
+                            const bool asked[ENC_FACTOR_CHANNELS], enc_signal *io_signal,
+                            enc_factor_plan *plan, enc_unspent *unspent) {
     const size_t views = (size_t)m->data->n_views, lights = (size_t)m->data->n_lights;
+    const enc_factor_energies energies = energies_of(components);
+    const bool stops = options->tolerance > 0;
+    const btf_result result = stops ? enc_signal_find(m, components, asked, io_signal) : BTF_OK;
+    if (result != BTF_OK) {
+        return result;
+    }
+    const bool planned =
+        stops ? enc_stop_allocate(&energies, io_signal, m->texels, views, lights, options->budget,
+                                  options->tolerance, plan, unspent)
+              : enc_factor_allocate(&energies, m->texels, views, lights, options->budget, plan);
+    return planned ? BTF_OK : enc_fail(m->context, BTF_ERROR_MEMORY, "factors: out of memory");
+}
+
+/* Components and the plan for them; channels that turn out short are found again, with twice as many,
+ * unless what was found ends in noise. */
+static btf_result factorise(const enc_factor_matrix *m, const enc_factor_options *options,
+                            enc_components components[ENC_FACTOR_CHANNELS], enc_factor_plan *plan,
+                            enc_unspent *unspent) {
     size_t ranks[ENC_FACTOR_CHANNELS];
-    first_ranks(m->texels, m->columns, budget, ranks);
-    for (;;) {
-        const btf_result result = enc_components_find(m, ranks, POWER_STEPS, components);
-        if (result != BTF_OK) {
-            return result;
-        }
-        const enc_factor_energies energies = energies_of(components);
-        if (!enc_factor_allocate(&energies, m->texels, views, lights, budget, plan)) {
-            return enc_fail(m->context, BTF_ERROR_MEMORY, "factors: out of memory");
-        }
-        bool again = false;
+    enc_signal signal = {0};
+    btf_result result = BTF_OK;
+    first_ranks(m->texels, m->columns, options->budget, ranks);
+    for (bool again = true; again && result == BTF_OK;) {
+        bool asked[ENC_FACTOR_CHANNELS];
         for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
-            ranks[c] = missing(m, &components[c], plan, c);
+            asked[c] = ranks[c] > 0;
+        }
+        enc_stage_begin(m->context, "factorise", 2 * (POWER_STEPS + 1) * m->texels);
+        result = enc_components_find(m, ranks, POWER_STEPS, components);
+        enc_stage_end(m->context);
+        result =
+            result == BTF_OK ? make_plan(m, options, components, asked, &signal, plan, unspent) : result;
+        again = false;
+        for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
+            const bool noise = unspent->budget > 0 && signal.rank[c] < components[c].rank;
+            ranks[c] = noise ? 0 : missing(m, &components[c], plan, c);
             again = again || ranks[c] > 0;
         }
-        if (!again) {
-            return BTF_OK;
-        }
     }
+    enc_signal_clear(&signal);
+    return result;
 }
 
 /* An empty result of a plan's shape. */
@@ -114,8 +137,6 @@ void enc_factors_destroy(enc_factors **factors) {
         free((*factors)->directions);
         free((*factors)->scales);
         free((*factors)->views);
-        free((*factors)->shift);
-        free((*factors)->gain);
         free(*factors);
         *factors = NULL;
     }
@@ -139,85 +160,31 @@ static btf_result deliver(const enc_factor_matrix *m, enc_factor_codes *codes, e
     return BTF_OK;
 }
 
-/* What an encode finds. */
-typedef struct found {
-    enc_components components[ENC_FACTOR_CHANNELS];
+static btf_result encode(const enc_factor_matrix *m, const enc_factor_options *options,
+                         enc_components components[ENC_FACTOR_CHANNELS], enc_factors **out) {
     enc_factor_plan plan;
-    enc_match match;
-    enc_match_bases bases;
-    enc_factor_codes codes;
-    enc_factor_error error;
-} found;
-
-static void clear(found *f) {
-    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
-        enc_components_clear(&f->components[c]);
-    }
-    enc_match_clear(&f->match);
-    enc_match_bases_clear(&f->bases);
-    enc_factor_codes_clear(&f->codes);
-}
-
-/* Components, and with a match the sources as well. */
-static btf_result find(const enc_factor_matrix *m, const enc_factor_options *options, found *f) {
-    const size_t views = (size_t)m->data->n_views;
-    const uint64_t points = options->match ? enc_match_bytes(m->texels, views, options->gain) : 0;
-    enc_stage_begin(m->context, "factorise", 2 * (POWER_STEPS + 1) * m->texels);
-    btf_result result = factorise(m, options->budget - points, f->components, &f->plan);
-    enc_stage_end(m->context);
-    if (result == BTF_OK && options->match) {
-        enc_stage_begin(m->context, "match", 2 * ENC_MATCH_ROUNDS * m->texels);
-        result = enc_match_create(m->context, m->data->width, m->data->height, views, options->gain, &f->match);
-        result = result == BTF_OK ? enc_match_find_bases(m, &f->bases) : result;
-        result = result == BTF_OK
-                     ? enc_match_fit(m, options->budget - points, &f->bases, &f->match, f->components, &f->plan)
-                     : result;
-        enc_stage_end(m->context);
-    }
-    return result == BTF_OK ? enc_factor_codes_create(m, &f->plan, f->components, &f->codes) : result;
-}
-
-static btf_result round_codes(const enc_factor_matrix *m, const enc_factor_options *options, found *f) {
-    enc_factor_matrix matched = *m;
-    matched.match = &f->match;
-    if (!options->match) {
-        return enc_factor_round(m, f->components, options->sweeps, &f->codes);
-    }
-    const btf_result result = enc_factor_round(m, f->components, 0, &f->codes);
-    return result == BTF_OK ? enc_match_round(&matched, &f->bases, &f->match, &f->codes) : result;
-}
-
-static btf_result encode(const enc_factor_matrix *m, const enc_factor_options *options, found *f) {
-    enc_factor_matrix matched = *m;
-    matched.match = options->match ? &f->match : NULL;
-    btf_result result = find(m, options, f);
+    enc_factor_codes codes = {0};
+    enc_factor_error error = {0};
+    enc_unspent unspent = {0};
+    btf_result result = factorise(m, options, components, &plan, &unspent);
+    result = result == BTF_OK ? enc_factor_codes_create(m, &plan, components, &codes) : result;
     if (result == BTF_OK) {
-        const int passes =
-            options->match ? 2 * ENC_MATCH_CODE_ROUNDS : enc_factor_round_passes(options->sweeps);
-        enc_stage_begin(m->context, "round factors", (size_t)passes * m->texels);
-        result = round_codes(m, options, f);
+        enc_stage_begin(m->context, "round factors",
+                        (size_t)enc_factor_round_passes(options->sweeps) * m->texels);
+        result = enc_factor_round(m, components, options->sweeps, &codes);
         enc_stage_end(m->context);
     }
     if (result == BTF_OK && options->measure) {
         enc_stage_begin(m->context, "measure factors", m->texels);
-        result = enc_factor_measure(&matched, &f->codes, &f->error);
+        result = enc_factor_measure(m, &codes, &error);
         enc_stage_end(m->context);
     }
-    return result;
-}
-
-/* Shifts and gains to the result, and the bytes of the points. */
-static btf_result deliver_match(const enc_factor_matrix *m, const enc_match *match, bool gain, enc_factors *out) {
-    const size_t points = match->texels * match->views;
-    out->shift = malloc(2 * points);
-    out->gain = malloc(points);
-    out->gain_scale = match->gains.scale;
-    out->bytes += enc_match_bytes(match->texels, match->views, gain);
-    if (!out->shift || !out->gain) {
-        return enc_fail(m->context, BTF_ERROR_MEMORY, "factors: out of memory");
+    result = result == BTF_OK ? deliver(m, &codes, error, out) : result;
+    if (result == BTF_OK) {
+        (*out)->unspent = unspent;
     }
-    enc_match_store(match, out->shift, out->gain);
-    return BTF_OK;
+    enc_factor_codes_clear(&codes);
+    return result;
 }
 
 btf_result enc_factor_encode(const enc_context *context, const enc_data *data,
@@ -225,24 +192,17 @@ btf_result enc_factor_encode(const enc_context *context, const enc_data *data,
     const enc_factor_matrix m = enc_factor_matrix_of(context, data);
     const uint64_t least =
         enc_factor_least_budget(data->width, data->height, data->n_views, data->n_lights);
-    const size_t texels = enc_data_texel_count(data), views = (size_t)data->n_views;
-    const uint64_t points = options->match ? enc_match_bytes(texels, views, options->gain) : 0;
-    found f = {0};
+    enc_components components[ENC_FACTOR_CHANNELS] = {{0}};
     *out_factors = NULL;
-    if (options->budget < least + points) {
+    if (options->budget < least) {
         return enc_fail(context, BTF_ERROR_USAGE,
                         "factors: a budget of %llu bytes holds no unit, which takes %llu",
-                        (unsigned long long)options->budget, (unsigned long long)(least + points));
+                        (unsigned long long)options->budget, (unsigned long long)least);
     }
-    btf_result result = encode(&m, options, &f);
-    result = result == BTF_OK ? deliver(&m, &f.codes, f.error, out_factors) : result;
-    if (result == BTF_OK && options->match) {
-        result = deliver_match(&m, &f.match, options->gain, *out_factors);
+    const btf_result result = encode(&m, options, components, out_factors);
+    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
+        enc_components_clear(&components[c]);
     }
-    if (result != BTF_OK) {
-        enc_factors_destroy(out_factors);
-    }
-    clear(&f);
     return result;
 }
 

@@ -12,13 +12,15 @@
 
 #include "classes.h"
 #include "measure.h"
+#include "stop.h"
 
 enum { ENC_FACTOR_SWEEPS = 6 };
 
 typedef struct enc_factor_options {
     uint64_t budget; /* bytes on the GPU, at most: texels of u and w, scales and views' factors */
     int sweeps;      /* rounds of descent; 0: none. ENC_FACTOR_SWEEPS is where more gain little */
-    bool match, gain; /* texels take the profiles of others, times a gain; samples must be in memory */
+    double tolerance; /* dB that a tenth more bytes must gain at samples left out of the fit; 0: the budget
+                         is filled */
     bool measure;    /* the error at the samples is wanted: one more pass over them */
 } enc_factor_options;
 
@@ -32,10 +34,8 @@ typedef struct enc_factors {
     float *scales;                                             /* [n_units][4] */
     float *views;                                              /* [n_views][tier][Y, C1, C2] */
     size_t components[ENC_FACTOR_CHANNELS];                    /* kept of Y, C1, C2 */
-    int8_t *shift;    /* [view][texel][2], as version 1 stores it; NULL without match */
-    uint8_t *gain;    /* [view][texel] codes; NULL without match */
-    float gain_scale; /* of a code */
     uint64_t bytes;                                            /* of the budget */
+    enc_unspent unspent;                                       /* why not all of it */
     enc_factor_error error;                                    /* 0 where not asked for */
 } enc_factors;
 

@@ -36,41 +36,6 @@ ENC_FACTOR_CLONES static void split_profile(size_t n, const float *restrict rgb,
     }
 }
 
-/* Adds the channels of samples times `gain`. */
-ENC_FACTOR_CLONES static void add_profile(size_t n, float gain, const float *restrict rgb, float *restrict y,
-                                          float *restrict c1, float *restrict c2) {
-    const float third = gain * 0.57735027f, half = gain * 0.70710678f, sixth = gain * 0.40824829f;
-    for (size_t i = 0; i < n; i++) {
-        const float r = sqrtf(rgb[i]), g = sqrtf(rgb[n + i]), b = sqrtf(rgb[2 * n + i]);
-        y[i] += third * ((r + g) + b);
-        c1[i] += half * (r - b);
-        c2[i] += sixth * ((r - g) + (b - g));
-    }
-}
-
-void enc_factor_split_profile(const enc_factor_matrix *m, size_t texel, size_t view, float *const out[3]) {
-    const size_t lights = (size_t)m->data->n_lights;
-    const float *rgb = m->data->samples + texel * enc_data_texel_stride(m->data) + view * 3 * lights;
-    split_profile(lights, rgb, out[0], out[1], out[2]);
-}
-
-/* The row of a source: what the texels that refer to it hold, times their gains. */
-static void gather_row(const enc_factor_matrix *m, size_t source, float *const out[3]) {
-    const enc_match *match = m->match;
-    const size_t lights = (size_t)m->data->n_lights, stride = enc_data_texel_stride(m->data);
-    for (int c = 0; c < 3; c++) {
-        memset(out[c], 0, m->columns * sizeof(float));
-    }
-    for (size_t v = 0; v < match->views; v++) {
-        const size_t i = source * match->views + v, at = v * lights;
-        for (uint32_t k = match->first[i]; k < match->first[i + 1]; k++) {
-            const size_t texel = match->user[k];
-            add_profile(lights, enc_match_gain(match, v, texel), m->data->samples + texel * stride + 3 * at,
-                        out[0] + at, out[1] + at, out[2] + at);
-        }
-    }
-}
-
 void enc_factor_split(const enc_factor_matrix *m, size_t count, const float *samples, float *const out[3]) {
     const size_t lights = (size_t)m->data->n_lights, profiles = count * (size_t)m->data->n_views;
     for (size_t i = 0; i < profiles; i++) {
@@ -79,22 +44,31 @@ void enc_factor_split(const enc_factor_matrix *m, size_t count, const float *sam
     }
 }
 
-/* Reads texels and splits them. buffer: room for their samples where the data are not in memory. */
-static btf_result load(const enc_factor_matrix *m, size_t first, size_t count, float *buffer,
-                       float *const out[3]) {
+/* Reads texels of the data and splits them. buffer: room for their samples where the data are not in
+ * memory. */
+static btf_result load_run(const enc_factor_matrix *m, size_t first, size_t count, float *buffer,
+                           float *const out[3]) {
     const float *samples;
-    if (m->match) {
-        for (size_t i = 0; i < count; i++) {
-            gather_row(m, first + i,
-                       (float *const[3]){out[0] + i * m->columns, out[1] + i * m->columns, out[2] + i * m->columns});
-        }
-        return enc_cancelled(m->context) ? BTF_ERROR_INTERRUPTED : BTF_OK;
-    }
     const btf_result result = enc_cancelled(m->context)
                                   ? BTF_ERROR_INTERRUPTED
                                   : enc_data_texels(m->context, m->data, first, count, buffer, &samples);
     if (result == BTF_OK) {
         enc_factor_split(m, count, samples, out);
+    }
+    return result;
+}
+
+/* The same of rows. */
+static btf_result load(const enc_factor_matrix *m, size_t first, size_t count, float *buffer,
+                       float *const out[3]) {
+    btf_result result = BTF_OK;
+    if (!m->list) {
+        return load_run(m, first, count, buffer, out);
+    }
+    for (size_t i = 0; i < count && result == BTF_OK; i++) {
+        const size_t at = i * m->columns;
+        result = load_run(m, m->list[first + i], 1, buffer,
+                          (float *const[3]){out[0] + at, out[1] + at, out[2] + at});
     }
     return result;
 }
@@ -243,6 +217,74 @@ btf_result enc_factor_times_u(const enc_factor_matrix *m, const enc_factor_set *
     free(buffer);
     free(packed);
     free(panels);
+    return result;
+}
+
+/* Adds to sums [channel] what is left of a panel of rows; work: u, samples, their channels and the product.
+ */
+static btf_result add_residual(const enc_factor_matrix *m, const enc_factor_set *u,
+                               float *const packed_w[3], const uint8_t *of_columns, size_t first,
+                               size_t most, float *work, double *sums) {
+    const size_t one = ENC_GEMM_M * m->columns;
+    const size_t count = m->texels - first < ENC_GEMM_M ? m->texels - first : ENC_GEMM_M;
+    float *left = work, *split = left + ENC_GEMM_M * most, *product = split + 3 * one;
+    float *const channels[3] = {split, split + one, split + 2 * one};
+    const btf_result result = load(m, first, count, product + one, channels);
+    for (int c = 0; c < ENC_FACTOR_CHANNELS && result == BTF_OK; c++) {
+        memset(product, 0, one * sizeof *product);
+        if (u->rank[c] > 0) {
+            enc_gemm_pack_columns(count, u->rank[c], u->factor[c] + first, m->texels, ENC_GEMM_M, left);
+            enc_gemm_multiply(m->tile, count, m->columns, u->rank[c], left, packed_w[c], product,
+                              m->columns, 0);
+        }
+        for (size_t i = 0; i < count * m->columns; i++) {
+            const double x = (double)channels[c][i] - product[i];
+            sums[c] += of_columns[i % m->columns] ? x * x : 0.0;
+        }
+    }
+    return result;
+}
+
+btf_result enc_factor_residual(const enc_factor_matrix *m, const enc_factor_set *u, const enc_factor_set *w,
+                               const uint8_t *of_columns, double out_sums[3]) {
+    const size_t panels = enc_gemm_panels(m->texels, ENC_GEMM_M);
+    float *packed[3] = {0};
+    double(*sums)[3] = calloc(panels, sizeof *sums);
+    size_t most = 0;
+    bool room = sums;
+    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
+        most = u->rank[c] > most ? u->rank[c] : most;
+        packed[c] = enc_gemm_alloc((m->columns + ENC_GEMM_N) * w->rank[c]);
+        room = room && packed[c];
+        if (packed[c] && w->rank[c] > 0) {
+            enc_gemm_pack_columns(m->columns, w->rank[c], w->factor[c], m->columns, ENC_GEMM_N, packed[c]);
+        }
+        out_sums[c] = 0;
+    }
+    const size_t each =
+        (ENC_GEMM_M * (most + 4 * m->columns) + buffer_floats(m, ENC_GEMM_M) + 15) / 16 * 16;
+    float *work = enc_gemm_alloc((size_t)m->context->threads * each);
+    btf_result result = room && work ? BTF_OK : no_memory(m, w);
+#pragma omp parallel for schedule(dynamic) num_threads(m->context->threads) if (room && work)
+    for (size_t p = 0; p < (room && work ? panels : 0); p++) {
+        const btf_result mine = add_residual(m, u, packed, of_columns, p * ENC_GEMM_M, most,
+                                             work + enc_thread_index() * each, sums[p]);
+        if (mine != BTF_OK) {
+#pragma omp critical(enc_factor_result)
+            result = mine;
+        }
+        enc_stage_step(m->context, ENC_GEMM_M);
+    }
+    for (size_t p = 0; p < panels && result == BTF_OK; p++) {
+        for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
+            out_sums[c] += sums[p][c];
+        }
+    }
+    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
+        free(packed[c]);
+    }
+    free(sums);
+    free(work);
     return result;
 }
 

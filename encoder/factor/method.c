@@ -63,14 +63,6 @@ static btf_result to_solution(const enc_context *context, const enc_data *data, 
                                       .layers = (uint32_t)f->n_u_texels,
                                       .horizon_scale = horizon_scale(data)}};
     memcpy(out->factors.classes, f->classes, sizeof out->factors.classes);
-    if (f->shift) {
-        out->effects |= BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN;
-        out->gain_scale = f->gain_scale;
-        out->shift = f->shift;
-        out->gain = f->gain;
-        f->shift = NULL;
-        f->gain = NULL;
-    }
     out->factors.views = balance_views(f->views, (size_t)data->n_views);
     balance_scales(f->scales, (size_t)f->n_units);
     out->factors.texels = f->texels;
@@ -106,14 +98,14 @@ static btf_result encode(const enc_context *context, const enc_data *data,
     const enc_factor_options options = {
         .budget = budget,
         .sweeps = settings->sweeps,
-        .match = settings->effects & BTF_EFFECT_SHIFT,
-        .gain = settings->effects & BTF_EFFECT_GAIN,
-        .measure = settings->quality > 0 || settings->effects & BTF_EFFECT_SHIFT};
+        .tolerance = settings->quality > 0 ? 0 : settings->tolerance, /* a quality has a stop of its own */
+        .measure = settings->quality > 0};
     const double begin = progress_core_clock();
     const btf_result result = enc_factor_encode(context, data, &options, out);
     if (result != BTF_OK)
         return result;
     const enc_factors *f = *out;
+    stats->unspent = f->unspent;
     enc_trial *trial = &stats->trials[stats->trials_count++];
     *trial = (enc_trial){.effects = BTF_EFFECT_RESIDUAL,
                          .components = f->n_units,
@@ -124,9 +116,6 @@ static btf_result encode(const enc_context *context, const enc_data *data,
     enc_log(context, BTF_LOG_INFO, "factors: %zu + %zu + %zu components in %d units, %llu bytes",
             f->components[0], f->components[1], f->components[2], f->n_units,
             (unsigned long long)trial->gpu_bytes);
-    if (options.measure)
-        enc_log(context, BTF_LOG_INFO, "factors: %.3f / %.3f dB, linear and sRGB-coded", psnr(f->error.linear),
-                psnr(f->error.srgb));
     return BTF_OK;
 }
 

@@ -17,12 +17,14 @@ typedef struct enc_factors_settings {
     uint64_t budget; /* gpu bytes at most */
     double quality;  /* dB of sRGB-coded PSNR that is enough; 0: none is */
     int sweeps;      /* of the descent on codes */
-    uint32_t effects; /* btf_effect bits: shift and gain are match; residual always */
+    double tolerance; /* dB that a tenth more bytes must gain at samples left out of the fit; 0: the budget
+                         is filled */
 } enc_factors_settings;
 
 typedef struct enc_factors_stats {
     enc_trial trials[1 + ENC_FACTORS_TRIALS]; /* in the order in which they were made */
     int trials_count;
+    enc_unspent unspent; /* of the last encode */
 } enc_factors_stats;
 
 /* Encodes `data`. With a quality, budgets are tried until the fewest bytes that reach it are known to a

@@ -125,6 +125,7 @@ static btf_result analyse_factors(const enc_context *context, const enc_job *job
     const btf_result result = enc_factors_solve(context, data, &settings, &s->found, &s->factors);
     report->trials = s->factors.trials;
     report->n_trials = s->factors.trials_count;
+    report->unspent = s->factors.unspent;
     return enc_ranks_agree(context, result);
 }
 

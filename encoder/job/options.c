@@ -63,7 +63,9 @@ static const cli_option table[] = {
      .given = &o.tolerance_given,
      .parse = enc_parse_tolerance,
      .help = "--effects auto leaves out an effect that gains less than so\nmany dB (joint: in the fitted "
-             "domain; paper: linear), and so\nmany for each MB that it adds; default 0.05,0"},
+             "domain; paper: linear), and so\nmany for each MB that it adds; default 0.05,0. factors: "
+             "bytes\nare used as long as a tenth more gains so many dB at samples\nleft out of the fit; 0: "
+             "all of --budget"},
     {.name = "budget",
      .type = CLI_BYTES,
      .value = &o.all.job.joint.budget,
@@ -71,9 +73,9 @@ static const cli_option table[] = {
      .minimum = 1,
      .maximum = 0x1p62,
      .only = "joint|factors",
-     .help = "joint, factors: bytes on the GPU at most; default what the paper's\nlayout takes (2.36 MB "
-             "for 64x64 "
-             "and 81 directions)"},
+     .help =
+         "joint, factors: bytes on the GPU at most (factors may need\nfewer, --effect-tolerance); default "
+         "what the paper's layout takes\n(2.36 MB for 64x64 and 81 directions)"},
     {.name = "quality",
      .arg = "DB",
      .type = CLI_DOUBLE,
@@ -299,11 +301,11 @@ static btf_result refuse_other(const char *method) {
 /* Options that mean nothing where there are factors alone. */
 static btf_result check_factors(const enc_job *job) {
     const char *refused = NULL;
-    const uint32_t match = BTF_EFFECT_RESIDUAL | BTF_EFFECT_SHIFT;
-    if (o.effects != UINT32_MAX && o.effects != BTF_EFFECT_RESIDUAL && (o.effects | BTF_EFFECT_GAIN) != (match | BTF_EFFECT_GAIN)) {
-        refused = "option --effects: --method factors has residual, with shift and gain or without";
-    } else if (o.tolerance_given && (o.effect_tolerance[0] > 0 || o.effect_tolerance[1] > 0)) {
-        refused = "option --effect-tolerance: --method factors has no effects to choose among";
+    if (o.effects != UINT32_MAX && o.effects != BTF_EFFECT_RESIDUAL) {
+        refused = "option --effects: --method factors has the effect residual and no other";
+    } else if (o.tolerance_given && o.effect_tolerance[1] > 0) {
+        refused =
+            "option --effect-tolerance: --method factors takes one number, of dB for a tenth more bytes";
     } else if (o.layout_given && o.layout == 0) {
         refused = "option --layout: --method factors has no maps for the atlas of layout paper; take tight";
     } else if (job->half_float) {

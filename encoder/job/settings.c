@@ -30,8 +30,8 @@ enc_factors_settings enc_settings_of_factors(const enc_job *job, int width, int 
                                             : usual > least       ? usual
                                                                   : least,
                                   .quality = job->joint.quality,
-                                  .sweeps = factor_sweeps[job->joint.preset],
-                                  .effects = job->joint.choose ? BTF_EFFECT_RESIDUAL : job->joint.effects};
+                                  .tolerance = job->joint.effect_tolerance,
+                                  .sweeps = factor_sweeps[job->joint.preset]};
 }
 
 const char *enc_parse_tolerance(const char *text, void *tolerance) {
@@ -157,5 +157,8 @@ void enc_settings_describe(const enc_job *job, enc_option_values *values) {
         describe_paper(values, &job->paper);
     } else {
         describe_joint(values, &job->joint, job->method == ENC_METHOD_JOINT);
+        if (job->method == ENC_METHOD_FACTORS) {
+            describe(values, "effect-tolerance", "%g", job->joint.effect_tolerance);
+        }
     }
 }

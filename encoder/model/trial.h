@@ -1,4 +1,5 @@
-/* A choice of effects that a method of analysis has tried, for log and report.
+/* A choice of effects that a method of analysis has tried, and why a budget was not filled, for log and
+ * report.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -18,6 +19,16 @@ typedef struct enc_trial {
     double core_seconds; /* what the trial took, of all threads */
     const char *verdict;
 } enc_trial;
+
+/* Why a method did not fill its budget: more bytes gain too little at samples that were left out of the
+ * fit. All 0 where nobody asked. */
+typedef struct enc_unspent {
+    uint64_t budget, bytes; /* what might have been used, and what pays */
+    double more, tolerance; /* so many times the bytes would have to gain so many dB */
+    double gain;            /* dB that the whole budget is foretold to gain over `bytes` */
+    uint64_t signal[3];     /* components of Y, C1 and C2 that are signal */
+    bool ends[3];           /* those beyond are noise; else there may be more signal */
+} enc_unspent;
 
 enum { ENC_MAX_TRIALS = 32 };
 

@@ -11,6 +11,7 @@
 #include "decoder/toolkit/output.h"
 #include "metrics.h"
 
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -268,6 +269,27 @@ static void print_parts(const enc_report *report, const btf_material_info *info,
             (double)info->gpu_bytes / texels);
 }
 
+/* What was left of a budget, and why. */
+static void print_unspent(const enc_unspent *u, FILE *out) {
+    if (u->budget == 0) {
+        return;
+    }
+    fprintf(out, "\nBudget: %.3f of %.3f MB are used. ", (double)u->bytes / 1e6, (double)u->budget / 1e6);
+    if (u->gain > 0) {
+        fprintf(out,
+                "At samples left out of the fit, a tenth more gains less than %g dB,\nthe whole budget "
+                "%.2f dB. ",
+                u->tolerance, u->gain);
+    } else {
+        fprintf(out, "The rest holds no unit that gains.\n");
+    }
+    fprintf(out, "Components that are signal:");
+    for (int c = 0; c < 3; c++) {
+        fprintf(out, "%s %" PRIu64 "%s", c > 0 ? "," : "", u->signal[c], u->ends[c] ? "" : " or more");
+    }
+    fprintf(out, " of Y, C1 and C2\n");
+}
+
 /* The traffic between ranks, as rank 0 counted it. */
 static void print_volumes(const enc_report *report, FILE *out) {
     enc_ranks_volume all = {0};
@@ -322,6 +344,7 @@ void enc_report_print(const enc_report *report, FILE *out) {
     fprintf(out, "  %-24s %10.3f %11.2f%%\n", "material file", (double)report->file_bytes / 1e6,
             100 * (1 - (double)report->file_bytes / all));
     print_parts(report, &info, out);
+    print_unspent(&report->unspent, out);
     fprintf(out, "\nAccuracy over all samples, clipped to [0, 1] (PSNR in dB, linear and sRGB-coded)\n");
     fprintf(out, "  %-20s %8s %8s %8s\n", "", "linear", "sRGB", "SSIM");
     for (int i = 0; i < report->n_ladder; i++) {
@@ -488,6 +511,26 @@ static void write_trials(json *j, const enc_report *report) {
     json_end(j);
 }
 
+static void write_unspent(json *j, const enc_unspent *u) {
+    if (u->budget == 0) {
+        json_null(j, "unspent");
+        return;
+    }
+    json_object(j, "unspent");
+    json_integer(j, "budget", (int64_t)u->budget);
+    json_integer(j, "pays", (int64_t)u->bytes);
+    json_number(j, "more", u->more);
+    json_number(j, "tolerance", u->tolerance);
+    json_number(j, "gain", u->gain);
+    json_array(j, "signal");
+    for (int c = 0; c < 3; c++) {
+        json_integer(j, NULL, (int64_t)u->signal[c]);
+    }
+    json_end(j);
+    json_bool(j, "noise_beyond", u->ends[0] || u->ends[1] || u->ends[2]);
+    json_end(j);
+}
+
 btf_result enc_report_write(const enc_context *context, const enc_report *report,
                             const char *const *options, const char *path) {
     btf_material_info info = {.struct_size = sizeof info};
@@ -532,6 +575,7 @@ btf_result enc_report_write(const enc_context *context, const enc_report *report
     enc_leave_one_out_json(&j, "between", &report->between);
     write_truncations(&j, report, &info);
     write_effects(&j, report);
+    write_unspent(&j, &report->unspent);
     write_trials(&j, report);
     write_levels(&j, report);
     enc_messages_json(&j, "reading", &report->reading);

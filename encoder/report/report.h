@@ -61,6 +61,7 @@ typedef struct enc_report {
     int ranks;                      /* that encoded together */
     const enc_ranks_volume *volumes; /* what went between them; NULL for one */
     size_t n_volumes;
+    enc_unspent unspent;     /* bytes that the analysis might have used and did not */
     const enc_trial *trials; /* choices of effects that were tried */
     int n_trials;
 } enc_report;

@@ -159,7 +159,8 @@ static const char *parse_methods(const char *text, void *value) {
         }
         o.methods |= 1u << i;
     }
-    return o.methods & (BENCH_METHOD_JOINT | BENCH_METHOD_SOURCES | BENCH_METHOD_PAPER | BENCH_METHOD_FACTORS)
+    return o.methods &
+                   (BENCH_METHOD_JOINT | BENCH_METHOD_SOURCES | BENCH_METHOD_PAPER | BENCH_METHOD_FACTORS)
                ? NULL
                : "one of joint, sources, paper, factors at least";
 }
@@ -223,8 +224,8 @@ static const cli_option table[] = {
      .type = CLI_CUSTOM,
      .given = &o.presets_given,
      .parse = parse_presets,
-     .help = "of --method joint, one or more, with commas between;\ndefault: encode all of them, between, "
-             "codecs and holdout medium"},
+     .help = "of --method joint, one or more, with commas between;\ndefault: encode all of them, the "
+             "others medium (decode takes the\nfirst alone)"},
     {.name = "device",
      .arg = "NAME",
      .type = CLI_STRING,
@@ -235,8 +236,9 @@ static const cli_option table[] = {
      .arg = "NAMES",
      .type = CLI_CUSTOM,
      .parse = parse_methods,
-     .help = "section decode: some of joint, sources (joint without components),\npaper, factors (format 2), "
-             "peers, reference (the decoder on the CPU);\ndefault all"},
+     .help =
+         "section decode: some of joint, sources (joint without components),\npaper, factors (format 2), "
+         "peers, reference (the decoder on the CPU);\ndefault all"},
     {.name = "keep",
      .arg = "DIR",
      .type = CLI_STRING,

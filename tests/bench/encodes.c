@@ -80,8 +80,8 @@ btf_result bench_encode_paper(const enc_context *context, const enc_data *data, 
     return bench_encode_paper_options(context, data, &options, false, out);
 }
 
-btf_result bench_encode_factors(const enc_context *context, const enc_data *data, int preset, uint64_t budget,
-                                bench_encoded *out) {
+btf_result bench_encode_factors(const enc_context *context, const enc_data *data, int preset,
+                                uint64_t budget, bench_encoded *out) {
     const bench_clock start = bench_now();
     enc_job job = {.joint = enc_joint_options_default()};
     enc_factors_stats stats;

@@ -27,8 +27,8 @@ btf_result bench_encode_joint_options(const enc_context *context, const enc_data
 btf_result bench_encode_paper_options(const enc_context *context, const enc_data *data,
                                       const enc_paper_options *options, bool half, bench_encoded *out);
 /* --method factors with this preset and budget (0: default), layout tight. */
-btf_result bench_encode_factors(const enc_context *context, const enc_data *data, int preset, uint64_t budget,
-                                bench_encoded *out);
+btf_result bench_encode_factors(const enc_context *context, const enc_data *data, int preset,
+                                uint64_t budget, bench_encoded *out);
 /* The fewest bytes that factors of these data take. */
 uint64_t bench_factors_least(const enc_data *data);
 void bench_encoded_clear(bench_encoded *encoded);

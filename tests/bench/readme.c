@@ -26,9 +26,9 @@ static void print_pair(double linear, double srgb, FILE *out) {
 }
 
 static btf_result encode_table(const bench_run *run, const bench_table *table, const bench_row *medium) {
-    static const char *const names[] = {"joint fast",       "joint medium",  "joint thorough",
-                                        "joint exhaustive", "factors fast",  "factors medium",
-                                        "factors thorough", "paper",         "paper; 1 lobe"};
+    static const char *const names[] = {"joint fast",       "joint medium", "joint thorough",
+                                        "joint exhaustive", "factors fast", "factors medium",
+                                        "factors thorough", "paper",        "paper; 1 lobe"};
     FILE *out;
     const btf_result result = bench_open(run, "readme-encode", "md", &out);
     if (result != BTF_OK) {
@@ -127,8 +127,8 @@ static void print_row(const decode_row *r, const char *name, double unit, FILE *
         const int seen = decode_seen(r);
         print_pair(r->linear[seen], r->srgb[seen], out);
         print_pair(r->linear[0], r->srgb[0], out);
-        fprintf(out, " %.3f | %.0f / %.0f | %.0f / %.0f |\n", 1e-6 * r->gpu_bytes, r->cost.fetches, r->cost.bytes,
-                r->cost.integers, r->cost.floats);
+        fprintf(out, " %.3f | %.0f / %.0f | %.0f / %.0f |\n", 1e-6 * r->gpu_bytes, r->cost.fetches,
+                r->cost.bytes, r->cost.integers, r->cost.floats);
     }
 }
 
@@ -148,7 +148,6 @@ static btf_result decode_rows(const bench_run *run, const decode_table *table, c
         {DECODE_FACTORS, "whole", "factors: three directions, bilinear, exact", false, true, false},
         {DECODE_HALF_FACTORS, "whole", "factors: half the bytes of joint", false, false, false},
         {DECODE_EQUAL_FACTORS, "whole", "factors: PSNR of joint", false, false, false},
-        {DECODE_SHIFTED_FACTORS, "whole", "factors: a source of its own for each view", false, false, false},
         {DECODE_SOURCES, "whole", "SBRDF x shadow sources, exact", false, false, false},
         {DECODE_PAPER, "whole", "paper: three directions, exact", false, false, false},
         {DECODE_PAPER, "whole", "the same, fast math", false, false, true},
@@ -160,7 +159,8 @@ static btf_result decode_rows(const bench_run *run, const decode_table *table, c
         return result;
     }
     fprintf(out,
-            "| decoding, %s | times joint | ns a pixel | %s | at the samples | GPU MB | fetches / bytes | operations "
+            "| decoding, %s | times joint | ns a pixel | %s | at the samples | GPU MB | fetches / bytes | "
+            "operations "
             "of integers / floats |\n"
             "| --- | --- | --- | --- | --- | --- | --- | --- |\n",
             table->device[0].renderer, bench_seen_words(run));
@@ -204,8 +204,8 @@ static void print_way(const char *text, const decode_row *r, const decode_row *b
 }
 
 /* One way to decode a material. */
-static const decode_row *way(const decode_table *table, const char *material, const char *effects, bool nearest,
-                             bool bilinear, bool fast) {
+static const decode_row *way(const decode_table *table, const char *material, const char *effects,
+                             bool nearest, bool bilinear, bool fast) {
     return decode_table_find(table, table->device[0].name, material, effects, nearest, bilinear, fast);
 }
 
@@ -226,19 +226,22 @@ btf_result bench_readme_decode(const bench_run *run, const decode_table *table) 
             base->ns);
     print_way("**A game**: `--method factors` (format 2, a draft) at the same bytes",
               way(table, DECODE_FACTORS, "whole", false, false, false), base, out);
-    print_way("with half of the bytes, `--budget`",
+    print_way("factors of half of the bytes, `--budget`",
               way(table, DECODE_HALF_FACTORS, "whole", false, false, false), base, out);
-    print_way("with nearest directions", way(table, DECODE_FACTORS, "whole", true, false, false), base, out);
-    print_way("half of its units, `components` of the shader's options",
+    print_way("factors with nearest directions", way(table, DECODE_FACTORS, "whole", true, false, false),
+              base, out);
+    print_way("half of the units of factors, `components` of the shader's options",
               way(table, DECODE_FACTORS, "half the components", false, false, false), base, out);
     print_way("joint with `--effects shadow,shift,gain`: SBRDF times shadow instead of components",
               way(table, DECODE_SOURCES, "whole", false, false, false), base, out);
-    print_way("joint with nearest directions", way(table, DECODE_JOINT, "whole", true, false, false), base, out);
+    print_way("joint with nearest directions", way(table, DECODE_JOINT, "whole", true, false, false), base,
+              out);
     print_way("half of the components of joint",
               way(table, DECODE_JOINT, "half the components", false, false, false), base, out);
     print_way("**A still, or a close look**: bilinear texels",
               way(table, DECODE_JOINT, "whole", false, true, false), base, out);
-    print_way("of factors", way(table, DECODE_FACTORS, "whole", false, true, false), base, out);
+    print_way("bilinear texels of factors", way(table, DECODE_FACTORS, "whole", false, true, false), base,
+              out);
     const decode_row *fast = way(table, DECODE_JOINT, "whole", false, false, true),
                      *factors = way(table, DECODE_FACTORS, "whole", false, false, false),
                      *factors_fast = way(table, DECODE_FACTORS, "whole", false, false, true),

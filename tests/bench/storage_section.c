@@ -109,7 +109,8 @@ static btf_result run_joint(storage *s) {
 static btf_result measure_factors(storage *s, const void *what, bench_row *row) {
     const uint64_t *budget = what;
     bench_encoded encoded;
-    btf_result result = bench_encode_factors(s->run->context, s->data, ENC_JOINT_MEDIUM, *budget, &encoded);
+    btf_result result =
+        bench_encode_factors(s->run->context, s->data, ENC_JOINT_MEDIUM, *budget, &encoded);
     const subset whole = {&encoded, BTF_EFFECT_ALL};
     if (result == BTF_OK) {
         result = measure_subset(s, &whole, row);

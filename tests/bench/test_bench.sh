@@ -116,7 +116,9 @@ def check(row, path, key="between", column="psnr_between"):
     for kind in ("linear", "srgb"):
         assert abs(float(row[f"{column}_{kind}"]) - figures[kind]) < 2e-3, (row, path, figures[kind])
 given, none, cast = rows("e/between-tiny.csv"), rows("f/between-tiny.csv"), rows("r/between-bricks.csv")
-assert list(given) == list(none) == list(cast) == [
+# 8x8 texels of 81 views and lights have a budget too small for one unit of factors.
+assert list(cast) == [name for name in given if name != "factors"], list(cast)
+assert list(given) == list(none) == [
     "joint fast", "factors", "paper", "PCA 8 bit linear", "PCA 8 bit square root", "split PCA 8 bit", "low-bit split PCA",
     "uncompressed; barycentric", "uncompressed; splines"], list(given)
 for of, data in ((given, "tiny"), (cast, "same")):
@@ -162,7 +164,7 @@ import math
 assert len(rows) == 4 and all(math.isfinite(float(row[i])) for row in rows for i in (3, 4)), rows
 P
 
-if "$build/tests/conformance/btf-conform" --device osmesa --count 10 --steps 10 >/dev/null 2>&1; then
+if "$build/tests/conformance/btf-conform" --device osmesa --variant 3 --count 10 --steps 10 >/dev/null 2>&1; then
     expect "decode" 0 btf-bench --quick --input tiny --pairs pairs --holdout ring --only decode --device osmesa --methods joint,sources,paper,factors,reference --out d -q
     expect_that "decode has its columns" python3 columns.py d/decode-tiny.csv
     cat >decode.py <<'P'
@@ -183,11 +185,11 @@ for material in ours:
                        "psnr_between_srgb", "fetches", "fetched_bytes", "integer_operations", "float_operations"):
             assert a[figure] == b[figure] != "", (material, directions, figure, a[figure], b[figure])
 # Every one has its fetches alone, native mathematics, and counts.
-for material in ours | {"factors; with shift"}:
+for material in ours:
     whole, floor = of("osmesa", material), of("osmesa", material, effects="fetches only")
     assert whole["fetches"] == floor["fetches"] != "0" and floor["integer_operations"] == "0", (whole, floor)
     assert float(whole["ns"]) > 0 and float(floor["ns"]) > 0 and int(whole["gpu_bytes"]) > 0
-    assert "shift" in material or float(of("osmesa", material, math="fast")["ns"]) > 0
+    assert float(of("osmesa", material, math="fast")["ns"]) > 0
 joint, half, equal = (of("osmesa", name) for name in ("joint", "factors; half the bytes", "factors; PSNR of joint"))
 assert int(of("osmesa", "factors")["gpu_bytes"]) <= int(joint["gpu_bytes"]) >= 2 * int(half["gpu_bytes"])
 assert float(equal["psnr_srgb"]) > float(joint["psnr_srgb"]) - 0.3, (joint, equal)  # of random samples, not of all

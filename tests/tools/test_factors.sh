@@ -113,14 +113,19 @@ done
 expect "a Bonn file" 0 btf-encode small.btf -o bonn.btf.exr --method factors --report bonn.json -q
 expect_that "is encoded well" test "$(json bonn.json "r['psnr']['full']['linear'] > 40")" = True
 
-for refused in "--effects shift" "--effects none" "--effect-tolerance 0.1" "--layout paper" "--half" "--checkpoint steps" \
+for refused in "--effects shift" "--effects none" "--effect-tolerance 0,1" "--layout paper" "--half" "--checkpoint steps" \
     "--metric linear" "--lobes 2"; do
     expect "factors $refused" 1 btf-encode data -o x.btf.exr --method factors $refused -q
     expect_text "is refused by name" "option ${refused%% *}: " err
 done
 expect_that "and nothing is written" test ! -e steps
-expect "the residual by name" 0 btf-encode data -o named.btf.exr --method factors --effects residual --effect-tolerance 0 --layout tight -q
+expect "the residual by name" 0 btf-encode data -o named.btf.exr --method factors --effects residual --effect-tolerance 0.05 --layout tight -q
 expect_that "is the same" cmp named.btf.exr factors.btf.exr
+expect "the whole budget" 0 btf-encode data -o filled.btf.exr --method factors --effect-tolerance 0 --report filled.json -q
+expect_that "is not asked whether it pays" test "$(json filled.json "r['unspent'] is None")" = True
+expect "one decibel a tenth" 0 btf-encode data -o less.btf.exr --method factors --effect-tolerance 1 --report less.json -q
+expect_that "takes fewer bytes" test "$(json less.json "r['bytes']['gpu'] < 0.7 * json.load(open('filled.json'))['bytes']['gpu']")" = True
+expect_that "and the report says that they pay and the others do not" test "$(json less.json "(lambda u: u['pays'] < 0.7 * u['budget'] and u['gain'] > 0 and u['tolerance'] == 1 and len(u['signal']) == 3)(r['unspent'])")" = True
 
 cp factors.btf.exr kept.btf.exr
 for moment in "1 print read: done" "1 print factorise: done" "1 open kept.btf.exr"; do

@@ -112,7 +112,8 @@ static btf_result run_factors(const bench_run *run, uint64_t budget, codec_table
     if (budget < bench_factors_least(run->data)) {
         return BTF_OK;
     }
-    btf_result result = bench_encode_factors(run->context, run->data, ENC_JOINT_MEDIUM, budget, &encoded);
+    btf_result result =
+        bench_encode_factors(run->context, run->data, ENC_JOINT_MEDIUM, budget, &encoded);
     if (result == BTF_OK) {
         result = measure_encoded(run, &encoded, 1, names, all, table);
         bench_encoded_clear(&encoded);

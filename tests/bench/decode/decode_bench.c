@@ -151,9 +151,8 @@ static btf_result bench_factors(bench *b) {
                 {"factors, 13 units; shift",
                  {{2, 2, 1}, {1, 0, 0}, {5, 2, 1}, {1, 0, 0}, {4, 1, 0}},
                  BTF_EFFECT_SHIFT}};
-    static const btf_shader_options ways[] = {{0},
-                                              {.filter = BTF_FILTER_BILINEAR},
-                                              {.interpolation = BTF_INTERPOLATION_NEAREST}};
+    static const btf_shader_options ways[] = {
+        {0}, {.filter = BTF_FILTER_BILINEAR}, {.interpolation = BTF_INTERPOLATION_NEAREST}};
     static const char *const words[] = {"", ", bilinear", ", nearest directions"};
     char name[BENCH_DECODE_NAME];
     btf_result result = BTF_OK;

@@ -8,7 +8,6 @@
 #include "encoder/joint/cost.h"
 #include "encoder/model/decode_samples.h"
 #include "encoder/report/metrics.h"
-#include "tests/conformance/synthetic.h"
 
 #include <math.h>
 #include <openbtf/shader.h>
@@ -46,13 +45,13 @@ static const struct {
     uint32_t method;
     const decode_subset *subsets;
     int count;
-} kinds[DECODE_MATERIALS] = {{DECODE_JOINT, BENCH_METHOD_JOINT, SUBSETS(low_rank)},
-                             {DECODE_SOURCES, BENCH_METHOD_SOURCES, SUBSETS(sources)},
-                             {DECODE_PAPER, BENCH_METHOD_PAPER, SUBSETS(paper)},
-                             {DECODE_FACTORS, BENCH_METHOD_FACTORS, SUBSETS(factors)},
-                             {DECODE_HALF_FACTORS, BENCH_METHOD_FACTORS, .subsets = factors, .count = 1},
-                             {DECODE_EQUAL_FACTORS, BENCH_METHOD_FACTORS, .subsets = factors, .count = 1},
-                             {DECODE_SHIFTED_FACTORS, BENCH_METHOD_FACTORS, .subsets = factors, .count = 1}};
+} kinds[DECODE_MATERIALS] = {
+    {DECODE_JOINT, BENCH_METHOD_JOINT, SUBSETS(low_rank)},
+    {DECODE_SOURCES, BENCH_METHOD_SOURCES, SUBSETS(sources)},
+    {DECODE_PAPER, BENCH_METHOD_PAPER, SUBSETS(paper)},
+    {DECODE_FACTORS, BENCH_METHOD_FACTORS, SUBSETS(factors)},
+    {DECODE_HALF_FACTORS, BENCH_METHOD_FACTORS, .subsets = factors, .count = 1},
+    {DECODE_EQUAL_FACTORS, BENCH_METHOD_FACTORS, .subsets = factors, .count = 1}};
 
 /* DECODE_MATERIALS: not there. */
 static int index_of(const decode_material *materials, const char *name) {
@@ -119,8 +118,8 @@ static void note(tried *low, tried *high, double bytes, double over) {
     }
 }
 
-/* Along the straight line of dB over the logarithm of bytes, a little above the target, between the two or beyond
- * the one that is known. */
+/* Along the straight line of dB over the logarithm of bytes, a little above the target, between the two or
+ * beyond the one that is known. */
 static double next_bytes(const tried *low, const tried *high) {
     static const double usual_rise = 3.5, aim = 0.05; /* dB each e-fold of the bytes; dB */
     if (low->bytes > 0 && high->bytes > 0) {
@@ -131,11 +130,12 @@ static double next_bytes(const tried *low, const tried *high) {
     return known->bytes * exp((aim - known->over) / usual_rise);
 }
 
-/* The fewest bytes that reach joint's PSNR, at most SEARCH_ENCODES encodes beyond those of `whole` and `half`.
- * Where none of them is as small as one of these, that is encoded again; where not even twice the bytes of joint
- * reach it, nothing is there. */
-static btf_result search_equal(const bench_run *run, const decode_material *joint, const decode_material *whole,
-                               const decode_material *half, decode_material *out) {
+/* The fewest bytes that reach joint's PSNR, at most SEARCH_ENCODES encodes beyond those of `whole` and
+ * `half`. Where none of them is as small as one of these, that is encoded again; where not even twice the
+ * bytes of joint reach it, nothing is there. */
+static btf_result search_equal(const bench_run *run, const decode_material *joint,
+                               const decode_material *whole, const decode_material *half,
+                               decode_material *out) {
     const decode_material empty = *out;
     const double most = 2.0 * (double)joint->encoded.bytes;
     tried low = {0}, high = {0};
@@ -169,40 +169,15 @@ static btf_result search_equal(const bench_run *run, const decode_material *join
     return result;
 }
 
-/* Of the units of `like`, each view with a source of its own. */
-static btf_result create_shifted(const bench_run *run, const decode_material *like, decode_material *out) {
-    btf_material_info info = {.struct_size = sizeof info};
-    btf_result result = btf_material_get_info(like->encoded.material, &info);
-    synthetic_spec spec = {.seed = 1,
-                           .width = info.width,
-                           .height = info.height,
-                           .n_views = info.n_views,
-                           .n_lights = info.n_lights,
-                           .layout = BTF_LAYOUT_TIGHT,
-                           .domain = BTF_DOMAIN_SQRT,
-                           .colour = BTF_COLOUR_NONE,
-                           .effects = BTF_EFFECT_SHIFT | BTF_EFFECT_RESIDUAL,
-                           .components = info.components,
-                           .horizon_scale = info.horizon_scale};
-    memcpy(spec.classes, info.factor_classes, sizeof spec.classes);
-    if (result == BTF_OK) {
-        result = synthetic_create(&spec, &run->context->log, &out->encoded.material);
-    }
-    if (result == BTF_OK) {
-        btf_material_get_info(out->encoded.material, &info);
-        out->encoded.bytes = info.gpu_bytes;
-        out->random = true;
-    }
-    return result;
-}
-
 /* Factors by way of joint, where that is there. */
 static btf_result create_factors(const bench_run *run, decode_material *materials) {
     const enc_data *data = run->held->train;
     const decode_material *joint = decode_material_find(materials, DECODE_JOINT);
     decode_material *whole = find(materials, DECODE_FACTORS), *half = find(materials, DECODE_HALF_FACTORS),
                     *equal = find(materials, DECODE_EQUAL_FACTORS);
-    const uint64_t bytes = joint ? joint->encoded.bytes : run->budget ? run->budget : joint_default_budget(data);
+    const uint64_t bytes = joint         ? joint->encoded.bytes
+                           : run->budget ? run->budget
+                                         : joint_default_budget(data);
     btf_result result = encode_factors(run, bytes, whole);
     if (result == BTF_OK) {
         result = encode_factors(run, bytes / 2, half);
@@ -212,7 +187,7 @@ static btf_result create_factors(const bench_run *run, decode_material *material
     } else {
         equal->name = NULL;
     }
-    return result == BTF_OK ? create_shifted(run, whole, find(materials, DECODE_SHIFTED_FACTORS)) : result;
+    return result;
 }
 
 static btf_result create_sources(const bench_run *run, decode_material *m) {
@@ -221,6 +196,15 @@ static btf_result create_sources(const bench_run *run, decode_material *m) {
     options.effects &= ~(uint32_t)BTF_EFFECT_RESIDUAL;
     options.rounds = 2;
     return bench_encode_joint_options(run->context, run->held->train, &options, false, &m->encoded);
+}
+
+/* The first preset that was asked for, else medium. */
+static int preset_of(const bench_run *run) {
+    int preset = 0;
+    while (run->presets_given && preset < BENCH_PRESETS - 1 && !run->presets[preset]) {
+        preset++;
+    }
+    return run->presets_given ? preset : ENC_JOINT_MEDIUM;
 }
 
 btf_result decode_materials_create(const bench_run *run, decode_material out[DECODE_MATERIALS]) {
@@ -239,7 +223,7 @@ btf_result decode_materials_create(const bench_run *run, decode_material out[DEC
     }
     if (run->methods & BENCH_METHOD_JOINT) {
         decode_material *joint = find(out, DECODE_JOINT);
-        result = bench_encode_joint(context, data, ENC_JOINT_MEDIUM, run->budget, &joint->encoded);
+        result = bench_encode_joint(context, data, preset_of(run), run->budget, &joint->encoded);
         if (result == BTF_OK) {
             result = measure(run, joint);
         }

@@ -7,8 +7,8 @@
 
 #include "tests/bench/bench.h"
 
-/* A part of a material that is decoded: without some effects, of the first components, or in directions that
- * never change. */
+/* A part of a material that is decoded: without some effects, of the first components, or in directions
+ * that never change. */
 typedef struct decode_subset {
     const char *name;
     uint32_t leave_out;
@@ -17,14 +17,13 @@ typedef struct decode_subset {
 } decode_subset;
 
 /* Names are those of rows. The first subset is "whole". */
-enum { DECODE_MATERIALS = 7 };
+enum { DECODE_MATERIALS = 6 };
 #define DECODE_JOINT "joint"
 #define DECODE_SOURCES "joint; SBRDF x shadow sources"
 #define DECODE_PAPER "paper"
 #define DECODE_FACTORS "factors"
 #define DECODE_HALF_FACTORS "factors; half the bytes"
 #define DECODE_EQUAL_FACTORS "factors; PSNR of joint"
-#define DECODE_SHIFTED_FACTORS "factors; with shift"
 
 typedef struct decode_material {
     const char *name; /* NULL: not there */
@@ -32,17 +31,16 @@ typedef struct decode_material {
     btf_ref_material view;
     const decode_subset *subsets;
     int count;
-    bool random;         /* of the bytes and units of another one, filled at random: no accuracy */
     double linear, srgb; /* PSNR at the samples, dB */
 } decode_material;
 
 /* By name; NULL: not there. */
-const decode_material *decode_material_find(const decode_material materials[DECODE_MATERIALS], const char *name);
+const decode_material *decode_material_find(const decode_material materials[DECODE_MATERIALS],
+                                            const char *name);
 
-/* Encodes those of `run->methods`. Factors are encoded for the bytes of joint, or the budget where joint is not
- * wanted, for half of them, and for the fewest that reach joint's PSNR, linear and sRGB-coded; a material at
- * random has the same units and a shift. Clear with decode_materials_clear, also on an error. Errors: those of
- * encoding. */
+/* Encodes those of `run->methods`. Factors are encoded for the bytes of joint, or the budget where joint is
+ * not wanted, for half of them, and for the fewest that reach joint's PSNR, linear and sRGB-coded. Clear with
+ * decode_materials_clear, also on an error. Errors: those of encoding. */
 btf_result decode_materials_create(const bench_run *run, decode_material out[DECODE_MATERIALS]);
 void decode_materials_clear(decode_material materials[DECODE_MATERIALS]);
 

@@ -229,7 +229,8 @@ static void count(const decode_material *m, const btf_shader_options *shader, de
 }
 
 /* The options of a subset; its fixed directions are the first of the material. */
-static btf_shader_options options_of(const decode_material *m, const decode_subset *s, btf_shader_options how) {
+static btf_shader_options options_of(const decode_material *m, const decode_subset *s,
+                                     btf_shader_options how) {
     const btf_directions views = btf_material_views(m->encoded.material),
                          lights = btf_material_lights(m->encoded.material);
     how.leave_out = s->leave_out;
@@ -259,7 +260,7 @@ static btf_result run_variant(decoding *d, decode_rig *rig, const char *device, 
         rig_variant_create(rig, m->encoded.material, &shader, bench_body_decode, GPU_FIRST_UNIT);
     if (variant.program) {
         row.ns = rig_measure(rig, variant.program, rig->inputs, RIG_SIDE, &row.spread);
-        if (!m->random && !s->fixed) {
+        if (!s->fixed) {
             probe(d, rig, variant.program, &row);
             result = estimate_material(d, m, s, &row);
         }
@@ -284,13 +285,14 @@ static void run_floor(decoding *d, decode_rig *rig, const char *device, const de
 }
 
 /* Whether a subset is decoded in this way: all of them in every way where `all`; else the whole in both
- * interpolations of texels, and on the first device whatever is exact there. Directions that never change, parts
- * of factors and materials at random are decoded in one way; so are factors of fewer bytes where not all is wanted, on the first device natively too. */
+ * interpolations of texels, and on the first device whatever is exact there. Directions that never change
+ * and parts of factors are decoded in one way; so are further factors where not all is wanted, on the first
+ * device natively too. */
 static bool is_run(const decoding *d, const decode_material *m, int s, int way, bool all) {
     const decode_subset *of = &m->subsets[s];
     const bool first = d->table->devices == 1;
     const bool factors = m->view.store == BTF_REF_FACTORS;
-    if (m->random || of->fixed || (s > 0 && factors)) {
+    if (of->fixed || (s > 0 && factors)) {
         return way == 0 && first;
     }
     if (factors && !all && m != decode_material_find(d->materials, DECODE_FACTORS)) {
@@ -342,8 +344,8 @@ static void run_sizes(decoding *d, decode_rig *rig, const char *device, const de
 /* images: what it decodes to at the samples and interpolates; NULL: it has no samples. */
 static btf_result run_peer(decoding *d, decode_rig *rig, const char *device, const char *name,
                            const char *note, const btf_material *tables, uint32_t leave_out,
-                           decode_cost cost, double bytes, const char *body,
-                           const char *const samplers[2], const enc_image_source *images) {
+                           decode_cost cost, double bytes, const char *body, const char *const samplers[2],
+                           const enc_image_source *images) {
     btf_result result = BTF_OK;
     const btf_shader_options shader = {.leave_out = leave_out, .math = BTF_MATH_FAST};
     decode_row row = decode_row_named(device, name, note);
@@ -397,7 +399,8 @@ static btf_result run_look_up(decoding *d, decode_rig *rig, const char *device,
                                              rows * data->height, data->n_views, bytes);
         const enc_image_source images = enc_data_images(data);
         result = run_peer(d, rig, device, "uncompressed", "3 x 3 images of 8 bits", tables, BTF_EFFECT_ALL,
-                          decode_cost_lookup(), bench_samples_8bit(data), bench_body_lookup, (const char *const[]){"peer_images", NULL}, &images);
+                          decode_cost_lookup(), bench_samples_8bit(data), bench_body_lookup,
+                          (const char *const[]){"peer_images", NULL}, &images);
         rig_texture_delete(rig, 1, &texture);
         free(bytes);
     }
@@ -445,8 +448,10 @@ static btf_result find_quality(decoding *d, const pca_factors *factors, double t
         return pca_encode(context, factors, PCA_BYTE, high, &out->codec);
     }
     if (result == BTF_OK) {
-        fprintf(d->run->summary, "PCA of rank %zu, the largest that a file of version 1 holds, does not reach %.2f dB (%s).\n\n",
-                factors->rank, target, out->note);
+        fprintf(
+            d->run->summary,
+            "PCA of rank %zu, the largest that a file of version 1 holds, does not reach %.2f dB (%s).\n\n",
+            factors->rank, target, out->note);
     }
     out->note = NULL;
     return result;
@@ -506,9 +511,9 @@ static btf_result run_reference(decoding *d, const decode_material *m) {
     }
     for (int way = 0; way < 4 && result == BTF_OK; way++) {
         double ns[RIG_MOST_REPEATS];
-        const btf_shader_options as = {
-            .interpolation = way & 1 ? BTF_INTERPOLATION_NEAREST : BTF_INTERPOLATION_LINEAR,
-            .filter = way & 2 ? BTF_FILTER_BILINEAR : BTF_FILTER_TEXEL};
+        const btf_shader_options as = {.interpolation =
+                                           way & 1 ? BTF_INTERPOLATION_NEAREST : BTF_INTERPOLATION_LINEAR,
+                                       .filter = way & 2 ? BTF_FILTER_BILINEAR : BTF_FILTER_TEXEL};
         decode_row row = row_of("CPU reference", m, m->subsets[0].name, &as);
         const btf_ref_options options = {.effects = BTF_EFFECT_ALL,
                                          .components = UINT32_MAX,
@@ -641,7 +646,7 @@ static btf_result measure(decoding *d) {
     }
     for (int i = 0; i < DECODE_MATERIALS && result == BTF_OK; i++) {
         const decode_material *m = &d->materials[i];
-        if (m->name && !m->random && d->run->methods & BENCH_METHOD_REFERENCE) {
+        if (m->name && d->run->methods & BENCH_METHOD_REFERENCE) {
             result = run_reference(d, m);
         }
     }

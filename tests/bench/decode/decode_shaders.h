@@ -14,8 +14,8 @@ static const char bench_body_decode[] =
     "}\n";
 
 /* The same fetches, added up: texel in a.xy; of views, then lights, the first two neighbours in a.zw, the
- * third and the records that a look-up tries in b.xy, the addresses of the first records in b.zw. With bilinear
- * texels it takes the texel and those to the right and below. */
+ * third and the records that a look-up tries in b.xy, the addresses of the first records in b.zw. With
+ * bilinear texels it takes the texel and those to the right and below. */
 static const char bench_body_floor[] =
     "uint floor_table(highp usampler2D table, uint first, uint tried) {\n"
     "    uvec4 sum = btf_table(table, first >> 1u);\n"
@@ -89,7 +89,8 @@ static const char bench_body_floor[] =
     "            hidden = false;\n"
     "            x[k] = btf_source(at[k], codes, 0);\n"
     "#if BTF_COLOUR != 2\n"
-    "            for (int j = 0; j < (BTF_COLOUR == 0 ? 1 : (3 + 3 * BTF_LOBES + 3) / 4) + BTF_LOBES; ++j)\n"
+    "            for (int j = 0; j < (BTF_COLOUR == 0 ? 1 : (3 + 3 * BTF_LOBES + 3) / 4) + BTF_LOBES; "
+    "++j)\n"
     "                s += btf_parameters(x[k], j, 0);\n"
     "#endif\n"
     "#if BTF_SHADOW\n"

@@ -63,9 +63,11 @@ static void write_figure(FILE *csv, double x) {
 }
 
 static void write_csv(const decode_table *table, FILE *csv) {
-    fprintf(csv, "device,material,effects,directions,filter,math,side,ns,spread,psnr_linear,psnr_srgb,"
-                 "psnr_held_linear,psnr_held_srgb,psnr_between_linear,psnr_between_srgb,between,gpu_bytes,fetches,"
-                 "fetched_bytes,integer_operations,float_operations\n");
+    fprintf(
+        csv,
+        "device,material,effects,directions,filter,math,side,ns,spread,psnr_linear,psnr_srgb,"
+        "psnr_held_linear,psnr_held_srgb,psnr_between_linear,psnr_between_srgb,between,gpu_bytes,fetches,"
+        "fetched_bytes,integer_operations,float_operations\n");
     for (int i = 0; i < table->count + table->size_count; i++) {
         const decode_row *r = i < table->count ? &table->rows[i] : &table->sizes[i - table->count];
         fprintf(csv, "%s,%s,%s,%s,%s,%s,%d,%.2f,%.4f", r->device, r->material, r->effects,
@@ -91,15 +93,24 @@ static void print_pair(double linear, double srgb, FILE *out) {
     }
 }
 
+/* The time over that of another row; nothing where that is NULL. */
+static void print_times(const decode_row *r, const decode_row *of, FILE *out) {
+    if (of) {
+        fprintf(out, " %.2f |", r->ns / of->ns);
+    } else {
+        fprintf(out, " |");
+    }
+}
+
 static void print_cost(const decode_cost *cost, FILE *out) {
     fprintf(out, " %.0f | %.0f | %.0f | %.0f |", cost->fetches, cost->bytes, cost->integers, cost->floats);
 }
 
 /* The same fetches alone; NULL: not measured. */
 static const decode_row *floor_of(const decode_table *table, const decode_row *r) {
-    return strcmp(r->effects, "whole") != 0
-               ? NULL
-               : decode_table_find(table, r->device, r->material, DECODE_FLOOR, r->nearest, r->bilinear, false);
+    return strcmp(r->effects, "whole") != 0 ? NULL
+                                            : decode_table_find(table, r->device, r->material, DECODE_FLOOR,
+                                                                r->nearest, r->bilinear, false);
 }
 
 static void print_device(const decode_table *table, const char *device, const char *renderer, bool software,
@@ -110,7 +121,8 @@ static void print_device(const decode_table *table, const char *device, const ch
             "| material | effects | directions | filter | mathematics | times joint | times its fetches "
             "| ns | spread | between the samples%s | at the samples | held out | fetches | bytes | integer "
             "operations | float operations |\n"
-            "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
+            "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | "
+            "--- |\n",
             device, renderer, software ? "core time" : "time",
             base && base->estimated ? ", estimated" : "");
     for (int i = 0; i < table->count; i++) {
@@ -119,14 +131,11 @@ static void print_device(const decode_table *table, const char *device, const ch
             continue;
         }
         const decode_row *floor = floor_of(table, r);
-        fprintf(out, "| %s | %s | %s | %s | %s | %.2f |", r->material, r->effects,
+        fprintf(out, "| %s | %s | %s | %s | %s |", r->material, r->effects,
                 r->nearest ? "nearest" : "linear", r->bilinear ? "bilinear" : "texel",
-                r->fast ? "fast" : "exact", base ? r->ns / base->ns : NAN);
-        if (floor) {
-            fprintf(out, " %.2f |", r->ns / floor->ns);
-        } else {
-            fprintf(out, " |");
-        }
+                r->fast ? "fast" : "exact");
+        print_times(r, base, out);
+        print_times(r, floor, out);
         fprintf(out, " %.0f | %.0f%% |", r->ns, 100 * r->spread);
         print_pair(r->linear[2], r->srgb[2], out);
         print_pair(r->linear[0], r->srgb[0], out);
@@ -168,8 +177,8 @@ static void print_sizes(const decode_table *table, FILE *out) {
 
 /* Where the time of a whole pixel goes on the first device: found by leaving things out of the shader. */
 static void print_places(const decode_table *table, FILE *out) {
-    static const char *const materials[] = {DECODE_JOINT,        DECODE_SOURCES,       DECODE_PAPER,
-                                            DECODE_FACTORS,      DECODE_HALF_FACTORS,  DECODE_EQUAL_FACTORS};
+    static const char *const materials[] = {DECODE_JOINT,   DECODE_SOURCES,      DECODE_PAPER,
+                                            DECODE_FACTORS, DECODE_HALF_FACTORS, DECODE_EQUAL_FACTORS};
     enum { MATERIALS = sizeof materials / sizeof *materials };
     const char *device = table->device[0].name;
     fprintf(out,
@@ -204,8 +213,7 @@ static const struct {
 } versions[] = {{DECODE_JOINT, 0, ""},
                 {DECODE_FACTORS, 0.55, ""},
                 {DECODE_HALF_FACTORS, 0.35, ""},
-                {DECODE_EQUAL_FACTORS, 0.25, " (UBO_IMPALLA64)"},
-                {DECODE_SHIFTED_FACTORS, 0, ""}};
+                {DECODE_EQUAL_FACTORS, 0.25, " (UBO_IMPALLA64)"}};
 
 static void print_version(const decode_table *table, const decode_row *r, int version, FILE *out) {
     const bool first = strcmp(r->effects, "whole") == 0 && !r->nearest && !r->bilinear;
@@ -217,14 +225,15 @@ static void print_version(const decode_table *table, const decode_row *r, int ve
     fprintf(out, "| %s | %s, %s, %s | %.3f |", r->material, r->effects, r->nearest ? "nearest" : "linear",
             r->bilinear ? "bilinear" : "texel", 1e-6 * r->gpu_bytes);
     print_pair(r->linear[0], r->srgb[0], out);
-    fprintf(out, " %.0f | %.2f |", r->ns, joint ? r->ns / joint->ns : NAN);
+    fprintf(out, " %.0f |", r->ns);
+    print_times(r, joint, out);
     if (first && versions[version].aim > 0) {
         fprintf(out, " %.2f%s |", versions[version].aim, versions[version].where);
     } else {
         fprintf(out, " |");
     }
-    fprintf(out, floor ? " %.2f |" : " |", floor ? r->ns / floor->ns : 0);
-    fprintf(out, fast ? " %.2f |" : " |", fast ? r->ns / fast->ns : 0);
+    print_times(r, floor, out);
+    print_times(r, fast, out);
     print_cost(&r->cost, out);
     fputc('\n', out);
 }
@@ -234,20 +243,25 @@ static void print_versions(const decode_table *table, FILE *out) {
     if (!decode_table_find(table, device, DECODE_FACTORS, "whole", false, false, false)) {
         return;
     }
-    fprintf(out,
-            "### Format 2 (factors) beside format 1 (joint), %s\n\nExact mathematics, %s a pixel. Times joint: of "
-            "the same directions and filter. Exact over native: at most 1.25 is the aim. Counts are by formula "
-            "(decode_cost.h): textures but the direction tables; sums of SBRDF, shadow and residual. Factors with "
-            "shift are random codes in the same units.\n\n"
-            "| material | decoded | MB | at the samples | ns | times joint | aim | times its fetches | exact over "
-            "native | fetches | bytes | integer operations | float operations |\n"
-            "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
-            device, table->device[0].software ? "core ns" : "ns");
+    fprintf(
+        out,
+        "### Format 2 (factors) beside format 1 (joint), %s\n\nExact mathematics, %s a pixel. Times joint: "
+        "of "
+        "the same directions and filter. Exact over native: at most 1.25 is the aim. Counts are by formula "
+        "(decode_cost.h): textures but the direction tables; sums of SBRDF, shadow and residual. Factors "
+        "with "
+        "shift have a source of their own for each view.\n\n"
+        "| material | decoded | MB | at the samples | ns | times joint | aim | times its fetches | exact "
+        "over "
+        "native | fetches | bytes | integer operations | float operations |\n"
+        "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
+        device, table->device[0].software ? "core ns" : "ns");
     for (int version = 0; version < (int)(sizeof versions / sizeof *versions); version++) {
         for (int i = 0; i < table->count; i++) {
             const decode_row *r = &table->rows[i];
             if (strcmp(r->device, device) == 0 && strcmp(r->material, versions[version].material) == 0 &&
-                strcmp(r->effects, DECODE_FLOOR) != 0 && strcmp(r->effects, "without gain") != 0 && !r->fast) {
+                strcmp(r->effects, DECODE_FLOOR) != 0 && strcmp(r->effects, "without gain") != 0 &&
+                !r->fast) {
                 print_version(table, r, version, out);
             }
         }

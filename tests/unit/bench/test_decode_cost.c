@@ -97,12 +97,17 @@ static void test_shift(void **state) {
     btf_shader_options shader = {0};
     expect(decode_cost_of(&info, &shader), 9 + 3 + 3 + 3 + 3, 18 * 16 + 3 * 2, 3 * (96 + 3 * 65 + 7),
            3 + 3 * 15);
+    /* Gain and shift of a view in one texel. */
+    btf_material_info packed = factors_info(classes, BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN);
+    expect(decode_cost_of(&packed, &shader), 24, 18 * 16 + 3 * 3, 3 * (96 + 3 * 65 + 7), 3 + 3 * 15);
+    packed.point_store = BTF_POINTS_PACKED;
+    expect(decode_cost_of(&packed, &shader), 21, 18 * 16 + 3 * 2, 3 * (96 + 3 * 65 + 7), 3 + 3 * 15);
     shader.leave_out = BTF_EFFECT_SHIFT;
     expect(decode_cost_of(&info, &shader), 14, 14 * 16, 96 + 3 * (3 * 65 + 7), 1 + 3 * 15);
 }
 
-/* 13 units: 117 texels of w, 15 of u, 13 of scales and 9 of the views' factors. Operations of integers: in each
- * view and light 917 of the dot products by class, 384 of the blend of lights, 1184 that expand u. */
+/* 13 units: 117 texels of w, 15 of u, 13 of scales and 9 of the views' factors. Operations of integers: in
+ * each view and light 917 of the dot products by class, 384 of the blend of lights, 1184 that expand u. */
 static void test_units(void **state) {
     (void)state;
     const uint32_t classes[BTF_FACTOR_CLASSES][3] = {{2, 2, 1}, {1, 0, 0}, {5, 0, 0}, {1, 0, 0}, {4, 0, 0}};

@@ -1,0 +1,44 @@
+/* How much of each component of a BTF is signal, judged by samples that are left out.
+ *
+ * Bi-cross-validation (Owen and Perry 2009): a block of texels times a block of pairs of view and light is
+ * left out; the components of the remaining rows and columns predict it from the left-out texels at the
+ * other pairs and from the other texels at the left-out pairs. Noise predicts nothing, whatever its
+ * distribution, as long as it is not shared between samples. It takes no iteration, unlike imputation, and
+ * two passes over the samples.
+ *
+ * A component of the smaller block is known less well than the same one of all samples. The spiked model
+ * (Benaych-Georges and Nadakuditi 2012) turns the one into the other.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_FACTOR_SIGNAL_H
+#define OPENBTF_ENCODER_FACTOR_SIGNAL_H
+
+#include "components.h"
+
+typedef struct enc_signal {
+    size_t rank[ENC_FACTOR_CHANNELS];   /* components that gain at left-out samples: the first ones */
+    double *share[ENC_FACTOR_CHANNELS]; /* [components found] of a component's energy, what is gained there:
+                                           1 at most, not rising, negative where noise is learnt */
+    double floor[ENC_FACTOR_CHANNELS];  /* squared error that `rank` components leave at left-out samples,
+                                           scaled to  all samples */
+} enc_signal;
+
+enum { ENC_SIGNAL_MOST_TEXELS = 16384 }; /* of larger materials, so many take part, evenly chosen */
+
+/* Judges components that enc_components_find found in the same matrix, of the channels that are `asked`
+ * for; what is known of the others stays. *io_signal is zeroed before the first call. Stage
+ * "cross-validate". The same bits for any number of threads. Where too few texels or pairs are there to
+ * leave any out, all is signal. Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED; *io_signal
+ * is for enc_signal_clear then, too. */
+btf_result enc_signal_find(const enc_factor_matrix *matrix,
+                           const enc_components components[ENC_FACTOR_CHANNELS],
+                           const bool asked[ENC_FACTOR_CHANNELS], enc_signal *io_signal);
+void enc_signal_clear(enc_signal *signal);
+
+/* Share of the energy y^2 of a component that is gained where a block of `rows` x `columns` samples
+ * predicts others (left_out), or its own samples free of noise; x2: energy of the signal over that of the
+ * noise of as many samples as the longer side has. For tests. */
+double enc_signal_share(double x2, double rows, double columns, bool left_out);
+
+#endif
