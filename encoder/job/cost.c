@@ -165,7 +165,8 @@ static outcome add_factors(list *l, const counts *c, const enc_factors_settings 
     const double sweeps = 1 + settings->sweeps, passes = enc_factor_round_passes(settings->sweeps);
     const double times = settings->quality > 0 ? 1 + ENC_FACTORS_TRIALS / 2.0 : 1;
     add(l, "factorise", times * (4 * pass + 6 * square * per_square));
-    if (settings->quality == 0 && settings->tolerance > 0) /* passes over parts of texels and directions */
+    if (settings->quality == 0 && settings->tolerance > 0 &&
+        c->texels * columns >= ENC_SIGNAL_LEAST_SAMPLES) /* passes over parts of texels and directions */
         add(l, "cross-validate",
             fmin(1, ENC_SIGNAL_MOST_TEXELS / c->texels) * (2.25 * pass + 3 * square * per_square));
     add(l, "round factors", times * (passes * pass + (2 * sweeps + passes) * square * per_square));
