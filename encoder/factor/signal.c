@@ -16,7 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LEFT_OUT = 4 /* one row and column of so many */, LEAST_SIDE = 4 * LEFT_OUT };
+enum { LEFT_OUT = 4 /* one row and column of so many */ };
 
 static btf_result no_memory(const enc_factor_matrix *m) {
     return enc_fail(m->context, BTF_ERROR_MEMORY, "factors: out of memory for cross-validation");
@@ -311,6 +311,13 @@ static btf_result judge(blocks *b, const enc_components components[3], const boo
     return result;
 }
 
+/* Whether the rest tells too little of what is left out: detail looks like noise then, and such data take
+ * few bytes anyway. */
+static bool is_small(const enc_factor_matrix *m) {
+    return m->texels * m->columns < ENC_SIGNAL_LEAST_SAMPLES || m->texels < 4 * LEFT_OUT ||
+           m->columns < 4 * LEFT_OUT;
+}
+
 /* Shares to be found, of the channels asked for. */
 static bool begin(const enc_components components[3], const bool asked[3], enc_signal *io) {
     bool room = true;
@@ -329,7 +336,7 @@ btf_result enc_signal_find(const enc_factor_matrix *m, const enc_components comp
                            const bool asked[3], enc_signal *io) {
     blocks b;
     bool room = begin(components, asked, io);
-    if (room && (m->texels < LEAST_SIDE || m->columns < LEAST_SIDE)) {
+    if (room && is_small(m)) {
         for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
             for (size_t j = 0; j < components[c].rank && asked[c]; j++) {
                 io->share[c][j] = 1;

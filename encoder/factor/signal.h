@@ -21,15 +21,18 @@ typedef struct enc_signal {
     double *share[ENC_FACTOR_CHANNELS]; /* [components found] of a component's energy, what is gained there:
                                            1 at most, not rising, negative where noise is learnt */
     double floor[ENC_FACTOR_CHANNELS];  /* squared error that `rank` components leave at left-out samples,
-                                           scaled to  all samples */
+                                           scaled to all samples */
 } enc_signal;
 
-enum { ENC_SIGNAL_MOST_TEXELS = 16384 }; /* of larger materials, so many take part, evenly chosen */
+enum {
+    ENC_SIGNAL_MOST_TEXELS = 16384,     /* of larger materials, so many take part, evenly chosen */
+    ENC_SIGNAL_LEAST_SAMPLES = 1 << 17, /* texels times pairs; below that, all is signal */
+};
 
 /* Judges components that enc_components_find found in the same matrix, of the channels that are `asked`
  * for; what is known of the others stays. *io_signal is zeroed before the first call. Stage
- * "cross-validate". The same bits for any number of threads. Where too few texels or pairs are there to
- * leave any out, all is signal. Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED; *io_signal
+ * "cross-validate". The same bits for any number of threads. Of small data all
+ * is signal. Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED; *io_signal
  * is for enc_signal_clear then, too. */
 btf_result enc_signal_find(const enc_factor_matrix *matrix,
                            const enc_components components[ENC_FACTOR_CHANNELS],

@@ -64,7 +64,7 @@ static bool find_bytes(const walk *w, uint64_t budget, double tolerance, enc_uns
 bool enc_stop_allocate(const enc_factor_energies *energies, const enc_signal *signal, size_t texels,
                        size_t n_views, size_t n_lights, uint64_t budget, double tolerance,
                        enc_factor_plan *out_plan, enc_unspent *out_unspent) {
-    enc_factor_energies limited = *energies, gains;
+    enc_factor_energies gains;
     double *gain[ENC_FACTOR_CHANNELS];
     walk w = {.gains = &gains, .texels = texels, .n_views = n_views, .n_lights = n_lights};
     bool found = true;
@@ -72,7 +72,7 @@ bool enc_stop_allocate(const enc_factor_energies *energies, const enc_signal *si
     for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
         gain[c] = malloc((signal->rank[c] + 1) * sizeof(double));
         found = found && gain[c];
-        limited.rank[c] = gains.rank[c] = out_unspent->signal[c] = signal->rank[c];
+        gains.rank[c] = out_unspent->signal[c] = signal->rank[c];
         gains.energy[c] = gain[c];
         out_unspent->ends[c] = signal->rank[c] < energies->rank[c];
         w.floor += signal->floor[c];
@@ -81,7 +81,7 @@ bool enc_stop_allocate(const enc_factor_energies *energies, const enc_signal *si
         }
     }
     found = found && find_bytes(&w, budget, tolerance, out_unspent) &&
-            enc_factor_allocate(&limited, texels, n_views, n_lights, out_unspent->bytes, out_plan);
+            enc_factor_allocate(energies, texels, n_views, n_lights, out_unspent->bytes, out_plan);
     for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
         free(gain[c]);
     }

@@ -12,8 +12,8 @@
 #define ENC_STOP_MORE 1.1 /* so many times the bytes have to gain the tolerance */
 
 /* The plan of the most bytes within `budget` of which the last tenth gains `tolerance` dB at left-out
- * samples, as `signal` foretells; of the plan with the fewest bytes none need to. Components that are noise
- * are not in it. Returns false where not one unit fits, or out of memory. */
+ * samples, as `signal` foretells. Its bytes are then given to components by their energies in all samples,
+ * which are what a user compares. Returns false where not one unit fits, or out of memory. */
 bool enc_stop_allocate(const enc_factor_energies *energies, const enc_signal *signal, size_t texels,
                        size_t n_views, size_t n_lights, uint64_t budget, double tolerance,
                        enc_factor_plan *out_plan, enc_unspent *out_unspent);

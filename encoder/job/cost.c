@@ -8,6 +8,7 @@
 #include "encoder/data/level_filter.h"
 #include "encoder/factor/factor.h"
 #include "encoder/factor/round.h"
+#include "encoder/factor/signal.h"
 #include "encoder/input/bonn_reader.h"
 #include "encoder/joint/cost.h"
 #include "encoder/model/pack.h"
@@ -164,6 +165,10 @@ static outcome add_factors(list *l, const counts *c, const enc_factors_settings 
     const double sweeps = 1 + settings->sweeps, passes = enc_factor_round_passes(settings->sweeps);
     const double times = settings->quality > 0 ? 1 + ENC_FACTORS_TRIALS / 2.0 : 1;
     add(l, "factorise", times * (4 * pass + 6 * square * per_square));
+    if (settings->quality == 0 && settings->tolerance > 0 &&
+        c->texels * columns >= ENC_SIGNAL_LEAST_SAMPLES) /* passes over parts of texels and directions */
+        add(l, "cross-validate",
+            fmin(1, ENC_SIGNAL_MOST_TEXELS / c->texels) * (2.25 * pass + 3 * square * per_square));
     add(l, "round factors", times * (passes * pass + (2 * sweeps + passes) * square * per_square));
     if (settings->quality > 0)
         add(l, "measure factors", times * (pass + c->samples * per_measured));

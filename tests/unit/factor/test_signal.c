@@ -200,13 +200,13 @@ static void test_a_tail_is_signal(void **state) {
 static void test_threads_and_storage_do_not_matter(void **state) {
     (void)state;
     static const double x2[] = {50, 20, 10, 5};
-    static const enc_context small = {.threads = 2, .memory = 100000};
-    enc_data *data = empty(&two, 9, 13), *stored = empty(&small, 9, 13);
+    static const enc_context small = {.threads = 2, .memory = 1000000};
+    enc_data *data = empty(&two, SIDE, 19), *stored = empty(&small, SIDE, 19);
     enc_components components[3][3];
     enc_signal signal[3];
     fill(data, NULL, 4, x2, 0.02, true);
     assert_null(stored->samples);
-    assert_int_equal(enc_data_store_texels(&small, stored, 0, 81, data->samples), BTF_OK);
+    assert_int_equal(enc_data_store_texels(&small, stored, 0, TEXELS, data->samples), BTF_OK);
     assert_int_equal(enc_data_complete(&small, stored, BTF_OK), BTF_OK);
     find(&one, data, 30, components[0], &signal[0]);
     find(&two, data, 30, components[1], &signal[1]);
