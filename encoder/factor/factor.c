@@ -219,7 +219,8 @@ static btf_result deliver_match(const enc_factor_matrix *m, const enc_match *mat
     out->shift = malloc(2 * points);
     out->gain = malloc(points);
     out->gain_scale = match->gains.scale;
-    out->bytes += enc_match_bytes(match->texels, match->views, gain);
+    out->match_bytes = enc_match_bytes(match->texels, match->views, gain);
+    out->bytes += out->match_bytes;
     if (!out->shift || !out->gain) {
         return enc_fail(m->context, BTF_ERROR_MEMORY, "factors: out of memory");
     }

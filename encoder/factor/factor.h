@@ -36,6 +36,7 @@ typedef struct enc_factors {
     int8_t *shift;    /* [view][texel][2], as version 1 stores it; NULL without match */
     uint8_t *gain;    /* [view][texel] codes; NULL without match */
     float gain_scale; /* of a code */
+    uint64_t match_bytes; /* of `bytes`: lists and indices of match, as a packed store would take */
     double survey;    /* enc_match_survey; 1 where not asked for, or samples are not in memory */
     uint64_t bytes;                                            /* of the budget */
     enc_factor_error error;                                    /* 0 where not asked for */

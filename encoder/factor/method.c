@@ -5,6 +5,7 @@
 #include "method.h"
 
 #include "factor.h"
+#include "match.h"
 
 #include "decoder/toolkit/progress.h"
 
@@ -33,8 +34,8 @@ static float *spread_views(const float *views, size_t count) {
 }
 
 /* Moves the arrays of *io_factors to a solution. */
-static btf_result to_solution(const enc_context *context, const enc_data *data, enc_factors **io_factors,
-                              enc_solution *out) {
+static btf_result to_solution(const enc_context *context, const enc_data *data, bool gain,
+                              enc_factors **io_factors, enc_solution *out) {
     enc_factors *f = *io_factors;
     *out = (enc_solution){.width = data->width,
                           .height = data->height,
@@ -49,7 +50,7 @@ static btf_result to_solution(const enc_context *context, const enc_data *data, 
                                       .horizon_scale = horizon_scale(data)}};
     memcpy(out->factors.classes, f->classes, sizeof out->factors.classes);
     if (f->shift) {
-        out->effects |= BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN;
+        out->effects |= BTF_EFFECT_SHIFT | (gain ? BTF_EFFECT_GAIN : 0);
         out->gain_scale = f->gain_scale;
         out->shift = f->shift;
         out->gain = f->gain;
@@ -80,10 +81,11 @@ static double psnr(double mean) {
 static uint64_t gpu_bytes(const enc_data *data, const enc_factors *f) {
     const uint64_t texels = enc_data_texel_count(data);
     const uint64_t pairs = (uint64_t)data->n_views * (uint64_t)data->n_lights;
-    return 16 * (texels * (uint64_t)f->n_u_texels + pairs * (uint64_t)f->n_units);
+    return 16 * (texels * (uint64_t)f->n_u_texels + pairs * (uint64_t)f->n_units) + f->match_bytes;
 }
 
-/* One encode by a budget, noted as a trial whose verdict is `left out`. */
+/* One encode by a budget, noted as a trial whose verdict is `left out`. Of the settings, the effects are those given;
+ * where `choose`, the encode is measured and surveyed. */
 static btf_result encode(const enc_context *context, const enc_data *data, const enc_factors_settings *settings,
                          uint64_t budget, enc_factors **out, enc_factors_stats *stats) {
     const enc_factor_options options = {
@@ -91,14 +93,15 @@ static btf_result encode(const enc_context *context, const enc_data *data, const
         .sweeps = settings->sweeps,
         .match = settings->effects & BTF_EFFECT_SHIFT,
         .gain = settings->effects & BTF_EFFECT_GAIN,
-        .measure = settings->quality > 0 || settings->effects & BTF_EFFECT_SHIFT};
+        .survey = settings->choose,
+        .measure = settings->quality > 0 || settings->choose};
     const double begin = progress_core_clock();
     const btf_result result = enc_factor_encode(context, data, &options, out);
     if (result != BTF_OK)
         return result;
     const enc_factors *f = *out;
     enc_trial *trial = &stats->trials[stats->trials_count++];
-    *trial = (enc_trial){.effects = BTF_EFFECT_RESIDUAL,
+    *trial = (enc_trial){.effects = settings->effects | BTF_EFFECT_RESIDUAL,
                          .components = f->n_units,
                          .gpu_bytes = gpu_bytes(data, f),
                          .psnr = options.measure ? psnr(f->error.srgb) : NAN,
@@ -125,7 +128,8 @@ static uint64_t next_budget(double low, double low_psnr, double high, double hig
 /* Replaces *io_best, the encode of trial `best`, by one of fewer bytes that reaches the quality, too. */
 static btf_result reduce(const enc_context *context, const enc_data *data, const enc_factors_settings *settings,
                          enc_factors **io_best, enc_factors_stats *stats, int *io_best_trial) {
-    double low = (double)enc_factor_least_budget(data->width, data->height, data->n_views, data->n_lights);
+    double low = (double)((*io_best)->match_bytes +
+                          enc_factor_least_budget(data->width, data->height, data->n_views, data->n_lights));
     double low_psnr = NAN, high = (double)(*io_best)->bytes, high_psnr = psnr((*io_best)->error.srgb);
     for (int i = 0; i < ENC_FACTORS_TRIALS && high > 1.01 * low; i++) {
         enc_factors *trial = NULL;
@@ -149,24 +153,67 @@ static btf_result reduce(const enc_context *context, const enc_data *data, const
     return BTF_OK;
 }
 
+/* Match.
+ * ------------------------------------------------------------------------------------------------ */
+
+/* A survey's ratio up to which match and gain are tried: see FORMAT.md, section 12, for what materials give. */
+#define MAY_PAY 0.8
+/* dB, the mean of linear and sRGB-coded ones, that they must gain at the same bytes. */
+#define MUST_GAIN 0.05
+
+/* What b gains over a, in dB. */
+static double gained(const enc_factors *a, const enc_factors *b) {
+    return (psnr(b->error.linear) - psnr(a->error.linear) + psnr(b->error.srgb) - psnr(a->error.srgb)) / 2;
+}
+
+/* Tries match and gain beside *io_best, which has neither. Where they pay, they replace it, and settings' effects. */
+static btf_result try_match(const enc_context *context, const enc_data *data, enc_factors_settings *settings,
+                            enc_factors **io_best, enc_factors_stats *stats, int *io_best_trial) {
+    const uint64_t least = enc_factor_least_budget(data->width, data->height, data->n_views, data->n_lights);
+    const uint64_t points = enc_match_bytes(enc_data_texel_count(data), (size_t)data->n_views, true);
+    enc_factors *trial = NULL;
+    enc_log(context, BTF_LOG_INFO, "factors: a survey expects %.3f of the squared error with match and gain",
+            (*io_best)->survey);
+    if (!((*io_best)->survey <= MAY_PAY) || settings->budget < least + points)
+        return BTF_OK;
+    enc_factors_settings matched = *settings;
+    matched.effects |= BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN;
+    const btf_result result = encode(context, data, &matched, settings->budget, &trial, stats);
+    if (result == BTF_OK && gained(*io_best, trial) >= MUST_GAIN) {
+        enc_factors_destroy(io_best);
+        *io_best = trial;
+        *io_best_trial = stats->trials_count - 1;
+        settings->effects = matched.effects;
+    } else {
+        enc_factors_destroy(&trial);
+    }
+    return result;
+}
+
 btf_result enc_factors_solve(const enc_context *context, const enc_data *data, const enc_factors_settings *settings,
                              enc_solution *out_solution, enc_factors_stats *out_stats) {
+    enc_factors_settings now = *settings;
     enc_factors *best = NULL;
     int best_trial = 0;
     *out_solution = (enc_solution){0};
     *out_stats = (enc_factors_stats){0};
-    btf_result result = encode(context, data, settings, settings->budget, &best, out_stats);
+    if (now.choose)
+        now.effects = BTF_EFFECT_RESIDUAL;
+    btf_result result = encode(context, data, &now, now.budget, &best, out_stats);
+    if (result == BTF_OK && now.choose)
+        result = try_match(context, data, &now, &best, out_stats, &best_trial);
+    now.choose = false;
     if (result == BTF_OK && settings->quality > 0) {
         const double reached = psnr(best->error.srgb);
         if (reached >= settings->quality)
-            result = reduce(context, data, settings, &best, out_stats, &best_trial);
+            result = reduce(context, data, &now, &best, out_stats, &best_trial);
         else
             enc_log(context, BTF_LOG_WARNING, "factors: %.2f dB of %.2f within %llu bytes", reached,
                     settings->quality, (unsigned long long)settings->budget);
     }
     if (result == BTF_OK) {
         out_stats->trials[best_trial].verdict = "best";
-        result = to_solution(context, data, &best, out_solution);
+        result = to_solution(context, data, now.effects & BTF_EFFECT_GAIN, &best, out_solution);
     }
     enc_factors_destroy(&best);
     return result;
@@ -376,6 +423,18 @@ static btf_result fit_texels(const level_fit *fit, uint32_t *out) {
     return result == BTF_ERROR_MEMORY ? enc_fail(fit->context, result, "levels: out of memory") : result;
 }
 
+/* A level has no match: every texel is its own source, with a gain of 1. */
+static bool fill_points(const enc_solution *base, enc_solution *level) {
+    const size_t points = enc_solution_texels(level) * (size_t)level->n_views;
+    if (!base->shift)
+        return true;
+    level->shift = calloc(points, 2 * sizeof *level->shift);
+    level->gain = malloc(points);
+    if (level->gain)
+        memset(level->gain, (int)lrintf(1 / base->gain_scale), points);
+    return level->shift && level->gain;
+}
+
 btf_result enc_factors_level(const enc_context *context, const enc_data *data, const enc_solution *base,
                              enc_solution *out_solution) {
     level_fit fit = {.context = context, .data = data, .base = base};
@@ -383,7 +442,7 @@ btf_result enc_factors_level(const enc_context *context, const enc_data *data, c
     uint32_t *texels =
         calloc((size_t)base->factors.layers * enc_data_texel_count(data), ENC_STORE_WORDS * sizeof *texels);
     out_solution->factors.texels = texels;
-    btf_result result = texels ? prepare(&fit) : enc_fail(context, BTF_ERROR_MEMORY, "levels: out of memory");
+    btf_result result = texels && fill_points(base, out_solution) ? prepare(&fit) : enc_fail(context, BTF_ERROR_MEMORY, "levels: out of memory");
     if (result == BTF_OK)
         result = fit_texels(&fit, texels);
     clear_fit(&fit);

@@ -51,7 +51,8 @@ static const cli_option table[] = {
      .choices = "auto",
      .help =
          "auto (default): those that pay (--effect-tolerance), and with\n--method paper the diffuse fit "
-         "alone where that is better;\nnone; or exactly these of shadow,shift,hidden,gain,residual\n(factors have the residual alone)"},
+         "alone where that is better;\nnone; or exactly these of shadow,shift,hidden,gain,residual\n"
+         "(factors: residual, the default, or with shift, or shift,gain,\nwhere texels take profiles from one another)"},
     {.name = "effect-tolerance",
      .arg = "DB[,DB]",
      .type = CLI_CUSTOM,
@@ -294,8 +295,9 @@ static btf_result refuse_other(const char *method) {
 static btf_result check_factors(const enc_job *job) {
     const char *refused = NULL;
     const uint32_t match = BTF_EFFECT_RESIDUAL | BTF_EFFECT_SHIFT;
-    if (o.effects != UINT32_MAX && o.effects != BTF_EFFECT_RESIDUAL && (o.effects | BTF_EFFECT_GAIN) != (match | BTF_EFFECT_GAIN)) {
-        refused = "option --effects: --method factors has residual, with shift and gain or without";
+    if (o.effects != UINT32_MAX && o.effects != BTF_EFFECT_RESIDUAL && o.effects != match &&
+        o.effects != (match | BTF_EFFECT_GAIN)) {
+        refused = "option --effects: --method factors has residual alone, or with shift, or with shift and gain";
     } else if (o.tolerance_given && (o.effect_tolerance[0] > 0 || o.effect_tolerance[1] > 0)) {
         refused = "option --effect-tolerance: --method factors has no effects to choose among";
     } else if (o.layout_given && o.layout == 0) {

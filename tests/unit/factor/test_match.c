@@ -318,6 +318,46 @@ static void test_reference_decodes_what_was_measured(void **state) {
     uproot(&p);
 }
 
+/* Left to choose, the method keeps match and gain where they were planted, and nowhere else. */
+static void test_is_kept_where_it_pays(void **state) {
+    (void)state;
+    for (int moved = 0; moved < 2; moved++) {
+        planted *p = plant(moved, 0.02f);
+        const enc_factors_settings settings = {.budget = BUDGET, .sweeps = ENC_FACTOR_SWEEPS, .choose = true};
+        const uint32_t match = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN;
+        enc_solution solution;
+        enc_factors_stats stats;
+        assert_int_equal(enc_factors_solve(&two, p->data, &settings, &solution, &stats), BTF_OK);
+        assert_int_equal(solution.effects, BTF_EFFECT_RESIDUAL | (moved ? match : 0));
+        assert_true(stats.trials_count == 2 || !moved);
+        assert_string_equal(stats.trials[moved].verdict, "best");
+        enc_solution_clear(&solution);
+        uproot(&p);
+    }
+}
+
+/* Levels of detail decode, without match, with what they share. */
+static void test_levels_have_no_match(void **state) {
+    (void)state;
+    planted *p = plant(true, 0.02f);
+    const enc_factors_settings settings = {.budget = BUDGET,
+                                           .sweeps = ENC_FACTOR_SWEEPS,
+                                           .effects = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL};
+    enc_solution solution, level;
+    enc_factors_stats stats;
+    assert_int_equal(enc_factors_solve(&two, p->data, &settings, &solution, &stats), BTF_OK);
+    assert_int_equal(enc_factors_level(&two, p->data, &solution, &level), BTF_OK);
+    for (size_t i = 0; i < VIEWS * TEXELS; i++) {
+        assert_true(level.shift[2 * i] == 0 && level.shift[2 * i + 1] == 0);
+        assert_true((float)level.gain[i] * level.gain_scale == 1);
+    }
+    /* twice the size of level 0 at most: its own texels, fitted without the sources */
+    assert_true(reference_error(p->data, &level) < 40 * reference_error(p->data, &solution));
+    enc_level_clear(&level);
+    enc_solution_clear(&solution);
+    uproot(&p);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_search_finds_what_was_planted),
@@ -326,6 +366,8 @@ int main(void) {
         cmocka_unit_test(test_pays_where_it_was_planted),
         cmocka_unit_test(test_threads_do_not_matter),
         cmocka_unit_test(test_reference_decodes_what_was_measured),
+        cmocka_unit_test(test_is_kept_where_it_pays),
+        cmocka_unit_test(test_levels_have_no_match),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
