@@ -4,11 +4,13 @@
  */
 #include "factor.h"
 
+#include "decoder/toolkit/progress.h"
 #include "encoder/base/stage.h"
 #include "match_fit.h"
 #include "pack.h"
 #include "round.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,6 +19,11 @@ enum {
     CHROMA_SHARE = 8, /* luma has so many times the components of a chroma channel, to begin with */
     SPARE = 24,       /* components beyond what the budget is thought to hold */
 };
+
+/* Match is tried to the end where a survey expects at most this much of the squared error that the whole budget leaves
+ * without it, and kept where it gains at least so many dB, the mean of those of linear and of sRGB-coded values. */
+#define MAY_PAY 0.8
+#define MUST_GAIN 0.05
 
 /* Bits of a code of which a budget thinks: measured materials take 3.3. */
 #define MEAN_BITS 3.2
@@ -143,11 +150,10 @@ static btf_result deliver(const enc_factor_matrix *m, enc_factor_codes *codes, e
 typedef struct found {
     enc_components components[ENC_FACTOR_CHANNELS];
     enc_factor_plan plan;
-    enc_match match;
+    enc_match match; /* of ENC_FACTOR_MATCH */
     enc_match_bases bases;
     enc_factor_codes codes;
-    enc_factor_error error;
-    double survey;
+    enc_factor_trial trial;
 } found;
 
 static void clear(found *f) {
@@ -159,57 +165,146 @@ static void clear(found *f) {
     enc_factor_codes_clear(&f->codes);
 }
 
-/* Components, and with a match the sources as well. */
-static btf_result find(const enc_factor_matrix *m, const enc_factor_options *options, found *f) {
-    const size_t views = (size_t)m->data->n_views;
-    const uint64_t points = options->match ? enc_match_bytes(m->texels, views, options->gain) : 0;
+/* Bytes of lists of match, where there is one. */
+static uint64_t match_bytes(const enc_factor_matrix *m, const enc_factor_options *options) {
+    return enc_match_bytes(m->texels, (size_t)m->data->n_views, options->gain);
+}
+
+static btf_result find(const enc_factor_matrix *m, uint64_t budget, found *f) {
     enc_stage_begin(m->context, "factorise", 2 * (POWER_STEPS + 1) * m->texels);
-    btf_result result = factorise(m, options->budget - points, f->components, &f->plan);
+    const btf_result result = factorise(m, budget, f->components, &f->plan);
     enc_stage_end(m->context);
-    f->survey = 1;
-    if (result == BTF_OK && options->survey && !options->match && m->data->samples) {
-        enc_stage_begin(m->context, "survey match", 1);
-        result = enc_match_survey(m, f->components, options->budget, true, &f->survey);
-        enc_stage_end(m->context);
-    }
-    if (result == BTF_OK && options->match) {
-        enc_stage_begin(m->context, "match", 2 * ENC_MATCH_ROUNDS * m->texels);
-        result = enc_match_create(m->context, m->data->width, m->data->height, views, options->gain, &f->match);
-        result = result == BTF_OK ? enc_match_find_bases(m, &f->bases) : result;
-        result = result == BTF_OK
-                     ? enc_match_fit(m, options->budget - points, &f->bases, &f->match, f->components, &f->plan)
-                     : result;
-        enc_stage_end(m->context);
-    }
-    return result == BTF_OK ? enc_factor_codes_create(m, &f->plan, f->components, &f->codes) : result;
+    return result;
 }
 
-static btf_result round_codes(const enc_factor_matrix *m, const enc_factor_options *options, found *f) {
-    enc_factor_matrix matched = *m;
-    matched.match = &f->match;
-    if (!options->match) {
-        return enc_factor_round(m, f->components, options->sweeps, &f->codes);
-    }
-    const btf_result result = enc_factor_round(m, f->components, 0, &f->codes);
-    return result == BTF_OK ? enc_match_round(&matched, &f->bases, &f->match, &f->codes) : result;
-}
-
-static btf_result encode(const enc_factor_matrix *m, const enc_factor_options *options, found *f) {
-    enc_factor_matrix matched = *m;
-    matched.match = options->match ? &f->match : NULL;
-    btf_result result = find(m, options, f);
-    if (result == BTF_OK) {
-        const int passes =
-            options->match ? 2 * ENC_MATCH_CODE_ROUNDS : enc_factor_round_passes(options->sweeps);
-        enc_stage_begin(m->context, "round factors", (size_t)passes * m->texels);
-        result = round_codes(m, options, f);
-        enc_stage_end(m->context);
-    }
-    if (result == BTF_OK && options->measure) {
+static btf_result measure(const enc_factor_matrix *m, const enc_factor_options *options, found *f) {
+    btf_result result = BTF_OK;
+    if (options->measure || options->match == ENC_FACTOR_CHOOSE_MATCH) {
         enc_stage_begin(m->context, "measure factors", m->texels);
-        result = enc_factor_measure(&matched, &f->codes, &f->error);
+        result = enc_factor_measure(m, &f->codes, &f->trial.error);
         enc_stage_end(m->context);
     }
+    return result;
+}
+
+/* Without match, from components and plan. */
+static btf_result encode_plain(const enc_factor_matrix *m, const enc_factor_options *options, found *f) {
+    btf_result result = enc_factor_codes_create(m, &f->plan, f->components, &f->codes);
+    if (result == BTF_OK) {
+        enc_stage_begin(m->context, "round factors",
+                        (size_t)enc_factor_round_passes(options->sweeps) * m->texels);
+        result = enc_factor_round(m, f->components, options->sweeps, &f->codes);
+        enc_stage_end(m->context);
+    }
+    return result == BTF_OK ? measure(m, options, f) : result;
+}
+
+/* Sources for the components, and others in their place; trial.given_up where they leave more than `most`. */
+static btf_result find_match(const enc_factor_matrix *m, const enc_factor_options *options, double most, found *f) {
+    double share = 1;
+    enc_stage_begin(m->context, "match", 2 * ENC_MATCH_ROUNDS * m->texels);
+    btf_result result = enc_match_create(m->context, m->data->width, m->data->height, (size_t)m->data->n_views,
+                                         options->gain, &f->match);
+    result = result == BTF_OK ? enc_match_find_bases(m, &f->bases) : result;
+    result = result == BTF_OK ? enc_match_fit(m, options->budget - match_bytes(m, options), &f->bases, most, &f->match,
+                                              f->components, &f->plan, &share)
+                              : result;
+    enc_stage_end(m->context);
+    f->trial.given_up = !(share <= most);
+    if (result == BTF_OK && most < HUGE_VAL) {
+        enc_log(m->context, BTF_LOG_INFO, "match: a survey leaves %.3f of the squared error, of %.3f that would pay%s",
+                share, most, f->trial.given_up ? ": given up" : "");
+    }
+    return result;
+}
+
+/* With match, from components and plan for what the lists leave of the budget. */
+static btf_result encode_matched(const enc_factor_matrix *plain, const enc_factor_options *options, double most,
+                                 found *f) {
+    enc_factor_matrix m = *plain;
+    m.match = &f->match;
+    btf_result result = find_match(plain, options, most, f);
+    if (result != BTF_OK || f->trial.given_up) {
+        return result;
+    }
+    result = enc_factor_codes_create(plain, &f->plan, f->components, &f->codes);
+    if (result == BTF_OK) {
+        enc_stage_begin(m.context, "round factors", 2 * (size_t)ENC_MATCH_CODE_ROUNDS * m.texels);
+        result = enc_factor_round(plain, f->components, 0, &f->codes);
+        result = result == BTF_OK ? enc_match_round(&m, &f->bases, &f->match, &f->codes) : result;
+        enc_stage_end(m.context);
+    }
+    return result == BTF_OK ? measure(&m, options, f) : result;
+}
+
+static void end_trial(const enc_factor_matrix *m, const enc_factor_options *options, double begin, found *f) {
+    enc_factor_trial *trial = &f->trial;
+    trial->core_seconds = progress_core_clock() - begin;
+    if (!trial->given_up) {
+        const uint64_t lists = trial->match ? match_bytes(m, options) : 0;
+        trial->n_units = (int)enc_factor_all_units(&f->codes.plan);
+        trial->bytes = lists + enc_factor_bytes(&f->codes.plan, m->texels, f->codes.views, f->codes.lights);
+    }
+}
+
+/* The one encode that is wanted. */
+static btf_result encode_one(const enc_factor_matrix *m, const enc_factor_options *options, found *f) {
+    const double begin = progress_core_clock();
+    f->trial.match = options->match == ENC_FACTOR_MATCH;
+    btf_result result = find(m, options->budget - (f->trial.match ? match_bytes(m, options) : 0), f);
+    if (result == BTF_OK) {
+        result = f->trial.match ? encode_matched(m, options, HUGE_VAL, f) : encode_plain(m, options, f);
+    }
+    if (result == BTF_OK) {
+        end_trial(m, options, begin, f);
+        f->trial.kept = true;
+    }
+    return result;
+}
+
+/* dB of the mean of linear and sRGB-coded values that b gains over a. */
+static double gained(enc_factor_error a, enc_factor_error b) {
+    return 5 * log10(fmax(a.linear, 1e-10) / fmax(b.linear, 1e-10)) +
+           5 * log10(fmax(a.srgb, 1e-10) / fmax(b.srgb, 1e-10));
+}
+
+/* The components of the encode without match go to the one with it, with a plan for what the lists leave. Returns the
+ * share of its error that may be left where it is to pay; 0 where it cannot. */
+static double hand_over(const enc_factor_matrix *m, const enc_factor_options *options, found *plain, found *matched) {
+    const uint64_t lists = match_bytes(m, options);
+    const enc_factor_energies energies = energies_of(plain->components);
+    if (options->budget <= lists || !m->data->samples ||
+        !enc_factor_allocate(&energies, m->texels, plain->codes.views, plain->codes.lights, options->budget - lists,
+                             &matched->plan)) {
+        return 0;
+    }
+    const double whole = enc_factor_error_left(&energies, &plain->plan);
+    const double rest = enc_factor_error_left(&energies, &matched->plan);
+    memcpy(matched->components, plain->components, sizeof plain->components);
+    memset(plain->components, 0, sizeof plain->components);
+    return rest > 0 ? MAY_PAY * whole / rest : 0;
+}
+
+/* Both encodes, at the same bytes. */
+static btf_result encode_both(const enc_factor_matrix *m, const enc_factor_options *options, found *plain,
+                              found *matched) {
+    double begin = progress_core_clock();
+    btf_result result = find(m, options->budget, plain);
+    result = result == BTF_OK ? encode_plain(m, options, plain) : result;
+    if (result != BTF_OK) {
+        return result;
+    }
+    end_trial(m, options, begin, plain);
+    begin = progress_core_clock();
+    matched->trial.match = true;
+    const double most = hand_over(m, options, plain, matched);
+    matched->trial.given_up = !(most > 0);
+    if (most > 0) {
+        result = encode_matched(m, options, most, matched);
+        end_trial(m, options, begin, matched);
+    }
+    matched->trial.kept = !matched->trial.given_up && gained(plain->trial.error, matched->trial.error) >= MUST_GAIN;
+    plain->trial.kept = !matched->trial.kept;
     return result;
 }
 
@@ -228,35 +323,44 @@ static btf_result deliver_match(const enc_factor_matrix *m, const enc_match *mat
     return BTF_OK;
 }
 
+static btf_result deliver_all(const enc_factor_matrix *m, const enc_factor_options *options, found *f,
+                              enc_factors **out) {
+    btf_result result = deliver(m, &f->codes, f->trial.error, out);
+    if (result == BTF_OK && f->trial.match) {
+        result = deliver_match(m, &f->match, options->gain, *out);
+    }
+    if (result != BTF_OK) {
+        enc_factors_destroy(out);
+    }
+    return result;
+}
+
 btf_result enc_factor_encode(const enc_context *context, const enc_data *data,
                              const enc_factor_options *options, enc_factors **out_factors) {
     const enc_factor_matrix m = enc_factor_matrix_of(context, data);
-    const uint64_t least =
-        enc_factor_least_budget(data->width, data->height, data->n_views, data->n_lights);
-    const size_t texels = enc_data_texel_count(data), views = (size_t)data->n_views;
-    const uint64_t points = options->match ? enc_match_bytes(texels, views, options->gain) : 0;
-    found f = {0};
+    const bool match = options->match == ENC_FACTOR_MATCH, both = options->match == ENC_FACTOR_CHOOSE_MATCH;
+    const uint64_t least = enc_factor_least_budget(data->width, data->height, data->n_views, data->n_lights) +
+                           (match ? match_bytes(&m, options) : 0);
+    found f[2] = {{.trial = {0}}};
     *out_factors = NULL;
-    if (options->match && !data->samples) {
-        return enc_fail(context, BTF_ERROR_UNSUPPORTED, "factors: match takes samples in memory, of which there is too little");
-    }
-    if (options->budget < least + points) {
+    if (options->budget < least) {
         return enc_fail(context, BTF_ERROR_USAGE,
                         "factors: a budget of %llu bytes holds no unit, which takes %llu",
-                        (unsigned long long)options->budget, (unsigned long long)(least + points));
+                        (unsigned long long)options->budget, (unsigned long long)least);
     }
-    btf_result result = encode(&m, options, &f);
-    result = result == BTF_OK ? deliver(&m, &f.codes, f.error, out_factors) : result;
+    if (match && !data->samples) {
+        return enc_fail(context, BTF_ERROR_UNSUPPORTED,
+                        "factors: effect shift: the samples do not fit the memory allowed, where match needs them");
+    }
+    btf_result result = both ? encode_both(&m, options, &f[0], &f[1]) : encode_one(&m, options, &f[0]);
     if (result == BTF_OK) {
-        (*out_factors)->survey = f.survey;
+        result = deliver_all(&m, options, &f[both && f[1].trial.kept], out_factors);
     }
-    if (result == BTF_OK && options->match) {
-        result = deliver_match(&m, &f.match, options->gain, *out_factors);
+    for (int i = 0; i <= both && result == BTF_OK; i++) {
+        (*out_factors)->trials[(*out_factors)->n_trials++] = f[i].trial;
     }
-    if (result != BTF_OK) {
-        enc_factors_destroy(out_factors);
-    }
-    clear(&f);
+    clear(&f[0]);
+    clear(&f[1]);
     return result;
 }
 

@@ -153,56 +153,91 @@ static bool to_components(const enc_factor_matrix *m, enc_factor_channel *channe
 /* Rounds.
  * ------------------------------------------------------------------------------------------------ */
 
+/* How far the profiles' leading coordinates are from what their own texels' factors say. */
+static double own_error(const enc_match *match, const enc_match_coordinates *at) {
+    double error = 0;
+    for (size_t i = 0; i < match->views * match->texels; i++) {
+        const float *query = at->query + i * at->k, *source = at->source + i * at->k;
+        error += enc_dot(at->k, query, query) - 2 * enc_dot(at->k, query, source) + at->norm[i];
+    }
+    return error;
+}
+
 /* A search, and lists for what it found. */
 static btf_result search(const enc_factor_matrix *m, const enc_match_bases *bases, bool first, enc_match *match,
-                         const enc_factor_codes *codes) {
+                         const enc_factor_codes *codes, double *out_own, double *out_left) {
     const bool gains = match->gains.count > 1;
     const size_t entries = enc_match_entries(match->views, gains);
     enc_match_coordinates at;
-    double error = 0, energy = 0, left = 0;
+    double error = 0, energy = 0;
     btf_result result = enc_match_coordinates_create(m, bases->leading, &at);
-    result = result == BTF_OK ? enc_match_search(m, codes, bases, 0, 1, &at, match, &error, &energy) : result;
-    left = error;
+    result = result == BTF_OK ? enc_match_search(m, codes, bases, &at, match, &error, &energy) : result;
+    *out_left = error;
+    if (result == BTF_OK) {
+        *out_own = own_error(match, &at);
+    }
     if (result == BTF_OK && first && gains) {
         enc_match_fit_gains(m->context, match);
     }
     if (result == BTF_OK && entries > 0) {
-        result = enc_match_restrict(m, &at, entries, match, &left);
+        result = enc_match_restrict(m, &at, entries, match, out_left);
     }
     enc_match_coordinates_clear(&at);
     if (result == BTF_OK) {
-        enc_log(m->context, BTF_LOG_INFO, "match: a search leaves %.3f %% of the energy, %.3f %% with lists",
-                100 * error / energy, 100 * left / energy);
+        enc_log(m->context, BTF_LOG_INFO,
+                "match: of the energy the texels' own factors leave %.3f %%, a search %.3f %%, lists %.3f %%",
+                100 * *out_own / energy, 100 * error / energy, 100 * *out_left / energy);
     }
     return result;
 }
 
-static btf_result play_round(const enc_factor_matrix *m, const enc_match_bases *bases, bool round, bool first,
-                             enc_match *match, enc_factor_codes *codes) {
-    const btf_result result = search(m, bases, first, match, codes);
-    return result == BTF_OK ? enc_match_descend(m, codes, round, SWEEPS) : result;
+/* Rounds on unrounded factors; *out_share after the second search. */
+static btf_result play_rounds(const enc_factor_matrix *m, const enc_match_bases *bases, double most, enc_match *match,
+                              enc_factor_codes *codes, double *out_share) {
+    btf_result result = BTF_OK;
+    double first_own = 1;
+    *out_share = 1;
+    for (int i = 0; i < ENC_MATCH_ROUNDS && result == BTF_OK; i++) {
+        double own = 0, left = 0;
+        result = search(m, bases, i == 0, match, codes, &own, &left);
+        first_own = i == 0 ? own : first_own;
+        if (result == BTF_OK && i == 1) {
+            *out_share = first_own > 0 ? left / first_own : 1;
+            if (!(*out_share <= most)) {
+                return BTF_OK;
+            }
+        }
+        result = result == BTF_OK ? enc_match_descend(m, codes, false, SWEEPS) : result;
+    }
+    return result;
 }
 
-btf_result enc_match_fit(const enc_factor_matrix *matrix, uint64_t budget, const enc_match_bases *bases,
-                         enc_match *match, enc_components components[3], enc_factor_plan *plan) {
-    enc_factor_matrix m = *matrix;
-    enc_factor_codes codes;
+/* Factors found to components, and the plan for them. */
+static btf_result plan_anew(const enc_factor_matrix *m, uint64_t budget, enc_factor_codes *codes,
+                            enc_components components[3], enc_factor_plan *plan) {
     enc_factor_energies energies;
-    btf_result result = enc_factor_codes_create(&m, plan, components, &codes);
-    if (result != BTF_OK) {
-        return result;
-    }
-    m.match = match;
-    for (int i = 0; i < ENC_MATCH_ROUNDS && result == BTF_OK; i++) {
-        result = play_round(&m, bases, false, i == 0, match, &codes);
-    }
-    for (int c = 0; c < ENC_FACTOR_CHANNELS && result == BTF_OK; c++) {
-        result = to_components(&m, &codes.channel[c], &components[c]) ? BTF_OK : no_memory(&m);
+    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
+        if (!to_components(m, &codes->channel[c], &components[c])) {
+            return no_memory(m);
+        }
         energies.rank[c] = components[c].rank;
         energies.energy[c] = components[c].energy;
     }
-    if (result == BTF_OK && !enc_factor_allocate(&energies, m.texels, codes.views, codes.lights, budget, plan)) {
-        result = no_memory(&m);
+    return enc_factor_allocate(&energies, m->texels, codes->views, codes->lights, budget, plan) ? BTF_OK
+                                                                                                 : no_memory(m);
+}
+
+btf_result enc_match_fit(const enc_factor_matrix *matrix, uint64_t budget, const enc_match_bases *bases, double most,
+                         enc_match *match, enc_components components[3], enc_factor_plan *plan, double *out_share) {
+    enc_factor_matrix m = *matrix;
+    enc_factor_codes codes;
+    btf_result result = enc_factor_codes_create(&m, plan, components, &codes);
+    if (result == BTF_OK) {
+        m.match = match;
+        result = play_rounds(&m, bases, most, match, &codes, out_share);
+    }
+    if (result == BTF_OK && *out_share <= most) {
+        result = plan_anew(&m, budget, &codes, components, plan);
     }
     enc_factor_codes_clear(&codes);
     return result;
@@ -212,72 +247,9 @@ btf_result enc_match_round(const enc_factor_matrix *m, const enc_match_bases *ba
                            enc_factor_codes *codes) {
     btf_result result = BTF_OK;
     for (int i = 0; i < ENC_MATCH_CODE_ROUNDS && result == BTF_OK; i++) {
-        result = play_round(m, bases, true, false, match, codes);
+        double own, left;
+        result = search(m, bases, false, match, codes, &own, &left);
+        result = result == BTF_OK ? enc_match_descend(m, codes, true, SWEEPS) : result;
     }
-    return result;
-}
-
-/* Survey.
- * ------------------------------------------------------------------------------------------------ */
-
-/* What the surveyed views' profiles are away from what their own texels' factors say, before a search. */
-static double own_error(const enc_match *match, const enc_match_coordinates *at) {
-    double error = 0;
-    for (size_t v = 0; v < match->views; v += ENC_MATCH_SURVEYED) {
-        for (size_t i = v * match->texels; i < (v + 1) * match->texels; i++) {
-            const float *query = at->query + i * at->k, *source = at->source + i * at->k;
-            error += enc_dot(at->k, query, query) - 2 * enc_dot(at->k, query, source) + at->norm[i];
-        }
-    }
-    return error;
-}
-
-/* What a search leaves of it. */
-static btf_result surveyed_share(const enc_factor_matrix *m, const enc_factor_codes *codes, bool gains,
-                                 double *out_share) {
-    enc_match_bases bases = {0};
-    enc_match_coordinates at = {0};
-    enc_match match = {0};
-    double error = 0, energy = 0;
-    btf_result result = enc_match_create(m->context, m->data->width, m->data->height, codes->views, gains, &match);
-    result = result == BTF_OK ? enc_match_find_bases(m, &bases) : result;
-    result = result == BTF_OK ? enc_match_coordinates_create(m, bases.leading, &at) : result;
-    result = result == BTF_OK
-                 ? enc_match_search(m, codes, &bases, 0, ENC_MATCH_SURVEYED, &at, &match, &error, &energy)
-                 : result;
-    if (result == BTF_OK) {
-        const double own = own_error(&match, &at);
-        *out_share = own > 0 ? error / own : 1;
-    }
-    enc_match_coordinates_clear(&at);
-    enc_match_bases_clear(&bases);
-    enc_match_clear(&match);
-    return result;
-}
-
-btf_result enc_match_survey(const enc_factor_matrix *m, const enc_components components[3], uint64_t budget,
-                            bool gains, double *out_ratio) {
-    const size_t views = (size_t)m->data->n_views, lights = (size_t)m->data->n_lights;
-    const uint64_t points = enc_match_bytes(m->texels, views, gains);
-    enc_factor_energies energies;
-    enc_factor_plan whole, rest;
-    enc_factor_codes codes;
-    double share = 1;
-    *out_ratio = 1;
-    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
-        energies.rank[c] = components[c].rank;
-        energies.energy[c] = components[c].energy;
-    }
-    if (budget <= points || !enc_factor_allocate(&energies, m->texels, views, lights, budget, &whole) ||
-        !enc_factor_allocate(&energies, m->texels, views, lights, budget - points, &rest)) {
-        return BTF_OK;
-    }
-    btf_result result = enc_factor_codes_create(m, &rest, components, &codes);
-    if (result == BTF_OK) {
-        result = surveyed_share(m, &codes, gains, &share);
-        const double error = enc_factor_error_left(&energies, &whole);
-        *out_ratio = error > 0 ? share * enc_factor_error_left(&energies, &rest) / error : 1;
-    }
-    enc_factor_codes_clear(&codes);
     return result;
 }

@@ -159,7 +159,7 @@ typedef struct view_search {
 } view_search;
 
 static size_t thread_floats(const enc_factor_matrix *m, size_t k, size_t length, size_t components, size_t most) {
-    const size_t queries = 2 * m->texels * (k + 1) + 4 * ENC_GEMM_M * k;
+    const size_t queries = m->texels + 4 * ENC_GEMM_M * k;
     const size_t coordinates = components * 2 * ENC_GEMM_N + (length + k) * 2 * ENC_GEMM_N + ENC_GEMM_M * length * 2;
     return (queries + coordinates + most * (k + 3) + 256) / 16 * 16 + 4096;
 }
@@ -402,10 +402,10 @@ static void search_tile(view_search *s, int column, int row, float *left) {
 /* All of one view. */
 static void search_view(view_search *s, size_t length, size_t most, float *work) {
     const size_t texels = s->m->texels;
-    s->query = s->keep ? s->keep->query + s->view * texels * s->k : work;
-    s->source = s->keep ? s->keep->source + s->view * texels * s->k : work + texels * s->k;
-    s->norm = s->keep ? s->keep->norm + s->view * texels : work + 2 * texels * s->k;
-    s->inverse = work + texels * (2 * s->k + 1);
+    s->query = s->keep->query + s->view * texels * s->k;
+    s->source = s->keep->source + s->view * texels * s->k;
+    s->norm = s->keep->norm + s->view * texels;
+    s->inverse = work;
     float *left = aligned(s->inverse + texels);
     s->panels = aligned(left + ENC_GEMM_M * s->k);
     s->low = s->panels + most * s->screen;
@@ -443,8 +443,8 @@ static void pack_u(const enc_factor_matrix *m, const enc_factor_codes *codes, si
 }
 
 btf_result enc_match_search(const enc_factor_matrix *m, const enc_factor_codes *codes, const enc_match_bases *bases,
-                            size_t first, size_t stride, const enc_match_coordinates *keep, enc_match *match,
-                            double *out_error, double *out_energy) {
+                            const enc_match_coordinates *keep, enc_match *match, double *out_error,
+                            double *out_energy) {
     const size_t components = codes->channel[0].rank + codes->channel[1].rank + codes->channel[2].rank;
     const size_t most = most_sources(match), views = match->views;
     const size_t each = thread_floats(m, bases->leading, bases->length, components, most);
@@ -455,7 +455,7 @@ btf_result enc_match_search(const enc_factor_matrix *m, const enc_factor_codes *
     if (result == BTF_OK) {
         pack_u(m, codes, components, packed);
 #pragma omp parallel for schedule(dynamic) num_threads(m->context->threads)
-        for (size_t v = first; v < views; v += stride) {
+        for (size_t v = 0; v < views; v++) {
             view_search s = {.m = m, .codes = codes, .packed_u = packed, .components = components,
                              .k = bases->leading, .view = v, .keep = keep, .screener = select_screen(),
                              .screen = bases->leading < SCREEN ? bases->leading : SCREEN, .match = match,
@@ -466,6 +466,7 @@ btf_result enc_match_search(const enc_factor_matrix *m, const enc_factor_codes *
             sums[2 * v] = s.error;
             sums[2 * v + 1] = s.energy;
         }
+        *out_error = *out_energy = 0;
         for (size_t v = 0; v < views; v++) {
             *out_error += sums[2 * v];
             *out_energy += sums[2 * v + 1];

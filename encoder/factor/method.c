@@ -5,9 +5,6 @@
 #include "method.h"
 
 #include "factor.h"
-#include "match.h"
-
-#include "decoder/toolkit/progress.h"
 
 #include <math.h>
 #include <openbtf/material.h>
@@ -84,35 +81,42 @@ static uint64_t gpu_bytes(const enc_data *data, const enc_factors *f) {
     return 16 * (texels * (uint64_t)f->n_u_texels + pairs * (uint64_t)f->n_units) + f->match_bytes;
 }
 
-/* One encode by a budget, noted as a trial whose verdict is `left out`. Of the settings, the effects are those given;
- * where `choose`, the encode is measured and surveyed. */
+/* Notes what an encode tried; *out_kept: the trial that it kept, whose verdict is `left out` until all are made. */
+static void note_trials(const enc_data *data, const enc_factors *f, uint32_t match, double quality,
+                        enc_factors_stats *stats, int *out_kept) {
+    for (int i = 0; i < f->n_trials; i++) {
+        const enc_factor_trial *t = &f->trials[i];
+        const uint64_t tables = 16 * ((uint64_t)t->n_units + 3 * (uint64_t)data->n_views);
+        if (t->kept)
+            *out_kept = stats->trials_count;
+        stats->trials[stats->trials_count++] =
+            (enc_trial){.effects = BTF_EFFECT_RESIDUAL | (t->match ? match : 0),
+                        .components = t->n_units,
+                        .gpu_bytes = t->bytes > tables ? t->bytes - tables : 0,
+                        .psnr = t->error.linear > 0 || quality > 0 ? psnr(t->error.srgb) : NAN,
+                        .core_seconds = t->core_seconds,
+                        .verdict = t->given_up ? "given up after a survey" : "left out"};
+    }
+}
+
+/* One encode by a budget, noted as trials; *out_kept: the one kept. */
 static btf_result encode(const enc_context *context, const enc_data *data, const enc_factors_settings *settings,
-                         uint64_t budget, enc_factors **out, enc_factors_stats *stats) {
+                         uint64_t budget, enc_factors **out, enc_factors_stats *stats, int *out_kept) {
+    const bool match = settings->effects & BTF_EFFECT_SHIFT;
     const enc_factor_options options = {
         .budget = budget,
         .sweeps = settings->sweeps,
-        .match = settings->effects & BTF_EFFECT_SHIFT,
-        .gain = settings->effects & BTF_EFFECT_GAIN,
-        .survey = settings->choose,
-        .measure = settings->quality > 0 || settings->choose};
-    const double begin = progress_core_clock();
+        .match = settings->choose ? ENC_FACTOR_CHOOSE_MATCH : match ? ENC_FACTOR_MATCH : ENC_FACTOR_NO_MATCH,
+        .gain = settings->choose || settings->effects & BTF_EFFECT_GAIN,
+        .measure = settings->quality > 0};
     const btf_result result = enc_factor_encode(context, data, &options, out);
     if (result != BTF_OK)
         return result;
     const enc_factors *f = *out;
-    enc_trial *trial = &stats->trials[stats->trials_count++];
-    *trial = (enc_trial){.effects = settings->effects | BTF_EFFECT_RESIDUAL,
-                         .components = f->n_units,
-                         .gpu_bytes = gpu_bytes(data, f),
-                         .psnr = options.measure ? psnr(f->error.srgb) : NAN,
-                         .core_seconds = progress_core_clock() - begin,
-                         .verdict = "left out"};
-    enc_log(context, BTF_LOG_INFO, "factors: %zu + %zu + %zu components in %d units, %llu bytes",
-            f->components[0], f->components[1], f->components[2], f->n_units,
-            (unsigned long long)trial->gpu_bytes);
-    if (options.measure)
-        enc_log(context, BTF_LOG_INFO, "factors: %.3f / %.3f dB, linear and sRGB-coded", psnr(f->error.linear),
-                psnr(f->error.srgb));
+    note_trials(data, f, BTF_EFFECT_SHIFT | (options.gain ? BTF_EFFECT_GAIN : 0), settings->quality, stats, out_kept);
+    enc_log(context, BTF_LOG_INFO, "factors: %zu + %zu + %zu components in %d units%s, %llu bytes",
+            f->components[0], f->components[1], f->components[2], f->n_units, f->shift ? " with match" : "",
+            (unsigned long long)gpu_bytes(data, f));
     return BTF_OK;
 }
 
@@ -134,7 +138,8 @@ static btf_result reduce(const enc_context *context, const enc_data *data, const
     for (int i = 0; i < ENC_FACTORS_TRIALS && high > 1.01 * low; i++) {
         enc_factors *trial = NULL;
         const uint64_t budget = next_budget(low, low_psnr, high, high_psnr, settings->quality);
-        const btf_result result = encode(context, data, settings, budget, &trial, stats);
+        int kept = 0;
+        const btf_result result = encode(context, data, settings, budget, &trial, stats, &kept);
         if (result != BTF_OK)
             return result;
         const double reached = psnr(trial->error.srgb);
@@ -143,7 +148,7 @@ static btf_result reduce(const enc_context *context, const enc_data *data, const
             high_psnr = reached;
             enc_factors_destroy(io_best);
             *io_best = trial;
-            *io_best_trial = stats->trials_count - 1;
+            *io_best_trial = kept;
         } else {
             low = (double)budget;
             low_psnr = reached;
@@ -153,43 +158,6 @@ static btf_result reduce(const enc_context *context, const enc_data *data, const
     return BTF_OK;
 }
 
-/* Match.
- * ------------------------------------------------------------------------------------------------ */
-
-/* A survey's ratio up to which match and gain are tried: see FORMAT.md, section 12, for what materials give. */
-#define MAY_PAY 0.8
-/* dB, the mean of linear and sRGB-coded ones, that they must gain at the same bytes. */
-#define MUST_GAIN 0.05
-
-/* What b gains over a, in dB. */
-static double gained(const enc_factors *a, const enc_factors *b) {
-    return (psnr(b->error.linear) - psnr(a->error.linear) + psnr(b->error.srgb) - psnr(a->error.srgb)) / 2;
-}
-
-/* Tries match and gain beside *io_best, which has neither. Where they pay, they replace it, and settings' effects. */
-static btf_result try_match(const enc_context *context, const enc_data *data, enc_factors_settings *settings,
-                            enc_factors **io_best, enc_factors_stats *stats, int *io_best_trial) {
-    const uint64_t least = enc_factor_least_budget(data->width, data->height, data->n_views, data->n_lights);
-    const uint64_t points = enc_match_bytes(enc_data_texel_count(data), (size_t)data->n_views, true);
-    enc_factors *trial = NULL;
-    enc_log(context, BTF_LOG_INFO, "factors: a survey expects %.3f of the squared error with match and gain",
-            (*io_best)->survey);
-    if (!((*io_best)->survey <= MAY_PAY) || settings->budget < least + points)
-        return BTF_OK;
-    enc_factors_settings matched = *settings;
-    matched.effects |= BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN;
-    const btf_result result = encode(context, data, &matched, settings->budget, &trial, stats);
-    if (result == BTF_OK && gained(*io_best, trial) >= MUST_GAIN) {
-        enc_factors_destroy(io_best);
-        *io_best = trial;
-        *io_best_trial = stats->trials_count - 1;
-        settings->effects = matched.effects;
-    } else {
-        enc_factors_destroy(&trial);
-    }
-    return result;
-}
-
 btf_result enc_factors_solve(const enc_context *context, const enc_data *data, const enc_factors_settings *settings,
                              enc_solution *out_solution, enc_factors_stats *out_stats) {
     enc_factors_settings now = *settings;
@@ -197,14 +165,11 @@ btf_result enc_factors_solve(const enc_context *context, const enc_data *data, c
     int best_trial = 0;
     *out_solution = (enc_solution){0};
     *out_stats = (enc_factors_stats){0};
-    if (now.choose)
-        now.effects = BTF_EFFECT_RESIDUAL;
-    btf_result result = encode(context, data, &now, now.budget, &best, out_stats);
-    if (result == BTF_OK && now.choose)
-        result = try_match(context, data, &now, &best, out_stats, &best_trial);
-    now.choose = false;
+    btf_result result = encode(context, data, &now, now.budget, &best, out_stats, &best_trial);
     if (result == BTF_OK && settings->quality > 0) {
         const double reached = psnr(best->error.srgb);
+        now.effects = out_stats->trials[best_trial].effects;
+        now.choose = false; /* what paid at the whole budget is kept */
         if (reached >= settings->quality)
             result = reduce(context, data, &now, &best, out_stats, &best_trial);
         else
@@ -212,8 +177,9 @@ btf_result enc_factors_solve(const enc_context *context, const enc_data *data, c
                     settings->quality, (unsigned long long)settings->budget);
     }
     if (result == BTF_OK) {
+        const bool gain = out_stats->trials[best_trial].effects & BTF_EFFECT_GAIN;
         out_stats->trials[best_trial].verdict = "best";
-        result = to_solution(context, data, now.effects & BTF_EFFECT_GAIN, &best, out_solution);
+        result = to_solution(context, data, gain, &best, out_solution);
     }
     enc_factors_destroy(&best);
     return result;

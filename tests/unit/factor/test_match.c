@@ -119,10 +119,12 @@ static void test_search_finds_what_was_planted(void **state) {
     enc_factor_codes codes = codes_of(p, &m);
     enc_match_bases bases;
     enc_match match;
+    enc_match_coordinates at;
     double error = 0, energy = 0;
     assert_int_equal(enc_match_create(&two, SIDE, SIDE, VIEWS, true, &match), BTF_OK);
     assert_int_equal(enc_match_find_bases(&m, &bases), BTF_OK);
-    assert_int_equal(enc_match_search(&m, &codes, &bases, 0, 1, NULL, &match, &error, &energy), BTF_OK);
+    assert_int_equal(enc_match_coordinates_create(&m, bases.leading, &at), BTF_OK);
+    assert_int_equal(enc_match_search(&m, &codes, &bases, &at, &match, &error, &energy), BTF_OK);
     for (size_t v = 0; v < VIEWS; v++) {
         for (size_t x = 0; x < TEXELS; x++) {
             assert_int_equal(match.source[v * TEXELS + x], p->source[v][x]);
@@ -132,6 +134,7 @@ static void test_search_finds_what_was_planted(void **state) {
     assert_true(error < 1e-3 * energy);
     enc_match_fit_gains(&two, &match);
     assert_int_equal(match.gains.count, ENC_MATCH_GAINS);
+    enc_match_coordinates_clear(&at);
     enc_match_bases_clear(&bases);
     enc_match_clear(&match);
     enc_factor_codes_clear(&codes);
@@ -219,7 +222,7 @@ static void test_descent_lowers_the_error(void **state) {
 
 static enc_factors *encode(const enc_context *context, const enc_data *data, bool match, bool gain, uint64_t budget) {
     const enc_factor_options options = {
-        .budget = budget, .sweeps = ENC_FACTOR_SWEEPS, .match = match, .gain = gain, .measure = true};
+        .budget = budget, .sweeps = ENC_FACTOR_SWEEPS, .match = match ? ENC_FACTOR_MATCH : ENC_FACTOR_NO_MATCH, .gain = gain, .measure = true};
     enc_factors *f = NULL;
     assert_int_equal(enc_factor_encode(context, data, &options, &f), BTF_OK);
     assert_true(f->bytes <= budget && f->error.linear > 0);
