@@ -20,8 +20,9 @@ enum {
     SPARE = 24,       /* components beyond what the budget is thought to hold */
 };
 
-/* Match is tried to the end where a survey expects at most this much of the squared error that the whole budget leaves
- * without it, and kept where it gains at least so many dB, the mean of those of linear and of sRGB-coded values. */
+/* Match is tried to the end where a survey expects at most this much of the squared error that the whole
+ * budget leaves without it, and kept where it gains at least so many dB, the mean of those of linear and of
+ * sRGB-coded values. */
 #define MAY_PAY 0.8
 #define MUST_GAIN 0.05
 
@@ -199,28 +200,31 @@ static btf_result encode_plain(const enc_factor_matrix *m, const enc_factor_opti
     return result == BTF_OK ? measure(m, options, f) : result;
 }
 
-/* Sources for the components, and others in their place; trial.given_up where they leave more than `most`. */
-static btf_result find_match(const enc_factor_matrix *m, const enc_factor_options *options, double most, found *f) {
+/* Sources for the components, and others in their place; trial.given_up where they leave more than `most`.
+ */
+static btf_result find_match(const enc_factor_matrix *m, const enc_factor_options *options, double most,
+                             found *f) {
     double share = 1;
     enc_stage_begin(m->context, "match", 2 * ENC_MATCH_ROUNDS * m->texels);
-    btf_result result = enc_match_create(m->context, m->data->width, m->data->height, (size_t)m->data->n_views,
-                                         options->gain, &f->match);
+    btf_result result = enc_match_create(m->context, m->data->width, m->data->height,
+                                         (size_t)m->data->n_views, options->gain, &f->match);
     result = result == BTF_OK ? enc_match_find_bases(m, &f->bases) : result;
-    result = result == BTF_OK ? enc_match_fit(m, options->budget - match_bytes(m, options), &f->bases, most, &f->match,
-                                              f->components, &f->plan, &share)
+    result = result == BTF_OK ? enc_match_fit(m, options->budget - match_bytes(m, options), &f->bases, most,
+                                              &f->match, f->components, &f->plan, &share)
                               : result;
     enc_stage_end(m->context);
     f->trial.given_up = !(share <= most);
     if (result == BTF_OK && most < HUGE_VAL) {
-        enc_log(m->context, BTF_LOG_INFO, "match: a survey leaves %.3f of the squared error, of %.3f that would pay%s",
-                share, most, f->trial.given_up ? ": given up" : "");
+        enc_log(m->context, BTF_LOG_INFO,
+                "match: a survey leaves %.3f of the squared error, of %.3f that would pay%s", share, most,
+                f->trial.given_up ? ": given up" : "");
     }
     return result;
 }
 
 /* With match, from components and plan for what the lists leave of the budget. */
-static btf_result encode_matched(const enc_factor_matrix *plain, const enc_factor_options *options, double most,
-                                 found *f) {
+static btf_result encode_matched(const enc_factor_matrix *plain, const enc_factor_options *options,
+                                 double most, found *f) {
     enc_factor_matrix m = *plain;
     m.match = &f->match;
     btf_result result = find_match(plain, options, most, f);
@@ -237,7 +241,8 @@ static btf_result encode_matched(const enc_factor_matrix *plain, const enc_facto
     return result == BTF_OK ? measure(&m, options, f) : result;
 }
 
-static void end_trial(const enc_factor_matrix *m, const enc_factor_options *options, double begin, found *f) {
+static void end_trial(const enc_factor_matrix *m, const enc_factor_options *options, double begin,
+                      found *f) {
     enc_factor_trial *trial = &f->trial;
     trial->core_seconds = progress_core_clock() - begin;
     if (!trial->given_up) {
@@ -268,14 +273,15 @@ static double gained(enc_factor_error a, enc_factor_error b) {
            5 * log10(fmax(a.srgb, 1e-10) / fmax(b.srgb, 1e-10));
 }
 
-/* The components of the encode without match go to the one with it, with a plan for what the lists leave. Returns the
- * share of its error that may be left where it is to pay; 0 where it cannot. */
-static double hand_over(const enc_factor_matrix *m, const enc_factor_options *options, found *plain, found *matched) {
+/* The components of the encode without match go to the one with it, with a plan for what the lists leave.
+ * Returns the share of its error that may be left where it is to pay; 0 where it cannot. */
+static double hand_over(const enc_factor_matrix *m, const enc_factor_options *options, found *plain,
+                        found *matched) {
     const uint64_t lists = match_bytes(m, options);
     const enc_factor_energies energies = energies_of(plain->components);
     if (options->budget <= lists || !m->data->samples ||
-        !enc_factor_allocate(&energies, m->texels, plain->codes.views, plain->codes.lights, options->budget - lists,
-                             &matched->plan)) {
+        !enc_factor_allocate(&energies, m->texels, plain->codes.views, plain->codes.lights,
+                             options->budget - lists, &matched->plan)) {
         return 0;
     }
     const double whole = enc_factor_error_left(&energies, &plain->plan);
@@ -303,13 +309,15 @@ static btf_result encode_both(const enc_factor_matrix *m, const enc_factor_optio
         result = encode_matched(m, options, most, matched);
         end_trial(m, options, begin, matched);
     }
-    matched->trial.kept = !matched->trial.given_up && gained(plain->trial.error, matched->trial.error) >= MUST_GAIN;
+    matched->trial.kept =
+        !matched->trial.given_up && gained(plain->trial.error, matched->trial.error) >= MUST_GAIN;
     plain->trial.kept = !matched->trial.kept;
     return result;
 }
 
 /* Shifts and gains to the result, and the bytes of the points. */
-static btf_result deliver_match(const enc_factor_matrix *m, const enc_match *match, bool gain, enc_factors *out) {
+static btf_result deliver_match(const enc_factor_matrix *m, const enc_match *match, bool gain,
+                                enc_factors *out) {
     const size_t points = match->texels * match->views;
     out->shift = malloc(2 * points);
     out->gain = malloc(points);
@@ -339,8 +347,9 @@ btf_result enc_factor_encode(const enc_context *context, const enc_data *data,
                              const enc_factor_options *options, enc_factors **out_factors) {
     const enc_factor_matrix m = enc_factor_matrix_of(context, data);
     const bool match = options->match == ENC_FACTOR_MATCH, both = options->match == ENC_FACTOR_CHOOSE_MATCH;
-    const uint64_t least = enc_factor_least_budget(data->width, data->height, data->n_views, data->n_lights) +
-                           (match ? match_bytes(&m, options) : 0);
+    const uint64_t least =
+        enc_factor_least_budget(data->width, data->height, data->n_views, data->n_lights) +
+        (match ? match_bytes(&m, options) : 0);
     found f[2] = {{.trial = {0}}};
     *out_factors = NULL;
     if (options->budget < least) {
@@ -349,8 +358,9 @@ btf_result enc_factor_encode(const enc_context *context, const enc_data *data,
                         (unsigned long long)options->budget, (unsigned long long)least);
     }
     if (match && !data->samples) {
-        return enc_fail(context, BTF_ERROR_UNSUPPORTED,
-                        "factors: effect shift: the samples do not fit the memory allowed, where match needs them");
+        return enc_fail(
+            context, BTF_ERROR_UNSUPPORTED,
+            "factors: effect shift: the samples do not fit the memory allowed, where match needs them");
     }
     btf_result result = both ? encode_both(&m, options, &f[0], &f[1]) : encode_one(&m, options, &f[0]);
     if (result == BTF_OK) {

@@ -117,7 +117,8 @@ static uint64_t texel_bits(size_t entries, size_t views, bool gains) {
 }
 
 size_t enc_match_entries(size_t views, bool gains) {
-    return texel_bits(ENC_MATCH_ENTRIES, views, gains) < texel_bits(0, views, gains) ? ENC_MATCH_ENTRIES : 0;
+    return texel_bits(ENC_MATCH_ENTRIES, views, gains) < texel_bits(0, views, gains) ? ENC_MATCH_ENTRIES
+                                                                                     : 0;
 }
 
 uint64_t enc_match_bytes(size_t texels, size_t views, bool gains) {

@@ -1,8 +1,9 @@
 /* Weighted coordinate descent. See match_descend.h.
  *
- * A source z has the weight h(z, v) in view v, the sum of the squares of the gains of those who refer to it. So the
- * Gram matrix that a column of w sees is one a view, U^T diag(h_v) U, and that which a texel of u sees is one a texel,
- * sum over v of h(z, v) W_v W_v^T: a product of all views' matrices, as rows, with the weights of a few texels.
+ * A source z has the weight h(z, v) in view v, the sum of the squares of the gains of those who refer to
+ * it. So the Gram matrix that a column of w sees is one a view, U^T diag(h_v) U, and that which a texel of
+ * u sees is one a texel, sum over v of h(z, v) W_v W_v^T: a product of all views' matrices, as rows, with
+ * the weights of a few texels.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -31,8 +32,9 @@ typedef struct lanes {
     const enc_factor_channel *channel;
     bool round, is_w;
     const float *steps; /* [rank] */
-    const float *gram;  /* one for all lanes: [rank][rank]; one a lane: [pair j (j + 1) / 2 + k, k <= j][LANES] */
-    float *x, *product; /* [rank][LANES] */
+    const float
+        *gram; /* one for all lanes: [rank][rank]; one a lane: [pair j (j + 1) / 2 + k, k <= j][LANES] */
+    float *x, *product;            /* [rank][LANES] */
     float views[ENC_FACTOR_TIERS]; /* factors of the view, 1 for u */
 } lanes;
 
@@ -49,8 +51,8 @@ ENC_FACTOR_CLONES static void see_shared(size_t rank, const float *restrict gram
 }
 
 /* The same of component j, every lane having a Gram matrix of its own. */
-ENC_FACTOR_CLONES static void see_own(size_t rank, size_t j, const float *restrict gram, const float *restrict x,
-                                      float *restrict seen) {
+ENC_FACTOR_CLONES static void see_own(size_t rank, size_t j, const float *restrict gram,
+                                      const float *restrict x, float *restrict seen) {
     float sum[LANES] = {0};
     const float *row = gram + j * (j + 1) / 2 * LANES;
     for (size_t k = 0; k < j; k++) {
@@ -68,8 +70,9 @@ ENC_FACTOR_CLONES static void see_own(size_t rank, size_t j, const float *restri
 }
 
 /* A component goes to its best value in all lanes. */
-ENC_FACTOR_CLONES static void settle(bool round, enc_factor_levels levels, float step, const float *restrict diagonal,
-                                     const float *restrict product, const float *restrict seen, float *restrict x) {
+ENC_FACTOR_CLONES static void settle(bool round, enc_factor_levels levels, float step,
+                                     const float *restrict diagonal, const float *restrict product,
+                                     const float *restrict seen, float *restrict x) {
     const float per_step = step > 0 ? 1 / step : 0.0f;
     for (size_t i = 0; i < LANES; i++) {
         const float inverse = diagonal[i] > 0 ? 1 / diagonal[i] : 0.0f;
@@ -99,8 +102,8 @@ static void sweep(const lanes *l) {
 }
 
 /* Lanes first .. first + n - 1 of values and products [rank][count]. */
-static void refine_lanes(const lanes *l, int sweeps, size_t first, size_t n, size_t count, const float *product,
-                         float *values) {
+static void refine_lanes(const lanes *l, int sweeps, size_t first, size_t n, size_t count,
+                         const float *product, float *values) {
     const size_t rank = l->channel->rank;
     memset(l->x, 0, rank * LANES * sizeof(float));
     memset(l->product, 0, rank * LANES * sizeof(float));
@@ -125,7 +128,8 @@ static void add_lower(enc_gemm_tile tile, size_t rank, size_t depth, const float
     for (size_t first = 0; first < rank; first += ENC_GEMM_N, right += ENC_GEMM_N * depth) {
         const size_t n = rank - first < ENC_GEMM_N ? rank - first : ENC_GEMM_N;
         const size_t panel = first / ENC_GEMM_M, row = panel * ENC_GEMM_M;
-        enc_gemm_multiply(tile, rank - row, n, depth, left + row * depth, right, gram + row * rank + first, rank, 1);
+        enc_gemm_multiply(tile, rank - row, n, depth, left + row * depth, right, gram + row * rank + first,
+                          rank, 1);
     }
 }
 
@@ -137,7 +141,8 @@ static void mirror(size_t rank, float *gram) {
     }
 }
 
-/* Texels with a weight in a view, `n` of the sources first .. : packed panels of their u, and of u times weight. */
+/* Texels with a weight in a view, `n` of the sources first .. : packed panels of their u, and of u times
+ * weight. */
 static void pack_users(const float *u, size_t rank, size_t texels, size_t n, const uint32_t *source,
                        const float *weight, float *left, float *right) {
     memset(left, 0, enc_gemm_panels(rank, ENC_GEMM_M) * ENC_GEMM_M * n * sizeof *left);
@@ -154,8 +159,8 @@ static void pack_users(const float *u, size_t rank, size_t texels, size_t n, con
 }
 
 /* gram = U^T diag(h_v) U. work: two packed blocks. */
-static void gram_of_view(const enc_factor_matrix *m, const enc_factor_channel *channel, size_t view, float *work,
-                         float *gram) {
+static void gram_of_view(const enc_factor_matrix *m, const enc_factor_channel *channel, size_t view,
+                         float *work, float *gram) {
     const size_t rank = channel->rank, views = m->match->views;
     float *left = work, *right = work + (rank + ENC_GEMM_M) * DEPTH / 16 * 16, weight[DEPTH];
     uint32_t source[DEPTH];
@@ -218,8 +223,8 @@ static size_t packed_rows(size_t rank, size_t depth) {
 }
 
 /* Pairs of components whose inner product in every view is a row, in panels: [panel][view][ENC_GEMM_M]. */
-static void pack_view_gram(const enc_factor_matrix *m, const enc_factor_codes *codes, const enc_factor_channel *channel,
-                           size_t view, float *work, float *packed) {
+static void pack_view_gram(const enc_factor_matrix *m, const enc_factor_codes *codes,
+                           const enc_factor_channel *channel, size_t view, float *work, float *packed) {
     const size_t rank = channel->rank, lights = codes->lights;
     const size_t block = packed_rows(rank, lights);
     float *left = work, *right = work + block, *gram = work + 2 * block;
@@ -230,12 +235,14 @@ static void pack_view_gram(const enc_factor_matrix *m, const enc_factor_codes *c
     add_lower(m->tile, rank, lights, left, right, gram);
     for (size_t j = 0, pair = 0; j < rank; j++) {
         for (size_t k = 0; k <= j; k++, pair++) {
-            packed[(pair / ENC_GEMM_M * codes->views + view) * ENC_GEMM_M + pair % ENC_GEMM_M] = gram[j * rank + k];
+            packed[(pair / ENC_GEMM_M * codes->views + view) * ENC_GEMM_M + pair % ENC_GEMM_M] =
+                gram[j * rank + k];
         }
     }
 }
 
-static bool pack_view_grams(const enc_factor_matrix *m, const enc_factor_codes *codes, int c, float *packed) {
+static bool pack_view_grams(const enc_factor_matrix *m, const enc_factor_codes *codes, int c,
+                            float *packed) {
     const enc_factor_channel *channel = &codes->channel[c];
     const size_t rank = channel->rank;
     const size_t each = 2 * packed_rows(rank, codes->lights) + (rank * rank + 15) / 16 * 16;
@@ -248,13 +255,15 @@ static bool pack_view_grams(const enc_factor_matrix *m, const enc_factor_codes *
     return work != NULL;
 }
 
-static void refine_texels(const enc_factor_matrix *m, const enc_factor_codes *codes, int c, const float *packed,
-                          size_t first, const float *product, bool round, int sweeps, float *work) {
+static void refine_texels(const enc_factor_matrix *m, const enc_factor_codes *codes, int c,
+                          const float *packed, size_t first, const float *product, bool round, int sweeps,
+                          float *work) {
     const enc_factor_channel *channel = &codes->channel[c];
     const size_t rank = channel->rank, panels = enc_gemm_panels(rank * (rank + 1) / 2, ENC_GEMM_M);
     const size_t n = m->texels - first < LANES ? m->texels - first : LANES, views = codes->views;
     float *gram = work, *weight = gram + panels * ENC_GEMM_M * LANES;
-    lanes l = {.channel = channel, .round = round, .steps = channel->step_u, .gram = gram, .views = {1, 1, 1}};
+    lanes l = {
+        .channel = channel, .round = round, .steps = channel->step_u, .gram = gram, .views = {1, 1, 1}};
     l.x = weight + views * LANES;
     l.product = l.x + rank * LANES;
     enc_gemm_pack_rows(n, views, m->match->weight + first * views, views, LANES, weight);
@@ -284,14 +293,15 @@ static bool refine_u(const enc_factor_matrix *m, const enc_factor_codes *codes, 
     return room;
 }
 
-static btf_result descend(const enc_factor_matrix *m, enc_factor_codes *codes, bool of_w, bool round, int sweeps,
-                          const enc_factor_set *product) {
+static btf_result descend(const enc_factor_matrix *m, enc_factor_codes *codes, bool of_w, bool round,
+                          int sweeps, const enc_factor_set *product) {
     enc_factor_set held = {0};
     for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
         held.rank[c] = codes->channel[c].rank;
         held.factor[c] = of_w ? codes->channel[c].u : codes->channel[c].w;
     }
-    btf_result result = of_w ? enc_factor_times_u(m, &held, product) : enc_factor_times_w(m, &held, product);
+    btf_result result =
+        of_w ? enc_factor_times_u(m, &held, product) : enc_factor_times_w(m, &held, product);
     for (int c = 0; c < ENC_FACTOR_CHANNELS && result == BTF_OK; c++) {
         if (codes->channel[c].rank > 0) {
             const bool room = of_w ? refine_w(m, codes, c, product->factor[c], round, sweeps)

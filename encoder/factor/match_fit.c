@@ -23,7 +23,8 @@ static btf_result no_memory(const enc_factor_matrix *m) {
  * ------------------------------------------------------------------------------------------------ */
 
 /* out = r a r^T of upper triangular r and symmetric a, all [n][n]; scratch likewise. */
-static void congruence(int threads, size_t n, const double *r, const double *a, double *scratch, double *out) {
+static void congruence(int threads, size_t n, const double *r, const double *a, double *scratch,
+                       double *out) {
 #pragma omp parallel for schedule(dynamic, 8) num_threads(threads)
     for (size_t i = 0; i < n; i++) {
         double *row = scratch + i * n;
@@ -47,8 +48,8 @@ static void congruence(int threads, size_t n, const double *r, const double *a, 
 }
 
 /* The rows that turn u and w into components, from eigenvectors `e` of r G_w r^T, G_u = r^T r. */
-static void find_turns(size_t n, const double *r, const double *e, const double *values, double *solved, float *turn_u,
-                       float *turn_w) {
+static void find_turns(size_t n, const double *r, const double *e, const double *values, double *solved,
+                       float *turn_u, float *turn_w) {
     for (size_t i = 0; i < n; i++) {
         for (size_t j = 0; j < n; j++) {
             solved[j * n + i] = e[i * n + j];
@@ -70,7 +71,8 @@ static void find_turns(size_t n, const double *r, const double *e, const double 
 
 /* The singular components of u^T w. */
 static bool orthogonalise(const enc_factor_matrix *m, size_t n, float *u, float *w) {
-    double *r = malloc(5 * n * n * sizeof *r), *gram = r ? r + n * n : NULL, *scratch = r ? r + 2 * n * n : NULL;
+    double *r = malloc(5 * n * n * sizeof *r), *gram = r ? r + n * n : NULL,
+           *scratch = r ? r + 2 * n * n : NULL;
     double *e = r ? r + 3 * n * n : NULL, *values = calloc(n + 1, sizeof *values), trace = 0;
     float *turn = malloc(2 * n * n * sizeof *turn + 1);
     bool done = r && values && turn;
@@ -133,7 +135,8 @@ static bool to_components(const enc_factor_matrix *m, enc_factor_channel *channe
     out->u = enc_gemm_alloc(n * m->texels);
     out->w = enc_gemm_alloc(n * m->columns);
     out->energy = calloc(n + 1, sizeof *out->energy);
-    const bool room = by && out->u && out->w && out->energy && (n == 0 || orthogonalise(m, n, channel->u, channel->w));
+    const bool room =
+        by && out->u && out->w && out->energy && (n == 0 || orthogonalise(m, n, channel->u, channel->w));
     if (room) {
 #pragma omp parallel for schedule(static) num_threads(m->context->threads)
         for (size_t j = 0; j < n; j++) {
@@ -143,7 +146,8 @@ static bool to_components(const enc_factor_matrix *m, enc_factor_channel *channe
         for (size_t j = 0; j < n; j++) {
             out->energy[j] = by[j].energy;
             memcpy(out->u + j * m->texels, channel->u + by[j].from * m->texels, m->texels * sizeof(float));
-            memcpy(out->w + j * m->columns, channel->w + by[j].from * m->columns, m->columns * sizeof(float));
+            memcpy(out->w + j * m->columns, channel->w + by[j].from * m->columns,
+                   m->columns * sizeof(float));
         }
     }
     free(by);
@@ -164,8 +168,9 @@ static double own_error(const enc_match *match, const enc_match_coordinates *at)
 }
 
 /* A search, and lists for what it found. */
-static btf_result search(const enc_factor_matrix *m, const enc_match_bases *bases, bool first, enc_match *match,
-                         const enc_factor_codes *codes, double *out_own, double *out_left) {
+static btf_result search(const enc_factor_matrix *m, const enc_match_bases *bases, bool first,
+                         enc_match *match, const enc_factor_codes *codes, double *out_own,
+                         double *out_left) {
     const bool gains = match->gains.count > 1;
     const size_t entries = enc_match_entries(match->views, gains);
     enc_match_coordinates at;
@@ -184,16 +189,17 @@ static btf_result search(const enc_factor_matrix *m, const enc_match_bases *base
     }
     enc_match_coordinates_clear(&at);
     if (result == BTF_OK) {
-        enc_log(m->context, BTF_LOG_INFO,
-                "match: of the energy the texels' own factors leave %.3f %%, a search %.3f %%, lists %.3f %%",
-                100 * *out_own / energy, 100 * error / energy, 100 * *out_left / energy);
+        enc_log(
+            m->context, BTF_LOG_INFO,
+            "match: of the energy the texels' own factors leave %.3f %%, a search %.3f %%, lists %.3f %%",
+            100 * *out_own / energy, 100 * error / energy, 100 * *out_left / energy);
     }
     return result;
 }
 
 /* Rounds on unrounded factors; *out_share after the second search. */
-static btf_result play_rounds(const enc_factor_matrix *m, const enc_match_bases *bases, double most, enc_match *match,
-                              enc_factor_codes *codes, double *out_share) {
+static btf_result play_rounds(const enc_factor_matrix *m, const enc_match_bases *bases, double most,
+                              enc_match *match, enc_factor_codes *codes, double *out_share) {
     btf_result result = BTF_OK;
     double first_own = 1;
     *out_share = 1;
@@ -223,12 +229,14 @@ static btf_result plan_anew(const enc_factor_matrix *m, uint64_t budget, enc_fac
         energies.rank[c] = components[c].rank;
         energies.energy[c] = components[c].energy;
     }
-    return enc_factor_allocate(&energies, m->texels, codes->views, codes->lights, budget, plan) ? BTF_OK
-                                                                                                 : no_memory(m);
+    return enc_factor_allocate(&energies, m->texels, codes->views, codes->lights, budget, plan)
+               ? BTF_OK
+               : no_memory(m);
 }
 
-btf_result enc_match_fit(const enc_factor_matrix *matrix, uint64_t budget, const enc_match_bases *bases, double most,
-                         enc_match *match, enc_components components[3], enc_factor_plan *plan, double *out_share) {
+btf_result enc_match_fit(const enc_factor_matrix *matrix, uint64_t budget, const enc_match_bases *bases,
+                         double most, enc_match *match, enc_components components[3], enc_factor_plan *plan,
+                         double *out_share) {
     enc_factor_matrix m = *matrix;
     enc_factor_codes codes;
     btf_result result = enc_factor_codes_create(&m, plan, components, &codes);

@@ -20,7 +20,8 @@ typedef struct pair {
 static size_t distinct_pairs(const enc_match *match, size_t texel, pair *out) {
     size_t count = 0;
     for (size_t v = 0; v < match->views; v++) {
-        const pair next = {match->source[v * match->texels + texel], match->gain[v * match->texels + texel]};
+        const pair next = {match->source[v * match->texels + texel],
+                           match->gain[v * match->texels + texel]};
         size_t i = 0;
         while (i < count && (out[i].source != next.source || out[i].gain != next.gain)) {
             i++;
@@ -63,8 +64,8 @@ static size_t best_pair(size_t views, size_t count, const float *value, const fl
 }
 
 /* One texel; returns the sum of the values. has [view]: room. */
-static double restrict_texel(const enc_match_coordinates *at, size_t entries, size_t texel, pair *pairs, float *value,
-                             float *has, enc_match *match) {
+static double restrict_texel(const enc_match_coordinates *at, size_t entries, size_t texel, pair *pairs,
+                             float *value, float *has, enc_match *match) {
     const size_t views = match->views, count = distinct_pairs(match, texel, pairs);
     double total = 0;
     fill_values(match, at, texel, count, pairs, value);

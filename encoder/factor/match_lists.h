@@ -20,10 +20,10 @@ btf_result enc_match_coordinates_create(const enc_factor_matrix *matrix, size_t 
                                         enc_match_coordinates *out_coordinates);
 void enc_match_coordinates_clear(enc_match_coordinates *coordinates);
 
-/* Chooses for each texel, among the pairs of source and gain that its views have, the `entries` that leave the least
- * error one after the other, and gives each view the best of them. Users are counted anew. *out_error is what is left,
- * as a search counts it. Errors: BTF_ERROR_MEMORY. */
-btf_result enc_match_restrict(const enc_factor_matrix *matrix, const enc_match_coordinates *at, size_t entries,
-                              enc_match *io_match, double *out_error);
+/* Chooses for each texel, among the pairs of source and gain that its views have, the `entries` that leave
+ * the least error one after the other, and gives each view the best of them. Users are counted anew.
+ * *out_error is what is left, as a search counts it. Errors: BTF_ERROR_MEMORY. */
+btf_result enc_match_restrict(const enc_factor_matrix *matrix, const enc_match_coordinates *at,
+                              size_t entries, enc_match *io_match, double *out_error);
 
 #endif

@@ -1,9 +1,9 @@
 /* Search by blocked matrix product. See match_search.h.
  *
- * |c - g z|^2 = |c|^2 - g (2 <c, z> - g |z|^2): for each query c, the source z and the gain g of the scale that make
- * the last term greatest are wanted. A product of matrices finds <c, z> in the first few coordinates alone, a tile of
- * twelve queries by 32 sources at a time. As the distance in all of them is no less, only sources that are near enough
- * there are looked at in full.
+ * |c - g z|^2 = |c|^2 - g (2 <c, z> - g |z|^2): for each query c, the source z and the gain g of the scale
+ * that make the last term greatest are wanted. A product of matrices finds <c, z> in the first few
+ * coordinates alone, a tile of twelve queries by 32 sources at a time. As the distance in all of them is no
+ * less, only sources that are near enough there are looked at in full.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -23,8 +23,8 @@
 
 enum {
     SCREEN = 16, /* coordinates that tell most sources to be too far away */
-    SIDE = 16,  /* of a tile of texels that look at the same sources */
-    EXACT = 64, /* texels along an axis up to which all are looked at */
+    SIDE = 16,   /* of a tile of texels that look at the same sources */
+    EXACT = 64,  /* texels along an axis up to which all are looked at */
     SAMPLE = 512,
     POWER_STEPS = 2,
 };
@@ -49,7 +49,8 @@ static size_t sample_profiles(const enc_factor_matrix *m, size_t view, float *ou
 }
 
 /* out [k][length] += sum over rows of (q row) row, with q [k][length]. */
-static void power_step(size_t k, size_t length, size_t count, const float *rows, const float *q, float *out) {
+static void power_step(size_t k, size_t length, size_t count, const float *rows, const float *q,
+                       float *out) {
     memset(out, 0, k * length * sizeof *out);
     for (size_t i = 0; i < count; i++) {
         const float *row = rows + i * length;
@@ -64,7 +65,8 @@ static void power_step(size_t k, size_t length, size_t count, const float *rows,
 }
 
 /* Turns the basis so that falling energy of the rows' coordinates comes first. */
-static bool order_basis(size_t k, size_t length, size_t count, const float *rows, const float *from, float *basis) {
+static bool order_basis(size_t k, size_t length, size_t count, const float *rows, const float *from,
+                        float *basis) {
     double *gram = calloc(k * k, sizeof *gram), *at = malloc(2 * k * sizeof *at);
     bool done = gram && at;
     for (size_t i = 0; i < count && done; i++) {
@@ -90,7 +92,8 @@ static bool order_basis(size_t k, size_t length, size_t count, const float *rows
 }
 
 /* work: profiles, and twice the basis. */
-static bool find_basis(const enc_factor_matrix *m, size_t view, size_t k, size_t length, float *work, float *basis) {
+static bool find_basis(const enc_factor_matrix *m, size_t view, size_t k, size_t length, float *work,
+                       float *basis) {
     float *rows = work, *q = work + SAMPLE * length, *lower = q + k * length;
     const size_t count = sample_profiles(m, view, rows);
     uint64_t state = view + 1;
@@ -158,15 +161,17 @@ typedef struct view_search {
     double error, energy;
 } view_search;
 
-static size_t thread_floats(const enc_factor_matrix *m, size_t k, size_t length, size_t components, size_t most) {
+static size_t thread_floats(const enc_factor_matrix *m, size_t k, size_t length, size_t components,
+                            size_t most) {
     const size_t queries = m->texels + 4 * ENC_GEMM_M * k;
-    const size_t coordinates = components * 2 * ENC_GEMM_N + (length + k) * 2 * ENC_GEMM_N + ENC_GEMM_M * length * 2;
+    const size_t coordinates =
+        components * 2 * ENC_GEMM_N + (length + k) * 2 * ENC_GEMM_N + ENC_GEMM_M * length * 2;
     return (queries + coordinates + most * (k + 3) + 256) / 16 * 16 + 4096;
 }
 
 /* out [count][k] = rows [count][length] basis^T, count at most ENC_GEMM_M. */
-static void project(const view_search *s, size_t count, const float *rows, size_t length, const float *packed_basis,
-                    float *left, float *out) {
+static void project(const view_search *s, size_t count, const float *rows, size_t length,
+                    const float *packed_basis, float *left, float *out) {
     enc_gemm_pack_rows(count, length, rows, length, ENC_GEMM_M, left);
     enc_gemm_multiply(s->m->tile, count, s->k, length, left, packed_basis, out, s->k, 0);
 }
@@ -178,13 +183,15 @@ static float *aligned(float *at) {
 /* Coordinates of the texels' profiles. */
 static void find_queries(const view_search *s, size_t length, float *work) {
     const size_t lights = length / 3;
-    float *basis = aligned(work), *left = aligned(basis + 2 * ENC_GEMM_N * length), *rows = left + ENC_GEMM_M * length;
+    float *basis = aligned(work), *left = aligned(basis + 2 * ENC_GEMM_N * length),
+          *rows = left + ENC_GEMM_M * length;
     enc_gemm_pack_rows(s->k, length, s->basis, length, ENC_GEMM_N, basis);
     for (size_t first = 0; first < s->m->texels; first += ENC_GEMM_M) {
         const size_t n = s->m->texels - first < ENC_GEMM_M ? s->m->texels - first : ENC_GEMM_M;
         for (size_t i = 0; i < n; i++) {
             float *row = rows + i * length;
-            enc_factor_split_profile(s->m, first + i, s->view, (float *const[3]){row, row + lights, row + 2 * lights});
+            enc_factor_split_profile(s->m, first + i, s->view,
+                                     (float *const[3]){row, row + lights, row + 2 * lights});
         }
         project(s, n, rows, length, basis, left, s->query + first * s->k);
     }
@@ -204,7 +211,8 @@ static void find_sources(const view_search *s, size_t length, float *work) {
             }
         }
     }
-    enc_gemm_multiply(s->m->tile, s->m->texels, s->k, s->components, s->packed_u, turned, s->source, s->k, 0);
+    enc_gemm_multiply(s->m->tile, s->m->texels, s->k, s->components, s->packed_u, turned, s->source, s->k,
+                      0);
     const float step = s->match->gains.step;
     for (size_t z = 0; z < s->m->texels; z++) {
         s->norm[z] = (float)enc_dot(s->k, s->source + z * s->k, s->source + z * s->k);
@@ -231,7 +239,8 @@ static float gain_index(const enc_match_gains *g, float dot, float inverse) {
     return (index + 0x1.8p23f) - 0x1.8p23f;
 }
 
-/* The inner product of k coordinates, k a multiple of 16 where the space has as many; in one order for any width. */
+/* The inner product of k coordinates, k a multiple of 16 where the space has as many; in one order for any
+ * width. */
 ENC_FACTOR_CLONES static float short_dot(size_t k, const float *restrict a, const float *restrict b) {
     float sum[16] = {0}, total = 0;
     size_t i = 0;
@@ -259,8 +268,8 @@ static choice look_at(const view_search *s, const float *query, uint32_t source)
     return (choice){source, index, gain * (2 * dot - gain * s->norm[source])};
 }
 
-/* Which of 32 sources may be nearer than a threshold: t (2 d - t) over it, d their inner products as unit vectors,
- * t = d within low .. high. */
+/* Which of 32 sources may be nearer than a threshold: t (2 d - t) over it, d their inner products as unit
+ * vectors, t = d within low .. high. */
 typedef uint32_t (*screen_fn)(const float *dot, const float *low, const float *high, float threshold);
 
 static uint32_t screen_plain(const float *dot, const float *low, const float *high, float threshold) {
@@ -274,8 +283,8 @@ static uint32_t screen_plain(const float *dot, const float *low, const float *hi
 }
 
 #if defined(__x86_64__)
-__attribute__((target("avx512f"))) static uint32_t screen_avx512(const float *dot, const float *low, const float *high,
-                                                                 float threshold) {
+__attribute__((target("avx512f"))) static uint32_t screen_avx512(const float *dot, const float *low,
+                                                                 const float *high, float threshold) {
     uint32_t mask = 0;
     for (unsigned i = 0; i < ENC_GEMM_N; i += 16) {
         const __m512 d = _mm512_loadu_ps(dot + i);
@@ -287,15 +296,16 @@ __attribute__((target("avx512f"))) static uint32_t screen_avx512(const float *do
     return mask;
 }
 
-__attribute__((target("avx2"))) static uint32_t screen_avx2(const float *dot, const float *low, const float *high,
-                                                            float threshold) {
+__attribute__((target("avx2"))) static uint32_t screen_avx2(const float *dot, const float *low,
+                                                            const float *high, float threshold) {
     uint32_t mask = 0;
     for (unsigned i = 0; i < ENC_GEMM_N; i += 8) {
         const __m256 d = _mm256_loadu_ps(dot + i);
         const __m256 t =
             _mm256_min_ps(_mm256_max_ps(d, _mm256_loadu_ps(low + i)), _mm256_loadu_ps(high + i));
         const __m256 value = _mm256_mul_ps(t, _mm256_sub_ps(_mm256_add_ps(d, d), t));
-        mask |= (uint32_t)_mm256_movemask_ps(_mm256_cmp_ps(value, _mm256_set1_ps(threshold), _CMP_GT_OQ)) << i;
+        mask |= (uint32_t)_mm256_movemask_ps(_mm256_cmp_ps(value, _mm256_set1_ps(threshold), _CMP_GT_OQ))
+                << i;
     }
     return mask;
 }
@@ -313,8 +323,8 @@ static screen_fn select_screen(void) {
     return screen_plain;
 }
 
-/* Sources along an axis that all of the places first .. first + n - 1 reach: out of them `count`, from the return
- * value on, around the circle. */
+/* Sources along an axis that all of the places first .. first + n - 1 reach: out of them `count`, from the
+ * return value on, around the circle. */
 static int reach(int size, int first, int n, int *count) {
     if (size <= EXACT) {
         *count = size;
@@ -337,7 +347,8 @@ static size_t pack_sources(view_search *s, int column, int row, int columns, int
         const uint32_t source = (uint32_t)(y * width + x);
         const float *from = s->source + source * s->k;
         float *to = s->panels + i / ENC_GEMM_N * ENC_GEMM_N * s->screen + i % ENC_GEMM_N;
-        const float length = sqrtf(short_dot(s->screen, from, from)), inverse = length > 0 ? 1 / length : 0.0f;
+        const float length = sqrtf(short_dot(s->screen, from, from)),
+                    inverse = length > 0 ? 1 / length : 0.0f;
         s->list[i] = source;
         s->low[i] = length * g->base;
         s->high[i] = length * (g->base + g->step * (float)(g->count - 1));
@@ -367,8 +378,8 @@ static void search_panel(view_search *s, size_t panels, size_t count, const uint
     for (size_t p = 0; p < panels; p++) {
         s->m->tile(s->screen, left, s->panels + p * ENC_GEMM_N * s->screen, tile);
         for (size_t q = 0; q < count; q++) {
-            uint32_t mask = s->screener(tile + q * ENC_GEMM_N, s->low + p * ENC_GEMM_N, s->high + p * ENC_GEMM_N,
-                                        best[q].value - margin[q]);
+            uint32_t mask = s->screener(tile + q * ENC_GEMM_N, s->low + p * ENC_GEMM_N,
+                                        s->high + p * ENC_GEMM_N, best[q].value - margin[q]);
             for (; mask; mask &= mask - 1) {
                 const choice next = look_at(s, s->query + texel[q] * s->k,
                                             s->list[p * ENC_GEMM_N + (size_t)__builtin_ctz(mask)]);
@@ -387,8 +398,10 @@ static void search_panel(view_search *s, size_t panels, size_t count, const uint
 
 static void search_tile(view_search *s, int column, int row, float *left) {
     const int width = s->match->width, height = s->match->height;
-    const int columns = width - column < SIDE ? width - column : SIDE, rows = height - row < SIDE ? height - row : SIDE;
-    const size_t panels = pack_sources(s, column, row, columns, rows), count = (size_t)columns * (size_t)rows;
+    const int columns = width - column < SIDE ? width - column : SIDE,
+              rows = height - row < SIDE ? height - row : SIDE;
+    const size_t panels = pack_sources(s, column, row, columns, rows),
+                 count = (size_t)columns * (size_t)rows;
     uint32_t texel[SIDE * SIDE];
     for (size_t i = 0; i < count; i++) {
         const int x = column + (int)i % columns, y = row + (int)i / columns;
@@ -429,7 +442,8 @@ static size_t most_sources(const enc_match *match) {
 }
 
 /* u of all channels, texels in panels. */
-static void pack_u(const enc_factor_matrix *m, const enc_factor_codes *codes, size_t components, float *out) {
+static void pack_u(const enc_factor_matrix *m, const enc_factor_codes *codes, size_t components,
+                   float *out) {
 #pragma omp parallel for schedule(static) num_threads(m->context->threads)
     for (size_t first = 0; first < m->texels; first += ENC_GEMM_M) {
         const size_t n = m->texels - first < ENC_GEMM_M ? m->texels - first : ENC_GEMM_M;
@@ -442,9 +456,9 @@ static void pack_u(const enc_factor_matrix *m, const enc_factor_codes *codes, si
     }
 }
 
-btf_result enc_match_search(const enc_factor_matrix *m, const enc_factor_codes *codes, const enc_match_bases *bases,
-                            const enc_match_coordinates *keep, enc_match *match, double *out_error,
-                            double *out_energy) {
+btf_result enc_match_search(const enc_factor_matrix *m, const enc_factor_codes *codes,
+                            const enc_match_bases *bases, const enc_match_coordinates *keep,
+                            enc_match *match, double *out_error, double *out_energy) {
     const size_t components = codes->channel[0].rank + codes->channel[1].rank + codes->channel[2].rank;
     const size_t most = most_sources(match), views = match->views;
     const size_t each = thread_floats(m, bases->leading, bases->length, components, most);
@@ -456,9 +470,16 @@ btf_result enc_match_search(const enc_factor_matrix *m, const enc_factor_codes *
         pack_u(m, codes, components, packed);
 #pragma omp parallel for schedule(dynamic) num_threads(m->context->threads)
         for (size_t v = 0; v < views; v++) {
-            view_search s = {.m = m, .codes = codes, .packed_u = packed, .components = components,
-                             .k = bases->leading, .view = v, .keep = keep, .screener = select_screen(),
-                             .screen = bases->leading < SCREEN ? bases->leading : SCREEN, .match = match,
+            view_search s = {.m = m,
+                             .codes = codes,
+                             .packed_u = packed,
+                             .components = components,
+                             .k = bases->leading,
+                             .view = v,
+                             .keep = keep,
+                             .screener = select_screen(),
+                             .screen = bases->leading < SCREEN ? bases->leading : SCREEN,
+                             .match = match,
                              .basis = bases->basis + v * bases->leading * bases->length};
             if (!enc_cancelled(m->context)) {
                 search_view(&s, bases->length, most, work + enc_thread_index() * each);

@@ -1,5 +1,5 @@
-/* Match and gain of factors: sources and gains that were planted are found, what the encoder measures is what the
- * reference decodes, threads do not matter, and neither is kept where it does not pay.
+/* Match and gain of factors: sources and gains that were planted are found, what the encoder measures is
+ * what the reference decodes, threads do not matter, and neither is kept where it does not pay.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -63,7 +63,8 @@ static void fill(planted *p, float noise, uint32_t *state) {
             root *= p->gain[v][x];
             for (size_t c = 0; c < 3; c++) {
                 const float value = root + noise * (uniform(state) - 0.5f);
-                p->data->samples[(x * COLUMNS + v * LIGHTS) * 3 + c * LIGHTS + i % LIGHTS] = value > 0 ? value * value : 0;
+                p->data->samples[(x * COLUMNS + v * LIGHTS) * 3 + c * LIGHTS + i % LIGHTS] =
+                    value > 0 ? value * value : 0;
             }
         }
     }
@@ -177,17 +178,20 @@ static double distance(const planted *p, const enc_factor_codes *codes, const en
             const size_t v = i / LIGHTS, source = match->source[v * TEXELS + x];
             double root = 0;
             for (size_t j = 0; j < codes->channel[0].rank; j++) {
-                root += (double)codes->channel[0].u[j * TEXELS + source] * codes->channel[0].w[j * COLUMNS + i];
+                root +=
+                    (double)codes->channel[0].u[j * TEXELS + source] * codes->channel[0].w[j * COLUMNS + i];
             }
             const double e =
-                sqrt(3 * (double)p->data->samples[(x * COLUMNS + v * LIGHTS) * 3 + i % LIGHTS]) - enc_match_gain(match, v, x) * root;
+                sqrt(3 * (double)p->data->samples[(x * COLUMNS + v * LIGHTS) * 3 + i % LIGHTS]) -
+                enc_match_gain(match, v, x) * root;
             sum += e * e;
         }
     }
     return sum;
 }
 
-/* Descent with the planted sources held comes back to the factors from disturbed ones, and never loses on the way. */
+/* Descent with the planted sources held comes back to the factors from disturbed ones, and never loses on
+ * the way. */
 static void test_descent_lowers_the_error(void **state) {
     (void)state;
     planted *p = plant(true, 0);
@@ -198,7 +202,8 @@ static void test_descent_lowers_the_error(void **state) {
     assert_int_equal(enc_match_create(&two, SIDE, SIDE, VIEWS, true, &match), BTF_OK);
     for (size_t i = 0; i < VIEWS * TEXELS; i++) {
         match.source[i] = (uint32_t)p->source[i / TEXELS][i % TEXELS];
-        match.gain[i] = (uint8_t)lrintf((p->gain[i / TEXELS][i % TEXELS] - match.gains.base) / match.gains.step);
+        match.gain[i] =
+            (uint8_t)lrintf((p->gain[i / TEXELS][i % TEXELS] - match.gains.base) / match.gains.step);
     }
     enc_match_count_users(&two, &match);
     const double still = distance(p, &codes, &match);
@@ -220,9 +225,13 @@ static void test_descent_lowers_the_error(void **state) {
     uproot(&p);
 }
 
-static enc_factors *encode(const enc_context *context, const enc_data *data, bool match, bool gain, uint64_t budget) {
-    const enc_factor_options options = {
-        .budget = budget, .sweeps = ENC_FACTOR_SWEEPS, .match = match ? ENC_FACTOR_MATCH : ENC_FACTOR_NO_MATCH, .gain = gain, .measure = true};
+static enc_factors *encode(const enc_context *context, const enc_data *data, bool match, bool gain,
+                           uint64_t budget) {
+    const enc_factor_options options = {.budget = budget,
+                                        .sweeps = ENC_FACTOR_SWEEPS,
+                                        .match = match ? ENC_FACTOR_MATCH : ENC_FACTOR_NO_MATCH,
+                                        .gain = gain,
+                                        .measure = true};
     enc_factors *f = NULL;
     assert_int_equal(enc_factor_encode(context, data, &options, &f), BTF_OK);
     assert_true(f->bytes <= budget && f->error.linear > 0);
@@ -241,7 +250,8 @@ static void test_pays_where_it_was_planted(void **state) {
         for (int i = 0; i < 3; i++) {
             f[i] = encode(&two, p->data, i > 0, i > 1, BUDGET);
         }
-        assert_true(moved ? f[2]->error.linear < 0.5 * f[0]->error.linear : f[2]->error.linear > f[0]->error.linear);
+        assert_true(moved ? f[2]->error.linear < 0.5 * f[0]->error.linear
+                          : f[2]->error.linear > f[0]->error.linear);
         assert_true(!moved || f[2]->error.linear < f[1]->error.linear);
         for (int i = 0; i < 3; i++) {
             enc_factors_destroy(&f[i]);
@@ -253,7 +263,8 @@ static void test_pays_where_it_was_planted(void **state) {
 static void test_threads_do_not_matter(void **state) {
     (void)state;
     planted *p = plant(true, 0.02f);
-    enc_factors *a = encode(&one, p->data, true, true, BUDGET), *b = encode(&two, p->data, true, true, BUDGET);
+    enc_factors *a = encode(&one, p->data, true, true, BUDGET),
+                *b = encode(&two, p->data, true, true, BUDGET);
     assert_memory_equal(a->shift, b->shift, 2 * VIEWS * TEXELS);
     assert_memory_equal(a->gain, b->gain, VIEWS * TEXELS);
     assert_memory_equal(a->classes, b->classes, sizeof a->classes);
@@ -292,13 +303,15 @@ static double reference_error(const enc_data *data, const enc_solution *solution
     return sum / (double)(image * LIGHTS * VIEWS);
 }
 
-/* Shifts within -32 .. 31, gains of a scale of sixteen, and the reference sees what the encoder measured. */
+/* Shifts within -32 .. 31, gains of a scale of sixteen, and the reference sees what the encoder measured.
+ */
 static void test_reference_decodes_what_was_measured(void **state) {
     (void)state;
     planted *p = plant(true, 0.02f);
     const enc_factors_settings settings = {.budget = BUDGET,
                                            .sweeps = ENC_FACTOR_SWEEPS,
-                                           .effects = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL};
+                                           .effects =
+                                               BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL};
     enc_factors *f = encode(&two, p->data, true, true, BUDGET);
     enc_solution solution;
     enc_factors_stats stats;
@@ -326,7 +339,8 @@ static void test_is_kept_where_it_pays(void **state) {
     (void)state;
     for (int moved = 0; moved < 2; moved++) {
         planted *p = plant(moved, 0.02f);
-        const enc_factors_settings settings = {.budget = BUDGET, .sweeps = ENC_FACTOR_SWEEPS, .choose = true};
+        const enc_factors_settings settings = {
+            .budget = BUDGET, .sweeps = ENC_FACTOR_SWEEPS, .choose = true};
         const uint32_t match = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN;
         enc_solution solution;
         enc_factors_stats stats;
@@ -345,7 +359,8 @@ static void test_levels_have_no_match(void **state) {
     planted *p = plant(true, 0.02f);
     const enc_factors_settings settings = {.budget = BUDGET,
                                            .sweeps = ENC_FACTOR_SWEEPS,
-                                           .effects = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL};
+                                           .effects =
+                                               BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL};
     enc_solution solution, level;
     enc_factors_stats stats;
     assert_int_equal(enc_factors_solve(&two, p->data, &settings, &solution, &stats), BTF_OK);
