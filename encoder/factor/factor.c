@@ -22,8 +22,10 @@ enum {
 
 /* Match is tried to the end where a survey expects at most this much of the squared error that the whole
  * budget leaves without it, and kept where it gains at least so many dB, the mean of those of linear and of
- * sRGB-coded values. */
-#define MAY_PAY 0.8
+ * sRGB-coded values. What a survey expects, after one round of four to seven, is too much: at 2.36 MB and 64x64
+ * texels 0.92 for bricks, which gain 0.83 dB in the end, 1.03 for BRICKS64, 0.45 dB, 1.10 for UBO_IMPALLA64, which
+ * loses 0.36. */
+#define MAY_PAY 1.07
 #define MUST_GAIN 0.05
 
 /* Bits of a code of which a budget thinks: measured materials take 3.3. */
