@@ -138,7 +138,7 @@ void enc_settings_describe(const enc_job *job, enc_option_values *values) {
     char effects[48];
     values->count = 0;
     describe_input(values, &job->read);
-    if (job->method == ENC_METHOD_FACTORS && !job->joint.choose) {
+    if (job->method == ENC_METHOD_FACTORS && !job->joint.choose && job->joint.effects != BTF_EFFECT_RESIDUAL) {
         describe(values, "effects", "%s", cli_effects_text(job->joint.effects, effects));
     }
     if (job->method != ENC_METHOD_FACTORS) {
