@@ -220,5 +220,5 @@ uint64_t enc_factor_memory(int width, int height, int n_views, int n_lights, uin
     const uint64_t square = (uint64_t)ranks[0] * ranks[0];
     /* the range finder turns one copy of the factors into another; then components, codes and a product */
     return 2 * factors + sizeof(float) * rank * longest + 24 * square + budget +
-           enc_factor_product_memory(texels, columns, rank, threads);
+           enc_factor_product_memory(columns, rank, threads);
 }

@@ -288,10 +288,9 @@ btf_result enc_factor_residual(const enc_factor_matrix *m, const enc_factor_set 
     return result;
 }
 
-uint64_t enc_factor_product_memory(size_t texels, size_t columns, size_t rank, int threads) {
+uint64_t enc_factor_product_memory(size_t columns, size_t rank, int threads) {
     const uint64_t rows = rank + 3 * ENC_GEMM_M, t = (uint64_t)threads;
     const uint64_t by_w = rows * columns + t * (6 * (uint64_t)ENC_GEMM_N * columns + DEPTH * ENC_GEMM_N);
     const uint64_t by_u = 6 * (uint64_t)BLOCK * columns + rows * BLOCK + t * SPAN * BLOCK;
-    (void)texels;
     return sizeof(float) * (by_w > by_u ? by_w : by_u);
 }

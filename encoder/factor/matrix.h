@@ -56,6 +56,6 @@ void enc_factor_split(const enc_factor_matrix *matrix, size_t count, const float
 
 /* Bytes that a product takes at most beside the factors and the result, for factors of `rank` components in
  * all. */
-uint64_t enc_factor_product_memory(size_t texels, size_t columns, size_t rank, int threads);
+uint64_t enc_factor_product_memory(size_t columns, size_t rank, int threads);
 
 #endif

@@ -7,28 +7,9 @@
  */
 #include "pack.h"
 
+#include "encoder/model/factor_store.h"
+
 #include <math.h>
-
-/* Where a code of u lies: texel of its unit, lowest bit. */
-typedef struct slot {
-    size_t texel;
-    int bit;
-} slot;
-
-static slot slot_of_u(int class, int i) {
-    switch (class) {
-    case 0:
-        return (slot){0, 8 * i};
-    case 1:
-        return (slot){i % 4 < 2 ? 0 : 1, 8 * (i % 2) + 16 * (1 - i / 4)};
-    case 2:
-        return (slot){0, 4 * (i ^ 4)};
-    case 3:
-        return (slot){i % 8 < 4 ? 0 : 1, 4 * (i % 4) + 16 * (1 - i / 8)};
-    default:
-        return (slot){0, 8 * (3 - i / 4) + 2 * (i % 4)};
-    }
-}
 
 /* The code of a value: signed bytes of class 0, else offset binary of odd levels. */
 static uint32_t code_of(int class, int top, float value, float step) {
@@ -41,8 +22,8 @@ static void pack_u(const enc_factor_codes *codes, const enc_factor_channel *chan
                    uint32_t *out) {
     const enc_factor_place *place = &channel->place[j];
     const enc_factor_class *class = &enc_factor_classes[place->class];
-    const slot at = slot_of_u(place->class, place->index);
-    uint32_t *words = out + (place->u_texel + at.texel) * codes->texels * 4 + place->word;
+    const enc_store_place at = enc_store_place_of_u(place->class, place->index);
+    uint32_t *words = out + (place->u_texel + (size_t)at.second) * codes->texels * 4 + place->word;
     for (size_t t = 0; t < codes->texels; t++) {
         words[4 * t] |=
             code_of(place->class, class->top_u, channel->u[j * codes->texels + t], channel->step_u[j])

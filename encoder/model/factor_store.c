@@ -77,24 +77,18 @@ void enc_store_w_levels(const enc_factor_unit *unit, const uint32_t words[ENC_ST
             *out++ = bits == 8 ? (int8_t)(words[k] >> (8 * i)) : level(words[k] >> (bits * i), bits);
 }
 
-/* Where the code of component i of a word of u lies. */
-typedef struct place {
-    int second; /* 1: in the unit's second texel */
-    int bit;
-} place;
-
-static place place_of_u(int class, int i) {
+enc_store_place enc_store_place_of_u(int class, int i) {
     switch (class) {
     case 0:
-        return (place){0, 8 * i};
+        return (enc_store_place){0, 8 * i};
     case 1:
-        return (place){i % 4 >= 2, 8 * (i % 2) + 16 * (1 - i / 4)};
+        return (enc_store_place){i % 4 >= 2, 8 * (i % 2) + 16 * (1 - i / 4)};
     case 2:
-        return (place){0, 4 * (i ^ 4)};
+        return (enc_store_place){0, 4 * (i ^ 4)};
     case 3:
-        return (place){i % 8 >= 4, 4 * (i % 4) + 16 * (1 - i / 8)};
+        return (enc_store_place){i % 8 >= 4, 4 * (i % 4) + 16 * (1 - i / 8)};
     default:
-        return (place){0, 8 * (3 - i / 4) + 2 * (i % 4)};
+        return (enc_store_place){0, 8 * (3 - i / 4) + 2 * (i % 4)};
     }
 }
 
@@ -102,7 +96,7 @@ void enc_store_u_levels(const enc_factor_unit *unit, const uint32_t first[ENC_ST
                         const uint32_t second[ENC_STORE_WORDS], int16_t *out) {
     const int bits = class_table[unit->class].bits_u;
     for (int i = 0; i < unit->word; i++) {
-        const place at = place_of_u(unit->class, i);
+        const enc_store_place at = enc_store_place_of_u(unit->class, i);
         const uint32_t *words = at.second ? second : first;
         for (int k = 0; k < ENC_STORE_WORDS; k++) {
             const uint32_t field = words[k] >> at.bit;
@@ -126,7 +120,7 @@ void enc_store_pack_texel(const enc_factor_unit *units, size_t count, const int1
     for (const enc_factor_unit *unit = units; unit < units + count; unit++) {
         const int top = (1 << class_table[unit->class].bits_u) - 1;
         for (int n = 0; n < ENC_STORE_WORDS * unit->word; n++) {
-            const place at = place_of_u(unit->class, n % unit->word);
+            const enc_store_place at = enc_store_place_of_u(unit->class, n % unit->word);
             const int value = levels[unit->first + (size_t)n];
             const uint32_t code = unit->class == 0 ? (uint32_t)value & 255 : (uint32_t)((value + top) / 2);
             const size_t layer = unit->layer + (uint32_t)at.second;

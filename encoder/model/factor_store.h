@@ -43,6 +43,13 @@ void enc_store_truncate(const uint32_t classes[BTF_FACTOR_CLASSES][3], uint32_t 
 /* Describes each unit, out [units]. Returns the components of all. */
 size_t enc_store_list(const uint32_t classes[BTF_FACTOR_CLASSES][3], enc_factor_unit *out);
 
+/* Where the code of u of component i of a word lies (FORMAT.md section 3). */
+typedef struct enc_store_place {
+    int second; /* 1: in the unit's second texel */
+    int bit;    /* the lowest */
+} enc_store_place;
+enc_store_place enc_store_place_of_u(int class, int i);
+
 /* Levels of a unit's codes, word by word, from its texel of w and from its one or two texels of u: out [4 *
  * unit->word]. */
 void enc_store_w_levels(const enc_factor_unit *unit, const uint32_t words[ENC_STORE_WORDS], int16_t *out);
