@@ -10,7 +10,6 @@
 
 enum {
     ENC_FACTORS_TRIALS = 5, /* encodes that a search for a quality takes beside the first, at most */
-    ENC_FACTORS_LEVEL_SWEEPS = 6,
 };
 
 typedef struct enc_factors_settings {
@@ -34,11 +33,5 @@ typedef struct enc_factors_stats {
 btf_result enc_factors_solve(const enc_context *context, const enc_data *data,
                              const enc_factors_settings *settings, enc_solution *out_solution,
                              enc_factors_stats *out_stats);
-
-/* Fits u of a level of detail to its data with what it shares with `base`, the solution of level 0: by
- * least squares, then by descent on the codes. *out_solution owns its texels alone (enc_level_clear).
- * Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED. */
-btf_result enc_factors_level(const enc_context *context, const enc_data *data, const enc_solution *base,
-                             enc_solution *out_solution);
 
 #endif

@@ -7,6 +7,7 @@
 #include "encoder/base/scratch.h"
 #include "encoder/data/level_filter.h"
 #include "encoder/factor/factor.h"
+#include "encoder/factor/level.h"
 #include "encoder/factor/round.h"
 #include "encoder/factor/signal.h"
 #include "encoder/input/bonn_reader.h"
@@ -180,7 +181,7 @@ static double factor_levels(const counts *c, double further_share, const enc_fac
     const double columns = c->views * c->lights, side = fmin(c->texels, columns);
     const double luma = fmin((double)settings->budget * 8 / 3.2 / (c->texels + columns), side);
     return further_share * (c->samples * per_split + c->texels * columns * 1.25 * luma * per_product +
-                            (ENC_FACTORS_LEVEL_SWEEPS + 12) * c->texels * luma * luma * per_level_square) +
+                            (ENC_FACTORS_LEVEL_SWEEPS + ENC_FACTORS_FIT_SWEEPS) * c->texels * luma * luma * per_level_square) +
            luma * luma * columns * per_square;
 }
 

@@ -5,7 +5,7 @@
 #include "levels.h"
 
 #include "encoder/base/stage.h"
-#include "encoder/factor/method.h"
+#include "encoder/factor/level.h"
 #include "encoder/joint/level.h"
 #include "encoder/model/decode_samples.h"
 #include "encoder/model/pack.h"
