@@ -32,7 +32,7 @@ HOUSE = [
     [['encoder/job',
       'encoder/report',
       'encoder/between',
-      'encoder/paper encoder/joint encoder/factor',
+      'encoder/paper encoder/factor',
       'encoder/lafortune',
       'encoder/input encoder/model',
       'encoder/data',

@@ -151,7 +151,8 @@ static void print_exit_codes(void) {
 static void print_help(const cli_program *program) {
     printf("Usage: %s %s\n\n%s\n\nOptions:\n", program->name, program->usage, program->summary);
     for (const cli_option *option = program->options; option->type != CLI_END; option++)
-        print_option(option->short_name, option->name, argument_name(option), option->help);
+        if (option->help)
+            print_option(option->short_name, option->name, argument_name(option), option->help);
     print_option('h', "help", "", "print this and end");
     print_option(0, "version", "", "print the version and end");
     if (program->details)

@@ -55,7 +55,8 @@ typedef struct cli_option {
     char short_name;  /* 'o' for -o; 0 for none */
     const char *name; /* "output" for --output; every option has one */
     const char *arg;  /* name of the argument in --help; NULL takes one that suits the type */
-    const char *help; /* one line or more ('\n'), without the final full stop; say the default */
+    const char *help; /* one line or more ('\n'), without the final full stop; say the default. NULL: --help
+                         leaves the option out, as one that is there to be refused with a reason */
     cli_type type;
     void *value;
     const char *only; /* the --method it belongs to, for the program's own checks; NULL: every one */

@@ -11,7 +11,6 @@
 #include "encoder/factor/round.h"
 #include "encoder/factor/signal.h"
 #include "encoder/input/bonn_reader.h"
-#include "encoder/joint/cost.h"
 #include "encoder/model/pack.h"
 #include "encoder/paper/choose_effects.h"
 #include "encoder/report/leave_one_out.h"
@@ -86,43 +85,6 @@ typedef struct outcome {
     bool factors; /* levels are added up as products of matrices, and in long vectors: components are those
                      of the other store that take as long */
 } outcome;
-
-/* An empty data set of this extent: what budgets are counted from. */
-static enc_data empty_data(const enc_extent *e) {
-    return (enc_data){.width = e->width,
-                      .height = e->height,
-                      .n_views = e->n_views,
-                      .n_lights = e->n_lights,
-                      .scratch_fd = -1};
-}
-
-size_t enc_cost_components(const enc_job *job, const enc_extent *e, bool plain) {
-    const enc_data data = empty_data(e);
-    const uint32_t maps = job->joint.effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN | BTF_EFFECT_GAIN);
-    const joint_shape shape = {.effects = (plain ? 0 : maps) | BTF_EFFECT_RESIDUAL};
-    const uint64_t budget = job->joint.budget ? job->joint.budget : joint_default_budget(&data);
-    return job->method == ENC_METHOD_JOINT
-               ? joint_components_for(&data, &shape, budget, ENC_JOINT_MOST_COMPONENTS)
-               : 0;
-}
-
-static outcome add_joint(list *l, const enc_extent *e, double fetch, const enc_job *job) {
-    const enc_joint_options *options = &job->joint;
-    const enc_data data = empty_data(e);
-    joint_extent extent = joint_extent_of(&data);
-    extent.fetch = fetch;
-    const joint_costs costs = joint_cost_run(&data, &extent, options);
-    add(l, JOINT_STAGE_SURVEY, costs.survey);
-    if (options->effects & BTF_EFFECT_RESIDUAL)
-        add(l, JOINT_STAGE_START, costs.start);
-    if (costs.trials > 0)
-        add(l, JOINT_STAGE_TRIALS, costs.trials);
-    add(l, JOINT_STAGE_ROUNDS, costs.rounds);
-    add(l, JOINT_STAGE_CENTRES, costs.centres);
-    add(l, JOINT_STAGE_CODES, costs.codes);
-    return (outcome){.components = (double)enc_cost_components(job, e, false),
-                     .effects = __builtin_popcount(options->effects & ~(uint32_t)BTF_EFFECT_SHADOW)};
-}
 
 static double flow(const counts *c, double side, double lights) {
     const double labels = fmin(side + 2, ENC_FLOW_LABELS);
@@ -206,16 +168,13 @@ size_t enc_cost_parts(const enc_context *context, const enc_job *job, const enc_
     const size_t first = l.count;
     const enc_factors_settings settings =
         enc_settings_of_factors(job, e->width, e->height, e->n_views, e->n_lights);
-    const bool factors = job->method == ENC_METHOD_FACTORS;
-    const outcome found = paper     ? add_paper(&l, e, &c, fetch, &job->paper)
-                          : factors ? add_factors(&l, &c, &settings, fetch)
-                                    : add_joint(&l, e, fetch, job);
+    const outcome found = paper ? add_paper(&l, e, &c, fetch, &job->paper)
+                                : add_factors(&l, &c, &settings, fetch);
     const double analysis = enc_cost_total(out_parts + first, l.count - first);
-    if (levels > 1) /* of the joint method, two rounds of some twenty and no candidates */
+    if (levels > 1)
         add(&l, "levels",
             further(levels) * (c.samples * (per_filtered + fetch)) +
-                (factors ? factor_levels(&c, further(levels), &settings)
-                         : further(levels) * (paper ? 1 : 0.2) * analysis));
+                (paper ? further(levels) * analysis : factor_levels(&c, further(levels), &settings)));
     const double sample =
         per_measured + per_measured_component * found.components + per_measured_lobe * found.lobes + fetch;
     const double steps = (paper ? 3 : 1) + found.effects;

@@ -2,8 +2,8 @@
  * large encode be judged by a smaller one.
  *
  * Costs are core seconds on one core of an AMD EPYC (Zen 4) that has nothing else to do; constants were
- * fitted to measured core times (joint/cost.h, cost.c). They count texels, views, lights, components,
- * rounds, candidates and the searched sources, as the method and preset make them.
+ * fitted to measured core times (cost.c). They count texels, views, lights, components and rounds, as the
+ * method and preset make them.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -22,10 +22,6 @@
  * ESTIMATE_PARTS. `context` says what memory is allowed. */
 size_t enc_cost_parts(const enc_context *context, const enc_job *job, const enc_extent *extent,
                       estimate_part out_parts[ESTIMATE_PARTS]);
-
-/* Components that the joint method is likely to take, or at most where every point is its own source
- * (plain); 0 for the paper's. */
-size_t enc_cost_components(const enc_job *job, const enc_extent *extent, bool plain);
 
 /* Sum of all parts. */
 double enc_cost_total(const estimate_part *parts, size_t count);

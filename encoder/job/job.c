@@ -106,50 +106,46 @@ typedef struct job_state {
     btf_material *material;
     enc_checkpoint *checkpoint; /* NULL: none */
     char *options;
-    enc_joint_stats joint;
+    enc_factors_stats joint;
     enc_paper_stats paper;
-    enc_factors_stats factors;
     uint16_t *preview;
 } job_state;
 
-static btf_result analyse_factors(const enc_context *context, const enc_job *job, job_state *s,
+static btf_result analyse_joint(const enc_context *context, const enc_job *job, job_state *s,
                                   enc_report *report) {
     const enc_data *data = s->data;
     const enc_factors_settings settings =
         enc_settings_of_factors(job, data->width, data->height, data->n_views, data->n_lights);
     if (enc_ranks_count(context) > 1 && enc_ranks_leads(context)) {
         enc_log(context, BTF_LOG_WARNING,
-                "factors: the analysis is not split: each of %d ranks does all of it",
+                "joint: the analysis is not split: each of %d ranks does all of it",
                 enc_ranks_count(context));
     }
-    const btf_result result = enc_factors_solve(context, data, &settings, &s->found, &s->factors);
-    report->trials = s->factors.trials;
-    report->n_trials = s->factors.trials_count;
-    report->unspent = s->factors.unspent;
+    const btf_result result = enc_factors_solve(context, data, &settings, &s->found, &s->joint);
+    report->trials = s->joint.trials;
+    report->n_trials = s->joint.trials_count;
+    report->unspent = s->joint.unspent;
     return enc_ranks_agree(context, result);
+}
+
+static btf_result analyse_paper(const enc_context *context, const enc_job *job, job_state *s,
+                                enc_report *report) {
+    const enc_paper_stats *stats = &s->paper;
+    const btf_result result =
+        enc_paper(context, s->data, &job->paper, &s->found, &s->occlusion, &s->paper);
+    report->has_hidden = stats->hidden_total > 0;
+    report->hidden_before = stats->hidden_before;
+    report->hidden_after = stats->hidden_after;
+    report->hidden_total = stats->hidden_total;
+    report->trials = stats->trials;
+    report->n_trials = stats->trials_count;
+    return result;
 }
 
 static btf_result analyse(const enc_context *context, const enc_job *job, job_state *s,
                           enc_report *report) {
-    if (job->method == ENC_METHOD_FACTORS) {
-        return analyse_factors(context, job, s, report);
-    }
-    if (job->method == ENC_METHOD_PAPER) {
-        const enc_paper_stats *stats = &s->paper;
-        const btf_result result =
-            enc_paper(context, s->data, &job->paper, &s->found, &s->occlusion, &s->paper);
-        report->has_hidden = stats->hidden_total > 0;
-        report->hidden_before = stats->hidden_before;
-        report->hidden_after = stats->hidden_after;
-        report->hidden_total = stats->hidden_total;
-        report->trials = stats->trials;
-        report->n_trials = stats->trials_count;
-        return result;
-    }
-    const btf_result result = enc_joint(context, s->data, &job->joint, &s->found, &s->joint);
-    report->trials = s->joint.trials;
-    report->n_trials = s->joint.trials_count;
-    return result;
+    return job->method == ENC_METHOD_PAPER ? analyse_paper(context, job, s, report)
+                                           : analyse_joint(context, job, s, report);
 }
 
 /* How many levels the data may have is known only now. */
@@ -328,7 +324,7 @@ typedef struct stage_planner {
 
 /* More than the default budget takes more than the reader knows of. */
 static btf_result check_budget(const enc_context *context, const enc_job *job, const enc_extent *e) {
-    if (job->method != ENC_METHOD_FACTORS || context->memory == 0) {
+    if (job->method != ENC_METHOD_JOINT || context->memory == 0) {
         return BTF_OK;
     }
     const uint64_t budget =

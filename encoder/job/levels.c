@@ -6,7 +6,6 @@
 
 #include "encoder/base/stage.h"
 #include "encoder/factor/level.h"
-#include "encoder/joint/level.h"
 #include "encoder/model/decode_samples.h"
 #include "encoder/model/pack.h"
 #include "encoder/model/unpack.h"
@@ -86,9 +85,7 @@ static btf_result fit_level(void *user, int level, const enc_data *data) {
     fit_pass *pass = user;
     enc_solution *out = &pass->levels->level[level - 1];
     const btf_result result = pass->paper ? fit_paper(pass, data, level, out)
-                              : pass->base->factors.units > 0
-                                  ? enc_factors_level(&pass->quiet, data, pass->base, out)
-                                  : enc_joint_level(&pass->quiet, data, pass->base, out);
+                                          : enc_factors_level(&pass->quiet, data, pass->base, out);
     enc_stage_step(pass->context, enc_data_texel_count(data));
     return result;
 }

@@ -13,7 +13,7 @@
 #include "encoder/paper/paper.h"
 
 /* Analyses levels 1 .. count - 1 of `data` for `base`, the solution of level 0. `paper` is NULL for a base
- * of the joint method or of factors; else the whole analysis runs on each level, its centres (as many as
+ * of factors; else the whole analysis runs on each level, its centres (as many as
  * fit the atlas of the level's size) go behind those of base, and hidden points are left out where base has
  * none or the file has no room. Stage "levels". Errors: those of the stages; *out_levels is zeroed then. */
 btf_result enc_levels_fit(const enc_context *context, const enc_data *data, int count,

@@ -6,14 +6,9 @@
 
 #include "encoder/data/data.h"
 #include "encoder/factor/factor.h"
-#include "encoder/joint/joint.h"
-#include "encoder/joint/rows.h"
 #include "encoder/paper/flow.h"
 
-enum {
-    SOURCE_TASK = 96,   /* sources solved together */
-    PROGRAM = 24 << 20, /* the program itself, with its libraries */
-};
+enum { PROGRAM = 24 << 20 }; /* the program itself, with its libraries */
 
 /* The extent of a data set. */
 typedef struct extent {
@@ -41,20 +36,6 @@ static uint64_t paper(const extent *e) {
     return held + larger(larger(fit, flow), larger(refine, common(e)));
 }
 
-/* Beside samples and projection, with at most so many components. */
-static uint64_t joint(const extent *e, uint64_t most) {
-    const uint64_t rank = e->texels < e->views * e->row ? e->texels : e->views * e->row;
-    const uint64_t k = most < rank ? most : rank, basis = 4 * e->views * k * e->row;
-    /* three fits: the plain one, the best and the one at work */
-    const uint64_t fits = 3 * (5 * e->points + 4 * e->texels * k + basis);
-    const uint64_t held = 4 * e->points + 3 * e->points + e->texels * k + basis / 4;
-    const uint64_t choose = 24 * e->points + 4 * e->texels * (4 * k + 8);
-    const uint64_t solve = 4 * e->texels * (2 * k + e->views + 2) + 8 * e->views * k * k +
-                           e->threads * 4 * SOURCE_TASK * (e->views + 2 * k + k * k);
-    const uint64_t pass = 2 * basis + 4 * JOINT_BLOCK * e->row * (e->views + 4 * e->threads);
-    return held + larger(fits + basis + larger(choose, larger(solve, pass)), common(e) + 3 * e->points);
-}
-
 static extent extent_of(int width, int height, int n_views, int n_lights, int threads) {
     extent e = {.texels = (uint64_t)width * (uint64_t)height,
                 .side = (uint64_t)(width > height ? width : height),
@@ -67,14 +48,9 @@ static extent extent_of(int width, int height, int n_views, int n_lights, int th
     return e;
 }
 
-/* A third more for the allocator, and for a projection that is kept in memory. */
+/* A third more for the allocator. */
 static uint64_t with_slack(uint64_t sum) {
     return sum + sum / 3;
-}
-
-uint64_t enc_memory_least_joint(int width, int height, int n_views, int n_lights, int threads) {
-    const extent e = extent_of(width, height, n_views, n_lights, threads);
-    return with_slack(joint(&e, ENC_JOINT_MOST_COMPONENTS));
 }
 
 uint64_t enc_memory_least_paper(int width, int height, int n_views, int n_lights, int threads) {
@@ -99,37 +75,26 @@ uint64_t enc_memory_of_factors(int width, int height, int n_views, int n_lights,
     return factors(&e, width, height, budget, threads > 0 ? threads : 1);
 }
 
-uint64_t enc_memory_least_factors(int width, int height, int n_views, int n_lights, int threads) {
-    const enc_job usual = {.method = ENC_METHOD_FACTORS};
-    const enc_factors_settings settings = enc_settings_of_factors(&usual, width, height, n_views, n_lights);
-    return enc_memory_of_factors(width, height, n_views, n_lights, threads, settings.budget);
+uint64_t enc_memory_least_joint(int width, int height, int n_views, int n_lights, int threads) {
+    return enc_memory_of_factors(width, height, n_views, n_lights, threads,
+                                 enc_default_budget(width, height, n_views, n_lights));
 }
 
 enc_least_memory enc_memory_least(enc_method method) {
-    static const enc_least_memory least[ENC_METHODS] = {enc_memory_least_joint, enc_memory_least_paper,
-                                                        enc_memory_least_factors};
+    static const enc_least_memory least[ENC_METHODS] = {enc_memory_least_joint, enc_memory_least_paper};
     return least[method];
 }
 
 enc_memory_use enc_memory_expected(const enc_context *context, enc_method method, int width, int height,
-                                   int n_views, int n_lights, size_t components, uint64_t budget,
-                                   bool made) {
+                                   int n_views, int n_lights, uint64_t budget, bool made) {
     const extent e = extent_of(width, height, n_views, n_lights, context->threads);
-    const uint64_t samples = e.image_view * e.views, projection = 4 * e.points * (uint64_t)components;
-    const bool kept = enc_data_fits(context, width, height, n_views, n_lights);
-    const bool joined = method == ENC_METHOD_JOINT;
-    const bool projected = joined && (context->memory == 0 || projection <= context->memory / 4);
+    const uint64_t samples = e.image_view * e.views;
     enc_memory_use use = {PROGRAM, 0};
-    use.peak += joined                       ? joint(&e, (uint64_t)components)
-                : method == ENC_METHOD_PAPER ? paper(&e)
-                                             : factors(&e, width, height, budget, context->threads);
-    if (kept)
+    use.peak += method == ENC_METHOD_PAPER ? paper(&e)
+                                           : factors(&e, width, height, budget, context->threads);
+    if (enc_data_fits(context, width, height, n_views, n_lights))
         use.peak += samples;
     else if (!made)
         use.scratch += samples;
-    if (projected)
-        use.peak += projection;
-    else if (joined)
-        use.scratch += projection;
     return use;
 }

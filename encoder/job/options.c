@@ -12,16 +12,16 @@ static struct {
     enc_options all;
     enc_option_values values;
     uint32_t effects; /* UINT32_MAX: auto */
-    int method, layout, centres;
-    bool layout_given, effects_given, tolerance_given;
+    int method, preset, layout, centres;
     double hidden_threshold, error_threshold, btf_threshold;
     int window[2];
-    double effect_tolerance[2]; /* dB; dB for each MB */
+    double effect_tolerance[2]; /* dB; --method paper: dB for each MB */
     bool data_points;
-} o = {.all = {.job = {.levels = 1}}, .effects = UINT32_MAX, .hidden_threshold = 0.7};
+    const char *metric; /* an option that is no more */
+} o = {.all = {.job = {.levels = 1}}, .effects = UINT32_MAX, .preset = ENC_PRESET_MEDIUM, .hidden_threshold = 0.7};
 
 /* Whether options of one method were given, in the order of the table. */
-static bool given[14];
+static bool given[16];
 
 static const cli_option table[] = {
     {.short_name = 'o',
@@ -33,49 +33,41 @@ static const cli_option table[] = {
     {.name = "method",
      .type = CLI_CHOICE,
      .value = &o.method,
-     .choices = "joint|paper|factors",
-     .help = "joint (default): everything found together, best quality;\npaper: stage after stage, as "
-             "printed;\n"
-             "factors: low-bit factors alone, colour apart (format version 2,\na draft); no --checkpoint, "
-             "and ranks do not share the analysis"},
+     .choices = "joint|paper",
+     .help = "joint (default): low-bit factors, colour apart, best quality\n(format version 2);\npaper: "
+             "stage after stage, as printed (format version 1)"},
     {.name = "preset",
      .type = CLI_CHOICE,
-     .value = &o.all.job.joint.preset,
+     .value = &o.preset,
      .given = &given[0],
      .choices = "fast|medium|thorough|exhaustive",
-     .only = "joint|factors",
-     .help =
-         "joint: fast tries one set of effects, then 5 rounds; medium\n(default) 3 and 18; thorough 6 "
-         "and 60; exhaustive all, until\nnothing is gained. factors: 0, 6, 12 and 24 sweeps of descent"},
+     .only = "joint",
+     .help = "joint: 0, 6, 12 and 24 sweeps of descent on the codes; default\nmedium"},
     {.name = "effects",
      .type = CLI_EFFECTS,
      .value = &o.effects,
-     .given = &o.effects_given,
      .choices = "auto",
      .help =
          "auto (default): those that pay (--effect-tolerance), and with\n--method paper the diffuse fit "
-         "alone where that is better;\nnone; or exactly these of "
-         "shadow,shift,hidden,gain,residual\n(factors have the residual alone)"},
+         "alone where that is better;\nnone; or exactly these: paper has shadow,shift,hidden, joint "
+         "residual\nalone"},
     {.name = "effect-tolerance",
      .arg = "DB[,DB]",
      .type = CLI_CUSTOM,
      .value = o.effect_tolerance,
-     .given = &o.tolerance_given,
      .parse = enc_parse_tolerance,
-     .help = "--effects auto leaves out an effect that gains less than so\nmany dB (joint: in the fitted "
-             "domain; paper: linear), and so\nmany for each MB that it adds; default 0.05,0. factors: "
-             "bytes\nare used as long as a tenth more gains so many dB at samples\nleft out of the fit; 0: "
-             "all of --budget"},
+     .help = "joint: bytes are used as long as a tenth more gains so many dB\nat samples left out of the "
+             "fit; 0: all of --budget. paper:\n--effects auto leaves out an effect that gains less than "
+             "so many\ndB, linear, and so many for each MB that it adds. Default 0.05,0"},
     {.name = "budget",
      .type = CLI_BYTES,
      .value = &o.all.job.joint.budget,
      .given = &given[1],
      .minimum = 1,
      .maximum = 0x1p62,
-     .only = "joint|factors",
-     .help =
-         "joint, factors: bytes on the GPU at most (factors may need\nfewer, --effect-tolerance); default "
-         "what the paper's layout takes\n(2.36 MB for 64x64 and 81 directions)"},
+     .only = "joint",
+     .help = "joint: bytes on the GPU at most (it may need fewer,\n--effect-tolerance); default what the "
+             "paper's layout takes\n(2.36 MB for 64x64 and 81 directions)"},
     {.name = "quality",
      .arg = "DB",
      .type = CLI_DOUBLE,
@@ -83,35 +75,30 @@ static const cli_option table[] = {
      .given = &given[2],
      .minimum = 0,
      .maximum = 100,
-     .only = "joint|factors",
-     .help = "joint, factors: the fewest bytes that reach this PSNR (sRGB-coded), at\nmost --budget"},
-    {.name = "metric",
-     .type = CLI_CHOICE,
-     .value = &o.all.job.joint.metric,
-     .given = &given[3],
-     .choices = "balanced|srgb|linear",
      .only = "joint",
-     .help = "joint: linear fits radiance; balanced (default) and srgb fit its\nsquare root, which serves "
-             "both figures"},
+     .help = "joint: the fewest bytes that reach this PSNR (sRGB-coded), at\nmost --budget"},
+    {.name = "metric", .type = CLI_STRING, .value = &o.metric},
     {.name = "layout",
      .type = CLI_CHOICE,
      .value = &o.layout,
-     .given = &o.layout_given,
+     .given = &given[3],
      .choices = "paper|tight",
-     .help =
-         "one atlas, as in 3.1 (paper), or a texture an effect (tight); default\npaper for --method paper "
-         "without --levels, else tight"},
+     .only = "paper",
+     .help = "paper: one atlas, as in 3.1 (paper, the default without --levels),\nor a texture an effect "
+             "(tight)"},
     {.name = "levels",
      .arg = "N|all",
      .type = CLI_CUSTOM,
      .value = &o.all.job.levels,
      .parse = enc_parse_levels,
      .help = "levels of detail, each of half the size; all: down to one texel;\ndefault 1. "
-             "Those beyond the first take about a third more bytes\nof texels, and time; layout tight"},
+             "Those beyond the first take about a third more bytes\nof texels, and time"},
     {.name = "half",
      .type = CLI_FLAG,
      .value = &o.all.job.half_float,
-     .help = "SBRDF parameters as half floats"},
+     .given = &given[14],
+     .only = "paper",
+     .help = "paper: SBRDF parameters as half floats"},
     ENC_INPUT_OPTIONS(o.all.job.read),
     {.name = "lobes",
      .type = CLI_INT,
@@ -273,81 +260,41 @@ const cli_program enc_program = {
     .max_arguments = 1,
 };
 
-/* Whether `methods`, "a|b", has a method. */
-static bool has_method(const char *methods, const char *method) {
-    const size_t length = strlen(method);
-    for (const char *at = methods; at; at = strchr(at, '|')) {
-        at += *at == '|';
-        if (strncmp(at, method, length) == 0 && (at[length] == '|' || at[length] == '\0')) {
-            return true;
-        }
-    }
-    return false;
-}
-
 static btf_result refuse_other(const char *method) {
     for (const cli_option *option = table; option->type != CLI_END; option++) {
-        if (option->only && !has_method(option->only, method) && *option->given) {
-            const char *bar = strchr(option->only, '|');
-            return cli_error(&enc_program, BTF_ERROR_USAGE,
-                             "option --%s: for --method %.*s%s%s only, not for %s", option->name,
-                             bar ? (int)(bar - option->only) : (int)strlen(option->only), option->only,
-                             bar ? " and " : "", bar ? bar + 1 : "", method);
+        if (option->only && strcmp(option->only, method) != 0 && *option->given) {
+            return cli_error(&enc_program, BTF_ERROR_USAGE, "option --%s: for --method %s only, not for %s",
+                             option->name, option->only, method);
         }
     }
     return BTF_OK;
 }
 
-/* Options that mean nothing where there are factors alone. */
-static btf_result check_factors(const enc_job *job) {
+/* Effects of the paper's method, which may have any of them or none. */
+static const uint32_t paper_effects = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN;
+
+/* Effects and what their tolerance counts, by method. */
+static btf_result check_effects(const enc_job *job) {
+    const bool named = o.effects != UINT32_MAX, joint = job->method == ENC_METHOD_JOINT;
     const char *refused = NULL;
-    if (o.effects != UINT32_MAX && o.effects != BTF_EFFECT_RESIDUAL) {
-        refused = "option --effects: --method factors has the effect residual and no other";
-    } else if (o.tolerance_given && o.effect_tolerance[1] > 0) {
+    if (joint && named && o.effects != BTF_EFFECT_RESIDUAL) {
+        refused = "option --effects: --method joint has the effect residual and no other; shadow, shift and "
+                  "hidden are effects of --method paper";
+    } else if (joint && o.effect_tolerance[1] > 0) {
         refused =
-            "option --effect-tolerance: --method factors takes one number, of dB for a tenth more bytes";
-    } else if (o.layout_given && o.layout == 0) {
-        refused = "option --layout: --method factors has no maps for the atlas of layout paper; take tight";
-    } else if (job->half_float) {
-        refused = "option --half: --method factors has no SBRDF parameters";
-    } else if (job->checkpoint) {
-        refused = "option --checkpoint: --method factors keeps no checkpoints; --method joint and paper do";
+            "option --effect-tolerance: --method joint takes one number, of dB for a tenth more bytes";
+    } else if (!joint && named && (o.effects & ~paper_effects)) {
+        refused = "option --effects: --method paper has shadow, shift and hidden only";
+    } else if (joint && job->checkpoint) {
+        refused = "option --checkpoint: --method joint keeps no checkpoints; --method paper does";
     }
     return refused ? cli_error(&enc_program, BTF_ERROR_USAGE, "%s", refused) : BTF_OK;
 }
 
-/* Checks what depends on several options, and fills in the job. */
-static btf_result settle(void) {
-    enc_job *job = &o.all.job;
-    const uint32_t paper_effects = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN;
-    if (!job->output && !o.all.predict) {
-        return cli_error(&enc_program, BTF_ERROR_USAGE,
-                         "option --output is missing: expected -o OUT.btf.exr");
-    }
-    if (job->resume && !job->checkpoint) {
-        return cli_error(&enc_program, BTF_ERROR_USAGE,
-                         "option --resume: expected --checkpoint DIR as well");
-    }
-    job->method = (enc_method)o.method;
-    if (job->method == ENC_METHOD_PAPER && o.effects_given && o.effects != UINT32_MAX &&
-        (o.effects & ~paper_effects)) {
-        return cli_error(&enc_program, BTF_ERROR_USAGE,
-                         "option --effects: --method paper has shadow, shift and hidden only");
-    }
-    btf_result refused = refuse_other(enc_method_name(job->method));
-    if (refused == BTF_OK && job->method == ENC_METHOD_FACTORS) {
-        refused = check_factors(job);
-    }
-    if (refused != BTF_OK) {
-        return refused;
-    }
-    job->layout = o.layout_given ? (o.layout == 1 ? BTF_LAYOUT_TIGHT : BTF_LAYOUT_PAPER)
-                  : job->method == ENC_METHOD_PAPER && job->levels == 1 ? BTF_LAYOUT_PAPER
-                                                                        : BTF_LAYOUT_TIGHT;
-    if (job->levels != 1 && job->layout == BTF_LAYOUT_PAPER) {
-        return cli_error(&enc_program, BTF_ERROR_USAGE,
-                         "option --levels: --layout paper has one level; take --layout tight");
-    }
+static void settle_paper(enc_job *job) {
+    job->layout = given[3] ? (o.layout == 1 ? BTF_LAYOUT_TIGHT : BTF_LAYOUT_PAPER)
+                  : job->levels == 1 ? BTF_LAYOUT_PAPER
+                                     : BTF_LAYOUT_TIGHT;
     job->paper.effects = o.effects == UINT32_MAX ? paper_effects : o.effects;
     job->paper.choose = job->paper.fallback = o.effects == UINT32_MAX;
     job->paper.effect_tolerance = o.effect_tolerance[0];
@@ -359,10 +306,49 @@ static btf_result settle(void) {
     job->paper.refine.rows = o.window[1];
     job->paper.cluster.data_points = o.data_points;
     job->paper.centres = (uint32_t)o.centres;
-    job->joint.effects = o.effects == UINT32_MAX ? BTF_EFFECT_ALL : o.effects;
+}
+
+static void settle_joint(enc_job *job) {
+    job->layout = BTF_LAYOUT_TIGHT;
+    job->joint.preset = (enc_preset)o.preset;
     job->joint.choose = o.effects == UINT32_MAX;
-    job->joint.effect_tolerance = o.effect_tolerance[0];
-    job->joint.effect_tolerance_bytes = o.effect_tolerance[1];
+    job->joint.effects = o.effects == UINT32_MAX ? BTF_EFFECT_RESIDUAL : o.effects;
+    job->joint.tolerance = o.effect_tolerance[0];
+}
+
+/* Checks what depends on several options, and fills in the job. */
+static btf_result settle(void) {
+    enc_job *job = &o.all.job;
+    if (!job->output && !o.all.predict) {
+        return cli_error(&enc_program, BTF_ERROR_USAGE,
+                         "option --output is missing: expected -o OUT.btf.exr");
+    }
+    if (job->resume && !job->checkpoint) {
+        return cli_error(&enc_program, BTF_ERROR_USAGE,
+                         "option --resume: expected --checkpoint DIR as well");
+    }
+    if (o.metric) {
+        return cli_error(&enc_program, BTF_ERROR_USAGE,
+                         "option --metric: is no more; --method joint fits the square root of radiance, as "
+                         "balanced and srgb did, and --method paper radiance; leave it out");
+    }
+    job->method = (enc_method)o.method;
+    btf_result refused = refuse_other(enc_method_name(job->method));
+    if (refused == BTF_OK) {
+        refused = check_effects(job);
+    }
+    if (refused != BTF_OK) {
+        return refused;
+    }
+    if (job->method == ENC_METHOD_PAPER) {
+        settle_paper(job);
+    } else {
+        settle_joint(job);
+    }
+    if (job->levels != 1 && job->layout == BTF_LAYOUT_PAPER) {
+        return cli_error(&enc_program, BTF_ERROR_USAGE,
+                         "option --levels: --layout paper has one level; take --layout tight");
+    }
     enc_settings_describe(job, &o.values);
     job->option_values = o.values.list;
     return BTF_OK;
@@ -376,8 +362,7 @@ bool enc_options_parse(int argc, char **argv, int threads, uint64_t memory, cons
     job->joint = enc_joint_options_default();
     o.error_threshold = job->paper.fit.t_error;
     o.btf_threshold = job->paper.fit.t_btf;
-    o.effect_tolerance[0] = job->joint.effect_tolerance;
-    o.effect_tolerance[1] = job->joint.effect_tolerance_bytes;
+    o.effect_tolerance[0] = job->joint.tolerance;
     o.all.threads = threads;
     o.all.memory = memory;
     *out_options = &o.all;

@@ -112,15 +112,14 @@ static void print_duration(FILE *out, double seconds) {
 static void print_prediction(const enc_context *context, const enc_job *job, const enc_extent *e,
                              const scales *s, FILE *out) {
     estimate_part parts[ESTIMATE_PARTS];
-    const size_t count = enc_cost_parts(context, job, e, parts),
-                 components = enc_cost_components(job, e, true);
+    const size_t count = enc_cost_parts(context, job, e, parts);
     const uint64_t budget =
         enc_settings_of_factors(job, e->width, e->height, e->n_views, e->n_lights).budget;
     const enc_memory_use use =
-        enc_memory_expected(context, job->method, e->width, e->height, e->n_views, e->n_lights, components,
-                            budget, e->origin == ENC_ORIGIN_BONN);
+        enc_memory_expected(context, job->method, e->width, e->height, e->n_views, e->n_lights, budget,
+                            e->origin == ENC_ORIGIN_BONN);
     const uint64_t least =
-        job->method == ENC_METHOD_FACTORS
+        job->method == ENC_METHOD_JOINT
             ? enc_memory_of_factors(e->width, e->height, e->n_views, e->n_lights, context->threads, budget)
             : enc_memory_least(job->method)(e->width, e->height, e->n_views, e->n_lights, context->threads);
     double total = 0;

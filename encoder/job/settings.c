@@ -14,24 +14,53 @@
 #include <string.h>
 
 const char *enc_method_name(enc_method method) {
-    static const char *const names[ENC_METHODS] = {"joint", "paper", "factors"};
+    static const char *const names[ENC_METHODS] = {"joint", "paper"};
     return names[method];
 }
 
+const char *enc_preset_name(enc_preset preset) {
+    static const char *const names[ENC_PRESETS] = {"fast", "medium", "thorough", "exhaustive"};
+    return names[preset];
+}
+
 /* Rounds of descent of each preset. */
-static const int factor_sweeps[] = {0, ENC_FACTOR_SWEEPS, 2 * ENC_FACTOR_SWEEPS, 4 * ENC_FACTOR_SWEEPS};
+static const int preset_sweeps[ENC_PRESETS] = {0, ENC_FACTOR_SWEEPS, 2 * ENC_FACTOR_SWEEPS,
+                                               4 * ENC_FACTOR_SWEEPS};
+
+enc_joint_options enc_joint_options_default(void) {
+    return (enc_joint_options){.preset = ENC_PRESET_MEDIUM,
+                               .effects = BTF_EFFECT_RESIDUAL,
+                               .choose = true,
+                               .tolerance = 0.05};
+}
+
+uint64_t enc_default_budget(int width, int height, int n_views, int n_lights) {
+    const uint64_t texels = (uint64_t)width * (uint64_t)height,
+                   tiles = (uint64_t)(n_views > n_lights ? n_views : n_lights);
+    const btf_material_info info = {.struct_size = sizeof info,
+                                    .width = (uint32_t)width,
+                                    .height = (uint32_t)height,
+                                    .n_views = (uint32_t)n_views,
+                                    .n_lights = (uint32_t)n_lights,
+                                    .layout = BTF_LAYOUT_PAPER,
+                                    .lobes = 3,
+                                    .effects = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN};
+    uint32_t columns, rows, room;
+    const bool has_atlas = btf_material_atlas(&info, &columns, &rows, &room) == BTF_OK;
+    const uint64_t paper =
+        64 * texels + (has_atlas ? 4 * (uint64_t)columns * rows : 32 * texels * tiles / 5);
+    const uint64_t least = enc_factor_least_budget(width, height, n_views, n_lights);
+    return paper > least ? paper : least;
+}
 
 enc_factors_settings enc_settings_of_factors(const enc_job *job, int width, int height, int n_views,
                                              int n_lights) {
-    const enc_data data = {.width = width, .height = height, .n_views = n_views, .n_lights = n_lights};
-    const uint64_t least = enc_factor_least_budget(width, height, n_views, n_lights),
-                   usual = joint_default_budget(&data);
-    return (enc_factors_settings){.budget = job->joint.budget > 0 ? job->joint.budget
-                                            : usual > least       ? usual
-                                                                  : least,
-                                  .quality = job->joint.quality,
-                                  .tolerance = job->joint.effect_tolerance,
-                                  .sweeps = factor_sweeps[job->joint.preset]};
+    const enc_joint_options *joint = &job->joint;
+    return (enc_factors_settings){
+        .budget = joint->budget > 0 ? joint->budget : enc_default_budget(width, height, n_views, n_lights),
+        .quality = joint->quality,
+        .tolerance = joint->tolerance,
+        .sweeps = preset_sweeps[joint->preset]};
 }
 
 const char *enc_parse_tolerance(const char *text, void *tolerance) {
@@ -96,7 +125,29 @@ static void describe_input(enc_option_values *values, const enc_read_options *re
     }
 }
 
-static void describe_paper(enc_option_values *values, const enc_paper_options *paper) {
+static void describe_effects(enc_option_values *values, bool choose, uint32_t effects) {
+    char text[48];
+    describe(values, "effects", "%s", choose ? "auto" : cli_effects_text(effects, text));
+}
+
+static void describe_levels(enc_option_values *values, int levels) {
+    if (levels == 0) {
+        describe(values, "levels", "all");
+    } else {
+        describe(values, "levels", "%d", levels);
+    }
+}
+
+static void describe_paper(enc_option_values *values, const enc_job *job) {
+    const enc_paper_options *paper = &job->paper;
+    describe_effects(values, paper->choose, paper->effects);
+    if (paper->choose) {
+        describe(values, "effect-tolerance", "%g,%g", paper->effect_tolerance,
+                 paper->effect_tolerance_bytes);
+    }
+    describe(values, "layout", "%s", job->layout == BTF_LAYOUT_PAPER ? "paper" : "tight");
+    describe(values, "half", "%s", yes_no(job->half_float));
+    describe_levels(values, job->levels);
     describe(values, "lobes", "%d", paper->fit.lobes);
     describe(values, "rounds", "%d", paper->fit.rounds);
     describe(values, "starts", "%d", paper->fit.starts);
@@ -119,46 +170,26 @@ static void describe_paper(enc_option_values *values, const enc_paper_options *p
     describe(values, "data-points", "%s", yes_no(paper->cluster.data_points));
 }
 
-static void describe_joint(enc_option_values *values, const enc_joint_options *joint, bool with_metric) {
-    static const char *const presets[] = {"fast", "medium", "thorough", "exhaustive"};
-    static const char *const metrics[] = {"balanced", "srgb", "linear"};
-    describe(values, "preset", "%s", presets[joint->preset]);
-    if (with_metric) {
-        describe(values, "metric", "%s", metrics[joint->metric]);
-    }
+static void describe_joint(enc_option_values *values, const enc_job *job) {
+    const enc_joint_options *joint = &job->joint;
+    describe_effects(values, joint->choose, joint->effects);
+    describe_levels(values, job->levels);
+    describe(values, "preset", "%s", enc_preset_name(joint->preset));
     if (joint->budget > 0) {
         describe(values, "budget", "%" PRIu64, joint->budget);
     }
     if (joint->quality > 0) {
         describe(values, "quality", "%g", joint->quality);
     }
+    describe(values, "effect-tolerance", "%g", joint->tolerance);
 }
 
 void enc_settings_describe(const enc_job *job, enc_option_values *values) {
-    char effects[48];
     values->count = 0;
     describe_input(values, &job->read);
-    if (job->method != ENC_METHOD_FACTORS) {
-        describe(values, "effects", "%s",
-                 job->joint.choose ? "auto" : cli_effects_text(job->joint.effects, effects));
-        if (job->joint.choose) {
-            describe(values, "effect-tolerance", "%g,%g", job->joint.effect_tolerance,
-                     job->joint.effect_tolerance_bytes);
-        }
-        describe(values, "layout", "%s", job->layout == BTF_LAYOUT_PAPER ? "paper" : "tight");
-        describe(values, "half", "%s", yes_no(job->half_float));
-    }
-    if (job->levels == 0) {
-        describe(values, "levels", "all");
-    } else {
-        describe(values, "levels", "%d", job->levels);
-    }
     if (job->method == ENC_METHOD_PAPER) {
-        describe_paper(values, &job->paper);
+        describe_paper(values, job);
     } else {
-        describe_joint(values, &job->joint, job->method == ENC_METHOD_JOINT);
-        if (job->method == ENC_METHOD_FACTORS) {
-            describe(values, "effect-tolerance", "%g", job->joint.effect_tolerance);
-        }
+        describe_joint(values, job);
     }
 }

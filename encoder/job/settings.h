@@ -7,18 +7,47 @@
 
 #include "encoder/factor/method.h"
 #include "encoder/input/reader.h"
-#include "encoder/joint/joint.h"
 #include "encoder/paper/paper.h"
 
 typedef enum enc_method {
     ENC_METHOD_JOINT = 0,
     ENC_METHOD_PAPER = 1,
-    ENC_METHOD_FACTORS = 2,
     ENC_METHODS, /* how many there are */
 } enc_method;
 
 /* As --method takes it. */
 const char *enc_method_name(enc_method method);
+
+/* How much time --method joint takes for the same bytes. */
+typedef enum enc_preset {
+    ENC_PRESET_FAST = 0,
+    ENC_PRESET_MEDIUM = 1,
+    ENC_PRESET_THOROUGH = 2,
+    ENC_PRESET_EXHAUSTIVE = 3,
+    ENC_PRESETS, /* how many there are */
+} enc_preset;
+
+/* As --preset takes it. */
+const char *enc_preset_name(enc_preset preset);
+
+/* The options of --method joint. */
+typedef struct enc_joint_options {
+    enc_preset preset; /* default medium */
+    uint32_t effects;  /* btf_effect bits: exactly these, unless `choose` */
+    bool choose;       /* default: those that pay at equal bytes */
+    double tolerance;  /* dB that a tenth more bytes must gain at samples left out of the fit; 0: all of the
+                          budget is used; default 0.05 */
+    uint64_t budget;   /* GPU bytes at most; 0: enc_default_budget */
+    double quality;    /* dB of sRGB-coded PSNR that is enough; 0: none is */
+} enc_joint_options;
+
+/* The defaults above. */
+enc_joint_options enc_joint_options_default(void);
+
+/* GPU bytes that layout `paper` takes for such data, 64 W H + 4 AW AH by the formula of FORMAT.md section 5,
+ * or where it has no legal atlas 64 W H + 4 * 1.6 * T W H; of data of a few texels what the least factors
+ * take. */
+uint64_t enc_default_budget(int width, int height, int n_views, int n_lights);
 
 typedef struct enc_job enc_job;
 struct enc_job {
@@ -27,7 +56,7 @@ struct enc_job {
     enc_read_options read;
     enc_method method;
     enc_paper_options paper;
-    enc_joint_options joint; /* preset, budget and quality are those of the method factors as well */
+    enc_joint_options joint;
     btf_layout layout;
     int levels; /* of detail, 1 at least; 0: down to one texel */
     bool half_float;
@@ -52,7 +81,7 @@ typedef struct enc_option_values {
  * points to names that stay and into *out_values, which is not to be moved. */
 void enc_settings_describe(const enc_job *job, enc_option_values *out_values);
 
-/* The settings of the method factors for data of this extent. */
+/* What the options of --method joint ask of the factors of data of this extent. */
 enc_factors_settings enc_settings_of_factors(const enc_job *job, int width, int height, int n_views,
                                              int n_lights);
 

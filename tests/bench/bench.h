@@ -15,12 +15,10 @@ enum { BENCH_PRESETS = 4, BENCH_DECODE_REPEATS = 5 };
 /* What section `decode` decodes. */
 enum {
     BENCH_METHOD_JOINT = 1,
-    BENCH_METHOD_SOURCES = 2, /* joint without a residual: SBRDF times shadow */
-    BENCH_METHOD_PAPER = 4,
-    BENCH_METHOD_FACTORS = 8,
-    BENCH_METHOD_PEERS = 16,
-    BENCH_METHOD_REFERENCE = 32, /* the reference decoder on the CPU, of the others */
-    BENCH_METHOD_ALL = 63,
+    BENCH_METHOD_PAPER = 2,
+    BENCH_METHOD_PEERS = 4,
+    BENCH_METHOD_REFERENCE = 8, /* the reference decoder on the CPU, of the others */
+    BENCH_METHOD_ALL = 15,
 };
 
 typedef struct bench_run {
@@ -30,7 +28,7 @@ typedef struct bench_run {
     const char *name;                  /* the same as a part of file names */
     const char *out;                   /* existing folder for CSV files */
     int texels;                        /* texels that slow peers are run on */
-    bool presets[BENCH_PRESETS];       /* of the joint method, enc_joint_preset */
+    bool presets[BENCH_PRESETS];       /* of the joint method, enc_preset */
     bool presets_given;                /* by the user: section `encode` takes all else */
     uint64_t budget;                   /* GPU bytes a codec may take; 0: what layout `paper` takes */
     int rank;                          /* components of the largest PCA */

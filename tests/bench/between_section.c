@@ -10,7 +10,6 @@
 
 #include "decoder/toolkit/reference_view.h"
 #include "encoder/base/stage.h"
-#include "encoder/joint/cost.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -72,13 +71,6 @@ static btf_result measure_joint(const section *s, int preset, bench_row *row) {
     return result == BTF_OK ? measure_encoded(s, &encoded, row) : result;
 }
 
-static btf_result measure_factors(const section *s, int preset, bench_row *row) {
-    bench_encoded encoded;
-    const btf_result result =
-        bench_encode_factors(s->run->context, s->run->data, preset, s->budget, &encoded);
-    return result == BTF_OK ? measure_encoded(s, &encoded, row) : result;
-}
-
 static btf_result measure_paper(const section *s, int setting, bench_row *row) {
     bench_encoded encoded;
     (void)setting;
@@ -131,8 +123,7 @@ static btf_result measure_all(section *s) {
         const char *sweep, *name;
         measure_fn measure;
         int setting;
-    } rows[] = {{"factors", "factors", measure_factors, ENC_JOINT_MEDIUM},
-                {"paper", "paper", measure_paper, 0},
+    } rows[] = {{"paper", "paper", measure_paper, 0},
                 {"PCA", "PCA 8 bit linear", measure_pca, PCA_LINEAR},
                 {"PCA", "PCA 8 bit square root", measure_pca, PCA_SQRT},
                 {"split PCA", "split PCA 8 bit", measure_split, 1},
@@ -147,10 +138,9 @@ static btf_result measure_all(section *s) {
             result = measured(s, "preset", name, measure_joint, i);
         }
     }
-    const bool components = pca_rank_for(s->run->data, PCA_BYTE, 1, s->budget) > 0,
-               factors = s->budget >= bench_factors_least(s->run->data);
+    const bool components = pca_rank_for(s->run->data, PCA_BYTE, 1, s->budget) > 0;
     for (size_t i = 0; i < sizeof rows / sizeof *rows && result == BTF_OK; i++) {
-        if (strstr(rows[i].name, "PCA") ? components : factors || rows[i].measure != measure_factors) {
+        if (components || !strstr(rows[i].name, "PCA")) {
             result = measured(s, rows[i].sweep, rows[i].name, rows[i].measure, rows[i].setting);
         }
     }
@@ -161,7 +151,7 @@ btf_result bench_section_between(const bench_run *run) {
     FILE *csv = NULL;
     section s = {.run = run,
                  .whole = {.train = run->data},
-                 .budget = run->budget ? run->budget : joint_default_budget(run->data),
+                 .budget = bench_budget(run->budget, run->data),
                  .table = calloc(1, sizeof(bench_table))};
     if (!s.table) {
         return enc_fail(run->context, BTF_ERROR_MEMORY, "bench: out of memory");

@@ -143,7 +143,7 @@ static const char *parse_only(const char *text, void *value) {
 }
 
 /* In the order of the bits BENCH_METHOD. */
-static const char *const method_names[] = {"joint", "sources", "paper", "factors", "peers", "reference"};
+static const char *const method_names[] = {"joint", "paper", "peers", "reference"};
 enum { METHODS = sizeof method_names / sizeof method_names[0] };
 
 static const char *parse_methods(const char *text, void *value) {
@@ -155,14 +155,11 @@ static const char *parse_methods(const char *text, void *value) {
             i++;
         }
         if (i == METHODS) {
-            return "names of joint, sources, paper, factors, peers, reference, with commas between";
+            return "names of joint, paper, peers, reference, with commas between";
         }
         o.methods |= 1u << i;
     }
-    return o.methods &
-                   (BENCH_METHOD_JOINT | BENCH_METHOD_SOURCES | BENCH_METHOD_PAPER | BENCH_METHOD_FACTORS)
-               ? NULL
-               : "one of joint, sources, paper, factors at least";
+    return o.methods & (BENCH_METHOD_JOINT | BENCH_METHOD_PAPER) ? NULL : "one of joint, paper at least";
 }
 
 static const cli_option table[] = {
@@ -237,8 +234,7 @@ static const cli_option table[] = {
      .type = CLI_CUSTOM,
      .parse = parse_methods,
      .help =
-         "section decode: some of joint, sources (joint without components),\npaper, factors (format 2), "
-         "peers, reference (the decoder on the CPU);\ndefault all"},
+         "section decode: some of joint, paper, peers, reference (the decoder\non the CPU); default all"},
     {.name = "keep",
      .arg = "DIR",
      .type = CLI_STRING,
@@ -281,7 +277,7 @@ static const cli_program program = {
                "A slow run informs and never fails.",
     .example = "btf-bench --input BRICKS64.zip --only codecs,holdout --out bench\n"
                "btf-bench --materials bricks,bumps,weave --size 32x32 --preset fast\n"
-               "btf-bench --input BRICKS64.zip --only decode --device osmesa --methods joint,factors,peers",
+               "btf-bench --input BRICKS64.zip --only decode --device osmesa --methods joint,paper,peers",
     .options = table,
     .max_arguments = 0,
 };

@@ -17,7 +17,7 @@ typedef struct setting {
     char sweep[24], name[72];
     double x;
     int same_as; /* the setting that has the same options, -1: none */
-    bool paper, factors, half;
+    bool paper, half;
     enc_paper_options paper_options;
     enc_joint_options joint_options;
 } setting;
@@ -47,49 +47,30 @@ static void plan_presets(plan *p, const bench_run *run) {
     s->paper = true;
     NAME(s, "paper");
     for (int i = 0; i < BENCH_PRESETS; i++) {
-        if (run->presets_given ? run->presets[i] : !run->quick || i < ENC_JOINT_EXHAUSTIVE) {
+        if (run->presets_given ? run->presets[i] : !run->quick || i < ENC_PRESET_EXHAUSTIVE) {
             s = add(p, "preset", i, -1);
-            s->joint_options.preset = i;
+            s->joint_options.preset = (enc_preset)i;
             NAME(s, "joint %s", bench_preset_names[i]);
-            p->medium = i == ENC_JOINT_MEDIUM ? p->count - 1 : p->medium;
+            p->medium = i == ENC_PRESET_MEDIUM ? p->count - 1 : p->medium;
         }
     }
 }
 
-/* Factors by the same presets: rounds of descent on the codes. */
-static void plan_factors(plan *p, const bench_run *run) {
-    for (int i = 0; i < BENCH_PRESETS; i++) {
-        if (run->presets_given ? run->presets[i] : !run->quick || i < ENC_JOINT_THOROUGH) {
-            setting *s = add(p, "factors", i, -1);
-            s->factors = true;
-            s->joint_options.preset = i;
-            NAME(s, "factors %s", bench_preset_names[i]);
-        }
+/* Bytes as long as they pay, and all of the budget. */
+static void plan_joint(plan *p, const enc_data *data) {
+    static const double tolerances[] = {0, 0.02, 0.2};
+    for (size_t i = 0; i < sizeof tolerances / sizeof *tolerances; i++) {
+        setting *s = add(p, "tolerance", tolerances[i], -1);
+        s->joint_options.tolerance = tolerances[i];
+        NAME(s, "joint medium; tolerance %g dB", tolerances[i]);
     }
-}
-
-static void plan_joint(plan *p, const bench_run *run) {
-    static const int rounds[] = {1, 2, 4, 8, 16};
-    for (size_t i = 0; i < sizeof rounds / sizeof *rounds; i++) {
-        setting *s = add(p, "rounds", rounds[i], -1);
-        s->joint_options.rounds = rounds[i];
-        NAME(s, "joint medium; at most %d rounds", rounds[i]);
-    }
-    static const struct {
-        const char *name;
-        uint32_t without;
-    } sets[] = {{"without gain", BTF_EFFECT_GAIN},
-                {"without shifts", BTF_EFFECT_SHIFT},
-                {"without shifts and gain", BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN},
-                {"SBRDF x shadow sources", BTF_EFFECT_RESIDUAL},
-                {"SBRDF x shadow sources without gain", BTF_EFFECT_RESIDUAL | BTF_EFFECT_GAIN}};
-    for (size_t i = 0; i < sizeof sets / sizeof *sets; i++) {
-        setting *s = add(p, "joint effects", NAN, -1);
-        s->joint_options.effects &= ~sets[i].without;
-        if (run->quick && sets[i].without & BTF_EFFECT_RESIDUAL) {
-            s->joint_options.rounds = 2;
+    for (int part = 2; part <= 4; part *= 2) {
+        const uint64_t budget = bench_budget(0, data) / (uint64_t)part;
+        if (budget >= bench_joint_least(data)) {
+            setting *s = add(p, "budget", 1.0 / part, -1);
+            s->joint_options.budget = budget;
+            NAME(s, "joint medium; 1/%d of the bytes", part);
         }
-        NAME(s, "joint %s%s", sets[i].name, s->joint_options.rounds ? "; 2 rounds" : "");
     }
 }
 
@@ -163,10 +144,9 @@ static btf_result plan_centres(plan *p, const bench_run *run) {
 static btf_result encode(const bench_run *run, const setting *s, bench_encoded *out) {
     const enc_data *data = run->held->train;
     enc_joint_options joint = s->joint_options;
-    joint.budget = run->budget;
-    return s->paper     ? bench_encode_paper_options(run->context, data, &s->paper_options, s->half, out)
-           : s->factors ? bench_encode_factors(run->context, data, joint.preset, run->budget, out)
-                        : bench_encode_joint_options(run->context, data, &joint, s->half, out);
+    joint.budget = joint.budget > 0 ? joint.budget : run->budget;
+    return s->paper ? bench_encode_paper_options(run->context, data, &s->paper_options, s->half, out)
+                    : bench_encode_joint_options(run->context, data, &joint, out);
 }
 
 /* Encodes run->repeats times; accuracy is that of the last, since all are the same. */
@@ -272,8 +252,7 @@ btf_result bench_section_encode(const bench_run *run) {
     if (result == BTF_OK) {
         p->medium = -1;
         plan_presets(p, run);
-        plan_factors(p, run);
-        plan_joint(p, run);
+        plan_joint(p, run->held->train);
         plan_fit(p);
         plan_points(p, run->held->train);
         result = plan_centres(p, run);

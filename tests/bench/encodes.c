@@ -5,7 +5,6 @@
 #include "encodes.h"
 
 #include "encoder/factor/factor.h"
-#include "encoder/job/settings.h"
 #include "encoder/model/pack.h"
 #include "encoder/model/unpack.h"
 
@@ -47,12 +46,16 @@ static btf_result store(const enc_context *context, const enc_data *data, enc_so
 }
 
 btf_result bench_encode_joint_options(const enc_context *context, const enc_data *data,
-                                      const enc_joint_options *options, bool half, bench_encoded *out) {
+                                      const enc_joint_options *options, bench_encoded *out) {
     const bench_clock start = bench_now();
+    const enc_job job = {.joint = *options};
+    const enc_factors_settings settings =
+        enc_settings_of_factors(&job, data->width, data->height, data->n_views, data->n_lights);
+    enc_factors_stats stats;
     enc_solution found;
     *out = (bench_encoded){0};
-    const btf_result result = enc_joint(context, data, options, &found, NULL);
-    return result == BTF_OK ? store(context, data, &found, BTF_LAYOUT_TIGHT, half, "joint", start, out)
+    const btf_result result = enc_factors_solve(context, data, &settings, &found, &stats);
+    return result == BTF_OK ? store(context, data, &found, BTF_LAYOUT_TIGHT, false, "joint", start, out)
                             : result;
 }
 
@@ -70,9 +73,9 @@ btf_result bench_encode_paper_options(const enc_context *context, const enc_data
 btf_result bench_encode_joint(const enc_context *context, const enc_data *data, int preset, uint64_t budget,
                               bench_encoded *out) {
     enc_joint_options options = enc_joint_options_default();
-    options.preset = preset;
+    options.preset = (enc_preset)preset;
     options.budget = budget;
-    return bench_encode_joint_options(context, data, &options, false, out);
+    return bench_encode_joint_options(context, data, &options, out);
 }
 
 btf_result bench_encode_paper(const enc_context *context, const enc_data *data, bench_encoded *out) {
@@ -80,24 +83,13 @@ btf_result bench_encode_paper(const enc_context *context, const enc_data *data, 
     return bench_encode_paper_options(context, data, &options, false, out);
 }
 
-btf_result bench_encode_factors(const enc_context *context, const enc_data *data, int preset,
-                                uint64_t budget, bench_encoded *out) {
-    const bench_clock start = bench_now();
-    enc_job job = {.joint = enc_joint_options_default()};
-    enc_factors_stats stats;
-    enc_solution found;
-    job.joint.preset = preset;
-    job.joint.budget = budget;
-    const enc_factors_settings settings =
-        enc_settings_of_factors(&job, data->width, data->height, data->n_views, data->n_lights);
-    *out = (bench_encoded){0};
-    const btf_result result = enc_factors_solve(context, data, &settings, &found, &stats);
-    return result == BTF_OK ? store(context, data, &found, BTF_LAYOUT_TIGHT, false, "factors", start, out)
-                            : result;
+uint64_t bench_joint_least(const enc_data *data) {
+    return enc_factor_least_budget(data->width, data->height, data->n_views, data->n_lights);
 }
 
-uint64_t bench_factors_least(const enc_data *data) {
-    return enc_factor_least_budget(data->width, data->height, data->n_views, data->n_lights);
+uint64_t bench_budget(uint64_t budget, const enc_data *data) {
+    return budget > 0 ? budget
+                      : enc_default_budget(data->width, data->height, data->n_views, data->n_lights);
 }
 
 void bench_encoded_clear(bench_encoded *encoded) {

@@ -5,8 +5,7 @@
 #ifndef OPENBTF_TESTS_BENCH_ENCODES_H
 #define OPENBTF_TESTS_BENCH_ENCODES_H
 
-#include "encoder/joint/joint.h"
-#include "encoder/paper/paper.h"
+#include "encoder/job/settings.h"
 #include "encoder/model/solution.h"
 
 typedef struct bench_encoded {
@@ -16,21 +15,20 @@ typedef struct bench_encoded {
     double wall, core; /* seconds of the analysis and packing */
 } bench_encoded;
 
-/* --method joint with this preset (enc_joint_preset) and budget (0: default), layout tight. */
+/* --method joint with this preset (enc_preset) and budget (0: default). */
 btf_result bench_encode_joint(const enc_context *context, const enc_data *data, int preset, uint64_t budget,
                               bench_encoded *out);
 /* --method paper with its defaults, layout paper. */
 btf_result bench_encode_paper(const enc_context *context, const enc_data *data, bench_encoded *out);
 /* The same with any options; half: SBRDF parameters as half floats. */
 btf_result bench_encode_joint_options(const enc_context *context, const enc_data *data,
-                                      const enc_joint_options *options, bool half, bench_encoded *out);
+                                      const enc_joint_options *options, bench_encoded *out);
 btf_result bench_encode_paper_options(const enc_context *context, const enc_data *data,
                                       const enc_paper_options *options, bool half, bench_encoded *out);
-/* --method factors with this preset and budget (0: default), layout tight. */
-btf_result bench_encode_factors(const enc_context *context, const enc_data *data, int preset,
-                                uint64_t budget, bench_encoded *out);
-/* The fewest bytes that factors of these data take. */
-uint64_t bench_factors_least(const enc_data *data);
+/* The fewest bytes that --method joint makes of these data. */
+uint64_t bench_joint_least(const enc_data *data);
+/* `budget`, or where it is 0 the default of btf-encode for these data. */
+uint64_t bench_budget(uint64_t budget, const enc_data *data);
 void bench_encoded_clear(bench_encoded *encoded);
 
 /* Seconds since some moment: of the wall clock, and of all threads of this process. */

@@ -20,7 +20,7 @@ conformance=$?
 [ $conformance != 5 ] || exit 5
 data=(--materials bricks --size 64x64)
 [ -z "$input" ] || data=(--input "$input")
-"$build/tests/bench/btf-bench" "${data[@]}" --only decode --device "$device" --methods joint,factors,peers \
+"$build/tests/bench/btf-bench" "${data[@]}" --only decode --device "$device" --methods joint,paper,peers \
     ${QUICK:+--quick} --out "$out" --quiet >"$out/bench.txt"
 measured=$?
 sed -n '/^### Format 2/,/^### Growth/p' "$out/bench.txt" | grep -v '^###* Growth'

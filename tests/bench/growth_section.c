@@ -25,11 +25,11 @@ typedef struct size {
 typedef struct method {
     const char *name;
     bool paper, full; /* full: left out of a quick run */
-    enc_joint_preset preset;
+    enc_preset preset;
 } method;
 
-static const method methods[METHODS] = {{"joint fast", .preset = ENC_JOINT_FAST},
-                                        {"joint medium", .preset = ENC_JOINT_MEDIUM, .full = true},
+static const method methods[METHODS] = {{"joint fast", .preset = ENC_PRESET_FAST},
+                                        {"joint medium", .preset = ENC_PRESET_MEDIUM, .full = true},
                                         {"paper", .paper = true}};
 
 static bool is_left_out(const bench_run *run, const method *m) {

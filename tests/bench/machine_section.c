@@ -5,9 +5,8 @@
  */
 #include "bench.h"
 
+#include "encoder/factor/matrix.h"
 #include "encoder/lafortune/gram.h"
-#include "encoder/joint/rows.h"
-#include "encoder/joint/search.h"
 
 #include "tests/conformance/random.h"
 
@@ -55,76 +54,36 @@ static double tile_rate(int threads, size_t k) {
     return room ? best : 0;
 }
 
-enum { KERNEL_TRIES = 5, SEARCH_COMPONENTS = 48, GRAM_LOBES = 3 };
+enum { KERNEL_TRIES = 5, GRAM_LOBES = 3, PASS_COMPONENTS = 32 };
 
-static void ignore(void *user, size_t view, size_t first, size_t count, const float *rows) {
-    (void)user;
-    (void)view;
-    (void)first;
-    (void)count;
-    (void)rows;
-}
-
-/* Bytes of samples a second that a pass over the data takes in, square roots included. */
+/* Operations a second of a product of the samples with factors, PASS_COMPONENTS of each channel: square
+ * roots and channels of opponent colour are made on the way, and are not counted. */
 static btf_result pass_rate(const bench_run *run, double *out_rate) {
-    const double bytes = bench_samples_bytes(run->data) * run->context->threads;
-    joint_rows rows;
-    btf_result result = joint_rows_init(run->context, run->data, true, &rows);
-    *out_rate = 0;
-    for (int try = 0; try < KERNEL_TRIES && result == BTF_OK; try++) {
-        const bench_clock start = bench_now();
-        result = joint_rows_pass(&rows, ignore, NULL);
-        const double rate = bytes / (bench_now().core - start.core);
-        *out_rate = rate > *out_rate ? rate : *out_rate;
-    }
-    joint_rows_clear(&rows);
-    return result;
-}
-
-/* Operations a second of a search for the nearest source, those of its matrix product counted: as many
- * random queries and sources as the data have texels. */
-static btf_result search_rate(const bench_run *run, double *out_rate) {
-    const size_t texels = enc_data_texel_count(run->data), k = SEARCH_COMPONENTS;
-    const joint_search search = {.width = run->data->width,
-                                 .height = run->data->height,
-                                 .k = k,
-                                 .gains = {BTF_GAIN_SCALE, 1, 255},
-                                 .sources = JOINT_GRID_SOURCES,
-                                 .tolerance = 1e-6,
-                                 .tile = enc_gemm_select(),
-                                 .threads = run->context->threads};
-    float *c = enc_gemm_alloc(texels * k), *z = enc_gemm_alloc(texels * k);
-    float *energy = calloc(texels, sizeof *energy);
-    uint32_t *match = calloc(texels, sizeof *match);
-    uint8_t *gain = calloc(texels, 1);
-    double *value = calloc(texels, sizeof *value);
-    btf_result result = c && z && energy && match && gain && value
-                            ? BTF_OK
-                            : enc_fail(run->context, BTF_ERROR_MEMORY, "bench: out of memory");
-    random_state random = {1};
-    for (size_t i = 0; i < texels * k && result == BTF_OK; i++) {
-        c[i] = (float)(random_bits(&random) % 2048) / 1024 - 1;
-        z[i] = (float)(random_bits(&random) % 2048) / 1024 - 1;
-        energy[i / k] += c[i] * c[i];
-    }
-    *out_rate = 0;
-    for (int try = 0; try < KERNEL_TRIES && result == BTF_OK; try++) {
-        for (size_t i = 0; i < texels; i++) {
-            match[i] = (uint32_t)i;
-            gain[i] = BTF_GAIN_ONE;
+    const enc_factor_matrix matrix = enc_factor_matrix_of(run->context, run->data);
+    const size_t rank = PASS_COMPONENTS;
+    enc_factor_set w = {{rank, rank, rank}, {NULL}}, u = w;
+    bool room = true;
+    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
+        w.factor[c] = enc_gemm_alloc(rank * matrix.columns);
+        u.factor[c] = enc_gemm_alloc(rank * matrix.texels);
+        room = room && w.factor[c] && u.factor[c];
+        for (size_t i = 0; room && i < rank * matrix.columns; i++) {
+            w.factor[c][i] = (float)(i % 7) - 3;
         }
+    }
+    btf_result result = room ? BTF_OK : enc_fail(run->context, BTF_ERROR_MEMORY, "bench: out of memory");
+    *out_rate = 0;
+    for (int try = 0; try < KERNEL_TRIES && result == BTF_OK; try++) {
         const bench_clock start = bench_now();
-        result = joint_search_view(&search, c, energy, z, match, gain, value);
-        const double rate = 2.0 * (double)texels * (double)texels * (double)k * run->context->threads /
-                            (bench_now().core - start.core);
+        result = enc_factor_times_w(&matrix, &w, &u);
+        const double rate = 2.0 * ENC_FACTOR_CHANNELS * (double)rank * (double)matrix.columns *
+                            (double)matrix.texels * run->context->threads / (bench_now().core - start.core);
         *out_rate = rate > *out_rate ? rate : *out_rate;
     }
-    free(c);
-    free(z);
-    free(energy);
-    free(match);
-    free(gain);
-    free(value);
+    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
+        free(w.factor[c]);
+        free(u.factor[c]);
+    }
     return result;
 }
 
@@ -176,14 +135,11 @@ static void print_rate(FILE *summary, FILE *csv, const char *what, double rate, 
 btf_result bench_section_machine(const bench_run *run) {
     const int threads = run->context->threads;
     bench_limits limits;
-    double pass = 0, search = 0, gram = 0;
+    double pass = 0, gram = 0;
     FILE *csv = NULL;
     btf_result result = bench_limits_measure(run->context, &limits);
     if (result == BTF_OK) {
         result = pass_rate(run, &pass);
-    }
-    if (result == BTF_OK) {
-        result = search_rate(run, &search);
     }
     if (result == BTF_OK) {
         result = gram_rate(run, &gram);
@@ -208,8 +164,7 @@ btf_result bench_section_machine(const bench_run *run) {
                "multiply-adds");
     print_rate(out, csv, "joint: dense tile; k = 96", tile_rate(threads, 96), "op", limits.flops,
                "multiply-adds");
-    print_rate(out, csv, "joint: search of sources; k = 48", search, "op", limits.flops, "multiply-adds");
-    print_rate(out, csv, "joint: pass over the samples", pass, "B", limits.memory, "memory");
+    print_rate(out, csv, "joint: product with the samples; k = 32", pass, "op", limits.flops, "multiply-adds");
     print_rate(out, csv, "paper: Gram matrix of the fit; one thread", gram, "op",
                0.5 * limits.flops / threads, "plain operations of one core");
     fputc('\n', run->summary);

@@ -68,10 +68,8 @@ static btf_result plot_headline(const bench_run *run, const bench_table *table) 
     static const struct {
         shown by;
         const char *more[6]; /* sweeps of the same series */
-    } all[] = {{{"factors", "factors (format 2), by preset", true, true}, {NULL}},
-               {{"preset", "joint, by preset", true, true}, {NULL}},
-               {{"rounds", "joint medium, 1 to 16 rounds", true, false}, {NULL}},
-               {{"joint effects", "joint, effects left out", false, false}, {NULL}},
+    } all[] = {{{"preset", "joint, by preset", true, true}, {NULL}},
+               {{"budget", "joint medium, 1/2 and 1/4 of the bytes", true, false}, {NULL}},
                {{"paper", "paper, by its settings", false, true},
                 {"lobes", "rejection", "lights voted", "window", "centres", NULL}}};
     char title[200];
@@ -98,10 +96,9 @@ static btf_result plot_headline(const bench_run *run, const bench_table *table) 
 }
 
 btf_result bench_plot_encode(const bench_run *run, const bench_table *table) {
-    static const shown all[] = {{"factors", "factors (format 2), by preset", true, true},
-                                {"preset", "joint, by preset", true, true},
-                                {"rounds", "joint medium, by rounds (1 to 16)", true, false},
-                                {"joint effects", "joint, effects left out", false, false},
+    static const shown all[] = {{"preset", "joint, by preset", true, true},
+                                {"tolerance", "joint medium, by tolerance", true, false},
+                                {"budget", "joint medium, 1/2 and 1/4 of the bytes", true, false},
                                 {"paper", "paper", false, true},
                                 {"lobes", "paper, lobes 1 to 4", true, false},
                                 {"rejection", "paper, rejections 0 to 3", true, false},
@@ -136,9 +133,7 @@ btf_result bench_plot_encode(const bench_run *run, const bench_table *table) {
 }
 
 btf_result bench_plot_storage(const bench_run *run, const bench_table *table) {
-    static const shown all[] = {{"factors", "factors (format 2), by budget", true, false},
-                                {"joint", "joint medium, by budget", true, false},
-                                {"joint SBRDF", "joint, SBRDF x shadow sources", false, false},
+    static const shown all[] = {{"joint", "joint medium, by budget", true, false},
                                 {"paper", "paper: SBRDF, STVS, full", true, false},
                                 {"PCA linear", "PCA, 8 bit, linear values", true, false},
                                 {"PCA sRGB", "PCA, 8 bit, sRGB-coded values", true, false},

@@ -26,9 +26,13 @@ static void print_pair(double linear, double srgb, FILE *out) {
 }
 
 static btf_result encode_table(const bench_run *run, const bench_table *table, const bench_row *medium) {
-    static const char *const names[] = {"joint fast",       "joint medium", "joint thorough",
-                                        "joint exhaustive", "factors fast", "factors medium",
-                                        "factors thorough", "paper",        "paper; 1 lobe"};
+    static const char *const names[] = {"joint fast",
+                                        "joint medium",
+                                        "joint medium; 1/2 of the bytes",
+                                        "joint thorough",
+                                        "joint exhaustive",
+                                        "paper",
+                                        "paper; 1 lobe"};
     FILE *out;
     const btf_result result = bench_open(run, "readme-encode", "md", &out);
     if (result != BTF_OK) {
@@ -89,8 +93,7 @@ static void print_gain(const bench_row *a, const bench_row *b, FILE *out) {
 
 btf_result bench_readme_encode(const bench_run *run, const bench_table *table) {
     const bench_row *fast = find(table, "joint fast"), *medium = find(table, "joint medium"),
-                    *thorough = find(table, "joint thorough"), *factors = find(table, "factors medium"),
-                    *paper = find(table, "paper");
+                    *thorough = find(table, "joint thorough"), *paper = find(table, "paper");
     FILE *out;
     if (!fast || !medium || !paper) {
         return BTF_OK;
@@ -107,12 +110,6 @@ btf_result bench_readme_encode(const bench_run *run, const bench_table *table) {
         fprintf(out, "- **For an archive**: `--preset thorough`: %.1f times the time of `medium`, ",
                 thorough->core / medium->core);
         print_gain(thorough, medium, out);
-        fprintf(out, ".\n");
-    }
-    if (factors) {
-        fprintf(out, "- `--method factors`, format 2, a draft: %.2f times the time of `medium`, ",
-                factors->core / medium->core);
-        print_gain(factors, medium, out);
         fprintf(out, ".\n");
     }
     fprintf(out, "- `--method paper`: %.1f times the time of `medium`, ", paper->core / medium->core);
@@ -142,13 +139,8 @@ static btf_result decode_rows(const bench_run *run, const decode_table *table, c
         {DECODE_JOINT, "whole", "the same, fast math", false, false, true},
         {DECODE_JOINT, "whole", "joint: nearest directions, exact", true, false, false},
         {DECODE_JOINT, "whole", "joint: three directions, bilinear, exact", false, true, false},
-        {DECODE_FACTORS, "whole", "factors: three directions, exact", false, false, false},
-        {DECODE_FACTORS, "whole", "the same, fast math", false, false, true},
-        {DECODE_FACTORS, "whole", "factors: nearest directions, exact", true, false, false},
-        {DECODE_FACTORS, "whole", "factors: three directions, bilinear, exact", false, true, false},
-        {DECODE_HALF_FACTORS, "whole", "factors: half the bytes of joint", false, false, false},
-        {DECODE_EQUAL_FACTORS, "whole", "factors: PSNR of joint", false, false, false},
-        {DECODE_SOURCES, "whole", "SBRDF x shadow sources, exact", false, false, false},
+        {DECODE_JOINT, "half the components", "joint: half of the units", false, false, false},
+        {DECODE_HALF_JOINT, "whole", "joint: half the bytes", false, false, false},
         {DECODE_PAPER, "whole", "paper: three directions, exact", false, false, false},
         {DECODE_PAPER, "whole", "the same, fast math", false, false, true},
         {"Phong", "two maps", "Phong, two maps", false, false, true},
@@ -224,43 +216,23 @@ btf_result bench_readme_decode(const bench_run *run, const decode_table *table) 
             "\nOf the shader, against joint with three directions, texels and exact mathematics (%.0f ns a "
             "pixel; a viewer's choice), on that device:\n\n",
             base->ns);
-    print_way("**A game**: `--method factors` (format 2, a draft) at the same bytes",
-              way(table, DECODE_FACTORS, "whole", false, false, false), base, out);
-    print_way("factors of half of the bytes, `--budget`",
-              way(table, DECODE_HALF_FACTORS, "whole", false, false, false), base, out);
-    print_way("factors with nearest directions", way(table, DECODE_FACTORS, "whole", true, false, false),
-              base, out);
-    print_way("half of the units of factors, `components` of the shader's options",
-              way(table, DECODE_FACTORS, "half the components", false, false, false), base, out);
-    print_way("joint with `--effects shadow,shift,gain`: SBRDF times shadow instead of components",
-              way(table, DECODE_SOURCES, "whole", false, false, false), base, out);
-    print_way("joint with nearest directions", way(table, DECODE_JOINT, "whole", true, false, false), base,
-              out);
-    print_way("half of the components of joint",
+    print_way("**A game**: half of the bytes, `--budget`",
+              way(table, DECODE_HALF_JOINT, "whole", false, false, false), base, out);
+    print_way("half of the units, `components` of the shader's options",
               way(table, DECODE_JOINT, "half the components", false, false, false), base, out);
+    print_way("nearest directions", way(table, DECODE_JOINT, "whole", true, false, false), base, out);
     print_way("**A still, or a close look**: bilinear texels",
               way(table, DECODE_JOINT, "whole", false, true, false), base, out);
-    print_way("bilinear texels of factors", way(table, DECODE_FACTORS, "whole", false, true, false), base,
-              out);
     const decode_row *fast = way(table, DECODE_JOINT, "whole", false, false, true),
-                     *factors = way(table, DECODE_FACTORS, "whole", false, false, false),
-                     *factors_fast = way(table, DECODE_FACTORS, "whole", false, false, true),
                      *paper = way(table, DECODE_PAPER, "whole", false, false, false),
                      *paper_fast = way(table, DECODE_PAPER, "whole", false, false, true);
     if (fast) {
         fprintf(out, "- exactness costs %.2f times the time of native mathematics (`BTF_MATH_FAST`)",
                 base->ns / fast->ns);
-        if (factors && factors_fast) {
-            fprintf(out, ", factors %.2f", factors->ns / factors_fast->ns);
-        }
         if (paper && paper_fast) {
             fprintf(out, ", `--method paper`, which computes `pow`, %.2f", paper->ns / paper_fast->ns);
         }
         fprintf(out, ".\n");
     }
-    fprintf(
-        out,
-        "- Leaving gain or shifts out of the shader of a material that has them loses more than it saves; "
-        "leave them out of the encoding.\n");
     return fclose(out) == 0 ? BTF_OK : enc_fail(run->context, BTF_ERROR_IO, "guide-decode: cannot write");
 }

@@ -47,7 +47,7 @@ if [ "${1:-}" = --between ]; then
     done
     python3 - "$@" <<'EOF' | "$marks" "$root/README.md" between
 import glob, os, re, sys, textwrap
-shown = ("joint ", "factors", "paper", "low-bit split PCA", "uncompressed")
+shown = ("joint ", "paper", "low-bit split PCA", "uncompressed")
 sources, rows, stored = {}, [], ""
 for out in sys.argv[1:]:
     with open(f"{out}/summary.md") as file:

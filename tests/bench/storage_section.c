@@ -9,7 +9,6 @@
 #include "plots.h"
 
 #include "decoder/toolkit/reference_view.h"
-#include "encoder/joint/cost.h"
 #include "encoder/model/pack.h"
 #include "encoder/report/report.h"
 
@@ -71,9 +70,9 @@ static btf_result measure_subset(storage *s, const void *what, bench_row *row) {
 }
 
 static btf_result measure_joint(storage *s, const void *what, bench_row *row) {
-    const enc_joint_options *options = what;
+    const uint64_t *budget = what;
     bench_encoded encoded;
-    btf_result result = bench_encode_joint_options(s->run->context, s->data, options, false, &encoded);
+    btf_result result = bench_encode_joint(s->run->context, s->data, ENC_PRESET_MEDIUM, *budget, &encoded);
     const subset whole = {&encoded, BTF_EFFECT_ALL};
     if (result == BTF_OK) {
         result = measure_subset(s, &whole, row);
@@ -86,47 +85,10 @@ static btf_result run_joint(storage *s) {
     char name[72];
     btf_result result = BTF_OK;
     for (int i = 0; i < PARTS && result == BTF_OK; i++) {
-        enc_joint_options options = enc_joint_options_default();
-        options.budget = (uint64_t)(parts[i] * (double)s->budget);
-        if (joint_components_for(s->data, &(joint_shape){.effects = BTF_EFFECT_RESIDUAL}, options.budget,
-                                 4) == 0) {
-            continue; /* nothing is that small */
-        }
-        snprintf(name, sizeof name, "joint medium; %g of the budget", parts[i]);
-        result = measured(s, bench_row_named("joint", name, parts[i]), measure_joint, &options);
-    }
-    enc_joint_options sources = enc_joint_options_default();
-    sources.effects &= ~(uint32_t)BTF_EFFECT_RESIDUAL;
-    sources.rounds = s->run->quick ? 2 : 0;
-    sources.budget = s->budget;
-    if (result == BTF_OK) {
-        result = measured(s, bench_row_named("joint SBRDF", "joint; SBRDF x shadow sources", NAN),
-                          measure_joint, &sources);
-    }
-    return result;
-}
-
-static btf_result measure_factors(storage *s, const void *what, bench_row *row) {
-    const uint64_t *budget = what;
-    bench_encoded encoded;
-    btf_result result =
-        bench_encode_factors(s->run->context, s->data, ENC_JOINT_MEDIUM, *budget, &encoded);
-    const subset whole = {&encoded, BTF_EFFECT_ALL};
-    if (result == BTF_OK) {
-        result = measure_subset(s, &whole, row);
-        bench_encoded_clear(&encoded);
-    }
-    return result;
-}
-
-static btf_result run_factors(storage *s) {
-    char name[72];
-    btf_result result = BTF_OK;
-    for (int i = 0; i < PARTS && result == BTF_OK; i++) {
         const uint64_t budget = (uint64_t)(parts[i] * (double)s->budget);
-        if (budget >= bench_factors_least(s->data)) {
-            snprintf(name, sizeof name, "factors; %g of the budget", parts[i]);
-            result = measured(s, bench_row_named("factors", name, parts[i]), measure_factors, &budget);
+        if (budget >= bench_joint_least(s->data)) {
+            snprintf(name, sizeof name, "joint medium; %g of the budget", parts[i]);
+            result = measured(s, bench_row_named("joint", name, parts[i]), measure_joint, &budget);
         }
     }
     return result;
@@ -319,7 +281,7 @@ btf_result bench_section_storage(const bench_run *run) {
     FILE *csv = NULL;
     storage s = {.run = run,
                  .data = run->held->train,
-                 .budget = run->budget ? run->budget : joint_default_budget(run->held->train),
+                 .budget = bench_budget(run->budget, run->held->train),
                  .table = calloc(1, sizeof(bench_table))};
     if (!s.table) {
         return enc_fail(run->context, BTF_ERROR_MEMORY, "bench: out of memory");
@@ -329,9 +291,6 @@ btf_result bench_section_storage(const bench_run *run) {
     if (result == BTF_OK) {
         reference_view(s.first.material, 0, &s.tables);
         result = run_joint(&s);
-    }
-    if (result == BTF_OK) {
-        result = run_factors(&s);
     }
     if (result == BTF_OK) {
         result = run_paper(&s);

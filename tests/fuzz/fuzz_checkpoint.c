@@ -1,13 +1,11 @@
 /* Fuzz target: bytes as the result of a step that a checkpoint holds, whole and of the right data. The
- * first byte says which step. What is taken can be worked with: the target reads all of it, and the joint
- * method goes through a round and on to its codes.
+ * first byte says which step. What is taken can be worked with: the target reads all of it.
  *
  * SPDX-License-Identifier: MIT
  */
 #include "fuzz.h"
 
 #include "encoder/data/checkpoint.h"
-#include "encoder/joint/steps.h"
 #include "encoder/paper/steps.h"
 #include "step_data.h"
 
@@ -16,19 +14,16 @@
 
 static enc_context context = {.threads = 1};
 static enc_data *data;
-static joint_rows rows;
 
 static void make_data(void) {
     char folder[64] = "/dev/shm/btf-fuzz-XXXXXX";
     data = step_data(&context);
     FUZZ_CHECK(data && mkdtemp(folder));
     FUZZ_CHECK(enc_checkpoint_open(&context, folder, "fuzz", data, false, &context.checkpoint) == BTF_OK);
-    FUZZ_CHECK(joint_rows_init(&context, data, true, &rows) == BTF_OK);
 }
 
 static void remove_data(void) {
     enc_checkpoint_close(&context.checkpoint, true);
-    joint_rows_clear(&rows);
     enc_data_destroy(&data);
 }
 
@@ -77,18 +72,6 @@ static void check_cluster(void) {
     enc_occlusion_destroy(&o);
 }
 
-static void check_joint(void) {
-    joint_fit fit;
-    uint32_t beside;
-    if (joint_step_take(&rows, "joint", &fit, &beside, sizeof beside)) {
-        enc_solution solution = {0};
-        FUZZ_CHECK(joint_fit_round(&fit) == BTF_OK && joint_fit_quantise(&fit) == BTF_OK);
-        FUZZ_CHECK(joint_fit_solution(&fit, &solution) == BTF_OK);
-        enc_solution_clear(&solution);
-    }
-    joint_fit_clear(&fit);
-}
-
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
     uint8_t shadow[STEP_LIGHTS * STEP_TEXELS];
     if (size == 0)
@@ -107,9 +90,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
         enc_step_take_shadow(&context, data, shadow);
     else if (step == STEP_FLOW || step == STEP_REFINE)
         check_occlusion(step_names[step]);
-    else if (step == STEP_CLUSTER)
-        check_cluster();
     else
-        check_joint();
+        check_cluster();
     return 0;
 }

@@ -12,7 +12,6 @@
 #include "decoder/toolkit/jpeg_image.h"
 #include "decoder/toolkit/png_image.h"
 #include "encoder/data/checkpoint.h"
-#include "encoder/joint/steps.h"
 #include "encoder/paper/steps.h"
 
 #include <archive.h>
@@ -313,21 +312,8 @@ static void write_steps(void) {
     const enc_centres centres = {2, STEP_LIGHTS, 0.01f, codes};
     occlusion->centre[5] = 1;
     must(enc_step_keep_cluster(&context, occlusion, &centres) == BTF_OK, "cluster");
-    joint_rows rows;
-    joint_fit plain, fit;
-    const joint_front_kind kind = {.lobes = 1, .rgb = true, .shadow = true};
-    const uint32_t beside = 7, effects = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL;
-    must(joint_rows_init(&context, data, true, &rows) == BTF_OK &&
-             joint_fit_plain(&rows, 2, 2, &plain, NULL) == BTF_OK &&
-             joint_fit_start(&plain, 2, effects, &fit) == BTF_OK &&
-             joint_fit_add_front(&fit, &kind, 1, 1) == BTF_OK && joint_fit_round(&fit) == BTF_OK &&
-             joint_step_keep(step_names[STEP_JOINT], &fit, &beside, sizeof beside) == BTF_OK,
-         "joint");
     for (int step = 0; step < STEP_COUNT; step++)
         take_step(steps, step);
-    joint_fit_clear(&fit);
-    joint_fit_clear(&plain);
-    joint_rows_clear(&rows);
     enc_occlusion_destroy(&occlusion);
     enc_sbrdf_destroy(&sbrdf);
     enc_checkpoint_close(&context.checkpoint, true);

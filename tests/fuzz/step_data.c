@@ -4,7 +4,7 @@
  */
 #include "step_data.h"
 
-const char *const step_names[STEP_COUNT] = {"fit", "shadow", "flow", "refine", "cluster", "joint"};
+const char *const step_names[STEP_COUNT] = {"fit", "shadow", "flow", "refine", "cluster"};
 
 enc_data *step_data(const enc_context *context) {
     const enc_direction list[2] = {enc_direction_from_angles(0, 0), enc_direction_from_angles(45, 90)};

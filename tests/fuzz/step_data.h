@@ -16,7 +16,7 @@ enum {
 };
 
 /* The first byte of an input is the index of its step. */
-enum { STEP_FIT, STEP_SHADOW, STEP_FLOW, STEP_REFINE, STEP_CLUSTER, STEP_JOINT, STEP_COUNT };
+enum { STEP_FIT, STEP_SHADOW, STEP_FLOW, STEP_REFINE, STEP_CLUSTER, STEP_COUNT };
 extern const char *const step_names[STEP_COUNT];
 
 /* Destroy with enc_data_destroy. NULL when out of memory. */

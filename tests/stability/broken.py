@@ -50,8 +50,6 @@ CHANGES = [
         ("encoder/paper/refine.c", "return n == 0 ? 0 : (float)(sum / (double)n);", "return (float)(sum / (double)n);")]),
     ("a shift of 128 taken for one of -128", "stability_occlusion", [
         ("encoder/model/occlusion.c", "2 * r > size || r > 127 ? r - size : r", "2 * r > size ? r - size : r")]),
-    ("a radiance scale that no file holds", "stability_joint", [
-        ("encoder/joint/rows.c", "exp2(fmin((double)bin / 64.0, 24.0))", "exp2((double)bin / 64.0)")]),
     ("the diffuse fit never taken in place of what is worse", "stability_joint", [
         ("encoder/paper/paper.c", "if (result == BTF_OK && options->fallback) {", "if (result != BTF_OK && options->fallback) {")]),
     ("samples that are no numbers read", "stability_input", [

@@ -13,8 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *const encode_names[ENCODE_METHODS + 1] = {
-    "paper", "paper, RGB lobes", "joint", "joint without residual", "paper, fit and shadow alone"};
+const char *const encode_names[ENCODE_METHODS + 1] = {"paper", "paper, RGB lobes", "joint",
+                                                     "paper, fit and shadow alone"};
 
 enc_paper_options encode_paper_options(encode_method method, float brighter) {
     enc_paper_options options = enc_paper_options_default();
@@ -27,25 +27,23 @@ enc_paper_options encode_paper_options(encode_method method, float brighter) {
     return options;
 }
 
-enc_joint_options encode_joint_options(encode_method method) {
-    enc_joint_options options = enc_joint_options_default();
-    options.preset = ENC_JOINT_FAST;
-    if (method == ENCODE_JOINT_SBRDF) {
-        options.effects = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN;
-    }
-    return options;
+enc_factors_settings encode_joint_settings(const enc_data *data, enc_preset preset) {
+    enc_job job = {.joint = enc_joint_options_default()};
+    job.joint.preset = preset;
+    return enc_settings_of_factors(&job, data->width, data->height, data->n_views, data->n_lights);
 }
 
 static btf_result analyse(const enc_context *context, const enc_data *data, encode_method method,
-                          float brighter, bool fallback, enc_solution *solution) {
-    if (method != ENCODE_JOINT && method != ENCODE_JOINT_SBRDF) {
+                          enc_preset preset, float brighter, bool fallback, enc_solution *solution) {
+    if (method != ENCODE_JOINT) {
         enc_paper_options options = encode_paper_options(method, brighter);
         options.fallback = fallback;
         enc_paper_stats stats;
         return enc_paper(context, data, &options, solution, NULL, &stats);
     }
-    const enc_joint_options options = encode_joint_options(method);
-    return enc_joint(context, data, &options, solution, NULL);
+    const enc_factors_settings settings = encode_joint_settings(data, preset);
+    enc_factors_stats stats;
+    return enc_factors_solve(context, data, &settings, solution, &stats);
 }
 
 /* Fills decoded by the reference. */
@@ -108,8 +106,9 @@ encoded encode(const enc_data *data, encode_method method, int threads, float br
     btf_material *material = NULL;
     const enc_pack_options pack = {.layout = BTF_LAYOUT_TIGHT, .method = "test"};
     e.decoded = malloc(enc_data_texel_count(data) * enc_data_texel_stride(data) * sizeof *e.decoded);
-    e.result =
-        e.decoded == NULL ? BTF_ERROR_MEMORY : analyse(&context, data, method, brighter, true, &solution);
+    e.result = e.decoded == NULL
+                   ? BTF_ERROR_MEMORY
+                   : analyse(&context, data, method, ENC_PRESET_FAST, brighter, true, &solution);
     if (e.result == BTF_OK) {
         e.result = enc_pack(&context, data, &solution, &pack, &material);
     }
@@ -140,14 +139,8 @@ double encode_played_psnr(const enc_data *data, const enc_data *truth, encode_me
     const enc_context context = {.threads = 1};
     const size_t texels = enc_data_texel_count(data), stride = enc_data_texel_stride(data);
     enc_solution solution = {0};
-    btf_result result;
-    if (method != ENCODE_JOINT && method != ENCODE_JOINT_SBRDF) {
-        result = analyse(&context, data, method, brighter, false, &solution);
-    } else {
-        enc_joint_options options = encode_joint_options(method);
-        options.preset = ENC_JOINT_MEDIUM;
-        result = enc_joint(&context, data, &options, &solution, NULL);
-    }
+    const btf_result result =
+        analyse(&context, data, method, ENC_PRESET_MEDIUM, brighter, false, &solution);
     enc_sample_decoder *decoder = NULL;
     float *decoded = malloc(texels * stride * sizeof *decoded);
     float *images = malloc((size_t)data->n_lights * texels * 3 * sizeof *images);
@@ -190,7 +183,7 @@ double encode_psnr(const enc_data *data, const float *decoded, float peak) {
 }
 
 double encode_psnr_of_diffuse(const enc_data *data, encode_method method, float peak) {
-    const bool root = method == ENCODE_JOINT || method == ENCODE_JOINT_SBRDF;
+    const bool root = method == ENCODE_JOINT;
     const size_t texels = enc_data_texel_count(data), lights = (size_t)data->n_lights;
     double squares = 0;
     for (size_t t = 0; t < texels; t++) {
@@ -219,7 +212,7 @@ double encode_psnr_of_diffuse(const enc_data *data, encode_method method, float 
 }
 
 bool encode_keeps_promise(encode_method method, double psnr, double psnr_of_diffuse) {
-    return method == ENCODE_JOINT || method == ENCODE_JOINT_SBRDF
+    return method == ENCODE_JOINT
                ? psnr >= fmin(psnr_of_diffuse, 47) - 0.1
                : psnr >= fmin(psnr_of_diffuse, 80) - 0.01;
 }

@@ -25,6 +25,43 @@ void precision_measured(const void *user, int texel, const enc_direction *v, con
     }
 }
 
+/* The sum over factors: the root of the sample, cosine included. Codes of w and of the views hold the
+ * directions. */
+static double factors_root(const enc_solution *s, size_t source, int v, int c, int l) {
+    static const double sign[3][3] = {{1, 1, 1}, {1, 0, -1}, {1, -2, 1}};
+    const enc_factor_store *f = &s->factors;
+    const size_t lights = (size_t)s->n_lights, pairs = (size_t)s->n_views * lights;
+    enc_factor_unit *units = calloc(f->units, sizeof *units);
+    if (units == NULL) {
+        exit(1);
+    }
+    const size_t components = enc_store_list(f->classes, units);
+    int16_t *u = calloc(components, sizeof *u);
+    if (u == NULL) {
+        exit(1);
+    }
+    enc_store_texel_levels(units, f->units, f->texels, enc_solution_texels(s), source, u);
+    double y = 0;
+    for (size_t i = 0; i < f->units; i++) {
+        int16_t w[ENC_STORE_WORDS * ENC_STORE_MOST_WORD];
+        enc_store_w_levels(&units[i], f->directions + (i * pairs + (size_t)v * lights + (size_t)l) * 4, w);
+        for (int k = 0; k < ENC_STORE_WORDS; k++) {
+            const int channel = units[i].channel[k];
+            double sum = 0;
+            for (int j = 0; j < units[i].word; j++) {
+                const int at = k * units[i].word + j;
+                sum += (double)u[units[i].first + (size_t)at] * w[at];
+            }
+            y += sign[channel][c] * sum * (double)f->scales[4 * i + (size_t)k] *
+                 (double)f->views[((size_t)v * ENC_STORE_TIERS + (size_t)units[i].tier) * 4 +
+                                  (size_t)channel];
+        }
+    }
+    free(u);
+    free(units);
+    return y;
+}
+
 double precision_decode(const enc_data *data, const enc_solution *s, size_t t, int v, int c, int l) {
     const size_t texels = enc_solution_texels(s), at = (size_t)v * texels + t, lights = (size_t)s->n_lights;
     if (s->gain && (s->effects & BTF_EFFECT_HIDDEN) && s->gain[at] == 0) {
@@ -45,6 +82,11 @@ double precision_decode(const enc_data *data, const enc_solution *s, size_t t, i
         if (s->shadow && (s->effects & BTF_EFFECT_SHADOW)) {
             y *= s->shadow[(size_t)l * texels + source] * (double)s->shadow_scale;
         }
+    }
+    if (s->factors.units > 0) {
+        const double gain = s->gain ? (double)enc_solution_gain(s, s->gain[at]) : 1,
+                     root = gain * factors_root(s, source, v, c, l);
+        return root >= 0x1p-30 ? fmin(root, 0x1p32) * fmin(root, 0x1p32) * (double)s->radiance_scale : 0;
     }
     if (s->effects & BTF_EFFECT_RESIDUAL) {
         for (size_t j = 0; j < s->n_components; j++) {

@@ -127,7 +127,7 @@ int main(void) {
         }
         report("radiance times 4, thresholds too", method, plain,
                encode_played_psnr(brighter, brighter, method, 4, 4));
-        if (method == ENCODE_JOINT || method == ENCODE_JOINT_SBRDF) {
+        if (method == ENCODE_JOINT) {
             report("radiance divided by 1024", method, plain,
                    encode_played_psnr(dimmer, dimmer, method, 1, 0x1p-10f));
         }

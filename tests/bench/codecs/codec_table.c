@@ -145,7 +145,6 @@ static void write_script(const bench_run *run, const codec_table *table, const c
     static const struct {
         const char *block, *name, *title, *style;
     } series[] = {{"joint", "joint", "joint", "points pt 7 ps 1.2"},
-                  {"factors", "factors", "factors (format 2)", "points pt 13 ps 1.2"},
                   {"paper", "paper", "paper: SBRDF, STVS, full", "linespoints pt 5"},
                   {"linear", "PCA 8 bit, linear", "PCA 8 bit, linear", "linespoints pt 4"},
                   {"srgb", "PCA 8 bit, sRGB", "PCA 8 bit, sRGB-coded", "linespoints pt 6"},

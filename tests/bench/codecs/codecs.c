@@ -10,8 +10,6 @@
 #include "pca.h"
 
 #include "encoder/base/stage.h"
-#include "encoder/joint/joint.h"
-#include "encoder/joint/cost.h"
 #include "encoder/model/decode_samples.h"
 #include "encoder/report/report.h"
 
@@ -98,22 +96,6 @@ static btf_result run_joint(const bench_run *run, uint64_t budget, int preset, c
     bench_encoded encoded;
     snprintf(name, sizeof name, "joint, %s", bench_preset_names[preset]);
     btf_result result = bench_encode_joint(run->context, run->data, preset, budget, &encoded);
-    if (result == BTF_OK) {
-        result = measure_encoded(run, &encoded, 1, names, all, table);
-        bench_encoded_clear(&encoded);
-    }
-    return result;
-}
-
-static btf_result run_factors(const bench_run *run, uint64_t budget, codec_table *table) {
-    const char *const names[] = {"factors"};
-    const uint32_t all[] = {BTF_EFFECT_ALL};
-    bench_encoded encoded;
-    if (budget < bench_factors_least(run->data)) {
-        return BTF_OK;
-    }
-    btf_result result =
-        bench_encode_factors(run->context, run->data, ENC_JOINT_MEDIUM, budget, &encoded);
     if (result == BTF_OK) {
         result = measure_encoded(run, &encoded, 1, names, all, table);
         bench_encoded_clear(&encoded);
@@ -331,16 +313,13 @@ static btf_result run_split(const bench_run *run, uint64_t budget, codec_table *
 }
 
 btf_result bench_section_codecs(const bench_run *run) {
-    const uint64_t budget = run->budget ? run->budget : joint_default_budget(run->data);
+    const uint64_t budget = bench_budget(run->budget, run->data);
     codec_table table = {.budget = budget};
     btf_result result = BTF_OK;
     for (int preset = 0; preset < BENCH_PRESETS && result == BTF_OK; preset++) {
         if (run->presets[preset]) {
             result = run_joint(run, budget, preset, &table);
         }
-    }
-    if (result == BTF_OK) {
-        result = run_factors(run, budget, &table);
     }
     if (result == BTF_OK) {
         result = run_paper(run, &table);

@@ -196,13 +196,13 @@ static btf_result bench_variants(bench *b) {
             {"paper: SBRDF", {.leave_out = BTF_EFFECT_ALL}},
         },
       tights[] = {
-          {"joint: full", {0}},
-          {"joint: full, nearest directions", {.interpolation = BTF_INTERPOLATION_NEAREST}},
-          {"joint: full, bilinear", {.filter = BTF_FILTER_BILINEAR}},
-          {"joint: residual cut", {.components = 8}},
-          {"joint: residual cut", {.components = 4}},
-          {"joint: without residual", {.leave_out = BTF_EFFECT_RESIDUAL}},
-          {"joint: SBRDF", {.leave_out = BTF_EFFECT_ALL}},
+          {"low rank: full", {0}},
+          {"low rank: full, nearest directions", {.interpolation = BTF_INTERPOLATION_NEAREST}},
+          {"low rank: full, bilinear", {.filter = BTF_FILTER_BILINEAR}},
+          {"low rank: residual cut", {.components = 8}},
+          {"low rank: residual cut", {.components = 4}},
+          {"low rank: without residual", {.leave_out = BTF_EFFECT_RESIDUAL}},
+          {"low rank: SBRDF", {.leave_out = BTF_EFFECT_ALL}},
       };
     for (size_t i = 0; i < sizeof papers / sizeof *papers && result == BTF_OK; ++i)
         result = bench_variant(b, papers[i].name, paper, papers[i].shader);
@@ -226,9 +226,9 @@ static btf_result bench_variants(bench *b) {
     if (result == BTF_OK)
         result = synthetic_create(&spec, b->log, &tight);
     if (result == BTF_OK)
-        result = bench_variant(b, "joint: residual sources", tight, (btf_shader_options){0});
+        result = bench_variant(b, "low rank: residual sources", tight, (btf_shader_options){0});
     if (result == BTF_OK)
-        result = bench_variant(b, "joint: residual sources", tight, (btf_shader_options){.components = 16});
+        result = bench_variant(b, "low rank: residual sources", tight, (btf_shader_options){.components = 16});
     if (result == BTF_OK)
         result = bench_loading(b, tight);
     if (result == BTF_OK)

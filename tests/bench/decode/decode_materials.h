@@ -17,13 +17,10 @@ typedef struct decode_subset {
 } decode_subset;
 
 /* Names are those of rows. The first subset is "whole". */
-enum { DECODE_MATERIALS = 6 };
+enum { DECODE_MATERIALS = 3 };
 #define DECODE_JOINT "joint"
-#define DECODE_SOURCES "joint; SBRDF x shadow sources"
+#define DECODE_HALF_JOINT "joint; half the bytes"
 #define DECODE_PAPER "paper"
-#define DECODE_FACTORS "factors"
-#define DECODE_HALF_FACTORS "factors; half the bytes"
-#define DECODE_EQUAL_FACTORS "factors; PSNR of joint"
 
 typedef struct decode_material {
     const char *name; /* NULL: not there */
@@ -31,15 +28,13 @@ typedef struct decode_material {
     btf_ref_material view;
     const decode_subset *subsets;
     int count;
-    double linear, srgb; /* PSNR at the samples, dB */
 } decode_material;
 
 /* By name; NULL: not there. */
 const decode_material *decode_material_find(const decode_material materials[DECODE_MATERIALS],
                                             const char *name);
 
-/* Encodes those of `run->methods`. Factors are encoded for the bytes of joint, or the budget where joint is
- * not wanted, for half of them, and for the fewest that reach joint's PSNR, linear and sRGB-coded. Clear with
+/* Encodes those of `run->methods`, by joint for the budget, and for half of what that took. Clear with
  * decode_materials_clear, also on an error. Errors: those of encoding. */
 btf_result decode_materials_create(const bench_run *run, decode_material out[DECODE_MATERIALS]);
 void decode_materials_clear(decode_material materials[DECODE_MATERIALS]);

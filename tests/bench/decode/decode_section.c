@@ -12,8 +12,9 @@
 #include "decode_shaders.h"
 #include "decode_table.h"
 
-#include "encoder/report/metrics.h"
 #include "encoder/math/srgb.h"
+#include "encoder/model/decode_samples.h"
+#include "encoder/report/metrics.h"
 #include "tests/bench/readme.h"
 #include "tests/conformance/random.h"
 
@@ -36,7 +37,7 @@ typedef struct peer_codec {
     pca_codec codec;
 } peer_codec;
 
-enum { PEER_CODECS = 3 };
+enum { PEER_CODECS = 2 };
 
 typedef struct decoding {
     const bench_run *run;
@@ -295,7 +296,7 @@ static bool is_run(const decoding *d, const decode_material *m, int s, int way, 
     if (of->fixed || (s > 0 && factors)) {
         return way == 0 && first;
     }
-    if (factors && !all && m != decode_material_find(d->materials, DECODE_FACTORS)) {
+    if (factors && !all && m != decode_material_find(d->materials, DECODE_JOINT)) {
         return way == 0 || (first && way == 4);
     }
     return all || (s == 0 && (way & 2) == 0) || (s == 0 && first) || (first && way < 2);
@@ -457,33 +458,45 @@ static btf_result find_quality(decoding *d, const pca_factors *factors, double t
     return result;
 }
 
-/* Components of the bytes of joint, of its quality and of that of factors of these bytes. */
+/* Errors over all samples. */
+static btf_result measure_samples(const bench_run *run, const decode_material *m, enc_metrics *out) {
+    const enc_data *data = run->held->train;
+    enc_sample_decoder *decoder = NULL;
+    btf_result result = enc_sample_decoder_create(run->context, data, &m->encoded.solution, &decoder);
+    const enc_decoded_samples played = {.decoder = decoder, .effects = BTF_EFFECT_ALL};
+    if (result == BTF_OK) {
+        result = enc_metrics_compare(run->context, data, enc_data_images(data), enc_decoded_images(&played),
+                                     false, out);
+    }
+    enc_sample_decoder_destroy(&decoder);
+    return result;
+}
+
+/* Components of the bytes of joint, and of its quality. */
 static btf_result find_ranks(decoding *d) {
     const enc_data *data = d->run->held->train;
-    const decode_material *joint = decode_material_find(d->materials, DECODE_JOINT),
-                          *coded = decode_material_find(d->materials, DECODE_FACTORS),
-                          *base = joint ? joint : coded;
-    const decode_material *const targets[] = {joint, coded};
-    static const char *const notes[] = {"equal quality", "quality of factors"};
+    const decode_material *joint = decode_material_find(d->materials, DECODE_JOINT);
+    enc_metrics metrics;
     pca_factors factors;
-    if (!base || !(d->run->methods & BENCH_METHOD_PEERS)) {
+    if (!joint || !(d->run->methods & BENCH_METHOD_PEERS)) {
         return BTF_OK;
     }
-    btf_result result = pca_factorise(d->run->context, data, PCA_LINEAR, 256, &factors);
+    btf_result result = measure_samples(d->run, joint, &metrics);
+    if (result == BTF_OK) {
+        result = pca_factorise(d->run->context, data, PCA_LINEAR, 256, &factors);
+    }
     if (result != BTF_OK) {
         return result;
     }
-    size_t rank = pca_rank_for(data, PCA_BYTE, 1, base->encoded.bytes);
+    size_t rank = pca_rank_for(data, PCA_BYTE, 1, joint->encoded.bytes);
     rank = rank < factors.rank ? rank : factors.rank;
     if (rank > 0) {
         d->components[0].note = "equal bytes";
         result = pca_encode(d->run->context, &factors, PCA_BYTE, rank, &d->components[0].codec);
     }
-    for (int i = 0; i < 2 && result == BTF_OK; i++) {
-        if (targets[i]) {
-            d->components[1 + i].note = notes[i];
-            result = find_quality(d, &factors, targets[i]->linear, &d->components[1 + i]);
-        }
+    if (result == BTF_OK) {
+        d->components[1].note = "equal quality";
+        result = find_quality(d, &factors, enc_psnr_linear(&metrics.total), &d->components[1]);
     }
     pca_factors_clear(&factors);
     return result;

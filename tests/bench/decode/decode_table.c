@@ -148,7 +148,7 @@ static void print_device(const decode_table *table, const char *device, const ch
 
 /* Times of smaller pictures, and the exponent of a picture's time over its pixels. */
 static void print_sizes(const decode_table *table, FILE *out) {
-    static const char *const materials[] = {DECODE_JOINT, DECODE_FACTORS, DECODE_PAPER};
+    static const char *const materials[] = {DECODE_JOINT, DECODE_PAPER};
     enum { MATERIALS = sizeof materials / sizeof *materials };
     fprintf(out,
             "### Growth with resolution\n\n| material | exponent of time over pixels | ns a pixel at 32, "
@@ -177,8 +177,7 @@ static void print_sizes(const decode_table *table, FILE *out) {
 
 /* Where the time of a whole pixel goes on the first device: found by leaving things out of the shader. */
 static void print_places(const decode_table *table, FILE *out) {
-    static const char *const materials[] = {DECODE_JOINT,   DECODE_SOURCES,      DECODE_PAPER,
-                                            DECODE_FACTORS, DECODE_HALF_FACTORS, DECODE_EQUAL_FACTORS};
+    static const char *const materials[] = {DECODE_JOINT, DECODE_HALF_JOINT, DECODE_PAPER};
     enum { MATERIALS = sizeof materials / sizeof *materials };
     const char *device = table->device[0].name;
     fprintf(out,
@@ -203,66 +202,43 @@ static void print_places(const decode_table *table, FILE *out) {
     fputc('\n', out);
 }
 
-/* Format 2 beside format 1: measured, and what was aimed at.
+/* Format 2 beside format 1.
  * ------------------------------------------------------------------------------------------------ */
 
-static const struct {
-    const char *material;
-    double aim; /* times joint, three directions, texels; 0: none */
-    const char *where;
-} versions[] = {{DECODE_JOINT, 0, ""},
-                {DECODE_FACTORS, 0.55, ""},
-                {DECODE_HALF_FACTORS, 0.35, ""},
-                {DECODE_EQUAL_FACTORS, 0.25, " (UBO_IMPALLA64)"}};
-
-static void print_version(const decode_table *table, const decode_row *r, int version, FILE *out) {
-    const bool first = strcmp(r->effects, "whole") == 0 && !r->nearest && !r->bilinear;
-    const decode_row *joint = decode_table_find(table, r->device, DECODE_JOINT, r->effects, r->nearest,
+static void print_version(const decode_table *table, const decode_row *r, FILE *out) {
+    const decode_row *paper = decode_table_find(table, r->device, DECODE_PAPER, r->effects, r->nearest,
                                                 r->bilinear, false),
                      *fast = decode_table_find(table, r->device, r->material, r->effects, r->nearest,
-                                               r->bilinear, true),
-                     *floor = floor_of(table, r);
+                                               r->bilinear, true);
     fprintf(out, "| %s | %s, %s, %s | %.3f |", r->material, r->effects, r->nearest ? "nearest" : "linear",
             r->bilinear ? "bilinear" : "texel", 1e-6 * r->gpu_bytes);
     print_pair(r->linear[0], r->srgb[0], out);
     fprintf(out, " %.0f |", r->ns);
-    print_times(r, joint, out);
-    if (first && versions[version].aim > 0) {
-        fprintf(out, " %.2f%s |", versions[version].aim, versions[version].where);
-    } else {
-        fprintf(out, " |");
-    }
-    print_times(r, floor, out);
+    print_times(r, paper, out);
+    print_times(r, floor_of(table, r), out);
     print_times(r, fast, out);
     print_cost(&r->cost, out);
     fputc('\n', out);
 }
 
 static void print_versions(const decode_table *table, FILE *out) {
+    static const char *const materials[] = {DECODE_JOINT, DECODE_HALF_JOINT, DECODE_PAPER};
     const char *device = table->device[0].name;
-    if (!decode_table_find(table, device, DECODE_FACTORS, "whole", false, false, false)) {
-        return;
-    }
-    fprintf(
-        out,
-        "### Format 2 (factors) beside format 1 (joint), %s\n\nExact mathematics, %s a pixel. Times joint: "
-        "of "
-        "the same directions and filter. Exact over native: at most 1.25 is the aim. Counts are by formula "
-        "(decode_cost.h): textures but the direction tables; sums of SBRDF, shadow and residual. Factors "
-        "with "
-        "shift have a source of their own for each view.\n\n"
-        "| material | decoded | MB | at the samples | ns | times joint | aim | times its fetches | exact "
-        "over "
-        "native | fetches | bytes | integer operations | float operations |\n"
-        "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
-        device, table->device[0].software ? "core ns" : "ns");
-    for (int version = 0; version < (int)(sizeof versions / sizeof *versions); version++) {
+    fprintf(out,
+            "### Format 2 (joint) beside format 1 (paper), %s\n\nExact mathematics, %s a pixel. Times "
+            "paper: of the same directions and filter. Exact over native: at most 1.25 is the aim. Counts "
+            "are by formula (decode_cost.h): textures but the direction tables; sums of SBRDF, shadow and "
+            "residual.\n\n"
+            "| material | decoded | MB | at the samples | ns | times paper | times its fetches | exact over "
+            "native | fetches | bytes | integer operations | float operations |\n"
+            "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
+            device, table->device[0].software ? "core ns" : "ns");
+    for (size_t m = 0; m < sizeof materials / sizeof *materials; m++) {
         for (int i = 0; i < table->count; i++) {
             const decode_row *r = &table->rows[i];
-            if (strcmp(r->device, device) == 0 && strcmp(r->material, versions[version].material) == 0 &&
-                strcmp(r->effects, DECODE_FLOOR) != 0 && strcmp(r->effects, "without gain") != 0 &&
-                !r->fast) {
-                print_version(table, r, version, out);
+            if (strcmp(r->device, device) == 0 && strcmp(r->material, materials[m]) == 0 &&
+                strcmp(r->effects, DECODE_FLOOR) != 0 && !r->fast) {
+                print_version(table, r, out);
             }
         }
     }
@@ -275,16 +251,11 @@ typedef struct shown {
 } shown;
 
 /* Fast ones are not in the README's plot. */
-static const shown series[] = {{DECODE_FACTORS, "factors (format 2), exact", 0},
-                               {DECODE_HALF_FACTORS, "factors, half the bytes, exact", 0},
-                               {DECODE_EQUAL_FACTORS, "factors, PSNR of joint, exact", 0},
-                               {DECODE_FACTORS, "factors, fast math", 1},
-                               {DECODE_JOINT, "joint, exact", 0},
+static const shown series[] = {{DECODE_JOINT, "joint, exact", 0},
                                {DECODE_JOINT, "joint, fast math", 1},
+                               {DECODE_HALF_JOINT, "joint, half the bytes, exact", 0},
                                {DECODE_PAPER, "paper, exact", 0},
                                {DECODE_PAPER, "paper, fast math", 1},
-                               {DECODE_SOURCES, "SBRDF x shadow, exact", 0},
-                               {DECODE_SOURCES, "SBRDF x shadow, fast math", 1},
                                {"Phong", "Phong", -1},
                                {"PCA", "PCA, 8 bit", -1},
                                {"uncompressed", "uncompressed, 3 x 3 images", -1}};
@@ -324,10 +295,7 @@ static btf_result decode_plot(const bench_run *run, const decode_table *table, c
                 const double y[PLOT_PANELS] = {of_seen * r->linear[seen],
                                                headline ? linear : of_seen * r->srgb[seen], linear,
                                                whole * r->srgb[0]};
-                /* Without its gains a material that has them is far below all else, which would be
-                 * squeezed. */
-                const bool off = headline && strcmp(r->effects, "without gain") == 0;
-                if (isfinite(r->linear[0]) && !off) {
+                if (isfinite(r->linear[0])) {
                     plot_point(p, r->ns, y, label_of(r));
                 }
             }

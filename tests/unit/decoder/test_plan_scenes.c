@@ -12,8 +12,7 @@
 #include <cmocka.h>
 
 #include "decoder/toolkit/cli.h"
-#include "encoder/joint/joint.h"
-#include "encoder/paper/paper.h"
+#include "encoder/job/settings.h"
 #include "encoder/input/reader.h"
 #include "tests/bench/plan_scenes.h"
 #include "tests/sample/sample.h"
@@ -72,11 +71,14 @@ static void check_scenes(const char *name, const enc_data *data, const btf_mater
 }
 
 static void check_joint(const char *name, const enc_data *data, int levels) {
-    enc_joint_options options = enc_joint_options_default();
+    enc_job job = {.joint = enc_joint_options_default()};
+    enc_factors_stats stats;
     enc_solution found;
     btf_material *material = NULL;
-    options.preset = ENC_JOINT_FAST;
-    assert_int_equal(enc_joint(&context, data, &options, &found, NULL), BTF_OK);
+    job.joint.preset = ENC_PRESET_FAST;
+    const enc_factors_settings settings =
+        enc_settings_of_factors(&job, data->width, data->height, data->n_views, data->n_lights);
+    assert_int_equal(enc_factors_solve(&context, data, &settings, &found, &stats), BTF_OK);
     assert_int_equal(plan_pack(&context, data, &found, BTF_LAYOUT_TIGHT, levels, &material), BTF_OK);
     check_scenes(name, data, material);
     btf_material_close(&material);
