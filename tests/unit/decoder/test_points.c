@@ -83,8 +83,8 @@ static void test_create(void **state) {
     desc.info.layout = BTF_LAYOUT_PAPER;
     create_refused(&desc, "packed points with layout paper");
     desc.info = good;
-    desc.info.point_store = (btf_point_store)2;
-    create_refused(&desc, "unknown store 2 of shift and gain");
+    desc.info.point_store = (btf_point_store)3;
+    create_refused(&desc, "unknown store 3 of shift and gain");
     desc.info.point_store = BTF_POINTS_SEPARATE;
     create_refused(&desc, "gainBase 0.3 and gainStep 0.11 without packed points");
     static const float bad[] = {NAN, INFINITY, 0x1p-25f, -0x1p25f};
