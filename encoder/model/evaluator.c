@@ -183,6 +183,11 @@ static point packed_point(const enc_evaluated_texel *t, const uint8_t bytes[2], 
 static point point_of(const enc_evaluated_texel *t, uint32_t view, uint32_t effects) {
     const btf_ref_material *m = &t->evaluator->reference;
     const size_t at = ((size_t)view * m->height + t->row) * m->width + t->column;
+    if (m->point_lists) {
+        const size_t texels = (size_t)m->width * m->height, own = (size_t)t->row * m->width + t->column;
+        const size_t entry = m->point_indices[view / 2 * texels + own] >> (view % 2 * 4) & 15;
+        return packed_point(t, m->point_lists + 2 * (entry * texels + own), effects);
+    }
     if (m->points_packed)
         return packed_point(t, m->points + 2 * at, effects);
     const uint32_t code = m->effects & BTF_EFFECT_GAIN ? m->gain[at] : BTF_GAIN_ONE;

@@ -33,10 +33,10 @@ enum factor {
     FAST,
     STORE, /* components, factors of all classes, of some */
     ROOTS,
-    POINTS, /* packed: layout tight, without hidden points */
+    POINTS, /* packed or in lists: layout tight, without hidden points */
     FACTORS
 };
-static const uint8_t levels[FACTORS] = {2, 2, 3, 4, 2, 2, 3, 2, 4, 2, 2, 2, 3, 2, 2};
+static const uint8_t levels[FACTORS] = {2, 2, 3, 4, 2, 2, 3, 2, 4, 2, 2, 2, 3, 2, 3};
 static const int components[] = {0, 1, 6, 16};
 
 /* Of each class units, words of C1 and of C2, of the stores after the first. */
@@ -52,8 +52,8 @@ static int has_factors(const uint8_t *row) {
 /* What the library defines for a material of version 2. */
 static void write_version_2(char *out, size_t size, const uint8_t *row) {
     size_t at = (size_t)snprintf(
-        out, size, "%s%s", row[ROOTS] && row[DOMAIN] ? "#define BTF_BLEND_ROOTS 1\n" : "",
-        row[POINTS] ? "#define BTF_POINTS 1\n#define BTF_GAIN_BASE 0.25\n#define BTF_GAIN_STEP 0.125\n" : "");
+        out, size, "%s#define BTF_POINTS %d\n%s", row[ROOTS] && row[DOMAIN] ? "#define BTF_BLEND_ROOTS 1\n" : "",
+        row[POINTS], row[POINTS] ? "#define BTF_GAIN_BASE 0.25\n#define BTF_GAIN_STEP 0.125\n" : "");
     if (!has_factors(row))
         return;
     const int(*of)[3] = classes[row[STORE] - 1];
@@ -158,7 +158,8 @@ static int check_absence(const char *preprocessed, const uint8_t *row) {
         {row[COLOUR] != 2, {"btf_lafortune", "btf_sbrdf", NULL}},
         {row[SHIFT], {"btf_wrap(x", NULL, NULL}},
         {row[GAIN], {"float(gain)", "float ( gain", NULL}},
-        {row[POINTS] && (row[SHIFT] || row[GAIN]), {"btf_points", NULL, NULL}},
+        {row[POINTS] == 1 && (row[SHIFT] || row[GAIN]), {"btf_points", NULL, NULL}},
+        {row[POINTS] == 2 && (row[SHIFT] || row[GAIN]), {"btf_point_lists", "btf_point_indices", NULL}},
         {!row[POINTS], {"texelFetch(btf_shift", "texelFetch(btf_gain", NULL}},
     };
     int wrong = 0;
@@ -287,9 +288,12 @@ int main(int argc, char **argv) {
         fewer[POINTS] = 1;
         count = pairwise_rows(1, FACTORS, fewer, 400, rows);
         fewer[LAYOUT] = fewer[HIDDEN] = 1;
+        fewer[POINTS] = 2;
         const size_t more = pairwise_rows(2, FACTORS, fewer, 400 - count, rows + count);
-        for (size_t i = 0; i < more; ++i, ++count)
-            rows[count][LAYOUT] = rows[count][POINTS] = 1;
+        for (size_t i = 0; i < more; ++i, ++count) {
+            rows[count][LAYOUT] = 1;
+            rows[count][POINTS]++; /* packed, or in lists */
+        }
         return check_rows(0, count, 0, 1, rows) > 0;
     }
     /* All combinations take core minutes: a process a core. */

@@ -62,16 +62,17 @@ static float random_scale(double size) {
 }
 
 /* How a texel's shift and gain are stored beside the factors. */
-typedef enum points { NONE, SHIFT_ALONE, SEPARATE, PACKED } points;
+typedef enum points { NONE, SHIFT_ALONE, SEPARATE, PACKED, LISTS } points;
 
 static void add_points(enc_solution *s, points store) {
     const size_t count = (size_t)VIEWS * WIDTH * HEIGHT;
     const uint32_t effects[] = {0, BTF_EFFECT_SHIFT, BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN,
-                                BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN};
+                                BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN, BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN};
     s->effects |= effects[store];
     s->shift = calloc(count, 2);
     s->gain = calloc(count, 1);
-    s->packed = store == PACKED;
+    s->packed = store == PACKED || store == LISTS;
+    s->point_entries = store == LISTS ? VIEWS : 0;
     s->gain_scale = 1.0f / 100;
     s->gain_base = s->packed ? 0.3f : 0;
     s->gain_step = s->packed ? 0.07f : 0;
@@ -79,7 +80,7 @@ static void add_points(enc_solution *s, points store) {
     for (size_t i = 0; i < 2 * count && store != NONE; i++)
         s->shift[i] = (int8_t)(random_bits() % 64) - 32;
     for (size_t i = 0; i < count; i++)
-        s->gain[i] = (uint8_t)(store == PACKED     ? random_bits() % 16
+        s->gain[i] = (uint8_t)(s->packed           ? random_bits() % 16
                                : store == SEPARATE ? 1 + random_bits() % 255
                                                    : BTF_GAIN_ONE);
 }
@@ -299,6 +300,7 @@ static void test_material(void **state) {
     check(BTF_DOMAIN_SQRT, BTF_BLEND_RADIANCE, SHIFT_ALONE);
     check(BTF_DOMAIN_SQRT, BTF_BLEND_ROOTS, SEPARATE);
     check(BTF_DOMAIN_SQRT, BTF_BLEND_ROOTS, PACKED);
+    check(BTF_DOMAIN_SQRT, BTF_BLEND_ROOTS, LISTS);
 }
 
 int main(void) {
