@@ -15,8 +15,8 @@ btf_result enc_match_create(const enc_context *context, int width, int height, s
                             enc_match *out) {
     const size_t texels = (size_t)width * (size_t)height, points = texels * views;
     *out = (enc_match){.width = width, .height = height, .texels = texels, .views = views};
-    out->gains = gains ? (enc_match_gains){ENC_MATCH_TRIED, FIRST_GAIN, FIRST_STEP, FIRST_STEP}
-                       : (enc_match_gains){1, 1.0f, 0.0f, 0x1p-7f};
+    out->gains = gains ? (enc_match_gains){ENC_MATCH_TRIED, FIRST_GAIN, FIRST_STEP}
+                       : (enc_match_gains){1, 1.0f, 0.0f};
     out->source = malloc(points * sizeof *out->source);
     out->gain = malloc(points);
     out->first = malloc((points + 1) * sizeof *out->first);
@@ -81,15 +81,14 @@ static float percentile(const enc_match *match, const size_t histogram[ENC_MATCH
     return match->gains.base + match->gains.step * (float)at;
 }
 
-/* The finest scale of version 1 whose codes reach `most`. */
+/* Gains from about `least` to `most`, one of which is 1 exactly where that lies between them: levels of
+ * detail ask for no other. Values are short in binary, so that no bit is lost in a file or on the way to a
+ * GPU. */
 static enc_match_gains gains_between(float least, float most) {
-    float scale = 0x1p-9f;
-    while (most > 250 * scale) {
-        scale *= 2;
-    }
-    const float step = fmaxf(rintf((most - least) / (ENC_MATCH_GAINS - 1) / scale), 1);
-    const float base = fmaxf(rintf(least / scale), 1);
-    return (enc_match_gains){ENC_MATCH_GAINS, base * scale, step * scale, scale};
+    const float grid = 0x1p-9f;
+    const float step = fmaxf(rintf((most - least) / (ENC_MATCH_GAINS - 1) / grid), 1) * grid;
+    const float below = fminf(floorf((1 - least) / step), ENC_MATCH_GAINS - 1); /* codes below that of 1 */
+    return (enc_match_gains){ENC_MATCH_GAINS, 1 - below * step, step};
 }
 
 void enc_match_fit_gains(const enc_context *context, enc_match *match) {
@@ -99,9 +98,8 @@ void enc_match_fit_gains(const enc_context *context, enc_match *match) {
         histogram[match->gain[i]]++;
     }
     const enc_match_gains from = match->gains;
-    /* a code of 1 is to exist: levels of detail have no gain */
-    match->gains =
-        gains_between(percentile(match, histogram, 0.01), fmaxf(percentile(match, histogram, 0.99), 1.0f));
+    match->gains = gains_between(fminf(percentile(match, histogram, 0.01), 1.0f),
+                                 fmaxf(percentile(match, histogram, 0.99), 1.0f));
     for (size_t i = 0; i < points; i++) {
         const float gain = from.base + from.step * (float)match->gain[i];
         const float index = rintf((gain - match->gains.base) / match->gains.step);
@@ -110,19 +108,17 @@ void enc_match_fit_gains(const enc_context *context, enc_match *match) {
     enc_match_count_users(context, match);
 }
 
-/* Bits of a texel: with a list of so many pairs, or (0) with a pair each view. */
-static uint64_t texel_bits(size_t entries, size_t views, bool gains) {
-    const uint64_t pair = gains ? ENC_MATCH_PAIR_BITS : ENC_MATCH_PAIR_BITS_NO_GAIN;
-    return entries > 0 ? pair * entries + ENC_MATCH_INDEX_BITS * views : pair * views;
+/* Bytes of a texel: with a list of so many pairs, or (0) with a pair each view. */
+static uint64_t texel_bytes(size_t entries, size_t views) {
+    return entries > 0 ? 2 * entries + (views + 1) / 2 : 2 * views;
 }
 
-size_t enc_match_entries(size_t views, bool gains) {
-    return texel_bits(ENC_MATCH_ENTRIES, views, gains) < texel_bits(0, views, gains) ? ENC_MATCH_ENTRIES
-                                                                                     : 0;
+size_t enc_match_entries(size_t views) {
+    return texel_bytes(ENC_MATCH_ENTRIES, views) < texel_bytes(0, views) ? ENC_MATCH_ENTRIES : 0;
 }
 
-uint64_t enc_match_bytes(size_t texels, size_t views, bool gains) {
-    return (texel_bits(enc_match_entries(views, gains), views, gains) * texels + 7) / 8;
+uint64_t enc_match_bytes(size_t texels, size_t views) {
+    return texel_bytes(enc_match_entries(views), views) * texels;
 }
 
 /* From one place to another on a circle of `size`, the shorter way round. */
@@ -132,12 +128,10 @@ static int turn(int from, int to, int size) {
 }
 
 void enc_match_store(const enc_match *match, int8_t *out_shift, uint8_t *out_gain) {
-    const int base = (int)lrintf(match->gains.base / match->gains.scale);
-    const int step = (int)lrintf(match->gains.step / match->gains.scale);
     for (size_t i = 0; i < match->texels * match->views; i++) {
         const int x = (int)(i % match->texels), source = (int)match->source[i], width = match->width;
         out_shift[2 * i] = (int8_t)turn(x % width, source % width, width);
         out_shift[2 * i + 1] = (int8_t)turn(x / width, source / width, match->height);
-        out_gain[i] = (uint8_t)(base + step * match->gain[i]);
+        out_gain[i] = match->gain[i];
     }
 }

@@ -22,18 +22,12 @@ enum {
      * BRICKS64 at 2.36 MB: lists of 16 33.77 / 31.41 dB, of 8 33.5 / 31.2, pairs of their own for all
      * points 33.7 / 31.2, no match 33.2 / 31.1. */
     ENC_MATCH_ENTRIES = 16,
-    /* Bits that the budget counts: of a pair, 12 of shift and 4 of gain, or the shift alone; of an index.
-     */
-    ENC_MATCH_PAIR_BITS = 16,
-    ENC_MATCH_PAIR_BITS_NO_GAIN = 12,
-    ENC_MATCH_INDEX_BITS = 4,
 };
 
 /* Gains in steps of `step` from `base`; `count` 1 and base 1 where there are none. */
 typedef struct enc_match_gains {
     int count;
     float base, step;
-    float scale; /* of the codes of version 1: a power of two; base and step are multiples of it */
 } enc_match_gains;
 
 typedef struct enc_match {
@@ -66,12 +60,12 @@ void enc_match_count_users(const enc_context *context, enc_match *match);
 void enc_match_fit_gains(const enc_context *context, enc_match *match);
 
 /* Pairs of a texel's list; 0 where views are so few that a pair each takes no more. */
-size_t enc_match_entries(size_t views, bool gains);
-/* Bytes of lists and points, as a budget counts them. */
-uint64_t enc_match_bytes(size_t texels, size_t views, bool gains);
+size_t enc_match_entries(size_t views);
+/* Bytes that a file's store of shift and gain takes on the GPU: lists of two bytes a pair and indices of 4
+ * bits, a byte for two views; or two bytes a point. */
+uint64_t enc_match_bytes(size_t texels, size_t views);
 
-/* Shifts and codes of gain as version 1 stores them: shift [view][texel][2], gain [view][texel] times
- * *out_scale. */
+/* Shifts and codes of gain as packed points store them: shift [view][texel][2], gain [view][texel]. */
 void enc_match_store(const enc_match *match, int8_t *out_shift, uint8_t *out_gain);
 
 #endif

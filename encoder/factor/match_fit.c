@@ -172,7 +172,7 @@ static btf_result search(const enc_factor_matrix *m, const enc_match_bases *base
                          enc_match *match, const enc_factor_codes *codes, double *out_own,
                          double *out_left) {
     const bool gains = match->gains.count > 1;
-    const size_t entries = enc_match_entries(match->views, gains);
+    const size_t entries = enc_match_entries(match->views);
     enc_match_coordinates at;
     double error = 0, energy = 0;
     btf_result result = enc_match_coordinates_create(m, bases->leading, &at);
