@@ -332,6 +332,17 @@ static btf_result try_match(const enc_factor_matrix *m, const enc_factor_options
                : result;
 }
 
+/* Whether match pays, of two candidates that were both measured. */
+static bool pays(const enc_factor_matrix *m, const found *plain, const found *matched) {
+    if (matched->trial.given_up) {
+        return false;
+    }
+    const double gain = gained(plain->trial.error, matched->trial.error);
+    enc_log(m->context, BTF_LOG_INFO, "match: gains %.2f dB at the same bytes: %s", gain,
+            gain >= MUST_GAIN ? "kept" : "left out");
+    return gain >= MUST_GAIN;
+}
+
 /* The candidates that the options call for; trial.kept of one of them. */
 static btf_result encode(const enc_factor_matrix *m, const enc_factor_options *options, found *plain,
                          found *matched) {
@@ -342,9 +353,8 @@ static btf_result encode(const enc_factor_matrix *m, const enc_factor_options *o
     }
     if (result == BTF_OK && options->match != ENC_FACTOR_NO_MATCH) {
         result = try_match(m, options, plain, matched);
-        matched->trial.kept =
-            options->match == ENC_FACTOR_MATCH ||
-            (!matched->trial.given_up && gained(plain->trial.error, matched->trial.error) >= MUST_GAIN);
+        matched->trial.kept = options->match == ENC_FACTOR_MATCH ||
+                              (result == BTF_OK && pays(m, plain, matched));
     }
     plain->trial.kept = !matched->trial.kept;
     return result;

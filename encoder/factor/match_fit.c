@@ -157,42 +157,78 @@ static bool to_components(const enc_factor_matrix *m, enc_factor_channel *channe
 /* Rounds.
  * ------------------------------------------------------------------------------------------------ */
 
-/* How far the profiles' leading coordinates are from what their own texels' factors say. */
+/* What a search came to, as far as the leading directions of the profiles tell. */
+typedef struct search_sums {
+    double own, left, energy; /* squares: what a texel's own factors leave, sources and gains, and samples */
+} search_sums;
+
+/* How far the profiles of a block are from what their own texels' factors say. */
 static double own_error(const enc_match *match, const enc_match_coordinates *at) {
+    const size_t texels = enc_match_area_texels(&at->block), sources = enc_match_area_texels(&at->sources);
     double error = 0;
-    for (size_t i = 0; i < match->views * match->texels; i++) {
-        const float *query = at->query + i * at->k, *source = at->source + i * at->k;
-        error += enc_dot(at->k, query, query) - 2 * enc_dot(at->k, query, source) + at->norm[i];
+    for (size_t i = 0; i < match->views * texels; i++) {
+        const size_t texel = enc_match_texel(match, &at->block, i % texels);
+        const size_t own = i / texels * sources + enc_match_place(match, &at->sources, texel);
+        const float *query = at->query + i * at->k, *source = at->source + own * at->k;
+        error += enc_dot(at->k, query, query) - 2 * enc_dot(at->k, query, source) + at->norm[own];
     }
     return error;
 }
 
-/* A search, and lists for what it found. */
+/* The steps of a search, one of which may take all blocks before the next begins. */
+typedef struct block_steps {
+    bool locate, search, restrict_points;
+} block_steps;
+
+static btf_result search_block(const enc_factor_matrix *m, const enc_match_bases *bases,
+                               const enc_factor_codes *codes, block_steps steps, enc_match_coordinates *at,
+                               enc_match *match, search_sums *sums) {
+    btf_result result = steps.locate ? enc_match_locate(m, codes, bases, match, at) : BTF_OK;
+    if (result == BTF_OK && steps.search) {
+        result = enc_match_search(m, at, match, &sums->energy);
+    }
+    if (result == BTF_OK && steps.restrict_points) {
+        sums->own += own_error(match, at);
+        result = enc_match_restrict(m->context, at, enc_match_entries(match->views), match, &sums->left);
+    }
+    return result;
+}
+
+static btf_result search_blocks(const enc_factor_matrix *m, const enc_match_bases *bases,
+                                const enc_factor_codes *codes, block_steps steps,
+                                enc_match_coordinates *at, enc_match *match, search_sums *sums) {
+    btf_result result = BTF_OK;
+    for (int b = 0; b < enc_match_blocks(match) && result == BTF_OK; b++) {
+        enc_match_coordinates next = enc_match_block(match, bases->leading, b);
+        next.query = at->query;
+        next.source = at->source;
+        next.norm = at->norm;
+        result = search_block(m, bases, codes, steps, &next, match, sums);
+    }
+    return result;
+}
+
+/* A search, and lists for what it found. The first one finds the scale of gains between the two, which takes
+ * all blocks. */
 static btf_result search(const enc_factor_matrix *m, const enc_match_bases *bases, bool first,
-                         enc_match *match, const enc_factor_codes *codes, double *out_own,
-                         double *out_left) {
-    const bool gains = match->gains.count > 1;
-    const size_t entries = enc_match_entries(match->views);
-    enc_match_coordinates at;
-    double error = 0, energy = 0;
-    btf_result result = enc_match_coordinates_create(m, bases->leading, &at);
-    result = result == BTF_OK ? enc_match_search(m, codes, bases, &at, match, &error, &energy) : result;
-    *out_left = error;
+                         enc_match *match, const enc_factor_codes *codes, search_sums *out_sums) {
+    const bool split = first && match->gains.count > 1, kept = enc_match_blocks(match) == 1;
+    enc_match_coordinates at = enc_match_block(match, bases->leading, 0);
+    *out_sums = (search_sums){0, 0, 0};
+    btf_result result = enc_match_coordinates_create(m->context, match->views, &at);
     if (result == BTF_OK) {
-        *out_own = own_error(match, &at);
+        result = search_blocks(m, bases, codes, (block_steps){true, true, !split}, &at, match, out_sums);
     }
-    if (result == BTF_OK && first && gains) {
+    if (result == BTF_OK && split) {
         enc_match_fit_gains(m->context, match);
-    }
-    if (result == BTF_OK && entries > 0) {
-        result = enc_match_restrict(m, &at, entries, match, out_left);
+        result = search_blocks(m, bases, codes, (block_steps){!kept, false, true}, &at, match, out_sums);
     }
     enc_match_coordinates_clear(&at);
     if (result == BTF_OK) {
-        enc_log(
-            m->context, BTF_LOG_INFO,
-            "match: of the energy the texels' own factors leave %.3f %%, a search %.3f %%, lists %.3f %%",
-            100 * *out_own / energy, 100 * error / energy, 100 * *out_left / energy);
+        enc_match_count_users(m->context, match);
+        enc_log(m->context, BTF_LOG_INFO,
+                "match: the texels' own factors leave %.3f %% of the energy, sources and gains %.3f %%",
+                100 * out_sums->own / out_sums->energy, 100 * out_sums->left / out_sums->energy);
     }
     return result;
 }
@@ -204,11 +240,11 @@ static btf_result play_rounds(const enc_factor_matrix *m, const enc_match_bases 
     double first_own = 1;
     *out_share = 1;
     for (int i = 0; i < ENC_MATCH_ROUNDS && result == BTF_OK; i++) {
-        double own = 0, left = 0;
-        result = search(m, bases, i == 0, match, codes, &own, &left);
-        first_own = i == 0 ? own : first_own;
+        search_sums sums;
+        result = search(m, bases, i == 0, match, codes, &sums);
+        first_own = i == 0 ? sums.own : first_own;
         if (result == BTF_OK && i == 1) {
-            *out_share = first_own > 0 ? left / first_own : 1;
+            *out_share = first_own > 0 ? sums.left / first_own : 1;
             if (!(*out_share <= most)) {
                 return BTF_OK;
             }
@@ -255,8 +291,8 @@ btf_result enc_match_round(const enc_factor_matrix *m, const enc_match_bases *ba
                            enc_factor_codes *codes) {
     btf_result result = BTF_OK;
     for (int i = 0; i < ENC_MATCH_CODE_ROUNDS && result == BTF_OK; i++) {
-        double own, left;
-        result = search(m, bases, false, match, codes, &own, &left);
+        search_sums sums;
+        result = search(m, bases, false, match, codes, &sums);
         result = result == BTF_OK ? enc_match_descend(m, codes, true, SWEEPS) : result;
     }
     return result;

@@ -5,11 +5,32 @@
 #include "match_lists.h"
 
 #include "encoder/math/linear.h"
+#include "vectors.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+ENC_FACTOR_CLONES float enc_match_dot(size_t k, const float *restrict a, const float *restrict b) {
+    float sum[16] = {0}, total = 0;
+    size_t i = 0;
+    for (; i + 16 <= k; i += 16) {
+        for (size_t j = 0; j < 16; j++) {
+            sum[j] += a[i + j] * b[i + j];
+        }
+    }
+    for (; i < k; i++) {
+        total += a[i] * b[i];
+    }
+    for (size_t j = 0; j < 8; j++) {
+        sum[j] += sum[j + 8];
+    }
+    for (size_t j = 0; j < 4; j++) {
+        sum[j] += sum[j + 4];
+    }
+    return total + ((sum[0] + sum[2]) + (sum[1] + sum[3]));
+}
 
 /* A pair that a view of the texel has. */
 typedef struct pair {
@@ -32,48 +53,49 @@ static size_t distinct_pairs(const enc_match *match, size_t texel, pair *out) {
     return count;
 }
 
-/* value[pair][view]: how much of the energy of the view's profile the pair takes. */
-static void fill_values(const enc_match *match, const enc_match_coordinates *at, size_t texel, size_t count,
+/* value[pair][view]: how much of the energy of the view's profile the pair takes. place: of the texel. */
+static void fill_values(const enc_match *match, const enc_match_coordinates *at, size_t place, size_t count,
                         const pair *pairs, float *value) {
-    for (size_t v = 0; v < match->views; v++) {
-        const float *query = at->query + (v * match->texels + texel) * at->k;
-        for (size_t i = 0; i < count; i++) {
-            const size_t source = v * match->texels + pairs[i].source;
-            const float gain = match->gains.base + match->gains.step * (float)pairs[i].gain;
-            const float dot = (float)enc_dot(at->k, query, at->source + source * at->k);
-            value[i * match->views + v] = gain * (2 * dot - gain * at->norm[source]);
+    const size_t texels = enc_match_area_texels(&at->block), all = enc_match_area_texels(&at->sources);
+    for (size_t i = 0; i < count; i++) {
+        const size_t source = enc_match_place(match, &at->sources, pairs[i].source);
+        const float gain = match->gains.base + match->gains.step * (float)pairs[i].gain;
+        for (size_t v = 0; v < match->views; v++) {
+            const float *query = at->query + (v * texels + place) * at->k;
+            const float dot = enc_match_dot(at->k, query, at->source + (v * all + source) * at->k);
+            value[i * match->views + v] = gain * (2 * dot - gain * at->norm[v * all + source]);
         }
     }
 }
 
-/* The pair that adds most to what the views have; *out_sum is what they have with it. */
-static size_t best_pair(size_t views, size_t count, const float *value, const float *has, double *out_sum) {
+/* The pair that adds most to what the views have. */
+static size_t best_pair(size_t views, size_t count, const float *value, const float *has) {
     size_t best = 0;
-    *out_sum = -HUGE_VAL;
+    double most = -HUGE_VAL;
     for (size_t i = 0; i < count; i++) {
         double sum = 0;
         for (size_t v = 0; v < views; v++) {
             sum += fmaxf(value[i * views + v], has[v]);
         }
-        if (sum > *out_sum) {
-            *out_sum = sum;
+        if (sum > most) {
+            most = sum;
             best = i;
         }
     }
     return best;
 }
 
-/* One texel; returns the sum of the values. has [view]: room. */
-static double restrict_texel(const enc_match_coordinates *at, size_t entries, size_t texel, pair *pairs,
+/* One texel. has [view]: room. */
+static void restrict_texel(const enc_match_coordinates *at, size_t entries, size_t place, pair *pairs,
                              float *value, float *has, enc_match *match) {
+    const size_t texel = enc_match_texel(match, &at->block, place);
     const size_t views = match->views, count = distinct_pairs(match, texel, pairs);
-    double total = 0;
-    fill_values(match, at, texel, count, pairs, value);
+    fill_values(match, at, place, count, pairs, value);
     for (size_t v = 0; v < views; v++) {
         has[v] = -FLT_MAX;
     }
     for (size_t n = 0; n < entries && n < count; n++) {
-        const size_t best = best_pair(views, count, value, has, &total);
+        const size_t best = best_pair(views, count, value, has);
         for (size_t v = 0; v < views; v++) {
             if (value[best * views + v] > has[v]) {
                 has[v] = value[best * views + v];
@@ -82,56 +104,107 @@ static double restrict_texel(const enc_match_coordinates *at, size_t entries, si
             }
         }
     }
-    return total;
 }
 
-btf_result enc_match_coordinates_create(const enc_factor_matrix *m, size_t k, enc_match_coordinates *out) {
-    const size_t points = m->texels * (size_t)m->data->n_views;
-    *out = (enc_match_coordinates){.k = k};
-    out->query = enc_gemm_alloc(points * k);
-    out->source = enc_gemm_alloc(points * k);
-    out->norm = enc_gemm_alloc(points);
-    if (out->query && out->source && out->norm) {
+/* Blocks.
+ * ------------------------------------------------------------------------------------------------ */
+
+enum { BLOCK = 64 }; /* texels along an axis: sources are then four times as many at most */
+
+static int blocks_along(int size) {
+    return (size + BLOCK - 1) / BLOCK;
+}
+
+int enc_match_blocks(const enc_match *match) {
+    return blocks_along(match->width) * blocks_along(match->height);
+}
+
+/* Sources in reach of `count` places from *io_first on: their number, and *io_first of them. */
+static int in_reach(int size, int count, int *io_first) {
+    const int wanted = count + 2 * ENC_MATCH_REACH - 1;
+    if (wanted >= size) {
+        *io_first = 0;
+        return size;
+    }
+    *io_first = (*io_first - ENC_MATCH_REACH + size) % size;
+    return wanted;
+}
+
+enc_match_coordinates enc_match_block(const enc_match *match, size_t k, int block) {
+    enc_match_coordinates at = {.k = k};
+    const int across = blocks_along(match->width);
+    at.block.x = at.sources.x = block % across * BLOCK;
+    at.block.y = at.sources.y = block / across * BLOCK;
+    at.block.width = match->width - at.block.x < BLOCK ? match->width - at.block.x : BLOCK;
+    at.block.height = match->height - at.block.y < BLOCK ? match->height - at.block.y : BLOCK;
+    at.sources.width = in_reach(match->width, at.block.width, &at.sources.x);
+    at.sources.height = in_reach(match->height, at.block.height, &at.sources.y);
+    return at;
+}
+
+uint64_t enc_match_block_memory(int width, int height, size_t views, size_t k) {
+    const enc_match match = {.width = width, .height = height};
+    const enc_match_coordinates at = enc_match_block(&match, k, 0);
+    return sizeof(float) * views *
+           (enc_match_area_texels(&at.block) * k + enc_match_area_texels(&at.sources) * (k + 1));
+}
+
+btf_result enc_match_coordinates_create(const enc_context *context, size_t views,
+                                        enc_match_coordinates *at) {
+    const size_t queries = views * enc_match_area_texels(&at->block),
+                 sources = views * enc_match_area_texels(&at->sources);
+    at->query = enc_gemm_alloc(queries * at->k);
+    at->source = enc_gemm_alloc(sources * at->k);
+    at->norm = enc_gemm_alloc(sources);
+    if (at->query && at->source && at->norm) {
         return BTF_OK;
     }
-    enc_match_coordinates_clear(out);
-    return enc_fail(m->context, BTF_ERROR_MEMORY, "match: out of memory for %zu points", points);
+    enc_match_coordinates_clear(at);
+    return enc_fail(context, BTF_ERROR_MEMORY, "match: out of memory for %zu points", queries);
 }
 
 void enc_match_coordinates_clear(enc_match_coordinates *at) {
     free(at->query);
     free(at->source);
     free(at->norm);
-    *at = (enc_match_coordinates){0};
+    at->query = at->source = at->norm = NULL;
 }
 
-btf_result enc_match_restrict(const enc_factor_matrix *m, const enc_match_coordinates *at, size_t entries,
-                              enc_match *match, double *out_error) {
-    const size_t views = match->views, texels = match->texels, threads = (size_t)m->context->threads;
+/* What the source and the gain of a point leave of its samples. */
+static double left_at(const enc_match *match, const enc_match_coordinates *at, size_t view, size_t place) {
+    const size_t texel = enc_match_texel(match, &at->block, place), x = view * match->texels + texel;
+    const size_t source = view * enc_match_area_texels(&at->sources) +
+                          enc_match_place(match, &at->sources, match->source[x]);
+    const float gain = enc_match_gain(match, view, texel);
+    const float *query = at->query + (view * enc_match_area_texels(&at->block) + place) * at->k;
+    const double dot = enc_dot(at->k, query, at->source + source * at->k);
+    return enc_dot(at->k, query, query) - gain * (2 * dot - gain * at->norm[source]);
+}
+
+btf_result enc_match_restrict(const enc_context *context, const enc_match_coordinates *at, size_t entries,
+                              enc_match *match, double *io_error) {
+    const size_t views = match->views, texels = enc_match_area_texels(&at->block);
+    const size_t threads = (size_t)context->threads;
     pair *pairs = malloc(threads * views * sizeof *pairs);
     float *value = malloc(threads * views * (views + 1) * sizeof *value);
     double *sums = calloc(texels, sizeof *sums);
     const bool room = pairs && value && sums;
-#pragma omp parallel for schedule(dynamic, 8) num_threads(m->context->threads) if (room)
+#pragma omp parallel for schedule(dynamic, 8) num_threads(context->threads) if (room)
     for (size_t x = 0; x < (room ? texels : 0); x++) {
         const size_t t = enc_thread_index();
         float *mine = value + t * views * (views + 1);
-        sums[x] = -restrict_texel(at, entries, x, pairs + t * views, mine, mine + views * views, match);
+        if (entries > 0) {
+            restrict_texel(at, entries, x, pairs + t * views, mine, mine + views * views, match);
+        }
         for (size_t v = 0; v < views; v++) {
-            const float *query = at->query + (v * texels + x) * at->k;
-            sums[x] += enc_dot(at->k, query, query);
+            sums[x] += left_at(match, at, v, x);
         }
     }
-    *out_error = 0;
     for (size_t x = 0; x < texels && room; x++) {
-        *out_error += sums[x];
+        *io_error += sums[x];
     }
     free(pairs);
     free(value);
     free(sums);
-    if (!room) {
-        return enc_fail(m->context, BTF_ERROR_MEMORY, "match: out of memory for lists");
-    }
-    enc_match_count_users(m->context, match);
-    return BTF_OK;
+    return room ? BTF_OK : enc_fail(context, BTF_ERROR_MEMORY, "match: out of memory for lists");
 }

@@ -142,90 +142,141 @@ void enc_match_bases_clear(enc_match_bases *bases) {
 /* Coordinates.
  * ------------------------------------------------------------------------------------------------ */
 
-/* One search of one view, with what a thread works in. */
-typedef struct view_search {
+/* One view of a block while its profiles are projected. */
+typedef struct projector {
     const enc_factor_matrix *m;
     const enc_factor_codes *codes;
-    const float *packed_u; /* [panel of ENC_GEMM_M texels][channel, component][ENC_GEMM_M] */
-    size_t components, k, view;
+    const enc_match *match;
+    const enc_match_coordinates *at;
+    const float *packed_u; /* [panel of ENC_GEMM_M sources][channel, component][ENC_GEMM_M] */
+    size_t components, view, length;
     const float *basis;
-    enc_match *match;
-    const enc_match_coordinates *keep;
-    float *query, *source; /* [texel][k] */
-    float *norm, *inverse; /* [texel] of sources: squared length; its inverse over the step of gains */
-    size_t screen;         /* coordinates of panels */
-    float *panels;         /* sources of a tile of texels, [panel][screen][32], as unit vectors */
-    float *low, *high;     /* their lengths times the least and the greatest gain */
-    uint32_t *list;        /* which sources they are */
-    uint32_t (*screener)(const float *dot, const float *low, const float *high, float threshold);
-    double error, energy;
-} view_search;
-
-static size_t thread_floats(const enc_factor_matrix *m, size_t k, size_t length, size_t components,
-                            size_t most) {
-    const size_t queries = m->texels + 4 * ENC_GEMM_M * k;
-    const size_t coordinates =
-        components * 2 * ENC_GEMM_N + (length + k) * 2 * ENC_GEMM_N + ENC_GEMM_M * length * 2;
-    return (queries + coordinates + most * (k + 3) + 256) / 16 * 16 + 4096;
-}
-
-/* out [count][k] = rows [count][length] basis^T, count at most ENC_GEMM_M. */
-static void project(const view_search *s, size_t count, const float *rows, size_t length,
-                    const float *packed_basis, float *left, float *out) {
-    enc_gemm_pack_rows(count, length, rows, length, ENC_GEMM_M, left);
-    enc_gemm_multiply(s->m->tile, count, s->k, length, left, packed_basis, out, s->k, 0);
-}
+} projector;
 
 static float *aligned(float *at) {
     return (float *)(((uintptr_t)at + 63) / 64 * 64);
 }
 
-/* Coordinates of the texels' profiles. */
-static void find_queries(const view_search *s, size_t length, float *work) {
-    const size_t lights = length / 3;
+/* out [count][k] = rows [count][length] basis^T, count at most ENC_GEMM_M. */
+static void project(const projector *p, size_t count, const float *rows, const float *packed_basis,
+                    float *left, float *out) {
+    enc_gemm_pack_rows(count, p->length, rows, p->length, ENC_GEMM_M, left);
+    enc_gemm_multiply(p->m->tile, count, p->at->k, p->length, left, packed_basis, out, p->at->k, 0);
+}
+
+/* Coordinates of the profiles of the block's texels. */
+static void find_queries(const projector *p, float *work) {
+    const size_t length = p->length, lights = length / 3, texels = enc_match_area_texels(&p->at->block);
     float *basis = aligned(work), *left = aligned(basis + 2 * ENC_GEMM_N * length),
-          *rows = left + ENC_GEMM_M * length;
-    enc_gemm_pack_rows(s->k, length, s->basis, length, ENC_GEMM_N, basis);
-    for (size_t first = 0; first < s->m->texels; first += ENC_GEMM_M) {
-        const size_t n = s->m->texels - first < ENC_GEMM_M ? s->m->texels - first : ENC_GEMM_M;
+          *rows = left + ENC_GEMM_M * length, *out = p->at->query + p->view * texels * p->at->k;
+    enc_gemm_pack_rows(p->at->k, length, p->basis, length, ENC_GEMM_N, basis);
+    for (size_t first = 0; first < texels; first += ENC_GEMM_M) {
+        const size_t n = texels - first < ENC_GEMM_M ? texels - first : ENC_GEMM_M;
         for (size_t i = 0; i < n; i++) {
             float *row = rows + i * length;
-            enc_factor_split_profile(s->m, first + i, s->view,
+            enc_factor_split_profile(p->m, enc_match_texel(p->match, &p->at->block, first + i), p->view,
                                      (float *const[3]){row, row + lights, row + 2 * lights});
         }
-        project(s, n, rows, length, basis, left, s->query + first * s->k);
+        project(p, n, rows, basis, left, out + first * p->at->k);
     }
 }
 
 /* Coordinates of what the sources' factors give: u times the view's w in the basis. */
-static void find_sources(const view_search *s, size_t length, float *work) {
-    const size_t lights = length / 3, panels = enc_gemm_panels(s->k, ENC_GEMM_N);
+static void find_sources(const projector *p, float *work) {
+    const size_t lights = p->length / 3, k = p->at->k, panels = enc_gemm_panels(k, ENC_GEMM_N);
+    const size_t sources = enc_match_area_texels(&p->at->sources);
     float *turned = aligned(work); /* [panel][component][ENC_GEMM_N] */
-    memset(turned, 0, panels * ENC_GEMM_N * s->components * sizeof *turned);
+    float *out = p->at->source + p->view * sources * k, *norm = p->at->norm + p->view * sources;
+    memset(turned, 0, panels * ENC_GEMM_N * p->components * sizeof *turned);
     for (size_t c = 0, row = 0; c < ENC_FACTOR_CHANNELS; c++) {
-        for (size_t j = 0; j < s->codes->channel[c].rank; j++, row++) {
-            const float *w = s->codes->channel[c].w + j * s->codes->columns + s->view * lights;
-            for (size_t d = 0; d < s->k; d++) {
-                turned[(d / ENC_GEMM_N * s->components + row) * ENC_GEMM_N + d % ENC_GEMM_N] =
-                    (float)enc_dot(lights, w, s->basis + d * length + c * lights);
+        for (size_t j = 0; j < p->codes->channel[c].rank; j++, row++) {
+            const float *w = p->codes->channel[c].w + j * p->codes->columns + p->view * lights;
+            for (size_t d = 0; d < k; d++) {
+                turned[(d / ENC_GEMM_N * p->components + row) * ENC_GEMM_N + d % ENC_GEMM_N] =
+                    (float)enc_dot(lights, w, p->basis + d * p->length + c * lights);
             }
         }
     }
-    enc_gemm_multiply(s->m->tile, s->m->texels, s->k, s->components, s->packed_u, turned, s->source, s->k,
-                      0);
-    const float step = s->match->gains.step;
-    for (size_t z = 0; z < s->m->texels; z++) {
-        s->norm[z] = (float)enc_dot(s->k, s->source + z * s->k, s->source + z * s->k);
-        s->inverse[z] = s->norm[z] > 0 && step > 0 ? 1 / (s->norm[z] * step) : 0.0f;
+    enc_gemm_multiply(p->m->tile, sources, k, p->components, p->packed_u, turned, out, k, 0);
+    for (size_t z = 0; z < sources; z++) {
+        norm[z] = (float)enc_dot(k, out + z * k, out + z * k);
     }
+}
+
+/* u of all channels, sources in panels. */
+static void pack_u(const enc_factor_matrix *m, const enc_factor_codes *codes, const enc_match *match,
+                   const enc_match_area *area, size_t components, float *out) {
+    const size_t sources = enc_match_area_texels(area);
+#pragma omp parallel for schedule(static) num_threads(m->context->threads)
+    for (size_t first = 0; first < sources; first += ENC_GEMM_M) {
+        float *to = out + first * components;
+        memset(to, 0, ENC_GEMM_M * components * sizeof *to);
+        for (size_t i = 0; i < ENC_GEMM_M && first + i < sources; i++) {
+            const size_t texel = enc_match_texel(match, area, first + i);
+            for (size_t c = 0, row = 0; c < ENC_FACTOR_CHANNELS; c++) {
+                for (size_t j = 0; j < codes->channel[c].rank; j++, row++) {
+                    to[row * ENC_GEMM_M + i] = codes->channel[c].u[j * m->texels + texel];
+                }
+            }
+        }
+    }
+}
+
+btf_result enc_match_locate(const enc_factor_matrix *m, const enc_factor_codes *codes,
+                            const enc_match_bases *bases, const enc_match *match,
+                            enc_match_coordinates *at) {
+    const size_t components = codes->channel[0].rank + codes->channel[1].rank + codes->channel[2].rank;
+    const size_t longest = components + bases->length + bases->leading;
+    const size_t each = (longest * 2 * ENC_GEMM_N + 2 * ENC_GEMM_M * bases->length + 64) / 16 * 16;
+    float *packed = enc_gemm_alloc((enc_match_area_texels(&at->sources) + ENC_GEMM_M) * components);
+    float *work = enc_gemm_alloc((size_t)m->context->threads * each);
+    const bool room = packed && work;
+    if (room) {
+        pack_u(m, codes, match, &at->sources, components, packed);
+#pragma omp parallel for schedule(dynamic) num_threads(m->context->threads)
+        for (size_t v = 0; v < match->views; v++) {
+            const projector p = {.m = m,
+                                 .codes = codes,
+                                 .match = match,
+                                 .at = at,
+                                 .packed_u = packed,
+                                 .components = components,
+                                 .view = v,
+                                 .length = bases->length,
+                                 .basis = bases->basis + v * bases->leading * bases->length};
+            if (!enc_cancelled(m->context)) {
+                find_queries(&p, work + enc_thread_index() * each);
+                find_sources(&p, work + enc_thread_index() * each);
+            }
+        }
+    }
+    free(packed);
+    free(work);
+    return !room ? no_memory(m) : enc_cancelled(m->context) ? BTF_ERROR_INTERRUPTED : BTF_OK;
 }
 
 /* The nearest.
  * ------------------------------------------------------------------------------------------------ */
 
+/* One search of a block in one view, with what a thread works in. */
+typedef struct view_search {
+    const enc_factor_matrix *m;
+    enc_match *match;
+    const enc_match_coordinates *at;
+    size_t k, view;
+    const float *query, *source, *norm; /* of the view */
+    float *inverse;                     /* [source]: of its squared length times the step of gains */
+    size_t screen;                      /* coordinates of panels */
+    float *panels;                      /* sources of a tile of texels, [panel][screen][32], as unit vectors */
+    float *low, *high;                  /* their lengths times the least and the greatest gain */
+    uint32_t *list;                     /* which sources they are */
+    uint32_t (*screener)(const float *dot, const float *low, const float *high, float threshold);
+    double energy;
+} view_search;
+
 /* What was found for a point. */
 typedef struct choice {
-    uint32_t source;
+    uint32_t source; /* its place */
     float index; /* of the gain */
     float value;
 } choice;
@@ -239,31 +290,9 @@ static float gain_index(const enc_match_gains *g, float dot, float inverse) {
     return (index + 0x1.8p23f) - 0x1.8p23f;
 }
 
-/* The inner product of k coordinates, k a multiple of 16 where the space has as many; in one order for any
- * width. */
-ENC_FACTOR_CLONES static float short_dot(size_t k, const float *restrict a, const float *restrict b) {
-    float sum[16] = {0}, total = 0;
-    size_t i = 0;
-    for (; i + 16 <= k; i += 16) {
-        for (size_t j = 0; j < 16; j++) {
-            sum[j] += a[i + j] * b[i + j];
-        }
-    }
-    for (; i < k; i++) {
-        total += a[i] * b[i];
-    }
-    for (size_t j = 0; j < 8; j++) {
-        sum[j] += sum[j + 8];
-    }
-    for (size_t j = 0; j < 4; j++) {
-        sum[j] += sum[j + 4];
-    }
-    return total + ((sum[0] + sum[2]) + (sum[1] + sum[3]));
-}
-
 static choice look_at(const view_search *s, const float *query, uint32_t source) {
     const enc_match_gains *g = &s->match->gains;
-    const float dot = short_dot(s->k, query, s->source + source * s->k);
+    const float dot = enc_match_dot(s->k, query, s->source + source * s->k);
     const float index = gain_index(g, dot, s->inverse[source]), gain = g->base + g->step * index;
     return (choice){source, index, gain * (2 * dot - gain * s->norm[source])};
 }
@@ -344,12 +373,12 @@ static size_t pack_sources(view_search *s, int column, int row, int columns, int
     for (size_t i = 0; i < panels * ENC_GEMM_N; i++) {
         const size_t at = i < count ? i : 0; /* the first again, which then never wins */
         const int x = (x0 + (int)at % across) % width, y = (y0 + (int)at / across) % height;
-        const uint32_t source = (uint32_t)(y * width + x);
+        const size_t source = enc_match_place(s->match, &s->at->sources, (size_t)(y * width + x));
         const float *from = s->source + source * s->k;
         float *to = s->panels + i / ENC_GEMM_N * ENC_GEMM_N * s->screen + i % ENC_GEMM_N;
-        const float length = sqrtf(short_dot(s->screen, from, from)),
+        const float length = sqrtf(enc_match_dot(s->screen, from, from)),
                     inverse = length > 0 ? 1 / length : 0.0f;
-        s->list[i] = source;
+        s->list[i] = (uint32_t)source;
         s->low[i] = length * g->base;
         s->high[i] = length * (g->base + g->step * (float)(g->count - 1));
         for (size_t d = 0; d < s->screen; d++) {
@@ -359,18 +388,20 @@ static size_t pack_sources(view_search *s, int column, int row, int columns, int
     return panels;
 }
 
-/* `count` texels of the tile, at most ENC_GEMM_M. */
-static void search_panel(view_search *s, size_t panels, size_t count, const uint32_t *texel, float *left) {
+/* `count` texels of the tile, at most ENC_GEMM_M: texel, and where they lie in the block. */
+static void search_panel(view_search *s, size_t panels, size_t count, const uint32_t *texel,
+                         const uint32_t *place, float *left) {
     _Alignas(64) float tile[ENC_GEMM_M * ENC_GEMM_N];
     choice best[ENC_GEMM_M];
     float margin[ENC_GEMM_M]; /* what coordinates that are not screened may add to a value */
     double energy[ENC_GEMM_M];
     memset(left, 0, s->screen * ENC_GEMM_M * sizeof *left);
     for (size_t q = 0; q < count; q++) {
-        const float *query = s->query + texel[q] * s->k;
+        const float *query = s->query + place[q] * s->k;
         energy[q] = enc_dot(s->k, query, query);
         margin[q] = (float)(energy[q] * (1 + 1e-5) - enc_dot(s->screen, query, query));
-        best[q] = look_at(s, query, s->match->source[s->view * s->m->texels + texel[q]]);
+        const uint32_t now = s->match->source[s->view * s->m->texels + texel[q]];
+        best[q] = look_at(s, query, (uint32_t)enc_match_place(s->match, &s->at->sources, now));
         for (size_t d = 0; d < s->screen; d++) {
             left[d * ENC_GEMM_M + q] = query[d];
         }
@@ -381,7 +412,7 @@ static void search_panel(view_search *s, size_t panels, size_t count, const uint
             uint32_t mask = s->screener(tile + q * ENC_GEMM_N, s->low + p * ENC_GEMM_N,
                                         s->high + p * ENC_GEMM_N, best[q].value - margin[q]);
             for (; mask; mask &= mask - 1) {
-                const choice next = look_at(s, s->query + texel[q] * s->k,
+                const choice next = look_at(s, s->query + place[q] * s->k,
                                             s->list[p * ENC_GEMM_N + (size_t)__builtin_ctz(mask)]);
                 best[q] = next.value > best[q].value ? next : best[q];
             }
@@ -389,46 +420,46 @@ static void search_panel(view_search *s, size_t panels, size_t count, const uint
     }
     for (size_t q = 0; q < count; q++) {
         const size_t point = s->view * s->m->texels + texel[q];
-        s->match->source[point] = best[q].source;
+        s->match->source[point] = (uint32_t)enc_match_texel(s->match, &s->at->sources, best[q].source);
         s->match->gain[point] = (uint8_t)best[q].index;
-        s->error += energy[q] - best[q].value;
         s->energy += energy[q];
     }
 }
 
 static void search_tile(view_search *s, int column, int row, float *left) {
-    const int width = s->match->width, height = s->match->height;
-    const int columns = width - column < SIDE ? width - column : SIDE,
-              rows = height - row < SIDE ? height - row : SIDE;
+    const enc_match_area *block = &s->at->block;
+    const int columns = block->x + block->width - column < SIDE ? block->x + block->width - column : SIDE,
+              rows = block->y + block->height - row < SIDE ? block->y + block->height - row : SIDE;
     const size_t panels = pack_sources(s, column, row, columns, rows),
                  count = (size_t)columns * (size_t)rows;
-    uint32_t texel[SIDE * SIDE];
+    uint32_t texel[SIDE * SIDE], place[SIDE * SIDE];
     for (size_t i = 0; i < count; i++) {
         const int x = column + (int)i % columns, y = row + (int)i / columns;
-        texel[i] = (uint32_t)(y * width + x);
+        texel[i] = (uint32_t)(y * s->match->width + x);
+        place[i] = (uint32_t)enc_match_place(s->match, block, texel[i]);
     }
     for (size_t i = 0; i < count; i += ENC_GEMM_M) {
-        search_panel(s, panels, count - i < ENC_GEMM_M ? count - i : ENC_GEMM_M, texel + i, left);
+        const size_t n = count - i < ENC_GEMM_M ? count - i : ENC_GEMM_M;
+        search_panel(s, panels, n, texel + i, place + i, left);
     }
 }
 
-/* All of one view. */
-static void search_view(view_search *s, size_t length, size_t most, float *work) {
-    const size_t texels = s->m->texels;
-    s->query = s->keep->query + s->view * texels * s->k;
-    s->source = s->keep->source + s->view * texels * s->k;
-    s->norm = s->keep->norm + s->view * texels;
+/* All of the block in one view. */
+static void search_view(view_search *s, size_t most, float *work) {
+    const enc_match_area *block = &s->at->block;
+    const size_t sources = enc_match_area_texels(&s->at->sources);
+    const float step = s->match->gains.step;
     s->inverse = work;
-    float *left = aligned(s->inverse + texels);
-    s->panels = aligned(left + ENC_GEMM_M * s->k);
+    float *left = aligned(s->inverse + sources);
+    s->panels = aligned(left + ENC_GEMM_M * s->screen);
     s->low = s->panels + most * s->screen;
     s->high = s->low + most;
     s->list = (uint32_t *)(s->high + most);
-    float *rest = aligned(s->high + 2 * most);
-    find_queries(s, length, rest);
-    find_sources(s, length, rest);
-    for (int row = 0; row < s->match->height; row += SIDE) {
-        for (int column = 0; column < s->match->width; column += SIDE) {
+    for (size_t z = 0; z < sources; z++) {
+        s->inverse[z] = s->norm[z] > 0 && step > 0 ? 1 / (s->norm[z] * step) : 0.0f;
+    }
+    for (int row = block->y; row < block->y + block->height; row += SIDE) {
+        for (int column = block->x; column < block->x + block->width; column += SIDE) {
             search_tile(s, column, row, left);
         }
     }
@@ -441,62 +472,36 @@ static size_t most_sources(const enc_match *match) {
     return enc_gemm_panels(across * down, ENC_GEMM_N) * ENC_GEMM_N;
 }
 
-/* u of all channels, texels in panels. */
-static void pack_u(const enc_factor_matrix *m, const enc_factor_codes *codes, size_t components,
-                   float *out) {
-#pragma omp parallel for schedule(static) num_threads(m->context->threads)
-    for (size_t first = 0; first < m->texels; first += ENC_GEMM_M) {
-        const size_t n = m->texels - first < ENC_GEMM_M ? m->texels - first : ENC_GEMM_M;
-        float *to = out + first * components;
-        for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
-            const enc_factor_channel *channel = &codes->channel[c];
-            enc_gemm_pack_columns(n, channel->rank, channel->u + first, m->texels, ENC_GEMM_M, to);
-            to += channel->rank * ENC_GEMM_M;
-        }
-    }
-}
-
-btf_result enc_match_search(const enc_factor_matrix *m, const enc_factor_codes *codes,
-                            const enc_match_bases *bases, const enc_match_coordinates *keep,
-                            enc_match *match, double *out_error, double *out_energy) {
-    const size_t components = codes->channel[0].rank + codes->channel[1].rank + codes->channel[2].rank;
+btf_result enc_match_search(const enc_factor_matrix *m, const enc_match_coordinates *at, enc_match *match,
+                            double *io_energy) {
     const size_t most = most_sources(match), views = match->views;
-    const size_t each = thread_floats(m, bases->leading, bases->length, components, most);
-    float *packed = enc_gemm_alloc((m->texels + ENC_GEMM_M) * components);
+    const size_t texels = enc_match_area_texels(&at->block), sources = enc_match_area_texels(&at->sources);
+    const size_t screen = at->k < SCREEN ? at->k : SCREEN;
+    const size_t each = (sources + ENC_GEMM_M * screen + most * (screen + 3) + 64) / 16 * 16;
     float *work = enc_gemm_alloc((size_t)m->context->threads * each);
-    double *sums = calloc(2 * views, sizeof *sums);
-    btf_result result = packed && work && sums ? BTF_OK : no_memory(m);
-    if (result == BTF_OK) {
-        pack_u(m, codes, components, packed);
-#pragma omp parallel for schedule(dynamic) num_threads(m->context->threads)
-        for (size_t v = 0; v < views; v++) {
-            view_search s = {.m = m,
-                             .codes = codes,
-                             .packed_u = packed,
-                             .components = components,
-                             .k = bases->leading,
-                             .view = v,
-                             .keep = keep,
-                             .screener = select_screen(),
-                             .screen = bases->leading < SCREEN ? bases->leading : SCREEN,
-                             .match = match,
-                             .basis = bases->basis + v * bases->leading * bases->length};
-            if (!enc_cancelled(m->context)) {
-                search_view(&s, bases->length, most, work + enc_thread_index() * each);
-            }
-            sums[2 * v] = s.error;
-            sums[2 * v + 1] = s.energy;
+    double *energy = calloc(views, sizeof *energy);
+    const bool room = work && energy;
+#pragma omp parallel for schedule(dynamic) num_threads(m->context->threads) if (room)
+    for (size_t v = 0; v < (room ? views : 0); v++) {
+        view_search s = {.m = m,
+                         .match = match,
+                         .at = at,
+                         .k = at->k,
+                         .view = v,
+                         .query = at->query + v * texels * at->k,
+                         .source = at->source + v * sources * at->k,
+                         .norm = at->norm + v * sources,
+                         .screen = screen,
+                         .screener = select_screen()};
+        if (!enc_cancelled(m->context)) {
+            search_view(&s, most, work + enc_thread_index() * each);
         }
-        *out_error = *out_energy = 0;
-        for (size_t v = 0; v < views; v++) {
-            *out_error += sums[2 * v];
-            *out_energy += sums[2 * v + 1];
-        }
-        enc_match_count_users(m->context, match);
-        result = enc_cancelled(m->context) ? BTF_ERROR_INTERRUPTED : BTF_OK;
+        energy[v] = s.energy;
     }
-    free(packed);
+    for (size_t v = 0; v < views && room; v++) {
+        *io_energy += energy[v];
+    }
     free(work);
-    free(sums);
-    return result;
+    free(energy);
+    return !room ? no_memory(m) : enc_cancelled(m->context) ? BTF_ERROR_INTERRUPTED : BTF_OK;
 }

@@ -121,12 +121,15 @@ static void test_search_finds_what_was_planted(void **state) {
     enc_factor_codes codes = codes_of(p, &m);
     enc_match_bases bases;
     enc_match match;
-    enc_match_coordinates at;
     double error = 0, energy = 0;
     assert_int_equal(enc_match_create(&two, SIDE, SIDE, VIEWS, true, &match), BTF_OK);
     assert_int_equal(enc_match_find_bases(&m, &bases), BTF_OK);
-    assert_int_equal(enc_match_coordinates_create(&m, bases.leading, &at), BTF_OK);
-    assert_int_equal(enc_match_search(&m, &codes, &bases, &at, &match, &error, &energy), BTF_OK);
+    assert_int_equal(enc_match_blocks(&match), 1);
+    enc_match_coordinates at = enc_match_block(&match, bases.leading, 0);
+    assert_int_equal(enc_match_coordinates_create(&two, VIEWS, &at), BTF_OK);
+    assert_int_equal(enc_match_locate(&m, &codes, &bases, &match, &at), BTF_OK);
+    assert_int_equal(enc_match_search(&m, &at, &match, &energy), BTF_OK);
+    assert_int_equal(enc_match_restrict(&two, &at, 0, &match, &error), BTF_OK);
     for (size_t v = 0; v < VIEWS; v++) {
         for (size_t x = 0; x < TEXELS; x++) {
             assert_int_equal(match.source[v * TEXELS + x], p->source[v][x]);
@@ -141,6 +144,108 @@ static void test_search_finds_what_was_planted(void **state) {
     enc_match_clear(&match);
     enc_factor_codes_clear(&codes);
     uproot(&p);
+}
+
+/* A texture of more blocks than one, around whose edges sources lie. Directions are so few that coordinates
+ * hold profiles as they are. */
+enum { WIDE = 70, HIGH = 67, FEW = 3, WIDE_RANK = 4 };
+
+static enc_data *wide_data(void) {
+    enc_direction directions[FEW];
+    enc_data *data = NULL;
+    uint32_t seed = 11;
+    for (int i = 0; i < FEW; i++) {
+        directions[i] = enc_direction_from_angles(20.0f * (float)i, 40.0f * (float)i);
+    }
+    assert_int_equal(enc_data_create(&two, WIDE, HIGH, FEW, directions, FEW, directions, &data), BTF_OK);
+    for (size_t i = 0; i < (size_t)WIDE * HIGH * FEW * FEW * 3; i++) {
+        data->samples[i] = uniform(&seed);
+    }
+    return data;
+}
+
+/* What a source, with the gain that suits it best, leaves of a point of Y, of which C1 and C2 have no
+ * factors. */
+static double left_of(const enc_factor_matrix *m, const enc_factor_codes *codes, const enc_match *match,
+                      size_t view, size_t texel, size_t source) {
+    float profile[3][FEW];
+    double norm = 0, dot = 0, energy = 0;
+    enc_factor_split_profile(m, texel, view, (float *const[3]){profile[0], profile[1], profile[2]});
+    for (size_t l = 0; l < FEW; l++) {
+        double value = 0;
+        for (size_t j = 0; j < WIDE_RANK; j++) {
+            value += (double)codes->channel[0].u[j * m->texels + source] *
+                     codes->channel[0].w[j * m->columns + view * FEW + l];
+        }
+        norm += value * value;
+        dot += value * profile[0][l];
+        for (int c = 0; c < 3; c++) {
+            energy += (double)profile[c][l] * profile[c][l];
+        }
+    }
+    double least = energy;
+    for (int i = 0; i < match->gains.count; i++) {
+        const double gain = match->gains.base + match->gains.step * i;
+        least = fmin(least, energy - gain * (2 * dot - gain * norm));
+    }
+    return least;
+}
+
+/* Places along an axis that all of a tile's reach, as match_search.h says. */
+static bool reached(int size, int at, int from) {
+    const int tile = from / 16 * 16, n = size - tile < 16 ? size - tile : 16;
+    const int by = (at - (tile + n - 1 - ENC_MATCH_REACH) + 2 * size) % size;
+    return size <= 64 || by <= 2 * ENC_MATCH_REACH - n;
+}
+
+/* In every block, at its edges too, no source in reach is nearer than the one found. */
+static void test_blocks_search_all_sources_in_reach(void **state) {
+    (void)state;
+    enc_data *data = wide_data();
+    const enc_factor_matrix m = enc_factor_matrix_of(&two, data);
+    const enc_factor_plan plan = {{{4, 0, 0}}};
+    uint32_t seed = 3;
+    float *u = malloc(sizeof(float) * WIDE_RANK * m.texels), w[WIDE_RANK * FEW * FEW];
+    enc_components components[3] = {{.rank = WIDE_RANK, .u = u, .w = w}};
+    enc_factor_codes codes;
+    enc_match_bases bases;
+    enc_match match;
+    assert_non_null(u);
+    for (size_t i = 0; i < WIDE_RANK * m.texels; i++) {
+        u[i] = uniform(&seed);
+    }
+    for (size_t i = 0; i < WIDE_RANK * FEW * FEW; i++) {
+        w[i] = uniform(&seed) - 0.2f;
+    }
+    assert_int_equal(enc_factor_codes_create(&m, &plan, components, &codes), BTF_OK);
+    assert_int_equal(enc_match_find_bases(&m, &bases), BTF_OK);
+    assert_int_equal(enc_match_create(&two, WIDE, HIGH, FEW, true, &match), BTF_OK);
+    assert_int_equal(enc_match_blocks(&match), 4);
+    for (int b = 0; b < 4; b++) {
+        enc_match_coordinates at = enc_match_block(&match, bases.leading, b);
+        double energy = 0;
+        assert_int_equal(enc_match_coordinates_create(&two, FEW, &at), BTF_OK);
+        assert_int_equal(enc_match_locate(&m, &codes, &bases, &match, &at), BTF_OK);
+        assert_int_equal(enc_match_search(&m, &at, &match, &energy), BTF_OK);
+        enc_match_coordinates_clear(&at);
+    }
+    for (size_t i = 0; i < FEW * m.texels; i += 97) {
+        const size_t view = i / m.texels, texel = i % m.texels;
+        const double found = left_of(&m, &codes, &match, view, texel, match.source[i]);
+        assert_true(reached(WIDE, (int)match.source[i] % WIDE, (int)texel % WIDE) &&
+                    reached(HIGH, (int)match.source[i] / WIDE, (int)texel / WIDE));
+        for (size_t z = 0; z < m.texels; z++) {
+            if (reached(WIDE, (int)z % WIDE, (int)texel % WIDE) &&
+                reached(HIGH, (int)z / WIDE, (int)texel / WIDE)) {
+                assert_true(left_of(&m, &codes, &match, view, texel, z) > found - 1e-4);
+            }
+        }
+    }
+    free(u);
+    enc_match_bases_clear(&bases);
+    enc_match_clear(&match);
+    enc_factor_codes_clear(&codes);
+    enc_data_destroy(&data);
 }
 
 /* Users and weights are those of the sources. */
@@ -380,6 +485,7 @@ static void test_levels_have_no_match(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_search_finds_what_was_planted),
+        cmocka_unit_test(test_blocks_search_all_sources_in_reach),
         cmocka_unit_test(test_users_are_counted),
         cmocka_unit_test(test_descent_lowers_the_error),
         cmocka_unit_test(test_pays_where_it_was_planted),
