@@ -227,7 +227,7 @@ static btf_result search(const enc_factor_matrix *m, const enc_match_bases *base
     if (result == BTF_OK) {
         enc_match_count_users(m->context, match);
         enc_log(m->context, BTF_LOG_INFO,
-                "match: the texels' own factors leave %.3f %% of the energy, sources and gains %.3f %%",
+                "match: the texels' own factors leave %.4g %% of the energy, sources and gains %.4g %%",
                 100 * out_sums->own / out_sums->energy, 100 * out_sums->left / out_sums->energy);
     }
     return result;
