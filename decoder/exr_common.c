@@ -11,7 +11,7 @@ const char *const btfi_layout_words[2] = {"paper", "tight"};
 const char *const btfi_domain_words[2] = {"linear", "sqrt"};
 const char *const btfi_colour_words[3] = {"mono", "rgb", "none"};
 const char *const btfi_blend_words[2] = {"radiance", "roots"};
-const char *const btfi_point_words[2] = {"separate", "packed"};
+const char *const btfi_point_words[3] = {"separate", "packed", "lists"};
 
 void btfi_effects_text(uint32_t effects, char *buffer, size_t size) {
     size_t length = 0;

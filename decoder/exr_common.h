@@ -16,7 +16,7 @@ extern const char *const btfi_layout_words[2]; /* btf_layout */
 extern const char *const btfi_domain_words[2]; /* btf_domain */
 extern const char *const btfi_colour_words[3]; /* btf_colour */
 extern const char *const btfi_blend_words[2];  /* btf_blend */
-extern const char *const btfi_point_words[2];  /* btf_point_store */
+extern const char *const btfi_point_words[3];  /* btf_point_store */
 
 /* "shadow,shift" for a mask of effects; "" for none. size >= 40. */
 void btfi_effects_text(uint32_t effects, char *buffer, size_t size);

@@ -174,8 +174,10 @@ static exr_result_t write_attributes(exr_context_t context, const btf_material *
                    info->components);
     if (info->blend != BTF_BLEND_RADIANCE)
         put_string(&h, "openbtf.blend", btfi_blend_words[info->blend]);
-    if (info->point_store == BTF_POINTS_PACKED) {
+    if (info->point_store != BTF_POINTS_SEPARATE) {
         put_string(&h, "openbtf.pointStore", btfi_point_words[info->point_store]);
+        if (info->point_store == BTF_POINTS_LISTS)
+            put_int(&h, "openbtf.pointEntries", info->point_entries);
         put_float(&h, "openbtf.gainBase", info->gain_base);
         put_float(&h, "openbtf.gainStep", info->gain_step);
     }

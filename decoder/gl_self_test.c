@@ -271,6 +271,50 @@ static btf_result run_array(const btfi_gl_functions *gl, const char *version, in
     return result;
 }
 
+/* Four neighbouring pixels fetch half a byte and then the layer that it names, as lists of points do. */
+static btf_result run_lists(const btfi_gl_functions *gl, const char *version, int32_t unit, const btf_log *log,
+                            uint32_t *failures) {
+    static const char head_text[] = "precision highp float;\n"
+                                    "precision highp int;\n"
+                                    "uniform highp usampler2DArray btf_texels;\n"
+                                    "out highp uvec4 btf_result;\n";
+    static const char main_text[] =
+        "void main() {\n"
+        "    uvec2 p = uvec2(gl_FragCoord.xy);\n"
+        "    uint wrong = 0u;\n"
+        "    for (uint view = 0u; view < 3u; ++view) {\n"
+        "        uint layer = (texelFetch(btf_texels, ivec3(p, view >> 1u), 0).x >> ((view & 1u) << 2u)) & 15u;\n"
+        "        uvec2 bytes = texelFetch(btf_texels, ivec3(p, layer), 0).xy;\n"
+        "        uint named = 2u + (p.x + 2u * p.y + 5u * view) % 14u;\n"
+        "        wrong |= layer ^ named;\n"
+        "        wrong |= (bytes.x + 256u * bytes.y) ^ ((named * 4u + p.y * 2u + p.x) * 1021u & 0xFFFFu);\n"
+        "    }\n"
+        "    btf_result = uvec4(wrong != 0u ? 512u : 0u, 0x42544621u, 0u, 0u);\n"
+        "}\n";
+    enum { LAYERS = 16 };
+    uint8_t bytes[LAYERS][SIDE * SIDE][2] = {{{0}}};
+    for (uint32_t i = 0; i < SIDE * SIDE; ++i) {
+        for (uint32_t view = 0; view < 3; ++view)
+            bytes[view / 2][i][0] |= (uint8_t)((2 + (i + 5 * view) % 14) << 4 * (view % 2));
+        for (uint32_t layer = 2; layer < LAYERS; ++layer) {
+            const uint32_t word = (layer * SIDE * SIDE + i) * 1021;
+            bytes[layer][i][0] = (uint8_t)word;
+            bytes[layer][i][1] = (uint8_t)(word >> 8);
+        }
+    }
+    uint32_t texture = 0;
+    gl->GenTextures(1, &texture);
+    gl->BindTexture(GL_TEXTURE_2D_ARRAY, texture);
+    gl->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    gl->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    gl->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAX_LEVEL, 0);
+    gl->TexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RG8UI, SIDE, SIDE, LAYERS, 0, GL_RG_INTEGER, GL_UNSIGNED_BYTE, bytes);
+    const char *parts[] = {version, head_text, "", main_text};
+    btf_result result = run_program(gl, make_program(gl, parts, log), unit, log, failures);
+    gl->DeleteTextures(1, &texture);
+    return result;
+}
+
 btf_result btf_gl_self_test(const btf_gl_options *options, const btf_log *log, uint32_t *out_failures) {
     *out_failures = 0;
     btfi_gl_functions api;
@@ -311,6 +355,8 @@ btf_result btf_gl_self_test(const btf_gl_options *options, const btf_log *log, u
         result = run_levels(&api, version, saved.unit, log, out_failures);
     if (result == BTF_OK)
         result = run_array(&api, version, saved.unit, log, out_failures);
+    if (result == BTF_OK)
+        result = run_lists(&api, version, saved.unit, log, out_failures);
 
     api.DeleteVertexArrays(1, &array);
     api.DeleteFramebuffers(1, &framebuffer);

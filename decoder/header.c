@@ -330,9 +330,11 @@ static void get_all_scales(reader *r, const btf_material_info *info, btfi_scales
 static void get_points(reader *r, btf_material_info *info) {
     if (info->version < 2 || !find(r, "openbtf.pointStore", EXR_ATTR_STRING, "string", false))
         return;
-    info->point_store = (btf_point_store)get_word(r, "openbtf.pointStore", btfi_point_words, 2);
-    if (info->point_store != BTF_POINTS_PACKED)
+    info->point_store = (btf_point_store)get_word(r, "openbtf.pointStore", btfi_point_words, 3);
+    if (info->point_store == BTF_POINTS_SEPARATE)
         return;
+    if (info->point_store == BTF_POINTS_LISTS)
+        info->point_entries = get_int(r, "openbtf.pointEntries", 1, BTF_MAX_POINT_ENTRIES);
     const float base = get_float(r, "openbtf.gainBase"), step = get_float(r, "openbtf.gainStep");
     info->gain_base = base == 0 ? 0 : base; /* -0 becomes 0 */
     info->gain_step = step == 0 ? 0 : step;

@@ -86,7 +86,12 @@ bool btfi_part_of(const btf_material_info *info, uint32_t level, btf_texture_id 
         break;
     case BTF_TEXTURE_SHIFT:
     case BTF_TEXTURE_POINTS:
+    case BTF_TEXTURE_POINT_LISTS:
         add_letters(&part, "RG");
+        make_sheet(&part, part.shape.layers);
+        break;
+    case BTF_TEXTURE_POINT_INDICES:
+        add_letters(&part, "R");
         make_sheet(&part, part.shape.layers);
         break;
     case BTF_TEXTURE_CENTRES:
@@ -160,6 +165,8 @@ btfi_run btfi_part_run(const btfi_part *part, int channel, uint32_t x, uint32_t 
     case BTF_TEXTURE_SHIFT:
     case BTF_TEXTURE_GAIN:
     case BTF_TEXTURE_POINTS:
+    case BTF_TEXTURE_POINT_LISTS:
+    case BTF_TEXTURE_POINT_INDICES:
     case BTF_TEXTURE_FACTOR_TEXELS:
     case BTF_TEXTURE_FACTOR_DIRECTIONS:
         layer = item;

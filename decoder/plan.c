@@ -64,11 +64,12 @@ static float cost_of_factors(const btf_material_info *info, uint32_t units, bool
            views * (float)__builtin_popcount(tiers_read) * factor_costs.direction;
 }
 
-/* See plan.h for the model and where its numbers come from. */
-static float cost_of(const btf_material *material, btf_layout layout, const btf_shader_options *o,
+/* See plan.h for the model and where its numbers come from. `stored` has the layout and the store of points that the
+ * shader reads. */
+static float cost_of(const btf_material *material, const btf_material_info *stored, const btf_shader_options *o,
                      const btf_scene *scene) {
     const btf_material_info *info = &material->info;
-    const bool tight = layout == BTF_LAYOUT_TIGHT;
+    const bool tight = stored->layout == BTF_LAYOUT_TIGHT;
     const float atlas = tight ? 0 : 0.8f, once = 8.3f, look_up = 10.7f, texel_view = 1.5f, code = 1,
                 parameter = 4.1f, profile = 3.4f, centre = 4.8f, texel_group = 3.9f, direction_group = 2.3f;
     enum { UNROLLED = 6 };
@@ -90,7 +91,9 @@ static float cost_of(const btf_material *material, btf_layout layout, const btf_
     if (o->fixed & BTF_FIXED_VIEW && !(effects & codes) && !residual)
         views = (direction_count){1, 0};
     float fetched = effects & codes ? 1 : 0, each = 0;
-    if (tight && info->point_store != BTF_POINTS_PACKED)
+    if (stored->point_store == BTF_POINTS_LISTS)
+        fetched *= 2; /* the index, and what it names */
+    else if (tight && stored->point_store == BTF_POINTS_SEPARATE)
         fetched = (effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN) ? 1.0f : 0.0f) +
                   (effects & (BTF_EFFECT_GAIN | BTF_EFFECT_HIDDEN) ? 1.0f : 0.0f);
     if (info->colour != BTF_COLOUR_NONE) {
@@ -112,7 +115,7 @@ static float cost_of(const btf_material *material, btf_layout layout, const btf_
 
 float btf_plan_cost(const btf_material *material, const btf_shader_options *options,
                     const btf_scene *scene) {
-    return cost_of(material, material->info.layout, options, scene);
+    return cost_of(material, &material->info, options, scene);
 }
 
 /* The share of a range's solid angle that each band has; the outermost band goes on to the horizon, the
@@ -222,16 +225,15 @@ static double psnr(double mse) {
 /* Fills in what follows from the options: textures, bytes, cost. */
 static void fill_costs(const btf_material *material, uint32_t views, uint32_t lights, btf_plan *plan) {
     const btf_material_info *info = &material->info;
-    btf_material_info small = btfi_restricted_info(info, plan->effects, plan->components, plan->level);
-    small.n_views = views;
-    small.n_lights = lights;
+    const btf_material_info small =
+        btfi_restricted_info(info, plan->effects, plan->components, plan->level, views, lights);
     plan->views = views;
     plan->lights = lights;
     plan->shader.leave_out = info->effects & ~plan->effects;
     plan->shader.components = plan->components;
     plan->textures = btf_shader_textures(&small, &plan->shader);
     plan->gpu_bytes = btfi_gpu_bytes(&small);
-    plan->cost = cost_of(material, small.layout, &plan->shader, &plan->scene) *
+    plan->cost = cost_of(material, &small, &plan->shader, &plan->scene) *
                  (float)(plan->scene.lights ? plan->scene.lights : 1);
 }
 

@@ -11,9 +11,34 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* The store of shift and gain, and its effects. Packed gains are no multiples of a scale, so that texture `gain`
+ * cannot say them. A shift alone takes as many bytes in its own texture as packed. Lists are kept where they are
+ * smaller than either, which they are not for few views; a shift alone has the gain 1 there. */
+static void restrict_points(const btf_material_info *info, btf_material_info *small, uint32_t *effects) {
+    const uint32_t both = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN;
+    const bool gain = *effects & BTF_EFFECT_GAIN;
+    if (info->point_store == BTF_POINTS_LISTS && *effects & both &&
+        2 * info->point_entries + (small->n_views + 1) / 2 < 2 * small->n_views) {
+        small->gain_base = gain ? info->gain_base : 1;
+        small->gain_step = gain ? info->gain_step : 0;
+        *effects |= both;
+        return;
+    }
+    small->point_entries = 0;
+    if (btfi_shares_points(info) && gain) {
+        small->point_store = BTF_POINTS_PACKED;
+        *effects |= both;
+    } else {
+        small->point_store = BTF_POINTS_SEPARATE;
+        small->gain_base = small->gain_step = 0;
+    }
+}
+
 btf_material_info btfi_restricted_info(const btf_material_info *info, uint32_t effects, uint32_t components,
-                                       uint32_t level) {
+                                       uint32_t level, uint32_t views, uint32_t lights) {
     btf_material_info small = *info;
+    small.n_views = views;
+    small.n_lights = lights;
     effects &= info->effects;
     if (info->colour == BTF_COLOUR_NONE) {
         effects &= ~(uint32_t)BTF_EFFECT_SHADOW;
@@ -27,14 +52,7 @@ btf_material_info btfi_restricted_info(const btf_material_info *info, uint32_t e
     if ((info->effects & BTF_EFFECT_HIDDEN) && (effects & BTF_EFFECT_GAIN) &&
         info->gain_scale != BTF_GAIN_SCALE)
         effects |= BTF_EFFECT_HIDDEN;
-    /* Packed gains are no multiples of a scale, so that no other store says them. A shift alone takes as many
-     * bytes in its own. */
-    if (info->point_store == BTF_POINTS_PACKED && effects & BTF_EFFECT_GAIN) {
-        effects |= BTF_EFFECT_SHIFT;
-    } else {
-        small.point_store = BTF_POINTS_SEPARATE;
-        small.gain_base = small.gain_step = 0;
-    }
+    restrict_points(info, &small, &effects);
     small.layout = BTF_LAYOUT_TIGHT;
     small.atlas_width = small.atlas_height = 0;
     small.width = btf_level_size(info->width, level);
@@ -163,7 +181,7 @@ static btf_result choose_directions(const btfi_directions *whole, const btf_rang
 typedef struct work {
     const btf_material *whole;
     uint32_t level; /* of the whole that becomes level 0 */
-    bool shift;     /* the plan has that effect */
+    bool shift, gain; /* the plan has that effect */
     btf_material_desc desc;
     subset views, lights;
     uint32_t *centre;                              /* [centre of the whole] its new number, or UINT32_MAX */
@@ -191,19 +209,44 @@ static void read_point(const uint8_t point[2], uint8_t out[3]) {
     out[2] = (uint8_t)((p >> 6 & 63) - 32);
 }
 
-/* Packed points; their shifts are 0 where the plan leaves that effect out. */
+static uint8_t point_index(const uint8_t *indices, size_t view, size_t t, size_t texels) {
+    return indices[view / 2 * texels + t] >> 4 * (view % 2) & 15;
+}
+
+/* The two bytes of a view's packed point, in a list or not. */
+static const uint8_t *packed_point(const work *w, uint32_t level, size_t view, size_t t, size_t texels) {
+    if (w->whole->info.point_store == BTF_POINTS_PACKED)
+        return (const uint8_t *)whole_data(w, level, BTF_TEXTURE_POINTS) + 2 * (view * texels + t);
+    const size_t entry = point_index(whole_data(w, level, BTF_TEXTURE_POINT_INDICES), view, t, texels);
+    return (const uint8_t *)whole_data(w, level, BTF_TEXTURE_POINT_LISTS) + 2 * (entry * texels + t);
+}
+
+/* A packed point whose shift and gain code are 0 where the plan leaves that effect out. */
+static void copy_point(const work *w, const uint8_t *from, uint8_t *to) {
+    const unsigned p = from[0] + 256u * from[1], shift = w->shift ? p & 0xFFF : 32 << 6 | 32;
+    const unsigned point = shift | (w->gain ? p & 0xF000 : 0);
+    to[0] = (uint8_t)point;
+    to[1] = (uint8_t)(point >> 8);
+}
+
 static void fill_points(const work *w, uint32_t level, size_t texels, uint8_t *out) {
-    const uint8_t *in = whole_data(w, level, BTF_TEXTURE_POINTS);
-    for (uint32_t v = 0; v < w->views.count; v++) {
-        const uint8_t *of_view = in + 2 * texels * w->views.number[v];
-        memcpy(out, of_view, 2 * texels);
-        for (size_t t = 0; t < texels && !w->shift; t++) {
-            const unsigned p = (of_view[2 * t + 1] & 0xF0u) << 8 | 32 << 6 | 32;
-            out[2 * t] = (uint8_t)p;
-            out[2 * t + 1] = (uint8_t)(p >> 8);
-        }
-        out += 2 * texels;
-    }
+    for (uint32_t v = 0; v < w->views.count; v++)
+        for (size_t t = 0; t < texels; t++, out += 2)
+            copy_point(w, packed_point(w, level, w->views.number[v], t, texels), out);
+}
+
+static void fill_point_lists(const work *w, uint32_t level, const btf_texture *shape, uint8_t *out) {
+    const uint8_t *in = whole_data(w, level, BTF_TEXTURE_POINT_LISTS);
+    for (size_t i = 0; i < shape->size; i += 2)
+        copy_point(w, in + i, out + i);
+}
+
+static void fill_point_indices(const work *w, uint32_t level, size_t texels, uint8_t *out) {
+    const uint8_t *in = whole_data(w, level, BTF_TEXTURE_POINT_INDICES);
+    for (size_t v = 0; v < w->views.count; v++)
+        for (size_t t = 0; t < texels; t++)
+            out[v / 2 * texels + t] |=
+                (uint8_t)(point_index(in, w->views.number[v], t, texels) << 4 * (v % 2));
 }
 
 /* Gain code and shift bytes as stored: (128, 0, 0) where they are not. */
@@ -213,8 +256,8 @@ static void read_codes(const work *w, uint32_t level, uint32_t view, size_t t, s
     const bool code = info->effects & (BTF_EFFECT_GAIN | BTF_EFFECT_HIDDEN);
     const bool bytes = info->effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN);
     const size_t at = view * texels + t;
-    if (info->point_store == BTF_POINTS_PACKED) {
-        read_point((const uint8_t *)whole_data(w, level, BTF_TEXTURE_POINTS) + 2 * at, out);
+    if (btfi_shares_points(info)) {
+        read_point(packed_point(w, level, view, t, texels), out);
         return;
     }
     const bool tight = info->layout == BTF_LAYOUT_TIGHT;
@@ -374,6 +417,12 @@ static void fill(const work *w, uint32_t level, btf_texture_id id, const btf_tex
     case BTF_TEXTURE_POINTS:
         fill_points(w, level, texels, out);
         break;
+    case BTF_TEXTURE_POINT_LISTS:
+        fill_point_lists(w, level, shape, out);
+        break;
+    case BTF_TEXTURE_POINT_INDICES:
+        fill_point_indices(w, level, texels, out);
+        break;
     case BTF_TEXTURE_CENTRES:
         fill_centres(w, shape, out);
         break;
@@ -477,13 +526,13 @@ btf_result btf_material_restrict(const btf_material *material, const btf_plan *p
     w->whole = material;
     w->level = plan->level;
     w->shift = plan->effects & BTF_EFFECT_SHIFT;
+    w->gain = plan->effects & BTF_EFFECT_GAIN;
     w->desc.struct_size = sizeof w->desc;
-    w->desc.info = btfi_restricted_info(&material->info, plan->effects, plan->components, plan->level);
     btf_result result = choose_directions(&material->views, &plan->scene.view, log, &w->views);
     if (result == BTF_OK)
         result = choose_directions(&material->lights, &plan->scene.light, log, &w->lights);
-    w->desc.info.n_views = w->views.count;
-    w->desc.info.n_lights = w->lights.count;
+    w->desc.info = btfi_restricted_info(&material->info, plan->effects, plan->components, plan->level,
+                                        w->views.count, w->lights.count);
     w->desc.views = w->views.xyz[0];
     w->desc.lights = w->lights.xyz[0];
     if (plan->level == 0 && btfi_version(&w->desc.info) >= 2) /* of a coarser level it has not the size */

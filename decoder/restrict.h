@@ -9,9 +9,9 @@
 
 #pragma GCC visibility push(hidden)
 
-/* The info of a restriction, views and lights aside; centres are those of the whole. */
+/* The info of a restriction to so many views and lights; centres are those of the whole. */
 btf_material_info btfi_restricted_info(const btf_material_info *info, uint32_t effects, uint32_t components,
-                                       uint32_t level);
+                                       uint32_t level, uint32_t views, uint32_t lights);
 
 #pragma GCC visibility pop
 

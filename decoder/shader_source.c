@@ -4,6 +4,7 @@
  */
 #include "material.h"
 #include "reach.h"
+#include "shape.h"
 #include <openbtf/shader.h>
 
 #include <stdarg.h>
@@ -116,9 +117,11 @@ uint32_t btf_shader_textures(const btf_material_info *info, const btf_shader_opt
     } else {
         if (shadow)
             textures |= 1u << BTF_TEXTURE_SHADOW;
-        const int packed = info->point_store == BTF_POINTS_PACKED;
+        const int packed = btfi_shares_points(info);
         if (packed && (shift || gain))
-            textures |= 1u << BTF_TEXTURE_POINTS;
+            textures |= info->point_store == BTF_POINTS_LISTS
+                            ? 1u << BTF_TEXTURE_POINT_LISTS | 1u << BTF_TEXTURE_POINT_INDICES
+                            : 1u << BTF_TEXTURE_POINTS;
         if (!packed && (shift || hidden))
             textures |= 1u << BTF_TEXTURE_SHIFT;
         if (!packed && (gain || hidden || (shift && v.code_zero)))
@@ -218,8 +221,8 @@ static void write_macros(text *t, const btf_material *material, const btf_materi
         text_print(t, "#define BTF_FACTORS 1\n");
         define_classes(t, info, v.components);
     }
-    if (info->point_store == BTF_POINTS_PACKED)
-        text_print(t, "#define BTF_POINTS 1\n");
+    if (btfi_shares_points(info)) /* 1 packed points, 2 lists of them */
+        text_print(t, "#define BTF_POINTS %d\n", (int)info->point_store);
     text_print(t, "#define BTF_NEAREST %d\n", options->interpolation == BTF_INTERPOLATION_NEAREST);
     text_print(t, "#define BTF_BILINEAR %d\n", options->filter == BTF_FILTER_BILINEAR);
     text_print(t, "#define BTF_FAST_MATH %d\n", options->math == BTF_MATH_FAST);
@@ -250,7 +253,7 @@ static void write_macros(text *t, const btf_material *material, const btf_materi
     define_float(t, "BTF_CENTRE_SCALE", info->centre_scale * 0x1p-12f);
     if (v.components > 0 && info->store == BTF_STORE_FACTORS)
         define_float(t, "BTF_HORIZON_SCALE", info->horizon_scale);
-    if (info->point_store == BTF_POINTS_PACKED) {
+    if (btfi_shares_points(info)) {
         define_float(t, "BTF_GAIN_BASE", info->gain_base);
         define_float(t, "BTF_GAIN_STEP", info->gain_step);
     }

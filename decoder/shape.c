@@ -25,6 +25,8 @@ static const char *const texture_names[BTF_TEXTURE_COUNT] = {
     "factor_scales",
     "factor_views",
     "points",
+    "point_lists",
+    "point_indices",
 };
 
 static const char *const effect_names[] = {"shadow", "shift", "hidden", "gain", "residual"};
@@ -132,7 +134,7 @@ bool btfi_is_table(btf_texture_id id) {
 uint32_t btfi_version(const btf_material_info *info) {
     const bool many = info->n_views > BTF_MAX_DIRECTION_LAYERS || info->n_lights > BTF_MAX_DIRECTION_LAYERS;
     return many || info->store == BTF_STORE_FACTORS || info->blend != BTF_BLEND_RADIANCE ||
-                   info->point_store == BTF_POINTS_PACKED
+                   btfi_shares_points(info)
                ? 2
                : 1;
 }
@@ -148,7 +150,8 @@ static btf_texture shape(btf_format format, int is_array, uint32_t width, uint32
 btf_texture btf_material_texture_shape(const btf_material_info *info, btf_texture_id id) {
     const btf_texture none = {0};
     const uint32_t w = info->width, h = info->height, effects = info->effects;
-    const bool tight = info->layout == BTF_LAYOUT_TIGHT, packed = info->point_store == BTF_POINTS_PACKED;
+    const bool tight = info->layout == BTF_LAYOUT_TIGHT, packed = btfi_shares_points(info);
+    const bool lists = info->point_store == BTF_POINTS_LISTS;
     const uint32_t quads = ceil_div(info->components, 4);
     const bool residual = effects & BTF_EFFECT_RESIDUAL && info->store == BTF_STORE_COMPONENTS;
     const bool factors = effects & BTF_EFFECT_RESIDUAL && info->store == BTF_STORE_FACTORS;
@@ -177,9 +180,13 @@ btf_texture btf_material_texture_shape(const btf_material_info *info, btf_textur
                    ? shape(BTF_FORMAT_R8UI, 1, w, h, info->n_views)
                    : none;
     case BTF_TEXTURE_POINTS:
-        return packed && effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN)
+        return packed && !lists && effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN)
                    ? shape(BTF_FORMAT_RG8UI, 1, w, h, info->n_views)
                    : none;
+    case BTF_TEXTURE_POINT_LISTS:
+        return lists ? shape(BTF_FORMAT_RG8UI, 1, w, h, info->point_entries) : none;
+    case BTF_TEXTURE_POINT_INDICES:
+        return lists ? shape(BTF_FORMAT_R8UI, 1, w, h, ceil_div(info->n_views, 2)) : none;
     case BTF_TEXTURE_CENTRES: {
         if (!tight || !(effects & BTF_EFFECT_HIDDEN) || info->centres == 0)
             return none;
@@ -275,11 +282,17 @@ static btf_result check_classes(const btfi_check *check, const btf_material_info
     return BTF_OK;
 }
 
-/* Packed points hold both effects and leave no code for hidden points. */
+/* Packed points, in lists or not, hold both effects and leave no code for hidden points. */
 static btf_result check_points(const btfi_check *check, const btf_material_info *info) {
-    if (info->point_store != BTF_POINTS_SEPARATE && info->point_store != BTF_POINTS_PACKED)
+    const bool lists = info->point_store == BTF_POINTS_LISTS;
+    if (info->point_store != BTF_POINTS_SEPARATE && !btfi_shares_points(info))
         return btfi_fail(check->log, check->code, "unknown store %d of shift and gain",
                          (int)info->point_store);
+    if (lists ? info->point_entries < 1 || info->point_entries > BTF_MAX_POINT_ENTRIES
+              : info->point_entries != 0)
+        return btfi_fail(check->log, check->code,
+                         lists ? "pointEntries %u is not within 1 to %d" : "pointEntries %u without lists of points",
+                         (unsigned)info->point_entries, BTF_MAX_POINT_ENTRIES);
     if (info->point_store == BTF_POINTS_SEPARATE) {
         if (info->gain_base != 0 || info->gain_step != 0)
             return btfi_fail(check->log, check->code, "gainBase %g and gainStep %g without packed points",

@@ -44,6 +44,10 @@ bool btfi_unit_is_mixed(const btf_material_info *info, uint32_t unit);
 bool btfi_is_table(btf_texture_id id);
 /* The oldest version of the format that holds such a material. */
 uint32_t btfi_version(const btf_material_info *info);
+/* True where shift and gain of a (texel, view) share two bytes: packed points, and lists of them. */
+static inline bool btfi_shares_points(const btf_material_info *info) {
+    return info->point_store == BTF_POINTS_PACKED || info->point_store == BTF_POINTS_LISTS;
+}
 /* Checks everything that info says by itself (FORMAT.md sections 2 to 5, 7), the strings aside. */
 btf_result btfi_check_info(const btfi_check *check, const btf_material_info *info);
 /* Sums of the textures, as info reports them. */

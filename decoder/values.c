@@ -117,6 +117,26 @@ static btf_result check_tight_points(const values *v, const uint8_t *shift, cons
     return BTF_OK;
 }
 
+/* Indices of lists of points: two views a byte, of which each names an entry. An odd last view has the byte's low
+ * half, and the rest is 0. */
+static btf_result check_point_indices(const values *v, const uint8_t *data) {
+    const uint32_t w = v->info->width, texels = w * v->info->height, entries = v->info->point_entries;
+    const btfi_name name = btfi_texture_name(v->level, BTF_TEXTURE_POINT_INDICES);
+    for (uint32_t view = 0; view < v->info->n_views + v->info->n_views % 2; view++)
+        for (uint32_t t = 0; t < texels; t++) {
+            const unsigned index = data[(size_t)(view >> 1) * texels + t] >> 4 * (view & 1) & 15u;
+            if (view == v->info->n_views && index != 0)
+                return btfi_fail(v->check->log, v->check->code,
+                                 "%s: texel (%u, %u): the high bits of the last layer hold %u, not 0", name.text,
+                                 (unsigned)(t % w), (unsigned)(t / w), index);
+            if (index >= entries)
+                return btfi_fail(v->check->log, v->check->code, "%s: view %u, texel (%u, %u): entry %u of %u",
+                                 name.text, (unsigned)view, (unsigned)(t % w), (unsigned)(t / w), index,
+                                 (unsigned)entries);
+        }
+    return BTF_OK;
+}
+
 static btf_result refuse_meaningless(const values *v, const char *where, size_t x, size_t y,
                                      unsigned value) {
     return btfi_fail(v->check->log, v->check->code,
@@ -280,6 +300,9 @@ static btf_result check_level(const values *v, void *const texture[BTF_TEXTURE_C
         return result;
     if ((texture[BTF_TEXTURE_SHIFT] || texture[BTF_TEXTURE_GAIN]) &&
         (result = check_tight_points(v, texture[BTF_TEXTURE_SHIFT], texture[BTF_TEXTURE_GAIN])))
+        return result;
+    if (texture[BTF_TEXTURE_POINT_INDICES] &&
+        (result = check_point_indices(v, texture[BTF_TEXTURE_POINT_INDICES])))
         return result;
     if (texture[BTF_TEXTURE_CENTRES] && (result = check_tight_centres(v, texture[BTF_TEXTURE_CENTRES])))
         return result;

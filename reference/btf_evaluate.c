@@ -45,10 +45,18 @@ static int32_t signed_byte(uint8_t byte) {
     return byte < 128 ? byte : (int32_t)byte - 256;
 }
 
+/** Section 3, lists of points: the entry that 4 bits name, an even view's the low ones. */
+static const uint8_t *listed_point(const btf_ref_material *material, uint32_t column, uint32_t row, uint32_t view) {
+    uint32_t two_views = material->point_indices[layer_index(material, view / 2, column, row)];
+    uint32_t entry = view % 2 == 0 ? two_views % 16 : two_views / 16;
+    return material->point_lists + 2 * layer_index(material, entry, column, row);
+}
+
 /** Section 3, packed points: 6 bits of column shift, 6 of row shift, 4 of gain. */
 static appearance read_packed(const situation *s, uint32_t column, uint32_t row, uint32_t view) {
     const btf_ref_material *material = s->material;
-    const uint8_t *bytes = material->points + 2 * layer_index(material, view, column, row);
+    const uint8_t *bytes = material->point_lists ? listed_point(material, column, row, view)
+                                                 : material->points + 2 * layer_index(material, view, column, row);
     uint32_t point = bytes[0] + 256u * bytes[1];
     appearance result = {false, 0, 0, 0, 1.0f};
 

@@ -1,7 +1,7 @@
 /* OpenBTF shaders: the samplers, one a texture of FORMAT.md section 3, and the run-time zero.
  *
  * Only what the variant reads is declared: at most 11 samplers (layout tight: an SBRDF, shadow, shift, gain, centres,
- * four of factors and two tables; 9 where points are packed) of the 16 that every GL and ES has for a fragment shader.
+ * four of factors and two tables; 9 where points are packed, 10 where they lie in lists) of the 16 that every GL and ES has for a fragment shader.
  * In Vulkan, BTF_UNIFORM(n) has to give set and binding. To use samplers of other names, define BTF_NO_INTERFACE and,
  * say, btf_maps as the name of yours.
  *
@@ -28,6 +28,8 @@
 #define BTF_BINDING_FACTOR_SCALES 13
 #define BTF_BINDING_FACTOR_VIEWS 14
 #define BTF_BINDING_POINTS 15
+#define BTF_BINDING_POINT_LISTS 16
+#define BTF_BINDING_POINT_INDICES 17
 #endif
 
 #ifndef BTF_NO_INTERFACE
@@ -40,7 +42,12 @@ BTF_UNIFORM(BTF_BINDING_SHADOW) highp usampler2DArray btf_shadow;
 #endif
 #if BTF_POINTS
 #if BTF_SHIFT || BTF_GAIN
+#if BTF_POINTS == 2
+BTF_UNIFORM(BTF_BINDING_POINT_LISTS) highp usampler2DArray btf_point_lists;
+BTF_UNIFORM(BTF_BINDING_POINT_INDICES) highp usampler2DArray btf_point_indices;
+#else
 BTF_UNIFORM(BTF_BINDING_POINTS) highp usampler2DArray btf_points;
+#endif
 #endif
 #else
 #if BTF_SHIFT || BTF_HIDDEN

@@ -14,7 +14,8 @@
  *     BTF_FACTORS        1: the residual's store is factors. Default 0. With 1, for each class c of 0..4:
  *     BTF_FACTOR_UNITS_c BTF_FACTOR_C1_c BTF_FACTOR_C2_c    units that are decoded; of their words, those of C1 and C2
  *     BTF_BLEND_ROOTS    1: views are blended as roots. Default 0
- *     BTF_POINTS         1: shift and gain lie packed in one texture. Default 0
+ *     BTF_POINTS         1: shift and gain lie packed in one texture; 2: in a list a texel, of which each view has an
+ *                        index. Default 0
  *   values (any expressions, e.g. uniforms of your own)
  *     BTF_WIDTH BTF_HEIGHT BTF_N_LIGHTS BTF_VIEW_GRID BTF_LIGHT_GRID          uint
  *     BTF_LEVELS                                                              uint, levels of detail; default 1

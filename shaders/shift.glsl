@@ -11,7 +11,12 @@ uvec3 btf_view_codes(uvec2 x, uint view, int level) {
     uvec3 codes = uvec3(128u, 0u, 0u);
 #if BTF_READS_CODE || BTF_READS_SHIFT
 #if BTF_POINTS
+#if BTF_POINTS == 2
+    uint entry = (texelFetch(btf_point_indices, ivec3(x, view >> 1u), level).x >> ((view & 1u) << 2u)) & 15u;
+    uvec2 bytes = texelFetch(btf_point_lists, ivec3(x, entry), level).xy;
+#else
     uvec2 bytes = texelFetch(btf_points, ivec3(x, view), level).xy;
+#endif
     uint point = bytes.x + 256u * bytes.y;
     codes = uvec3(point >> 12u, point & 63u, (point >> 6u) & 63u);
 #else

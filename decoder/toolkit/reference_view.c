@@ -48,10 +48,12 @@ int reference_view(const btf_material *material, uint32_t level, btf_ref_materia
         .factor_directions = btf_material_texture(material, BTF_TEXTURE_FACTOR_DIRECTIONS).data,
         .factor_scales = btf_material_texture(material, BTF_TEXTURE_FACTOR_SCALES).data,
         .factor_views = btf_material_texture(material, BTF_TEXTURE_FACTOR_VIEWS).data,
-        .points_packed = info.point_store == BTF_POINTS_PACKED,
+        .points_packed = info.point_store != BTF_POINTS_SEPARATE,
         .gain_base = info.gain_base,
         .gain_step = info.gain_step,
         .points = btf_material_level_texture(material, level, BTF_TEXTURE_POINTS).data,
+        .point_lists = btf_material_level_texture(material, level, BTF_TEXTURE_POINT_LISTS).data,
+        .point_indices = btf_material_level_texture(material, level, BTF_TEXTURE_POINT_INDICES).data,
     };
     for (int i = 0; i < BTF_FACTOR_CLASSES; ++i)
         for (int j = 0; j < 3; ++j)

@@ -54,7 +54,7 @@ static const char *const domain_names[] = {"linear", "sqrt"};
 static const char *const colour_names[] = {"mono", "rgb", "none"};
 static const char *const store_names[] = {"components", "factors"};
 static const char *const blend_names[] = {"radiance", "roots"};
-static const char *const point_store_names[] = {"separate", "packed"};
+static const char *const point_store_names[] = {"separate", "packed", "lists"};
 
 /* Bits of the codes of w and of u in each class of factors (FORMAT.md section 3). */
 static const int class_bits[BTF_FACTOR_CLASSES][2] = {{8, 8}, {4, 8}, {4, 4}, {2, 4}, {2, 2}};
@@ -275,6 +275,17 @@ static void print_textures(const btf_material *material, const btf_material_info
     }
 }
 
+static void print_points(const btf_material_info *info) {
+    if (info->point_store == BTF_POINTS_SEPARATE)
+        return;
+    printf("  %-14s", "points");
+    if (info->point_store == BTF_POINTS_LISTS)
+        printf("lists of %u a texel", (unsigned)info->point_entries);
+    else
+        printf("packed");
+    printf(": shifts within -32..31, gain %g + %g * 0..15\n", (double)info->gain_base, (double)info->gain_step);
+}
+
 static void print_residual(const btf_material_info *info) {
     if (info->store == BTF_STORE_COMPONENTS) {
         if (info->components)
@@ -320,9 +331,7 @@ static void print_text(const char *path, uint64_t file_bytes, const btf_material
                                            : ", float");
     if (info->centres)
         printf("  %-14s%u\n", "centres", (unsigned)info->centres);
-    if (info->point_store == BTF_POINTS_PACKED)
-        printf("  %-14spacked: shifts within -32..31, gain %g + %g * 0..15\n", "points", (double)info->gain_base,
-               (double)info->gain_step);
+    print_points(info);
     print_residual(info);
     if (info->version >= 2)
         printf("  %-14s%s\n", "blend", blend_names[info->blend]);
@@ -505,6 +514,7 @@ static btf_result print_json(const char *path, uint64_t file_bytes, const btf_ma
     json_float(&j, "horizon_scale", info->horizon_scale);
     json_string(&j, "blend", blend_names[info->blend]);
     json_string(&j, "point_store", point_store_names[info->point_store]);
+    json_integer(&j, "point_entries", info->point_entries);
     json_bool(&j, "preview", btf_material_preview(material) != NULL);
     if (info->layout == BTF_LAYOUT_PAPER) {
         json_integer(&j, "atlas_width", info->atlas_width);

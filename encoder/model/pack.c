@@ -32,7 +32,8 @@ static btf_material_info describe(const enc_data *data, const enc_solution *s, c
     info.shadow_scale = s->effects & BTF_EFFECT_SHADOW ? s->shadow_scale : 1.0f / 255.0f;
     info.gain_scale = s->effects & BTF_EFFECT_GAIN ? s->gain_scale : BTF_GAIN_SCALE;
     if (s->packed) {
-        info.point_store = BTF_POINTS_PACKED;
+        info.point_store = s->point_entries > 0 ? BTF_POINTS_LISTS : BTF_POINTS_PACKED;
+        info.point_entries = (uint32_t)s->point_entries;
         info.gain_base = s->gain_base;
         info.gain_step = s->gain_step;
     }
@@ -80,6 +81,31 @@ static void point_bytes(const enc_solution *s, size_t at, uint8_t out[2]) {
     const int p = columns | rows << 6 | code << 12;
     out[0] = (uint8_t)p;
     out[1] = (uint8_t)(p >> 8);
+}
+
+/* The lists of packed points, entries in the order in which rising views first name them, and the views' indices;
+ * both zeroed before. False, with the texel, where a list has no room. */
+static bool pack_point_lists(const enc_solution *s, uint8_t *lists, uint8_t *indices, size_t *out_texel) {
+    const size_t texels = enc_solution_texels(s);
+    for (size_t t = 0; t < texels; t++) {
+        int used = 0;
+        for (int view = 0; view < s->n_views; view++) {
+            uint8_t point[2];
+            point_bytes(s, (size_t)view * texels + t, point);
+            int entry = 0;
+            while (entry < used && memcmp(lists + 2 * ((size_t)entry * texels + t), point, 2) != 0) {
+                entry++;
+            }
+            if (entry == s->point_entries) {
+                *out_texel = t;
+                return false;
+            }
+            memcpy(lists + 2 * ((size_t)entry * texels + t), point, 2);
+            used = entry == used ? used + 1 : used;
+            indices[(size_t)(view / 2) * texels + t] |= (uint8_t)(entry << 4 * (view % 2));
+        }
+    }
+    return true;
 }
 
 static void pack_maps(const btf_material_info *info, const enc_solution *s, uint8_t *maps) {
@@ -192,6 +218,9 @@ static void fill(const btf_material_info *info, const enc_solution *s, btf_textu
     case BTF_TEXTURE_FACTOR_VIEWS:
         memcpy(out, s->factors.views, shape->size);
         break;
+    case BTF_TEXTURE_POINT_LISTS:
+    case BTF_TEXTURE_POINT_INDICES:
+        break; /* made together, see pack_level */
     default:
         assert(!"a table is not packed here");
     }
@@ -211,6 +240,14 @@ static btf_result pack_level(const enc_context *context, const btf_material_info
                             btf_texture_name((btf_texture_id)id));
         }
         fill(info, solution, (btf_texture_id)id, &shape, out[id]);
+    }
+    size_t texel;
+    if (out[BTF_TEXTURE_POINT_LISTS] &&
+        !pack_point_lists(solution, out[BTF_TEXTURE_POINT_LISTS], out[BTF_TEXTURE_POINT_INDICES], &texel)) {
+        const size_t width = (size_t)solution->width;
+        return enc_fail(context, BTF_ERROR_USAGE,
+                        "packing: level %u, texel (%zu, %zu): more than %d different pairs of shift and gain",
+                        level, texel % width, texel / width, solution->point_entries);
     }
     return BTF_OK;
 }

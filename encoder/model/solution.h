@@ -32,6 +32,7 @@ typedef struct enc_solution {
     /* Stored as packed points (layout tight, shift and gain, no hidden): shifts are within -32..31 and gain codes
      * 0..15, which say gain_base + code * gain_step; gain_scale is not read. */
     bool packed;
+    int point_entries; /* with packed: texels have lists of so many pairs (shift, gain code), 1..16; 0: no lists */
     float gain_base, gain_step;
 
     uint16_t *centre;      /* [view][texel], read where gain is 0 */

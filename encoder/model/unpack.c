@@ -70,6 +70,13 @@ static void unpack_maps(const btf_material_info *info, const uint8_t *maps, enc_
     }
 }
 
+/* The packed point that a view's index names in a texel's list. */
+static const uint8_t *listed_point(const uint8_t *lists, const uint8_t *indices, size_t view, size_t texel,
+                                   size_t texels) {
+    const size_t entry = indices[(view / 2) * texels + texel] >> 4 * (view % 2) & 15;
+    return lists + 2 * (entry * texels + texel);
+}
+
 /* The maps of texels of one level in layout `tight`. */
 static void unpack_tight(const btf_material *material, uint32_t level, enc_solution *s) {
     const size_t texels = enc_solution_texels(s), points = (size_t)s->n_views * texels;
@@ -77,17 +84,20 @@ static void unpack_tight(const btf_material *material, uint32_t level, enc_solut
     const uint8_t *shift = btf_material_level_texture(material, level, BTF_TEXTURE_SHIFT).data;
     const uint8_t *gain = btf_material_level_texture(material, level, BTF_TEXTURE_GAIN).data;
     const uint8_t *packed = btf_material_level_texture(material, level, BTF_TEXTURE_POINTS).data;
+    const uint8_t *lists = btf_material_level_texture(material, level, BTF_TEXTURE_POINT_LISTS).data;
+    const uint8_t *indices = btf_material_level_texture(material, level, BTF_TEXTURE_POINT_INDICES).data;
     static const uint8_t none[2] = {0, 0};
     if (shadow) {
         memcpy(s->shadow, shadow, (size_t)s->n_lights * texels);
     }
-    for (size_t i = 0; i < points && packed; i++) {
-        const int p = packed[2 * i] | packed[2 * i + 1] << 8;
+    for (size_t i = 0; i < points && (packed || lists); i++) {
+        const uint8_t *point = packed ? packed + 2 * i : listed_point(lists, indices, i / texels, i % texels, texels);
+        const int p = point[0] | point[1] << 8;
         s->gain[i] = (uint8_t)(p >> 12);
         s->shift[2 * i] = (int8_t)((p & 63) - 32);
         s->shift[2 * i + 1] = (int8_t)((p >> 6 & 63) - 32);
     }
-    for (size_t i = 0; i < points && !packed; i++) {
+    for (size_t i = 0; i < points && !packed && !lists; i++) {
         unpack_point(s, i, gain ? gain[i] : BTF_GAIN_ONE, shift ? shift + 2 * i : none);
     }
 }
@@ -195,7 +205,8 @@ btf_result enc_unpack(const enc_context *context, const btf_material *material, 
                         .radiance_scale = info.radiance_scale,
                         .shadow_scale = info.shadow_scale,
                         .gain_scale = info.gain_scale,
-                        .packed = info.point_store == BTF_POINTS_PACKED,
+                        .packed = info.point_store != BTF_POINTS_SEPARATE,
+                        .point_entries = (int)info.point_entries,
                         .gain_base = info.gain_base,
                         .gain_step = info.gain_step,
                         .n_centres = info.centres,

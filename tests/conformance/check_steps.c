@@ -264,6 +264,13 @@ static void make_codes(steps *s, uint64_t i, uint32_t *in, uint32_t *out) {
         out[1] = point % 64;
         out[2] = point / 64 % 64;
     }
+    if (s->textures >> BTF_TEXTURE_POINT_LISTS & 1) {
+        const uint64_t two = m->point_indices[(in[2] / 2) * texels + texel];
+        const uint8_t *entry = m->point_lists + 2 * ((in[2] & 1 ? two / 16 : two % 16) * texels + texel);
+        out[0] = entry[1] / 16;
+        out[1] = entry[0] % 64;
+        out[2] = entry[0] / 64 + entry[1] % 16 * 4u;
+    }
     if (s->textures >> BTF_TEXTURE_GAIN & 1)
         out[0] = m->gain[i];
     if (s->textures >> BTF_TEXTURE_SHIFT & 1) {

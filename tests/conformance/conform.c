@@ -129,12 +129,13 @@ static const char *swap_shift(char *library) {
 }
 
 /* The bits of the self-test that the material needs and the device fails in: it has levels of detail and
- * the device fetches from wrong ones, or factors and the device gives others. */
+ * the device fetches from wrong ones, factors and the device gives others, or lists and the device takes others. */
 static uint32_t beyond_device(const runner *r, const btf_material *material) {
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(material, &info);
     return r->self_test & ((info.levels > 1 ? BTF_SELF_TEST_LEVELS : 0u) |
-                           (info.store == BTF_STORE_FACTORS ? BTF_SELF_TEST_FACTORS : 0u));
+                           (info.store == BTF_STORE_FACTORS ? BTF_SELF_TEST_FACTORS : 0u) |
+                           (info.point_store == BTF_POINTS_LISTS ? BTF_SELF_TEST_LISTS : 0u));
 }
 
 /* Stands for the cases of a variant that the device cannot pass. */
@@ -286,7 +287,7 @@ static void run_child(const context_device *device, const conform_options *optio
     if (btf_gl_self_test(&gl, &r.log, &h.self_test) != BTF_OK) {
         h.verdict = CONFORM_NOT_SUPPORTED;
         snprintf(h.reason, sizeof h.reason, "%s", r.listener.last);
-    } else if (h.self_test & ~(uint32_t)(BTF_SELF_TEST_LEVELS | BTF_SELF_TEST_FACTORS)) {
+    } else if (h.self_test & ~(uint32_t)(BTF_SELF_TEST_LEVELS | BTF_SELF_TEST_FACTORS | BTF_SELF_TEST_LISTS)) {
         char names[120];
         btf_self_test_names(h.self_test, names, sizeof names);
         h.verdict = CONFORM_NOT_SUPPORTED;

@@ -319,8 +319,11 @@ class Material:
             self.scales = head.floats("openbtf.factorScales")
             self.view_factors = head.floats("openbtf.factorViews")
             self.horizon_scale = head.floats("openbtf.horizonScale")[0]
-        self.packed = (head.integer("openbtf.version") >= 2 and "openbtf.pointStore" in head.attributes
-                       and head.text("openbtf.pointStore") == "packed")
+        store = "separate"
+        if head.integer("openbtf.version") >= 2 and "openbtf.pointStore" in head.attributes:
+            store = head.text("openbtf.pointStore")
+        self.packed = store in ("packed", "lists")
+        self.entries = head.integer("openbtf.pointEntries") if store == "lists" else 0
         if self.packed:
             self.gain_base, self.gain_step = (head.floats("openbtf.gain" + name)[0] for name in ("Base", "Step"))
         self.blend_roots = "openbtf.blend" in head.attributes and head.text("openbtf.blend") == "roots"
@@ -346,8 +349,13 @@ class Material:
 
     def point(self, x, y, view):
         """A packed point: gain code, or None, and shift bytes."""
-        size = (self.width, self.height, self.n_views, view, x, y)
-        low, high = (int(sheet(self.parts["points"], c, *size)) for c in "RG")
+        part, size = self.parts.get("points"), (self.width, self.height, self.n_views, view, x, y)
+        if self.entries:
+            both = int(sheet(self.parts["point_indices"], "R", self.width, self.height, (self.n_views + 1) // 2,
+                             view // 2, x, y))
+            entry = both // 16 if view % 2 else both % 16
+            part, size = self.parts["point_lists"], (self.width, self.height, self.entries, entry, x, y)
+        low, high = (int(sheet(part, c, *size)) for c in "RG")
         columns, rows = low % 64 - 32, low // 64 + high % 16 * 4 - 32
         if "shift" not in self.effects:
             columns, rows = 0, 0

@@ -176,6 +176,13 @@ static void fill_tight(random_state *r, const synthetic_spec *s, const btf_mater
     uint8_t *packed = texture[BTF_TEXTURE_POINTS];
     for (size_t i = 0; packed && i < 2 * points; ++i) /* each may be anything */
         packed[i] = (uint8_t)random_bits(r);
+    uint8_t *lists = texture[BTF_TEXTURE_POINT_LISTS], *indices = texture[BTF_TEXTURE_POINT_INDICES];
+    const size_t texels = (size_t)info->width * info->height;
+    for (size_t i = 0; lists && i < 2 * texels * info->point_entries; ++i)
+        lists[i] = (uint8_t)random_bits(r);
+    for (size_t i = 0; lists && i < points; ++i)
+        indices[i / texels / 2 * texels + i % texels] |=
+            (uint8_t)(random_below(r, info->point_entries) * (i / texels % 2 ? 16u : 1u));
     for (size_t i = 0; i < points; ++i) {
         uint8_t point[3];
         make_point(r, s, info->centres, point);
@@ -310,7 +317,8 @@ static btf_result make_info(random_state *r, const synthetic_spec *s, btf_materi
     }
     info->blend = s->blend;
     if (s->packed) {
-        info->point_store = BTF_POINTS_PACKED;
+        info->point_store = s->entries ? BTF_POINTS_LISTS : BTF_POINTS_PACKED;
+        info->point_entries = s->entries;
         info->gain_base = s->values == SYNTHETIC_EXTREME ? extreme_float(r, 0) : 0.3f;
         info->gain_step = s->values == SYNTHETIC_EXTREME ? extreme_float(r, 0) : 0.11f;
     }

@@ -45,6 +45,7 @@ typedef struct synthetic_spec {
     btf_blend blend;
     float horizon_scale; /* 0 means 1 */
     int packed;          /* shift and gain are packed points: layout tight, both effects, not hidden */
+    uint32_t entries;    /* with packed: of a texel's list; 0: no lists */
 } synthetic_spec;
 
 /* Makes it. Errors as btf_material_create. */

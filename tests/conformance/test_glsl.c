@@ -2,7 +2,7 @@
  * operation from contraction; and an effect that is absent leaves no code and no fetch behind.
  *
  *     test_glsl           every pair of options, for all versions
- *     test_glsl --long    every combination
+ *     test_glsl --long    every combination, each for one of the versions in turn
  *
  * SPDX-License-Identifier: MIT
  */
@@ -33,10 +33,10 @@ enum factor {
     FAST,
     STORE, /* components, factors of all classes, of some */
     ROOTS,
-    POINTS, /* packed: layout tight, without hidden points */
+    POINTS, /* packed or in lists: layout tight, without hidden points */
     FACTORS
 };
-static const uint8_t levels[FACTORS] = {2, 2, 3, 4, 2, 2, 3, 2, 4, 2, 2, 2, 3, 2, 2};
+static const uint8_t levels[FACTORS] = {2, 2, 3, 4, 2, 2, 3, 2, 4, 2, 2, 2, 3, 2, 3};
 static const int components[] = {0, 1, 6, 16};
 
 /* Of each class units, words of C1 and of C2, of the stores after the first. */
@@ -52,8 +52,8 @@ static int has_factors(const uint8_t *row) {
 /* What the library defines for a material of version 2. */
 static void write_version_2(char *out, size_t size, const uint8_t *row) {
     size_t at = (size_t)snprintf(
-        out, size, "%s%s", row[ROOTS] && row[DOMAIN] ? "#define BTF_BLEND_ROOTS 1\n" : "",
-        row[POINTS] ? "#define BTF_POINTS 1\n#define BTF_GAIN_BASE 0.25\n#define BTF_GAIN_STEP 0.125\n" : "");
+        out, size, "%s#define BTF_POINTS %d\n%s", row[ROOTS] && row[DOMAIN] ? "#define BTF_BLEND_ROOTS 1\n" : "",
+        row[POINTS], row[POINTS] ? "#define BTF_GAIN_BASE 0.25\n#define BTF_GAIN_STEP 0.125\n" : "");
     if (!has_factors(row))
         return;
     const int(*of)[3] = classes[row[STORE] - 1];
@@ -158,7 +158,8 @@ static int check_absence(const char *preprocessed, const uint8_t *row) {
         {row[COLOUR] != 2, {"btf_lafortune", "btf_sbrdf", NULL}},
         {row[SHIFT], {"btf_wrap(x", NULL, NULL}},
         {row[GAIN], {"float(gain)", "float ( gain", NULL}},
-        {row[POINTS] && (row[SHIFT] || row[GAIN]), {"btf_points", NULL, NULL}},
+        {row[POINTS] == 1 && (row[SHIFT] || row[GAIN]), {"btf_points", NULL, NULL}},
+        {row[POINTS] == 2 && (row[SHIFT] || row[GAIN]), {"btf_point_lists", "btf_point_indices", NULL}},
         {!row[POINTS], {"texelFetch(btf_shift", "texelFetch(btf_gain", NULL}},
     };
     int wrong = 0;
@@ -262,8 +263,12 @@ static int check_rows(int all, uint64_t count, uint64_t first, uint64_t step,
             memcpy(row, rows[i], sizeof row);
         else if (!combination(i, row))
             continue;
-        for (int v = 0; v < VERSIONS; ++v, ++compiled)
-            wrong += check_variant(&versions[v], row);
+        /* In turn by i: no factor has VERSIONS levels, so every level meets every version. */
+        for (int v = 0; v < VERSIONS; ++v)
+            if (!all || i % VERSIONS == (uint64_t)v) {
+                wrong += check_variant(&versions[v], row);
+                ++compiled;
+            }
     }
     glslang_finalize_process();
     printf("%llu shaders compiled, %d wrong\n", (unsigned long long)compiled, wrong);
@@ -283,12 +288,15 @@ int main(int argc, char **argv) {
         fewer[POINTS] = 1;
         count = pairwise_rows(1, FACTORS, fewer, 400, rows);
         fewer[LAYOUT] = fewer[HIDDEN] = 1;
+        fewer[POINTS] = 2;
         const size_t more = pairwise_rows(2, FACTORS, fewer, 400 - count, rows + count);
-        for (size_t i = 0; i < more; ++i, ++count)
-            rows[count][LAYOUT] = rows[count][POINTS] = 1;
+        for (size_t i = 0; i < more; ++i, ++count) {
+            rows[count][LAYOUT] = 1;
+            rows[count][POINTS]++; /* packed, or in lists */
+        }
         return check_rows(0, count, 0, 1, rows) > 0;
     }
-    /* All combinations take minutes: a process a core. */
+    /* All combinations take core minutes: a process a core. */
     long cores = sysconf(_SC_NPROCESSORS_ONLN), started = 0;
     for (cores = cores < 1 ? 1 : cores; started < cores; ++started) {
         pid_t child = fork();

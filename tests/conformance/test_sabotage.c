@@ -145,7 +145,7 @@ static const sabotage list[] = {
 };
 
 /* The same of version 2, and the subject that shows it. */
-enum { MIXED = 4, PACKED = 5, BOUNDS = 6, POINTS = 7 };
+enum { MIXED = 4, PACKED = 5, BOUNDS = 6, POINTS = 7, LISTS = 8 };
 static const struct {
     sabotage fault;
     int subject;
@@ -227,6 +227,11 @@ static const struct {
       "btf_add(btf_mul(y, BTF_GAIN_BASE), btf_mul(y, btf_mul(float(gain), BTF_GAIN_STEP)))"},
      POINTS},
     {{"no gain of code 0", "", "#if BTF_POINTS\n    y =", "#if BTF_POINTS\n    if (gain > 0u)\n        y ="}, POINTS},
+    {{"indices of a view each", "codes", "ivec3(x, view >> 1u)", "ivec3(x, view)"}, LISTS},
+    {{"indices of neighbouring views swapped", "codes", "((view & 1u) << 2u)", "((~view & 1u) << 2u)"}, LISTS},
+    {{"indices of 3 bits", "codes", "<< 2u)) & 15u", "<< 2u)) & 7u"}, LISTS},
+    {{"indices of level 0", "codes", "view >> 1u), level)", "view >> 1u), 0)"}, LISTS},
+    {{"entries of level 0", "codes", "ivec3(x, entry), level)", "ivec3(x, entry), 0)"}, LISTS},
 };
 enum { SABOTAGES = sizeof list / sizeof *list, SABOTAGES_2 = sizeof list_2 / sizeof *list_2 };
 
@@ -352,6 +357,20 @@ static const struct {
                  .horizon_scale = 4,
                  .packed = 1},
                 {0}},
+    [LISTS] = {{.seed = 19,
+                .width = 11,
+                .height = 7,
+                .n_views = 9,
+                .n_lights = 5,
+                .layout = BTF_LAYOUT_TIGHT,
+                .colour = BTF_COLOUR_MONO,
+                .lobes = 1,
+                .effects = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN,
+                .directions = SYNTHETIC_RANDOM,
+                .levels = 3,
+                .packed = 1,
+                .entries = 13},
+               {0}},
 };
 enum { SUBJECTS = sizeof subjects / sizeof *subjects, COUNT = 6000 };
 

@@ -65,11 +65,12 @@ enum factor_3 {
     RESIDUAL_3, /* none, components, factors */
     VALUES_3,
     LEAVE_OUT_3, /* nothing, shift, gain, both */
+    LISTS_3,     /* none, of as many entries as there may be or fewer */
     INTERPOLATION_3,
     FILTER_3,
     FACTORS_3
 };
-static const uint8_t levels_3[FACTORS_3] = {2, 3, 3, 2, 3, 2, 4, 2, 2};
+static const uint8_t levels_3[FACTORS_3] = {2, 3, 3, 2, 3, 2, 4, 2, 2, 2};
 
 /* Units, words of C1 and of C2 of each class: every class alone and with others, and mixed units of 0 to 5
  * words of colour in each class. */
@@ -117,7 +118,7 @@ static void write_name(variant *v) {
              s->domain ? "sqrt" : "linear", colours[s->colour], s->half_float ? " half" : "", s->lobes,
              s->effects & BTF_EFFECT_SHADOW ? " shadow" : "", s->effects & BTF_EFFECT_SHIFT ? " shift" : "",
              s->effects & BTF_EFFECT_HIDDEN ? " hidden" : "", s->effects & BTF_EFFECT_GAIN ? " gain" : "",
-             s->packed ? " packed" : "",
+             s->entries ? " lists" : s->packed ? " packed" : "",
              s->components, classes, s->codes ? " bounds" : "", s->blend ? " roots" : "",
              s->all_hidden ? " all-hidden" : "", s->values ? " extreme" : "",
              s->levels > 1 ? " levels" : "", v->shader.leave_out, v->shader.components,
@@ -215,6 +216,7 @@ static void make_variant_3(const uint8_t row[FACTORS_3], uint64_t seed, variant 
     s->colour = (btf_colour)row[COLOUR_3];
     s->lobes = s->colour == BTF_COLOUR_NONE ? 0 : 2;
     s->packed = 1;
+    s->entries = row[LISTS_3] == 0 ? 0 : seed % 3 ? 1 + (uint32_t)(7 * seed % 16) : BTF_MAX_POINT_ENTRIES;
     const int residual = s->colour == BTF_COLOUR_NONE && !row[RESIDUAL_3] ? 1 : row[RESIDUAL_3];
     s->components = residual == 0 ? 0 : residual == 1 ? 6 : 3;
     if (residual == 2)

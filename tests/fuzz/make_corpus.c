@@ -89,9 +89,10 @@ static void write_material(const char *name, btf_layout layout, btf_colour colou
     random_material_free(&desc);
 }
 
-/* One of version 2: a unit of each class, points packed where they can be, and a picture; or roots and nothing
+/* One of version 2: a unit of each class, points packed where they can be, in lists of so many
+ * entries where that is not 0, and a picture; or roots and nothing
  * else that is new. */
-static void write_version_2(const char *name, btf_layout layout, uint32_t effects, bool factors) {
+static void write_version_2(const char *name, btf_layout layout, uint32_t effects, bool factors, uint32_t entries) {
     static const uint32_t classes[BTF_FACTOR_CLASSES][3] = {{1, 1, 1}, {1, 2, 0}, {1}, {1, 0, 1}, {1}};
     uint16_t preview[2 * 2 * 4] = {0x3C00, 0x3800, 0x3400, 0, 0x3000};
     random_state r = {8};
@@ -103,7 +104,7 @@ static void write_version_2(const char *name, btf_layout layout, uint32_t effect
     desc.info.domain = BTF_DOMAIN_SQRT;
     desc.info.blend = factors && effects ? BTF_BLEND_RADIANCE : BTF_BLEND_ROOTS;
     desc.preview = preview;
-    factor_material_pack_points(&desc);
+    entries ? factor_material_list_points(&desc, entries) : factor_material_pack_points(&desc);
     factor_material_fill(&r, &desc);
     write_material_file(name, &desc);
     random_material_free(&desc);
@@ -115,10 +116,11 @@ static void write_materials(void) {
     write_material("tight", BTF_LAYOUT_TIGHT, BTF_COLOUR_RGB, all, true);
     write_material("residual", BTF_LAYOUT_TIGHT, BTF_COLOUR_NONE, BTF_EFFECT_RESIDUAL | BTF_EFFECT_SHIFT,
                    false);
-    write_version_2("factors", BTF_LAYOUT_TIGHT, 0, true);
-    write_version_2("factors-all", BTF_LAYOUT_PAPER, all, true);
-    write_version_2("points", BTF_LAYOUT_TIGHT, BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN, true);
-    write_version_2("roots", BTF_LAYOUT_TIGHT, BTF_EFFECT_SHADOW | BTF_EFFECT_RESIDUAL, false);
+    write_version_2("factors", BTF_LAYOUT_TIGHT, 0, true, 0);
+    write_version_2("factors-all", BTF_LAYOUT_PAPER, all, true, 0);
+    write_version_2("points", BTF_LAYOUT_TIGHT, BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN, true, 0);
+    write_version_2("lists", BTF_LAYOUT_TIGHT, BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN, true, 3);
+    write_version_2("roots", BTF_LAYOUT_TIGHT, BTF_EFFECT_SHADOW | BTF_EFFECT_RESIDUAL, false, 0);
 }
 
 static float slope(int c, int x, int y) {

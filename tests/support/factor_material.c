@@ -69,6 +69,14 @@ void factor_material_pack_points(btf_material_desc *desc) {
     info->gain_step = 0.11f;
 }
 
+void factor_material_list_points(btf_material_desc *desc, uint32_t entries) {
+    factor_material_pack_points(desc);
+    if (desc->info.point_store == BTF_POINTS_PACKED) {
+        desc->info.point_store = BTF_POINTS_LISTS;
+        desc->info.point_entries = entries;
+    }
+}
+
 void factor_material_choose(random_state *r, btf_material_desc *desc) {
     btf_material_info *info = &desc->info;
     if (info->domain == BTF_DOMAIN_SQRT)

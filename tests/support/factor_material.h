@@ -19,6 +19,8 @@ btf_material_desc factor_material_desc(uint32_t width, uint32_t height, uint32_t
 
 /* Packs shift and gain where the layout and the effects allow it: gains of 0.3 to 1.95. */
 void factor_material_pack_points(btf_material_desc *desc);
+/* The same in lists of so many entries. */
+void factor_material_list_points(btf_material_desc *desc, uint32_t entries);
 
 /* Stores of the residual and of points, and a blend, at random, with one to ten units of any class. */
 void factor_material_choose(random_state *r, btf_material_desc *desc);

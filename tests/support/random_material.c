@@ -204,6 +204,17 @@ static void fill_residual(random_state *r, const btf_texture *t, uint32_t compon
                 *data = (int8_t)((int)random_below(r, 255) - 127);
 }
 
+/* Lists of points, of which each may be anything; indices of entries, two views a byte, the odd last one alone. */
+static void fill_lists(random_state *r, const btf_material_info *info, size_t size, uint8_t *lists,
+                       uint8_t *indices) {
+    const size_t texels = (size_t)info->width * info->height;
+    for (size_t i = 0; i < size; i++)
+        lists[i] = (uint8_t)random_next(r);
+    for (size_t i = 0; i < info->n_views * texels; i++)
+        indices[i / texels / 2 * texels + i % texels] |=
+            (uint8_t)(random_below(r, info->point_entries) << (i / texels % 2 * 4));
+}
+
 /* Textures of a level; info's size is that of the level. */
 static void fill_level(random_state *r, const btf_material_info *info, const btf_texture *shape,
                        void *const *data) {
@@ -218,6 +229,9 @@ static void fill_level(random_state *r, const btf_material_info *info, const btf
         fill_points(r, info, data[BTF_TEXTURE_SHIFT], data[BTF_TEXTURE_GAIN]);
     for (size_t i = 0; data[BTF_TEXTURE_POINTS] && i < shape[BTF_TEXTURE_POINTS].size; i++)
         ((uint8_t *)data[BTF_TEXTURE_POINTS])[i] = (uint8_t)random_next(r);
+    if (data[BTF_TEXTURE_POINT_LISTS])
+        fill_lists(r, info, shape[BTF_TEXTURE_POINT_LISTS].size, data[BTF_TEXTURE_POINT_LISTS],
+                   data[BTF_TEXTURE_POINT_INDICES]);
     if (data[BTF_TEXTURE_CENTRES])
         fill_centres(r, info, &shape[BTF_TEXTURE_CENTRES], data[BTF_TEXTURE_CENTRES]);
     if (data[BTF_TEXTURE_RESIDUAL_TEXELS])

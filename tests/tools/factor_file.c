@@ -1,9 +1,10 @@
 /* factor_file OUT SEED [LAYOUT LEVELS BLEND POINTS]: writes a material of version 2 filled at random, with every
- * effect, or with shift and gain packed where POINTS is `packed`.
+ * effect, or with shift and gain packed where POINTS is `packed`, in lists of four where it is `lists`.
  *
  * SPDX-License-Identifier: MIT
  */
 #include "tests/support/factor_material.h"
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,10 +22,12 @@ int main(int argc, char **argv) {
     random_state r = {strtoul(argv[2], NULL, 10)};
     const btf_layout layout =
         argc > 3 && strcmp(argv[3], "paper") == 0 ? BTF_LAYOUT_PAPER : BTF_LAYOUT_TIGHT;
+    const char *points = argc > 6 ? argv[6] : "";
+    const bool lists = strcmp(points, "lists") == 0;
     const uint32_t effects =
-        argc > 6 && strcmp(argv[6], "packed") == 0 ? BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN : BTF_EFFECT_ALL;
+        lists || strcmp(points, "packed") == 0 ? BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN : BTF_EFFECT_ALL;
     btf_material_desc desc = factor_material_desc(16, 12, 19, 19, layout, effects, factor_classes);
-    factor_material_pack_points(&desc);
+    lists ? factor_material_list_points(&desc, 4) : factor_material_pack_points(&desc);
     desc.info.levels = argc > 4 ? (uint32_t)strtoul(argv[4], NULL, 10) : 1;
     desc.info.blend = argc > 5 && strcmp(argv[5], "roots") == 0 ? BTF_BLEND_ROOTS : BTF_BLEND_RADIANCE;
     /* Small enough values for a picture to show more than white. */

@@ -167,6 +167,14 @@ r = json.load(open("out"))
 assert r["version"] == 2 and r["point_store"] == "packed" and abs(r["scales"]["gain_step"] - 0.11) < 1e-6, r
 assert r["textures"]["points"]["format"] == "RG8UI" and "shift" not in r["textures"], r["textures"]
 P
+expect "lists of points" 0 factor_file lists.btf.exr 1 tight 1 roots lists
+expect "are told" 0 btf-info lists.btf.exr
+expect_text "with their length" "^  points +lists of 4 a texel: shifts within -32..31, gain 0.3 \\+ 0.11 \\* 0..15$" out
+expect_text "and the bytes of the lists" "^  point_lists +RG8UI +16 x 12 x 4 +1536 bytes +8.00 a texel$" out
+expect_text "and of the indices" "^  point_indices +R8UI +16 x 12 x 10 +1920 bytes +10.00 a texel$" out
+expect "and as JSON" 0 btf-info lists.btf.exr --json
+expect_that "the same" python3 -c 'import json; r = json.load(open("out")); assert (r["point_store"], r["point_entries"]) == ("lists", 4), r'
+expect "lists are decoded" 0 btf-decode lists.btf.exr -o lists.exr --view 40,60 --light 40,120
 expect "version 1 as JSON" 0 btf-info m.btf.exr --json
 expect_that "is of version 1" python3 -c 'import json; r = json.load(open("out")); assert (r["version"], r["store"], r["classes"]) == (1, "components", [])'
 expect "a plan of it" 0 btf-info v2.btf.exr --plan views=0:15

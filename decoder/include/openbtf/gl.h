@@ -74,8 +74,8 @@ void btf_gl_destroy(btf_gl **gl);
 
 /** Runs the self-test on the current context, in the newest GLSL that it claims, with `precise` (where
  * there is one) and without: *out_failures gets the BTF_SELF_TEST bits that fail in either. 0: exact
- * decoding works here; with BTF_SELF_TEST_LEVELS or BTF_SELF_TEST_FACTORS and no other: of materials of one
- * level of detail, or without factors. Errors:
+ * decoding works here; with BTF_SELF_TEST_LEVELS, BTF_SELF_TEST_FACTORS or BTF_SELF_TEST_LISTS and no other: of
+ * materials of one level of detail, without factors, or without lists of points. Errors:
  * BTF_ERROR_USAGE (no get_proc_address), BTF_ERROR_UNSUPPORTED (missing functions, a shader or framebuffer
  * that GL refuses). */
 btf_result btf_gl_self_test(const btf_gl_options *options, const btf_log *log, uint32_t *out_failures);

@@ -31,10 +31,12 @@ extern "C" {
 /** Upper bounds of the format (FORMAT.md). */
 #define BTF_MAX_SIZE 16384
 #define BTF_MAX_DIRECTIONS 4096 /* views, and lights */
-/** The most views, or lights, where a texture has a layer for each (shadow: lights; shift, gain, points: views),
+/** The most views, or lights, where a texture has a layer for each (shadow: lights; shift, gain, points,
+ * point_indices: views),
  * and of every material of version 1. */
 #define BTF_MAX_DIRECTION_LAYERS 256
 #define BTF_MAX_LOBES 4
+#define BTF_MAX_POINT_ENTRIES 16
 #define BTF_MAX_COMPONENTS 256 /**< components of the residual; units, where its store is factors */
 #define BTF_FACTOR_CLASSES 5
 #define BTF_MAX_CENTRES 65536
@@ -86,6 +88,8 @@ typedef enum btf_blend {
 typedef enum btf_point_store {
     BTF_POINTS_SEPARATE = 0, /**< a texture each, or the atlas of layout paper */
     BTF_POINTS_PACKED = 1,   /**< version 2: texture points, two bytes for both, shifts within -32..31, 16 gains */
+    BTF_POINTS_LISTS = 2,    /**< version 2: textures point_lists, 1 to 16 packed points a texel, and
+                                point_indices, 4 bits a view that choose one */
 } btf_point_store;
 
 typedef enum btf_format {
@@ -121,6 +125,8 @@ typedef enum btf_texture_id {
     BTF_TEXTURE_FACTOR_SCALES,
     BTF_TEXTURE_FACTOR_VIEWS,
     BTF_TEXTURE_POINTS,
+    BTF_TEXTURE_POINT_LISTS,
+    BTF_TEXTURE_POINT_INDICES,
     BTF_TEXTURE_COUNT
 } btf_texture_id;
 
@@ -167,9 +173,10 @@ typedef struct btf_material_info {
     float horizon_scale; /**< with BTF_STORE_FACTORS: 1 / (l.z of the outermost light), >= 1; else 1, as an
                             input 0 */
     uint32_t version;    /**< the oldest of the format that holds the material; no input */
-    btf_point_store point_store; /**< BTF_POINTS_PACKED needs layout tight, shift and gain, and no hidden */
-    float gain_base, gain_step;  /**< with BTF_POINTS_PACKED: gain = base + code * step, each 0 or of magnitude
+    btf_point_store point_store; /**< but SEPARATE needs layout tight, shift and gain, and no hidden */
+    float gain_base, gain_step;  /**< with packed points and lists: gain = base + code * step, each 0 or of magnitude
                                     2^-24..2^24; else 0 */
+    uint32_t point_entries;      /**< with BTF_POINTS_LISTS: packed points of a texel's list, 1..BTF_MAX_POINT_ENTRIES; else 0 */
 } btf_material_info;
 
 /** One row of the errors that the encoder measured. */
@@ -255,7 +262,7 @@ btf_result btf_material_get_info(const btf_material *material, btf_material_info
 btf_texture btf_material_texture(const btf_material *material, btf_texture_id id);
 
 /** @return the same of a level of detail: level 0 is btf_material_texture; a higher one has sbrdf, shadow,
- *  shift, gain, points, residual_texels and factor_texels of its own and shares the rest with level 0 (format NONE
+ *  shift, gain, points, point_lists, point_indices, residual_texels and factor_texels of its own and shares the rest with level 0 (format NONE
  * here, as for a level that the material does not have). */
 btf_texture btf_material_level_texture(const btf_material *material, uint32_t level, btf_texture_id id);
 

@@ -89,7 +89,8 @@ btf_result btf_plan_predict(const btf_material *material, const btf_plan *plan, 
  *    8.3 once, 10.7 a look-up (view; light where shadows, centres or components ask for it; none that is
  *    fixed), then for each neighbouring view (1 with nearest directions, 3 else, of a fixed view those of
  *    weight above 0) and each of 1 or 4 texels: 1.5, 1 a code (two where shifts and gains are textures of
- *    their own, one where they are packed), 4.1 a texel of parameters, 3.4 a shadow and 4.8 a centre for each neighbouring light;
+ *    their own or lists, one where they are packed), 4.1 a texel of parameters, 3.4 a shadow and 4.8 a centre
+ *    for each neighbouring light;
  *    and a group of four components 3.9 a texel, and once for all texels 6.9 a neighbouring light;
  *    0.8 more a code, shadow or centre that lies in an atlas.
  *
@@ -111,7 +112,9 @@ float btf_plan_cost(const btf_material *material, const btf_shader_options *opti
 /** A material with what a plan reads: views and lights that its ranges reach (all where the file's
  * triangulation cannot be kept otherwise), its effects, components, its level and coarser ones, centres in
  * use; layout `tight`. Packed points of which a plan decodes the gain alone stay packed, with shifts of 0,
- * since no other store says their gains; of which it decodes the shift alone, become the texture `shift`. Inside the ranges it decodes, with plan->shader, bit for bit what the material
+ * since no other store says their gains; of which it decodes the shift alone, become the texture `shift`. Lists of points stay lists, of a gain of 1 where the
+ * plan decodes the shift alone, unless so few views are kept that they take no fewer bytes than what packed points
+ * become. Inside the ranges it decodes, with plan->shader, bit for bit what the material
  * decodes with them; level plan->level of the material is level 0. Outside, a direction counts as the
  * nearest one that was kept (section 6). It can be saved and opened like any material. Errors:
  * BTF_ERROR_USAGE, BTF_ERROR_MEMORY. */

@@ -117,7 +117,10 @@ const char *btf_shader_library(void);
       "materials of several levels of detail alone)")                                                      \
     X(BTF_SELF_TEST_FACTORS, 256, "factors",                                                               \
       "packed factors are multiplied, shifted or fetched otherwise (matters to materials whose "           \
-      "residual is factors alone)")
+      "residual is factors alone)")                                                                        \
+    X(BTF_SELF_TEST_LISTS, 512, "lists",                                                                   \
+      "a fetch takes another layer than a fetch before it named (matters to materials whose points lie "   \
+      "in lists alone)")
 
 typedef enum btf_self_test {
 #define BTF_SELF_TEST_ENUM(id, bit, name, text) id = bit,
@@ -130,8 +133,8 @@ typedef enum btf_self_test {
 void btf_self_test_names(uint32_t failures, char *out_names, size_t size);
 
 /** @return text with `uint btf_self_test(uint zero)`, which gives the sum of the BTF_SELF_TEST bits that
- * fail when called with a zero that is known at run time only (LEVELS and the fetches of FACTORS, which
- * take textures, are tested by btf_gl_self_test alone). Static; needs no other text; for the same #version
+ * fail when called with a zero that is known at run time only (LEVELS, LISTS and the fetches of FACTORS,
+ * which take textures, are tested by btf_gl_self_test alone). Static; needs no other text; for the same #version
  * as the decoder, and like it in front of your own macros. */
 const char *btf_shader_self_test(void);
 

@@ -194,7 +194,13 @@ static btf_result check_device(gl_device *d, const context_device *device, const
             device->name, d->name);
         return BTF_ERROR_UNSUPPORTED;
     }
-    failures &= ~(uint32_t)(BTF_SELF_TEST_LEVELS | BTF_SELF_TEST_FACTORS);
+    if (!result && failures & BTF_SELF_TEST_LISTS && info.point_store == BTF_POINTS_LISTS) {
+        file_say(log,
+                 "device %s (%s) does not fetch from lists of points as it should: it cannot show this material",
+                 device->name, d->name);
+        return BTF_ERROR_UNSUPPORTED;
+    }
+    failures &= ~(uint32_t)(BTF_SELF_TEST_LEVELS | BTF_SELF_TEST_FACTORS | BTF_SELF_TEST_LISTS);
     if (!result && failures && request->math != BTF_MATH_FAST) {
         btf_self_test_names(failures, names, sizeof names);
         file_say(log, "device %s (%s) does not keep to the format's arithmetic: %s; try --math fast",

@@ -198,7 +198,10 @@ static btf_result check_device(viewer *v) {
         fprintf(stderr,
                 "btf-view: warning: this device does not multiply or fetch packed factors as it should: "
                 "materials that hold them will look wrong\n");
-    failures &= ~(uint32_t)(BTF_SELF_TEST_LEVELS | BTF_SELF_TEST_FACTORS);
+    if (failures & BTF_SELF_TEST_LISTS)
+        fprintf(stderr, "btf-view: warning: this device does not fetch from lists of points as it should: "
+                        "materials that hold them will look wrong\n");
+    failures &= ~(uint32_t)(BTF_SELF_TEST_LEVELS | BTF_SELF_TEST_FACTORS | BTF_SELF_TEST_LISTS);
     if (!result && failures) {
         btf_self_test_names(failures, names, sizeof names);
         fprintf(stderr, "btf-view: warning: this device is not exact (%s): using fast math\n", names);

@@ -70,9 +70,11 @@ typedef struct btf_ref_material {
     const uint32_t *factor_directions;                  /**< RGBA */
     const float *factor_scales;                         /**< RGBA */
     const float *factor_views;                          /**< RGBA */
-    int points_packed;          /**< 1: `points` is used in place of shift and gain; layout_tight, no hidden */
+    int points_packed;          /**< 1: points, or lists of them, in place of shift and gain; layout_tight, no hidden */
     float gain_base, gain_step; /**< with points_packed: gain = base + code * step */
     const uint8_t *points;      /**< RG */
+    const uint8_t *point_lists; /**< RG, entries of a texel; with point_indices in place of `points`, else null */
+    const uint8_t *point_indices; /**< R, two views each */
 } btf_ref_material;
 
 enum { BTF_REF_NEAREST = 0, BTF_REF_LINEAR = 1 }; /**< directions */

@@ -33,7 +33,10 @@ static void add_codes(decode_cost *cost, const btf_material_info *info, const wa
                code = w->effects & (BTF_EFFECT_GAIN | BTF_EFFECT_HIDDEN) ||
                       (w->effects & BTF_EFFECT_SHIFT && info->effects & BTF_EFFECT_HIDDEN);
     const double points = w->views * w->texels;
-    if (info->point_store == BTF_POINTS_PACKED) {
+    if (info->point_store == BTF_POINTS_LISTS) { /* the index, then what it names */
+        fetch(cost, shift || code ? points : 0, 1);
+        fetch(cost, shift || code ? points : 0, 2);
+    } else if (info->point_store == BTF_POINTS_PACKED) {
         fetch(cost, shift || code ? points : 0, 2);
     } else if (info->layout == BTF_LAYOUT_PAPER) {
         fetch(cost, shift || code ? points : 0, 4);

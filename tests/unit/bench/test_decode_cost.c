@@ -102,6 +102,8 @@ static void test_shift(void **state) {
     expect(decode_cost_of(&packed, &shader), 24, 18 * 16 + 3 * 3, 3 * (96 + 3 * 65 + 7), 3 + 3 * 15);
     packed.point_store = BTF_POINTS_PACKED;
     expect(decode_cost_of(&packed, &shader), 21, 18 * 16 + 3 * 2, 3 * (96 + 3 * 65 + 7), 3 + 3 * 15);
+    packed.point_store = BTF_POINTS_LISTS;
+    expect(decode_cost_of(&packed, &shader), 24, 18 * 16 + 3 * 3, 3 * (96 + 3 * 65 + 7), 3 + 3 * 15);
     shader.leave_out = BTF_EFFECT_SHIFT;
     expect(decode_cost_of(&info, &shader), 14, 14 * 16, 96 + 3 * (3 * 65 + 7), 1 + 3 * 15);
 }

@@ -1,8 +1,9 @@
-/* Packed points in the library: shapes, what is refused when a material is made or opened, the way through a
+/* Packed points and lists of them in the library: shapes, what is refused when a material is made or opened, the way through a
  * file, what a plan leaves of them, and the shader's textures.
  *
  * SPDX-License-Identifier: MIT
  */
+#include "decoder/toolkit/reference_view.h"
 #include "tests/support/exr_edit.h"
 #include "tests/support/factor_material.h"
 #include "tests/support/plan_decode.h"
@@ -21,15 +22,19 @@
 enum { WIDTH = 9, HEIGHT = 6, VIEWS = 19, LIGHTS = 7 };
 enum { BOTH = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN };
 
-static btf_material_desc make_desc(uint64_t seed, uint32_t effects, uint32_t levels) {
+static btf_material_desc make_stored(uint64_t seed, uint32_t effects, uint32_t levels, uint32_t entries) {
     random_state r = {seed};
     btf_material_desc desc =
         random_material_desc(WIDTH, HEIGHT, VIEWS, LIGHTS, BTF_LAYOUT_TIGHT, BOTH | effects);
     desc.info.levels = levels;
     desc.info.domain = BTF_DOMAIN_SQRT;
-    factor_material_pack_points(&desc);
+    entries ? factor_material_list_points(&desc, entries) : factor_material_pack_points(&desc);
     random_material_fill(&r, &desc);
     return desc;
+}
+
+static btf_material_desc make_desc(uint64_t seed, uint32_t effects, uint32_t levels) {
+    return make_stored(seed, effects, levels, 0);
 }
 
 static btf_material_info info_of(const btf_material *material) {
@@ -69,6 +74,81 @@ static void test_shapes(void **state) {
     random_material_free(&desc);
 }
 
+static void test_list_shapes(void **state) {
+    (void)state;
+    btf_material_desc desc = make_stored(1, 0, 2, 5);
+    btf_material *m = create_accepted(&desc);
+    const btf_material_info info = info_of(m);
+    assert_int_equal(info.version, 2);
+    assert_int_equal(info.point_store, BTF_POINTS_LISTS);
+    assert_int_equal(info.point_entries, 5);
+    assert_string_equal(btf_texture_name(BTF_TEXTURE_POINT_LISTS), "point_lists");
+    assert_string_equal(btf_texture_name(BTF_TEXTURE_POINT_INDICES), "point_indices");
+    for (uint32_t level = 0; level < 2; level++) {
+        const btf_texture lists = btf_material_level_texture(m, level, BTF_TEXTURE_POINT_LISTS),
+                          indices = btf_material_level_texture(m, level, BTF_TEXTURE_POINT_INDICES);
+        const uint32_t texels = (WIDTH >> level) * (HEIGHT >> level);
+        assert_int_equal(lists.format, BTF_FORMAT_RG8UI);
+        assert_int_equal(indices.format, BTF_FORMAT_R8UI);
+        assert_true(lists.is_array && indices.is_array);
+        assert_int_equal(lists.layers, 5);
+        assert_int_equal(indices.layers, (VIEWS + 1) / 2);
+        assert_int_equal(lists.width * lists.height, texels);
+        assert_int_equal(lists.size, 10 * texels);
+        assert_int_equal(indices.size, texels * (VIEWS + 1) / 2);
+    }
+    assert_false(has(m, BTF_TEXTURE_SHIFT) || has(m, BTF_TEXTURE_GAIN) || has(m, BTF_TEXTURE_POINTS));
+    btf_material_close(&m);
+    random_material_free(&desc);
+}
+
+/* An index counts from 0 below the number of entries, and the half of a byte that no view has is 0. */
+static void test_create_lists(void **state) {
+    (void)state;
+    for (uint32_t level = 0; level < 2; level++) {
+        btf_material_desc desc = make_stored(2, 0, 2, 9);
+        const void *data =
+            level ? desc.level_texture[1][BTF_TEXTURE_POINT_INDICES] : desc.texture[BTF_TEXTURE_POINT_INDICES];
+        uint8_t *indices = (uint8_t *)(uintptr_t)data;
+        const size_t w = WIDTH >> level, texels = w * (HEIGHT >> level), at = 3 * texels + w + 2, last = 9 * texels + w;
+        const uint8_t kept = indices[at];
+        char text[100];
+        for (unsigned odd = 0; odd < 2; odd++) {
+            const int fine = odd ? (kept & 0x0F) | 0x80 : (kept & 0xF0) | 8, wrong = odd ? kept | 0xF0 : kept | 0x0F;
+            indices[at] = (uint8_t)fine;
+            btf_material *m = create_accepted(&desc);
+            btf_material_close(&m);
+            indices[at] = (uint8_t)wrong;
+            snprintf(text, sizeof text, "%spoint_indices: view %u, texel (2, 1): entry 15 of 9",
+                     level ? "level1." : "", 6 + odd);
+            create_refused(&desc, text);
+        }
+        indices[at] = kept;
+        indices[last] |= 0x30;
+        snprintf(text, sizeof text, "%spoint_indices: texel (0, 1): the high bits of the last layer hold 3, not 0",
+                 level ? "level1." : "");
+        create_refused(&desc, text);
+        random_material_free(&desc);
+    }
+    btf_material_desc desc = make_stored(2, 0, 1, 16);
+    btf_material *m = create_accepted(&desc);
+    btf_material_close(&m);
+    desc.info.point_entries = 17;
+    create_refused(&desc, "pointEntries 17 is not within 1 to 16");
+    desc.info.point_entries = 0;
+    create_refused(&desc, "pointEntries 0 is not within 1 to 16");
+    desc.info.point_entries = 3;
+    desc.info.point_store = BTF_POINTS_PACKED;
+    create_refused(&desc, "pointEntries 3 without lists of points");
+    desc.info.point_store = BTF_POINTS_LISTS;
+    desc.info.effects = BTF_EFFECT_SHIFT;
+    create_refused(&desc, "packed points need the effects shift and gain, and no effect hidden");
+    desc.info.effects = BOTH;
+    desc.info.layout = BTF_LAYOUT_PAPER;
+    create_refused(&desc, "packed points with layout paper");
+    random_material_free(&desc);
+}
+
 static void test_create(void **state) {
     (void)state;
     btf_material_desc desc = make_desc(2, 0, 1);
@@ -83,8 +163,8 @@ static void test_create(void **state) {
     desc.info.layout = BTF_LAYOUT_PAPER;
     create_refused(&desc, "packed points with layout paper");
     desc.info = good;
-    desc.info.point_store = (btf_point_store)2;
-    create_refused(&desc, "unknown store 2 of shift and gain");
+    desc.info.point_store = (btf_point_store)3;
+    create_refused(&desc, "unknown store 3 of shift and gain");
     desc.info.point_store = BTF_POINTS_SEPARATE;
     create_refused(&desc, "gainBase 0.3 and gainStep 0.11 without packed points");
     static const float bad[] = {NAN, INFINITY, 0x1p-25f, -0x1p25f};
@@ -112,6 +192,7 @@ static void assert_same(const btf_material *a, const btf_material *b) {
     const btf_material_info x = info_of(a), y = info_of(b);
     assert_int_equal(x.version, y.version);
     assert_int_equal(x.point_store, y.point_store);
+    assert_int_equal(x.point_entries, y.point_entries);
     assert_true(x.gain_base == y.gain_base && x.gain_step == y.gain_step);
     assert_int_equal(x.gpu_bytes, y.gpu_bytes);
     for (uint32_t level = 0; level < x.levels; level++)
@@ -150,23 +231,42 @@ static void test_round_trip(void **state) {
     }
 }
 
-/* A file of packed points, to be edited. */
-static void *file_data;
-static size_t file_size;
+static void test_list_round_trip(void **state) {
+    (void)state;
+    for (uint32_t entries = 1; entries <= BTF_MAX_POINT_ENTRIES; entries++) {
+        btf_material_desc desc = make_stored(40 + entries, entries & 1 ? BTF_EFFECT_RESIDUAL : 0, 1 + entries % 3, entries);
+        btf_material *m = create_accepted(&desc), *opened = through_a_file(m);
+        assert_same(m, opened);
+        assert_memory_equal(btf_material_texture(opened, BTF_TEXTURE_POINT_INDICES).data,
+                            desc.texture[BTF_TEXTURE_POINT_INDICES], WIDTH * HEIGHT * (VIEWS + 1) / 2);
+        btf_material_close(&m);
+        btf_material_close(&opened);
+        random_material_free(&desc);
+    }
+}
+
+/* Files of packed points and of lists, to be edited. */
+static void *file_data, *lists_data;
+static size_t file_size, lists_size;
 
 static int setup(void **state) {
     (void)state;
-    btf_material_desc desc = make_desc(6, 0, 2);
-    btf_material *m = create_accepted(&desc);
-    const btf_result result = btf_material_save_memory(m, NULL, &file_data, &file_size);
-    btf_material_close(&m);
-    random_material_free(&desc);
+    btf_result result = BTF_OK;
+    for (uint32_t entries = 0; entries <= 6 && result == BTF_OK; entries += 6) {
+        btf_material_desc desc = make_stored(6, 0, 2, entries);
+        btf_material *m = create_accepted(&desc);
+        result = entries ? btf_material_save_memory(m, NULL, &lists_data, &lists_size)
+                         : btf_material_save_memory(m, NULL, &file_data, &file_size);
+        btf_material_close(&m);
+        random_material_free(&desc);
+    }
     return result;
 }
 
 static int teardown(void **state) {
     (void)state;
     btf_free(file_data);
+    btf_free(lists_data);
     return 0;
 }
 
@@ -217,6 +317,62 @@ static void test_file(void **state) {
     e = take();
     edit_find_attribute(e, "openbtf.version")->i = 1; /* which knows no such attribute */
     refused(e, "unknown, or not in a material of these effects");
+}
+
+static edit_file *take_lists(void) {
+    return edit_load(lists_data, lists_size);
+}
+
+/* Sets the index pair of a texel in the contact sheet of level 0: ten layers stand in four columns. */
+static void set_indices(edit_file *file, uint32_t layer, uint32_t column, uint32_t row, uint16_t half) {
+    edit_channel *channel = edit_find_channel(file, "point_indices", "R");
+    const size_t at = (layer / 4 * HEIGHT + row) * 4 * WIDTH + layer % 4 * WIDTH + column;
+    memcpy((uint16_t *)channel->data + at, &half, sizeof half);
+}
+
+static void test_file_of_lists(void **state) {
+    (void)state;
+    static const char *const names[] = {"point_lists", "point_indices", "level1.point_lists", "level1.point_indices"};
+    for (int i = 0; i < 4; i++) {
+        char text[64];
+        edit_file *e = take_lists();
+        edit_remove_part(e, names[i]);
+        snprintf(text, sizeof text, "part %s: missing", names[i]);
+        refused(e, text);
+    }
+    edit_file *e = take_lists();
+    edit_copy_part(e, "point_lists", "points");
+    refused(e, "part points: unknown");
+    e = take_lists();
+    edit_remove_channel(edit_find_part(e, "point_lists"), "G");
+    refused(e, "part point_lists: channel G is missing");
+    e = take_lists();
+    edit_remove_attribute(e, "openbtf.pointEntries");
+    refused(e, "attribute openbtf.pointEntries is missing");
+    static const int bad[] = {0, 17, -1};
+    for (int i = 0; i < 3; i++) {
+        e = take_lists();
+        edit_find_attribute(e, "openbtf.pointEntries")->i = bad[i];
+        refused(e, "openbtf.pointEntries");
+    }
+    e = take_lists();
+    edit_find_attribute(e, "openbtf.pointEntries")->i = 4; /* of six layers */
+    refused(e, "part point_lists: data window");
+    e = take_lists();
+    set_text(e, "openbtf.pointStore", "packed");
+    refused(e, "unknown, or not in a material of these effects");
+    e = take_lists();
+    set_indices(e, 3, 2, 1, 0x4600); /* 6 */
+    refused(e, "point_indices: view 6, texel (2, 1): entry 6 of 6");
+    e = take_lists();
+    set_indices(e, 3, 2, 1, 0x5600); /* 96 */
+    refused(e, "point_indices: view 7, texel (2, 1): entry 6 of 6");
+    e = take_lists();
+    set_indices(e, 9, 8, 5, 0x4C00); /* 16 */
+    refused(e, "point_indices: texel (8, 5): the high bits of the last layer hold 1, not 0");
+    e = take_lists();
+    set_indices(e, 10, 0, 0, 0x3C00); /* 1 */
+    refused(e, "part point_indices: channel R at (18, 12) holds half 0x3c00");
 }
 
 static void test_file_gains(void **state) {
@@ -323,12 +479,80 @@ static void test_restrict(void **state) {
     assert_true(fewer > 20);
 }
 
-/* Bytes of a plan are those of its restriction, its textures those that the shader reads; one code is fetched. */
+/* All of a restriction is what its plan decodes: where that leaves an effect out, shifts are 0 or gains 1. */
+static void assert_decoded_whole(random_state *r, const btf_material *whole, const btf_material *small,
+                                 const btf_plan *plan) {
+    const btf_directions views = btf_material_views(whole), lights = btf_material_lights(whole);
+    btf_ref_options by_plan = {.effects = plan->effects, .components = plan->components, .interpolation = BTF_REF_LINEAR},
+                    all = by_plan;
+    all.effects = BTF_EFFECT_ALL;
+    btf_ref_material a, b;
+    reference_view(whole, plan->level, &a);
+    reference_view(small, 0, &b);
+    for (int i = 0; i < 50; i++) {
+        float view[3], light[3], rgb[2][3];
+        plan_direction(r, &plan->scene.view, &views, view);
+        plan_direction(r, &plan->scene.light, &lights, light);
+        const float u = (float)random_unit(r), v = (float)random_unit(r);
+        btf_ref_evaluate(&a, &by_plan, u, v, light, view, rgb[0]);
+        btf_ref_evaluate(&b, &all, u, v, light, view, rgb[1]);
+        assert_memory_equal(rgb[0], rgb[1], sizeof rgb[0]);
+    }
+}
+
+/* What is left of lists: lists as long as they take fewer bytes, else what is left of packed points. */
+static void test_restrict_lists(void **state) {
+    (void)state;
+    random_state r = {11};
+    static const uint32_t kept[] = {BOTH, BTF_EFFECT_SHIFT, BTF_EFFECT_GAIN, 0};
+    int lit = 0, all_lit = 0, lists = 0, dense = 0;
+    for (int round = 0; round < 48; round++) {
+        const uint32_t effects = kept[round % 4] | BTF_EFFECT_RESIDUAL;
+        btf_material_desc desc = make_stored(120 + (uint64_t)round, BTF_EFFECT_RESIDUAL, 3, round & 4 ? 3 : 14);
+        btf_material *whole = create_accepted(&desc), *small;
+        btf_plan plan = {.struct_size = sizeof plan,
+                         .scene = {.struct_size = sizeof plan.scene, .view.theta = {0, round & 8 ? 90 : 35}},
+                         .effects = effects,
+                         .components = 5,
+                         .level = random_below(&r, 3),
+                         .shader = {.struct_size = sizeof plan.shader,
+                                    .leave_out = desc.info.effects & ~effects,
+                                    .components = 5}};
+        assert_int_equal(btf_material_restrict(whole, &plan, &log_keep, &small), BTF_OK);
+        const btf_material_info info = info_of(small);
+        const uint32_t entries = desc.info.point_entries, n = info.n_views, gain = effects & BTF_EFFECT_GAIN;
+        const bool stays = effects & BOTH && 2 * entries + (n + 1) / 2 < 2 * n;
+        assert_int_equal(info.point_store, stays  ? BTF_POINTS_LISTS
+                                           : gain ? BTF_POINTS_PACKED
+                                                  : BTF_POINTS_SEPARATE);
+        assert_int_equal(info.point_entries, stays ? entries : 0);
+        assert_int_equal(info.effects, stays || gain ? effects | BOTH : effects);
+        assert_true(info.gain_base == (gain ? 0.3f : stays ? 1 : 0) && info.gain_step == (gain ? 0.11f : 0));
+        assert_int_equal(has(small, BTF_TEXTURE_SHIFT), !stays && !gain && effects & BTF_EFFECT_SHIFT);
+        lists += stays;
+        dense += !stays && effects & BOTH;
+        assert_int_equal(plan_differences(&r, whole, small, &plan, 100, &lit), 0);
+        all_lit += lit;
+        assert_decoded_whole(&r, whole, small, &plan);
+        btf_material *back = through_a_file(small);
+        assert_same(small, back);
+        btf_material_close(&back);
+        btf_material_close(&small);
+        btf_material_close(&whole);
+        random_material_free(&desc);
+    }
+    assert_true(all_lit > 48 * 50);
+    assert_true(lists > 12 && dense > 12);
+}
+
+/* Bytes of a plan are those of its restriction, its textures those that the shader reads; codes are counted. */
 static void test_plan(void **state) {
     (void)state;
     static const uint32_t kept[] = {BOTH, BTF_EFFECT_SHIFT, BTF_EFFECT_GAIN, 0};
-    for (int i = 0; i < 4; i++) {
-        btf_material_desc desc = make_desc(9, BTF_EFFECT_RESIDUAL, 1);
+    for (int k = 0; k < 8; k++) {
+        const int i = k / 2;
+        const bool lists = k % 2;
+        btf_material_desc desc = make_stored(9, BTF_EFFECT_RESIDUAL, 1, lists ? 4 : 0);
         const uint32_t effects = kept[i] | BTF_EFFECT_RESIDUAL;
         float table[] = {1, 1, 0, 75, 0, 75, (float)desc.info.effects, 5, 0, 0, 1000, 0.01f, 0.02f,
                          (float)effects, 5, 0, 0, 900, 0.01f, 0.02f};
@@ -339,9 +563,10 @@ static void test_plan(void **state) {
         assert_int_equal(btf_plan_effects(m, NULL, 0.5f, &plan), BTF_OK);
         /* One of the two alone is as many bytes and fetches as both. */
         assert_int_equal(plan.effects, i < 3 ? desc.info.effects : effects);
-        const uint32_t points = plan.textures & (1u << BTF_TEXTURE_POINTS | 1u << BTF_TEXTURE_SHIFT |
+        const uint32_t of_lists = 1u << BTF_TEXTURE_POINT_LISTS | 1u << BTF_TEXTURE_POINT_INDICES;
+        const uint32_t points = plan.textures & (of_lists | 1u << BTF_TEXTURE_POINTS | 1u << BTF_TEXTURE_SHIFT |
                                                  1u << BTF_TEXTURE_GAIN);
-        assert_int_equal(points, i < 3 ? 1u << BTF_TEXTURE_POINTS : 0);
+        assert_int_equal(points, i == 3 ? 0 : lists ? of_lists : 1u << BTF_TEXTURE_POINTS);
         assert_int_equal(btf_material_restrict(m, &plan, NULL, &small), BTF_OK);
         assert_int_equal(info_of(small).gpu_bytes, plan.gpu_bytes);
         btf_material_close(&small);
@@ -352,13 +577,16 @@ static void test_plan(void **state) {
         assert_true(shift && gain);
         memset(gain, BTF_GAIN_ONE, WIDTH * HEIGHT * VIEWS);
         apart.info.point_store = BTF_POINTS_SEPARATE;
+        apart.info.point_entries = 0;
         apart.info.gain_base = apart.info.gain_step = 0;
-        apart.texture[BTF_TEXTURE_POINTS] = NULL;
+        apart.texture[BTF_TEXTURE_POINTS] = apart.texture[BTF_TEXTURE_POINT_LISTS] =
+            apart.texture[BTF_TEXTURE_POINT_INDICES] = NULL;
         apart.texture[BTF_TEXTURE_SHIFT] = shift;
         apart.texture[BTF_TEXTURE_GAIN] = gain;
         btf_material *separate = create_accepted(&apart);
-        /* three neighbouring views, a code of cost 1 less each */
-        assert_float_equal(btf_plan_cost(separate, &options, NULL) - btf_plan_cost(m, &options, NULL), 3, 1e-3);
+        /* three neighbouring views, a code of cost 1 less each; lists have two again */
+        assert_float_equal(btf_plan_cost(separate, &options, NULL) - btf_plan_cost(m, &options, NULL), lists ? 0 : 3,
+                           1e-3);
         free(shift);
         free(gain);
         btf_material_close(&separate);
@@ -393,11 +621,39 @@ static void test_shader(void **state) {
     random_material_free(&desc);
 }
 
+static void test_shader_of_lists(void **state) {
+    (void)state;
+    btf_material_desc desc = make_stored(10, 0, 1, 7);
+    btf_material *m = create_accepted(&desc);
+    const uint32_t both = 1u << BTF_TEXTURE_POINT_LISTS | 1u << BTF_TEXTURE_POINT_INDICES,
+                   others = 1u << BTF_TEXTURE_POINTS | 1u << BTF_TEXTURE_SHIFT | 1u << BTF_TEXTURE_GAIN;
+    for (uint32_t left = 0; left < 4; left++) {
+        const btf_shader_options options = {.struct_size = sizeof options,
+                                            .leave_out = (left & 1 ? BTF_EFFECT_SHIFT : 0u) |
+                                                         (left & 2 ? BTF_EFFECT_GAIN : 0u),
+                                            .bindings = BTF_BINDINGS_GL,
+                                            .first_binding = 3};
+        const btf_material_info info = info_of(m);
+        assert_int_equal(btf_shader_textures(&info, &options) & (both | others), left == 3 ? 0 : both);
+        char *text;
+        assert_int_equal(btf_shader_source(m, &options, NULL, &text), BTF_OK);
+        assert_non_null(strstr(text, "#define BTF_POINTS 2\n"));
+        assert_non_null(strstr(text, "#define BTF_GAIN_STEP uintBitsToFloat(0x3DE147AEu)\n"));
+        assert_non_null(strstr(text, "#define BTF_BINDING_POINT_LISTS 19\n"));
+        assert_non_null(strstr(text, "#define BTF_BINDING_POINT_INDICES 20\n"));
+        btf_free(text);
+    }
+    btf_material_close(&m);
+    random_material_free(&desc);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_shapes),     cmocka_unit_test(test_create),   cmocka_unit_test(test_round_trip),
         cmocka_unit_test(test_file),       cmocka_unit_test(test_file_gains), cmocka_unit_test(test_separate),
         cmocka_unit_test(test_restrict),   cmocka_unit_test(test_plan),     cmocka_unit_test(test_shader),
+        cmocka_unit_test(test_list_shapes), cmocka_unit_test(test_create_lists), cmocka_unit_test(test_list_round_trip),
+        cmocka_unit_test(test_file_of_lists), cmocka_unit_test(test_restrict_lists), cmocka_unit_test(test_shader_of_lists),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }

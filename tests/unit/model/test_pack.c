@@ -17,6 +17,7 @@
 #include "encoder/model/unpack.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -125,6 +126,19 @@ static void pack_points(enc_solution *s) {
     }
 }
 
+/* The same with at most five pairs a texel. */
+static void list_points(enc_solution *s, int entries) {
+    const size_t texels = enc_solution_texels(s);
+    pack_points(s);
+    s->point_entries = entries;
+    for (size_t i = (size_t)entries * texels; i < texels * (size_t)s->n_views; i++) {
+        const size_t other = (size_t)(random_bits() % (uint64_t)entries) * texels + i % texels;
+        s->gain[i] = s->gain[other];
+        s->shift[2 * i] = s->shift[2 * other];
+        s->shift[2 * i + 1] = s->shift[2 * other + 1];
+    }
+}
+
 static void assert_equal_bytes(const void *a, const void *b, size_t size) {
     assert_true((a == NULL) == (b == NULL));
     if (a) {
@@ -132,7 +146,7 @@ static void assert_equal_bytes(const void *a, const void *b, size_t size) {
     }
 }
 
-static int packed_checks;
+static int packed_checks, list_checks;
 
 static void check(int width, int height, int views, int lights, btf_layout layout, uint32_t effects,
                   btf_domain domain, int lobes, bool rgb) {
@@ -141,7 +155,8 @@ static void check(int width, int height, int views, int lights, btf_layout layou
     enc_solution s = random_solution(data, effects, domain, lobes, rgb), back;
     const uint32_t both = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN;
     if (layout == BTF_LAYOUT_TIGHT && (effects & (both | BTF_EFFECT_HIDDEN)) == both) {
-        pack_points(&s);
+        list_checks += views > 5; /* an odd number of views, too */
+        views > 5 ? list_points(&s, 5) : pack_points(&s);
         packed_checks++;
     }
     const enc_pack_options options = {.layout = layout, .method = "test"};
@@ -149,7 +164,13 @@ static void check(int width, int height, int views, int lights, btf_layout layou
     assert_int_equal(enc_pack(&context, data, &s, &options, &material), BTF_OK);
     assert_int_equal(enc_unpack(&context, material, &back), BTF_OK);
     assert_int_equal(s.packed, back.packed);
-    assert_int_equal(btf_material_texture(material, BTF_TEXTURE_POINTS).size, s.packed ? 2 * points : 0);
+    assert_int_equal(s.point_entries, back.point_entries);
+    const size_t sizes[3] = {btf_material_texture(material, BTF_TEXTURE_POINTS).size,
+                             btf_material_texture(material, BTF_TEXTURE_POINT_LISTS).size,
+                             btf_material_texture(material, BTF_TEXTURE_POINT_INDICES).size};
+    assert_int_equal(sizes[0], s.packed && s.point_entries == 0 ? 2 * points : 0);
+    assert_int_equal(sizes[1], 2 * texels * (size_t)s.point_entries);
+    assert_int_equal(sizes[2], s.point_entries ? texels * (((size_t)views + 1) / 2) : 0);
     if (s.sbrdf) {
         assert_equal_bytes(s.sbrdf->values, back.sbrdf->values,
                            texels * enc_sbrdf_stride(lobes, rgb) * sizeof(float));
@@ -205,7 +226,68 @@ static void test_round_trip(void **state) {
     check(4, 4, 3, 3, BTF_LAYOUT_TIGHT, BTF_EFFECT_RESIDUAL | BTF_EFFECT_SHIFT, BTF_DOMAIN_SQRT, 0, false);
     check(4, 4, 3, 3, BTF_LAYOUT_TIGHT, BTF_EFFECT_RESIDUAL | BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN, BTF_DOMAIN_SQRT,
           0, false);
+    check(4, 3, 9, 3, BTF_LAYOUT_TIGHT, BTF_EFFECT_RESIDUAL | BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN, BTF_DOMAIN_SQRT,
+          0, false);
+    check(5, 4, 8, 3, BTF_LAYOUT_TIGHT, BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN, BTF_DOMAIN_SQRT, 1,
+          false);
     assert_true(packed_checks > 1);
+    assert_int_equal(list_checks, 2);
+}
+
+static char last_message[256];
+
+static void keep_message(void *user, btf_log_level level, const char *message) {
+    (void)user;
+    (void)level;
+    snprintf(last_message, sizeof last_message, "%s", message);
+}
+
+/* Entries stand in the order of the first views that have them; lists that are too short are refused. */
+static void test_lists(void **state) {
+    (void)state;
+    enum { VIEWS = 5, TEXELS = 6 };
+    static const uint8_t codes[VIEWS] = {3, 9, 3, 0, 9}, indices[3] = {0x10, 0x20, 0x01};
+    enc_data *data = make_data(3, 2, VIEWS, 2);
+    enc_solution s = random_solution(data, BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN, BTF_DOMAIN_SQRT, 1, false), back;
+    const enc_pack_options options = {.layout = BTF_LAYOUT_TIGHT, .method = "test"};
+    const enc_context loud = {.threads = 1, .log = {.callback = keep_message}};
+    btf_material *material = NULL;
+    pack_points(&s);
+    s.point_entries = 4;
+    memset(s.shift, 0, (size_t)2 * VIEWS * TEXELS);
+    for (size_t i = 0; i < (size_t)VIEWS * TEXELS; i++) {
+        s.gain[i] = codes[i / TEXELS];
+    }
+    s.shift[2 * (3 * TEXELS + 4) + 1] = -32; /* view 3 of texel (1, 1) */
+    assert_int_equal(enc_pack(&loud, data, &s, &options, &material), BTF_OK);
+    const uint8_t *list = btf_material_texture(material, BTF_TEXTURE_POINT_LISTS).data,
+                  *index = btf_material_texture(material, BTF_TEXTURE_POINT_INDICES).data;
+    for (size_t t = 0; t < TEXELS; t++) {
+        static const unsigned points[4] = {3 << 12 | 32 << 6 | 32, 9 << 12 | 32 << 6 | 32, 32 << 6 | 32, 0};
+        for (size_t e = 0; e < 4; e++) {
+            const uint8_t *entry = list + 2 * (e * TEXELS + t);
+            assert_int_equal(entry[0] + 256 * entry[1], e == 2 && t == 4 ? 32 : points[e]);
+        }
+        for (size_t i = 0; i < 3; i++) {
+            assert_int_equal(index[i * TEXELS + t], indices[i]);
+        }
+    }
+    assert_int_equal(enc_unpack(&loud, material, &back), BTF_OK);
+    assert_memory_equal(back.shift, s.shift, (size_t)2 * VIEWS * TEXELS);
+    assert_memory_equal(back.gain, s.gain, (size_t)VIEWS * TEXELS);
+    btf_material_close(&material);
+    enc_solution_clear(&back);
+
+    s.point_entries = 3;
+    assert_int_equal(enc_pack(&loud, data, &s, &options, &material), BTF_OK);
+    btf_material_close(&material);
+    s.gain[4 * TEXELS + 5] = 15; /* texel (2, 1) has four now */
+    assert_int_equal(enc_pack(&loud, data, &s, &options, &material), BTF_ERROR_USAGE);
+    assert_null(material);
+    assert_string_equal(last_message,
+                        "packing: level 0, texel (2, 1): more than 3 different pairs of shift and gain");
+    enc_solution_clear(&s);
+    enc_data_destroy(&data);
 }
 
 static void test_paper_room(void **state) {
@@ -231,6 +313,7 @@ static void test_half(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_round_trip),
+        cmocka_unit_test(test_lists),
         cmocka_unit_test(test_paper_room),
         cmocka_unit_test(test_half),
     };

@@ -1,5 +1,5 @@
 /* Hashes of what the reference decoder computes: every function of its header on seeded arguments, over
- * made-up materials of every kind, another of materials of version 2, and one of packed points. The same three
+ * made-up materials of every kind, another of materials of version 2, one of packed points and one of lists of them. The same four
  * have to come from every compiler, optimisation level and machine; they are pinned below. Prints them; exits 1
  * when one is another, 4 when the self-test refuses the build.
  *
@@ -13,6 +13,7 @@
 #define EXPECTED_HASH 0xfcda22e85c947b10u
 #define EXPECTED_HASH_2 0x12326c76419da8d1u
 #define EXPECTED_HASH_3 0xbe302bc6c4de5000u
+#define EXPECTED_HASH_4 0x0u
 
 enum {
     SEEDS = 3,
@@ -149,6 +150,21 @@ static uint64_t hash_points(void) {
     return hash;
 }
 
+/** @return the hash of materials with lists of points. */
+static uint64_t hash_lists(void) {
+    static made_storage storage;
+    static uint8_t indices[MADE_VIEWS * MADE_TEXELS];
+    btf_ref_material material;
+    hash = 14695981039346656037u;
+    for (uint32_t kind = 0; kind < 48; ++kind) {
+        make_material(900 + kind, kind, kind * 5 % 32, kind % 3 == 0, &storage, &material);
+        make_points(kind, kind % 3 == 0, &storage, &material);
+        make_lists(kind, 1 + kind % (MADE_VIEWS < 16 ? MADE_VIEWS : 16), &indices, &storage, &material);
+        hash_evaluation(&material, 9000 + kind);
+    }
+    return hash;
+}
+
 /** From now on denormal operands and results are 0, where we know how to say so. */
 static void flush_denormals(void) {
 #if defined __SSE2__
@@ -171,19 +187,23 @@ static void format_hash(uint64_t value, char out_text[17]) {
     out_text[16] = '\n';
 }
 
-static int run(char out_text[3 * 17]) {
-    uint64_t result = hash_all(), result_2 = hash_version_2(), result_3 = hash_points();
+static int run(char out_text[4 * 17]) {
+    uint64_t result = hash_all(), result_2 = hash_version_2(), result_3 = hash_points(), result_4 = hash_lists();
     format_hash(result, out_text);
     format_hash(result_2, out_text + 17);
     format_hash(result_3, out_text + 2 * 17);
-    out_text[16] = out_text[33] = ' ';
+    format_hash(result_4, out_text + 3 * 17);
+    out_text[16] = out_text[33] = out_text[50] = ' ';
     if (!btf_ref_self_test())
         return EXIT_UNSOUND;
-    if (result != EXPECTED_HASH || result_2 != EXPECTED_HASH_2 || result_3 != EXPECTED_HASH_3)
+    if (result != EXPECTED_HASH || result_2 != EXPECTED_HASH_2 || result_3 != EXPECTED_HASH_3 ||
+        result_4 != EXPECTED_HASH_4)
         return EXIT_DIFFERENT;
     flush_denormals();
-    return hash_all() == result && hash_version_2() == result_2 && hash_points() == result_3 ? 0
-                                                                                             : EXIT_DENORMALS;
+    return hash_all() == result && hash_version_2() == result_2 && hash_points() == result_3 &&
+                   hash_lists() == result_4
+               ? 0
+               : EXIT_DENORMALS;
 }
 
 #ifdef BTF_TEST_FREESTANDING
@@ -245,7 +265,7 @@ __asm__(".globl _start\n_start:\n    xor %ebp, %ebp\n    and $-16, %esp\n    cal
 
 void start(void);
 void start(void) {
-    char text[3 * 17];
+    char text[4 * 17];
     int status = run(text);
     system_call(CALL_WRITE, 1, (long)text, (long)sizeof text);
     system_call(CALL_EXIT, status, 0, 0);
@@ -258,7 +278,7 @@ void start(void) {
 #include <stdio.h>
 
 int main(void) {
-    char text[3 * 17];
+    char text[4 * 17];
     int status = run(text);
     fwrite(text, 1, sizeof text, stdout);
     if (status == EXIT_UNSOUND)
@@ -266,11 +286,13 @@ int main(void) {
     if (status == EXIT_DENORMALS)
         fprintf(stderr, "another hash with denormals flushed to zero\n");
     if (status == EXIT_DIFFERENT) {
-        char expected[3][17];
+        char expected[4][17];
         format_hash(EXPECTED_HASH, expected[0]);
         format_hash(EXPECTED_HASH_2, expected[1]);
         format_hash(EXPECTED_HASH_3, expected[2]);
-        fprintf(stderr, "expected %.16s %.16s %.16s\n", expected[0], expected[1], expected[2]);
+        format_hash(EXPECTED_HASH_4, expected[3]);
+        fprintf(stderr, "expected %.16s %.16s %.16s %.16s\n", expected[0], expected[1], expected[2],
+                expected[3]);
     }
     return status;
 }

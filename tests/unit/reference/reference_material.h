@@ -311,6 +311,18 @@ static inline void make_points(uint32_t seed, int extreme, made_storage *s, btf_
     m->gain_step = extreme ? random_parameter(&state) : random_float(&state, 0.03125f, 0.125f);
 }
 
+/** The same in lists of `entries`, whose indices are any bytes that name one. */
+static inline void make_lists(uint32_t seed, uint32_t entries, uint8_t (*indices)[MADE_VIEWS * MADE_TEXELS],
+                              made_storage *s, btf_ref_material *m) {
+    uint32_t state = seed * 668265263u + 1u;
+    state = state != 0 ? state : 1;
+    for (size_t i = 0; i < sizeof *indices; ++i)
+        (*indices)[i] = (uint8_t)(random_below(&state, entries) + 16 * random_below(&state, entries));
+    m->points = 0;
+    m->point_lists = s->shift; /* as many entries as there are views at most */
+    m->point_indices = *indices;
+}
+
 /** The arrays of version 2 that a made-up material points to. */
 typedef struct made_factors {
     uint32_t texels[MADE_UNIT_LAYERS * MADE_TEXELS * 4];

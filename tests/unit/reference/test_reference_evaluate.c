@@ -285,6 +285,39 @@ static void test_packed_points(void **state) {
     assert_rgb(rgb, 0, 0, 0);
 }
 
+/* A texel's list, and half a byte a view that names an entry: the low one of an even view. */
+static void test_lists(void **state) {
+    (void)state;
+    static uint8_t indices[MADE_VIEWS * MADE_TEXELS];
+    float rgb[3];
+    fixture *f = plain(1, BTF_REF_SHIFT | BTF_REF_GAIN);
+    set_lambertian(f);
+    make_points(1, 0, &f->s, &f->m);
+    make_lists(1, 1, &indices, &f->s, &f->m);
+    f->m.gain_base = 0.25f;
+    f->m.gain_step = 0.125f;
+    const uint32_t texel = MADE_WIDTH + 1;
+    for (int entry = 0; entry < 5; ++entry) /* what set_point calls a view is an entry here */
+        set_point(f, 1, 1, (uint32_t)entry, entry - 1, entry == 4, 2 * entry);
+    indices[2 * MADE_TEXELS + texel] = 0x14; /* view 4 has entry 4, view 5 entry 1 */
+    evaluate_pair(f, 1, 1, 0, 4, pole, pole, rgb);
+    assert_bits(rgb[0], own_albedo(4, 2) * 1.25f);
+    evaluate_pair(f, 1, 1, 0, 5, pole, pole, rgb);
+    assert_bits(rgb[0], own_albedo(1, 1) * 0.5f);
+    indices[2 * MADE_TEXELS + texel] = 0x03;
+    evaluate_pair(f, 1, 1, 0, 4, pole, pole, rgb);
+    assert_bits(rgb[0], own_albedo(3, 1));
+    evaluate_pair(f, 1, 1, 0, 5, pole, pole, rgb);
+    assert_bits(rgb[0], own_albedo(0, 1) * 0.25f);
+    indices[2 * MADE_TEXELS + texel + 1] = 0xFF; /* another texel's says nothing here */
+    f->o.effects = BTF_REF_SHIFT;
+    evaluate_pair(f, 1, 1, 0, 4, pole, pole, rgb);
+    assert_bits(rgb[0], own_albedo(3, 1));
+    f->o.effects = BTF_REF_GAIN;
+    evaluate_pair(f, 1, 1, 0, 5, pole, pole, rgb);
+    assert_bits(rgb[0], own_albedo(1, 1) * 0.25f);
+}
+
 static void test_hidden(void **state) {
     (void)state;
     float light[3] = {0.0f, 0.0f, 0.5f}, rgb[3];
@@ -720,7 +753,7 @@ static void test_finite(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_lambertian), cmocka_unit_test(test_lobes),
-        cmocka_unit_test(test_packed_points),
+        cmocka_unit_test(test_packed_points), cmocka_unit_test(test_lists),
         cmocka_unit_test(test_shadow),     cmocka_unit_test(test_shift_and_gain),
         cmocka_unit_test(test_hidden),     cmocka_unit_test(test_centre_index),
         cmocka_unit_test(test_two_views),  cmocka_unit_test(test_residual),
