@@ -62,9 +62,7 @@ watched "sample" "$tools/tests/sample/btf-sample" -o "$work/data" --relief brick
 watched "paper" encode --method paper
 least=$(encode --method paper --memory 1 2>&1 | grep -o 'at least [0-9]*K' | grep -o '[0-9]*K') # samples then lie in a scratch file
 watched "paper, scratch file, pictures, report" encode --method paper --memory "$least" --pictures "$work/p" --report "$work/r.json"
-watched "joint" encode --preset fast
-watched "joint, model without residual" encode --preset fast --effects shadow,shift,gain
-watched "joint, layout paper" encode --preset fast --layout paper
+watched "joint" encode
 watched "joint, levels" encode --preset fast --levels all
 watched "decode" "$tools/decoder/tools/btf-decode" "$work/x.btf.exr" -o "$work/decoded" --all
 watched "render" "$tools/decoder/tools/render/btf-render" "$work/x.btf.exr" -o "$work/r.png" --device reference --size 40 --threads 4

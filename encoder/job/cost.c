@@ -133,7 +133,9 @@ static outcome add_factors(list *l, const counts *c, const enc_factors_settings 
         add(l, "cross-validate",
             fmin(1, ENC_SIGNAL_MOST_TEXELS / c->texels) * (2.25 * pass + 3 * square * per_square));
     add(l, "round factors", times * (passes * pass + (2 * sweeps + passes) * square * per_square));
-    if (settings->quality > 0)
+    if (settings->choose || settings->effects & BTF_EFFECT_SHIFT)
+        add(l, "match", times * (passes * pass + (2 * sweeps + passes) * square * per_square));
+    if (settings->quality > 0 || settings->choose)
         add(l, "measure factors", times * (pass + c->samples * per_measured));
     return (outcome){.components = all / 5, .factors = true};
 }

@@ -42,15 +42,16 @@ static const cli_option table[] = {
      .given = &given[0],
      .choices = "fast|medium|thorough|exhaustive",
      .only = "joint",
-     .help = "joint: 0, 6, 12 and 24 sweeps of descent on the codes; default\nmedium"},
+     .help = "joint: 0, 6, 12 and 24 sweeps of descent on the codes; default\nmedium; fast tries no "
+             "effects"},
     {.name = "effects",
      .type = CLI_EFFECTS,
      .value = &o.effects,
      .choices = "auto",
      .help =
-         "auto (default): those that pay (--effect-tolerance), and with\n--method paper the diffuse fit "
-         "alone where that is better;\nnone; or exactly these: paper has shadow,shift,hidden, joint "
-         "residual\nalone"},
+         "auto (default): those that pay, and with\n--method paper the diffuse fit "
+         "alone where that is better;\nor exactly these: joint has residual or "
+         "shift,gain,residual,\npaper some of shadow,shift,hidden or none"},
     {.name = "effect-tolerance",
      .arg = "DB[,DB]",
      .type = CLI_CUSTOM,
@@ -273,12 +274,15 @@ static btf_result refuse_other(const char *method) {
 /* Effects of the paper's method, which may have any of them or none. */
 static const uint32_t paper_effects = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN;
 
+/* Effects of factors whose texels take profiles from one another. */
+static const uint32_t matched_effects = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL;
+
 /* Effects and what their tolerance counts, by method. */
 static btf_result check_effects(const enc_job *job) {
     const bool named = o.effects != UINT32_MAX, joint = job->method == ENC_METHOD_JOINT;
     const char *refused = NULL;
-    if (joint && named && o.effects != BTF_EFFECT_RESIDUAL) {
-        refused = "option --effects: --method joint has the effect residual and no other; shadow, shift and "
+    if (joint && named && o.effects != BTF_EFFECT_RESIDUAL && o.effects != matched_effects) {
+        refused = "option --effects: --method joint has residual alone, or shift,gain,residual; shadow and "
                   "hidden are effects of --method paper";
     } else if (joint && o.effect_tolerance[1] > 0) {
         refused =

@@ -34,7 +34,7 @@ const char *enc_preset_name(enc_preset preset);
 typedef struct enc_joint_options {
     enc_preset preset; /* default medium */
     uint32_t effects;  /* btf_effect bits: exactly these, unless `choose` */
-    bool choose;       /* default: those that pay at equal bytes */
+    bool choose;       /* default: shift and gain where they pay; preset fast tries none */
     double tolerance;  /* dB that a tenth more bytes must gain at samples left out of the fit; 0: all of the
                           budget is used; default 0.05 */
     uint64_t budget;   /* GPU bytes at most; 0: enc_default_budget */

@@ -38,16 +38,13 @@ expect_that "every sweep is there" python3 - <<'P'
 import csv
 rows = list(csv.DictReader(open("b/encode-tiny.csv")))
 sweeps = {row["sweep"] for row in rows}
-assert sweeps == {"paper", "preset", "factors", "rounds", "joint effects", "lobes", "rejection", "lights voted", "window",
+assert sweeps == {"paper", "preset", "tolerance", "budget", "lobes", "rejection", "lights voted", "window",
                   "centres", "numbers"}, sweeps
 names = {row["setting"]: row for row in rows}
 for row in rows:
     assert row["psnr_held_both_linear"] != "" and float(row["psnr_linear"]) > 10, row
     assert float(row["psnr_between_linear"]) > 10 and float(row["psnr_estimate_srgb"]) > 10, row
     assert float(row["core_s"]) > 0 and float(row["peak_bytes"]) > 1e5, row
-# More rounds never fit worse than one by much, and the front is not empty.
-one, many = names["joint medium; at most 1 rounds"], names["joint medium"]
-assert float(many["psnr_linear"]) > float(one["psnr_linear"]) - 0.5
 front = [row for row in rows if row["pareto_linear"] == "1"]
 # Settings that find the same are equally good: the cheapest of them is on the front.
 best = max(rows, key=lambda row: (float(row["psnr_between_linear"]), -float(row["core_s"])))
@@ -58,7 +55,7 @@ for row in front:
         assert not (float(other["core_s"]) < float(row["core_s"]) and
                     float(other["psnr_between_linear"]) > float(row["psnr_between_linear"])), (row, other)
 stored = {row["setting"]: row for row in csv.DictReader(open("b/storage-tiny.csv"))}
-assert {row["sweep"] for row in stored.values()} >= {"joint", "factors", "paper", "PCA linear", "split PCA", "low-bit PCA",
+assert {row["sweep"] for row in stored.values()} >= {"joint", "paper", "PCA linear", "split PCA", "low-bit PCA",
                                                      "uncompressed", "splines"}, stored
 assert stored["uncompressed; splines"]["psnr_linear"] == "" != stored["uncompressed; splines"]["psnr_between_srgb"]
 P
@@ -116,10 +113,9 @@ def check(row, path, key="between", column="psnr_between"):
     for kind in ("linear", "srgb"):
         assert abs(float(row[f"{column}_{kind}"]) - figures[kind]) < 2e-3, (row, path, figures[kind])
 given, none, cast = rows("e/between-tiny.csv"), rows("f/between-tiny.csv"), rows("r/between-bricks.csv")
-# 8x8 texels of 81 views and lights have a budget too small for one unit of factors.
-assert list(cast) == [name for name in given if name != "factors"], list(cast)
+assert list(cast) == list(given), list(cast)
 assert list(given) == list(none) == [
-    "joint fast", "factors", "paper", "PCA 8 bit linear", "PCA 8 bit square root", "split PCA 8 bit", "low-bit split PCA",
+    "joint fast", "paper", "PCA 8 bit linear", "PCA 8 bit square root", "split PCA 8 bit", "low-bit split PCA",
     "uncompressed; barycentric", "uncompressed; splines"], list(given)
 for of, data in ((given, "tiny"), (cast, "same")):
     check(of["uncompressed; barycentric"], data + "-linear.json")
@@ -165,7 +161,7 @@ assert len(rows) == 4 and all(math.isfinite(float(row[i])) for row in rows for i
 P
 
 if "$build/tests/conformance/btf-conform" --device osmesa --variant 3 --count 10 --steps 10 >/dev/null 2>&1; then
-    expect "decode" 0 btf-bench --quick --input tiny --pairs pairs --holdout ring --only decode --device osmesa --methods joint,sources,paper,factors,reference --out d -q
+    expect "decode" 0 btf-bench --quick --input tiny --pairs pairs --holdout ring --only decode --device osmesa --methods joint,paper,reference --out d -q
     expect_that "decode has its columns" python3 columns.py d/decode-tiny.csv
     cat >decode.py <<'P'
 import csv, sys
@@ -176,10 +172,9 @@ def of(device, material, directions="linear", effects="whole", math="exact"):
     assert len(found) == 1, (device, material, directions, effects, math, found)
     return found[0]
 ours = {row["material"] for row in rows if row["device"] == "CPU reference"}
-factors = {"factors", "factors; half the bytes", "factors; PSNR of joint"}
-assert ours == factors | {"joint", "joint; SBRDF x shadow sources", "paper"}, ours
+assert ours == {"joint", "joint; half the bytes", "paper"}, ours
 for material in ours:
-    for directions in ("linear",) if "factors;" in material else ("linear", "nearest"):
+    for directions in ("linear",) if "joint;" in material else ("linear", "nearest"):
         a, b = (of(device, material, directions) for device in ("osmesa", "CPU reference"))
         for figure in ("psnr_linear", "psnr_srgb", "psnr_held_linear", "psnr_held_srgb", "psnr_between_linear",
                        "psnr_between_srgb", "fetches", "fetched_bytes", "integer_operations", "float_operations"):
@@ -190,22 +185,21 @@ for material in ours:
     assert whole["fetches"] == floor["fetches"] != "0" and floor["integer_operations"] == "0", (whole, floor)
     assert float(whole["ns"]) > 0 and float(floor["ns"]) > 0 and int(whole["gpu_bytes"]) > 0
     assert float(of("osmesa", material, math="fast")["ns"]) > 0
-joint, half, equal = (of("osmesa", name) for name in ("joint", "factors; half the bytes", "factors; PSNR of joint"))
-assert int(of("osmesa", "factors")["gpu_bytes"]) <= int(joint["gpu_bytes"]) >= 2 * int(half["gpu_bytes"])
-assert float(equal["psnr_srgb"]) > float(joint["psnr_srgb"]) - 0.3, (joint, equal)  # of random samples, not of all
+joint, half = (of("osmesa", name) for name in ("joint", "joint; half the bytes"))
+assert int(half["gpu_bytes"]) < int(joint["gpu_bytes"]), (joint, half)
 for effects in ("whole; one view", "whole; one light", "half the components", "a quarter of the components"):
-    part = of("osmesa", "factors", effects=effects)
-    assert 0 < int(part["fetches"]) < int(of("osmesa", "factors")["fetches"]), part
+    part = of("osmesa", "joint", effects=effects)
+    assert 0 < int(part["fetches"]) < int(joint["fetches"]), part
 P
     expect_that "the CPU and the GPU decode alike, and counts are there" python3 decode.py
-    expect_text "aims stand beside what was measured" "^\\| factors \\| whole, linear, texel .* 0.55 \\|" d/summary.md
-    expect_text "the README's rows have factors" "^\\| factors: PSNR of joint \\|" d/readme-decode-tiny.md
+    expect_text "both formats stand beside each other" "^\\| joint \\| whole, linear, texel " d/summary.md
+    expect_text "the README's rows have joint" "^\\| joint: half the bytes \\|" d/readme-decode-tiny.md
     expect "conformance and decoding for a GPU" 0 env QUICK=1 OUT="$work/gpu" "$BTF_SOURCE_ROOT/tests/bench/gpu.sh" "$build" osmesa tiny --variant 3 --count 10 --steps 10
-    expect_text "prints what it found" "^\\| factors; half the bytes \\|" out
+    expect_text "prints what it found" "^\\| joint; half the bytes \\|" out
     expect_that "and keeps it, of the methods asked for" python3 - <<'P'
 import csv, os
 rows = list(csv.DictReader(open("gpu/decode-tiny.csv")))
-assert {row["material"].split(";")[0] for row in rows} == {"joint", "factors", "PCA", "Phong", "uncompressed"}
+assert {row["material"].split(";")[0] for row in rows} == {"joint", "paper", "PCA", "Phong", "uncompressed"}
 assert {row["device"] for row in rows} == {"osmesa"} and os.path.getsize("gpu/conform.txt") > 0
 P
 else

@@ -1,13 +1,13 @@
 #!/bin/bash
-# btf-encode --method factors: what it writes, what it measures, and what it refuses.
+# btf-encode --method joint: what it writes, what it measures, and what it refuses.
 #
 # SPDX-License-Identifier: MIT
 . "$BTF_SOURCE_ROOT/tests/tools/common.sh" || exit 99
 small_data
 json() { python3 -c "import json,sys; r=json.load(open('$1')); print($2)"; }
 
-expect_text "--help tells of the method" "factors: low-bit factors alone" <(btf-encode --help)
-expect "factors" 0 btf-encode data -o factors.btf.exr --method factors --report factors.json --pictures drawn --threads 1
+expect_text "--help tells of the method" "joint \(default\): low-bit factors" <(btf-encode --help)
+expect "factors" 0 btf-encode data -o factors.btf.exr --method joint --effects residual --report factors.json --pictures drawn --threads 1
 expect_text "bytes a texel by texture" "^  factor_texels +[0-9.]+ +[0-9.]+" out
 expect_text "what the first units give" "^The first units of the residual" out
 expect_that "a montage" test -s drawn/montage.png
@@ -42,7 +42,7 @@ for more, fewer in zip(rows, rows[1:]):
     assert more["linear"] > fewer["linear"] and more["srgb"] > fewer["srgb"], (more, fewer)
 assert abs(rows[0]["linear"] - full["linear"]) < 0.5 and abs(rows[0]["srgb"] - full["srgb"]) < 0.5, (rows[0], full)
 P
-expect "two threads" 0 btf-encode data -o two.btf.exr --method factors --threads 2 -q
+expect "two threads" 0 btf-encode data -o two.btf.exr --effects residual --threads 2 -q
 expect_that "the same bytes for any number of threads" cmp factors.btf.exr two.btf.exr
 expect "a file that holds it, decoded" 0 btf-decode factors.btf.exr -o decoded --all --format exr
 expect "against the data" 0 btf-compare data decoded --json -q
@@ -59,12 +59,12 @@ P
 
 btf-sample -o wide --relief bricks --size 12x10 --directions 0:1,30:6,60:9 --quiet || exit 99
 for budget in 30k 100k; do
-    expect "a budget of $budget" 0 btf-encode wide -o budget.btf.exr --method factors --preset fast --budget $budget --report budget.json -q
+    expect "a budget of $budget" 0 btf-encode wide -o budget.btf.exr --preset fast --budget $budget --report budget.json -q
     expect_that "is kept" test "$(json budget.json "20000 < r['bytes']['gpu'] <= int('$budget'[:-1]) * 1000")" = True
 done
-expect "a budget that holds nothing" 1 btf-encode wide -o x.btf.exr --method factors --budget 5k -q
+expect "a budget that holds nothing" 1 btf-encode wide -o x.btf.exr --budget 5k -q
 expect_text "is refused with the least" "a budget of 5000 bytes holds no unit, which takes [0-9]+" err
-expect "quality" 0 btf-encode wide -o quality.btf.exr --method factors --preset fast --quality 25 --report quality.json -q
+expect "quality" 0 btf-encode wide -o quality.btf.exr --preset fast --quality 25 --report quality.json -q
 expect_that "is reached, with fewer bytes than without" python3 - <<'P'
 import json
 q, b = json.load(open("quality.json")), json.load(open("budget.json"))
@@ -73,31 +73,28 @@ assert q["bytes"]["gpu"] < b["bytes"]["gpu"] and len(q["trials"]) > 1, q["trials
 assert [t["verdict"] for t in q["trials"]].count("best") == 1
 assert [t["gpu"] for t in q["trials"] if t["verdict"] == "best"] == [q["bytes"]["gpu"]]
 P
-expect "a quality out of reach" 0 btf-encode wide -o x.btf.exr --method factors --preset fast --budget 30k --quality 90 -q
+expect "a quality out of reach" 0 btf-encode wide -o x.btf.exr --preset fast --budget 30k --quality 90 -q
 expect_text "is told" "warning: factors: [0-9.]+ dB of 90.00 within 30000 bytes" err
-expect "a better preset" 0 btf-encode wide -o medium.btf.exr --method factors --budget 30k --report medium.json -q
-expect "fast" 0 btf-encode wide -o fast.btf.exr --method factors --preset fast --budget 30k --report fast.json -q
+expect "a better preset" 0 btf-encode wide -o medium.btf.exr --budget 30k --report medium.json -q
+expect "fast" 0 btf-encode wide -o fast.btf.exr --preset fast --budget 30k --report fast.json -q
 expect_that "descent on the codes gains" test "$(python3 -c "
 import json
 a, b = (json.load(open(f))['psnr']['full'] for f in ('medium.json', 'fast.json'))
 print(a['linear'] > b['linear'] and a['srgb'] > b['srgb'])")" = True
 
-expect "too little memory" 1 btf-encode wide -o x.btf.exr --method factors --memory 1 -q
+expect "too little memory" 1 btf-encode wide -o x.btf.exr --memory 1 -q
 expect_text "the least is named" "12x10 texels, 16 views and 16 lights take at least" err
-expect "a budget beyond the memory" 1 btf-encode wide -o x.btf.exr --method factors --memory 20M --budget 200M -q
+expect "a budget beyond the memory" 1 btf-encode wide -o x.btf.exr --memory 20M --budget 200M -q
 expect_text "is refused with the least" "factors of 200000000 bytes .* take at least [0-9]+K" err
-expect "a scratch file" 0 env TMPDIR="$work" btf-encode wide -o scratch.btf.exr --method factors --budget 30k \
-    --memory "$(least_memory wide --method factors --budget 30k)"
+expect "a scratch file" 0 env TMPDIR="$work" btf-encode wide -o scratch.btf.exr --budget 30k \
+    --memory "$(least_memory wide --budget 30k)"
 expect_text "it is announced" "samples: .* scratch file in $work" err
 expect_that "the same bytes through a scratch file" cmp medium.btf.exr scratch.btf.exr
-expect "a prediction" 0 btf-encode wide --method factors --predict self
+expect "a prediction" 0 btf-encode wide --predict self
 expect_text "has its stages" "^  factorise +[0-9.]+ core s" out
-expect "a prediction by a report" 0 btf-encode wide --method factors --budget 30k --predict medium.json
-expect "by a report of another method" 1 btf-encode wide --predict medium.json
-expect_text "is refused" "is the report of an encode by --method factors, and the prediction is for joint" err
-
-expect "levels" 0 btf-encode data -o levels.btf.exr --method factors --levels all --report levels.json --threads 1 -q
-expect "levels, two threads" 0 btf-encode data -o levels2.btf.exr --method factors --levels all --threads 2 -q
+expect "a prediction by a report" 0 btf-encode wide --budget 30k --predict medium.json
+expect "levels" 0 btf-encode data -o levels.btf.exr --levels all --report levels.json --threads 1 -q
+expect "levels, two threads" 0 btf-encode data -o levels2.btf.exr --levels all --threads 2 -q
 expect_that "the same bytes for any number of threads, with levels" cmp levels.btf.exr levels2.btf.exr
 for level in 1 2 3; do
     size=$((16 >> level))
@@ -110,16 +107,16 @@ done
 
 # The weak components of such data have scales below what files hold, were they not balanced.
 "$build/tests/tools/bonn_sample" small.btf || exit 99
-expect "a Bonn file" 0 btf-encode small.btf -o bonn.btf.exr --method factors --report bonn.json -q
+expect "a Bonn file" 0 btf-encode small.btf -o bonn.btf.exr --report bonn.json -q
 expect_that "is encoded well" test "$(json bonn.json "r['psnr']['full']['linear'] > 40")" = True
 
-for refused in "--effects shift" "--effects none" "--effect-tolerance 0,1" "--layout paper" "--half" "--checkpoint steps" \
-    "--metric linear" "--lobes 2"; do
-    expect "factors $refused" 1 btf-encode data -o x.btf.exr --method factors $refused -q
+for refused in "--effects shift" "--effects shift,residual" "--effects shadow,residual" "--effects none" "--effect-tolerance 0,1" \
+    "--layout paper" "--half" "--checkpoint steps" "--metric linear" "--lobes 2"; do
+    expect "factors $refused" 1 btf-encode data -o x.btf.exr $refused -q
     expect_text "is refused by name" "option ${refused%% *}: " err
 done
 expect_that "and nothing is written" test ! -e steps
-expect "the residual by name" 0 btf-encode data -o named.btf.exr --method factors --effects residual --effect-tolerance 0.05 --layout tight -q
+expect "the residual by name" 0 btf-encode data -o named.btf.exr --effects residual --effect-tolerance 0.05 -q
 expect_that "is the same" cmp named.btf.exr factors.btf.exr
 
 # Grey images with noise and nothing else.
@@ -135,15 +132,15 @@ for path in paths:
     head = struct.pack(">IIBBBBB", 24, 24, 8, 2, 0, 0, 0)
     open(path, "wb").write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
 P
-expect "noise" 0 btf-encode plane -o plane.btf.exr --method factors --budget 200k --report plane.json -q
-expect "with the whole budget" 0 btf-encode plane -o filled.btf.exr --method factors --budget 200k --effect-tolerance 0 --report filled.json -q
+expect "noise" 0 btf-encode plane -o plane.btf.exr --budget 200k --report plane.json -q
+expect "with the whole budget" 0 btf-encode plane -o filled.btf.exr --budget 200k --effect-tolerance 0 --report filled.json -q
 expect_that "needs one unit of it" test "$(json plane.json "r['bytes']['gpu'] < 17000 and json.load(open('filled.json'))['bytes']['gpu'] > 180000")" = True
 expect_that "and the report says why" test "$(json plane.json "(lambda u: u['pays'] < 17000 and u['budget'] == 200000 and u['tolerance'] == 0.05 and u['noise_beyond'] and u['signal'] == [1, 0, 0])(r['unspent'])")" = True
 expect_that "which nobody asks of the other" test "$(json filled.json "r['unspent'] is None")" = True
 
 cp factors.btf.exr kept.btf.exr
 for moment in "1 print read: done" "1 print factorise: done" "1 open kept.btf.exr"; do
-    expect "SIGINT at '$moment'" 130 at "$moment" INT btf-encode wide -o kept.btf.exr --method factors
+    expect "SIGINT at '$moment'" 130 at "$moment" INT btf-encode wide -o kept.btf.exr
     expect_that "the old file is untouched" cmp factors.btf.exr kept.btf.exr
     expect_that "no temporary file is left" test -z "$(find . -maxdepth 1 -name '.*.tmp')"
 done

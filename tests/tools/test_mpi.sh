@@ -58,30 +58,24 @@ same() { # NAME RANKS ARGUMENT...
 }
 same "joint, folder" "1 2 3" data
 same "joint, fast, levels, archive" 3 data.zip --preset fast --levels all
-same "joint, sources with a front" 2 data --effects shadow,shift,gain --preset fast
-same "joint, centres" 2 data --effects shift,gain,hidden,residual --preset fast --budget 30000
 same "joint, Bonn" "2 3" small.btf --preset fast
-same "joint, more ranks than views" $more_ranks data --preset fast --effects shift,gain,residual
+same "joint, more ranks than views" $more_ranks data --preset fast
 same "joint, samples on disk" 2 data --preset fast --memory "$(least_memory data --preset fast)"
 same "joint, Bonn, samples made when needed" 2 small.btf --preset fast --memory "$(least_memory small.btf --preset fast)"
 same "paper, folder" "2 3" data --method paper
 same "paper, archive, levels" 2 data.zip --method paper --levels 2
 same "paper, Bonn" 2 small.btf --method paper
-same "factors, levels" 2 data --method factors --levels all
-same "factors, Bonn, samples made when needed" 2 small.btf --method factors \
-    --memory "$(least_memory small.btf --method factors)"
-expect_text "factors: that ranks share little is said" "factors: the analysis is not split" <(on_ranks 2 data --method factors -o r.btf.exr 2>&1)
+expect_text "joint: that ranks share little is said" "joint: the analysis is not split" <(on_ranks 2 data -o r.btf.exr 2>&1)
 expect_that "no scratch file stays" nothing_left none
 
 # The report knows of the ranks; the tables come once.
-expect "a report" 0 on_ranks 2 data -o r.btf.exr --preset fast --report r.json
+expect "a report" 0 on_ranks 2 data -o r.btf.exr --method paper --report r.json
 expect_that "its numbers" python3 -c '
 import json
 r = json.load(open("r.json"))
 b = r["between_ranks"]
 assert r["ranks"] == 2
-joint = [v for stage, v in b.items() if stage.startswith("joint")]
-assert sum(v["received"] for v in joint) > 1000 and sum(v["meetings"] for v in joint) > 10, b
+assert b["fit"]["received"] > 1000 and sum(v["meetings"] for v in b.values()) > 10, b
 assert b["read"]["meetings"] >= 1 and b["measure"]["received"] > 0, b'
 expect_that "one table" test "$(grep -c 'Table 2' out)" = 1
 
@@ -119,7 +113,7 @@ expect_that "nothing is written then" nothing_left x.btf.exr
 
 # Killed: with SIGKILL one of the ranks, with SIGTERM all. Rank 0 has it done once it has kept a step: it is a child of
 # mpirun, and so is rank 1.
-kept=(data --preset fast --effects shift,gain,residual -o x.btf.exr -q --checkpoint steps)
+kept=(data --method paper -o x.btf.exr -q --checkpoint steps)
 cat >kill_ranks <<'S'
 mpirun=$(awk '/^PPid/ { print $2 }' /proc/$PPID/status)
 ranks=$(cat /proc/$mpirun/task/$mpirun/children)
@@ -139,7 +133,7 @@ expect_that "no scratch file after it" test -z "$(find tmp -name 'btf-scratch-*'
 expect_that "the checkpoint is there" test -n "$(ls steps)"
 btf-encode "${kept[@]}" --resume && mv x.btf.exr alone.btf.exr
 expect_that "one process goes on from there, nothing half stays" nothing_left x.btf.exr
-btf-encode data --preset fast --effects shift,gain,residual -o whole.btf.exr -q
+btf-encode data --method paper -o whole.btf.exr -q
 expect_that "with the bytes of an uninterrupted run" cmp whole.btf.exr alone.btf.exr
 kill_one TERM rank
 expect_that "SIGTERM to one rank ends the job with 130 ($code)" test "$code" = 130

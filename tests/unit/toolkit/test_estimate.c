@@ -23,12 +23,11 @@ typedef struct recorded {
 typedef struct recording {
     const char *name;
     enc_extent extent;
-    int preset;
     recorded stages[16];
 } recording;
 
-/* Core seconds of `btf-encode --threads 1 --report` on btf-sample's bricks, one run each on a machine that
- * others used too; of the last two, those outside the joint method are split by the clock. */
+/* Core seconds of `btf-encode --preset fast --threads 1 --report` on btf-sample's bricks, one run each on a
+ * machine that others used too. */
 static const recording recordings[] = {
     {"32x32 texels, 25 directions",
      {.width = 32,
@@ -37,18 +36,15 @@ static const recording recordings[] = {
       .n_lights = 25,
       .origin = ENC_ORIGIN_IMAGES,
       .pixels = 640000},
-     ENC_JOINT_MEDIUM,
-     {{"read", 0.046, 1},
-      {"joint: survey", 0.013, 1},
-      {"joint: start", 0.259, 1},
-      {"joint: candidates", 2.937, 1},
-      {"joint: rounds", 1.135, 1},
-      {"joint: centres", 0.152, 1},
-      {"joint: codes", 0.183, 1},
+     {{"read", 0.035, 1},
+      {"factorise", 0.106, 1},
+      {"cross-validate", 0.063, 1},
+      {"round factors", 0.012, 1},
       {"pack", 0.001, 1},
-      {"measure", 0.172, 1},
-      {"effect errors", 0.407, 1},
-      {"save", 0.022, 1}}},
+      {"measure", 0.071, 1},
+      {"effect errors", 0.176, 1},
+      {"leave one out", 0.265, 1},
+      {"save", 0.005, 1}}},
     {"64x64 texels, 81 directions",
      {.width = 64,
       .height = 64,
@@ -56,42 +52,36 @@ static const recording recordings[] = {
       .n_lights = 81,
       .origin = ENC_ORIGIN_IMAGES,
       .pixels = 26873856},
-     ENC_JOINT_MEDIUM,
-     {{"read", 2.6, 1},
-      {"joint: survey", 0.2, 1},
-      {"joint: start", 6.9, 1},
-      {"joint: candidates", 30.8, 1},
-      {"joint: rounds", 44.1, 1},
-      {"joint: centres", 4.5, 1},
-      {"joint: codes", 6.4, 1},
-      {"measure", 9.2, 1},
-      {"effect errors", 1.2, 1},
-      {"save", 0.05, 1}}},
+     {{"read", 1.64, 1},
+      {"factorise", 3.302, 1},
+      {"cross-validate", 2.051, 1},
+      {"round factors", 0.239, 1},
+      {"measure", 3.019, 1},
+      {"effect errors", 0.359, 1},
+      {"leave one out", 0.637, 1},
+      {"save", 0.069, 1}}},
     {"128x128 texels, 25 directions",
      {.width = 128,
       .height = 128,
       .n_views = 25,
       .n_lights = 25,
-      .origin = ENC_ORIGIN_JPEG,
+      .origin = ENC_ORIGIN_IMAGES,
       .pixels = 10240000},
-     ENC_JOINT_MEDIUM,
-     {{"read", 0.4, 1},
-      {"joint: survey", 0.06, 1},
-      {"joint: start", 10.1, 1},
-      {"joint: candidates", 36.1, 1},
-      {"joint: rounds", 93.8, 1},
-      {"joint: centres", 7.0, 1},
-      {"joint: codes", 13.4, 1},
-      {"measure", 6.1, 1},
-      {"effect errors", 2.0, 1},
-      {"save", 0.05, 1}}},
+     {{"read", 0.473, 1},
+      {"factorise", 1.861, 1},
+      {"cross-validate", 0.816, 1},
+      {"round factors", 0.318, 1},
+      {"measure", 1.387, 1},
+      {"effect errors", 0.359, 1},
+      {"leave one out", 0.405, 1},
+      {"save", 0.106, 1}}},
 };
 
 /* The planned parts of a recording. */
 static size_t plan(const recording *r, estimate_part *parts) {
     enc_job job = {.levels = 1, .joint = enc_joint_options_default()};
     const enc_context context = {.threads = 1};
-    job.joint.preset = r->preset;
+    job.joint.preset = ENC_PRESET_FAST;
     return enc_cost_parts(&context, &job, &r->extent, parts);
 }
 
