@@ -13,6 +13,21 @@
 
 enum { ENC_STORE_TIERS = 3, ENC_STORE_WORDS = 4, ENC_STORE_MOST_WORD = 16 };
 
+/* A class of factors (FORMAT.md section 3): how many bits the codes of w and u have, and how they share words
+ * and texels. */
+typedef struct enc_factor_class {
+    int bits_w, bits_u;
+    size_t word;       /* components a word of 32 bits of w; a unit has four words */
+    uint32_t u_texels; /* texels of u a unit */
+    size_t tier;       /* of the views' factors */
+    int shift;         /* of the sum over a word or a whole unit before it becomes a float */
+    int top_w,
+        top_u;    /* the largest level; -top .. top in steps of 2, of 1 with a zero where the class is 0 */
+    double error; /* that rounding leaves, over the energy of a component: for those who encode */
+} enc_factor_class;
+
+extern const enc_factor_class enc_factor_classes[BTF_FACTOR_CLASSES];
+
 /* Codes as the textures hold them. All zeros: there are none. */
 typedef struct enc_factor_store {
     uint32_t classes[BTF_FACTOR_CLASSES][3]; /* units, words of C1, words of C2 */
