@@ -34,7 +34,8 @@ static const double per_split = 1.2e-9, per_product = 0.025e-9, per_square = 0.0
 /* of what comes after the analysis. */
 static const double per_measured = 8e-9, per_measured_component = 0.17e-9, per_measured_lobe = 6e-9,
                     per_ssim = 8e-9, per_evaluation = 0.25e-6, per_left_out = 0.4e-6, per_packed = 30e-9,
-                    per_saved = 800e-9, per_filtered = 2e-9;
+                    per_saved = 800e-9, per_filtered = 2e-9, per_factor_evaluation = 0.1e-6,
+                    per_factor_left_out = 0.25e-6, per_factor_saved = 200e-9;
 
 /* A list under construction. */
 typedef struct list {
@@ -183,17 +184,18 @@ size_t enc_cost_parts(const enc_context *context, const enc_job *job, const enc_
     add(&l, ENC_STAGE_PACK, c.points * per_packed);
     add(&l, "measure", c.samples * (steps * sample + per_ssim));
     add(&l, "effect errors",
-        fmin(c.samples / 6, EFFECT_ERROR_SAMPLES) * per_evaluation *
-            (found.factors ? 1 : 1 + 0.02 * found.components));
+        fmin(c.samples / 6, EFFECT_ERROR_SAMPLES) *
+            (found.factors ? per_factor_evaluation : per_evaluation * (1 + 0.02 * found.components)));
     add(&l, "leave one out",
         fmin(c.texels, ENC_LEFT_OUT_TEXELS) *
-            (3 * ENC_LEFT_OUT_PAIRS * per_left_out * (1 + 0.02 * found.components) +
+            (3 * ENC_LEFT_OUT_PAIRS *
+                 (found.factors ? per_factor_left_out : per_left_out * (1 + 0.02 * found.components)) +
              3 * c.views * c.lights * fetch));
     if (levels > 1)
         add(&l, "measure levels", further(levels) * c.samples * (sample + per_filtered + fetch));
     if (job->pictures)
         add(&l, "pictures", c.points * (REPORTED_EFFECTS * sample + 1e-6));
-    add(&l, ENC_STAGE_SAVE, c.points * per_saved);
+    add(&l, ENC_STAGE_SAVE, c.points * (found.factors ? per_factor_saved : per_saved));
     return l.count;
 }
 
