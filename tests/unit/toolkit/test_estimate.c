@@ -128,7 +128,7 @@ static void test_recordings(void **state) {
         const recording *r = &recordings[i];
         estimate_part parts[ESTIMATE_PARTS];
         const size_t count = plan(r, parts);
-        for (double speed = 1; speed <= 16; speed *= 4) {
+        for (double speed = 4; speed <= 64; speed *= 4) { /* too short to tell on a fast machine */
             double left[3];
             play(r, parts, count, speed, left);
             for (int mark = 0; mark < 3; mark++) {
