@@ -4,13 +4,13 @@
  */
 #include "decoder/toolkit/file.h"
 #include "decoder/toolkit/progress.h"
-#include "decoder/toolkit/reference_view.h"
 #include "encoder/base/stage.h"
 #include "encoder/between/blend.h"
 #include "encoder/between/decode.h"
 #include "encoder/data/images.h"
 #include "encoder/input/bonn_file.h"
 #include "encoder/input/options.h"
+#include "encoder/model/evaluated_images.h"
 #include "encoder/report/between.h"
 #include "encoder/report/leave_one_out.h"
 #include "encoder/report/metrics.h"
@@ -106,14 +106,22 @@ static const cli_program program = {
     .max_arguments = 2,
 };
 
-/* One of the two sides: one of the three pointers is set. */
+/* One of the two sides: one of the first three pointers is set. */
 typedef struct side {
     const char *path;
     btf_material *material;
     enc_data *data;
     enc_pairs *pairs;
-    enc_reference_images reference;
+    enc_evaluator *evaluator; /* of the material, made when its images are asked for */
+    enc_evaluated_images images;
 } side;
+
+static btf_ref_options decoding(void) {
+    return (btf_ref_options){.effects = o.effects,
+                             .components = UINT32_MAX,
+                             .interpolation = o.interpolation == ENC_INTERPOLATE_NEAREST ? BTF_REF_NEAREST
+                                                                                         : BTF_REF_LINEAR};
+}
 
 static btf_result open_side(const enc_context *context, side *s, bool as_pairs) {
     enc_image_set set = as_pairs ? ENC_SET_PAIRS : ENC_SET_GRID;
@@ -168,14 +176,13 @@ static btf_result images_of(const enc_context *context, side *s, const side *oth
         return enc_fail(context, BTF_ERROR_BAD_FILE, "%s has %u x %u texels, %s has %d x %d", s->path,
                         info.width, info.height, other->path, shape->width, shape->height);
     }
-    s->reference.shape = shape;
-    s->reference.options =
-        (btf_ref_options){.effects = o.effects,
-                          .components = UINT32_MAX,
-                          .interpolation = o.interpolation == ENC_INTERPOLATE_NEAREST ? BTF_REF_NEAREST
-                                                                                          : BTF_REF_LINEAR};
-    reference_view(s->material, 0, &s->reference.material);
-    *out = enc_reference_image_source(&s->reference);
+    btf_result result = enc_evaluator_create(context, s->material, 0, &s->evaluator);
+    if (result != BTF_OK) {
+        return result;
+    }
+    s->images =
+        (enc_evaluated_images){.shape = shape, .evaluator = s->evaluator, .options = decoding()};
+    *out = enc_evaluated_image_source(&s->images);
     return BTF_OK;
 }
 
@@ -281,14 +288,14 @@ static btf_result compare_grids(const enc_context *context, side *a, side *b) {
 
 /* A material at pairs. */
 typedef struct decoded {
-    btf_ref_material material;
+    const enc_evaluator *evaluator;
     btf_ref_options options;
 } decoded;
 
 static btf_result decoded_pairs(const enc_context *context, const void *user, const enc_pair *pairs,
                                 size_t count, float *out) {
     const decoded *d = user;
-    return enc_decode_pairs(context, &d->material, &d->options, pairs, count, out);
+    return enc_decode_pairs(context, d->evaluator, &d->options, pairs, count, out);
 }
 
 static btf_result blended_pairs(const enc_context *context, const void *user, const enc_pair *pairs,
@@ -322,16 +329,13 @@ static btf_result measure_pairs(const enc_context *context, const side *a, const
     return result;
 }
 
-static btf_result compare_pairs(const enc_context *context, const side *a, const side *b) {
-    const side *truth = b->pairs ? b : a, *model = b->pairs ? a : b;
+static btf_result compare_pairs(const enc_context *context, side *a, side *b) {
+    const side *truth = b->pairs ? b : a;
+    side *model = b->pairs ? a : b;
     enc_direction views[BTF_MAX_DIRECTIONS], lights[BTF_MAX_DIRECTIONS];
     enc_data material_shape;
     const enc_data *shape = model->data ? model->data : &material_shape;
     enc_blend *blend = NULL;
-    decoded d = {.options = {.effects = o.effects,
-                             .components = UINT32_MAX,
-                             .interpolation = o.interpolation == ENC_INTERPOLATE_NEAREST ? BTF_REF_NEAREST
-                                                                                         : BTF_REF_LINEAR}};
     if (model->pairs) {
         return enc_fail(context, BTF_ERROR_USAGE,
                         "%s and %s are both single images: one of the two has to be a data set or a material",
@@ -339,9 +343,12 @@ static btf_result compare_pairs(const enc_context *context, const side *a, const
     }
     if (model->material) {
         shape_of(model->material, &material_shape, views, lights);
-        reference_view(model->material, 0, &d.material);
     }
     btf_result result = check_sizes(context, model, truth, shape);
+    if (result == BTF_OK && model->material) {
+        result = enc_evaluator_create(context, model->material, 0, &model->evaluator);
+    }
+    const decoded d = {model->evaluator, decoding()};
     if (result == BTF_OK && model->data) {
         result = enc_blend_create(context, model->data, (enc_interpolation)o.interpolation, &blend);
     }
@@ -452,6 +459,8 @@ int main(int argc, char **argv) {
     if (result == BTF_ERROR_INTERRUPTED) {
         cli_error(&program, result, "interrupted");
     }
+    enc_evaluator_destroy(&a.evaluator);
+    enc_evaluator_destroy(&b.evaluator);
     btf_material_close(&a.material);
     btf_material_close(&b.material);
     enc_data_destroy(&a.data);

@@ -4,35 +4,43 @@
  */
 #include "decode.h"
 
-static btf_ref_neighbours look_up(const uint16_t *table, uint32_t grid, const float direction[3]) {
-    int32_t q[2];
-    btf_ref_project(direction, q);
-    return btf_ref_lookup(table, grid, q);
+#include <stdlib.h>
+
+/* A texel at all pairs: out[pair][texel][3]. */
+static void decode_texel(enc_evaluated_texel *texel, const btf_ref_options *options, const enc_pair *pairs,
+                         const enc_evaluated_neighbours *around, size_t count, size_t texels, float *out) {
+    for (size_t p = 0; p < count; p++) {
+        const enc_evaluated_at at = {&around[p].lights, &around[p].views, pairs[p].light.xyz,
+                                     pairs[p].view.xyz};
+        enc_evaluate(texel, options, &at, &options->components, 1, (float(*)[3])(out + 3 * p * texels));
+    }
 }
 
-static void decode_row(const btf_ref_material *m, const btf_ref_options *options, const enc_pair *pair,
-                       uint32_t row, float *out) {
-    const btf_ref_neighbours views = look_up(m->view_table, m->view_grid, pair->view.xyz);
-    const btf_ref_neighbours lights = look_up(m->light_table, m->light_grid, pair->light.xyz);
-    for (uint32_t column = 0; column < m->width; column++, out += 3)
-        btf_ref_evaluate_neighbours(m, options, column, row, &lights, &views, pair->light.xyz,
-                                    pair->view.xyz, out);
-}
-
-btf_result enc_decode_pairs(const enc_context *context, const btf_ref_material *material,
+btf_result enc_decode_pairs(const enc_context *context, const enc_evaluator *evaluator,
                             const btf_ref_options *options, const enc_pair *pairs, size_t count,
                             float *out) {
-    const size_t rows = count * material->height;
-    btf_result result = BTF_OK;
-#pragma omp parallel for schedule(dynamic, 8) num_threads(context->threads)
-    for (size_t i = 0; i < rows; i++) {
-        if (enc_cancelled(context)) {
+    const btf_ref_material *m = enc_evaluator_reference(evaluator);
+    const size_t texels = (size_t)m->width * m->height;
+    enc_evaluated_neighbours *around = malloc(count * sizeof *around);
+    btf_result result = around ? BTF_OK : BTF_ERROR_MEMORY;
+    for (size_t p = 0; around && p < count; p++)
+        around[p] = enc_evaluated_look_up(evaluator, pairs[p].light.xyz, pairs[p].view.xyz);
+#pragma omp parallel num_threads(context->threads)
+    {
+        enc_evaluated_texel *texel = result == BTF_OK ? enc_evaluated_texel_create(evaluator, 0) : NULL;
+#pragma omp for schedule(dynamic, 8)
+        for (size_t t = 0; t < texels; t++) {
+            const bool cancelled = enc_cancelled(context);
+            if (cancelled || !texel) {
 #pragma omp atomic write
-            result = BTF_ERROR_INTERRUPTED;
-            continue;
+                result = cancelled ? BTF_ERROR_INTERRUPTED : BTF_ERROR_MEMORY;
+                continue;
+            }
+            enc_evaluated_texel_move(texel, t);
+            decode_texel(texel, options, pairs, around, count, texels, out + 3 * t);
         }
-        decode_row(material, options, &pairs[i / material->height], (uint32_t)(i % material->height),
-                   out + i * material->width * 3);
+        enc_evaluated_texel_destroy(&texel);
     }
+    free(around);
     return result;
 }

@@ -10,6 +10,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { CHANNELS = ENC_FACTOR_CHANNELS };
 
@@ -205,6 +206,22 @@ static btf_result fit_texels(const level_fit *fit, uint32_t *out) {
     return result == BTF_ERROR_MEMORY ? enc_fail(fit->context, result, "levels: out of memory") : result;
 }
 
+/* A level has no match: every texel is its own source, with the gain that is nearest to 1. */
+static bool fill_points(const enc_solution *base, enc_solution *level) {
+    const size_t points = enc_solution_texels(level) * (size_t)level->n_views;
+    if (!base->shift)
+        return true;
+    int code = 0;
+    for (int i = 1; i < 16; i++)
+        if (fabsf(enc_solution_gain(base, i) - 1) < fabsf(enc_solution_gain(base, code) - 1))
+            code = i;
+    level->shift = calloc(points, 2 * sizeof *level->shift);
+    level->gain = malloc(points);
+    if (level->gain)
+        memset(level->gain, code, points);
+    return level->shift && level->gain;
+}
+
 btf_result enc_factors_level(const enc_context *context, const enc_data *data, const enc_solution *base,
                              enc_solution *out_solution) {
     level_fit fit = {.context = context, .data = data, .base = base};
@@ -212,8 +229,9 @@ btf_result enc_factors_level(const enc_context *context, const enc_data *data, c
     uint32_t *texels =
         calloc((size_t)base->factors.layers * enc_data_texel_count(data), ENC_STORE_WORDS * sizeof *texels);
     out_solution->factors.texels = texels;
-    btf_result result =
-        texels ? prepare(&fit) : enc_fail(context, BTF_ERROR_MEMORY, "levels: out of memory");
+    btf_result result = texels && fill_points(base, out_solution)
+                            ? prepare(&fit)
+                            : enc_fail(context, BTF_ERROR_MEMORY, "levels: out of memory");
     if (result == BTF_OK)
         result = fit_texels(&fit, texels);
     clear_fit(&fit);

@@ -36,6 +36,41 @@ ENC_FACTOR_CLONES static void split_profile(size_t n, const float *restrict rgb,
     }
 }
 
+/* Adds the channels of samples times `gain`. */
+ENC_FACTOR_CLONES static void add_profile(size_t n, float gain, const float *restrict rgb, float *restrict y,
+                                          float *restrict c1, float *restrict c2) {
+    const float third = gain * 0.57735027f, half = gain * 0.70710678f, sixth = gain * 0.40824829f;
+    for (size_t i = 0; i < n; i++) {
+        const float r = sqrtf(rgb[i]), g = sqrtf(rgb[n + i]), b = sqrtf(rgb[2 * n + i]);
+        y[i] += third * ((r + g) + b);
+        c1[i] += half * (r - b);
+        c2[i] += sixth * ((r - g) + (b - g));
+    }
+}
+
+void enc_factor_split_profile(const enc_factor_matrix *m, size_t texel, size_t view, float *const out[3]) {
+    const size_t lights = (size_t)m->data->n_lights;
+    const float *rgb = m->data->samples + texel * enc_data_texel_stride(m->data) + view * 3 * lights;
+    split_profile(lights, rgb, out[0], out[1], out[2]);
+}
+
+/* The row of a source: what the texels that refer to it hold, times their gains. */
+static void gather_row(const enc_factor_matrix *m, size_t source, float *const out[3]) {
+    const enc_match *match = m->match;
+    const size_t lights = (size_t)m->data->n_lights, stride = enc_data_texel_stride(m->data);
+    for (int c = 0; c < 3; c++) {
+        memset(out[c], 0, m->columns * sizeof(float));
+    }
+    for (size_t v = 0; v < match->views; v++) {
+        const size_t i = source * match->views + v, at = v * lights;
+        for (uint32_t k = match->first[i]; k < match->first[i + 1]; k++) {
+            const size_t texel = match->user[k];
+            add_profile(lights, enc_match_gain(match, v, texel), m->data->samples + texel * stride + 3 * at,
+                        out[0] + at, out[1] + at, out[2] + at);
+        }
+    }
+}
+
 void enc_factor_split(const enc_factor_matrix *m, size_t count, const float *samples, float *const out[3]) {
     const size_t lights = (size_t)m->data->n_lights, profiles = count * (size_t)m->data->n_views;
     for (size_t i = 0; i < profiles; i++) {
@@ -49,6 +84,13 @@ void enc_factor_split(const enc_factor_matrix *m, size_t count, const float *sam
 static btf_result load_run(const enc_factor_matrix *m, size_t first, size_t count, float *buffer,
                            float *const out[3]) {
     const float *samples;
+    if (m->match) {
+        for (size_t i = 0; i < count; i++) {
+            gather_row(m, first + i,
+                       (float *const[3]){out[0] + i * m->columns, out[1] + i * m->columns, out[2] + i * m->columns});
+        }
+        return enc_cancelled(m->context) ? BTF_ERROR_INTERRUPTED : BTF_OK;
+    }
     const btf_result result = enc_cancelled(m->context)
                                   ? BTF_ERROR_INTERRUPTED
                                   : enc_data_texels(m->context, m->data, first, count, buffer, &samples);

@@ -17,12 +17,16 @@
 #include "classes.h"
 #include "encoder/data/data.h"
 #include "encoder/math/gemm.h"
+#include "match.h"
 
 #include <stdint.h>
 
 typedef struct enc_factor_matrix {
     const enc_context *context;
     const enc_data *data;
+    /* NULL, or: rows are those of sources, each the sum of what the texels that refer to it hold times their gains. It
+     * takes samples in memory. */
+    const enc_match *match;
     size_t texels, columns;
     const uint32_t *list; /* [texels] of the data, where the rows are some of them; NULL: all */
     enc_gemm_tile tile;
@@ -53,6 +57,10 @@ btf_result enc_factor_residual(const enc_factor_matrix *matrix, const enc_factor
 /* The channels of `count` texels whose samples begin at `samples`: out[channel] [count][columns]. */
 void enc_factor_split(const enc_factor_matrix *matrix, size_t count, const float *samples,
                       float *const out[ENC_FACTOR_CHANNELS]);
+
+/* The channels of a texel in one view: out[channel] [n_lights]. Samples must be in memory. */
+void enc_factor_split_profile(const enc_factor_matrix *matrix, size_t texel, size_t view,
+                              float *const out[ENC_FACTOR_CHANNELS]);
 
 /* Bytes that a product takes at most beside the factors and the result, for factors of `rank` components in
  * all. */

@@ -39,8 +39,56 @@ static void add_errors(size_t n, const float *samples, const float *rgb, enc_fac
 typedef struct decoder {
     const enc_factor_matrix *matrix;
     const enc_factor_codes *codes;
-    const float *packed_w[ENC_FACTOR_CHANNELS];
+    const float *packed_w[ENC_FACTOR_CHANNELS]; /* of all columns; with a match, view by view */
 } decoder;
+
+/* Panels that w is packed in. */
+static size_t panels_of_w(const decoder *d) {
+    return d->matrix->match ? d->codes->views * enc_gemm_panels(d->codes->lights, ENC_GEMM_N)
+                            : enc_gemm_panels(d->matrix->columns, ENC_GEMM_N);
+}
+
+static void pack_w(const decoder *d, int c, float *packed) {
+    const enc_factor_channel *channel = &d->codes->channel[c];
+    const size_t columns = d->matrix->columns, lights = d->codes->lights, rank = channel->rank;
+    const size_t run = d->matrix->match ? lights : columns;
+    for (size_t at = 0; at < columns; at += run) {
+        enc_gemm_pack_columns(run, rank, channel->w + at, columns, ENC_GEMM_N, packed);
+        packed += enc_gemm_panels(run, ENC_GEMM_N) * ENC_GEMM_N * rank;
+    }
+}
+
+/* u of the sources of texels in one view, times their gains. */
+static void gather_u(const decoder *d, int c, size_t view, size_t first, size_t count, float *left) {
+    const enc_match *match = d->matrix->match;
+    const enc_factor_channel *channel = &d->codes->channel[c];
+    memset(left, 0, enc_gemm_panels(count, ENC_GEMM_M) * ENC_GEMM_M * channel->rank * sizeof *left);
+    for (size_t i = 0; i < count; i++) {
+        const size_t source = match->source[view * match->texels + first + i];
+        const float gain = enc_match_gain(match, view, first + i), *u = channel->u + source;
+        float *to = left + i / ENC_GEMM_M * ENC_GEMM_M * channel->rank + i % ENC_GEMM_M;
+        for (size_t j = 0; j < channel->rank; j++) {
+            to[j * ENC_GEMM_M] = gain * u[j * match->texels];
+        }
+    }
+}
+
+/* out [count][columns] of one channel. */
+static void decode_channel(const decoder *d, int c, size_t first, size_t count, float *left, float *out) {
+    const enc_factor_matrix *m = d->matrix;
+    const size_t rank = d->codes->channel[c].rank, lights = d->codes->lights;
+    if (!m->match) {
+        enc_gemm_pack_columns(count, rank, d->codes->channel[c].u + first, m->texels, ENC_GEMM_M, left);
+        enc_gemm_multiply(m->tile, count, m->columns, rank, left, d->packed_w[c], out, m->columns, 0);
+        return;
+    }
+    const size_t panels = enc_gemm_panels(lights, ENC_GEMM_N);
+    for (size_t v = 0; v < d->codes->views; v++) {
+        gather_u(d, c, v, first, count, left);
+        enc_gemm_multiply(m->tile, count, lights, rank, left, d->packed_w[c] + v * panels * ENC_GEMM_N * rank,
+                          out + v * lights, m->columns, 0);
+    }
+}
 
 /* work: left panels [BLOCK][most rank], three blocks, one profile, samples. */
 static btf_result measure_block(const decoder *d, size_t first, size_t count, size_t most, float *work,
@@ -53,10 +101,7 @@ static btf_result measure_block(const decoder *d, size_t first, size_t count, si
                                                         : enc_data_texels(m->context, m->data, first, count,
                                                                           rgb + 3 * lights, &samples);
     for (int c = 0; c < ENC_FACTOR_CHANNELS && result == BTF_OK; c++) {
-        const size_t rank = d->codes->channel[c].rank;
-        enc_gemm_pack_columns(count, rank, d->codes->channel[c].u + first, m->texels, ENC_GEMM_M, left);
-        enc_gemm_multiply(m->tile, count, m->columns, rank, left, d->packed_w[c], blocks + (size_t)c * one,
-                          m->columns, 0);
+        decode_channel(d, c, first, count, left, blocks + (size_t)c * one);
     }
     for (size_t i = 0; i < count * d->codes->views && result == BTF_OK; i++) {
         const float *y = blocks + i * lights;
@@ -94,10 +139,10 @@ btf_result enc_factor_measure(const enc_factor_matrix *m, const enc_factor_codes
     for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
         const size_t rank = codes->channel[c].rank;
         most = rank > most ? rank : most;
-        d.packed_w[c] = packed[c] = enc_gemm_alloc((m->columns + ENC_GEMM_N) * rank);
+        d.packed_w[c] = packed[c] = enc_gemm_alloc(panels_of_w(&d) * ENC_GEMM_N * rank);
         room = room && packed[c];
         if (packed[c]) {
-            enc_gemm_pack_columns(m->columns, rank, codes->channel[c].w, m->columns, ENC_GEMM_N, packed[c]);
+            pack_w(&d, c, packed[c]);
         }
     }
     const size_t buffer = m->data->samples ? 0 : BLOCK * enc_data_texel_stride(m->data);

@@ -1,12 +1,10 @@
-/* The method of factors. See method.h.
+/* Budgets, trials and the solution. See method.h.
  *
  * SPDX-License-Identifier: MIT
  */
 #include "method.h"
 
 #include "factor.h"
-
-#include "decoder/toolkit/progress.h"
 
 #include <math.h>
 #include <openbtf/material.h>
@@ -63,6 +61,17 @@ static btf_result to_solution(const enc_context *context, const enc_data *data, 
                                       .layers = (uint32_t)f->n_u_texels,
                                       .horizon_scale = horizon_scale(data)}};
     memcpy(out->factors.classes, f->classes, sizeof out->factors.classes);
+    if (f->shift) {
+        out->effects |= BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN;
+        out->packed = true;
+        out->gain_scale = 1;
+        out->gain_base = f->gain_base;
+        out->gain_step = f->gain_step;
+        out->shift = f->shift;
+        out->gain = f->gain;
+        f->shift = NULL;
+        f->gain = NULL;
+    }
     out->factors.views = balance_views(f->views, (size_t)data->n_views);
     balance_scales(f->scales, (size_t)f->n_units);
     out->factors.texels = f->texels;
@@ -84,38 +93,51 @@ static double psnr(double mean) {
     return mean > 1e-10 ? -10 * log10(mean) : 100;
 }
 
-/* Bytes of the textures but the tables, as a budget counts them. */
-static uint64_t gpu_bytes(const enc_data *data, const enc_factors *f) {
-    const uint64_t texels = enc_data_texel_count(data);
-    const uint64_t pairs = (uint64_t)data->n_views * (uint64_t)data->n_lights;
-    return 16 * (texels * (uint64_t)f->n_u_texels + pairs * (uint64_t)f->n_units);
+/* Bytes of the textures but the tables, as reports count them. */
+static uint64_t gpu_bytes(const enc_data *data, uint64_t bytes, int n_units) {
+    const uint64_t tables = 16 * ((uint64_t)n_units + ENC_STORE_TIERS * (uint64_t)data->n_views);
+    return bytes > tables ? bytes - tables : 0;
 }
 
-/* One encode by a budget, noted as a trial whose verdict is `left out`. */
+/* Notes the candidates of an encode; *out_kept: the one that was kept. Verdicts of encodes that may yet be
+ * the best are `left out` until all are made. */
+static void note_trials(const enc_data *data, const enc_factors *f, bool measured, enc_factors_stats *stats,
+                        int *out_kept) {
+    for (int i = 0; i < f->n_trials; i++) {
+        const enc_factor_trial *t = &f->trials[i];
+        if (t->kept)
+            *out_kept = stats->trials_count;
+        stats->trials[stats->trials_count++] =
+            (enc_trial){.effects = BTF_EFFECT_RESIDUAL | (t->match ? BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN : 0),
+                        .components = t->n_units,
+                        .gpu_bytes = gpu_bytes(data, t->bytes, t->n_units),
+                        .psnr = measured && !t->given_up ? psnr(t->error.srgb) : NAN,
+                        .core_seconds = t->core_seconds,
+                        .verdict = t->given_up ? "given up after a survey" : "left out"};
+    }
+}
+
+/* One encode by a budget, noted as trials; *out_kept: the one that it kept. */
 static btf_result encode(const enc_context *context, const enc_data *data,
                          const enc_factors_settings *settings, uint64_t budget, enc_factors **out,
-                         enc_factors_stats *stats) {
+                         enc_factors_stats *stats, int *out_kept) {
+    const bool match = settings->effects & BTF_EFFECT_SHIFT;
     const enc_factor_options options = {
         .budget = budget,
         .sweeps = settings->sweeps,
+        .match = settings->choose ? ENC_FACTOR_CHOOSE_MATCH : match ? ENC_FACTOR_MATCH : ENC_FACTOR_NO_MATCH,
+        .gain = settings->choose || settings->effects & BTF_EFFECT_GAIN,
         .tolerance = settings->quality > 0 ? 0 : settings->tolerance, /* a quality has a stop of its own */
         .measure = settings->quality > 0};
-    const double begin = progress_core_clock();
     const btf_result result = enc_factor_encode(context, data, &options, out);
     if (result != BTF_OK)
         return result;
     const enc_factors *f = *out;
     stats->unspent = f->unspent;
-    enc_trial *trial = &stats->trials[stats->trials_count++];
-    *trial = (enc_trial){.effects = BTF_EFFECT_RESIDUAL,
-                         .components = f->n_units,
-                         .gpu_bytes = gpu_bytes(data, f),
-                         .psnr = options.measure ? psnr(f->error.srgb) : NAN,
-                         .core_seconds = progress_core_clock() - begin,
-                         .verdict = "left out"};
-    enc_log(context, BTF_LOG_INFO, "factors: %zu + %zu + %zu components in %d units, %llu bytes",
-            f->components[0], f->components[1], f->components[2], f->n_units,
-            (unsigned long long)trial->gpu_bytes);
+    note_trials(data, f, settings->quality > 0 || settings->choose, stats, out_kept);
+    enc_log(context, BTF_LOG_INFO, "factors: %zu + %zu + %zu components in %d units%s, %llu bytes",
+            f->components[0], f->components[1], f->components[2], f->n_units, f->shift ? " with match" : "",
+            (unsigned long long)gpu_bytes(data, f->bytes, f->n_units));
     return BTF_OK;
 }
 
@@ -132,12 +154,14 @@ static uint64_t next_budget(double low, double low_psnr, double high, double hig
 static btf_result reduce(const enc_context *context, const enc_data *data,
                          const enc_factors_settings *settings, enc_factors **io_best,
                          enc_factors_stats *stats, int *io_best_trial) {
-    double low = (double)enc_factor_least_budget(data->width, data->height, data->n_views, data->n_lights);
+    double low = (double)((*io_best)->match_bytes + enc_factor_least_budget(data->width, data->height,
+                                                                            data->n_views, data->n_lights));
     double low_psnr = NAN, high = (double)(*io_best)->bytes, high_psnr = psnr((*io_best)->error.srgb);
     for (int i = 0; i < ENC_FACTORS_TRIALS && high > 1.01 * low; i++) {
         enc_factors *trial = NULL;
         const uint64_t budget = next_budget(low, low_psnr, high, high_psnr, settings->quality);
-        const btf_result result = encode(context, data, settings, budget, &trial, stats);
+        int kept = 0;
+        const btf_result result = encode(context, data, settings, budget, &trial, stats, &kept);
         if (result != BTF_OK)
             return result;
         const double reached = psnr(trial->error.srgb);
@@ -146,7 +170,7 @@ static btf_result reduce(const enc_context *context, const enc_data *data,
             high_psnr = reached;
             enc_factors_destroy(io_best);
             *io_best = trial;
-            *io_best_trial = stats->trials_count - 1;
+            *io_best_trial = kept;
         } else {
             low = (double)budget;
             low_psnr = reached;
@@ -159,15 +183,18 @@ static btf_result reduce(const enc_context *context, const enc_data *data,
 btf_result enc_factors_solve(const enc_context *context, const enc_data *data,
                              const enc_factors_settings *settings, enc_solution *out_solution,
                              enc_factors_stats *out_stats) {
+    enc_factors_settings now = *settings;
     enc_factors *best = NULL;
     int best_trial = 0;
     *out_solution = (enc_solution){0};
     *out_stats = (enc_factors_stats){0};
-    btf_result result = encode(context, data, settings, settings->budget, &best, out_stats);
+    btf_result result = encode(context, data, &now, now.budget, &best, out_stats, &best_trial);
     if (result == BTF_OK && settings->quality > 0) {
         const double reached = psnr(best->error.srgb);
+        now.choose = false; /* a smaller budget takes what paid at the whole one */
+        now.effects = settings->choose ? out_stats->trials[best_trial].effects : settings->effects;
         if (reached >= settings->quality)
-            result = reduce(context, data, settings, &best, out_stats, &best_trial);
+            result = reduce(context, data, &now, &best, out_stats, &best_trial);
         else
             enc_log(context, BTF_LOG_WARNING, "factors: %.2f dB of %.2f within %llu bytes", reached,
                     settings->quality, (unsigned long long)settings->budget);

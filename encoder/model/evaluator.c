@@ -16,9 +16,12 @@
 #define WIDE
 #endif
 
+/* Texels whose levels are kept at a time: more than the sources in a texel's list of points. */
+enum { SOURCES = 24 };
+
 struct enc_evaluator {
     btf_ref_material reference;
-    bool fast; /* nothing but factors */
+    bool fast; /* nothing but factors, shift and gain */
     bool roots;
     float horizon_scale;
     enc_factor_unit *units;
@@ -31,8 +34,10 @@ struct enc_evaluator {
 struct enc_evaluated_texel {
     const enc_evaluator *evaluator;
     uint32_t column, row;
-    int16_t *u;       /* [component] */
-    int32_t *scratch; /* [component] */
+    size_t source[SOURCES]; /* texels whose levels are known */
+    size_t sources, oldest; /* how many; the one that makes room */
+    int16_t *u;             /* [SOURCES][component] */
+    int32_t *scratch;       /* [component] */
 };
 
 static btf_result load_factors(const enc_context *context, const btf_material *material, uint32_t level,
@@ -69,8 +74,10 @@ btf_result enc_evaluator_create(const enc_context *context, const btf_material *
         return enc_fail(context, BTF_ERROR_MEMORY, "decoding: out of memory");
     btf_result result = btf_material_get_info(material, &info);
     reference_view(material, level, &e->reference);
-    e->fast = info.store == BTF_STORE_FACTORS && info.effects == BTF_EFFECT_RESIDUAL &&
-              info.colour == BTF_COLOUR_NONE;
+    const uint32_t others =
+        info.effects & ~(uint32_t)(BTF_EFFECT_RESIDUAL | BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN);
+    e->fast = info.store == BTF_STORE_FACTORS && others == 0 && info.colour == BTF_COLOUR_NONE &&
+              info.layout == BTF_LAYOUT_TIGHT;
     if (result == BTF_OK && e->fast)
         result = load_factors(context, material, level, &info, e);
     if (result != BTF_OK)
@@ -93,20 +100,34 @@ const btf_ref_material *enc_evaluator_reference(const enc_evaluator *e) {
     return &e->reference;
 }
 
+static btf_ref_neighbours look_up(const uint16_t *table, uint32_t grid, const float direction[3]) {
+    int32_t q[2];
+    btf_ref_project(direction, q);
+    return btf_ref_lookup(table, grid, q);
+}
+
+enc_evaluated_neighbours enc_evaluated_look_up(const enc_evaluator *e, const float light[3],
+                                               const float view[3]) {
+    const btf_ref_material *m = &e->reference;
+    return (enc_evaluated_neighbours){look_up(m->light_table, m->light_grid, light),
+                                      look_up(m->view_table, m->view_grid, view)};
+}
+
+void enc_evaluated_texel_move(enc_evaluated_texel *t, size_t texel) {
+    t->column = (uint32_t)texel % t->evaluator->reference.width;
+    t->row = (uint32_t)texel / t->evaluator->reference.width;
+}
+
 enc_evaluated_texel *enc_evaluated_texel_create(const enc_evaluator *e, size_t texel) {
     enc_evaluated_texel *t = calloc(1, sizeof *t);
     if (!t)
         return NULL;
-    *t = (enc_evaluated_texel){.evaluator = e,
-                               .column = (uint32_t)texel % e->reference.width,
-                               .row = (uint32_t)texel / e->reference.width};
+    t->evaluator = e;
+    enc_evaluated_texel_move(t, texel);
     if (e->fast) {
-        t->u = malloc(e->components * sizeof *t->u);
+        t->u = malloc(SOURCES * e->components * sizeof *t->u);
         t->scratch = malloc(e->components * sizeof *t->scratch);
-        if (t->u && t->scratch)
-            enc_store_texel_levels(e->units, e->n_units, e->texels,
-                                   (size_t)e->reference.width * e->reference.height, texel, t->u);
-        else
+        if (!t->u || !t->scratch)
             enc_evaluated_texel_destroy(&t);
     }
     return t;
@@ -122,12 +143,79 @@ void enc_evaluated_texel_destroy(enc_evaluated_texel **texel) {
     *texel = NULL;
 }
 
-/* out[i] = u[i] * sum over the three lights of weight * w. Sums of a word or unit of these stay below 2^31
+/* Levels of u of a texel, [component]. */
+static const int16_t *levels_of(enc_evaluated_texel *t, size_t source) {
+    const enc_evaluator *e = t->evaluator;
+    for (size_t i = 0; i < t->sources; i++)
+        if (t->source[i] == source)
+            return t->u + i * e->components;
+    const size_t at = t->sources < SOURCES ? t->sources++ : t->oldest;
+    t->oldest = (at + 1) % SOURCES;
+    t->source[at] = source;
+    int16_t *u = t->u + at * e->components;
+    enc_store_texel_levels(e->units, e->n_units, e->texels,
+                           (size_t)e->reference.width * e->reference.height, source, u);
+    return u;
+}
+
+/* How a texel is seen in a view (FORMAT.md section 3). */
+typedef struct point {
+    size_t source;
+    float gain;
+} point;
+
+static size_t shifted(const enc_evaluated_texel *t, int32_t columns, int32_t rows) {
+    const btf_ref_material *m = &t->evaluator->reference;
+    return (size_t)btf_ref_wrap(t->row, rows, m->height) * m->width +
+           btf_ref_wrap(t->column, columns, m->width);
+}
+
+static point packed_point(const enc_evaluated_texel *t, const uint8_t bytes[2], uint32_t effects) {
+    const btf_ref_material *m = &t->evaluator->reference;
+    const uint32_t p = bytes[0] + 256u * bytes[1];
+    const bool shift = effects & BTF_EFFECT_SHIFT;
+    const float above = (float)(p >> 12) * m->gain_step;
+    return (point){
+        shifted(t, shift ? (int32_t)(p & 63) - 32 : 0, shift ? (int32_t)(p >> 6 & 63) - 32 : 0),
+        effects & BTF_EFFECT_GAIN ? m->gain_base + above : 1.0f};
+}
+
+static point point_of(const enc_evaluated_texel *t, uint32_t view, uint32_t effects) {
+    const btf_ref_material *m = &t->evaluator->reference;
+    const size_t at = ((size_t)view * m->height + t->row) * m->width + t->column;
+    if (m->point_lists) {
+        const size_t texels = (size_t)m->width * m->height, own = (size_t)t->row * m->width + t->column;
+        const size_t entry = m->point_indices[view / 2 * texels + own] >> (view % 2 * 4) & 15;
+        return packed_point(t, m->point_lists + 2 * (entry * texels + own), effects);
+    }
+    if (m->points_packed)
+        return packed_point(t, m->points + 2 * at, effects);
+    const uint32_t code = m->effects & BTF_EFFECT_GAIN ? m->gain[at] : BTF_GAIN_ONE;
+    const bool shift = m->effects & effects & BTF_EFFECT_SHIFT && code > 0;
+    const bool gain = m->effects & effects & BTF_EFFECT_GAIN && code > 0;
+    return (point){shift ? shifted(t, (int8_t)m->shift[2 * at], (int8_t)m->shift[2 * at + 1])
+                         : (size_t)t->row * m->width + t->column,
+                   gain ? (float)code * m->gain_scale : 1.0f};
+}
+
+/* The lights of non-zero weight. */
+typedef struct lit {
+    int count;
+    const int16_t *w[3]; /* [component] */
+    int32_t weight[3];
+} lit;
+
+/* out[i] = u[i] * sum over the lights of weight * w. Sums of a word or unit of these stay below 2^31
  * (FORMAT.md section 9), and so does each of them. */
-WIDE static void weigh(size_t count, const int16_t *u, const int16_t *const w[3], const int32_t weight[3],
-                       int32_t *out) {
-    for (size_t i = 0; i < count; i++)
-        out[i] = u[i] * (weight[0] * w[0][i] + weight[1] * w[1][i] + weight[2] * w[2][i]);
+WIDE static void weigh(size_t count, const int16_t *u, const lit *lights, int32_t *out) {
+    const int16_t *const *w = lights->w;
+    const int32_t *weight = lights->weight;
+    if (lights->count == 1)
+        for (size_t i = 0; i < count; i++)
+            out[i] = u[i] * (weight[0] * w[0][i]);
+    else
+        for (size_t i = 0; i < count; i++)
+            out[i] = u[i] * (weight[0] * w[0][i] + weight[1] * w[1][i] + weight[2] * w[2][i]);
 }
 
 WIDE static int32_t sum(size_t count, const int32_t *values) {
@@ -177,9 +265,11 @@ static void residual_of(const sums *s, const float *views, int tier, float r[3])
 }
 
 /* Adds to acc what a view of this weight gives. */
-static void add_view(const enc_evaluator *e, const float r[3], float m, uint32_t weight, float acc[3]) {
+static void add_view(const enc_evaluator *e, const float r[3], float m, float gain, uint32_t weight,
+                     float acc[3]) {
     for (int c = 0; c < 3; c++) {
         float y = r[c] * m;
+        y = y * gain; /* by 1, which changes nothing, without gain */
         if (e->roots) {
             y = fminf(fmaxf(y, -0x1p32f), 0x1p32f);
         } else {
@@ -190,21 +280,29 @@ static void add_view(const enc_evaluator *e, const float r[3], float m, uint32_t
     }
 }
 
+static lit lights_of(const enc_evaluator *e, uint32_t view, const btf_ref_neighbours *lights) {
+    lit out = {0, {e->w, e->w, e->w}, {0, 0, 0}};
+    for (int b = 0; b < 3; b++) {
+        if (lights->weight[b] == 0)
+            continue;
+        out.w[out.count] = e->w + ((size_t)view * e->reference.n_lights + lights->index[b]) * e->components;
+        out.weight[out.count++] = (int32_t)lights->weight[b];
+    }
+    return out;
+}
+
 /* One view: acc[i] of the first components[i] units. */
-static void evaluate_view(const enc_evaluated_texel *t, uint32_t view, uint32_t weight,
+static void evaluate_view(enc_evaluated_texel *t, uint32_t effects, uint32_t view, uint32_t weight,
                           const btf_ref_neighbours *lights, float m, const uint32_t *components,
                           size_t count, float acc[][3]) {
     const enc_evaluator *e = t->evaluator;
     const float *views = e->views + (size_t)view * ENC_STORE_TIERS * 4;
-    const int16_t *w[3];
-    int32_t weights[3];
-    for (int b = 0; b < 3; b++) {
-        w[b] = e->w + ((size_t)view * e->reference.n_lights + lights->index[b]) * e->components;
-        weights[b] = (int32_t)lights->weight[b];
-    }
+    const point seen = point_of(t, view, effects);
+    const int16_t *u = levels_of(t, seen.source);
+    const lit of_view = lights_of(e, view, lights);
     const size_t most = components[0] < e->n_units ? components[0] : e->n_units;
     const enc_factor_unit *last = &e->units[most - 1];
-    weigh(last->first + ENC_STORE_WORDS * (size_t)last->word, t->u, w, weights, t->scratch);
+    weigh(last->first + ENC_STORE_WORDS * (size_t)last->word, u, &of_view, t->scratch);
     sums s = {{0}, {0}};
     int tier = 0;
     size_t next = count; /* the smallest count that is still to come is at next - 1 */
@@ -215,7 +313,7 @@ static void evaluate_view(const enc_evaluated_texel *t, uint32_t view, uint32_t 
         for (; next > 0 && (components[next - 1] == i + 1 || i + 1 == most); next--) {
             float r[3];
             residual_of(&s, views, tier, r);
-            add_view(e, r, m, weight, acc[next - 1]);
+            add_view(e, r, m, seen.gain, weight, acc[next - 1]);
         }
     }
 }
@@ -225,7 +323,7 @@ static float horizon(const enc_evaluator *e, float z) {
     return q >= 1 ? 1.0f : e->reference.domain_sqrt ? btf_ref_pow(q, 0.5f) : q;
 }
 
-static void evaluate_factors(const enc_evaluated_texel *t, const btf_ref_options *options,
+static void evaluate_factors(enc_evaluated_texel *t, const btf_ref_options *options,
                              const enc_evaluated_at *at, const uint32_t *components, size_t count,
                              float out[][3]) {
     const enc_evaluator *e = t->evaluator;
@@ -236,7 +334,8 @@ static void evaluate_factors(const enc_evaluated_texel *t, const btf_ref_options
     memset(out, 0, count * sizeof *out);
     for (int a = 0; a < 3; a++)
         if (views.weight[a] > 0)
-            evaluate_view(t, views.index[a], views.weight[a], &lights, m, components, count, out);
+            evaluate_view(t, options->effects, views.index[a], views.weight[a], &lights, m, components, count,
+                          out);
     for (size_t i = 0; i < count; i++)
         for (int c = 0; c < 3; c++) {
             float x = out[i][c];
@@ -248,10 +347,11 @@ static void evaluate_factors(const enc_evaluated_texel *t, const btf_ref_options
         }
 }
 
-void enc_evaluate(const enc_evaluated_texel *t, const btf_ref_options *options, const enc_evaluated_at *at,
+void enc_evaluate(enc_evaluated_texel *t, const btf_ref_options *options, const enc_evaluated_at *at,
                   const uint32_t *components, size_t count, float out[][3]) {
     const enc_evaluator *e = t->evaluator;
-    if (e->fast && options->effects & BTF_EFFECT_RESIDUAL && components[count - 1] > 0) {
+    const bool above = at->light[2] >= 0x1p-24f && at->view[2] >= 0x1p-24f;
+    if (e->fast && above && options->effects & BTF_EFFECT_RESIDUAL && components[count - 1] > 0) {
         evaluate_factors(t, options, at, components, count, out);
         return;
     }

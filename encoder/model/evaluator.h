@@ -1,8 +1,8 @@
 /* A material decoded at any directions, as often as errors are measured: FORMAT.md section 9 to the bit.
  *
  * The reference decoder takes the codes of factors apart one by one. For materials that have nothing but
- * factors, sums over the levels of all codes are made here in long vectors, and the first units of several
- * counts come from one evaluation; the rest goes to the reference.
+ * factors, shift and gain, sums over the levels of all codes are made here in long vectors, and the first
+ * units of several counts come from one evaluation; the rest goes to the reference.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -23,22 +23,31 @@ void enc_evaluator_destroy(enc_evaluator **evaluator);
 
 const btf_ref_material *enc_evaluator_reference(const enc_evaluator *evaluator);
 
-/* The levels of a texel's codes, which evaluations of it share; one thread at a time. */
+/* A texel, and the levels of the codes of its sources, which evaluations share; one thread at a time. */
 typedef struct enc_evaluated_texel enc_evaluated_texel;
 
 /* NULL when out of memory. */
 enc_evaluated_texel *enc_evaluated_texel_create(const enc_evaluator *evaluator, size_t texel);
+/* To another texel of the same level: levels that are known stay known. */
+void enc_evaluated_texel_move(enc_evaluated_texel *evaluated, size_t texel);
 void enc_evaluated_texel_destroy(enc_evaluated_texel **texel);
 
-/* Two directions above the horizon, and what stands around them. */
+/* Two directions, and what stands around them. */
 typedef struct enc_evaluated_at {
     const btf_ref_neighbours *lights, *views;
     const float *light, *view; /* [3] */
 } enc_evaluated_at;
 
+/* The neighbours of a light and of a view of unit length. */
+typedef struct enc_evaluated_neighbours {
+    btf_ref_neighbours lights, views;
+} enc_evaluated_neighbours;
+enc_evaluated_neighbours enc_evaluated_look_up(const enc_evaluator *evaluator, const float light[3],
+                                               const float view[3]);
+
 /* Radiance with options.effects, options.interpolation, and each of components[0 .. count - 1], which fall;
  * options.components is not read. */
-void enc_evaluate(const enc_evaluated_texel *texel, const btf_ref_options *options,
+void enc_evaluate(enc_evaluated_texel *texel, const btf_ref_options *options,
                   const enc_evaluated_at *at, const uint32_t *components, size_t count, float out[][3]);
 
 #endif

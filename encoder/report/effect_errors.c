@@ -185,7 +185,7 @@ static void look_up_pair(const job *j, const float *profiles, pair *p) {
 
 /* One texel under a pair of directions for each kind: adds squared errors, linear and sRGB-coded, of each
  * row: sum[row][cell][2]. */
-static void measure_pair(const job *j, const enc_evaluated_texel *texel, const pair pairs[KINDS],
+static void measure_pair(const job *j, enc_evaluated_texel *texel, const pair pairs[KINDS],
                          double *sum) {
     for (size_t w = 0; w < j->n_variants; w++) {
         const variant *v = &j->variants[w];

@@ -84,7 +84,7 @@ static void interpolate(const enc_data *data, const float *samples, const pair *
 }
 
 /* One sample, predicted: sum[0..1] of the data, sum[2..3] of the material. */
-static void measure_pair(const job *j, const enc_evaluated_texel *texel, const float *samples,
+static void measure_pair(const job *j, enc_evaluated_texel *texel, const float *samples,
                          const pair *p, double *sum) {
     static const uint32_t all = UINT32_MAX;
     static const btf_ref_options everything = {.effects = BTF_EFFECT_ALL,
@@ -119,7 +119,7 @@ static pair pick_pair(const job *j, size_t cell, uint64_t seed) {
 }
 
 /* One texel in one pair of bands: sums[left out][SUMS]. */
-static void measure_cell(const job *j, const enc_evaluated_texel *texel, const float *samples, size_t cell,
+static void measure_cell(const job *j, enc_evaluated_texel *texel, const float *samples, size_t cell,
                          uint64_t seed, double *sums, size_t stride) {
     const pool *views = &j->views[cell / (size_t)j->light_bands];
     const pool *lights = &j->lights[cell % (size_t)j->light_bands];

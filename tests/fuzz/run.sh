@@ -55,6 +55,6 @@ code=$?
 units=$(sed -n 's/^stat::number_of_executed_units: *//p' "$folder/log")
 core=$(awk '/^(user|sys)/ { split($2, t, /[ms]/); s += 60 * t[1] + t[2] } END { printf "%.0f", s }' "$folder/log")
 echo "TITLE | libFuzzer on each target, under AddressSanitizer and UBSan."
-echo "CASE | $target: libFuzzer for $seconds s | nothing found | ${units:-no} runs, $core core s | $([ $code = 0 ] && echo pass || echo FAIL)"
+echo "CASE | $target: libFuzzer | nothing found | ${units:-no} runs in $seconds s, $core core s | $([ $code = 0 ] && echo pass || echo FAIL)"
 grep -E '#[0-9]+.*(DONE|INITED)|^stat::|ERROR|SUMMARY|not so|^(real|user|sys)' "$folder/log" | tail -20
 [ $code = 0 ]

@@ -5,7 +5,6 @@
 #include "between.h"
 
 #include "encoder/base/stage.h"
-#include "encoder/between/decode.h"
 #include "encoder/between/left_out.h"
 #include "encoder/math/srgb.h"
 #include "encoder/report/metrics.h"
@@ -160,26 +159,24 @@ static void sum_up(const enc_error_sum *parts, size_t count, double out[2]) {
 /* Materials.
  * ------------------------------------------------------------------------------------------------ */
 
-/* The image of a pair that is left out, decoded from the other directions. */
-static void decode_left(const bench_between *b, const btf_ref_material *material,
+/* The image of a pair: at the truth's directions, or one that is left out, decoded from the others. */
+static void decode_pair(const bench_between *b, bench_between_set set, const btf_ref_material *material,
                         const btf_ref_options *options, size_t p, float *out) {
-    const enc_pair *pair = &b->estimate.pair[p];
+    const enc_pair *pair = &truth_of(b, set)->pair[p];
+    const float *light = pair->light.xyz, *view = pair->view.xyz;
+    const btf_ref_neighbours *lights = NULL, *views = NULL;
+    if (set == BENCH_ESTIMATE) {
+        lights = &b->lights.near[b->left[p].light];
+        views = &b->views.near[b->left[p].view];
+    }
     for (uint32_t row = 0; row < material->height; row++) {
         for (uint32_t column = 0; column < material->width; column++, out += 3) {
-            btf_ref_evaluate_neighbours(material, options, column, row, &b->lights.near[b->left[p].light],
-                                        &b->views.near[b->left[p].view], pair->light.xyz, pair->view.xyz,
-                                        out);
+            if (lights) {
+                btf_ref_evaluate_neighbours(material, options, column, row, lights, views, light, view, out);
+            } else {
+                btf_ref_evaluate_texel(material, options, column, row, light, view, out);
+            }
         }
-    }
-}
-
-static void decode_pair(const bench_between *b, bench_between_set set, const btf_ref_material *material,
-                        const btf_ref_options *options, size_t p, float *image) {
-    const enc_context single = {.threads = 1};
-    if (set == BENCH_ESTIMATE) {
-        decode_left(b, material, options, p, image);
-    } else {
-        enc_decode_pairs(&single, material, options, &b->truth->pair[p], 1, image);
     }
 }
 

@@ -291,12 +291,15 @@ static void test_decoded_pairs(void **state) {
     const btf_ref_options options = {
         .effects = BTF_EFFECT_ALL, .components = UINT32_MAX, .interpolation = BTF_REF_LINEAR};
     const enc_context context = {.threads = 2};
+    enc_evaluator *evaluator = NULL;
     enc_pair pair[COUNT];
     float images[COUNT][3 * W * H];
     for (int i = 0; i < COUNT; i++)
         pair[i] = (enc_pair){.light = enc_direction_from_angles(angles[i][0], angles[i][1]),
                              .view = enc_direction_from_angles(angles[i][2], angles[i][3])};
-    assert_int_equal(enc_decode_pairs(&context, &reference, &options, pair, COUNT, images[0]), BTF_OK);
+    assert_int_equal(enc_evaluator_create(&context, material, 0, &evaluator), BTF_OK);
+    assert_int_equal(enc_decode_pairs(&context, evaluator, &options, pair, COUNT, images[0]), BTF_OK);
+    enc_evaluator_destroy(&evaluator);
     bool bright = false;
     for (int i = 0; i < COUNT; i++)
         for (uint32_t t = 0; t < W * H; t++) {

@@ -61,6 +61,30 @@ static float random_scale(double size) {
     return (float)(size * (0.5 + random_bits() * 0x1p-32));
 }
 
+/* How a texel's shift and gain are stored beside the factors. */
+typedef enum points { NONE, SHIFT_ALONE, SEPARATE, PACKED, LISTS } points;
+
+static void add_points(enc_solution *s, points store) {
+    const size_t count = (size_t)VIEWS * WIDTH * HEIGHT;
+    const uint32_t effects[] = {0, BTF_EFFECT_SHIFT, BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN,
+                                BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN, BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN};
+    s->effects |= effects[store];
+    s->shift = calloc(count, 2);
+    s->gain = calloc(count, 1);
+    s->packed = store == PACKED || store == LISTS;
+    s->point_entries = store == LISTS ? VIEWS : 0;
+    s->gain_scale = 1.0f / 100;
+    s->gain_base = s->packed ? 0.3f : 0;
+    s->gain_step = s->packed ? 0.07f : 0;
+    assert_true(s->shift && s->gain);
+    for (size_t i = 0; i < 2 * count && store != NONE; i++)
+        s->shift[i] = (int8_t)(random_bits() % 64) - 32;
+    for (size_t i = 0; i < count; i++)
+        s->gain[i] = (uint8_t)(s->packed           ? random_bits() % 16
+                               : store == SEPARATE ? 1 + random_bits() % 255
+                                                   : BTF_GAIN_ONE);
+}
+
 /* Every class, with words of chroma in mixed and in whole units. */
 static enc_solution random_solution(btf_domain domain, btf_blend blend) {
     static const uint32_t classes[BTF_FACTOR_CLASSES][3] = {
@@ -202,7 +226,7 @@ static void random_direction(float out[3]) {
     out[2] = (float)z;
 }
 
-/* Every number of units at once; lights below the outermost one as well. */
+/* Every number of units at once, subsets of effects; lights below the outermost one as well. */
 static void check_evaluations(const btf_material *material) {
     static const uint32_t units[] = {UINT32_MAX, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1};
     enum { COUNT = sizeof units / sizeof *units };
@@ -210,9 +234,10 @@ static void check_evaluations(const btf_material *material) {
     int bright = 0;
     assert_int_equal(enc_evaluator_create(&context, material, 0, &e), BTF_OK);
     const btf_ref_material *m = enc_evaluator_reference(e);
+    enc_evaluated_texel *t = enc_evaluated_texel_create(e, 0);
+    assert_non_null(t);
     for (size_t texel = 0; texel < WIDTH * HEIGHT; texel += 5) {
-        enc_evaluated_texel *t = enc_evaluated_texel_create(e, texel);
-        assert_non_null(t);
+        enc_evaluated_texel_move(t, texel);
         for (int n = 0; n < 40; n++) {
             float light[3], view[3], found[COUNT][3];
             random_direction(light);
@@ -220,7 +245,8 @@ static void check_evaluations(const btf_material *material) {
             const btf_ref_neighbours lights = look_up(m->light_table, m->light_grid, light),
                                      views = look_up(m->view_table, m->view_grid, view);
             const enc_evaluated_at at = {&lights, &views, light, view};
-            btf_ref_options options = {.effects = 31, .interpolation = n % 4 > 0};
+            btf_ref_options options = {.effects = n % 3 == 0 ? 31 : 16 | random_bits() % 16,
+                                       .interpolation = n % 4 > 0};
             enc_evaluate(t, &options, &at, units, COUNT, found);
             for (int i = 0; i < COUNT; i++) {
                 float expected[3];
@@ -231,15 +257,16 @@ static void check_evaluations(const btf_material *material) {
                 bright += expected[0] > 0;
             }
         }
-        enc_evaluated_texel_destroy(&t);
     }
+    enc_evaluated_texel_destroy(&t);
     assert_true(bright > 1000);
     enc_evaluator_destroy(&e);
 }
 
-static void check(btf_domain domain, btf_blend blend) {
+static void check(btf_domain domain, btf_blend blend, points store) {
     enc_data *data = make_data();
     enc_solution s = random_solution(domain, blend), back;
+    add_points(&s, store);
     const enc_pack_options options = {.layout = BTF_LAYOUT_TIGHT, .method = "test"};
     btf_material_info info = {.struct_size = sizeof info};
     btf_material *material = NULL;
@@ -267,9 +294,13 @@ static void check(btf_domain domain, btf_blend blend) {
 static void test_material(void **state) {
     (void)state;
     random_state = 1;
-    check(BTF_DOMAIN_SQRT, BTF_BLEND_RADIANCE);
-    check(BTF_DOMAIN_SQRT, BTF_BLEND_ROOTS);
-    check(BTF_DOMAIN_LINEAR, BTF_BLEND_RADIANCE);
+    check(BTF_DOMAIN_SQRT, BTF_BLEND_RADIANCE, NONE);
+    check(BTF_DOMAIN_SQRT, BTF_BLEND_ROOTS, NONE);
+    check(BTF_DOMAIN_LINEAR, BTF_BLEND_RADIANCE, NONE);
+    check(BTF_DOMAIN_SQRT, BTF_BLEND_RADIANCE, SHIFT_ALONE);
+    check(BTF_DOMAIN_SQRT, BTF_BLEND_ROOTS, SEPARATE);
+    check(BTF_DOMAIN_SQRT, BTF_BLEND_ROOTS, PACKED);
+    check(BTF_DOMAIN_SQRT, BTF_BLEND_ROOTS, LISTS);
 }
 
 int main(void) {

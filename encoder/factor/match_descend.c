@@ -1,0 +1,330 @@
+/* Weighted coordinate descent. See match_descend.h.
+ *
+ * A source z has the weight h(z, v) in view v, the sum of the squares of the gains of those who refer to
+ * it. So the Gram matrix that a column of w sees is one a view, U^T diag(h_v) U, and that which a texel of
+ * u sees is one a texel, sum over v of h(z, v) W_v W_v^T: a product of all views' matrices, as rows, with
+ * the weights of a few texels.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "match_descend.h"
+
+#include "levels.h"
+#include "vectors.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    LANES = ENC_GEMM_N, /* columns or texels that are refined together */
+    DEPTH = 512,        /* texels that a view's Gram matrix adds at a time */
+};
+
+static btf_result no_memory(const enc_factor_matrix *m) {
+    return enc_fail(m->context, BTF_ERROR_MEMORY, "match: out of memory for factors");
+}
+
+/* Descent in lanes.
+ * ------------------------------------------------------------------------------------------------ */
+
+/* What the lanes' components are fitted to. */
+typedef struct lanes {
+    const enc_factor_channel *channel;
+    bool round, is_w;
+    const float *steps; /* [rank] */
+    const float
+        *gram; /* one for all lanes: [rank][rank]; one a lane: [pair j (j + 1) / 2 + k, k <= j][LANES] */
+    float *x, *product;            /* [rank][LANES] */
+    float views[ENC_FACTOR_TIERS]; /* factors of the view, 1 for u */
+} lanes;
+
+/* seen = sum over k of gram[k] * x[k], the Gram matrix being that of all lanes. */
+ENC_FACTOR_CLONES static void see_shared(size_t rank, const float *restrict gram, const float *restrict x,
+                                         float *restrict seen) {
+    float sum[LANES] = {0};
+    for (size_t k = 0; k < rank; k++) {
+        for (size_t i = 0; i < LANES; i++) {
+            sum[i] += gram[k] * x[k * LANES + i];
+        }
+    }
+    memcpy(seen, sum, sizeof sum);
+}
+
+/* The same of component j, every lane having a Gram matrix of its own. */
+ENC_FACTOR_CLONES static void see_own(size_t rank, size_t j, const float *restrict gram,
+                                      const float *restrict x, float *restrict seen) {
+    float sum[LANES] = {0};
+    const float *row = gram + j * (j + 1) / 2 * LANES;
+    for (size_t k = 0; k < j; k++) {
+        for (size_t i = 0; i < LANES; i++) {
+            sum[i] += row[k * LANES + i] * x[k * LANES + i];
+        }
+    }
+    for (size_t k = j; k < rank; k++) {
+        const float *g = gram + (k * (k + 1) / 2 + j) * LANES;
+        for (size_t i = 0; i < LANES; i++) {
+            sum[i] += g[i] * x[k * LANES + i];
+        }
+    }
+    memcpy(seen, sum, sizeof sum);
+}
+
+/* A component goes to its best value in all lanes. */
+ENC_FACTOR_CLONES static void settle(bool round, enc_factor_levels levels, float step,
+                                     const float *restrict diagonal, const float *restrict product,
+                                     const float *restrict seen, float *restrict x) {
+    const float per_step = step > 0 ? 1 / step : 0.0f;
+    for (size_t i = 0; i < LANES; i++) {
+        const float inverse = diagonal[i] > 0 ? 1 / diagonal[i] : 0.0f;
+        const float best = x[i] + (product[i] - seen[i]) * inverse;
+        x[i] = round ? step * enc_factor_level(levels, best * per_step) : best;
+    }
+}
+
+static void sweep(const lanes *l) {
+    const size_t rank = l->channel->rank;
+    _Alignas(64) float seen[LANES], diagonal[LANES];
+    for (size_t j = 0; j < rank; j++) {
+        const int class = l->channel->place[j].class;
+        const enc_factor_class *k = &enc_factor_classes[class];
+        if (l->is_w) {
+            see_shared(rank, l->gram + j * rank, l->x, seen);
+            for (size_t i = 0; i < LANES; i++) {
+                diagonal[i] = l->gram[j * rank + j];
+            }
+        } else {
+            see_own(rank, j, l->gram, l->x, seen);
+            memcpy(diagonal, l->gram + (j * (j + 1) / 2 + j) * LANES, sizeof diagonal);
+        }
+        settle(l->round, enc_factor_levels_of(class, l->is_w ? k->top_w : k->top_u),
+               l->steps[j] * l->views[k->tier], diagonal, l->product + j * LANES, seen, l->x + j * LANES);
+    }
+}
+
+/* Lanes first .. first + n - 1 of values and products [rank][count]. */
+static void refine_lanes(const lanes *l, int sweeps, size_t first, size_t n, size_t count,
+                         const float *product, float *values) {
+    const size_t rank = l->channel->rank;
+    memset(l->x, 0, rank * LANES * sizeof(float));
+    memset(l->product, 0, rank * LANES * sizeof(float));
+    for (size_t j = 0; j < rank; j++) {
+        memcpy(l->x + j * LANES, values + j * count + first, n * sizeof(float));
+        memcpy(l->product + j * LANES, product + j * count + first, n * sizeof(float));
+    }
+    for (int s = 0; s < sweeps; s++) {
+        sweep(l);
+    }
+    for (size_t j = 0; j < rank; j++) {
+        memcpy(values + j * count + first, l->x + j * LANES, n * sizeof(float));
+    }
+}
+
+/* Gram matrices.
+ * ------------------------------------------------------------------------------------------------ */
+
+/* Adds the part of a product on and below the diagonal: left and right hold the same rows, packed. */
+static void add_lower(enc_gemm_tile tile, size_t rank, size_t depth, const float *left, const float *right,
+                      float *gram) {
+    for (size_t first = 0; first < rank; first += ENC_GEMM_N, right += ENC_GEMM_N * depth) {
+        const size_t n = rank - first < ENC_GEMM_N ? rank - first : ENC_GEMM_N;
+        const size_t panel = first / ENC_GEMM_M, row = panel * ENC_GEMM_M;
+        enc_gemm_multiply(tile, rank - row, n, depth, left + row * depth, right, gram + row * rank + first,
+                          rank, 1);
+    }
+}
+
+static void mirror(size_t rank, float *gram) {
+    for (size_t j = 0; j < rank; j++) {
+        for (size_t k = j + 1; k < rank; k++) {
+            gram[j * rank + k] = gram[k * rank + j];
+        }
+    }
+}
+
+/* Texels with a weight in a view, `n` of the sources first .. : packed panels of their u, and of u times
+ * weight. */
+static void pack_users(const float *u, size_t rank, size_t texels, size_t n, const uint32_t *source,
+                       const float *weight, float *left, float *right) {
+    memset(left, 0, enc_gemm_panels(rank, ENC_GEMM_M) * ENC_GEMM_M * n * sizeof *left);
+    memset(right, 0, enc_gemm_panels(rank, ENC_GEMM_N) * ENC_GEMM_N * n * sizeof *right);
+    for (size_t j = 0; j < rank; j++) {
+        float *a = left + j / ENC_GEMM_M * ENC_GEMM_M * n + j % ENC_GEMM_M;
+        float *b = right + j / ENC_GEMM_N * ENC_GEMM_N * n + j % ENC_GEMM_N;
+        for (size_t i = 0; i < n; i++) {
+            const float x = u[j * texels + source[i]];
+            a[i * ENC_GEMM_M] = x;
+            b[i * ENC_GEMM_N] = x * weight[i];
+        }
+    }
+}
+
+/* gram = U^T diag(h_v) U. work: two packed blocks. */
+static void gram_of_view(const enc_factor_matrix *m, const enc_factor_channel *channel, size_t view,
+                         float *work, float *gram) {
+    const size_t rank = channel->rank, views = m->match->views;
+    float *left = work, *right = work + (rank + ENC_GEMM_M) * DEPTH / 16 * 16, weight[DEPTH];
+    uint32_t source[DEPTH];
+    size_t n = 0;
+    memset(gram, 0, rank * rank * sizeof *gram);
+    for (size_t z = 0; z < m->texels; z++) {
+        if (m->match->weight[z * views + view] > 0) {
+            source[n] = (uint32_t)z;
+            weight[n++] = m->match->weight[z * views + view];
+        }
+        if (n == DEPTH || (z + 1 == m->texels && n > 0)) {
+            pack_users(channel->u, rank, m->texels, n, source, weight, left, right);
+            add_lower(m->tile, rank, n, left, right, gram);
+            n = 0;
+        }
+    }
+    mirror(rank, gram);
+}
+
+/* w.
+ * ------------------------------------------------------------------------------------------------ */
+
+static void refine_view(const enc_factor_matrix *m, const enc_factor_codes *codes, int c, size_t view,
+                        const float *product, bool round, int sweeps, float *work) {
+    const enc_factor_channel *channel = &codes->channel[c];
+    const size_t rank = channel->rank, block = (rank + ENC_GEMM_N) * DEPTH;
+    float *gram = work + 2 * block;
+    lanes l = {.channel = channel, .round = round, .is_w = true, .steps = channel->step_w, .gram = gram};
+    l.x = gram + (rank * rank + 15) / 16 * 16;
+    l.product = l.x + rank * LANES;
+    for (size_t t = 0; t < ENC_FACTOR_TIERS; t++) {
+        l.views[t] = enc_factor_view(codes, view, t, c);
+    }
+    gram_of_view(m, channel, view, work, gram);
+    for (size_t i = 0; i < codes->lights; i += LANES) {
+        const size_t n = codes->lights - i < LANES ? codes->lights - i : LANES;
+        refine_lanes(&l, sweeps, view * codes->lights + i, n, codes->columns, product, channel->w);
+    }
+}
+
+static bool refine_w(const enc_factor_matrix *m, const enc_factor_codes *codes, int c, const float *product,
+                     bool round, int sweeps) {
+    const size_t rank = codes->channel[c].rank;
+    const size_t each = 2 * (rank + ENC_GEMM_N) * DEPTH + (rank * rank + 15) / 16 * 16 + 2 * rank * LANES;
+    float *work = enc_gemm_alloc((size_t)m->context->threads * each);
+#pragma omp parallel for schedule(dynamic) num_threads(m->context->threads) if (work)
+    for (size_t view = 0; view < (work ? codes->views : 0); view++) {
+        refine_view(m, codes, c, view, product, round, sweeps, work + enc_thread_index() * each);
+    }
+    free(work);
+    return work != NULL;
+}
+
+/* u.
+ * ------------------------------------------------------------------------------------------------ */
+
+/* Floats of packed rows, whole cache lines. */
+static size_t packed_rows(size_t rank, size_t depth) {
+    return ((rank + ENC_GEMM_N) * depth + 15) / 16 * 16;
+}
+
+/* Pairs of components whose inner product in every view is a row, in panels: [panel][view][ENC_GEMM_M]. */
+static void pack_view_gram(const enc_factor_matrix *m, const enc_factor_codes *codes,
+                           const enc_factor_channel *channel, size_t view, float *work, float *packed) {
+    const size_t rank = channel->rank, lights = codes->lights;
+    const size_t block = packed_rows(rank, lights);
+    float *left = work, *right = work + block, *gram = work + 2 * block;
+    const float *w = channel->w + view * lights;
+    enc_gemm_pack_rows(rank, lights, w, codes->columns, ENC_GEMM_M, left);
+    enc_gemm_pack_rows(rank, lights, w, codes->columns, ENC_GEMM_N, right);
+    memset(gram, 0, rank * rank * sizeof *gram);
+    add_lower(m->tile, rank, lights, left, right, gram);
+    for (size_t j = 0, pair = 0; j < rank; j++) {
+        for (size_t k = 0; k <= j; k++, pair++) {
+            packed[(pair / ENC_GEMM_M * codes->views + view) * ENC_GEMM_M + pair % ENC_GEMM_M] =
+                gram[j * rank + k];
+        }
+    }
+}
+
+static bool pack_view_grams(const enc_factor_matrix *m, const enc_factor_codes *codes, int c,
+                            float *packed) {
+    const enc_factor_channel *channel = &codes->channel[c];
+    const size_t rank = channel->rank;
+    const size_t each = 2 * packed_rows(rank, codes->lights) + (rank * rank + 15) / 16 * 16;
+    float *work = enc_gemm_alloc((size_t)m->context->threads * each);
+#pragma omp parallel for schedule(dynamic) num_threads(m->context->threads) if (work)
+    for (size_t view = 0; view < (work ? codes->views : 0); view++) {
+        pack_view_gram(m, codes, channel, view, work + enc_thread_index() * each, packed);
+    }
+    free(work);
+    return work != NULL;
+}
+
+static void refine_texels(const enc_factor_matrix *m, const enc_factor_codes *codes, int c,
+                          const float *packed, size_t first, const float *product, bool round, int sweeps,
+                          float *work) {
+    const enc_factor_channel *channel = &codes->channel[c];
+    const size_t rank = channel->rank, panels = enc_gemm_panels(rank * (rank + 1) / 2, ENC_GEMM_M);
+    const size_t n = m->texels - first < LANES ? m->texels - first : LANES, views = codes->views;
+    float *gram = work, *weight = gram + panels * ENC_GEMM_M * LANES;
+    lanes l = {
+        .channel = channel, .round = round, .steps = channel->step_u, .gram = gram, .views = {1, 1, 1}};
+    l.x = weight + views * LANES;
+    l.product = l.x + rank * LANES;
+    enc_gemm_pack_rows(n, views, m->match->weight + first * views, views, LANES, weight);
+    for (size_t p = 0; p < panels; p++) {
+        m->tile(views, packed + p * views * ENC_GEMM_M, weight, gram + p * ENC_GEMM_M * LANES);
+    }
+    refine_lanes(&l, sweeps, first, n, m->texels, product, channel->u);
+}
+
+static bool refine_u(const enc_factor_matrix *m, const enc_factor_codes *codes, int c, const float *product,
+                     bool round, int sweeps) {
+    const size_t rank = codes->channel[c].rank, panels = enc_gemm_panels(rank * (rank + 1) / 2, ENC_GEMM_M);
+    const size_t each = (panels * ENC_GEMM_M + codes->views + 2 * rank) * LANES;
+    float *packed = enc_gemm_alloc(panels * ENC_GEMM_M * codes->views);
+    float *work = enc_gemm_alloc((size_t)m->context->threads * each);
+    bool room = packed && work;
+    if (room) {
+        memset(packed, 0, panels * ENC_GEMM_M * codes->views * sizeof *packed);
+        room = pack_view_grams(m, codes, c, packed);
+    }
+#pragma omp parallel for schedule(dynamic) num_threads(m->context->threads) if (room)
+    for (size_t first = 0; first < (room ? m->texels : 0); first += LANES) {
+        refine_texels(m, codes, c, packed, first, product, round, sweeps, work + enc_thread_index() * each);
+    }
+    free(packed);
+    free(work);
+    return room;
+}
+
+static btf_result descend(const enc_factor_matrix *m, enc_factor_codes *codes, bool of_w, bool round,
+                          int sweeps, const enc_factor_set *product) {
+    enc_factor_set held = {0};
+    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
+        held.rank[c] = codes->channel[c].rank;
+        held.factor[c] = of_w ? codes->channel[c].u : codes->channel[c].w;
+    }
+    btf_result result =
+        of_w ? enc_factor_times_u(m, &held, product) : enc_factor_times_w(m, &held, product);
+    for (int c = 0; c < ENC_FACTOR_CHANNELS && result == BTF_OK; c++) {
+        if (codes->channel[c].rank > 0) {
+            const bool room = of_w ? refine_w(m, codes, c, product->factor[c], round, sweeps)
+                                   : refine_u(m, codes, c, product->factor[c], round, sweeps);
+            result = room ? BTF_OK : no_memory(m);
+        }
+    }
+    return result;
+}
+
+btf_result enc_match_descend(const enc_factor_matrix *m, enc_factor_codes *codes, bool round, int sweeps) {
+    const size_t longest = m->texels > m->columns ? m->texels : m->columns;
+    enc_factor_set product = {0};
+    btf_result result = BTF_OK;
+    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
+        product.rank[c] = codes->channel[c].rank;
+        product.factor[c] = enc_gemm_alloc(product.rank[c] * longest);
+        result = product.factor[c] ? result : no_memory(m);
+    }
+    result = result == BTF_OK ? descend(m, codes, true, round, sweeps, &product) : result;
+    result = result == BTF_OK ? descend(m, codes, false, round, sweeps, &product) : result;
+    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
+        free(product.factor[c]);
+    }
+    return result;
+}

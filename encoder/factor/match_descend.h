@@ -1,0 +1,16 @@
+/* Descent on u and w of factors whose texels have sources in other texels.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_FACTOR_MATCH_DESCEND_H
+#define OPENBTF_ENCODER_FACTOR_MATCH_DESCEND_H
+
+#include "codes.h"
+
+/* `sweeps` sweeps of coordinate descent on w and then on u of every channel, matrix->match held: on the
+ * levels of their steps where `round`, else on the values as they are. Two passes over the samples. The
+ * same bits for any number of threads. Errors: BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
+btf_result enc_match_descend(const enc_factor_matrix *matrix, enc_factor_codes *io_codes, bool round,
+                             int sweeps);
+
+#endif

@@ -1,0 +1,27 @@
+/* Sources, gains and factors found in turn.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_FACTOR_MATCH_FIT_H
+#define OPENBTF_ENCODER_FACTOR_MATCH_FIT_H
+
+#include "match_search.h"
+
+enum { ENC_MATCH_ROUNDS = 3, ENC_MATCH_CODE_ROUNDS = 4 };
+
+/* Rounds of search and descent on unrounded factors, from the components of a plan. *io_components become
+ * those of the factors found, by falling energy, and io_plan that of the least error within the budget,
+ * which is for the factors alone. *out_share: what one round and another search leave of the squared error
+ * that the components had alone, as far as the leading directions of profiles tell; where it is more than
+ * `most`, nothing follows, and components and plan stay. matrix has no match. The same bits for any number
+ * of threads. Errors: BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
+btf_result enc_match_fit(const enc_factor_matrix *matrix, uint64_t budget, const enc_match_bases *bases,
+                         double most, enc_match *io_match,
+                         enc_components io_components[ENC_FACTOR_CHANNELS], enc_factor_plan *io_plan,
+                         double *out_share);
+
+/* Rounds of search and descent on codes, that enc_factor_round has begun. */
+btf_result enc_match_round(const enc_factor_matrix *matrix, const enc_match_bases *bases,
+                           enc_match *io_match, enc_factor_codes *io_codes);
+
+#endif

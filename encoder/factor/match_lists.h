@@ -1,0 +1,64 @@
+/* Short lists: a texel takes its sources and gains, in all views, from a list of a few.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_FACTOR_MATCH_LISTS_H
+#define OPENBTF_ENCODER_FACTOR_MATCH_LISTS_H
+
+#include "match.h"
+#include "matrix.h"
+
+/* Some columns and rows of texels, around the edge of the texture where they are too many. */
+typedef struct enc_match_area {
+    int x, y, width, height;
+} enc_match_area;
+
+static inline size_t enc_match_area_texels(const enc_match_area *area) {
+    return (size_t)area->width * (size_t)area->height;
+}
+
+/* The texel of a place in an area, and the place of a texel that is there. */
+static inline size_t enc_match_texel(const enc_match *match, const enc_match_area *area, size_t place) {
+    const int x = area->x + (int)place % area->width, y = area->y + (int)place / area->width;
+    return (size_t)(y % match->height) * (size_t)match->width + (size_t)(x % match->width);
+}
+
+static inline size_t enc_match_place(const enc_match *match, const enc_match_area *area, size_t texel) {
+    const int x = (int)(texel % (size_t)match->width) - area->x,
+              y = (int)(texel / (size_t)match->width) - area->y;
+    return (size_t)(y < 0 ? y + match->height : y) * (size_t)area->width +
+           (size_t)(x < 0 ? x + match->width : x);
+}
+
+/* Where profiles lie in their view's leading directions: those of the points of a block of texels, and
+ * those of every source within their reach. */
+typedef struct enc_match_coordinates {
+    size_t k;
+    enc_match_area block, sources;
+    float *query;  /* [view][place in block][k] of the samples */
+    float *source; /* [view][place in sources][k] of what the factors say */
+    float *norm;   /* [view][place in sources] their squared lengths */
+} enc_match_coordinates;
+
+/* The blocks of a texture, and one of them without coordinates. */
+int enc_match_blocks(const enc_match *match);
+enc_match_coordinates enc_match_block(const enc_match *match, size_t k, int block);
+/* Bytes of the coordinates of a block at most. */
+uint64_t enc_match_block_memory(int width, int height, size_t views, size_t k);
+
+/* Room for all views. Errors: BTF_ERROR_MEMORY. */
+btf_result enc_match_coordinates_create(const enc_context *context, size_t views,
+                                        enc_match_coordinates *io_coordinates);
+void enc_match_coordinates_clear(enc_match_coordinates *coordinates);
+
+/* The inner product of k coordinates, in one order for any width of vectors. */
+float enc_match_dot(size_t k, const float *a, const float *b);
+
+/* Chooses for each texel of the block, among the pairs of source and gain that its views have, the
+ * `entries` that leave the least error one after the other, and gives each view the best of them; 0: pairs
+ * stay. Users are not counted. Adds to *io_error what is left of the samples, as a search counts it. Errors:
+ * BTF_ERROR_MEMORY. */
+btf_result enc_match_restrict(const enc_context *context, const enc_match_coordinates *at, size_t entries,
+                              enc_match *io_match, double *io_error);
+
+#endif
