@@ -95,6 +95,8 @@ CHANGES = [
         ("decoder/exr_read.c", "if (entry->pixel_type != type)", "if (entry->pixel_type != type && type == EXR_PIXEL_HALF)")]),
     ("attributes of another type read", "stability_files", [
         ("decoder/header.c", "if (attribute->type != type) {", "if (attribute->type != type && r->result) {")]),
+    ("indices beyond the end of a list of points", "points", [
+        ("decoder/values.c", "if (index >= entries)", "if (index > 15)")]),
     ("textures of any size taken from a short file", "file", [
         ("decoder/exr_read.c", "if (bytes / MAX_RATIO > s->size)", "if (bytes == 1)")]),
     ("memory of a part not given back", "memory", [
@@ -148,7 +150,7 @@ def program(tree, test):
     tests = f'{tree}/tests'
     if test in ('stability_faults', 'stability_archives'):
         return TOOLS, [f'{tests}/stability/test_{test[10:]}.sh']
-    if test in ('exr', 'file', 'memory', 'names', 'output'):
+    if test in ('exr', 'file', 'memory', 'names', 'output', 'points'):
         return [f'tests/unit/test_{test}'], [f'{tree}/build/tests/unit/test_{test}']
     if test == 'fuzz-exr':
         return [f'tests/fuzz/{test}'], [f'{tree}/build/tests/fuzz/{test}', f'{tests}/fuzz/corpus/exr']
