@@ -64,7 +64,8 @@ static btf_result to_solution(const enc_context *context, const enc_data *data, 
     if (f->shift) {
         out->effects |= BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN;
         out->packed = true;
-        out->gain_scale = 1;
+        out->point_entries = f->point_entries;
+        out->gain_scale = 1; /* not read */
         out->gain_base = f->gain_base;
         out->gain_step = f->gain_step;
         out->shift = f->shift;

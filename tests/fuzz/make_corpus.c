@@ -331,6 +331,7 @@ static void write_meshes(void) {
                "o x\nv 0 0 0\nv 1 0 0 1\r\nv 0 1 \\\n .5e0\nvt 0\nvt 1 2 3\nf -3/-2 -2/-1 -1/1\n"
                "f 1/1 2/2 3/1 1/2 2/1\n");
     write_text("mesh", "wrong.obj", "v 0 0\nf 1/1/1/1 2//3 9/9");
+    write_text("mesh", "curve.obj", " \tcurv\n\n");
     write_text("mesh", "huge.obj",
                "v 1e18 -1e18 0\nv -1e18 0 1e18\nv 0 1e-30 0\nvt 1e18 0\nvt 0 1e18\nf 1/1 2/2 3/1");
 }

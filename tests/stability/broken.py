@@ -5,8 +5,9 @@
     broken.py SOURCE_ROOT --applies    only whether each can be put in: what the sources say is still there
 
 Copies the sources, and for each change of the list below puts it in, builds the test that has to notice, runs it, and
-takes the change out again. A change that no longer applies, does not build, or goes unnoticed is a failure. The long
-run of the tests runs it (table.py); names of changes as arguments run those alone.
+takes the change out again: what a change does not touch is compiled once. Two copies share the tests, each with all the
+changes of its tests. A change that no longer applies, does not build, or goes unnoticed is a failure. The long run of the
+tests runs it (table.py); names of changes as arguments run those alone.
 
 SPDX-License-Identifier: MIT
 """
@@ -15,6 +16,10 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
+
+COPIES = 2
+JOBS = max(1, (os.cpu_count() or 1) // COPIES)  # of each copy's build
 
 # The breaks: [(file, text, its replacement)], and the test that has to notice.
 CHANGES = [
@@ -93,6 +98,8 @@ CHANGES = [
         ("decoder/exr_read.c", "if (entry->pixel_type != type)", "if (entry->pixel_type != type && type == EXR_PIXEL_HALF)")]),
     ("attributes of another type read", "stability_files", [
         ("decoder/header.c", "if (attribute->type != type) {", "if (attribute->type != type && r->result) {")]),
+    ("indices beyond the end of a list of points", "points", [
+        ("decoder/values.c", "if (index >= entries)", "if (index > 15)")]),
     ("textures of any size taken from a short file", "file", [
         ("decoder/exr_read.c", "if (bytes / MAX_RATIO > s->size)", "if (bytes == 1)")]),
     ("memory of a part not given back", "memory", [
@@ -146,7 +153,7 @@ def program(tree, test):
     tests = f'{tree}/tests'
     if test in ('stability_faults', 'stability_archives'):
         return TOOLS, [f'{tests}/stability/test_{test[10:]}.sh']
-    if test in ('exr', 'file', 'memory', 'names', 'output'):
+    if test in ('exr', 'file', 'memory', 'names', 'output', 'points'):
         return [f'tests/unit/test_{test}'], [f'{tree}/build/tests/unit/test_{test}']
     if test == 'fuzz-exr':
         return [f'tests/fuzz/{test}'], [f'{tree}/build/tests/fuzz/{test}', f'{tests}/fuzz/corpus/exr']
@@ -169,7 +176,7 @@ def first_failure(output):
 def run_test(tree, test):
     """(exit code, what it printed) of a test built from the tree; None in place of a code that never came."""
     targets, command = program(tree, test)
-    built = subprocess.run(['ninja', '-C', f'{tree}/build', *targets], capture_output=True, text=True)
+    built = subprocess.run(['ninja', f'-j{JOBS}', '-C', f'{tree}/build', *targets], capture_output=True, text=True)
     if built.returncode != 0:
         print(built.stdout[-3000:])
         raise NotBuilt
@@ -214,16 +221,29 @@ def check(tree, name, test, edits):
     return noticed, seen
 
 
-def unbroken(tree, tests):
-    """Those of the tests that fail without a change: what they say of one would be worth nothing."""
-    failing = []
-    for test in tests:
-        try:
-            if run_test(tree, test)[0] not in (0, 77):
-                failing.append(test)
-        except NotBuilt:
-            failing.append(test)
-    return failing
+def passes(tree, test):
+    """Whether a test passes without a change: if not, what it says of one is worth nothing."""
+    try:
+        return run_test(tree, test)[0] in (0, 77)
+    except NotBuilt:
+        return False
+
+
+def shares(wanted):
+    """The tests of each copy: those with the most changes first, each to the copy with the fewest so far."""
+    count = {test: sum(of == test for _, of, _ in wanted) for _, test, _ in wanted}
+    split = [[] for _ in range(COPIES)]
+    for test in sorted(count, key=lambda test: -count[test]):
+        min(split, key=lambda tests: sum(count[t] for t in tests)).append(test)
+    return [tests for tests in split if tests]
+
+
+def check_share(source, tree, tests, wanted):
+    """([tests that fail without a change], {name: (whether noticed, what was seen)}) of the changes of some tests."""
+    shutil.copytree(source, tree, ignore=shutil.ignore_patterns('build*', '.git', '__pycache__'))
+    subprocess.run(['meson', 'setup', f'{tree}/build', tree], check=True, capture_output=True)
+    failing = [test for test in tests if not passes(tree, test)]
+    return failing, {name: check(tree, name, test, edits) for name, test, edits in wanted if test in tests}
 
 
 def applies(source):
@@ -247,21 +267,20 @@ def main():
     wanted = [change for change in CHANGES if len(sys.argv) == 2 or change[0] in sys.argv[2:]]
     failures = 0
     print('TITLE | Deliberately broken builds: the test that notices, and its first case that fails.')
-    with tempfile.TemporaryDirectory(prefix='btf-broken-') as folder:
-        tree = os.path.join(folder, 'openbtf')
-        shutil.copytree(source, tree, ignore=shutil.ignore_patterns('build*', '.git', '__pycache__'))
-        subprocess.run(['meson', 'setup', f'{tree}/build', tree], check=True, capture_output=True)
-        tests = sorted({test for _, test, _ in wanted})
-        failing = unbroken(tree, tests)
-        failures += len(failing)
-        print(f'CASE | nothing | each of the tests below passes | '
-              f'{" ".join(failing) + " fail" if failing else f"{len(tests)} tests pass"} | {"FAIL" if failing else "pass"}',
-              flush=True)
-        for name, test, edits in wanted:
-            noticed, seen = check(tree, name, test, edits)
-            failures += noticed is False
-            verdict = 'skip' if noticed is None else 'pass' if noticed else 'FAIL'
-            print(f'CASE | {name} | {test} fails | {seen} | {verdict}', flush=True)
+    with tempfile.TemporaryDirectory(prefix='btf-broken-') as folder, ThreadPoolExecutor(COPIES) as pool:
+        done = [pool.submit(check_share, source, os.path.join(folder, str(i), 'openbtf'), tests, wanted)
+                for i, tests in enumerate(shares(wanted))]
+        failing = sorted(test for share in done for test in share.result()[0])
+        results = {name: result for share in done for name, result in share.result()[1].items()}
+    failures += len(failing)
+    tests = {test for _, test, _ in wanted}
+    print(f'CASE | nothing | each of the tests below passes | '
+          f'{" ".join(failing) + " fail" if failing else f"{len(tests)} tests pass"} | {"FAIL" if failing else "pass"}')
+    for name, test, _ in wanted:
+        noticed, seen = results[name]
+        failures += noticed is False
+        verdict = 'skip' if noticed is None else 'pass' if noticed else 'FAIL'
+        print(f'CASE | {name} | {test} fails | {seen} | {verdict}')
     print(f'{len(wanted)} changes, {failures} unnoticed')
     sys.exit(1 if failures or not wanted else 0)
 

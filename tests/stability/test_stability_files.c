@@ -8,7 +8,7 @@
 
 #include "decoder/toolkit/reference_view.h"
 #include "tests/support/exr_edit.h"
-#include "tests/support/random_material.h"
+#include "tests/support/factor_material.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -31,12 +31,17 @@ static void keep_message(void *user, btf_log_level level, const char *message) {
     snprintf(last_message, sizeof last_message, "%s", message);
 }
 
-static saved save_small(const char *name, btf_layout layout, uint32_t levels) {
+/* With lists of so many points a texel, where that is not 0. */
+static saved save_small(const char *name, btf_layout layout, uint32_t levels, uint32_t entries) {
     random_state r = {61};
-    btf_material_desc desc = random_material_desc(2, 2, 3, 2, layout, BTF_EFFECT_ALL);
+    const uint32_t hidden = entries ? 0 : BTF_EFFECT_HIDDEN;
+    const uint32_t effects = (BTF_EFFECT_ALL & ~(uint32_t)BTF_EFFECT_HIDDEN) | hidden;
+    btf_material_desc desc = random_material_desc(2, 2, 3, 2, layout, effects);
     desc.info.lobes = 1;
     desc.info.components = 2;
-    desc.info.centres = 3;
+    desc.info.centres = hidden ? 3 : 0;
+    if (entries)
+        factor_material_list_points(&desc, entries);
     desc.info.levels = levels;
     desc.info.half_float = levels > 1;
     const btf_level_error level_errors[2] = {{0, 30, 28, 100}, {1, 31, 29, 30}};
@@ -270,6 +275,7 @@ static void try_attributes(const saved *s) {
             edit_free(file);
         } else {
             expect_refused(file, strstr(names[i], "levels")      ? "level"
+                                 : strstr(names[i], "pointStore") ? "part point_"
                                  : strstr(names[i], "Triangles") ? "s: "
                                  : strstr(names[i], "Hull")      ? "s: "
                                                                  : names[i]);
@@ -321,9 +327,10 @@ static void try_attributes(const saved *s) {
 
 int main(int argc, char **argv) {
     const bool all = argc > 1 && !strcmp(argv[1], "long");
-    const saved files[] = {save_small("layout paper", BTF_LAYOUT_PAPER, 1),
-                           save_small("layout tight", BTF_LAYOUT_TIGHT, 1),
-                           save_small("two levels of halves", BTF_LAYOUT_TIGHT, 2)};
+    const saved files[] = {save_small("layout paper", BTF_LAYOUT_PAPER, 1, 0),
+                           save_small("layout tight", BTF_LAYOUT_TIGHT, 1, 0),
+                           save_small("two levels of halves", BTF_LAYOUT_TIGHT, 2, 0),
+                           save_small("lists of points", BTF_LAYOUT_TIGHT, 2, 6)};
     cases_title("Materials cut short, changed byte by byte, taken apart and put together wrong.");
     for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
         if (!all)

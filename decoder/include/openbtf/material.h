@@ -176,7 +176,8 @@ typedef struct btf_material_info {
     btf_point_store point_store; /**< but SEPARATE needs layout tight, shift and gain, and no hidden */
     float gain_base, gain_step;  /**< with packed points and lists: gain = base + code * step, each 0 or of magnitude
                                     2^-24..2^24; else 0 */
-    uint32_t point_entries;      /**< with BTF_POINTS_LISTS: packed points of a texel's list, 1..BTF_MAX_POINT_ENTRIES; else 0 */
+    uint32_t point_entries;      /**< with BTF_POINTS_LISTS: packed points of a texel's list, 1 to
+                                    BTF_MAX_POINT_ENTRIES; else 0 */
 } btf_material_info;
 
 /** One row of the errors that the encoder measured. */
@@ -262,8 +263,8 @@ btf_result btf_material_get_info(const btf_material *material, btf_material_info
 btf_texture btf_material_texture(const btf_material *material, btf_texture_id id);
 
 /** @return the same of a level of detail: level 0 is btf_material_texture; a higher one has sbrdf, shadow,
- *  shift, gain, points, point_lists, point_indices, residual_texels and factor_texels of its own and shares the rest with level 0 (format NONE
- * here, as for a level that the material does not have). */
+ *  shift, gain, points, point_lists, point_indices, residual_texels and factor_texels of its own and shares the
+ *  rest with level 0 (format NONE here, as for a level that the material does not have). */
 btf_texture btf_material_level_texture(const btf_material *material, uint32_t level, btf_texture_id id);
 
 /** @return the sampled directions to the viewer, and to the light. */

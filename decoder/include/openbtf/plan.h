@@ -112,9 +112,9 @@ float btf_plan_cost(const btf_material *material, const btf_shader_options *opti
 /** A material with what a plan reads: views and lights that its ranges reach (all where the file's
  * triangulation cannot be kept otherwise), its effects, components, its level and coarser ones, centres in
  * use; layout `tight`. Packed points of which a plan decodes the gain alone stay packed, with shifts of 0,
- * since no other store says their gains; of which it decodes the shift alone, become the texture `shift`. Lists of points stay lists, of a gain of 1 where the
- * plan decodes the shift alone, unless so few views are kept that they take no fewer bytes than what packed points
- * become. Inside the ranges it decodes, with plan->shader, bit for bit what the material
+ * since no other store says their gains; of which it decodes the shift alone, become the texture `shift`. Lists
+ * of points stay lists, of a gain of 1 where the plan decodes the shift alone, unless so few views are kept that
+ * they take no fewer bytes than what packed points become. Inside the ranges it decodes, with plan->shader, bit for bit what the material
  * decodes with them; level plan->level of the material is level 0. Outside, a direction counts as the
  * nearest one that was kept (section 6). It can be saved and opened like any material. Errors:
  * BTF_ERROR_USAGE, BTF_ERROR_MEMORY. */

@@ -13,7 +13,7 @@
 #define EXPECTED_HASH 0xfcda22e85c947b10u
 #define EXPECTED_HASH_2 0x12326c76419da8d1u
 #define EXPECTED_HASH_3 0xbe302bc6c4de5000u
-#define EXPECTED_HASH_4 0x0u
+#define EXPECTED_HASH_4 0x5206558db6880991u
 
 enum {
     SEEDS = 3,
