@@ -25,11 +25,16 @@ enc_factor_matrix enc_factor_matrix_of(const enc_context *context, const enc_dat
                                .tile = enc_gemm_select()};
 }
 
+/* Fitted values at the nodes (nodes/apply.h) may be negative, and so are their roots then. */
+static inline float signed_root(float x) {
+    return copysignf(sqrtf(fabsf(x)), x);
+}
+
 ENC_FACTOR_CLONES static void split_profile(size_t n, const float *restrict rgb, float *restrict y,
                                             float *restrict c1, float *restrict c2) {
     const float third = 0.57735027f, half = 0.70710678f, sixth = 0.40824829f;
     for (size_t i = 0; i < n; i++) {
-        const float r = sqrtf(rgb[i]), g = sqrtf(rgb[n + i]), b = sqrtf(rgb[2 * n + i]);
+        const float r = signed_root(rgb[i]), g = signed_root(rgb[n + i]), b = signed_root(rgb[2 * n + i]);
         y[i] = third * ((r + g) + b);
         c1[i] = half * (r - b);
         c2[i] = sixth * ((r - g) + (b - g));

@@ -12,8 +12,8 @@ static struct {
     enc_options all;
     enc_option_values values;
     uint32_t effects; /* UINT32_MAX: auto */
-    int method, layout, centres;
-    bool layout_given, effects_given, tolerance_given;
+    int method, fit, layout, centres;
+    bool fit_given, layout_given, effects_given, tolerance_given;
     double hidden_threshold, error_threshold, btf_threshold;
     int window[2];
     double effect_tolerance[2]; /* dB; dB for each MB */
@@ -93,6 +93,15 @@ static const cli_option table[] = {
      .only = "joint",
      .help = "joint: linear fits radiance; balanced (default) and srgb fit its\nsquare root, which serves "
              "both figures"},
+    {.name = "fit",
+     .type = CLI_CHOICE,
+     .value = &o.fit,
+     .given = &o.fit_given,
+     .choices = "between|samples",
+     .only = "paper|factors",
+     .help = "between: values at views and lights are fitted so that the blend\nof three is smooth between "
+             "them, as far as that gains more there\nthan it costs at the samples; samples: they are the "
+             "samples.\nDefault between; with --method paper samples"},
     {.name = "layout",
      .type = CLI_CHOICE,
      .value = &o.layout,
@@ -341,6 +350,7 @@ static btf_result settle(void) {
     if (refused != BTF_OK) {
         return refused;
     }
+    job->fit = o.fit_given || job->method != ENC_METHOD_PAPER ? (enc_fit_goal)o.fit : ENC_FIT_SAMPLES;
     job->layout = o.layout_given ? (o.layout == 1 ? BTF_LAYOUT_TIGHT : BTF_LAYOUT_PAPER)
                   : job->method == ENC_METHOD_PAPER && job->levels == 1 ? BTF_LAYOUT_PAPER
                                                                         : BTF_LAYOUT_TIGHT;

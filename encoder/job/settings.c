@@ -148,6 +148,9 @@ void enc_settings_describe(const enc_job *job, enc_option_values *values) {
         describe(values, "layout", "%s", job->layout == BTF_LAYOUT_PAPER ? "paper" : "tight");
         describe(values, "half", "%s", yes_no(job->half_float));
     }
+    if (job->method != ENC_METHOD_JOINT) {
+        describe(values, "fit", job->fit == ENC_FIT_BETWEEN ? "between" : "samples");
+    }
     if (job->levels == 0) {
         describe(values, "levels", "all");
     } else {

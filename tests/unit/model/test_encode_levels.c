@@ -289,7 +289,7 @@ static void fit_joint(const enc_data *data, uint32_t effects, int count, const e
     options.preset = ENC_JOINT_FAST;
     options.effects = effects;
     assert_int_equal(enc_joint(context, data, &options, base, NULL), BTF_OK);
-    assert_int_equal(enc_levels_fit(context, data, count, NULL, base, levels), BTF_OK);
+    assert_int_equal(enc_levels_fit(context, data, count, NULL, NULL, base, levels), BTF_OK);
     assert_int_equal(levels->count, count);
 }
 
@@ -346,7 +346,7 @@ static void test_front_and_residual(void **unused) {
     base.residual_texels = residual.residual_texels;
     base.residual_directions = residual.residual_directions;
     base.residual_scales = residual.residual_scales;
-    assert_int_equal(enc_levels_fit(&one_thread, data, 3, NULL, &base, &both), BTF_OK);
+    assert_int_equal(enc_levels_fit(&one_thread, data, 3, NULL, NULL, &base, &both), BTF_OK);
     assert_int_equal(enc_levels_measure(&one_thread, data, &alone, metrics[0]), BTF_OK);
     assert_int_equal(enc_levels_measure(&one_thread, data, &both, metrics[1]), BTF_OK);
     for (int i = 0; i < 2; i++) {
@@ -400,7 +400,7 @@ static void test_paper(void **unused) {
     assert_int_equal(enc_paper(&one_thread, data, &options, &base, NULL, &stats), BTF_OK);
     assert_true(base.effects & BTF_EFFECT_HIDDEN);
     const uint32_t before = base.n_centres;
-    assert_int_equal(enc_levels_fit(&one_thread, data, 4, &options, &base, &levels), BTF_OK);
+    assert_int_equal(enc_levels_fit(&one_thread, data, 4, &options, NULL, &base, &levels), BTF_OK);
     assert_true(base.n_centres > before);
     check_levels("bricks, paper", data, &base, &levels, 3, 24);
     check_round_trip(data, &base, &levels);
