@@ -16,7 +16,7 @@
 #include <string.h>
 
 enum {
-    DRAWN = 12,  /* views, and lights, of a texel and a place: their pairs are judged */
+    DRAWN = 12,      /* views, and lights, of a texel and a place: their pairs are judged */
     ACCUMULATED = 3, /* sums: barycentric and fitted error, and the square of the move */
 };
 
@@ -171,14 +171,24 @@ static btf_result judge_texel(const job *j, size_t index, size_t texels, texel_s
     return result;
 }
 
+/* An error at a sample against one between the samples, where a renderer looks. */
+static const double sample_share = 0.5;
+
+/* Product of a fit's move with the error of the barycentric blend, between the samples against left-out ones,
+ * both moves being of one size: neighbours are half as far away. */
+static const double halved_gap = 0.6;
+
 static double pairs_of(const job *j, int place) {
     int unused[DRAWN];
     return 3.0 * draw(&j->views, place, 0, unused) * draw(&j->lights, place, 0, unused);
 }
 
-/* Part of the square of a move that left-out samples say is gained, of the move between the samples. */
-static double gain(const double left[ACCUMULATED], const double between[ACCUMULATED]) {
-    return left[2] > 0 ? (left[0] - left[1]) / left[2] * between[2] : 0;
+/* What a move gains between the samples: twice its product with the error less its square. */
+static double gain(const double left[ACCUMULATED], const double between[ACCUMULATED], double pairs_left,
+                   double pairs_between) {
+    const double move = left[2] / pairs_left, moves = between[2] / pairs_between;
+    const double twice_product = (left[0] - left[1]) / pairs_left + move;
+    return move > 0 ? halved_gap * twice_product * sqrt(moves / move) - moves : 0;
 }
 
 static enc_fit_candidate result_of(const job *j, int k, const sums of[ENC_ROWS_PLACES], size_t texels) {
@@ -192,7 +202,7 @@ static enc_fit_candidate result_of(const job *j, int k, const sums of[ENC_ROWS_P
         .judged = j->judged[k],
         .at = {n->linear[1] / at, n->srgb[1] / at},
         .left_out = {l->linear[1] / left, l->srgb[1] / left},
-        .gain = {gain(l->linear, b->linear) / between, gain(l->srgb, b->srgb) / between}};
+        .gain = {gain(l->linear, b->linear, left, between), gain(l->srgb, b->srgb, left, between)}};
 }
 
 static void decide(double least_psnr, enc_fit_choice *choice) {
@@ -200,7 +210,7 @@ static void decide(double least_psnr, enc_fit_choice *choice) {
     const double most_at = least_psnr > 0 ? pow(10, -least_psnr / 10) : HUGE_VAL;
     for (int k = 1; k < ENC_FIT_CANDIDATES; k++) {
         const enc_fit_candidate *c = &choice->candidate[k];
-        const double net = c->gain.linear + c->gain.srgb - c->at.linear - c->at.srgb;
+        const double net = c->gain.linear + c->gain.srgb - sample_share * (c->at.linear + c->at.srgb);
         if (c->judged && net > best && c->at.srgb < most_at) {
             best = net;
             choice->chosen = k;
