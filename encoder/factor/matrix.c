@@ -46,7 +46,7 @@ ENC_FACTOR_CLONES static void add_profile(size_t n, float gain, const float *res
                                           float *restrict c1, float *restrict c2) {
     const float third = gain * 0.57735027f, half = gain * 0.70710678f, sixth = gain * 0.40824829f;
     for (size_t i = 0; i < n; i++) {
-        const float r = sqrtf(rgb[i]), g = sqrtf(rgb[n + i]), b = sqrtf(rgb[2 * n + i]);
+        const float r = signed_root(rgb[i]), g = signed_root(rgb[n + i]), b = signed_root(rgb[2 * n + i]);
         y[i] += third * ((r + g) + b);
         c1[i] += half * (r - b);
         c2[i] += sixth * ((r - g) + (b - g));

@@ -22,8 +22,7 @@ enum {
 
 /* Strengths for views and lights, rising. Lights bear more than views, since shading changes faster with
  * them than relief does with views. */
-static const int ladder[ENC_FIT_CANDIDATES][2] = {{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 4},
-                                                  {4, 5}, {4, 6}, {5, 6}, {5, 7}};
+static const int ladder[ENC_FIT_CANDIDATES][2] = {{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 4}, {4, 5}, {4, 6}};
 
 typedef struct sums {
     double linear[ACCUMULATED], srgb[ACCUMULATED];
@@ -172,7 +171,7 @@ static btf_result judge_texel(const job *j, size_t index, size_t texels, texel_s
 }
 
 /* An error at a sample against one between the samples, where a renderer looks. */
-static const double sample_share = 0.5;
+static const double sample_share = 0.75;
 
 /* Product of a fit's move with the error of the barycentric blend, between the samples against left-out ones,
  * both moves being of one size: neighbours are half as far away. */

@@ -5,7 +5,7 @@
  * the blend, and the product of that move with the blend's error is known. Between the samples the fit moves the
  * blend by a known amount, too; neighbours are half as far away, and the product is taken to be 0.6 of that for
  * moves of one size (BRICKS64 and btf-sample's reliefs have 0.5 to 0.6). Of all candidates the one is taken that
- * gains most: squared errors between the samples, less half of those at the samples, linear and sRGB-coded ones
+ * gains most: squared errors between the samples, less three quarters of those at the samples, linear and sRGB-coded ones
  * added. The codec's own error adds to both sides and does not matter.
  *
  * SPDX-License-Identifier: MIT
@@ -16,7 +16,7 @@
 #include "apply.h"
 
 enum {
-    ENC_FIT_CANDIDATES = 9,
+    ENC_FIT_CANDIDATES = 7,
     ENC_FIT_TEXELS = 256, /* drawn at most */
 };
 
