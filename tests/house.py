@@ -33,7 +33,7 @@ HOUSE = [
       'encoder/report',
       'encoder/between',
       'encoder/paper encoder/factor',
-      'encoder/lafortune',
+      'encoder/lafortune encoder/nodes',
       'encoder/input encoder/model',
       'encoder/data',
       'encoder/base encoder/math'],

@@ -6,7 +6,7 @@
 #ifndef OPENBTF_ENCODER_BLEND_H
 #define OPENBTF_ENCODER_BLEND_H
 
-#include "interpolate.h"
+#include "encoder/nodes/interpolate.h"
 #include "pairs.h"
 
 typedef struct enc_blend enc_blend;

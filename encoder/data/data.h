@@ -62,6 +62,8 @@ typedef struct enc_data {
     enc_data_origin *origin;      /* what makes samples when asked for; NULL: they are stored */
     enc_moved_light *moved_light; /* [n_views], or NULL: every light stood where it should (coincident.h) */
     uint64_t negative;            /* samples clamped to 0 on reading */
+    const struct enc_data *original; /* of fitted values (nodes/apply.h): the samples that errors are
+                                        measured against; NULL: these themselves */
     char *source;                 /* what was read, for messages and reports */
 } enc_data;
 

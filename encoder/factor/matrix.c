@@ -25,16 +25,18 @@ enc_factor_matrix enc_factor_matrix_of(const enc_context *context, const enc_dat
                                .tile = enc_gemm_select()};
 }
 
-/* Radiance beyond 2^24 is taken as that: scales of larger roots no file holds. */
-static inline float root(float radiance) {
-    return sqrtf(radiance < 0x1p24f ? radiance : 0x1p24f);
+/* The root of a value, of its sign: fitted values at the nodes (nodes/apply.h) may be negative. What is beyond
+ * 2^24 is taken as that: scales of larger roots no file holds. */
+static inline float signed_root(float x) {
+    const float size = fabsf(x);
+    return copysignf(sqrtf(size < 0x1p24f ? size : 0x1p24f), x);
 }
 
 ENC_FACTOR_CLONES static void split_profile(size_t n, const float *restrict rgb, float *restrict y,
                                             float *restrict c1, float *restrict c2) {
     const float third = 0.57735027f, half = 0.70710678f, sixth = 0.40824829f;
     for (size_t i = 0; i < n; i++) {
-        const float r = root(rgb[i]), g = root(rgb[n + i]), b = root(rgb[2 * n + i]);
+        const float r = signed_root(rgb[i]), g = signed_root(rgb[n + i]), b = signed_root(rgb[2 * n + i]);
         y[i] = third * ((r + g) + b);
         c1[i] = half * (r - b);
         c2[i] = sixth * ((r - g) + (b - g));
@@ -46,7 +48,7 @@ ENC_FACTOR_CLONES static void add_profile(size_t n, float gain, const float *res
                                           float *restrict c1, float *restrict c2) {
     const float third = gain * 0.57735027f, half = gain * 0.70710678f, sixth = gain * 0.40824829f;
     for (size_t i = 0; i < n; i++) {
-        const float r = root(rgb[i]), g = root(rgb[n + i]), b = root(rgb[2 * n + i]);
+        const float r = signed_root(rgb[i]), g = signed_root(rgb[n + i]), b = signed_root(rgb[2 * n + i]);
         y[i] += third * ((r + g) + b);
         c1[i] += half * (r - b);
         c2[i] += sixth * ((r - g) + (b - g));

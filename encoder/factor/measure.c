@@ -90,15 +90,20 @@ static void decode_channel(const decoder *d, int c, size_t first, size_t count, 
     }
 }
 
+static const enc_data *truth_of(const enc_factor_matrix *m) {
+    return m->data->original ? m->data->original : m->data;
+}
+
 /* work: left panels [BLOCK][most rank], three blocks, one profile, samples. */
 static btf_result measure_block(const decoder *d, size_t first, size_t count, size_t most, float *work,
                                 enc_factor_error *sum) {
     const enc_factor_matrix *m = d->matrix;
     const size_t lights = d->codes->lights, one = BLOCK * m->columns;
     float *left = work, *blocks = work + BLOCK * most, *rgb = blocks + 3 * one;
+    const enc_data *truth = truth_of(m);
     const float *samples;
     const btf_result result = enc_cancelled(m->context) ? BTF_ERROR_INTERRUPTED
-                                                        : enc_data_texels(m->context, m->data, first, count,
+                                                        : enc_data_texels(m->context, truth, first, count,
                                                                           rgb + 3 * lights, &samples);
     for (int c = 0; c < ENC_FACTOR_CHANNELS && result == BTF_OK; c++) {
         decode_channel(d, c, first, count, left, blocks + (size_t)c * one);
@@ -145,7 +150,7 @@ btf_result enc_factor_measure(const enc_factor_matrix *m, const enc_factor_codes
             pack_w(&d, c, packed[c]);
         }
     }
-    const size_t buffer = m->data->samples ? 0 : BLOCK * enc_data_texel_stride(m->data);
+    const size_t buffer = truth_of(m)->samples ? 0 : BLOCK * enc_data_texel_stride(m->data);
     const size_t each = (BLOCK * (most + 3 * m->columns) + 3 * codes->lights + buffer + 15) / 16 * 16;
     const size_t blocks = (m->texels + BLOCK - 1) / BLOCK;
     float *work = enc_gemm_alloc((size_t)m->context->threads * each);

@@ -12,6 +12,8 @@
 #include "encoder/factor/signal.h"
 #include "encoder/input/bonn_reader.h"
 #include "encoder/model/pack.h"
+#include "encoder/nodes/choose.h"
+#include "encoder/nodes/rows.h"
 #include "encoder/paper/choose_effects.h"
 #include "encoder/report/leave_one_out.h"
 #include "memory.h"
@@ -31,6 +33,8 @@ static const double per_fit = 110e-9, per_shadow = 20e-9, per_flow = 1.2e-6, per
  * descent, */
 static const double per_split = 1.2e-9, per_product = 0.025e-9, per_square = 0.06e-9,
                     per_level_square = 0.25e-9;
+/* of the fit of nodes, */
+static const double per_judged = 0.15e-9, per_table = 0.3e-6, per_turned = 0.03e-9, per_fitted = 2.5e-9;
 /* of what comes after the analysis. */
 static const double per_measured = 8e-9, per_measured_component = 0.17e-9, per_measured_lobe = 6e-9,
                     per_ssim = 8e-9, per_evaluation = 0.25e-6, per_left_out = 0.4e-6, per_packed = 30e-9,
@@ -78,6 +82,17 @@ static void add_reading(list *l, const enc_context *context, const enc_extent *e
                 (double)e->pixels * (e->origin == ENC_ORIGIN_JPEG ? per_jpeg_pixel : per_pixel));
     else if (!made_again(context, e))
         add(l, "decode", c->samples * enc_bonn_sample_seconds(e->components));
+}
+
+/* Candidates are judged at a fixed number of texels, by directions left out; then every sample is turned. */
+static void add_fit(list *l, const enc_job *job, const counts *c, double fetch) {
+    const double judged = fmin(c->texels, ENC_FIT_TEXELS) * ENC_STRENGTHS * 36 * 3 * c->views * c->lights;
+    const double tables = ENC_ROWS_MOST * (c->views * c->views + c->lights * c->lights);
+    if (job->fit != ENC_FIT_BETWEEN) {
+        return;
+    }
+    add(l, "choose fit", judged * per_judged + tables * per_table);
+    add(l, "fit nodes", c->samples * ((c->views + c->lights) * per_turned + per_fitted + 2 * fetch));
 }
 
 /* The model that the analysis is likely to find: measuring it costs by its size. */
@@ -168,6 +183,7 @@ size_t enc_cost_parts(const enc_context *context, const enc_job *job, const enc_
     const int levels = levels_of(job, e);
     list l = {out_parts, 0};
     add_reading(&l, context, e, &c);
+    add_fit(&l, job, &c, fetch);
     const size_t first = l.count;
     const enc_factors_settings settings =
         enc_settings_of_factors(job, e->width, e->height, e->n_views, e->n_lights);

@@ -100,6 +100,10 @@ static const char *base_name(const char *path) {
 /* The results of a job's stages while it runs. */
 typedef struct job_state {
     enc_data *data;
+    enc_data *fitted; /* values at the nodes, of which the model is found; NULL: the samples are */
+    enc_node_tables nodes;
+    enc_fit_choice fit;
+    char *provenance; /* options, and what was chosen */
     enc_solution found, stored; /* what the method found; what the packed material holds */
     enc_levels found_levels, stored_levels;
     enc_occlusion *occlusion;
@@ -111,9 +115,44 @@ typedef struct job_state {
     uint16_t *preview;
 } job_state;
 
+/* The values that methods analyse: the samples, or what they were fitted to. */
+static const enc_data *analysed(const job_state *s) {
+    return s->fitted ? s->fitted : s->data;
+}
+
+/* A fit may be no worse at the samples than the quality that is asked for, with as much room for the codec. */
+static double fit_least_psnr(const enc_job *job) {
+    return job->method != ENC_METHOD_PAPER && job->joint.quality > 0 ? job->joint.quality + 3 : 0;
+}
+
+/* Fits values at views and lights, where that is asked for and pays. */
+static btf_result fit_nodes(const enc_context *context, const enc_job *job, job_state *s,
+                            enc_report *report) {
+    char kappa[ENC_FIT_TEXT];
+    if (job->fit != ENC_FIT_BETWEEN) {
+        return BTF_OK;
+    }
+    const bool roots = job->method != ENC_METHOD_PAPER; /* as the decoder blends */
+    btf_result result =
+        enc_fit_choose(context, s->data, roots, fit_least_psnr(job), &s->fit, &s->nodes);
+    if (result == BTF_OK && s->nodes.views) {
+        result = enc_node_apply(context, &s->nodes, s->data, &s->fitted);
+    }
+    if (result == BTF_OK) {
+        report->fit = &s->fit;
+        enc_fit_text(&s->fit, kappa);
+        enc_log(context, BTF_LOG_INFO, "fit of nodes: kappa %s", kappa);
+        if (asprintf(&s->provenance, "%s fit-kappa=%s", s->options, kappa) < 0) {
+            s->provenance = NULL;
+            result = enc_fail(context, BTF_ERROR_MEMORY, "out of memory");
+        }
+    }
+    return result;
+}
+
 static btf_result analyse_joint(const enc_context *context, const enc_job *job, job_state *s,
                                   enc_report *report) {
-    const enc_data *data = s->data;
+    const enc_data *data = analysed(s);
     const enc_factors_settings settings =
         enc_settings_of_factors(job, data->width, data->height, data->n_views, data->n_lights);
     if (enc_ranks_count(context) > 1 && enc_ranks_leads(context)) {
@@ -132,7 +171,7 @@ static btf_result analyse_paper(const enc_context *context, const enc_job *job, 
                                 enc_report *report) {
     const enc_paper_stats *stats = &s->paper;
     const btf_result result =
-        enc_paper(context, s->data, &job->paper, &s->found, &s->occlusion, &s->paper);
+        enc_paper(context, analysed(s), &job->paper, &s->found, &s->occlusion, &s->paper);
     report->has_hidden = stats->hidden_total > 0;
     report->hidden_before = stats->hidden_before;
     report->hidden_after = stats->hidden_after;
@@ -164,7 +203,7 @@ static btf_result analyse_levels(const enc_context *context, const enc_job *job,
     enc_paper_options paper = job->paper;
     paper.fallback = s->paper.diffuse; /* as level 0 */
     return enc_levels_fit(context, s->data, count, job->method == ENC_METHOD_PAPER ? &paper : NULL,
-                          &s->found, &s->found_levels);
+                          s->nodes.views ? &s->nodes : NULL, &s->found, &s->found_levels);
 }
 
 /* Packs, measures what was packed, and packs again with the errors in the header. */
@@ -175,7 +214,7 @@ static btf_result pack_and_measure(const enc_context *context, const enc_job *jo
     enc_pack_options options = {.layout = job->layout,
                                 .half_float = job->half_float,
                                 .method = report->method,
-                                .options = s->options,
+                                .options = s->provenance ? s->provenance : s->options,
                                 .source = base_name(job->input),
                                 .levels = s->found_levels.count,
                                 .level = s->found_levels.level};
@@ -311,7 +350,10 @@ static void clear_state(job_state *s) {
     enc_solution_clear(&s->stored);
     enc_solution_clear(&s->found);
     enc_occlusion_destroy(&s->occlusion);
+    enc_data_destroy(&s->fitted);
     enc_data_destroy(&s->data);
+    enc_node_tables_clear(&s->nodes);
+    free(s->provenance);
     free(s->preview);
     free(s->options);
 }
@@ -381,9 +423,11 @@ static btf_result find_model(const enc_context *context, const enc_job *job, job
             enc_checkpoint_open(context, job->checkpoint, s->options, s->data, job->resume, &s->checkpoint);
     }
     first_level.checkpoint = s->checkpoint;
+    result = result == BTF_OK ? fit_nodes(context, job, s, report) : result;
     if (result == BTF_OK) {
         result = analyse(&first_level, job, s, report);
     }
+    enc_data_destroy(&s->fitted); /* levels are filtered from the samples, errors measured against them */
     if (result == BTF_OK && levels > 1) {
         result = analyse_levels(context, job, levels, s);
     }

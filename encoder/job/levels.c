@@ -19,6 +19,7 @@ typedef struct fit_pass {
     enc_context quiet; /* without the stages of each analysis */
     const enc_context *context;
     const enc_paper_options *paper;
+    const enc_node_tables *nodes; /* NULL: the samples are taken as they are */
     enc_solution *base;
     enc_levels *levels;
 } fit_pass;
@@ -81,19 +82,32 @@ static btf_result fit_paper(fit_pass *pass, const enc_data *data, int level, enc
     return result;
 }
 
-static btf_result fit_level(void *user, int level, const enc_data *data) {
+static btf_result fit_level(void *user, int level, const enc_data *samples) {
     fit_pass *pass = user;
     enc_solution *out = &pass->levels->level[level - 1];
+    enc_data *fitted = NULL;
+    const btf_result ready =
+        pass->nodes ? enc_node_apply(&pass->quiet, pass->nodes, samples, &fitted) : BTF_OK;
+    if (ready != BTF_OK) {
+        return ready;
+    }
+    const enc_data *data = fitted ? fitted : samples;
     const btf_result result = pass->paper ? fit_paper(pass, data, level, out)
                                           : enc_factors_level(&pass->quiet, data, pass->base, out);
     enc_stage_step(pass->context, enc_data_texel_count(data));
+    enc_data_destroy(&fitted);
     return result;
 }
 
 btf_result enc_levels_fit(const enc_context *context, const enc_data *data, int count,
-                          const enc_paper_options *paper, enc_solution *base, enc_levels *out_levels) {
-    fit_pass pass = {
-        .quiet = *context, .context = context, .paper = paper, .base = base, .levels = out_levels};
+                          const enc_paper_options *paper, const enc_node_tables *nodes, enc_solution *base,
+                          enc_levels *out_levels) {
+    fit_pass pass = {.quiet = *context,
+                     .context = context,
+                     .paper = paper,
+                     .nodes = nodes,
+                     .base = base,
+                     .levels = out_levels};
     pass.quiet.progress = NULL;
     pass.quiet.checkpoint = NULL; /* steps of level 0 */
     *out_levels = (enc_levels){.count = count, .level = calloc((size_t)count, sizeof(enc_solution))};

@@ -86,15 +86,20 @@ enc_least_memory enc_memory_least(enc_method method) {
 }
 
 enc_memory_use enc_memory_expected(const enc_context *context, enc_method method, int width, int height,
-                                   int n_views, int n_lights, uint64_t budget, bool made) {
+                                   int n_views, int n_lights, uint64_t budget, bool made, bool fitted) {
     const extent e = extent_of(width, height, n_views, n_lights, context->threads);
     const uint64_t samples = e.image_view * e.views;
+    const bool kept = enc_data_fits(context, width, height, n_views, n_lights);
     enc_memory_use use = {PROGRAM, 0};
     use.peak += method == ENC_METHOD_PAPER ? paper(&e)
                                            : factors(&e, width, height, budget, context->threads);
-    if (enc_data_fits(context, width, height, n_views, n_lights))
+    if (kept)
         use.peak += samples;
     else if (!made)
+        use.scratch += samples;
+    if (fitted && kept && (context->memory == 0 || samples <= (context->memory - samples) / 2))
+        use.peak += samples;
+    else if (fitted)
         use.scratch += samples;
     return use;
 }

@@ -20,12 +20,13 @@ uint64_t enc_memory_of_factors(int width, int height, int n_views, int n_lights,
                                uint64_t budget);
 
 /* Bytes that an encode is expected to take at its peak with what is allowed, and those of its scratch
- * files; `budget`: of factors; `made`: samples are made again rather than kept in a file. */
+ * files; `budget`: of factors; `made`: samples are made again rather than kept in a file; `fitted`: as many
+ * fitted values lie beside them. */
 typedef struct enc_memory_use {
     uint64_t peak, scratch;
 } enc_memory_use;
 
 enc_memory_use enc_memory_expected(const enc_context *context, enc_method method, int width, int height,
-                                   int n_views, int n_lights, uint64_t budget, bool made);
+                                   int n_views, int n_lights, uint64_t budget, bool made, bool fitted);
 
 #endif

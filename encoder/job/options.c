@@ -12,7 +12,7 @@ static struct {
     enc_options all;
     enc_option_values values;
     uint32_t effects; /* UINT32_MAX: auto */
-    int method, preset, layout, centres;
+    int method, preset, fit, layout, centres;
     double hidden_threshold, error_threshold, btf_threshold;
     int window[2];
     double effect_tolerance[2]; /* dB; --method paper: dB for each MB */
@@ -79,6 +79,14 @@ static const cli_option table[] = {
      .only = "joint",
      .help = "joint: the fewest bytes that reach this PSNR (sRGB-coded), at\nmost --budget"},
     {.name = "metric", .type = CLI_STRING, .value = &o.metric},
+    {.name = "fit",
+     .type = CLI_CHOICE,
+     .value = &o.fit,
+     .given = &given[15],
+     .choices = "between|samples",
+     .help = "between: values at views and lights are fitted so that the blend\nof three is smooth between "
+             "them, as far as that gains more there\nthan it costs at the samples; samples: they are the "
+             "samples.\nDefault between; with --method paper samples"},
     {.name = "layout",
      .type = CLI_CHOICE,
      .value = &o.layout,
@@ -296,6 +304,7 @@ static btf_result check_effects(const enc_job *job) {
 }
 
 static void settle_paper(enc_job *job) {
+    job->fit = given[15] ? (enc_fit_goal)o.fit : ENC_FIT_SAMPLES;
     job->layout = given[3] ? (o.layout == 1 ? BTF_LAYOUT_TIGHT : BTF_LAYOUT_PAPER)
                   : job->levels == 1 ? BTF_LAYOUT_PAPER
                                      : BTF_LAYOUT_TIGHT;
@@ -313,6 +322,7 @@ static void settle_paper(enc_job *job) {
 }
 
 static void settle_joint(enc_job *job) {
+    job->fit = (enc_fit_goal)o.fit;
     job->layout = BTF_LAYOUT_TIGHT;
     job->joint.preset = (enc_preset)o.preset;
     job->joint.choose = o.effects == UINT32_MAX;

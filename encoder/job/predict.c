@@ -117,7 +117,7 @@ static void print_prediction(const enc_context *context, const enc_job *job, con
         enc_settings_of_factors(job, e->width, e->height, e->n_views, e->n_lights).budget;
     const enc_memory_use use =
         enc_memory_expected(context, job->method, e->width, e->height, e->n_views, e->n_lights, budget,
-                            e->origin == ENC_ORIGIN_BONN);
+                            e->origin == ENC_ORIGIN_BONN, job->fit == ENC_FIT_BETWEEN);
     const uint64_t least =
         job->method == ENC_METHOD_JOINT
             ? enc_memory_of_factors(e->width, e->height, e->n_views, e->n_lights, context->threads, budget)

@@ -189,6 +189,7 @@ static void describe_joint(enc_option_values *values, const enc_job *job) {
 void enc_settings_describe(const enc_job *job, enc_option_values *values) {
     values->count = 0;
     describe_input(values, &job->read);
+    describe(values, "fit", "%s", job->fit == ENC_FIT_BETWEEN ? "between" : "samples");
     if (job->method == ENC_METHOD_PAPER) {
         describe_paper(values, job);
     } else {

@@ -49,6 +49,12 @@ enc_joint_options enc_joint_options_default(void);
  * take. */
 uint64_t enc_default_budget(int width, int height, int n_views, int n_lights);
 
+/* What node values are fitted for (nodes/fit.h), as --fit takes it. */
+typedef enum enc_fit_goal {
+    ENC_FIT_BETWEEN = 0, /* directions between the samples, where that pays */
+    ENC_FIT_SAMPLES = 1, /* the samples: values at the nodes are these */
+} enc_fit_goal;
+
 typedef struct enc_job enc_job;
 struct enc_job {
     const char *input;
@@ -57,6 +63,7 @@ struct enc_job {
     enc_method method;
     enc_paper_options paper;
     enc_joint_options joint;
+    enc_fit_goal fit;
     btf_layout layout;
     int levels; /* of detail, 1 at least; 0: down to one texel */
     bool half_float;

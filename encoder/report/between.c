@@ -6,7 +6,7 @@
 
 #include "canvas.h"
 #include "encoder/base/stage.h"
-#include "encoder/between/interpolate.h"
+#include "encoder/nodes/interpolate.h"
 #include "encoder/math/srgb.h"
 #include "montage.h"
 #include "ssim.h"

@@ -7,7 +7,7 @@
 #include "drawn_texels.h"
 #include "encoder/base/ranks.h"
 #include "encoder/base/stage.h"
-#include "encoder/between/left_out.h"
+#include "encoder/nodes/left_out.h"
 #include "encoder/math/srgb.h"
 #include "encoder/model/evaluator.h"
 

@@ -367,6 +367,9 @@ void enc_report_print(const enc_report *report, FILE *out) {
     print_truncations(report, &info, out);
     fprintf(out, "\n");
     enc_leave_one_out_print(&report->between, out);
+    if (report->fit) {
+        enc_fit_print(report->fit, out);
+    }
     print_levels(report, out);
     print_volumes(report, out);
     fprintf(out, "\nSeconds:");
@@ -573,6 +576,7 @@ btf_result enc_report_write(const enc_context *context, const enc_report *report
         json_null(&j, "hidden");
     }
     enc_leave_one_out_json(&j, "between", &report->between);
+    enc_fit_json(&j, "fit", report->fit);
     write_truncations(&j, report, &info);
     write_effects(&j, report);
     write_unspent(&j, &report->unspent);

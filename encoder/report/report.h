@@ -7,6 +7,7 @@
 #define OPENBTF_ENCODER_REPORT_H
 
 #include "decoder/toolkit/progress.h"
+#include "fit_table.h"
 #include "leave_one_out.h"
 #include "messages.h"
 #include "metrics.h"
@@ -50,6 +51,7 @@ typedef struct enc_report {
     enc_truncation truncations[ENC_MOST_TRUNCATIONS]; /* sampled; of a residual that has several */
     size_t n_truncations;
     enc_leave_one_out between; /* an estimate of the accuracy between the samples */
+    const enc_fit_choice *fit; /* of node values, and what it was chosen from; NULL: not asked for */
     bool has_hidden;           /* table 1 applies */
     size_t hidden_before, hidden_after, hidden_total;
     size_t file_bytes;

@@ -42,7 +42,7 @@ btf_result plan_pack(const enc_context *context, const enc_data *data, enc_solut
     enc_pack_options options = {.layout = layout, .method = "", .options = "", .source = ""};
     btf_result result = BTF_OK;
     if (levels > 1)
-        result = enc_levels_fit(context, data, levels, NULL, solution, &fitted);
+        result = enc_levels_fit(context, data, levels, NULL, NULL, solution, &fitted);
     options.levels = fitted.count;
     options.level = fitted.level;
     if (result == BTF_OK)

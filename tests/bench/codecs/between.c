@@ -5,7 +5,7 @@
 #include "between.h"
 
 #include "encoder/base/stage.h"
-#include "encoder/between/left_out.h"
+#include "encoder/nodes/left_out.h"
 #include "encoder/math/srgb.h"
 #include "encoder/report/metrics.h"
 

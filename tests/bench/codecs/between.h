@@ -1,6 +1,6 @@
 /* Accuracy between the samples, of materials and of images that are interpolated there: against truth, and
  * as an estimate from the samples alone, each pair of a view and a light predicted from the other views and
- * lights (encoder/between/left_out.h), which lie about twice as far away as the samples around a direction
+ * lights (encoder/nodes/left_out.h), which lie about twice as far away as the samples around a direction
  * between them.
  *
  * SPDX-License-Identifier: MIT
@@ -9,7 +9,7 @@
 #define OPENBTF_TESTS_BENCH_BETWEEN_H
 
 #include <openbtf/reference.h>
-#include "encoder/between/interpolate.h"
+#include "encoder/nodes/interpolate.h"
 #include "truth.h"
 
 typedef enum bench_between_set {

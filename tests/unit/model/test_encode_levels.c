@@ -294,7 +294,7 @@ static void fit_joint(const enc_data *data, int count, const enc_context *contex
         enc_settings_of_factors(&job, data->width, data->height, data->n_views, data->n_lights);
     enc_factors_stats stats;
     assert_int_equal(enc_factors_solve(context, data, &settings, base, &stats), BTF_OK);
-    assert_int_equal(enc_levels_fit(context, data, count, NULL, base, levels), BTF_OK);
+    assert_int_equal(enc_levels_fit(context, data, count, NULL, NULL, base, levels), BTF_OK);
     assert_int_equal(levels->count, count);
 }
 
@@ -416,7 +416,7 @@ static void test_paper(void **unused) {
     assert_int_equal(enc_paper(&one_thread, data, &options, &base, NULL, &stats), BTF_OK);
     assert_true(base.effects & BTF_EFFECT_HIDDEN);
     const uint32_t before = base.n_centres;
-    assert_int_equal(enc_levels_fit(&one_thread, data, 4, &options, &base, &levels), BTF_OK);
+    assert_int_equal(enc_levels_fit(&one_thread, data, 4, &options, NULL, &base, &levels), BTF_OK);
     assert_true(base.n_centres > before);
     check_levels("bricks, paper", data, &base, &levels, 3, 24);
     check_round_trip(data, &base, &levels);

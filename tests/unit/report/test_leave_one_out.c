@@ -12,7 +12,7 @@
 
 #include "decoder/toolkit/reference_view.h"
 #include "encoder/between/blend.h"
-#include "encoder/between/left_out.h"
+#include "encoder/nodes/left_out.h"
 #include "encoder/report/leave_one_out.h"
 #include "tests/sample/directions.h"
 #include "tests/sample/sample.h"

@@ -11,6 +11,7 @@ typedef enum enc_interpolation {
     ENC_INTERPOLATE_NEAREST = 0, /* the decoder's nearest mode */
     ENC_INTERPOLATE_LINEAR, /* barycentric: the decoder's triangles and integer weights (FORMAT.md, 6) */
     ENC_INTERPOLATE_SPLINE, /* a thin-plate spline through all samples, in the stereographic plane */
+    ENC_INTERPOLATE_CUBIC,  /* the same of the kernel r^3, which is smoother */
 } enc_interpolation;
 
 /* Samples and their weights, which sum to 1. */
@@ -23,8 +24,8 @@ typedef struct enc_weights {
 typedef struct enc_interpolator enc_interpolator;
 
 /* For count directions, 1 to ENC_MAX_DIRECTIONS, distinct; `name` ("views", "lights") is for messages.
- * Errors, on the log: BTF_ERROR_UNSUPPORTED (a spline through directions that lie in one line of the
- * plane), those of btf_material_create, BTF_ERROR_MEMORY. */
+ * Errors, on the log: BTF_ERROR_UNSUPPORTED (a spline through two, or through directions
+ * that lie in one line of the plane), those of btf_material_create, BTF_ERROR_MEMORY. */
 btf_result enc_interpolator_create(const enc_context *context, const char *name,
                                    const enc_direction *directions, int count, enc_interpolation kind,
                                    enc_interpolator **out_interpolator);

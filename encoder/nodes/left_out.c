@@ -5,28 +5,24 @@
 #include "left_out.h"
 
 #include "interpolate.h"
+#include "spline.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-static void place(const float xyz[3], double out[2]) {
-    out[0] = xyz[0] / (1.0 + xyz[2]);
-    out[1] = xyz[1] / (1.0 + xyz[2]);
-}
-
 /* Whether the point that the weights stand for, in the stereographic plane, is near enough to direction i.
  */
 static bool reaches(const enc_direction *directions, int count, int i, const enc_weights *w) {
     double own[2], other[2], found[2] = {0, 0}, least = HUGE_VAL;
-    place(directions[i].xyz, own);
+    enc_stereographic(directions[i].xyz, own);
     for (int k = 0; k < count; k++) {
-        place(directions[k].xyz, other);
+        enc_stereographic(directions[k].xyz, other);
         if (k != i)
             least = fmin(least, hypot(other[0] - own[0], other[1] - own[1]));
     }
     for (int k = 0; k < w->count; k++) {
-        place(directions[w->index[k]].xyz, other);
+        enc_stereographic(directions[w->index[k]].xyz, other);
         found[0] += (double)w->weight[k] * other[0];
         found[1] += (double)w->weight[k] * other[1];
     }

@@ -1,0 +1,26 @@
+/* What the fit of node values gains and costs, for people and as JSON.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_REPORT_FIT_TABLE_H
+#define OPENBTF_ENCODER_REPORT_FIT_TABLE_H
+
+#include "decoder/toolkit/json.h"
+#include "encoder/nodes/choose.h"
+
+#include <stdio.h>
+
+enum { ENC_FIT_TEXT = 48 };
+
+/* "1,0.3": the kappas of views and lights that were chosen; "none". */
+const char *enc_fit_text(const enc_fit_choice *choice, char text[ENC_FIT_TEXT]);
+
+/* A table for people: every candidate at the samples and between them. Nothing where none could be judged. */
+void enc_fit_print(const enc_fit_choice *choice, FILE *out);
+
+/* {"chosen": index, "candidates": [{"kappa_views", "kappa_lights" (null: barycentric), "at_linear", "at_srgb",
+ * "left_out_linear", "left_out_srgb": dB, "gain_linear", "gain_srgb": mean squares}...]} under `key`; null
+ * without a choice (NULL). */
+void enc_fit_json(json *j, const char *key, const enc_fit_choice *choice);
+
+#endif
