@@ -247,7 +247,7 @@ BREAKS = [
     ('decoder/toolkit/cli.c', '#include "encoder/math/area.h"\n', 'encoder/math stands in front of decoder/toolkit'),
     ('encoder/data/data.c', '#include "encoder/job/memory.h"\n#include "encoder/job/memory.h"\n',
      'encoder/job stands in front of encoder/data'),
-    ('encoder/joint/rows.c', '#include "encoder/paper/fit.h"\n', 'encoder/paper stands beside encoder/joint'),
+    ('encoder/factor/rows.c', '#include "encoder/paper/fit.h"\n', 'encoder/paper stands beside encoder/factor'),
     ('decoder/tools/render/table.c', '#include "encoder/input/reader.h"\n',
      'encoder/input stands beside decoder/tools/render'),
     ('encoder/job/job.c', '#include "tests/sample/noise.h"\n', 'tests/sample stands in front of encoder/job'),

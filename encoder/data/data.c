@@ -104,10 +104,6 @@ bool enc_data_fits(const enc_context *context, int width, int height, int n_view
     return bytes <= context->memory / 2 && bytes + least <= context->memory;
 }
 
-double enc_data_fetch_cost(const enc_data *data) {
-    return data->samples ? 0 : data->origin ? data->origin->seconds : ENC_SCRATCH_SECONDS;
-}
-
 static btf_result allocate(const enc_context *context, enc_data *data, uint64_t bytes) {
     data->samples = calloc((size_t)bytes, 1);
     return data->samples ? BTF_OK
@@ -283,48 +279,6 @@ btf_result enc_data_texels(const enc_context *context, const enc_data *data, siz
         return data->origin->texels(context, data->origin, first, count, buffer);
     return enc_scratch_read(context, data->scratch_fd, (uint64_t)first * stride * sizeof(float),
                             count * stride * sizeof(float), buffer);
-}
-
-/* Profiles of one view after another, turned round to [texel][view]. */
-static btf_result make_views(const enc_context *context, const enc_data *data, size_t first, size_t count,
-                             size_t first_view, size_t n_views, float *out) {
-    const size_t profile = 3 * (size_t)data->n_lights;
-    if (n_views == 1)
-        return data->origin->profiles(context, data->origin, (int)first_view, first, count, out);
-    float *one = malloc(count * profile * sizeof *one);
-    btf_result result = one ? BTF_OK : BTF_ERROR_MEMORY;
-    for (size_t v = 0; v < n_views && result == BTF_OK; v++) {
-        result = data->origin->profiles(context, data->origin, (int)(first_view + v), first, count, one);
-        for (size_t t = 0; t < count && result == BTF_OK; t++)
-            memcpy(out + (t * n_views + v) * profile, one + t * profile, profile * sizeof *one);
-    }
-    free(one);
-    return result;
-}
-
-btf_result enc_data_texel_views(const enc_context *context, const enc_data *data, size_t first,
-                                size_t count, size_t first_view, size_t n_views, float *buffer,
-                                const float **out_samples, size_t *out_pitch) {
-    const size_t stride = enc_data_texel_stride(data), profile = 3 * (size_t)data->n_lights;
-    btf_result result = BTF_OK;
-    assert(first + count <= enc_data_texel_count(data));
-    assert(first_view + n_views <= (size_t)data->n_views);
-    *out_pitch = n_views * profile;
-    if (n_views == (size_t)data->n_views)
-        return enc_data_texels(context, data, first, count, buffer, out_samples);
-    *out_samples = buffer;
-    if (data->samples) {
-        *out_samples = data->samples + first * stride + first_view * profile;
-        *out_pitch = stride;
-        return BTF_OK;
-    }
-    if (is_made(data))
-        return make_views(context, data, first, count, first_view, n_views, buffer);
-    for (size_t t = 0; t < count && result == BTF_OK; t++)
-        result = enc_scratch_read(context, data->scratch_fd,
-                                  ((first + t) * stride + first_view * profile) * sizeof(float),
-                                  n_views * profile * sizeof(float), buffer + t * n_views * profile);
-    return result;
 }
 
 btf_result enc_data_store_texels(const enc_context *context, enc_data *data, size_t first, size_t count,

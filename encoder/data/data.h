@@ -108,20 +108,11 @@ void enc_data_destroy(enc_data **data);
  * suffices for the encode. */
 bool enc_data_fits(const enc_context *context, int width, int height, int n_views, int n_lights);
 
-/* Predicted core seconds that it takes to have a sample at hand: 0 in memory. */
-double enc_data_fetch_cost(const enc_data *data);
-
 /* The samples of texels first .. first+count-1. Points into data->samples when they are in memory; else
  * reads or makes them into `buffer` (count * enc_data_texel_stride floats) and points there.
  * Thread-safe. Errors: BTF_ERROR_IO. */
 btf_result enc_data_texels(const enc_context *context, const enc_data *data, size_t first, size_t count,
                            float *buffer, const float **out_samples);
-
-/* The same for views first_view .. first_view+n_views-1 alone: texel i's are at out_samples + i *
- * *out_pitch. `buffer` is for count * n_views * 3 * n_lights floats. */
-btf_result enc_data_texel_views(const enc_context *context, const enc_data *data, size_t first,
-                                size_t count, size_t first_view, size_t n_views, float *buffer,
-                                const float **out_samples, size_t *out_pitch);
 
 /* Gathers every image of one view: out[light][texel][channel], n_lights * texels * 3 floats.
  * Thread-safe. Errors: BTF_ERROR_IO. */

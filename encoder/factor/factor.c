@@ -403,7 +403,7 @@ static btf_result deliver_all(const enc_factor_matrix *m, const enc_factor_optio
 
 btf_result enc_factor_encode(const enc_context *context, const enc_data *data,
                              const enc_factor_options *options, enc_factors **out_factors) {
-    const enc_factor_matrix m = enc_factor_matrix_of(context, data);
+    enc_factor_matrix m = enc_factor_matrix_of(context, data);
     const bool match = options->match == ENC_FACTOR_MATCH;
     const uint64_t least =
         enc_factor_least_budget(data->width, data->height, data->n_views, data->n_lights) +
@@ -421,7 +421,8 @@ btf_result enc_factor_encode(const enc_context *context, const enc_data *data,
             context, BTF_ERROR_UNSUPPORTED,
             "factors: effect shift: the samples do not fit the memory allowed, where match needs them");
     }
-    btf_result result = encode(&m, options, &f[0], &f[1]);
+    btf_result result = enc_factor_clip(&m);
+    result = result == BTF_OK ? encode(&m, options, &f[0], &f[1]) : result;
     result = result == BTF_OK ? deliver_all(&m, options, f, out_factors) : result;
     clear(&f[0]);
     clear(&f[1]);

@@ -10,7 +10,7 @@
 #ifndef OPENBTF_ENCODER_FACTOR_H
 #define OPENBTF_ENCODER_FACTOR_H
 
-#include "classes.h"
+#include "allocate.h"
 #include "measure.h"
 #include "stop.h"
 

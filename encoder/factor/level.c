@@ -4,7 +4,7 @@
  */
 #include "level.h"
 
-#include "classes.h"
+#include "allocate.h"
 #include "encoder/math/linear.h"
 #include "matrix.h"
 
@@ -110,7 +110,7 @@ static void fill_gram(const level_fit *fit, level_channel *of) {
 static btf_result prepare(level_fit *fit) {
     const enc_factor_store *f = &fit->base->factors;
     const size_t columns = (size_t)fit->data->n_views * (size_t)fit->data->n_lights;
-    const enc_factor_matrix matrix = enc_factor_matrix_of(fit->context, fit->data);
+    enc_factor_matrix matrix = enc_factor_matrix_of(fit->context, fit->data);
     enc_factor_set w, product;
     int16_t *levels = NULL;
     fit->units = calloc(f->units, sizeof *fit->units);
@@ -132,7 +132,8 @@ static btf_result prepare(level_fit *fit) {
         w.factor[c] = fit->channel[c].w;
         product.factor[c] = fit->channel[c].product;
     }
-    return enc_factor_times_w(&matrix, &w, &product);
+    const btf_result result = enc_factor_clip(&matrix);
+    return result == BTF_OK ? enc_factor_times_w(&matrix, &w, &product) : result;
 }
 
 static float nearest_level(float x, float top, bool bytes) {

@@ -9,8 +9,8 @@
  */
 #include "match_descend.h"
 
+#include "encoder/math/vectors.h"
 #include "levels.h"
-#include "vectors.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -39,7 +39,7 @@ typedef struct lanes {
 } lanes;
 
 /* seen = sum over k of gram[k] * x[k], the Gram matrix being that of all lanes. */
-ENC_FACTOR_CLONES static void see_shared(size_t rank, const float *restrict gram, const float *restrict x,
+ENC_CLONES static void see_shared(size_t rank, const float *restrict gram, const float *restrict x,
                                          float *restrict seen) {
     float sum[LANES] = {0};
     for (size_t k = 0; k < rank; k++) {
@@ -51,7 +51,7 @@ ENC_FACTOR_CLONES static void see_shared(size_t rank, const float *restrict gram
 }
 
 /* The same of component j, every lane having a Gram matrix of its own. */
-ENC_FACTOR_CLONES static void see_own(size_t rank, size_t j, const float *restrict gram,
+ENC_CLONES static void see_own(size_t rank, size_t j, const float *restrict gram,
                                       const float *restrict x, float *restrict seen) {
     float sum[LANES] = {0};
     const float *row = gram + j * (j + 1) / 2 * LANES;
@@ -70,7 +70,7 @@ ENC_FACTOR_CLONES static void see_own(size_t rank, size_t j, const float *restri
 }
 
 /* A component goes to its best value in all lanes. */
-ENC_FACTOR_CLONES static void settle(bool round, enc_factor_levels levels, float step,
+ENC_CLONES static void settle(bool round, enc_factor_levels levels, float step,
                                      const float *restrict diagonal, const float *restrict product,
                                      const float *restrict seen, float *restrict x) {
     const float per_step = step > 0 ? 1 / step : 0.0f;

@@ -11,7 +11,7 @@
 
 #include "encoder/math/linear.h"
 #include "encoder/math/symmetric.h"
-#include "vectors.h"
+#include "encoder/math/vectors.h"
 
 #include <math.h>
 #include <stdlib.h>

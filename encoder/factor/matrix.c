@@ -5,7 +5,7 @@
 #include "matrix.h"
 
 #include "encoder/base/stage.h"
-#include "vectors.h"
+#include "encoder/math/vectors.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -22,21 +22,70 @@ enc_factor_matrix enc_factor_matrix_of(const enc_context *context, const enc_dat
                                .data = data,
                                .texels = enc_data_texel_count(data),
                                .columns = (size_t)data->n_views * (size_t)data->n_lights,
+                               .most = 0x1p24f,
                                .tile = enc_gemm_select()};
 }
 
-/* The root of a value, of its sign: fitted values at the nodes (nodes/apply.h) may be negative. What is beyond
- * 2^24 is taken as that: scales of larger roots no file holds. */
-static inline float signed_root(float x) {
-    const float size = fabsf(x);
-    return copysignf(sqrtf(size < 0x1p24f ? size : 0x1p24f), x);
+/* A bin of a float of at least 1: its exponent and six bits of its mantissa. */
+enum { ONE = 0x3F800000, BIN = 1 << 17, BINS = (0x7F800000 - ONE) / BIN, DRAWN_TEXELS = 512 };
+
+static void count_highlights(const float *samples, size_t count, uint64_t bins[BINS]) {
+    for (size_t i = 0; i < count; i++) {
+        const float size = fabsf(samples[i]);
+        if (size >= 1) {
+            uint32_t bits;
+            memcpy(&bits, &size, sizeof bits);
+            bins[bits < 0x7F800000 ? (bits - ONE) / BIN : BINS - 1]++;
+        }
+    }
 }
 
-ENC_FACTOR_CLONES static void split_profile(size_t n, const float *restrict rgb, float *restrict y,
-                                            float *restrict c1, float *restrict c2) {
+/* The upper edge of the bin that all but `above` of what was counted keep below; 1 where it was less. */
+static float percentile(const uint64_t bins[BINS], uint64_t above) {
+    int bin = BINS;
+    for (uint64_t sum = 0; bin > 0 && sum + bins[bin - 1] <= above; bin--) {
+        sum += bins[bin - 1];
+    }
+    const uint32_t bits = ONE + (uint32_t)bin * BIN;
+    float edge;
+    memcpy(&edge, &bits, sizeof edge);
+    return edge;
+}
+
+btf_result enc_factor_clip(enc_factor_matrix *m) {
+    const size_t stride = enc_data_texel_stride(m->data), all = enc_data_texel_count(m->data);
+    const size_t texels = all < DRAWN_TEXELS ? all : DRAWN_TEXELS;
+    uint64_t *bins = calloc(BINS, sizeof *bins);
+    float *buffer = malloc(stride * sizeof *buffer);
+    btf_result result = bins && buffer ? BTF_OK : enc_fail(m->context, BTF_ERROR_MEMORY, "factors: out of memory");
+    for (size_t i = 0; result == BTF_OK && i < texels; i++) {
+        const float *samples;
+        result = enc_data_texels(m->context, m->data, i * all / texels, 1, buffer, &samples);
+        if (result == BTF_OK) {
+            count_highlights(samples, stride, bins);
+        }
+    }
+    if (result == BTF_OK) {
+        const float most = ENC_FACTOR_HIGHLIGHTS * percentile(bins, texels * stride / 1000);
+        m->most = most < 0x1p24f ? most : 0x1p24f;
+    }
+    free(buffer);
+    free(bins);
+    return result;
+}
+
+/* The root of a value, of its sign: fitted values at the nodes (nodes/apply.h) may be negative. */
+static inline float signed_root(float x, float most) {
+    const float size = fabsf(x);
+    return copysignf(sqrtf(size < most ? size : most), x);
+}
+
+ENC_CLONES static void split_profile(size_t n, float most, const float *restrict rgb, float *restrict y,
+                                     float *restrict c1, float *restrict c2) {
     const float third = 0.57735027f, half = 0.70710678f, sixth = 0.40824829f;
     for (size_t i = 0; i < n; i++) {
-        const float r = signed_root(rgb[i]), g = signed_root(rgb[n + i]), b = signed_root(rgb[2 * n + i]);
+        const float r = signed_root(rgb[i], most), g = signed_root(rgb[n + i], most),
+                    b = signed_root(rgb[2 * n + i], most);
         y[i] = third * ((r + g) + b);
         c1[i] = half * (r - b);
         c2[i] = sixth * ((r - g) + (b - g));
@@ -44,11 +93,12 @@ ENC_FACTOR_CLONES static void split_profile(size_t n, const float *restrict rgb,
 }
 
 /* Adds the channels of samples times `gain`. */
-ENC_FACTOR_CLONES static void add_profile(size_t n, float gain, const float *restrict rgb, float *restrict y,
-                                          float *restrict c1, float *restrict c2) {
+ENC_CLONES static void add_profile(size_t n, float most, float gain, const float *restrict rgb,
+                                   float *restrict y, float *restrict c1, float *restrict c2) {
     const float third = gain * 0.57735027f, half = gain * 0.70710678f, sixth = gain * 0.40824829f;
     for (size_t i = 0; i < n; i++) {
-        const float r = signed_root(rgb[i]), g = signed_root(rgb[n + i]), b = signed_root(rgb[2 * n + i]);
+        const float r = signed_root(rgb[i], most), g = signed_root(rgb[n + i], most),
+                    b = signed_root(rgb[2 * n + i], most);
         y[i] += third * ((r + g) + b);
         c1[i] += half * (r - b);
         c2[i] += sixth * ((r - g) + (b - g));
@@ -58,7 +108,7 @@ ENC_FACTOR_CLONES static void add_profile(size_t n, float gain, const float *res
 void enc_factor_split_profile(const enc_factor_matrix *m, size_t texel, size_t view, float *const out[3]) {
     const size_t lights = (size_t)m->data->n_lights;
     const float *rgb = m->data->samples + texel * enc_data_texel_stride(m->data) + view * 3 * lights;
-    split_profile(lights, rgb, out[0], out[1], out[2]);
+    split_profile(lights, m->most, rgb, out[0], out[1], out[2]);
 }
 
 /* The row of a source: what the texels that refer to it hold, times their gains. */
@@ -72,8 +122,8 @@ static void gather_row(const enc_factor_matrix *m, size_t source, float *const o
         const size_t i = source * match->views + v, at = v * lights;
         for (uint32_t k = match->first[i]; k < match->first[i + 1]; k++) {
             const size_t texel = match->user[k];
-            add_profile(lights, enc_match_gain(match, v, texel), m->data->samples + texel * stride + 3 * at,
-                        out[0] + at, out[1] + at, out[2] + at);
+            add_profile(lights, m->most, enc_match_gain(match, v, texel),
+                        m->data->samples + texel * stride + 3 * at, out[0] + at, out[1] + at, out[2] + at);
         }
     }
 }
@@ -81,7 +131,7 @@ static void gather_row(const enc_factor_matrix *m, size_t source, float *const o
 void enc_factor_split(const enc_factor_matrix *m, size_t count, const float *samples, float *const out[3]) {
     const size_t lights = (size_t)m->data->n_lights, profiles = count * (size_t)m->data->n_views;
     for (size_t i = 0; i < profiles; i++) {
-        split_profile(lights, samples + i * 3 * lights, out[0] + i * lights, out[1] + i * lights,
+        split_profile(lights, m->most, samples + i * 3 * lights, out[0] + i * lights, out[1] + i * lights,
                       out[2] + i * lights);
     }
 }

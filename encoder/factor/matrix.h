@@ -14,7 +14,7 @@
 #ifndef OPENBTF_ENCODER_FACTOR_MATRIX_H
 #define OPENBTF_ENCODER_FACTOR_MATRIX_H
 
-#include "classes.h"
+#include "allocate.h"
 #include "encoder/data/data.h"
 #include "encoder/math/gemm.h"
 #include "match.h"
@@ -29,10 +29,18 @@ typedef struct enc_factor_matrix {
     const enc_match *match;
     size_t texels, columns;
     const uint32_t *list; /* [texels] of the data, where the rows are some of them; NULL: all */
+    float most;           /* radiance beyond is taken as this */
     enc_gemm_tile tile;
 } enc_factor_matrix;
 
+/* Of all texels, radiance as it is up to 2^24: scales of larger roots no file holds. */
 enc_factor_matrix enc_factor_matrix_of(const enc_context *context, const enc_data *data);
+
+/* Clips what lies far beyond other highlights, which would take all components: io_matrix->most becomes
+ * ENC_FACTOR_HIGHLIGHTS times the radiance that all but a thousandth of the samples of up to 512 texels keep
+ * below, or 1 where that is more. Every rank does the same. Errors: those of the data, BTF_ERROR_MEMORY. */
+enum { ENC_FACTOR_HIGHLIGHTS = 16 };
+btf_result enc_factor_clip(enc_factor_matrix *io_matrix);
 
 /* How much of each channel is meant: rank[channel] components at factor[channel]. */
 typedef struct enc_factor_set {

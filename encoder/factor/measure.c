@@ -6,7 +6,7 @@
 
 #include "encoder/base/stage.h"
 #include "encoder/math/srgb.h"
-#include "vectors.h"
+#include "encoder/math/vectors.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -14,7 +14,7 @@
 enum { BLOCK = 4 * ENC_GEMM_M }; /* texels that a thread decodes at a time */
 
 /* Red, green and blue of `n` samples from their channels, clipped, linear. */
-ENC_FACTOR_CLONES static void compose(size_t n, const float *restrict y, const float *restrict c1,
+ENC_CLONES static void compose(size_t n, const float *restrict y, const float *restrict c1,
                                       const float *restrict c2, float *restrict rgb) {
     const float third = 0.57735027f, half = 0.70710678f, sixth = 0.40824829f;
     for (size_t i = 0; i < n; i++) {

@@ -9,9 +9,9 @@
  */
 #include "round.h"
 
+#include "encoder/math/vectors.h"
 #include "levels.h"
 #include "rows.h"
-#include "vectors.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -34,7 +34,7 @@ static btf_result no_memory(const enc_factor_matrix *m) {
 /* Steps.
  * ------------------------------------------------------------------------------------------------ */
 
-ENC_FACTOR_CLONES static double rounding_error(size_t n, const float *x, enc_factor_levels levels,
+ENC_CLONES static double rounding_error(size_t n, const float *x, enc_factor_levels levels,
                                                float step) {
     const float inverse = step > 0 ? 1 / step : 0.0f;
     double total = 0;
@@ -211,7 +211,7 @@ static bool find_gram(int threads, size_t rank, size_t count, const float *f, fl
 
 /* One component of a panel goes to its best value in all lanes; what the others of the panel see of the
  * change is added to `seen`. */
-ENC_FACTOR_CLONES static void settle(const float *gram_row, size_t j, size_t after, bool round,
+ENC_CLONES static void settle(const float *gram_row, size_t j, size_t after, bool round,
                                      enc_factor_levels levels, const float *restrict step,
                                      const float *restrict product, float *restrict seen,
                                      float *restrict x) {

@@ -4,26 +4,23 @@
  */
 #include "linear.h"
 
+#include "vectors.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* Copies of the hot loops for wider vectors. They hold no sums across lanes and are not contracted, so that
  * all copies give the same bits. */
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#define JOINT_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define JOINT_CLONES
-#endif
 
 /* to[i] -= factor * from[i]. */
-JOINT_CLONES static void subtract_scaled(size_t n, double factor, const double *restrict from,
+ENC_CLONES static void subtract_scaled(size_t n, double factor, const double *restrict from,
                                          double *restrict to) {
     for (size_t i = 0; i < n; i++)
         to[i] -= factor * from[i];
 }
 
-JOINT_CLONES double enc_dot(size_t n, const float *restrict a, const float *restrict b) {
+ENC_CLONES double enc_dot(size_t n, const float *restrict a, const float *restrict b) {
     double sum[8] = {0.0};
     size_t i = 0;
     for (; i + 8 <= n; i += 8)
@@ -35,7 +32,7 @@ JOINT_CLONES double enc_dot(size_t n, const float *restrict a, const float *rest
 }
 
 /* Row j becomes that of the factor; rows j + 1 .. end - 1 lose its share. */
-JOINT_CLONES static bool eliminate(size_t n, double *a, size_t j, size_t end) {
+ENC_CLONES static bool eliminate(size_t n, double *a, size_t j, size_t end) {
     double *restrict row = a + j * n;
     if (!(row[j] > 0.0))
         return false;
@@ -54,7 +51,7 @@ JOINT_CLONES static bool eliminate(size_t n, double *a, size_t j, size_t end) {
 
 /* Four rows at a time, so that those below are read and written a quarter as often; each element loses its
  * products in the order of rows all the same. */
-JOINT_CLONES bool enc_cholesky(size_t n, double *a) {
+ENC_CLONES bool enc_cholesky(size_t n, double *a) {
     size_t j = 0;
     for (; j + 4 <= n; j += 4) {
         for (size_t p = j; p < j + 4; p++)
@@ -100,22 +97,6 @@ void enc_upper_solve(size_t n, const double *r, double *x, size_t columns) {
         for (size_t c = 0; c < columns; c++)
             row[c] *= inverse;
     }
-}
-
-void enc_round_to_lattice(size_t n, const double *r, const double *step, double *x, int8_t *out_codes) {
-    for (size_t i = n; i-- > 0;) {
-        /* x_j holds d_j for j > i: the centre of coordinate i moves by their share of its plane. */
-        double shift = 0.0;
-        for (size_t j = i + 1; j < n; j++)
-            shift += r[i * n + j] * x[j];
-        const double target = x[i] - shift / r[i * n + i];
-        double code = step[i] > 0.0 ? rint(target / step[i]) : 0.0;
-        code = code > 127.0 ? 127.0 : code < -127.0 ? -127.0 : code;
-        out_codes[i] = (int8_t)code;
-        x[i] = code * step[i] - x[i];
-    }
-    for (size_t i = 0; i < n; i++)
-        x[i] = out_codes[i] * step[i];
 }
 
 bool enc_orthonormal_rows(size_t k, size_t row, const float *v, float *basis, float *lower) {

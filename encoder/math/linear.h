@@ -19,12 +19,6 @@ bool enc_cholesky(size_t n, double *a);
 void enc_lower_solve(size_t n, const double *r, double *x, size_t columns);
 void enc_upper_solve(size_t n, const double *r, double *x, size_t columns);
 
-/* Integers q in -127 .. 127 that make sum over i, j of d_i a_ij d_j small, d_i = q_i * step_i - x_i, from
- * the factor L of a: Babai's nearest plane, from the last coordinate to the first, so that each absorbs the
- * rounding of those after it (Babai 1986, On Lovasz' lattice reduction). x is overwritten by q_i * step_i.
- */
-void enc_round_to_lattice(size_t n, const double *r, const double *step, double *x, int8_t *out_codes);
-
 /* Orthonormal rows of the span of v [k][row] by modified Gram-Schmidt, twice: v = lower * basis. A
  * dependent row has a zero row in the basis. All of basis and lower are written. Errors: false when out of
  * memory. */

@@ -5,17 +5,14 @@
  */
 #include "symmetric.h"
 
+#include "vectors.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* Copies of the hot loops for wider vectors. They hold no sums across lanes but in the lanes that are
  * written out, and are not contracted, so that all copies give the same bits. */
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#define CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define CLONES
-#endif
 
 enum { LANES = 8, MOST_STEPS = 60 };
 
@@ -26,7 +23,7 @@ static inline double sum_lanes(const double *s) {
     return ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]));
 }
 
-CLONES static double dot(size_t n, const double *restrict a, const double *restrict b) {
+ENC_CLONES static double dot(size_t n, const double *restrict a, const double *restrict b) {
     double sum[LANES] = {0.0};
     size_t i = 0;
     for (; i + LANES <= n; i += LANES) {
@@ -41,7 +38,7 @@ CLONES static double dot(size_t n, const double *restrict a, const double *restr
 }
 
 /* e[k] += f v[k]; returns the sum of v[k] d[k]. */
-CLONES static double add_and_dot(size_t n, double f, const double *restrict v, const double *restrict d,
+ENC_CLONES static double add_and_dot(size_t n, double f, const double *restrict v, const double *restrict d,
                                  double *restrict e) {
     double sum[LANES] = {0.0};
     size_t i = 0;
@@ -59,20 +56,20 @@ CLONES static double add_and_dot(size_t n, double f, const double *restrict v, c
 }
 
 /* v[k] -= f e[k] + g d[k]. */
-CLONES static void subtract_two(size_t n, double f, const double *restrict e, double g,
+ENC_CLONES static void subtract_two(size_t n, double f, const double *restrict e, double g,
                                 const double *restrict d, double *restrict v) {
     for (size_t k = 0; k < n; k++) {
         v[k] -= f * e[k] + g * d[k];
     }
 }
 
-CLONES static void subtract_scaled(size_t n, double g, const double *restrict d, double *restrict v) {
+ENC_CLONES static void subtract_scaled(size_t n, double g, const double *restrict d, double *restrict v) {
     for (size_t k = 0; k < n; k++) {
         v[k] -= g * d[k];
     }
 }
 
-CLONES static void rotate(size_t n, double c, double s, double *restrict a, double *restrict b) {
+ENC_CLONES static void rotate(size_t n, double c, double s, double *restrict a, double *restrict b) {
     for (size_t k = 0; k < n; k++) {
         const double h = b[k];
         b[k] = s * a[k] + c * h;
@@ -244,7 +241,7 @@ bool enc_eigen_symmetric(size_t n, double *a, double *values) {
 enum { GRAM_SIDE = 4, GRAM_RUN = 1024 };
 
 /* Adds to out what `count` numbers of 4 rows a and 4 rows b give. */
-CLONES static void gram_tile(size_t count, size_t pitch, const float *a, const float *b, double *out) {
+ENC_CLONES static void gram_tile(size_t count, size_t pitch, const float *a, const float *b, double *out) {
     lanes8 sum[GRAM_SIDE][GRAM_SIDE] = {{{0}}};
     for (size_t k = 0; k + LANES <= count; k += LANES) {
         lanes8 x[GRAM_SIDE], y[GRAM_SIDE];

@@ -5,16 +5,11 @@
 #include "evaluator.h"
 
 #include "decoder/toolkit/reference_view.h"
+#include "encoder/math/vectors.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#define WIDE __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define WIDE
-#endif
 
 /* Texels whose levels are kept at a time: more than the sources in a texel's list of points. */
 enum { SOURCES = 24 };
@@ -207,7 +202,7 @@ typedef struct lit {
 
 /* out[i] = u[i] * sum over the lights of weight * w. Sums of a word or unit of these stay below 2^31
  * (FORMAT.md section 9), and so does each of them. */
-WIDE static void weigh(size_t count, const int16_t *u, const lit *lights, int32_t *out) {
+ENC_CLONES static void weigh(size_t count, const int16_t *u, const lit *lights, int32_t *out) {
     const int16_t *const *w = lights->w;
     const int32_t *weight = lights->weight;
     if (lights->count == 1)
@@ -218,7 +213,7 @@ WIDE static void weigh(size_t count, const int16_t *u, const lit *lights, int32_
             out[i] = u[i] * (weight[0] * w[0][i] + weight[1] * w[1][i] + weight[2] * w[2][i]);
 }
 
-WIDE static int32_t sum(size_t count, const int32_t *values) {
+ENC_CLONES static int32_t sum(size_t count, const int32_t *values) {
     int32_t total = 0;
     for (size_t i = 0; i < count; i++)
         total += values[i];

@@ -124,10 +124,6 @@ void enc_spline_destroy(enc_spline **spline) {
     }
 }
 
-double enc_spline_rcond(const enc_spline *s) {
-    return s->rcond;
-}
-
 void enc_spline_basis(const enc_spline *s, const float to[3], double *out) {
     double at[2];
     place(s, to, at);

@@ -26,9 +26,6 @@ btf_result enc_spline_create(const enc_direction *directions, int count, enc_ker
                              enc_spline **out_spline);
 void enc_spline_destroy(enc_spline **spline);
 
-/* Reciprocal condition number of the system. */
-double enc_spline_rcond(const enc_spline *spline);
-
 /* The functions that the spline is a sum of, in direction `to`: out [count + 3]. */
 void enc_spline_basis(const enc_spline *spline, const float to[3], double *out);
 

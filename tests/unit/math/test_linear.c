@@ -70,47 +70,6 @@ static void test_solve(void **unused) {
     assert_false(enc_cholesky(N, r));
 }
 
-/* d^T a d. */
-static double form(const double *a, const double *d) {
-    double sum = 0.0;
-    for (int i = 0; i < N; i++)
-        for (int j = 0; j < N; j++)
-            sum += d[i] * a[i * N + j] * d[j];
-    return sum;
-}
-
-/* Rounding to a lattice: codes in range and, over many targets, much nearer than plain rounding. */
-static void test_lattice(void **unused) {
-    (void)unused;
-    static double a[N * N], r[N * N], step[N], x[N], target[N], d[N], plain[N];
-    int8_t codes[N];
-    double together = 0.0, apart = 0.0;
-    positive_definite(a);
-    memcpy(r, a, sizeof r);
-    assert_true(enc_cholesky(N, r));
-    for (int i = 0; i < N; i++)
-        step[i] = i == 3 ? 0.0 : 0.01 * (1.5 + uniform());
-    for (int trial = 0; trial < 200; trial++) {
-        for (int i = 0; i < N; i++)
-            x[i] = target[i] = i == 3 ? 0.0 : uniform() * 0.3;
-        enc_round_to_lattice(N, r, step, x, codes);
-        for (int i = 0; i < N; i++) {
-            assert_true(codes[i] >= -127);
-            assert_true(x[i] == codes[i] * step[i]);
-            d[i] = x[i] - target[i];
-            plain[i] = step[i] > 0.0 ? rint(target[i] / step[i]) * step[i] - target[i] : 0.0;
-        }
-        together += form(a, d);
-        apart += form(a, plain);
-    }
-    assert_true(together < 0.6 * apart);
-    for (int i = 0; i < N; i++)
-        x[i] = i % 2 ? 1e6 : -1e6;
-    enc_round_to_lattice(N, r, step, x, codes);
-    for (int i = 0; i < N; i++)
-        assert_true(codes[i] >= -127);
-}
-
 static void test_orthonormal_rows(void **unused) {
     (void)unused;
     enum { K = 9, ROW = 50 };
@@ -248,7 +207,6 @@ static void test_product(void **unused) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_solve),
-        cmocka_unit_test(test_lattice),
         cmocka_unit_test(test_orthonormal_rows),
         cmocka_unit_test(test_eigen),
         cmocka_unit_test(test_eigen_symmetric),

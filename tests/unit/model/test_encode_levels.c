@@ -344,7 +344,7 @@ static void fill_level(enc_solution *s) {
     s->gain = malloc(points);
     fill(s->gain, points, 1, 255);
     s->residual_texels = malloc(texels * s->n_components);
-    fill(s->residual_texels, texels * s->n_components, 0, 255);
+    fill(s->residual_texels, texels * s->n_components, -127, 127);
 }
 
 /* No encoder writes such files any more; what they hold comes back. */
@@ -368,7 +368,7 @@ static void test_version_1(void **unused) {
                          .residual_directions = malloc(directions),
                          .residual_scales = malloc(COMPONENTS * sizeof(float))};
     assert_non_null(levels.level);
-    fill(base.residual_directions, directions, 0, 255);
+    fill(base.residual_directions, directions, -127, 127);
     for (int i = 0; i < COMPONENTS; i++)
         base.residual_scales[i] = 0x1p-12f;
     fill_level(&base);
