@@ -71,6 +71,13 @@ static btf_result measure_joint(const section *s, int preset, bench_row *row) {
     return result == BTF_OK ? measure_encoded(s, &encoded, row) : result;
 }
 
+static btf_result measure_fitted(const section *s, int preset, bench_row *row) {
+    bench_encoded encoded;
+    const btf_result result =
+        bench_encode_joint_between(s->run->context, s->run->data, preset, s->budget, &encoded);
+    return result == BTF_OK ? measure_encoded(s, &encoded, row) : result;
+}
+
 static btf_result measure_paper(const section *s, int setting, bench_row *row) {
     bench_encoded encoded;
     (void)setting;
@@ -135,7 +142,9 @@ static btf_result measure_all(section *s) {
     for (int i = 0; i < BENCH_PRESETS && result == BTF_OK; i++) {
         if (s->run->presets[i]) {
             snprintf(name, sizeof name, "joint %s", bench_preset_names[i]);
-            result = measured(s, "preset", name, measure_joint, i);
+            result = measured(s, "preset", name, measure_fitted, i);
+            snprintf(name, sizeof name, "joint %s; --fit samples", bench_preset_names[i]);
+            result = result == BTF_OK ? measured(s, "samples", name, measure_joint, i) : result;
         }
     }
     const bool components = pca_rank_for(s->run->data, PCA_BYTE, 1, s->budget) > 0;

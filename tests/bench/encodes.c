@@ -7,6 +7,7 @@
 #include "encoder/factor/factor.h"
 #include "encoder/model/pack.h"
 #include "encoder/model/unpack.h"
+#include "encoder/nodes/choose.h"
 
 #include <sys/resource.h>
 #include <time.h>
@@ -76,6 +77,28 @@ btf_result bench_encode_joint(const enc_context *context, const enc_data *data, 
     options.preset = (enc_preset)preset;
     options.budget = budget;
     return bench_encode_joint_options(context, data, &options, out);
+}
+
+btf_result bench_encode_joint_between(const enc_context *context, const enc_data *data, int preset,
+                                      uint64_t budget, bench_encoded *out) {
+    const bench_clock start = bench_now();
+    enc_fit_choice choice;
+    enc_node_tables nodes;
+    enc_data *fitted = NULL;
+    *out = (bench_encoded){0};
+    btf_result result = enc_fit_choose(context, data, true, 0, &choice, &nodes);
+    if (result == BTF_OK && nodes.views) {
+        result = enc_node_apply(context, &nodes, data, &fitted);
+    }
+    const bench_clock end = bench_now();
+    if (result == BTF_OK) {
+        result = bench_encode_joint(context, fitted ? fitted : data, preset, budget, out);
+    }
+    out->wall += end.wall - start.wall;
+    out->core += end.core - start.core;
+    enc_node_tables_clear(&nodes);
+    enc_data_destroy(&fitted);
+    return result;
 }
 
 btf_result bench_encode_paper(const enc_context *context, const enc_data *data, bench_encoded *out) {

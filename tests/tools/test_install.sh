@@ -28,7 +28,7 @@ unset PKG_CONFIG_PATH
     printf 'LIB/%s\n' libopenbtf{,_reference}.so{,.0.2,.0.2.0} pkgconfig/openbtf{,-reference}.pc
     printf 'share/cmake/openbtf/%s\n' openbtfConfig{,Version}.cmake
     printf 'share/openbtf/%s\n' FORMAT.md LICENSE README.md openbtf.glsl self_test.glsl \
-        openbtf_{factors,joint,paper,points,residual,sbrdf}_{texel,bilinear,fast}.glsl
+        openbtf_{factors,joint,lists,paper,points,residual,sbrdf}_{texel,bilinear,fast}.glsl
 } | sort >documented
 [ -x "$prefix/bin/btf-view" ] || sed -i '/btf-view/d' documented # built where GLFW is
 expect_that 'the documented files, and no other' diff documented files
