@@ -9,6 +9,7 @@
 #include "match_fit.h"
 #include "pack.h"
 #include "round.h"
+#include "steps.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -185,6 +186,7 @@ typedef struct found {
     enc_factor_codes codes;
     enc_unspent unspent;
     enc_factor_trial trial;
+    enc_factors *packed; /* NULL: given up */
 } found;
 
 static void clear(found *f) {
@@ -194,6 +196,7 @@ static void clear(found *f) {
     enc_match_clear(&f->match);
     enc_match_bases_clear(&f->bases);
     enc_factor_codes_clear(&f->codes);
+    enc_factors_destroy(&f->packed);
 }
 
 /* Bytes of the lists of a match. */
@@ -221,9 +224,42 @@ static void end_trial(const enc_factor_matrix *m, double begin, found *f) {
     }
 }
 
+/* Shifts and gains to the result, and the bytes of their lists. */
+static btf_result deliver_match(const enc_factor_matrix *m, const enc_match *match, enc_factors *out) {
+    const size_t points = match->texels * match->views;
+    out->shift = malloc(2 * points);
+    out->gain = malloc(points);
+    out->gain_base = match->gains.base;
+    out->gain_step = match->gains.step;
+    out->point_entries = (int)enc_match_entries(match->views);
+    out->match_bytes = match_bytes(m);
+    out->bytes += out->match_bytes;
+    if (!out->shift || !out->gain) {
+        return enc_fail(m->context, BTF_ERROR_MEMORY, "factors: out of memory");
+    }
+    enc_match_store(match, out->shift, out->gain);
+    return BTF_OK;
+}
+
+/* Packs a candidate, which the checkpoint keeps, and frees its codes. */
+static btf_result finish(const enc_factor_matrix *m, const enc_factor_options *options, double begin,
+                         found *f) {
+    btf_result result = BTF_OK;
+    end_trial(m, begin, f);
+    if (!f->trial.given_up) {
+        result = deliver(m, &f->codes, f->trial.error, &f->packed);
+        result = result == BTF_OK && f->trial.match ? deliver_match(m, &f->match, f->packed) : result;
+        enc_factor_codes_clear(&f->codes);
+    }
+    return result == BTF_OK ? enc_factor_keep_candidate(m, options->number, &f->trial, f->packed) : result;
+}
+
 /* Without match, from components and plan. */
 static btf_result encode_plain(const enc_factor_matrix *m, const enc_factor_options *options, double begin,
                                found *f) {
+    if (enc_factor_take_candidate(m, options->number, &f->trial, &f->packed)) {
+        return BTF_OK;
+    }
     btf_result result = enc_factor_codes_create(m, &f->plan, f->components, &f->codes);
     if (result == BTF_OK) {
         enc_stage_begin(m->context, "round factors",
@@ -232,10 +268,7 @@ static btf_result encode_plain(const enc_factor_matrix *m, const enc_factor_opti
         enc_stage_end(m->context);
     }
     result = result == BTF_OK ? measure(m, options, f) : result;
-    if (result == BTF_OK) {
-        end_trial(m, begin, f);
-    }
-    return result;
+    return result == BTF_OK ? finish(m, options, begin, f) : result;
 }
 
 /* Sources for the components, and others in their place; trial.given_up where they leave more than `most`
@@ -276,10 +309,7 @@ static btf_result encode_matched(const enc_factor_matrix *plain, const enc_facto
         }
         result = result == BTF_OK ? measure(&m, options, f) : result;
     }
-    if (result == BTF_OK) {
-        end_trial(plain, begin, f);
-    }
-    return result;
+    return result == BTF_OK ? finish(plain, options, begin, f) : result;
 }
 
 /* The bytes of which a candidate with match may make use: those that pay without it. Where these are the
@@ -324,6 +354,9 @@ static btf_result try_match(const enc_factor_matrix *m, const enc_factor_options
     const bool choose = options->match == ENC_FACTOR_CHOOSE_MATCH;
     double most = 0;
     matched->trial.match = true;
+    if (enc_factor_take_candidate(m, options->number, &matched->trial, &matched->packed)) {
+        return BTF_OK;
+    }
     matched->trial.given_up = choose && (bytes < lists + least || !m->data->samples);
     if (matched->trial.given_up) {
         return BTF_OK;
@@ -346,11 +379,21 @@ static bool pays(const enc_factor_matrix *m, const found *plain, const found *ma
     return gain >= MUST_GAIN;
 }
 
+static btf_result find_components(const enc_factor_matrix *m, const enc_factor_options *options, found *f) {
+    if (enc_factor_take_components(m, options->number, f->components, &f->plan, &f->unspent)) {
+        return BTF_OK;
+    }
+    const btf_result result = factorise(m, options, f->components, &f->plan, &f->unspent);
+    return result == BTF_OK
+               ? enc_factor_keep_components(m, options->number, f->components, &f->plan, &f->unspent)
+               : result;
+}
+
 /* The candidates that the options call for; trial.kept of one of them. */
 static btf_result encode(const enc_factor_matrix *m, const enc_factor_options *options, found *plain,
                          found *matched) {
     const double begin = progress_core_clock();
-    btf_result result = factorise(m, options, plain->components, &plain->plan, &plain->unspent);
+    btf_result result = find_components(m, options, plain);
     if (result == BTF_OK && options->match != ENC_FACTOR_MATCH) {
         result = encode_plain(m, options, begin, plain);
     }
@@ -363,42 +406,19 @@ static btf_result encode(const enc_factor_matrix *m, const enc_factor_options *o
     return result;
 }
 
-/* Shifts and gains to the result, and the bytes of their lists. */
-static btf_result deliver_match(const enc_factor_matrix *m, const enc_match *match, enc_factors *out) {
-    const size_t points = match->texels * match->views;
-    out->shift = malloc(2 * points);
-    out->gain = malloc(points);
-    out->gain_base = match->gains.base;
-    out->gain_step = match->gains.step;
-    out->point_entries = (int)enc_match_entries(match->views);
-    out->match_bytes = match_bytes(m);
-    out->bytes += out->match_bytes;
-    if (!out->shift || !out->gain) {
-        return enc_fail(m->context, BTF_ERROR_MEMORY, "factors: out of memory");
-    }
-    enc_match_store(match, out->shift, out->gain);
-    return BTF_OK;
-}
-
-static btf_result deliver_all(const enc_factor_matrix *m, const enc_factor_options *options, found f[2],
-                              enc_factors **out) {
+/* The candidate that was kept, with the trials of both. */
+static enc_factors *hand_out(const enc_factor_options *options, found f[2]) {
     found *kept = &f[f[1].trial.kept];
-    btf_result result = deliver(m, &kept->codes, kept->trial.error, out);
-    if (result == BTF_OK && kept->trial.match) {
-        result = deliver_match(m, &kept->match, *out);
-    }
-    if (result != BTF_OK) {
-        enc_factors_destroy(out);
-        return result;
-    }
-    (*out)->unspent = f[0].unspent;
+    enc_factors *out = kept->packed;
+    kept->packed = NULL;
+    out->unspent = f[0].unspent;
     if (options->match != ENC_FACTOR_MATCH) {
-        (*out)->trials[(*out)->n_trials++] = f[0].trial;
+        out->trials[out->n_trials++] = f[0].trial;
     }
     if (options->match != ENC_FACTOR_NO_MATCH) {
-        (*out)->trials[(*out)->n_trials++] = f[1].trial;
+        out->trials[out->n_trials++] = f[1].trial;
     }
-    return BTF_OK;
+    return out;
 }
 
 btf_result enc_factor_encode(const enc_context *context, const enc_data *data,
@@ -423,7 +443,9 @@ btf_result enc_factor_encode(const enc_context *context, const enc_data *data,
     }
     btf_result result = enc_factor_clip(&m);
     result = result == BTF_OK ? encode(&m, options, &f[0], &f[1]) : result;
-    result = result == BTF_OK ? deliver_all(&m, options, f, out_factors) : result;
+    if (result == BTF_OK) {
+        *out_factors = hand_out(options, f);
+    }
     clear(&f[0]);
     clear(&f[1]);
     return result;

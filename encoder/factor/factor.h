@@ -31,6 +31,7 @@ typedef struct enc_factor_options {
     double tolerance; /* dB that a tenth more bytes must gain at samples left out of the fit; 0: the budget
                          is filled */
     bool measure;    /* the error at the samples is wanted: one more pass over them */
+    int number;      /* of the encode, where one job makes several: its steps in a checkpoint have it */
 } enc_factor_options;
 
 /* A candidate that was encoded. */

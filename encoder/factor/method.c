@@ -129,7 +129,8 @@ static btf_result encode(const enc_context *context, const enc_data *data,
         .match = settings->choose ? ENC_FACTOR_CHOOSE_MATCH : match ? ENC_FACTOR_MATCH : ENC_FACTOR_NO_MATCH,
         .gain = settings->choose || settings->effects & BTF_EFFECT_GAIN,
         .tolerance = settings->quality > 0 ? 0 : settings->tolerance, /* a quality has a stop of its own */
-        .measure = settings->quality > 0};
+        .measure = settings->quality > 0,
+        .number = stats->encodes++};
     const btf_result result = enc_factor_encode(context, data, &options, out);
     if (result != BTF_OK)
         return result;

@@ -297,8 +297,6 @@ static btf_result check_effects(const enc_job *job) {
             "option --effect-tolerance: --method joint takes one number, of dB for a tenth more bytes";
     } else if (!joint && named && (o.effects & ~paper_effects)) {
         refused = "option --effects: --method paper has shadow, shift and hidden only";
-    } else if (joint && job->checkpoint) {
-        refused = "option --checkpoint: --method joint keeps no checkpoints; --method paper does";
     }
     return refused ? cli_error(&enc_program, BTF_ERROR_USAGE, "%s", refused) : BTF_OK;
 }

@@ -1,5 +1,6 @@
 /* Fuzz target: bytes as the result of a step that a checkpoint holds, whole and of the right data. The
- * first byte says which step. What is taken can be worked with: the target reads all of it.
+ * first byte says which step. What is taken can be worked with: the target reads all of it, and the factor
+ * encoder goes on from its steps.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -72,6 +73,29 @@ static void check_cluster(void) {
     enc_occlusion_destroy(&o);
 }
 
+static void check_factors(bool match) {
+    const enc_factor_options options = step_factors(match);
+    enc_factors *f = NULL;
+    FUZZ_CHECK(enc_factor_encode(&context, data, &options, &f) == BTF_OK);
+    unsigned sum = 0;
+    for (size_t i = 0; i < (size_t)f->n_u_texels * STEP_TEXELS * 4; i++)
+        sum += f->texels[i];
+    for (size_t i = 0; i < (size_t)f->n_units * STEP_VIEWS * STEP_LIGHTS * 4; i++)
+        sum += f->directions[i];
+    for (size_t i = 0; i < 4 * (size_t)f->n_units; i++)
+        FUZZ_CHECK(isfinite(f->scales[i]));
+    FUZZ_CHECK(sum || !sum);
+    enc_factors_destroy(&f);
+}
+
+/* Steps of other inputs do not stay. */
+static void forget(void) {
+    for (int i = STEP_COMPONENTS; i < STEP_COUNT; i++) {
+        enc_blob empty = {0};
+        FUZZ_CHECK(enc_checkpoint_put(&context, step_names[i], &empty) == BTF_OK);
+    }
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
     uint8_t shadow[STEP_LIGHTS * STEP_TEXELS];
     if (size == 0)
@@ -82,6 +106,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
     }
     const unsigned step = bytes[0] % STEP_COUNT;
     enc_blob blob = {0};
+    if (step >= STEP_COMPONENTS)
+        forget();
     enc_blob_put(&blob, bytes + 1, size - 1);
     FUZZ_CHECK(enc_checkpoint_put(&context, step_names[step], &blob) == BTF_OK);
     if (step == STEP_FIT)
@@ -90,7 +116,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
         enc_step_take_shadow(&context, data, shadow);
     else if (step == STEP_FLOW || step == STEP_REFINE)
         check_occlusion(step_names[step]);
-    else
+    else if (step == STEP_CLUSTER)
         check_cluster();
+    else
+        check_factors(step == STEP_MATCHED);
     return 0;
 }

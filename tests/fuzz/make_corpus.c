@@ -314,6 +314,12 @@ static void write_steps(void) {
     const enc_centres centres = {2, STEP_LIGHTS, 0.01f, codes};
     occlusion->centre[5] = 1;
     must(enc_step_keep_cluster(&context, occlusion, &centres) == BTF_OK, "cluster");
+    for (int match = 0; match < 2; match++) {
+        const enc_factor_options factors = step_factors(match);
+        enc_factors *found;
+        must(enc_factor_encode(&context, data, &factors, &found) == BTF_OK, "factors");
+        enc_factors_destroy(&found);
+    }
     for (int step = 0; step < STEP_COUNT; step++)
         take_step(steps, step);
     enc_occlusion_destroy(&occlusion);

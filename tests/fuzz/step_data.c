@@ -4,7 +4,16 @@
  */
 #include "step_data.h"
 
-const char *const step_names[STEP_COUNT] = {"fit", "shadow", "flow", "refine", "cluster"};
+const char *const step_names[STEP_COUNT] = {"fit",     "shadow",       "flow",      "refine",
+                                           "cluster", "components-0", "factors-0", "matched-0"};
+
+enc_factor_options step_factors(bool match) {
+    return (enc_factor_options){.budget = 2048,
+                                .sweeps = 1,
+                                .match = match ? ENC_FACTOR_MATCH : ENC_FACTOR_NO_MATCH,
+                                .gain = true,
+                                .measure = true};
+}
 
 enc_data *step_data(const enc_context *context) {
     const enc_direction list[2] = {enc_direction_from_angles(0, 0), enc_direction_from_angles(45, 90)};

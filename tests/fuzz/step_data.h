@@ -6,6 +6,7 @@
 #define OPENBTF_TESTS_STEP_DATA_H
 
 #include "encoder/data/data.h"
+#include "encoder/factor/factor.h"
 
 enum {
     STEP_SIDE = 3,
@@ -16,8 +17,21 @@ enum {
 };
 
 /* The first byte of an input is the index of its step. */
-enum { STEP_FIT, STEP_SHADOW, STEP_FLOW, STEP_REFINE, STEP_CLUSTER, STEP_COUNT };
+enum {
+    STEP_FIT,
+    STEP_SHADOW,
+    STEP_FLOW,
+    STEP_REFINE,
+    STEP_CLUSTER,
+    STEP_COMPONENTS,
+    STEP_FACTORS,
+    STEP_MATCHED,
+    STEP_COUNT
+};
 extern const char *const step_names[STEP_COUNT];
+
+/* How the factor encoder goes over it, with match or without. */
+enc_factor_options step_factors(bool match);
 
 /* Destroy with enc_data_destroy. NULL when out of memory. */
 enc_data *step_data(const enc_context *context);

@@ -111,7 +111,7 @@ expect "a Bonn file" 0 btf-encode small.btf -o bonn.btf.exr --report bonn.json -
 expect_that "is encoded well" test "$(json bonn.json "r['psnr']['full']['linear'] > 40")" = True
 
 for refused in "--effects shift" "--effects shift,residual" "--effects shadow,residual" "--effects none" "--effect-tolerance 0,1" \
-    "--layout paper" "--half" "--checkpoint steps" "--metric linear" "--lobes 2"; do
+    "--layout paper" "--half" "--metric linear" "--lobes 2"; do
     expect "factors $refused" 1 btf-encode data -o x.btf.exr $refused -q
     expect_text "is refused by name" "option ${refused%% *}: " err
 done

@@ -10,7 +10,7 @@ echo "seed $seed"
 RANDOM=$seed
 small_data
 
-for method in paper; do
+for method in joint paper; do
     expect "$method, uninterrupted" 0 btf-encode data -o whole.btf.exr --method $method -q
     expect "$method with a checkpoint" 0 btf-encode data -o kept.btf.exr --method $method -q --checkpoint steps
     span=$(calls btf-encode data -o kept.btf.exr --method $method -q --checkpoint steps) same=0 cut=0 halves=0
