@@ -65,8 +65,11 @@ typedef struct enc_factors {
     enc_factor_error error;                                    /* 0 where not asked for */
 } enc_factors;
 
-/* Encodes a BTF. The same bits for any number of threads. Samples are read in passes, each of them once a
- * pass, and not kept; enc_factor_memory says what it takes. Every rank does all of it. Stages "factorise",
+/* Encodes a BTF. The same bits for any number of threads and ranks. Samples are read in passes, each of them
+ * once a pass, and not kept; enc_factor_memory says what it takes. Ranks (encoder/base/ranks.h) share all that
+ * is done with samples, the descent on codes, and the search of match; factors times factors, their Gram
+ * matrices and eigenvectors, the allocation and the lists of a single block of match are done by every rank.
+ * Stages "factorise",
  * "match", "round factors" and "measure factors". Errors: BTF_ERROR_USAGE (a budget that holds no unit),
  * BTF_ERROR_UNSUPPORTED (match, and samples that are not in memory), BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED; *out_factors is NULL then. */
 btf_result enc_factor_encode(const enc_context *context, const enc_data *data,

@@ -4,15 +4,15 @@
  */
 #include "match_lists.h"
 
+#include "encoder/math/clones.h"
 #include "encoder/math/linear.h"
-#include "vectors.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-ENC_FACTOR_CLONES float enc_match_dot(size_t k, const float *restrict a, const float *restrict b) {
+ENC_CLONES float enc_match_dot(size_t k, const float *restrict a, const float *restrict b) {
     float sum[16] = {0}, total = 0;
     size_t i = 0;
     for (; i + 16 <= k; i += 16) {

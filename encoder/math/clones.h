@@ -5,13 +5,13 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_FACTOR_VECTORS_H
-#define OPENBTF_ENCODER_FACTOR_VECTORS_H
+#ifndef OPENBTF_ENCODER_MATH_CLONES_H
+#define OPENBTF_ENCODER_MATH_CLONES_H
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#define ENC_FACTOR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#define ENC_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
 #else
-#define ENC_FACTOR_CLONES
+#define ENC_CLONES
 #endif
 
 #endif
