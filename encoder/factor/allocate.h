@@ -5,20 +5,10 @@
 #ifndef OPENBTF_ENCODER_FACTOR_ALLOCATE_H
 #define OPENBTF_ENCODER_FACTOR_ALLOCATE_H
 
-#include "encoder/model/factor_store.h"
+#include "classes.h"
 
 #include <stdbool.h>
 #include <stdint.h>
-
-/* Numbers of the classes of factors, whose table is the model's. */
-enum {
-    ENC_FACTOR_CLASSES = 5,
-    ENC_FACTOR_TIERS = 3,
-    ENC_FACTOR_CHANNELS = 3, /* Y, C1, C2 */
-    ENC_FACTOR_MOST_UNITS = 256,
-    ENC_FACTOR_MOST_WORD = 16, /* components a word, at most */
-    ENC_FACTOR_UNIT_WORDS = 4,
-};
 
 /* Words of each class and channel; the words of a class fill whole units. */
 typedef struct enc_factor_plan {

@@ -19,7 +19,7 @@ typedef struct enc_components {
 
 /* Finds rank[channel] components of each channel by a randomised range finder with `power_steps` steps of
  * subspace iteration (Halko, Martinsson and Tropp 2011, algorithms 4.4 and 5.1); channels of rank 0 are
- * left as they are. The same bits for any number of threads. Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO,
+ * left as they are. The same bits for any number of threads and ranks. Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO,
  * BTF_ERROR_INTERRUPTED. */
 btf_result enc_components_find(const enc_factor_matrix *matrix, const size_t rank[ENC_FACTOR_CHANNELS],
                                int power_steps, enc_components io_components[ENC_FACTOR_CHANNELS]);

@@ -7,7 +7,6 @@
 #include "decoder/toolkit/progress.h"
 #include "encoder/base/stage.h"
 #include "match_fit.h"
-#include "pack.h"
 #include "round.h"
 #include "steps.h"
 
@@ -144,19 +143,6 @@ static enc_factors *factors_create(const enc_data *data, const enc_factor_plan *
         enc_factors_destroy(&f);
     }
     return f;
-}
-
-void enc_factors_destroy(enc_factors **factors) {
-    if (factors && *factors) {
-        free((*factors)->texels);
-        free((*factors)->directions);
-        free((*factors)->scales);
-        free((*factors)->views);
-        free((*factors)->shift);
-        free((*factors)->gain);
-        free(*factors);
-        *factors = NULL;
-    }
 }
 
 /* Rounded codes to the result, which takes the views' factors. */

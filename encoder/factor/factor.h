@@ -10,9 +10,7 @@
 #ifndef OPENBTF_ENCODER_FACTOR_H
 #define OPENBTF_ENCODER_FACTOR_H
 
-#include "allocate.h"
-#include "measure.h"
-#include "stop.h"
+#include "pack.h"
 
 enum { ENC_FACTOR_SWEEPS = 6 };
 
@@ -34,45 +32,15 @@ typedef struct enc_factor_options {
     int number;      /* of the encode, where one job makes several: its steps in a checkpoint have it */
 } enc_factor_options;
 
-/* A candidate that was encoded. */
-typedef struct enc_factor_trial {
-    bool match, kept;
-    bool given_up; /* after a survey: the rest is 0 but for core_seconds */
-    int n_units;
-    uint64_t bytes;         /* of the budget */
-    enc_factor_error error; /* 0 where it was not measured */
-    double core_seconds;
-} enc_factor_trial;
-
-typedef struct enc_factors {
-    int width, height, n_views, n_lights;
-    int n_units;                                               /* texels of w a (view, light) */
-    int n_u_texels;                                            /* texels of u a texel */
-    uint32_t classes[ENC_FACTOR_CLASSES][ENC_FACTOR_CHANNELS]; /* units, C1 words, C2 words */
-    uint32_t *texels;                                          /* [n_u_texels][height][width][4] */
-    uint32_t *directions;                                      /* [n_units][n_views][n_lights][4] */
-    float *scales;                                             /* [n_units][4] */
-    float *views;                                              /* [n_views][tier][Y, C1, C2] */
-    size_t components[ENC_FACTOR_CHANNELS];                    /* kept of Y, C1, C2 */
-    int8_t *shift;                  /* [view][texel][2]: columns, rows, -32 .. 31; NULL without match */
-    uint8_t *gain;                  /* [view][texel]: codes 0 .. 15; NULL without match */
-    float gain_base, gain_step;     /* a code says base + code * step */
-    int point_entries;              /* distinct pairs of shift and gain that a texel has at most; 0: any number */
-    uint64_t match_bytes;           /* of `bytes`: lists and indices, or a pair a point */
-    enc_factor_trial trials[2];     /* in the order in which they were made */
-    int n_trials;
-    uint64_t bytes;                                            /* of the budget */
-    enc_unspent unspent;                                       /* why not all of it */
-    enc_factor_error error;                                    /* 0 where not asked for */
-} enc_factors;
-
-/* Encodes a BTF. The same bits for any number of threads. Samples are read in passes, each of them once a
- * pass, and not kept; enc_factor_memory says what it takes. Every rank does all of it. Stages "factorise",
+/* Encodes a BTF. The same bits for any number of threads and ranks. Samples are read in passes, each of them
+ * once a pass, and not kept; enc_factor_memory says what it takes. Ranks (encoder/base/ranks.h) share all that
+ * is done with samples, the descent on codes, and the search of match; factors times factors, their Gram
+ * matrices and eigenvectors, the allocation and the lists of a single block of match are done by every rank.
+ * Stages "factorise",
  * "match", "round factors" and "measure factors". Errors: BTF_ERROR_USAGE (a budget that holds no unit),
  * BTF_ERROR_UNSUPPORTED (match, and samples that are not in memory), BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED; *out_factors is NULL then. */
 btf_result enc_factor_encode(const enc_context *context, const enc_data *data,
                              const enc_factor_options *options, enc_factors **out_factors);
-void enc_factors_destroy(enc_factors **factors);
 
 /* The fewest bytes that hold factors: one unit. */
 uint64_t enc_factor_least_budget(int width, int height, int n_views, int n_lights);

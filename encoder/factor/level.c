@@ -7,6 +7,7 @@
 #include "allocate.h"
 #include "encoder/math/linear.h"
 #include "matrix.h"
+#include "rows.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -183,13 +184,15 @@ static void fit_texel(const level_fit *fit, size_t texel, float *x, float *gradi
 
 static btf_result fit_texels(const level_fit *fit, uint32_t *out) {
     const size_t texels = enc_data_texel_count(fit->data);
+    size_t begin, end; /* texels of this rank */
     btf_result result = BTF_OK;
+    enc_rows_range(fit->context, texels, 1, &begin, &end);
 #pragma omp parallel num_threads(fit->context->threads)
     {
         float *x = malloc(2 * fit->components * sizeof *x);
         int16_t *levels = malloc(fit->components * sizeof *levels);
 #pragma omp for schedule(dynamic)
-        for (size_t t = 0; t < texels; t++) {
+        for (size_t t = begin; t < end; t++) {
             const btf_result mine = !x || !levels                 ? BTF_ERROR_MEMORY
                                     : enc_cancelled(fit->context) ? BTF_ERROR_INTERRUPTED
                                                                   : BTF_OK;
@@ -204,7 +207,11 @@ static btf_result fit_texels(const level_fit *fit, uint32_t *out) {
         free(x);
         free(levels);
     }
-    return result == BTF_ERROR_MEMORY ? enc_fail(fit->context, result, "levels: out of memory") : result;
+    if (result == BTF_ERROR_MEMORY) {
+        enc_fail(fit->context, result, "levels: out of memory");
+    }
+    return enc_rows_complete(fit->context, result, (size_t)fit->base->factors.layers, texels, 1,
+                             ENC_STORE_WORDS * sizeof *out, out);
 }
 
 /* A level has no match: every texel is its own source, with the gain that is nearest to 1. */

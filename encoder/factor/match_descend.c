@@ -9,8 +9,8 @@
  */
 #include "match_descend.h"
 
-#include "encoder/math/vectors.h"
-#include "levels.h"
+#include "encoder/math/clones.h"
+#include "rows.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -201,17 +201,21 @@ static void refine_view(const enc_factor_matrix *m, const enc_factor_codes *code
     }
 }
 
-static bool refine_w(const enc_factor_matrix *m, const enc_factor_codes *codes, int c, const float *product,
+/* Ranks share the views. */
+static btf_result refine_w(const enc_factor_matrix *m, const enc_factor_codes *codes, int c, const float *product,
                      bool round, int sweeps) {
     const size_t rank = codes->channel[c].rank;
     const size_t each = 2 * (rank + ENC_GEMM_N) * DEPTH + (rank * rank + 15) / 16 * 16 + 2 * rank * LANES;
     float *work = enc_gemm_alloc((size_t)m->context->threads * each);
+    size_t begin, end;
+    enc_ranks_range(m->context, codes->views, &begin, &end);
 #pragma omp parallel for schedule(dynamic) num_threads(m->context->threads) if (work)
-    for (size_t view = 0; view < (work ? codes->views : 0); view++) {
+    for (size_t view = begin; view < (work ? end : begin); view++) {
         refine_view(m, codes, c, view, product, round, sweeps, work + enc_thread_index() * each);
     }
     free(work);
-    return work != NULL;
+    return enc_rows_complete(m->context, work ? BTF_OK : no_memory(m), rank, codes->columns, codes->lights,
+                             sizeof(float), codes->channel[c].w);
 }
 
 /* u.
@@ -273,7 +277,8 @@ static void refine_texels(const enc_factor_matrix *m, const enc_factor_codes *co
     refine_lanes(&l, sweeps, first, n, m->texels, product, channel->u);
 }
 
-static bool refine_u(const enc_factor_matrix *m, const enc_factor_codes *codes, int c, const float *product,
+/* Ranks share the texels. */
+static btf_result refine_u(const enc_factor_matrix *m, const enc_factor_codes *codes, int c, const float *product,
                      bool round, int sweeps) {
     const size_t rank = codes->channel[c].rank, panels = enc_gemm_panels(rank * (rank + 1) / 2, ENC_GEMM_M);
     const size_t each = (panels * ENC_GEMM_M + codes->views + 2 * rank) * LANES;
@@ -284,13 +289,16 @@ static bool refine_u(const enc_factor_matrix *m, const enc_factor_codes *codes, 
         memset(packed, 0, panels * ENC_GEMM_M * codes->views * sizeof *packed);
         room = pack_view_grams(m, codes, c, packed);
     }
+    size_t begin, end;
+    enc_rows_range(m->context, m->texels, LANES, &begin, &end);
 #pragma omp parallel for schedule(dynamic) num_threads(m->context->threads) if (room)
-    for (size_t first = 0; first < (room ? m->texels : 0); first += LANES) {
+    for (size_t first = begin; first < (room ? end : begin); first += LANES) {
         refine_texels(m, codes, c, packed, first, product, round, sweeps, work + enc_thread_index() * each);
     }
     free(packed);
     free(work);
-    return room;
+    return enc_rows_complete(m->context, room ? BTF_OK : no_memory(m), rank, m->texels, LANES,
+                             sizeof(float), codes->channel[c].u);
 }
 
 static btf_result descend(const enc_factor_matrix *m, enc_factor_codes *codes, bool of_w, bool round,
@@ -304,9 +312,8 @@ static btf_result descend(const enc_factor_matrix *m, enc_factor_codes *codes, b
         of_w ? enc_factor_times_u(m, &held, product) : enc_factor_times_w(m, &held, product);
     for (int c = 0; c < ENC_FACTOR_CHANNELS && result == BTF_OK; c++) {
         if (codes->channel[c].rank > 0) {
-            const bool room = of_w ? refine_w(m, codes, c, product->factor[c], round, sweeps)
-                                   : refine_u(m, codes, c, product->factor[c], round, sweeps);
-            result = room ? BTF_OK : no_memory(m);
+            result = of_w ? refine_w(m, codes, c, product->factor[c], round, sweeps)
+                          : refine_u(m, codes, c, product->factor[c], round, sweeps);
         }
     }
     return result;

@@ -4,6 +4,7 @@
  */
 #include "match_fit.h"
 
+#include "encoder/base/ranks.h"
 #include "encoder/math/linear.h"
 #include "encoder/math/symmetric.h"
 #include "match_descend.h"
@@ -194,17 +195,104 @@ static btf_result search_block(const enc_factor_matrix *m, const enc_match_bases
     return result;
 }
 
-static btf_result search_blocks(const enc_factor_matrix *m, const enc_match_bases *bases,
-                                const enc_factor_codes *codes, block_steps steps,
-                                enc_match_coordinates *at, enc_match *match, search_sums *sums) {
+/* Copies the sources and gains of a block's points to the message [block][view][texel], or back. */
+static void copy_block(const enc_match_coordinates *block, enc_match *match, uint32_t *source,
+                       uint8_t *gain, bool back) {
+    const size_t texels = enc_match_area_texels(&block->block);
+    for (size_t i = 0; i < match->views * texels; i++) {
+        const size_t point =
+            i / texels * match->texels + enc_match_texel(match, &block->block, i % texels);
+        if (back) {
+            match->source[point] = source[i];
+            match->gain[point] = gain[i];
+        } else {
+            source[i] = match->source[point];
+            gain[i] = match->gain[point];
+        }
+    }
+}
+
+/* Completes the points, of which each rank has those of some blocks. */
+static btf_result share_blocks(const enc_context *context, btf_result result, enc_match *match) {
+    const size_t points = match->texels * match->views, ranks = (size_t)enc_ranks_count(context);
+    const size_t blocks = (size_t)enc_match_blocks(match);
+    uint32_t *source = malloc(points * sizeof *source);
+    uint8_t *gain = malloc(points);
+    size_t *bounds = calloc(ranks + 1, sizeof *bounds), *starts = calloc(blocks + 1, sizeof *starts);
+    if (!source || !gain || !bounds || !starts) {
+        result = enc_fail(context, BTF_ERROR_MEMORY, "match: out of memory for what ranks exchange");
+    }
+    size_t first, end, own, own_end;
+    enc_ranks_range(context, blocks, &own, &own_end);
+    result = enc_ranks_agree(context, result);
+    for (size_t b = 0; b < blocks && result == BTF_OK; b++) {
+        const enc_match_coordinates at = enc_match_block(match, 0, (int)b);
+        starts[b + 1] = starts[b] + match->views * enc_match_area_texels(&at.block);
+        if (b >= own && b < own_end) {
+            copy_block(&at, match, source + starts[b], gain + starts[b], false);
+        }
+    }
+    for (size_t r = 0; r < ranks && result == BTF_OK; r++) {
+        enc_ranks_range_of(context, (int)r, blocks, &first, &end);
+        bounds[r + 1] = starts[end];
+    }
+    if (result == BTF_OK) {
+        result = enc_ranks_gather_bounds(context, result, source, sizeof *source, bounds);
+        result = enc_ranks_gather_bounds(context, result, gain, 1, bounds);
+    }
+    for (size_t b = 0; b < blocks && result == BTF_OK; b++) {
+        const enc_match_coordinates at = enc_match_block(match, 0, (int)b);
+        copy_block(&at, match, source + starts[b], gain + starts[b], true);
+    }
+    free(source);
+    free(gain);
+    free(bounds);
+    free(starts);
+    return result;
+}
+
+/* Some blocks, one after the other; sums [block]. */
+static btf_result search_some(const enc_factor_matrix *m, const enc_match_bases *bases,
+                              const enc_factor_codes *codes, block_steps steps, size_t first, size_t end,
+                              enc_match_coordinates *at, enc_match *match, search_sums *sums) {
     btf_result result = BTF_OK;
-    for (int b = 0; b < enc_match_blocks(match) && result == BTF_OK; b++) {
-        enc_match_coordinates next = enc_match_block(match, bases->leading, b);
+    for (size_t b = first; b < end && result == BTF_OK; b++) {
+        enc_match_coordinates next = enc_match_block(match, bases->leading, (int)b);
         next.query = at->query;
         next.source = at->source;
         next.norm = at->norm;
-        result = search_block(m, bases, codes, steps, &next, match, sums);
+        result = search_block(m, bases, codes, steps, &next, match, &sums[b]);
     }
+    return result;
+}
+
+/* Ranks share the blocks, or the views where there is one block alone. */
+static btf_result search_blocks(const enc_factor_matrix *m, const enc_match_bases *bases,
+                                const enc_factor_codes *codes, block_steps steps,
+                                enc_match_coordinates *at, enc_match *match, search_sums *io_sums) {
+    const size_t blocks = (size_t)enc_match_blocks(match);
+    enc_context alone = *m->context;
+    enc_factor_matrix by_blocks = *m;
+    const bool split = blocks > 1 && enc_ranks_count(m->context) > 1;
+    search_sums *sums = calloc(blocks, sizeof *sums);
+    size_t first, end;
+    alone.ranks = NULL;
+    by_blocks.context = &alone;
+    enc_ranks_range(split ? m->context : &alone, blocks, &first, &end);
+    btf_result result = sums ? BTF_OK : no_memory(m);
+    if (result == BTF_OK) {
+        result = search_some(split ? &by_blocks : m, bases, codes, steps, first, end, at, match, sums);
+    }
+    if (split) {
+        result = share_blocks(m->context, result, match);
+        result = result == BTF_OK ? enc_ranks_gather(m->context, result, sums, sizeof *sums, blocks) : result;
+    }
+    for (size_t b = 0; b < blocks && result == BTF_OK; b++) {
+        io_sums->own += sums[b].own;
+        io_sums->left += sums[b].left;
+        io_sums->energy += sums[b].energy;
+    }
+    free(sums);
     return result;
 }
 

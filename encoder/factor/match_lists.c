@@ -4,8 +4,8 @@
  */
 #include "match_lists.h"
 
+#include "encoder/math/clones.h"
 #include "encoder/math/linear.h"
-#include "encoder/math/vectors.h"
 
 #include <float.h>
 #include <math.h>

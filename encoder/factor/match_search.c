@@ -9,9 +9,10 @@
  */
 #include "match_search.h"
 
+#include "encoder/base/ranks.h"
+#include "encoder/math/clones.h"
 #include "encoder/math/linear.h"
 #include "encoder/math/symmetric.h"
-#include "encoder/math/vectors.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -121,17 +122,20 @@ btf_result enc_match_find_bases(const enc_factor_matrix *m, enc_match_bases *out
     if (!out->basis || !work) {
         free(work);
         enc_match_bases_clear(out);
-        return no_memory(m);
+        return enc_ranks_agree(m->context, no_memory(m));
     }
+    size_t begin, end;
+    enc_ranks_range(m->context, views, &begin, &end);
 #pragma omp parallel for schedule(dynamic) num_threads(m->context->threads)
-    for (size_t v = 0; v < views; v++) {
+    for (size_t v = begin; v < end; v++) {
         if (!find_basis(m, v, k, length, work + enc_thread_index() * each, out->basis + v * k * length)) {
 #pragma omp atomic write
             room = false;
         }
     }
     free(work);
-    return room ? BTF_OK : no_memory(m);
+    return enc_ranks_gather(m->context, room ? BTF_OK : no_memory(m), out->basis,
+                            k * length * sizeof(float), views);
 }
 
 void enc_match_bases_clear(enc_match_bases *bases) {
@@ -222,6 +226,21 @@ static void pack_u(const enc_factor_matrix *m, const enc_factor_codes *codes, co
     }
 }
 
+/* Of an allocation, unless the user wants to stop. */
+static btf_result outcome(const enc_factor_matrix *m, bool room) {
+    return !room ? no_memory(m) : enc_cancelled(m->context) ? BTF_ERROR_INTERRUPTED : BTF_OK;
+}
+
+/* Completes the coordinates of a block, of which each rank has found those of some views. */
+static btf_result share_coordinates(const enc_context *context, btf_result result, size_t views,
+                                    enc_match_coordinates *at) {
+    const size_t sources = enc_match_area_texels(&at->sources), one = sizeof(float);
+    result = enc_ranks_gather(context, result, at->query, enc_match_area_texels(&at->block) * at->k * one,
+                              views);
+    result = enc_ranks_gather(context, result, at->source, sources * at->k * one, views);
+    return enc_ranks_gather(context, result, at->norm, sources * one, views);
+}
+
 btf_result enc_match_locate(const enc_factor_matrix *m, const enc_factor_codes *codes,
                             const enc_match_bases *bases, const enc_match *match,
                             enc_match_coordinates *at) {
@@ -231,10 +250,12 @@ btf_result enc_match_locate(const enc_factor_matrix *m, const enc_factor_codes *
     float *packed = enc_gemm_alloc((enc_match_area_texels(&at->sources) + ENC_GEMM_M) * components);
     float *work = enc_gemm_alloc((size_t)m->context->threads * each);
     const bool room = packed && work;
+    size_t begin, end;
+    enc_ranks_range(m->context, match->views, &begin, &end);
     if (room) {
         pack_u(m, codes, match, &at->sources, components, packed);
 #pragma omp parallel for schedule(dynamic) num_threads(m->context->threads)
-        for (size_t v = 0; v < match->views; v++) {
+        for (size_t v = begin; v < end; v++) {
             const projector p = {.m = m,
                                  .codes = codes,
                                  .match = match,
@@ -252,7 +273,7 @@ btf_result enc_match_locate(const enc_factor_matrix *m, const enc_factor_codes *
     }
     free(packed);
     free(work);
-    return !room ? no_memory(m) : enc_cancelled(m->context) ? BTF_ERROR_INTERRUPTED : BTF_OK;
+    return share_coordinates(m->context, outcome(m, room), match->views, at);
 }
 
 /* The nearest.
@@ -481,8 +502,10 @@ btf_result enc_match_search(const enc_factor_matrix *m, const enc_match_coordina
     float *work = enc_gemm_alloc((size_t)m->context->threads * each);
     double *energy = calloc(views, sizeof *energy);
     const bool room = work && energy;
+    size_t begin, end;
+    enc_ranks_range(m->context, views, &begin, &end);
 #pragma omp parallel for schedule(dynamic) num_threads(m->context->threads) if (room)
-    for (size_t v = 0; v < (room ? views : 0); v++) {
+    for (size_t v = begin; v < (room ? end : begin); v++) {
         view_search s = {.m = m,
                          .match = match,
                          .at = at,
@@ -498,10 +521,17 @@ btf_result enc_match_search(const enc_factor_matrix *m, const enc_match_coordina
         }
         energy[v] = s.energy;
     }
-    for (size_t v = 0; v < views && room; v++) {
+    btf_result result = enc_ranks_agree(m->context, outcome(m, room));
+    if (result == BTF_OK) {
+        result = enc_ranks_gather(m->context, result, energy, sizeof *energy, views);
+        result = enc_ranks_gather(m->context, result, match->source, m->texels * sizeof *match->source,
+                                  views);
+        result = enc_ranks_gather(m->context, result, match->gain, m->texels, views);
+    }
+    for (size_t v = 0; v < views && result == BTF_OK; v++) {
         *io_energy += energy[v];
     }
     free(work);
     free(energy);
-    return !room ? no_memory(m) : enc_cancelled(m->context) ? BTF_ERROR_INTERRUPTED : BTF_OK;
+    return result;
 }

@@ -19,7 +19,8 @@ typedef struct enc_match_bases {
     float *basis;
 } enc_match_bases;
 
-/* Of at most 512 texels, spread over the texture. Errors: BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
+/* Of at most 512 texels, spread over the texture. Ranks share the views here and in the functions below, and all
+ * meet in them, except where the context has no ranks. Errors: BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
 btf_result enc_match_find_bases(const enc_factor_matrix *matrix, enc_match_bases *out_bases);
 void enc_match_bases_clear(enc_match_bases *bases);
 
@@ -32,7 +33,7 @@ btf_result enc_match_locate(const enc_factor_matrix *matrix, const enc_factor_co
 /* Finds sources and gains for the points of a block. A point changes its source only for a nearer one, its
  * gain being rounded; of equals the first wins. Up to 64x64 texels every point looks at all sources, else at
  * those that all points of its tile of 16x16 reach. Adds to *io_energy the squares of the samples, as far as
- * the leading directions tell. Users are not counted. The same bits for any number of threads. Errors:
+ * the leading directions tell. Users are not counted. The same bits for any number of threads and ranks. Errors:
  * BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
 btf_result enc_match_search(const enc_factor_matrix *matrix, const enc_match_coordinates *coordinates,
                             enc_match *io_match, double *io_energy);

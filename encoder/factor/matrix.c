@@ -5,7 +5,8 @@
 #include "matrix.h"
 
 #include "encoder/base/stage.h"
-#include "encoder/math/vectors.h"
+#include "encoder/math/clones.h"
+#include "rows.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -111,14 +112,19 @@ void enc_factor_split_profile(const enc_factor_matrix *m, size_t texel, size_t v
     split_profile(lights, m->most, rgb, out[0], out[1], out[2]);
 }
 
+/* Views that are loaded; the columns of others are left as they are. */
+typedef struct view_range {
+    size_t first, end;
+} view_range;
+
 /* The row of a source: what the texels that refer to it hold, times their gains. */
-static void gather_row(const enc_factor_matrix *m, size_t source, float *const out[3]) {
+static void gather_row(const enc_factor_matrix *m, size_t source, view_range views, float *const out[3]) {
     const enc_match *match = m->match;
     const size_t lights = (size_t)m->data->n_lights, stride = enc_data_texel_stride(m->data);
     for (int c = 0; c < 3; c++) {
-        memset(out[c], 0, m->columns * sizeof(float));
+        memset(out[c] + views.first * lights, 0, (views.end - views.first) * lights * sizeof(float));
     }
-    for (size_t v = 0; v < match->views; v++) {
+    for (size_t v = views.first; v < views.end; v++) {
         const size_t i = source * match->views + v, at = v * lights;
         for (uint32_t k = match->first[i]; k < match->first[i + 1]; k++) {
             const size_t texel = match->user[k];
@@ -128,22 +134,25 @@ static void gather_row(const enc_factor_matrix *m, size_t source, float *const o
     }
 }
 
-void enc_factor_split(const enc_factor_matrix *m, size_t count, const float *samples, float *const out[3]) {
-    const size_t lights = (size_t)m->data->n_lights, profiles = count * (size_t)m->data->n_views;
-    for (size_t i = 0; i < profiles; i++) {
-        split_profile(lights, m->most, samples + i * 3 * lights, out[0] + i * lights, out[1] + i * lights,
-                      out[2] + i * lights);
+static void split(const enc_factor_matrix *m, size_t count, const float *samples, view_range views,
+                  float *const out[3]) {
+    const size_t lights = (size_t)m->data->n_lights;
+    for (size_t i = 0; i < count; i++) {
+        for (size_t v = views.first; v < views.end; v++) {
+            const size_t at = (i * (size_t)m->data->n_views + v) * lights;
+            split_profile(lights, m->most, samples + 3 * at, out[0] + at, out[1] + at, out[2] + at);
+        }
     }
 }
 
-/* Reads texels of the data and splits them. buffer: room for their samples where the data are not in
+/* Reads texels of the data and splits them in some views. buffer: room for their samples where the data are not in
  * memory. */
-static btf_result load_run(const enc_factor_matrix *m, size_t first, size_t count, float *buffer,
-                           float *const out[3]) {
+static btf_result load_run(const enc_factor_matrix *m, size_t first, size_t count, view_range views,
+                           float *buffer, float *const out[3]) {
     const float *samples;
     if (m->match) {
         for (size_t i = 0; i < count; i++) {
-            gather_row(m, first + i,
+            gather_row(m, first + i, views,
                        (float *const[3]){out[0] + i * m->columns, out[1] + i * m->columns, out[2] + i * m->columns});
         }
         return enc_cancelled(m->context) ? BTF_ERROR_INTERRUPTED : BTF_OK;
@@ -152,24 +161,28 @@ static btf_result load_run(const enc_factor_matrix *m, size_t first, size_t coun
                                   ? BTF_ERROR_INTERRUPTED
                                   : enc_data_texels(m->context, m->data, first, count, buffer, &samples);
     if (result == BTF_OK) {
-        enc_factor_split(m, count, samples, out);
+        split(m, count, samples, views, out);
     }
     return result;
 }
 
 /* The same of rows. */
-static btf_result load(const enc_factor_matrix *m, size_t first, size_t count, float *buffer,
-                       float *const out[3]) {
+static btf_result load(const enc_factor_matrix *m, size_t first, size_t count, view_range views,
+                       float *buffer, float *const out[3]) {
     btf_result result = BTF_OK;
     if (!m->list) {
-        return load_run(m, first, count, buffer, out);
+        return load_run(m, first, count, views, buffer, out);
     }
     for (size_t i = 0; i < count && result == BTF_OK; i++) {
         const size_t at = i * m->columns;
-        result = load_run(m, m->list[first + i], 1, buffer,
+        result = load_run(m, m->list[first + i], 1, views, buffer,
                           (float *const[3]){out[0] + at, out[1] + at, out[2] + at});
     }
     return result;
+}
+
+static view_range all_views(const enc_factor_matrix *m) {
+    return (view_range){0, (size_t)m->data->n_views};
 }
 
 static size_t buffer_floats(const enc_factor_matrix *m, size_t texels) {
@@ -204,6 +217,16 @@ static void pack_w(const enc_factor_matrix *m, const enc_factor_set *w, float *p
     }
 }
 
+/* Completes a product with factors, [rank][count], of which each rank has some columns. */
+static btf_result complete(const enc_factor_matrix *m, btf_result result, const enc_factor_set *factors,
+                           size_t count, size_t unit, const enc_factor_set *out) {
+    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
+        result = enc_rows_complete(m->context, result, factors->rank[c], count, unit, sizeof(float),
+                                   out->factor[c]);
+    }
+    return result;
+}
+
 /* The product of a panel of texels; `split` as load gives it. */
 static void multiply_texels(const enc_factor_matrix *m, const enc_factor_set *w, const float *packed,
                             size_t first, size_t count, float *const split[3], float *panel,
@@ -226,15 +249,17 @@ btf_result enc_factor_times_w(const enc_factor_matrix *m, const enc_factor_set *
     const size_t each = (samples + 3 * one + DEPTH * ENC_GEMM_N + 15) / 16 * 16;
     float *packed = enc_gemm_alloc(padded_ranks(w) * m->columns);
     float *work = enc_gemm_alloc((size_t)m->context->threads * each);
+    size_t begin, end;
     btf_result result = packed && work ? BTF_OK : no_memory(m, w);
+    enc_rows_range(m->context, m->texels, ENC_GEMM_N, &begin, &end);
     if (result == BTF_OK) {
         pack_w(m, w, packed);
 #pragma omp parallel for schedule(dynamic) num_threads(m->context->threads)
-        for (size_t first = 0; first < m->texels; first += ENC_GEMM_N) {
-            const size_t count = m->texels - first < ENC_GEMM_N ? m->texels - first : ENC_GEMM_N;
+        for (size_t first = begin; first < end; first += ENC_GEMM_N) {
+            const size_t count = end - first < ENC_GEMM_N ? end - first : ENC_GEMM_N;
             float *panel = work + enc_thread_index() * each, *split = panel + DEPTH * ENC_GEMM_N;
             float *const channels[3] = {split, split + one, split + 2 * one};
-            const btf_result mine = load(m, first, count, split + 3 * one, channels);
+            const btf_result mine = load(m, first, count, all_views(m), split + 3 * one, channels);
             if (mine == BTF_OK) {
                 multiply_texels(m, w, packed, first, count, channels, panel, out);
             } else {
@@ -246,14 +271,13 @@ btf_result enc_factor_times_w(const enc_factor_matrix *m, const enc_factor_set *
     }
     free(packed);
     free(work);
-    return result;
+    return complete(m, result, w, m->texels, ENC_GEMM_N, out);
 }
 
-/* Adds to the columns at .. at + SPAN - 1 of the product what a block of texels gives. */
+/* Adds to the columns at .. at + span - 1 of the product what a block of texels gives. */
 static void multiply_columns(const enc_factor_matrix *m, const enc_factor_set *u, const float *packed,
-                             size_t count, size_t at, float *const split[3], float *panel,
+                             size_t count, size_t at, size_t span, float *const split[3], float *panel,
                              const enc_factor_set *out) {
-    const size_t span = m->columns - at < SPAN ? m->columns - at : SPAN;
     for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
         if (u->rank[c] > 0) {
             enc_gemm_pack_columns(span, count, split[c] + at, m->columns, ENC_GEMM_N, panel);
@@ -264,16 +288,25 @@ static void multiply_columns(const enc_factor_matrix *m, const enc_factor_set *u
     }
 }
 
+/* The same for the columns of this rank, which reads all texels for it, but of samples in memory only the
+ * views that they are of. */
 static btf_result add_block(const enc_factor_matrix *m, const enc_factor_set *u, size_t first, size_t count,
                             float *const split[3], float *buffer, float *packed, float *panels,
                             const enc_factor_set *out) {
-    const size_t stride = enc_data_texel_stride(m->data);
+    const size_t stride = enc_data_texel_stride(m->data), lights = (size_t)m->data->n_lights;
+    size_t begin, end;
+    enc_rows_range(m->context, m->columns, SPAN, &begin, &end);
+    const view_range views = {begin / lights, (end + lights - 1) / lights};
+    if (begin == end) {
+        return BTF_OK;
+    }
     btf_result result = BTF_OK;
 #pragma omp parallel for schedule(dynamic, 8) num_threads(m->context->threads)
     for (size_t i = 0; i < count; i++) {
         float *const row[3] = {split[0] + i * m->columns, split[1] + i * m->columns,
                                split[2] + i * m->columns};
-        const btf_result mine = load(m, first + i, 1, m->data->samples ? buffer : buffer + i * stride, row);
+        const btf_result mine =
+            load(m, first + i, 1, views, m->data->samples ? buffer : buffer + i * stride, row);
         if (mine != BTF_OK) {
 #pragma omp critical(enc_factor_result)
             result = mine;
@@ -288,8 +321,8 @@ static btf_result add_block(const enc_factor_matrix *m, const enc_factor_set *u,
         to += padded(u->rank[c]) * BLOCK;
     }
 #pragma omp parallel for schedule(dynamic) num_threads(m->context->threads)
-    for (size_t at = 0; at < m->columns; at += SPAN) {
-        multiply_columns(m, u, packed, count, at, split, panels + enc_thread_index() * SPAN * BLOCK, out);
+    for (size_t at = begin; at < end; at += SPAN) {
+        multiply_columns(m, u, packed, count, at, end - at < SPAN ? end - at : SPAN, split, panels + enc_thread_index() * SPAN * BLOCK, out);
     }
     return BTF_OK;
 }
@@ -316,7 +349,7 @@ btf_result enc_factor_times_u(const enc_factor_matrix *m, const enc_factor_set *
     free(buffer);
     free(packed);
     free(panels);
-    return result;
+    return complete(m, result, u, m->columns, SPAN, out);
 }
 
 /* Adds to sums [channel] what is left of a panel of rows; work: u, samples, their channels and the product.
@@ -328,7 +361,7 @@ static btf_result add_residual(const enc_factor_matrix *m, const enc_factor_set 
     const size_t count = m->texels - first < ENC_GEMM_M ? m->texels - first : ENC_GEMM_M;
     float *left = work, *split = left + ENC_GEMM_M * most, *product = split + 3 * one;
     float *const channels[3] = {split, split + one, split + 2 * one};
-    const btf_result result = load(m, first, count, product + one, channels);
+    const btf_result result = load(m, first, count, all_views(m), product + one, channels);
     for (int c = 0; c < ENC_FACTOR_CHANNELS && result == BTF_OK; c++) {
         memset(product, 0, one * sizeof *product);
         if (u->rank[c] > 0) {
@@ -349,6 +382,8 @@ btf_result enc_factor_residual(const enc_factor_matrix *m, const enc_factor_set 
     const size_t panels = enc_gemm_panels(m->texels, ENC_GEMM_M);
     float *packed[3] = {0};
     double(*sums)[3] = calloc(panels, sizeof *sums);
+    size_t begin, end; /* panels of this rank */
+    enc_ranks_range(m->context, panels, &begin, &end);
     size_t most = 0;
     bool room = sums;
     for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
@@ -365,7 +400,7 @@ btf_result enc_factor_residual(const enc_factor_matrix *m, const enc_factor_set 
     float *work = enc_gemm_alloc((size_t)m->context->threads * each);
     btf_result result = room && work ? BTF_OK : no_memory(m, w);
 #pragma omp parallel for schedule(dynamic) num_threads(m->context->threads) if (room && work)
-    for (size_t p = 0; p < (room && work ? panels : 0); p++) {
+    for (size_t p = begin; p < (room && work ? end : begin); p++) {
         const btf_result mine = add_residual(m, u, packed, of_columns, p * ENC_GEMM_M, most,
                                              work + enc_thread_index() * each, sums[p]);
         if (mine != BTF_OK) {
@@ -373,6 +408,10 @@ btf_result enc_factor_residual(const enc_factor_matrix *m, const enc_factor_set 
             result = mine;
         }
         enc_stage_step(m->context, ENC_GEMM_M);
+    }
+    result = enc_ranks_agree(m->context, result);
+    if (result == BTF_OK) {
+        result = enc_ranks_gather(m->context, result, sums, sizeof *sums, panels);
     }
     for (size_t p = 0; p < panels && result == BTF_OK; p++) {
         for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {

@@ -6,8 +6,9 @@
  * are texels, columns are view * n_lights + light. No matrix is ever held: each product reads the samples
  * once and splits them block by block.
  *
- * Factors lie component by component: u [rank][texel], w [rank][column]. Products have the same bits for
- * any number of threads.
+ * Factors lie component by component: u [rank][texel], w [rank][column]. Ranks (encoder/base/ranks.h) share
+ * each product, all of which meet in it: by texels, or where the result is one of columns, by columns, so
+ * that no sum is split. Products have the same bits for any number of threads and ranks.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -61,10 +62,6 @@ btf_result enc_factor_times_u(const enc_factor_matrix *matrix, const enc_factor_
 btf_result enc_factor_residual(const enc_factor_matrix *matrix, const enc_factor_set *u,
                                const enc_factor_set *w, const uint8_t *of_columns,
                                double out_sums[ENC_FACTOR_CHANNELS]);
-
-/* The channels of `count` texels whose samples begin at `samples`: out[channel] [count][columns]. */
-void enc_factor_split(const enc_factor_matrix *matrix, size_t count, const float *samples,
-                      float *const out[ENC_FACTOR_CHANNELS]);
 
 /* The channels of a texel in one view: out[channel] [n_lights]. Samples must be in memory. */
 void enc_factor_split_profile(const enc_factor_matrix *matrix, size_t texel, size_t view,

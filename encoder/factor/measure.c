@@ -4,9 +4,10 @@
  */
 #include "measure.h"
 
+#include "encoder/base/ranks.h"
 #include "encoder/base/stage.h"
+#include "encoder/math/clones.h"
 #include "encoder/math/srgb.h"
-#include "encoder/math/vectors.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -120,9 +121,11 @@ static btf_result measure_all(const decoder *d, size_t most, size_t each, float 
                               enc_factor_error *sums) {
     const enc_factor_matrix *m = d->matrix;
     const size_t blocks = (m->texels + BLOCK - 1) / BLOCK;
+    size_t begin, end; /* blocks of this rank */
     btf_result result = BTF_OK;
+    enc_ranks_range(m->context, blocks, &begin, &end);
 #pragma omp parallel for schedule(dynamic) num_threads(m->context->threads)
-    for (size_t b = 0; b < blocks; b++) {
+    for (size_t b = begin; b < end; b++) {
         const size_t first = b * BLOCK, count = m->texels - first < BLOCK ? m->texels - first : BLOCK;
         const btf_result mine =
             measure_block(d, first, count, most, work + enc_thread_index() * each, &sums[b]);
@@ -161,6 +164,10 @@ btf_result enc_factor_measure(const enc_factor_matrix *m, const enc_factor_codes
         result = measure_all(&d, most, each, work, sums);
     } else {
         enc_fail(m->context, result, "factors: out of memory");
+    }
+    result = enc_ranks_agree(m->context, result);
+    if (result == BTF_OK) {
+        result = enc_ranks_gather(m->context, result, sums, sizeof *sums, blocks);
     }
     for (size_t b = 0; b < blocks && result == BTF_OK; b++) {
         out_error->linear += sums[b].linear / (3.0 * (double)m->texels * (double)m->columns);

@@ -7,6 +7,8 @@
  */
 #include "pack.h"
 
+#include <stdlib.h>
+
 #include "encoder/model/factor_store.h"
 
 #include <math.h>
@@ -70,5 +72,18 @@ void enc_factor_pack(const enc_context *context, const enc_factor_codes *codes, 
                 pack_group(codes, c, j, texels, directions, scales);
             }
         }
+    }
+}
+
+void enc_factors_destroy(enc_factors **factors) {
+    if (factors && *factors) {
+        free((*factors)->texels);
+        free((*factors)->directions);
+        free((*factors)->scales);
+        free((*factors)->views);
+        free((*factors)->shift);
+        free((*factors)->gain);
+        free(*factors);
+        *factors = NULL;
     }
 }

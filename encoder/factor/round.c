@@ -9,8 +9,7 @@
  */
 #include "round.h"
 
-#include "encoder/math/vectors.h"
-#include "levels.h"
+#include "encoder/math/clones.h"
 #include "rows.h"
 
 #include <math.h>
@@ -273,8 +272,8 @@ static void refine_lanes(const problem *p, size_t first, size_t n, float *work) 
     }
 }
 
-/* Refines one factor of a channel against the other. */
-static bool refine(const enc_factor_matrix *m, enc_factor_codes *codes, int channel, bool of_w,
+/* Refines one factor of a channel against the other; ranks share its texels or columns. */
+static btf_result refine(const enc_factor_matrix *m, enc_factor_codes *codes, int channel, bool of_w,
                    const float *product, bool round, int sweeps) {
     const factor held = factor_of(codes, channel, !of_w);
     const size_t rank = codes->channel[channel].rank, panels = enc_gemm_panels(rank, PANEL);
@@ -290,14 +289,17 @@ static bool refine(const enc_factor_matrix *m, enc_factor_codes *codes, int chan
     float *work = enc_gemm_alloc((size_t)m->context->threads * each);
     const bool room =
         p.gram && work && find_gram(m->context->threads, rank, held.count, held.values, p.gram);
+    size_t begin, end;
+    enc_rows_range(m->context, p.factor.count, LANES, &begin, &end);
 #pragma omp parallel for schedule(dynamic) num_threads(m->context->threads) if (room)
-    for (size_t first = 0; first < (room ? p.factor.count : 0); first += LANES) {
-        const size_t n = p.factor.count - first < LANES ? p.factor.count - first : LANES;
+    for (size_t first = begin; first < (room ? end : begin); first += LANES) {
+        const size_t n = end - first < LANES ? end - first : LANES;
         refine_lanes(&p, first, n, work + enc_thread_index() * each);
     }
     free(p.gram);
     free(work);
-    return room;
+    return enc_rows_complete(m->context, room ? BTF_OK : no_memory(m), rank, p.factor.count, LANES,
+                             sizeof(float), p.factor.values);
 }
 
 /* Rounds w to the nearest levels. */
@@ -343,11 +345,11 @@ static btf_result find_products(const enc_factor_matrix *m, const enc_factor_cod
 }
 
 /* The first codes of u: fitted to rounded w, then rounded in turn. */
-static bool begin_u(const enc_factor_matrix *m, enc_factor_codes *codes, int c, const float *product) {
+static btf_result begin_u(const enc_factor_matrix *m, enc_factor_codes *codes, int c, const float *product) {
     const factor u = factor_of(codes, c, false);
-    const bool room = refine(m, codes, c, false, product, false, REFIT_SWEEPS);
+    const btf_result result = refine(m, codes, c, false, product, false, REFIT_SWEEPS);
     find_steps(m->context, &u);
-    return room;
+    return result;
 }
 
 /* Products, then each channel refined. */
@@ -357,9 +359,10 @@ static btf_result descend(const enc_factor_matrix *m, enc_factor_codes *codes, b
                                                   : find_products(m, codes, of_w, components, product);
     for (int c = 0; c < ENC_FACTOR_CHANNELS && result == BTF_OK; c++) {
         if (codes->channel[c].rank > 0) {
-            const bool room = (!begin || begin_u(m, codes, c, product->factor[c])) &&
-                              refine(m, codes, c, of_w, product->factor[c], true, TURNS);
-            result = room ? BTF_OK : no_memory(m);
+            result = begin ? begin_u(m, codes, c, product->factor[c]) : BTF_OK;
+            if (result == BTF_OK) {
+                result = refine(m, codes, c, of_w, product->factor[c], true, TURNS);
+            }
         }
     }
     return result;

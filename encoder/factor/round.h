@@ -11,7 +11,7 @@
  * rounds of coordinate descent on the codes of w and u in turn: each component goes to the level nearest to
  * its best value with the others held. In `sweeps` rounds the components that were found stand for the
  * samples, which costs a tenth; in half as many further rounds the samples are read, twice each. The
- * same bits for any number of threads. Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED. */
+ * same bits for any number of threads and ranks. Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED. */
 btf_result enc_factor_round(const enc_factor_matrix *matrix,
                             const enc_components components[ENC_FACTOR_CHANNELS], int sweeps,
                             enc_factor_codes *io_codes);

@@ -31,7 +31,7 @@ enum {
 
 /* Judges components that enc_components_find found in the same matrix, of the channels that are `asked`
  * for; what is known of the others stays. *io_signal is zeroed before the first call. Stage
- * "cross-validate". The same bits for any number of threads. Of small data all
+ * "cross-validate". The same bits for any number of threads and ranks. Of small data all
  * is signal. Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED; *io_signal
  * is for enc_signal_clear then, too. */
 btf_result enc_signal_find(const enc_factor_matrix *matrix,

@@ -8,7 +8,7 @@
 #ifndef OPENBTF_ENCODER_FACTOR_STEPS_H
 #define OPENBTF_ENCODER_FACTOR_STEPS_H
 
-#include "factor.h"
+#include "pack.h"
 
 /* Components of the three channels, and the plan for them, if they are kept; whether they are. Nothing is
  * left in the outputs otherwise. */

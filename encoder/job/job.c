@@ -155,11 +155,6 @@ static btf_result analyse_joint(const enc_context *context, const enc_job *job, 
     const enc_data *data = analysed(s);
     const enc_factors_settings settings =
         enc_settings_of_factors(job, data->width, data->height, data->n_views, data->n_lights);
-    if (enc_ranks_count(context) > 1 && enc_ranks_leads(context)) {
-        enc_log(context, BTF_LOG_WARNING,
-                "joint: the analysis is not split: each of %d ranks does all of it",
-                enc_ranks_count(context));
-    }
     const btf_result result = enc_factors_solve(context, data, &settings, &s->found, &s->joint);
     report->trials = s->joint.trials;
     report->n_trials = s->joint.trials_count;

@@ -4,7 +4,7 @@
  */
 #include "linear.h"
 
-#include "vectors.h"
+#include "clones.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -5,7 +5,7 @@
  */
 #include "symmetric.h"
 
-#include "vectors.h"
+#include "clones.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -5,7 +5,7 @@
 #include "evaluator.h"
 
 #include "decoder/toolkit/reference_view.h"
-#include "encoder/math/vectors.h"
+#include "encoder/math/clones.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -348,7 +348,7 @@ static enc_data *make_data(const enc_context *context, bool still, bool stray) {
 
 /* The result of an analysis. */
 typedef struct found {
-    bool paper, stray;
+    bool paper, stray, match;
     enc_solution solution;
     size_t received;
 } found;
@@ -366,9 +366,14 @@ static void analyse(const enc_context *context, void *user) {
         assert_int_equal(stats.diffuse, f->stray);
     } else {
         const enc_job job = {.joint = enc_joint_options_default()};
-        const enc_factors_settings settings =
+        enc_factors_settings settings =
             enc_settings_of_factors(&job, data->width, data->height, data->n_views, data->n_lights);
         enc_factors_stats stats;
+        settings.choose = !f->match;
+        if (f->match) {
+            settings.effects = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL;
+            settings.budget = 60000;
+        }
         assert_int_equal(enc_factors_solve(context, data, &settings, &f->solution, &stats), BTF_OK);
     }
     enc_data_destroy(&data);
@@ -401,11 +406,11 @@ static void compare(const enc_solution *a, const enc_solution *b) {
     }
 }
 
-static void check_bits(bool paper, bool stray, const int *sizes, int count) {
-    found alone = {.paper = paper, .stray = stray};
+static void check_bits(found alone, const int *sizes, int count) {
     const enc_context context = {.threads = 1};
     analyse(&context, &alone);
-    assert_true(paper || alone.solution.factors.units > 0);
+    assert_true(alone.paper || alone.solution.factors.units > 0);
+    assert_true(!alone.match || alone.solution.shift);
     for (int i = 0; i < count; i++) {
         found each[MOST_RANKS];
         void *users[MOST_RANKS];
@@ -417,7 +422,7 @@ static void check_bits(bool paper, bool stray, const int *sizes, int count) {
         run_ranks(sizes[i], analyse, users, NULL);
         for (int r = 0; r < sizes[i]; r++) {
             compare(&alone.solution, &each[r].solution);
-            assert_true(!paper || each[r].received > 0);
+            assert_true(each[r].received > 0);
             enc_solution_clear(&each[r].solution);
         }
     }
@@ -427,14 +432,15 @@ static void check_bits(bool paper, bool stray, const int *sizes, int count) {
 static void test_joint_has_the_bits_of_one(void **state) {
     (void)state;
     const int sizes[] = {2, 3};
-    check_bits(false, false, sizes, 2);
+    check_bits((found){.stray = false}, sizes, 2);
+    check_bits((found){.match = true}, sizes, 2);
 }
 
 static void test_paper_has_the_bits_of_one(void **state) {
     (void)state;
     const int sizes[] = {2, 5};
-    check_bits(true, false, sizes, 2);
-    check_bits(true, true, sizes, 2); /* the diffuse fit is taken */
+    check_bits((found){.paper = true}, sizes, 2);
+    check_bits((found){.paper = true, .stray = true}, sizes, 2); /* the diffuse fit is taken */
 }
 
 int main(void) {

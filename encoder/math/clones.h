@@ -5,8 +5,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_MATH_VECTORS_H
-#define OPENBTF_ENCODER_MATH_VECTORS_H
+#ifndef OPENBTF_ENCODER_MATH_CLONES_H
+#define OPENBTF_ENCODER_MATH_CLONES_H
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
 #define ENC_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
