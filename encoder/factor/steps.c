@@ -60,13 +60,27 @@ static bool take_channel(const enc_factor_matrix *m, enc_blob *blob, enc_compone
     return !blob->failed && is_falling(out->energy, rank);
 }
 
-/* Whether a plan keeps to the format's limits. */
-static bool is_plan(const enc_factor_plan *plan) {
+/* Whether a plan keeps to the format's limits, and holds no more components than there are. */
+static bool is_plan(const enc_factor_plan *plan, const enc_components components[ENC_FACTOR_CHANNELS]) {
     for (int k = 0; k < ENC_FACTOR_CLASSES; k++) {
+        uint32_t words = 0;
         for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
             if (plan->words[k][c] > ENC_FACTOR_MOST_UNITS * ENC_FACTOR_UNIT_WORDS) {
                 return false;
             }
+            words += plan->words[k][c];
+        }
+        if (words % ENC_FACTOR_UNIT_WORDS != 0) {
+            return false;
+        }
+    }
+    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
+        size_t held = 0;
+        for (int k = 0; k < ENC_FACTOR_CLASSES; k++) {
+            held += enc_factor_held(plan, k, c, components[c].rank);
+        }
+        if (held > components[c].rank) {
+            return false;
         }
     }
     const uint32_t units = enc_factor_all_units(plan);
@@ -119,7 +133,7 @@ bool enc_factor_take_components(const enc_factor_matrix *m, int number,
     for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
         good = good && take_channel(m, &blob, &out[c]);
     }
-    good = enc_blob_taken(&blob) && good && is_plan(out_plan);
+    good = enc_blob_taken(&blob) && good && is_plan(out_plan, out);
     good = enc_ranks_all(m->context, good);
     if (!good) {
         for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {

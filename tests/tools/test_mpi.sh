@@ -147,4 +147,11 @@ expect_that "nothing half after it" nothing_half x.btf.exr
 expect "three ranks go on from two" 0 on_ranks 3 "${kept[@]}" --resume
 expect_that "with the same bytes" cmp whole.btf.exr x.btf.exr
 expect_that "the checkpoint is gone" test ! -e steps
+kept=(data --budget 10K -o x.btf.exr -q --checkpoint steps)
+kill_one KILL rank
+expect_that "joint: the checkpoint of a killed rank is there" test -n "$(ls steps)"
+rm -f x.btf.exr
+expect "joint: three ranks go on from two" 0 on_ranks 3 "${kept[@]}" --resume
+btf-encode data --budget 10K -o whole.btf.exr -q
+expect_that "joint: with the same bytes" cmp whole.btf.exr x.btf.exr
 finish

@@ -1,6 +1,6 @@
 /* Checkpoints (encoder/data/checkpoint.h): what is kept comes back, damage counts as nothing, other data or
- * options are refused, and every stage of `--method paper` gives the same result from one
- * (encoder/paper/steps.h).
+ * options are refused, and every stage of `--method paper` (encoder/paper/steps.h) and of
+ * `--method joint` (encoder/factor/steps.h) gives the same result from one.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -12,12 +12,15 @@
 #include <cmocka.h>
 
 #include "encoder/data/checkpoint.h"
+#include "encoder/factor/factor.h"
+#include "encoder/factor/steps.h"
 #include "encoder/paper/paper.h"
 #include "tests/support/image_files.h"
 #include "tests/sample/sample.h"
 
 #include <dirent.h>
 #include <ftw.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -163,9 +166,8 @@ static void test_damage(void **state) {
     enc_checkpoint_close(&context.checkpoint, true);
 }
 
-/* The method after all steps, after each number of them, and without. */
-static void test_paper(void **state) {
-    (void)state;
+/* A relief that a few directions see. */
+static enc_data *bricks(void) {
     enc_direction list[7] = {enc_direction_from_angles(0, 0)};
     for (int i = 0; i < 6; i++)
         list[1 + i] = enc_direction_from_angles(45, 60 * i);
@@ -173,6 +175,13 @@ static void test_paper(void **state) {
         .width = 12, .height = 12, .grid = 128, .views = list, .lights = list, .n_views = 7, .n_lights = 7};
     enc_data *data = NULL;
     assert_int_equal(sample_render(&options, &data, NULL), BTF_OK);
+    return data;
+}
+
+/* The method after all steps, after each number of them, and without. */
+static void test_paper(void **state) {
+    (void)state;
+    enc_data *data = bricks();
     const enc_paper_options paper = enc_paper_options_default();
     static const char *const steps[] = {"fit", "shadow", "flow", "refine", "cluster"};
     enc_solution plain;
@@ -207,12 +216,93 @@ static void test_paper(void **state) {
     enc_data_destroy(&data);
 }
 
+static void compare_factors(const enc_factors *a, const enc_factors *b) {
+    const size_t texels = (size_t)a->width * (size_t)a->height, points = texels * (size_t)a->n_views;
+    assert_int_equal(a->n_units, b->n_units);
+    assert_memory_equal(a->classes, b->classes, sizeof a->classes);
+    assert_memory_equal(a->texels, b->texels, 16 * texels * (size_t)a->n_u_texels);
+    assert_memory_equal(a->directions, b->directions,
+                        (size_t)16 * (size_t)a->n_units * (size_t)a->n_views * (size_t)a->n_lights);
+    assert_memory_equal(a->scales, b->scales, (size_t)16 * (size_t)a->n_units);
+    assert_int_equal(!a->shift, !b->shift);
+    if (a->shift) {
+        assert_memory_equal(a->shift, b->shift, 2 * points);
+        assert_memory_equal(a->gain, b->gain, points);
+    }
+    assert_true(a->trials[1].error.srgb == b->trials[1].error.srgb && a->bytes == b->bytes);
+}
+
+enum { BUDGET = 6500 };
+static const enc_factor_options both = {
+    .budget = BUDGET, .sweeps = 2, .match = ENC_FACTOR_CHOOSE_MATCH, .gain = true};
+
+/* Without match and with it, likewise. */
+static void test_factors(void **state) {
+    (void)state;
+    static const char *const steps[] = {"components-0", "factors-0", "matched-0"};
+    enc_data *data = bricks();
+    enc_factors *plain;
+    assert_int_equal(enc_factor_encode(&context, data, &both, &plain), BTF_OK);
+    assert_int_equal(plain->n_trials, 2);
+    assert_false(plain->trials[1].given_up);
+    assert_int_equal(enc_checkpoint_open(&context, folder, "x", data, false, &context.checkpoint), BTF_OK);
+    for (int left = 3; left >= -1; left--) {
+        enc_factors *found;
+        assert_int_equal(enc_factor_encode(&context, data, &both, &found), BTF_OK);
+        compare_factors(found, plain);
+        enc_factors_destroy(&found);
+        for (int i = 0; i < 3; i++) {
+            char path[320];
+            snprintf(path, sizeof path, "%s/%s.btf-step", folder, steps[i]);
+            assert_int_equal(access(path, F_OK), 0);
+            if (i >= left)
+                remove(path);
+        }
+    }
+    enc_checkpoint_close(&context.checkpoint, true);
+    enc_factors_destroy(&plain);
+    enc_data_destroy(&data);
+}
+
+/* Components are taken, but not where they or their plan could not be worked with. */
+static void test_wrong_components(void **state) {
+    (void)state;
+    enc_data *data = bricks();
+    const enc_factor_matrix m = enc_factor_matrix_of(&context, data);
+    enc_components found[ENC_FACTOR_CHANNELS] = {{0}}, taken[ENC_FACTOR_CHANNELS] = {{0}};
+    const size_t rank[ENC_FACTOR_CHANNELS] = {10, 4, 4};
+    const enc_unspent unspent = {0};
+    enc_factor_plan good = {{{2, 1, 1}}}, plan;
+    enc_unspent out;
+    assert_int_equal(enc_checkpoint_open(&context, folder, "x", data, false, &context.checkpoint), BTF_OK);
+    assert_int_equal(enc_components_find(&m, rank, 1, found), BTF_OK);
+    for (int wrong = 0; wrong < 4; wrong++) {
+        const float u = found[0].u[3];
+        plan = good;
+        plan.words[1][0] += wrong == 1 ? 40 : 0; /* more components than there are */
+        plan.words[0][0] += wrong == 2;          /* a part of a unit */
+        found[0].u[3] = wrong == 3 ? NAN : u;
+        assert_int_equal(enc_factor_keep_components(&m, 0, found, &plan, &unspent), BTF_OK);
+        assert_int_equal(enc_factor_take_components(&m, 0, taken, &plan, &out), wrong == 0);
+        found[0].u[3] = u;
+        assert_int_equal(taken[0].rank, wrong == 0 ? 10 : 0);
+        for (int c = 0; c < ENC_FACTOR_CHANNELS; c++)
+            enc_components_clear(&taken[c]);
+    }
+    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++)
+        enc_components_clear(&found[c]);
+    enc_checkpoint_close(&context.checkpoint, true);
+    enc_data_destroy(&data);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_keeps, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_whose, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_damage, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_paper, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_factors, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_wrong_components, make_folder, remove_folder),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
