@@ -139,7 +139,9 @@ static outcome add_paper(list *l, const enc_extent *e, const counts *c, double f
 }
 
 /* Components of luma and of all channels that a budget of factors is thought to hold (see factor.c). */
-static outcome add_factors(list *l, const counts *c, const enc_factors_settings *settings, double fetch) {
+/* held: the samples lie in memory, without which no match is tried. */
+static outcome add_factors(list *l, const counts *c, const enc_factors_settings *settings, double fetch,
+                           bool held) {
     const double columns = c->views * c->lights, side = fmin(c->texels, columns);
     const double luma = fmin((double)settings->budget * 8 / 3.2 / (c->texels + columns) + 24, side);
     const double all = luma + 2 * fmin(luma / 8 + 24, side);
@@ -152,7 +154,7 @@ static outcome add_factors(list *l, const counts *c, const enc_factors_settings 
         c->texels * columns >= ENC_SIGNAL_LEAST_SAMPLES) /* passes over parts of texels and directions */
         add(l, "cross-validate",
             fmin(1, ENC_SIGNAL_MOST_TEXELS / c->texels) * (2.25 * pass + 3 * square * per_square));
-    const bool match = settings->choose || settings->effects & BTF_EFFECT_SHIFT;
+    const bool match = held && (settings->choose || settings->effects & BTF_EFFECT_SHIFT);
     const double looked_at = c->points * fmin(c->texels, SOURCES_IN_REACH); /* pairs of point and source */
     add(l, "round factors",
         times * (passes * pass + (2 * sweeps + passes) * square * per_square +
@@ -196,7 +198,8 @@ size_t enc_cost_parts(const enc_context *context, const enc_job *job, const enc_
     const enc_factors_settings settings =
         enc_settings_of_factors(job, e->width, e->height, e->n_views, e->n_lights);
     const outcome found = paper ? add_paper(&l, e, &c, fetch, &job->paper)
-                                : add_factors(&l, &c, &settings, fetch);
+                                : add_factors(&l, &c, &settings, fetch,
+                                              enc_data_fits(context, e->width, e->height, e->n_views, e->n_lights));
     const double analysis = enc_cost_total(out_parts + first, l.count - first);
     if (levels > 1)
         add(&l, "levels",
