@@ -334,6 +334,15 @@ static btf_result hand_over(const enc_factor_matrix *m, uint64_t budget, found *
     return BTF_OK;
 }
 
+/* Whether match may be tried: it wants the samples in memory, and room beside them. */
+static bool has_room(const enc_factor_matrix *m, uint64_t budget) {
+    const enc_data *d = m->data;
+    const uint64_t samples = 4 * (uint64_t)enc_data_texel_count(d) * enc_data_texel_stride(d);
+    const uint64_t all = samples + enc_factor_match_memory(d->width, d->height, d->n_views) +
+                         enc_factor_memory(d->width, d->height, d->n_views, d->n_lights, budget, m->context->threads);
+    return d->samples && (m->context->memory == 0 || all <= m->context->memory);
+}
+
 /* With match, at the same bytes as `plain`; where it must not be given up, at least one unit of factors. */
 static btf_result try_match(const enc_factor_matrix *m, const enc_factor_options *options, found *plain,
                             found *matched) {
@@ -347,7 +356,7 @@ static btf_result try_match(const enc_factor_matrix *m, const enc_factor_options
     if (enc_factor_take_candidate(m, options->number, &matched->trial, &matched->packed)) {
         return BTF_OK;
     }
-    matched->trial.given_up = choose && (bytes < lists + least || !m->data->samples);
+    matched->trial.given_up = choose && (bytes < lists + least || !has_room(m, options->budget));
     if (matched->trial.given_up) {
         return BTF_OK;
     }
@@ -456,4 +465,11 @@ uint64_t enc_factor_memory(int width, int height, int n_views, int n_lights, uin
     /* the range finder turns one copy of the factors into another; then components, codes and a product */
     return 2 * factors + sizeof(float) * rank * longest + 24 * square + budget +
            enc_factor_product_memory(columns, rank, threads);
+}
+
+uint64_t enc_factor_match_memory(int width, int height, int n_views) {
+    const uint64_t points = (uint64_t)width * (uint64_t)height * (uint64_t)n_views;
+    /* sources, gains, users and weights of points; then what the search of a block holds */
+    return points * (4 + 1 + 4 + 4 + 4) +
+           enc_match_block_memory(width, height, (size_t)n_views, ENC_MATCH_LEADING);
 }

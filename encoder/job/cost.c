@@ -33,6 +33,10 @@ static const double per_fit = 110e-9, per_shadow = 20e-9, per_flow = 1.2e-6, per
  * descent, */
 static const double per_split = 1.2e-9, per_product = 0.025e-9, per_square = 0.06e-9,
                     per_level_square = 0.25e-9;
+/* with match, all searches of a point by a source within reach, and what is done for them (btf-sample bricks of
+ * 64x64 and 128x128 texels, 81 directions, and BRICKS64), */
+enum { SOURCES_IN_REACH = 4096 };
+static const double per_source = 1.05e-8, per_source_rounded = 1.2e-8;
 /* of the fit of nodes, */
 static const double per_judged = 0.15e-9, per_table = 0.3e-6, per_turned = 0.03e-9, per_fitted = 2.5e-9;
 /* of what comes after the analysis. */
@@ -148,9 +152,13 @@ static outcome add_factors(list *l, const counts *c, const enc_factors_settings 
         c->texels * columns >= ENC_SIGNAL_LEAST_SAMPLES) /* passes over parts of texels and directions */
         add(l, "cross-validate",
             fmin(1, ENC_SIGNAL_MOST_TEXELS / c->texels) * (2.25 * pass + 3 * square * per_square));
-    add(l, "round factors", times * (passes * pass + (2 * sweeps + passes) * square * per_square));
-    if (settings->choose || settings->effects & BTF_EFFECT_SHIFT)
-        add(l, "match", times * (passes * pass + (2 * sweeps + passes) * square * per_square));
+    const bool match = settings->choose || settings->effects & BTF_EFFECT_SHIFT;
+    const double looked_at = c->points * fmin(c->texels, SOURCES_IN_REACH); /* pairs of point and source */
+    add(l, "round factors",
+        times * (passes * pass + (2 * sweeps + passes) * square * per_square +
+                 (match ? looked_at * per_source_rounded : 0)));
+    if (match)
+        add(l, "match", times * looked_at * per_source);
     if (settings->quality > 0 || settings->choose)
         add(l, "measure factors", times * (pass + c->samples * per_measured));
     return (outcome){.components = all / 5, .factors = true};

@@ -95,6 +95,10 @@ enc_memory_use enc_memory_expected(const enc_context *context, enc_method method
                                            : factors(&e, width, height, budget, context->threads);
     if (kept)
         use.peak += samples;
+    if (kept && method == ENC_METHOD_JOINT) {
+        const uint64_t match = enc_factor_match_memory(width, height, n_views);
+        use.peak += context->memory == 0 || use.peak + match <= context->memory ? match : 0;
+    }
     else if (!made)
         use.scratch += samples;
     if (fitted && kept && (context->memory == 0 || samples <= (context->memory - samples) / 2))
