@@ -266,9 +266,13 @@ static btf_result find_match(const enc_factor_matrix *m, const enc_factor_option
     btf_result result = enc_match_create(m->context, m->data->width, m->data->height,
                                          (size_t)m->data->n_views, options->gain, &f->match);
     result = result == BTF_OK ? enc_match_find_bases(m, &f->bases) : result;
-    result = result == BTF_OK
-                 ? enc_match_fit(m, budget, &f->bases, most, &f->match, f->components, &f->plan, &share)
-                 : result;
+    if (result == BTF_OK &&
+        !enc_factor_take_match(m, options->number, &f->match, f->components, &f->plan, &share)) {
+        result = enc_match_fit(m, budget, &f->bases, most, &f->match, f->components, &f->plan, &share);
+        result = result == BTF_OK ? enc_factor_keep_match(m, options->number, &f->match, f->components,
+                                                          &f->plan, share)
+                                  : result;
+    }
     enc_stage_end(m->context);
     f->trial.given_up = !(share <= most);
     if (result == BTF_OK && most < HUGE_VAL) {

@@ -119,6 +119,36 @@ static bool take_unspent(enc_blob *blob, enc_unspent *out) {
            kept.gain <= DBL_MAX;
 }
 
+static void put_planned(const enc_factor_matrix *m, const enc_components components[ENC_FACTOR_CHANNELS],
+                        const enc_factor_plan *plan, enc_blob *blob) {
+    enc_blob_put(blob, plan, sizeof *plan);
+    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
+        const enc_components *k = &components[c];
+        const uint64_t sizes[2] = {k->rank, k->sought};
+        enc_blob_put(blob, sizes, sizeof sizes);
+        enc_blob_put(blob, k->energy, k->rank * sizeof *k->energy);
+        enc_blob_put(blob, k->u, k->rank * m->texels * sizeof *k->u);
+        enc_blob_put(blob, k->w, k->rank * m->columns * sizeof *k->w);
+    }
+}
+
+/* Components and the plan for them; false where they are of no encode or memory is short. */
+static bool take_planned(const enc_factor_matrix *m, enc_blob *blob, enc_components out[ENC_FACTOR_CHANNELS],
+                         enc_factor_plan *out_plan) {
+    bool good = true;
+    enc_blob_take(blob, out_plan, sizeof *out_plan);
+    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
+        good = good && take_channel(m, blob, &out[c]);
+    }
+    return good && is_plan(out_plan, out);
+}
+
+static void clear_components(enc_components components[ENC_FACTOR_CHANNELS]) {
+    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
+        enc_components_clear(&components[c]);
+    }
+}
+
 bool enc_factor_take_components(const enc_factor_matrix *m, int number,
                                 enc_components out[ENC_FACTOR_CHANNELS], enc_factor_plan *out_plan,
                                 enc_unspent *out_unspent) {
@@ -128,17 +158,12 @@ bool enc_factor_take_components(const enc_factor_matrix *m, int number,
     if (!enc_checkpoint_get(m->context, name, &blob)) {
         return false;
     }
-    enc_blob_take(&blob, out_plan, sizeof *out_plan);
     bool good = take_unspent(&blob, out_unspent);
-    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
-        good = good && take_channel(m, &blob, &out[c]);
-    }
-    good = enc_blob_taken(&blob) && good && is_plan(out_plan, out);
+    good = take_planned(m, &blob, out, out_plan) && good;
+    good = enc_blob_taken(&blob) && good;
     good = enc_ranks_all(m->context, good);
     if (!good) {
-        for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
-            enc_components_clear(&out[c]);
-        }
+        clear_components(out);
         *out_plan = (enc_factor_plan){{{0}}};
         *out_unspent = (enc_unspent){0};
     }
@@ -154,16 +179,124 @@ btf_result enc_factor_keep_components(const enc_factor_matrix *m, int number,
         return BTF_OK;
     }
     name_of(name, "components", number);
-    enc_blob_put(&blob, plan, sizeof *plan);
     put_unspent(&blob, unspent);
-    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
-        const enc_components *k = &components[c];
-        const uint64_t sizes[2] = {k->rank, k->sought};
-        enc_blob_put(&blob, sizes, sizeof sizes);
-        enc_blob_put(&blob, k->energy, k->rank * sizeof *k->energy);
-        enc_blob_put(&blob, k->u, k->rank * m->texels * sizeof *k->u);
-        enc_blob_put(&blob, k->w, k->rank * m->columns * sizeof *k->w);
+    put_planned(m, components, plan, &blob);
+    return enc_checkpoint_put(m->context, name, &blob);
+}
+
+/* Match.
+ * ------------------------------------------------------------------------------------------------ */
+
+static void put_points(const enc_match *match, enc_blob *blob) {
+    const size_t points = match->texels * match->views;
+    const int32_t count = match->gains.count;
+    enc_blob_put(blob, &count, sizeof count);
+    enc_blob_put(blob, &match->gains.base, sizeof match->gains.base);
+    enc_blob_put(blob, &match->gains.step, sizeof match->gains.step);
+    enc_blob_put(blob, match->source, points * sizeof *match->source);
+    enc_blob_put(blob, match->gain, points);
+}
+
+/* Whether two places on a circle are within the reach of a shift, the shorter way round. */
+static bool within_reach(int from, int to, int size) {
+    const int by = (to - from + size) % size, shift = 2 * by >= size ? by - size : by;
+    return shift >= -ENC_MATCH_REACH && shift < ENC_MATCH_REACH;
+}
+
+static bool is_source(const enc_match *match, size_t point) {
+    const size_t texel = point % match->texels, source = match->source[point];
+    const size_t width = (size_t)match->width;
+    return source < match->texels &&
+           within_reach((int)(texel % width), (int)(source % width), match->width) &&
+           within_reach((int)(texel / width), (int)(source / width), match->height);
+}
+
+/* Into a match that has room, with the gains of a first search if it may have any. */
+static void take_points(enc_blob *blob, enc_match *out) {
+    const size_t points = out->texels * out->views;
+    const bool gains = out->gains.count > 1;
+    int32_t count;
+    enc_blob_take(blob, &count, sizeof count);
+    enc_blob_take_floats(blob, &out->gains.base, 1, -most, most);
+    enc_blob_take_floats(blob, &out->gains.step, 1, 0, most);
+    enc_blob_take(blob, out->source, points * sizeof *out->source);
+    enc_blob_take_bytes(blob, out->gain, points, 0, ENC_MATCH_GAINS - 1);
+    blob->failed = blob->failed || count != (gains ? ENC_MATCH_GAINS : 1);
+    for (size_t i = 0; i < points && !blob->failed; i++) {
+        blob->failed = !is_source(out, i) || out->gain[i] >= count;
     }
+    out->gains.count = count;
+}
+
+/* Another match of the same shape, without users. */
+static bool create_like(const enc_match *match, enc_match *out) {
+    const size_t points = match->texels * match->views;
+    *out = *match;
+    out->source = malloc(points * sizeof *out->source);
+    out->gain = malloc(points);
+    return out->source && out->gain;
+}
+
+static void clear_like(enc_match *match) {
+    free(match->source);
+    free(match->gain);
+}
+
+/* Points that were taken to the match that they are of. */
+static void replace_points(const enc_context *context, enc_match *taken, enc_match *io_match) {
+    const size_t points = taken->texels * taken->views;
+    io_match->gains = taken->gains;
+    memcpy(io_match->source, taken->source, points * sizeof *taken->source);
+    memcpy(io_match->gain, taken->gain, points);
+    enc_match_count_users(context, io_match);
+}
+
+bool enc_factor_take_match(const enc_factor_matrix *m, int number, enc_match *io_match,
+                           enc_components io_components[ENC_FACTOR_CHANNELS], enc_factor_plan *io_plan,
+                           double *out_share) {
+    enc_components taken[ENC_FACTOR_CHANNELS] = {{0}};
+    enc_factor_plan plan;
+    enc_match match;
+    enc_blob blob;
+    double share;
+    char name[NAME];
+    name_of(name, "match", number);
+    if (!enc_checkpoint_get(m->context, name, &blob)) {
+        return false;
+    }
+    bool good = create_like(io_match, &match);
+    enc_blob_take(&blob, &share, sizeof share);
+    if (good) {
+        take_points(&blob, &match);
+    }
+    good = good && !blob.failed && take_planned(m, &blob, taken, &plan);
+    good = enc_blob_taken(&blob) && good && is_positive(share);
+    good = enc_ranks_all(m->context, good);
+    if (good) {
+        replace_points(m->context, &match, io_match);
+        clear_components(io_components);
+        memcpy(io_components, taken, sizeof taken);
+        *io_plan = plan;
+        *out_share = share;
+    } else {
+        clear_components(taken);
+    }
+    clear_like(&match);
+    return good;
+}
+
+btf_result enc_factor_keep_match(const enc_factor_matrix *m, int number, const enc_match *match,
+                                 const enc_components components[ENC_FACTOR_CHANNELS],
+                                 const enc_factor_plan *plan, double share) {
+    char name[NAME];
+    enc_blob blob = {0};
+    if (!m->context->checkpoint || !enc_ranks_leads(m->context)) {
+        return BTF_OK;
+    }
+    name_of(name, "match", number);
+    enc_blob_put(&blob, &share, sizeof share);
+    put_points(match, &blob);
+    put_planned(m, components, plan, &blob);
     return enc_checkpoint_put(m->context, name, &blob);
 }
 

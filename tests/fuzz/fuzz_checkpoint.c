@@ -119,6 +119,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
     else if (step == STEP_CLUSTER)
         check_cluster();
     else
-        check_factors(step == STEP_MATCHED);
+        check_factors(step == STEP_MATCHED || step == STEP_MATCH);
     return 0;
 }

@@ -5,7 +5,7 @@
 #include "step_data.h"
 
 const char *const step_names[STEP_COUNT] = {"fit",     "shadow",       "flow",      "refine",
-                                           "cluster", "components-0", "factors-0", "matched-0"};
+                                           "cluster", "components-0", "factors-0", "matched-0", "match-0"};
 
 enc_factor_options step_factors(bool match) {
     return (enc_factor_options){.budget = 2048,

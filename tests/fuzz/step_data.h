@@ -26,6 +26,7 @@ enum {
     STEP_COMPONENTS,
     STEP_FACTORS,
     STEP_MATCHED,
+    STEP_MATCH,
     STEP_COUNT
 };
 extern const char *const step_names[STEP_COUNT];

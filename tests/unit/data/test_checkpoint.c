@@ -239,19 +239,19 @@ static const enc_factor_options both = {
 /* Without match and with it, likewise. */
 static void test_factors(void **state) {
     (void)state;
-    static const char *const steps[] = {"components-0", "factors-0", "matched-0"};
+    static const char *const steps[] = {"components-0", "factors-0", "match-0", "matched-0"};
     enc_data *data = bricks();
     enc_factors *plain;
     assert_int_equal(enc_factor_encode(&context, data, &both, &plain), BTF_OK);
     assert_int_equal(plain->n_trials, 2);
     assert_false(plain->trials[1].given_up);
     assert_int_equal(enc_checkpoint_open(&context, folder, "x", data, false, &context.checkpoint), BTF_OK);
-    for (int left = 3; left >= -1; left--) {
+    for (int left = 4; left >= -1; left--) {
         enc_factors *found;
         assert_int_equal(enc_factor_encode(&context, data, &both, &found), BTF_OK);
         compare_factors(found, plain);
         enc_factors_destroy(&found);
-        for (int i = 0; i < 3; i++) {
+        for (int i = 0; i < 4; i++) {
             char path[320];
             snprintf(path, sizeof path, "%s/%s.btf-step", folder, steps[i]);
             assert_int_equal(access(path, F_OK), 0);
