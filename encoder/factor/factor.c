@@ -287,14 +287,17 @@ static btf_result find_match(const enc_factor_matrix *m, const enc_factor_option
 static btf_result encode_matched(const enc_factor_matrix *plain, const enc_factor_options *options,
                                  uint64_t budget, double most, double begin, found *f) {
     enc_factor_matrix m = *plain;
+    /* as many times as the preset has sweeps; presets without sweeps are asked for match by name alone */
+    const int some = options->sweeps * ENC_MATCH_CODE_ROUNDS / ENC_FACTOR_SWEEPS;
+    const int rounds = some > 1 ? some : 1;
     m.match = &f->match;
     btf_result result = find_match(plain, options, budget, most, f);
     if (result == BTF_OK && !f->trial.given_up) {
         result = enc_factor_codes_create(plain, &f->plan, f->components, &f->codes);
         if (result == BTF_OK) {
-            enc_stage_begin(m.context, "round factors", 2 * (size_t)ENC_MATCH_CODE_ROUNDS * m.texels);
+            enc_stage_begin(m.context, "round factors", 2 * (size_t)rounds * m.texels);
             result = enc_factor_round(plain, f->components, 0, &f->codes);
-            result = result == BTF_OK ? enc_match_round(&m, &f->bases, &f->match, &f->codes) : result;
+            result = result == BTF_OK ? enc_match_round(&m, &f->bases, rounds, &f->match, &f->codes) : result;
             enc_stage_end(m.context);
         }
         result = result == BTF_OK ? measure(&m, options, f) : result;

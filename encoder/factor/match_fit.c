@@ -375,10 +375,10 @@ btf_result enc_match_fit(const enc_factor_matrix *matrix, uint64_t budget, const
     return result;
 }
 
-btf_result enc_match_round(const enc_factor_matrix *m, const enc_match_bases *bases, enc_match *match,
-                           enc_factor_codes *codes) {
+btf_result enc_match_round(const enc_factor_matrix *m, const enc_match_bases *bases, int rounds,
+                           enc_match *match, enc_factor_codes *codes) {
     btf_result result = BTF_OK;
-    for (int i = 0; i < ENC_MATCH_CODE_ROUNDS && result == BTF_OK; i++) {
+    for (int i = 0; i < rounds && result == BTF_OK; i++) {
         search_sums sums;
         result = search(m, bases, false, match, codes, &sums);
         result = result == BTF_OK ? enc_match_descend(m, codes, true, SWEEPS) : result;

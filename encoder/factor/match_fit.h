@@ -20,8 +20,9 @@ btf_result enc_match_fit(const enc_factor_matrix *matrix, uint64_t budget, const
                          enc_components io_components[ENC_FACTOR_CHANNELS], enc_factor_plan *io_plan,
                          double *out_share);
 
-/* Rounds of search and descent on codes, that enc_factor_round has begun. */
-btf_result enc_match_round(const enc_factor_matrix *matrix, const enc_match_bases *bases,
+/* `rounds` of search and descent on codes, that enc_factor_round has begun; ENC_MATCH_CODE_ROUNDS is where
+ * more gain little. */
+btf_result enc_match_round(const enc_factor_matrix *matrix, const enc_match_bases *bases, int rounds,
                            enc_match *io_match, enc_factor_codes *io_codes);
 
 #endif
