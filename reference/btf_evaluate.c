@@ -269,7 +269,7 @@ static float keep_within(float value) {
     return value;
 }
 
-/** What is blended of a texel in one view: L of section 9, or y where the blend is of roots. */
+/** The value of a texel that is blended in one view: L of section 9, or y where the blend is of roots. */
 static void view_value(const situation *s, uint32_t column, uint32_t row, uint32_t view, float out[3]) {
     const btf_ref_material *material = s->material;
     bool roots = material->blend == BTF_REF_BLEND_ROOTS;

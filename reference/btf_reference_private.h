@@ -107,7 +107,7 @@ typedef struct btf_ref_lights {
     int32_t weight[3];
 } btf_ref_lights;
 
-/** What follows makes no symbols of the library. */
+/** The functions below make no symbols of the library. */
 #if defined __GNUC__
 #pragma GCC visibility push(hidden)
 #endif

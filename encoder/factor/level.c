@@ -15,7 +15,7 @@
 
 enum { CHANNELS = ENC_FACTOR_CHANNELS };
 
-/* What a level's u is fitted to, a channel at a time. */
+/* The sums that a level's u is fitted to, a channel at a time. */
 typedef struct level_channel {
     size_t rank;
     size_t *component; /* [rank] its place among the levels of a texel */

@@ -27,7 +27,7 @@ static btf_result no_memory(const enc_factor_matrix *m) {
 /* Descent in lanes.
  * ------------------------------------------------------------------------------------------------ */
 
-/* What the lanes' components are fitted to. */
+/* The sums that the lanes' components are fitted to. */
 typedef struct lanes {
     const enc_factor_channel *channel;
     bool round, is_w;

@@ -158,7 +158,7 @@ static bool to_components(const enc_factor_matrix *m, enc_factor_channel *channe
 /* Rounds.
  * ------------------------------------------------------------------------------------------------ */
 
-/* What a search came to, as far as the leading directions of the profiles tell. */
+/* The squares that a search found and left, as far as the leading directions of the profiles tell. */
 typedef struct search_sums {
     double own, left, energy; /* squares: what a texel's own factors leave, sources and gains, and samples */
 } search_sums;

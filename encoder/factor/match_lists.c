@@ -170,7 +170,7 @@ void enc_match_coordinates_clear(enc_match_coordinates *at) {
     at->query = at->source = at->norm = NULL;
 }
 
-/* What the source and the gain of a point leave of its samples. */
+/* The squared error of a point's samples that its source and gain leave. */
 static double left_at(const enc_match *match, const enc_match_coordinates *at, size_t view, size_t place) {
     const size_t texel = enc_match_texel(match, &at->block, place), x = view * match->texels + texel;
     const size_t source = view * enc_match_area_texels(&at->sources) +

@@ -295,7 +295,7 @@ typedef struct view_search {
     double energy;
 } view_search;
 
-/* What was found for a point. */
+/* The source and the gain found for a point. */
 typedef struct choice {
     uint32_t source; /* its place */
     float index; /* of the gain */

@@ -28,7 +28,7 @@ static float horizon_scale(const enc_data *data) {
  * goes from the ones to the others, which changes no bit of a decoded value. */
 static const float balance = 0x1p12f;
 
-/* What a file may hold: next to nothing becomes nothing. */
+/* The number that a file holds for x: next to nothing becomes nothing. */
 static float parameter(float x) {
     return fabsf(x) >= 0x1p-24f ? x : 0;
 }

@@ -186,7 +186,7 @@ static bool find_view_factors(enc_factor_codes *codes) {
 /* Descent.
  * ------------------------------------------------------------------------------------------------ */
 
-/* What the codes of one factor are fitted to. */
+/* The sums that the codes of one factor are fitted to. */
 typedef struct problem {
     factor factor;
     size_t rank, panels;

@@ -49,7 +49,7 @@ enc_joint_options enc_joint_options_default(void);
  * take. */
 uint64_t enc_default_budget(int width, int height, int n_views, int n_lights);
 
-/* What node values are fitted for (nodes/fit.h), as --fit takes it. */
+/* The directions that node values are fitted for (nodes/fit.h), as --fit takes them. */
 typedef enum enc_fit_goal {
     ENC_FIT_BETWEEN = 0, /* directions between the samples, where that pays */
     ENC_FIT_SAMPLES = 1, /* the samples: values at the nodes are these */
@@ -88,7 +88,7 @@ typedef struct enc_option_values {
  * points to names that stay and into *out_values, which is not to be moved. */
 void enc_settings_describe(const enc_job *job, enc_option_values *out_values);
 
-/* What the options of --method joint ask of the factors of data of this extent. */
+/* The settings of the factors that the options of --method joint make for data of this extent. */
 enc_factors_settings enc_settings_of_factors(const enc_job *job, int width, int height, int n_views,
                                              int n_lights);
 

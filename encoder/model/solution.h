@@ -52,7 +52,7 @@ static inline size_t enc_solution_texels(const enc_solution *s) {
     return (size_t)s->width * (size_t)s->height;
 }
 
-/* What a gain code says, of a point that is not hidden. */
+/* The gain that a code stands for, of a point that is not hidden. */
 static inline float enc_solution_gain(const enc_solution *s, int code) {
     return s->packed ? s->gain_base + (float)code * s->gain_step : (float)code * s->gain_scale;
 }

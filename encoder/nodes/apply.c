@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What the threads share. */
+/* The data and tables that the threads share. */
 typedef struct pass {
     const enc_context *context;
     const enc_node_tables *tables;
@@ -99,7 +99,7 @@ static btf_result fill(pass *p) {
     return result;
 }
 
-/* What is left of the allowed memory beside the samples that lie in it. */
+/* The allowed memory less the samples that lie in it. */
 static enc_context beside(const enc_context *context, const enc_data *data) {
     const size_t held =
         data->samples ? enc_data_texel_count(data) * enc_data_texel_stride(data) * sizeof(float) : 0;

@@ -182,7 +182,7 @@ static double pairs_of(const job *j, int place) {
     return 3.0 * draw(&j->views, place, 0, unused) * draw(&j->lights, place, 0, unused);
 }
 
-/* What a move gains between the samples: twice its product with the error less its square. */
+/* The squared error that a move saves between the samples: twice its product with the error less its square. */
 static double gain(const double left[ACCUMULATED], const double between[ACCUMULATED], double pairs_left,
                    double pairs_between) {
     const double move = left[2] / pairs_left, moves = between[2] / pairs_between;

@@ -1,7 +1,7 @@
 /* How much a material's node values are smoothed: what a fit gains between the samples against what it costs
  * at them.
  *
- * What it costs is known. What it gains is estimated by leaving samples out: there, the fit of the others moves
+ * Its cost is known. Its gain is estimated by leaving samples out: there, the fit of the others moves
  * the blend, and the product of that move with the blend's error is known. Between the samples the fit moves the
  * blend by a known amount, too; neighbours are half as far away, and the product is taken to be 0.6 of that for
  * moves of one size (BRICKS64 and btf-sample's reliefs have 0.5 to 0.6). Of all candidates the one is taken that

@@ -32,7 +32,7 @@ void enc_node_fit_destroy(enc_node_fit **fit);
  * ENC_FIT_MOST_GAIN), BTF_ERROR_MEMORY. Thread-safe. */
 btf_result enc_node_fit_weights(const enc_node_fit *fit, double kappa, float *out);
 
-/* What a decoder of the fitted nodes gives in directions between them: of each, three nodes' weights, `at`
+/* The blend that a decoder of the fitted nodes makes in directions between them: of each, three nodes' weights, `at`
  * [n_at], become weights of all samples, out [n_at][count]. Errors as before. */
 btf_result enc_node_fit_blend(const enc_node_fit *fit, double kappa, size_t n_at, const enc_weights *at,
                               float *out);

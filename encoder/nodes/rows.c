@@ -49,7 +49,7 @@ static void spread(const enc_weights *w, float *row) {
     }
 }
 
-/* What the others give in the place of sample i, by every strength: rows[strength][n]; usable[strength]. */
+/* The weights by which the others stand in for sample i, by every strength: rows[strength][n]; usable[strength]. */
 static btf_result leave(const enc_context *context, const enc_direction *directions, int n, int i,
                         const btf_ref_neighbours *near, float *rows, bool usable[ENC_STRENGTHS]) {
     enc_direction others[ENC_MAX_DIRECTIONS];

@@ -55,7 +55,6 @@ typedef struct job {
     const enc_context *context;
     const enc_data *data;
     enc_evaluator *evaluator;
-    const btf_ref_material *material; /* of the evaluator */
     enc_bands views, lights;
     variant *variants;
     size_t n_variants, n_rows, cells;
@@ -144,12 +143,6 @@ static void pick_sample(const enc_bands *b, int band, const enc_direction *direc
     memcpy(out, directions[n > 0 ? inside[enc_mix(seed) % (uint64_t)n] : 0].xyz, 3 * sizeof *out);
 }
 
-static btf_ref_neighbours look_up(const uint16_t *table, uint32_t grid, const float direction[3]) {
-    int32_t q[2];
-    btf_ref_project(direction, q);
-    return btf_ref_lookup(table, grid, q);
-}
-
 /* The data between samples: profiles[view][channel][light] of a texel, weighted. */
 static void interpolate(const enc_data *data, const float *profiles, const btf_ref_neighbours *views,
                         const btf_ref_neighbours *lights, float out[3]) {
@@ -173,14 +166,13 @@ static float clip(float x) {
 /* Two directions and what is known of them. */
 typedef struct pair {
     float light[3], view[3];
-    btf_ref_neighbours lights, views;
+    enc_evaluated_neighbours around;
     float truth[3];
 } pair;
 
 static void look_up_pair(const job *j, const float *profiles, pair *p) {
-    p->views = look_up(j->material->view_table, j->material->view_grid, p->view);
-    p->lights = look_up(j->material->light_table, j->material->light_grid, p->light);
-    interpolate(j->data, profiles, &p->views, &p->lights, p->truth);
+    p->around = enc_evaluated_look_up(j->evaluator, p->light, p->view);
+    interpolate(j->data, profiles, &p->around.views, &p->around.lights, p->truth);
 }
 
 /* One texel under a pair of directions for each kind: adds squared errors, linear and sRGB-coded, of each
@@ -190,7 +182,7 @@ static void measure_pair(const job *j, enc_evaluated_texel *texel, const pair pa
     for (size_t w = 0; w < j->n_variants; w++) {
         const variant *v = &j->variants[w];
         const pair *p = &pairs[v->kind];
-        const enc_evaluated_at at = {&p->lights, &p->views, p->light, p->view};
+        const enc_evaluated_at at = {&p->around.lights, &p->around.views, p->light, p->view};
         float rgb[MOST_COUNTS][3], truth[3];
         enc_evaluate(texel, &v->options, &at, v->components, v->count, rgb);
         for (int c = 0; c < 3; c++) {
@@ -343,7 +335,6 @@ static btf_result measure_level(void *user, int level, const enc_data *data) {
     btf_result result = enc_evaluator_create(j->context, j->packed, (uint32_t)level, &j->evaluator);
     result = enc_ranks_agree(j->context, result);
     if (result == BTF_OK) {
-        j->material = enc_evaluator_reference(j->evaluator);
         choose_samples(j, MOST_EVALUATIONS, level);
         result = measure_means(j, &mean);
     }

@@ -1,4 +1,4 @@
-/* What the fit of node values gains and costs, for people and as JSON.
+/* Gain and cost of the fit of node values, for people and as JSON.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -269,7 +269,7 @@ static void print_parts(const enc_report *report, const btf_material_info *info,
             (double)info->gpu_bytes / texels);
 }
 
-/* What was left of a budget, and why. */
+/* Prints how much of a budget was left, and why. */
 static void print_unspent(const enc_unspent *u, FILE *out) {
     if (u->budget == 0) {
         return;

@@ -1,4 +1,4 @@
-/* What the first components of a residual alone give, out of the table of effect errors.
+/* The accuracy of the first components of a residual alone, out of the table of effect errors.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -12,7 +12,7 @@
 
 enum { BENCH_PRESETS = 4, BENCH_DECODE_REPEATS = 5 };
 
-/* What section `decode` decodes. */
+/* The codecs that section `decode` decodes. */
 enum {
     BENCH_METHOD_JOINT = 1,
     BENCH_METHOD_PAPER = 2,

@@ -127,7 +127,7 @@ for name in given:
     for kind in ("linear", "srgb"):  # the estimate does not depend on truth, and is not the figure at the samples
         assert none[name]["psnr_estimate_" + kind] == given[name]["psnr_estimate_" + kind] != "", name
         assert given[name]["psnr_estimate_" + kind] != given[name]["psnr_" + kind], name
-# What all but equals the data at the samples is interpolated like them.
+# A codec that all but equals the data at the samples is interpolated like them.
 near, data = given["low-bit split PCA"], given["uncompressed; barycentric"]
 assert float(near["psnr_linear"]) > 45
 for kind in ("between", "estimate"):

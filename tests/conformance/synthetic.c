@@ -270,7 +270,7 @@ static void fill_factor_scales(random_state *r, const synthetic_spec *s, uint32_
         }
 }
 
-/* What all levels share too, where the level has it. */
+/* Fills the factors of texels, and those that all levels share, where the level has them. */
 static void fill_factors(random_state *r, const synthetic_spec *s, const btf_material_info *info,
                          void *const texture[BTF_TEXTURE_COUNT]) {
     btf_texture t = btf_material_texture_shape(info, BTF_TEXTURE_FACTOR_TEXELS);

@@ -49,7 +49,7 @@ static int has_factors(const uint8_t *row) {
     return row[STORE] > 0 && components[row[COMPONENTS]] > 0;
 }
 
-/* What the library defines for a material of version 2. */
+/* The names that the library defines for a material of version 2. */
 static void write_version_2(char *out, size_t size, const uint8_t *row) {
     size_t at = (size_t)snprintf(
         out, size, "%s#define BTF_POINTS %d\n%s", row[ROOTS] && row[DOMAIN] ? "#define BTF_BLEND_ROOTS 1\n" : "",

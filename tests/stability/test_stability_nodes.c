@@ -14,7 +14,7 @@ enum { MOST = 256 };
 
 static const enc_context context = {.threads = 2};
 
-/* What all strengths of a fit give together. */
+/* The weights of all strengths of a fit together. */
 typedef struct outcome {
     int fits;         /* strengths with weights */
     double sum, gain; /* worst deviation of a node's weights from the sum 1, and sum of their magnitudes */

@@ -1,4 +1,4 @@
-/* What decoding a pixel takes, counted by formula: fetches, their bytes, and operations.
+/* The cost of decoding a pixel, counted by formula: fetches, their bytes, and operations.
  *
  * Counted is what differs between materials: the fetches of their textures but the direction tables, and
  * the sums of SBRDF, shadow and residual. The look-up of directions, the cosine, gain, clamp and blend of

@@ -178,6 +178,17 @@ static enc_data *bricks(void) {
     return data;
 }
 
+/* All of them are there; the first `left` stay. */
+static void leave_steps(const char *const *steps, int count, int left) {
+    for (int i = 0; i < count; i++) {
+        char path[320];
+        snprintf(path, sizeof path, "%s/%s.btf-step", folder, steps[i]);
+        assert_int_equal(access(path, F_OK), 0);
+        if (i >= left)
+            remove(path);
+    }
+}
+
 /* The method after all steps, after each number of them, and without. */
 static void test_paper(void **state) {
     (void)state;
@@ -203,13 +214,7 @@ static void test_paper(void **state) {
         assert_int_equal(found.n_centres, plain.n_centres);
         assert_memory_equal(found.centre_codes, plain.centre_codes, plain.n_centres * 21);
         enc_solution_clear(&found);
-        for (int i = 0; i < 5; i++) {
-            char path[320];
-            snprintf(path, sizeof path, "%s/%s.btf-step", folder, steps[i]);
-            assert_int_equal(access(path, F_OK), 0);
-            if (i >= left)
-                remove(path);
-        }
+        leave_steps(steps, 5, left);
     }
     enc_checkpoint_close(&context.checkpoint, true);
     enc_solution_clear(&plain);
@@ -251,13 +256,7 @@ static void test_factors(void **state) {
         assert_int_equal(enc_factor_encode(&context, data, &both, &found), BTF_OK);
         compare_factors(found, plain);
         enc_factors_destroy(&found);
-        for (int i = 0; i < 4; i++) {
-            char path[320];
-            snprintf(path, sizeof path, "%s/%s.btf-step", folder, steps[i]);
-            assert_int_equal(access(path, F_OK), 0);
-            if (i >= left)
-                remove(path);
-        }
+        leave_steps(steps, 4, left);
     }
     enc_checkpoint_close(&context.checkpoint, true);
     enc_factors_destroy(&plain);

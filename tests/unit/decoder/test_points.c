@@ -429,7 +429,7 @@ static void test_separate(void **state) {
     random_material_free(&desc);
 }
 
-/* What is left of packed points where a plan decodes both, the shift or the gain alone, or neither. */
+/* A restriction keeps of packed points what is decoded: both, the shift or the gain alone, or neither. */
 static void test_restrict(void **state) {
     (void)state;
     random_state r = {8};
@@ -500,7 +500,7 @@ static void assert_decoded_whole(random_state *r, const btf_material *whole, con
     }
 }
 
-/* What is left of lists: lists as long as they take fewer bytes, else what is left of packed points. */
+/* A restriction keeps lists as long as they take fewer bytes, else as of packed points. */
 static void test_restrict_lists(void **state) {
     (void)state;
     random_state r = {11};

@@ -232,7 +232,7 @@ static enc_factors *encode(const enc_context *context, const enc_data *data, uin
 /* Cases.
  * ------------------------------------------------------------------------------------------------ */
 
-/* What the encoder measures is what the words say. */
+/* The encoder's measured error is that of the packed words. */
 static void test_words_decode_to_what_was_measured(void **state) {
     (void)state;
     enc_data *data = textured(16, 13, 60, 0.3f, 0.05f);

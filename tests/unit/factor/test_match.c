@@ -164,7 +164,7 @@ static enc_data *wide_data(void) {
     return data;
 }
 
-/* What a source, with the gain that suits it best, leaves of a point of Y, of which C1 and C2 have no
+/* The rest that a source, with the gain that suits it best, leaves of a point of Y, of which C1 and C2 have no
  * factors. */
 static double left_of(const enc_factor_matrix *m, const enc_factor_codes *codes, const enc_match *match,
                       size_t view, size_t texel, size_t source) {
