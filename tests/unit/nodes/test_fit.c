@@ -23,6 +23,9 @@
 
 static const enc_context one = {.threads = 1}, two = {.threads = 2};
 
+/* 30 dB at the samples. */
+static const enc_fit_error coder = {1e-3, 1e-3};
+
 typedef struct list {
     enc_direction *at;
     int count;
@@ -208,22 +211,22 @@ static void test_smoothing_is_chosen_where_it_pays(void **state) {
     enc_fit_choice choice, again;
     enc_node_tables tables, same;
     enc_data *bent = planted(&views, &lights, 4, 4, 0), *noisy = planted(&views, &lights, 4, 0, 0.2);
-    assert_int_equal(enc_fit_choose(&one, bent, true, 0, &choice, &tables), BTF_OK);
+    assert_int_equal(enc_fit_choose(&one, bent, true, 0, &coder, &choice, &tables), BTF_OK);
     assert_true(choice.chosen > 0);
     assert_true(choice.candidate[choice.chosen].gain.linear > 0);
     assert_true(choice.candidate[choice.chosen].left_out.linear < choice.candidate[0].left_out.linear);
-    assert_int_equal(enc_fit_choose(&two, bent, true, 0, &again, &same), BTF_OK);
+    assert_int_equal(enc_fit_choose(&two, bent, true, 0, &coder, &again, &same), BTF_OK);
     assert_int_equal(choice.chosen, again.chosen);
     assert_memory_equal(choice.candidate, again.candidate, sizeof choice.candidate);
     assert_memory_equal(tables.views, same.views, 81 * 81 * sizeof(float));
     enc_node_tables_clear(&tables);
     enc_node_tables_clear(&same);
     /* of a quality that no fit leaves, none is taken */
-    assert_int_equal(enc_fit_choose(&one, bent, true, 99, &choice, &tables), BTF_OK);
+    assert_int_equal(enc_fit_choose(&one, bent, true, 99, &coder, &choice, &tables), BTF_OK);
     assert_int_equal(choice.chosen, 0);
     assert_null(tables.views);
     /* noise has nothing that a spline follows */
-    assert_int_equal(enc_fit_choose(&one, noisy, true, 0, &choice, &tables), BTF_OK);
+    assert_int_equal(enc_fit_choose(&one, noisy, true, 0, &coder, &choice, &tables), BTF_OK);
     printf("noise: kappa %g, gain %g\n", choice.candidate[choice.chosen].kappa_views,
            choice.candidate[choice.chosen].gain.linear);
     for (int k = 5; k < ENC_FIT_CANDIDATES; k++) {
@@ -246,7 +249,7 @@ static void test_lists_without_a_fit_leave_the_others(void **state) {
         enc_fit_choice choice;
         enc_node_tables tables;
         enc_data *data = planted(&ubo, &short_list, 3, 4, 0);
-        assert_int_equal(enc_fit_choose(&two, data, true, 0, &choice, &tables), BTF_OK);
+        assert_int_equal(enc_fit_choose(&two, data, true, 0, &coder, &choice, &tables), BTF_OK);
         assert_true(choice.chosen > 0);
         assert_true(isfinite(choice.candidate[choice.chosen].kappa_views));
         assert_true(isinf(choice.candidate[choice.chosen].kappa_lights));
@@ -254,7 +257,7 @@ static void test_lists_without_a_fit_leave_the_others(void **state) {
         enc_node_tables_clear(&tables);
         enc_data_destroy(&data);
         data = planted(&short_list, &short_list, 3, 4, 0);
-        assert_int_equal(enc_fit_choose(&two, data, true, 0, &choice, &tables), BTF_OK);
+        assert_int_equal(enc_fit_choose(&two, data, true, 0, &coder, &choice, &tables), BTF_OK);
         assert_int_equal(choice.chosen, 0);
         enc_data_destroy(&data);
         free(short_list.at);
