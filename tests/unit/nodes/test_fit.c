@@ -239,6 +239,37 @@ static void test_smoothing_is_chosen_where_it_pays(void **state) {
     free(lights.at);
 }
 
+/* What a fit adds at the samples stays small beside the coder's error, or beside one level of 255. */
+static void test_a_fine_coder_bounds_the_smoothing(void **state) {
+    (void)state;
+    static const double errors[] = {0, 1e-5, 1e-4, 1e-3, 1e-2};
+    const list views = parse("ubo"), lights = parse("ubo");
+    enc_data *bent = planted(&views, &lights, 4, 4, 0);
+    int before = 0;
+    for (size_t i = 0; i < sizeof errors / sizeof *errors; i++) {
+        const enc_fit_error error = {errors[i], errors[i]};
+        enc_fit_choice choice;
+        enc_node_tables tables;
+        assert_int_equal(enc_fit_choose(&two, bent, true, 0, &error, &choice, &tables), BTF_OK);
+        const enc_fit_candidate *chosen = &choice.candidate[choice.chosen];
+        printf("coder %g: candidate %d, which adds %g\n", errors[i], choice.chosen, chosen->at.srgb);
+        assert_true(choice.chosen >= before);
+        assert_true(chosen->at.srgb <= 0.3 * (errors[i] + 1 / (255.0 * 255)));
+        before = choice.chosen;
+        enc_node_tables_clear(&tables);
+    }
+    assert_true(before >= 4);
+    enc_fit_choice choice;
+    enc_node_tables tables;
+    const enc_fit_error none = {0, 0};
+    assert_int_equal(enc_fit_choose(&two, bent, true, 0, &none, &choice, &tables), BTF_OK);
+    assert_true(choice.chosen < before);
+    enc_node_tables_clear(&tables);
+    enc_data_destroy(&bent);
+    free(views.at);
+    free(lights.at);
+}
+
 /* A list without a fit leaves the other's; both without leave none. */
 static void test_lists_without_a_fit_leave_the_others(void **state) {
     (void)state;
@@ -325,6 +356,7 @@ int main(void) {
         cmocka_unit_test(test_lists_without_a_spline_are_refused),
         cmocka_unit_test(test_a_smooth_function_comes_out_better_between),
         cmocka_unit_test(test_smoothing_is_chosen_where_it_pays),
+        cmocka_unit_test(test_a_fine_coder_bounds_the_smoothing),
         cmocka_unit_test(test_lists_without_a_fit_leave_the_others),
         cmocka_unit_test(test_data_are_transformed),
     };
