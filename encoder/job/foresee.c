@@ -48,10 +48,10 @@ static size_t draw_texels(size_t all, uint32_t *list) {
     return count;
 }
 
-/* As many components as the budget may hold, in 3 bits a factor. */
+/* As many components as the budget may hold, in 2.5 bits a factor. */
 static void set_wanted(survey *s, const enc_data *data, uint64_t budget) {
     const size_t all = enc_data_texel_count(data) + s->matrix.columns;
-    const double fits = (double)budget * 8 / 3 / (double)all;
+    const double fits = (double)budget * 8 / 2.5 / (double)all;
     const size_t luma = fits < ENC_FORESEE_RANK ? (size_t)fits + 1 : ENC_FORESEE_RANK;
     s->wanted[0] = luma;
     s->wanted[1] = s->wanted[2] = luma / CHROMA_SHARE + 1;
