@@ -14,17 +14,18 @@
 
 enum {
     CHANNELS = ENC_FACTOR_CHANNELS,
-    CHROMA_SHARE = 4,     /* luma has so many times the components of a chroma channel */
+    CHROMA_SHARE = 4,    /* luma has so many times the components of a chroma channel */
     SPARE = 32,          /* components beyond, which make the range finder's better */
     DECODED_TEXELS = 64, /* of which the roots' error is turned into that of radiance */
     BISECTIONS = 50,
 };
 
-/* Share of the error of components rounded one by one that descent on their codes leaves: BRICKS64 0.88, IMPALLA64
- * 0.82 of 2.36 MB. */
+/* Share of the error of components rounded one by one that descent on their codes leaves: BRICKS64 0.88,
+ * IMPALLA64 0.82 of 2.36 MB. */
 static const double descended = 0.85;
 
-/* Of what 8 bits round off, this is left when the components after them have made up for it (stop.c): btf-sample flat. */
+/* Of what 8 bits round off, this is left when the components after them have made up for it (stop.c):
+ * btf-sample flat. */
 static const double strong_share = 0.15;
 
 /* What is known of the texels that were drawn. */
@@ -102,8 +103,8 @@ static double power_sum(size_t from, size_t to, double power, double *out) {
     return sum;
 }
 
-/* Energies of all components, `rank` of them, of all texels: those that were found, and a power's that begins
- * at the last of these and sums to the rest. */
+/* Energies of all components, `rank` of them, of all texels: those that were found, and a power's that
+ * begins at the last of these and sums to the rest. */
 static void extend(const survey *s, int channel, double texels, size_t rank, double *out) {
     const enc_components *found = &s->components[channel];
     const size_t leading = s->leading[channel];
@@ -152,7 +153,8 @@ static btf_result planned_error(const survey *s, const enc_data *data, uint64_t 
         planned.energy[c] = energies + (size_t)c * rank;
         extend(s, c, texels, rank, energies + (size_t)c * rank);
     }
-    const bool fits = enc_factor_allocate(&planned, all, (size_t)data->n_views, (size_t)data->n_lights, budget, &plan);
+    const bool fits =
+        enc_factor_allocate(&planned, all, (size_t)data->n_views, (size_t)data->n_lights, budget, &plan);
     const double all_rounded = fits ? enc_factor_plan_error(&planned, &plan, 0) : 0;
     const double weak_rounded = fits ? enc_factor_plan_error(&planned, &plan, 1) : 0;
     *out = weak_rounded + strong_share * (all_rounded - weak_rounded);
@@ -164,15 +166,15 @@ static double clipped(double x) {
     return x > 0 ? fmin(x, 1) : 0;
 }
 
-/* Errors of the leading components at one texel: of roots, of radiance, coded by sRGB. work: [CHANNELS][columns]. */
+/* Errors of the leading components at one texel: of roots, of radiance, coded by sRGB. work:
+ * [CHANNELS][columns]. */
 static btf_result decode(const survey *s, size_t at, float *samples, float *work, double out[3]) {
     static const double axis[3][CHANNELS] = {{0.57735027, 0.70710678, 0.40824829},
                                              {0.57735027, 0, -0.81649658},
                                              {0.57735027, -0.70710678, 0.40824829}};
     const size_t columns = s->matrix.columns, lights = (size_t)s->matrix.data->n_lights;
     const float *read;
-    const btf_result result =
-        enc_data_texels(s->context, s->matrix.data, s->list[at], 1, samples, &read);
+    const btf_result result = enc_data_texels(s->context, s->matrix.data, s->list[at], 1, samples, &read);
     memset(work, 0, CHANNELS * columns * sizeof *work);
     for (int c = 0; c < CHANNELS && result == BTF_OK; c++) {
         const enc_components *found = &s->components[c];
@@ -229,7 +231,8 @@ static btf_result turn(const survey *s, double *out_linear, double *out_srgb) {
     return result;
 }
 
-static btf_result foresee(survey *s, const enc_data *data, const enc_factors_settings *settings, enc_fit_error *out) {
+static btf_result foresee(survey *s, const enc_data *data, const enc_factors_settings *settings,
+                          enc_fit_error *out) {
     double energy = 0, linear = 0, srgb = 0;
     set_wanted(s, data, settings->budget);
     btf_result result = find(s);

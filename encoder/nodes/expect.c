@@ -6,10 +6,12 @@
 
 #include <math.h>
 
-/* Shares of a blend's squared error with samples left out that it has between them: of what a fit follows, of the rest. */
+/* Shares of a blend's squared error with samples left out that it has between them: of what a fit follows,
+ * of the rest. */
 static const double smooth_share = 1 / 30.0, rough_share = 0.5;
 
-/* The cosine of a fit's move with the blend's error, between the samples against left-out ones: smooth, rough. */
+/* The cosine of a fit's move with the blend's error, between the samples against left-out ones: smooth,
+ * rough. */
 static const double smooth_aim = 1, rough_aim = 2 / 3.0;
 
 /* Of the coder's squared error at the samples, blends of three views and three lights keep this. */
@@ -18,8 +20,8 @@ static const double blended_share = 0.25;
 /* dB between the samples, where a renderer looks, that a dB at them is worth. */
 static const double price = 0.125;
 
-/* What a fit may add to the coder's squared error at the samples: 1.1 dB. An error of one level of 255 goes unseen
- * and adds to the coder's. */
+/* What a fit may add to the coder's squared error at the samples: 1.1 dB. An error of one level of 255 goes
+ * unseen and adds to the coder's. */
 static const double most_added = 0.3, unseen = 1.0 / (255 * 255);
 
 static double product(const enc_fit_moved *m) {
@@ -37,7 +39,8 @@ static double error_between(double left_out, double smooth) {
     return left_out * (smooth * smooth_share + (1 - smooth) * rough_share);
 }
 
-/* The squared error that a move saves between the samples: twice its product with the error less its square. */
+/* The squared error that a move saves between the samples: twice its product with the error less its
+ * square. */
 static double gain(const enc_fit_moved *m, double smooth) {
     const double share = smooth * smooth_share + (1 - smooth) * rough_share;
     const double aim = smooth * smooth_aim + (1 - smooth) * rough_aim;
@@ -48,8 +51,8 @@ static enc_fit_error gains(const enc_fit_moved *linear, const enc_fit_moved *srg
     return (enc_fit_error){gain(linear, smooth.linear), gain(srgb, smooth.srgb)};
 }
 
-void enc_fit_expect(const enc_fit_moved linear[ENC_FIT_CANDIDATES], const enc_fit_moved srgb[ENC_FIT_CANDIDATES],
-                    enc_fit_choice *choice) {
+void enc_fit_expect(const enc_fit_moved linear[ENC_FIT_CANDIDATES],
+                    const enc_fit_moved srgb[ENC_FIT_CANDIDATES], enc_fit_choice *choice) {
     enc_fit_error smooth = {0, 0}, error = {0, 0}, plain;
     for (int k = 1; k < ENC_FIT_CANDIDATES; k++) {
         if (choice->candidate[k].judged) {
@@ -57,14 +60,16 @@ void enc_fit_expect(const enc_fit_moved linear[ENC_FIT_CANDIDATES], const enc_fi
             error = (enc_fit_error){linear[k].error, srgb[k].error};
         }
     }
-    plain = (enc_fit_error){error_between(error.linear, smooth.linear), error_between(error.srgb, smooth.srgb)};
+    plain =
+        (enc_fit_error){error_between(error.linear, smooth.linear), error_between(error.srgb, smooth.srgb)};
     choice->candidate[0].left_out = error;
     choice->candidate[0].between = plain;
     for (int k = 1; k < ENC_FIT_CANDIDATES; k++) {
         enc_fit_candidate *c = &choice->candidate[k];
         c->left_out = (enc_fit_error){linear[k].fitted, srgb[k].fitted};
         c->gain = gains(&linear[k], &srgb[k], smooth);
-        c->between = (enc_fit_error){fmax(plain.linear - c->gain.linear, 0), fmax(plain.srgb - c->gain.srgb, 0)};
+        c->between =
+            (enc_fit_error){fmax(plain.linear - c->gain.linear, 0), fmax(plain.srgb - c->gain.srgb, 0)};
     }
 }
 
@@ -77,8 +82,8 @@ enc_fit_error enc_fit_coded_between(const enc_fit_candidate *candidate, enc_fit_
                            candidate->between.srgb + blended_share * coder.srgb};
 }
 
-/* A fit takes away some of what the coder would lose, so that the difference may be too little: then the coder is
- * taken to be as much better or worse than foreseen as the whole is. */
+/* A fit takes away some of what the coder would lose, so that the difference may be too little: then the
+ * coder is taken to be as much better or worse than foreseen as the whole is. */
 static double coder_of(double at, double foreseen, double measured) {
     return fmax(measured - at, foreseen + at > 0 ? foreseen * measured / (foreseen + at) : measured);
 }

@@ -51,7 +51,8 @@ static enc_data *planted(double power, double noise) {
             for (size_t k = 0; k < 3; k++) {
                 const double x = fmax(root * (1 - 0.1 * (double)k) + noise * (random_unit(&r) - 0.5), 0);
                 data->samples[t * enc_data_texel_stride(data) +
-                              (c / (size_t)count * 3 + k) * (size_t)count + c % (size_t)count] = (float)(x * x);
+                              (c / (size_t)count * 3 + k) * (size_t)count + c % (size_t)count] =
+                    (float)(x * x);
             }
         }
     }
@@ -65,8 +66,8 @@ static double db(double x) {
     return -10 * log10(x);
 }
 
-/* Within 1.5 dB of what an encode measures, for spectra steep and flat and budgets small and large; the same bits
- * for any number of threads. */
+/* Within 1.5 dB of what an encode measures, for spectra steep and flat and budgets small and large; the
+ * same bits for any number of threads. */
 static void test_the_error_is_foreseen(void **state) {
     (void)state;
     static const double powers[] = {1, 2};
@@ -83,8 +84,9 @@ static void test_the_error_is_foreseen(void **state) {
             assert_int_equal(enc_foresee_error(&two, data, &settings, &again), BTF_OK);
             assert_memory_equal(&error, &again, sizeof error);
             assert_int_equal(enc_factor_encode(&two, data, &options, &factors), BTF_OK);
-            printf("power %g, %d units: foreseen %.2f / %.2f dB, measured %.2f / %.2f\n", powers[p], factors->n_units,
-                   db(error.linear), db(error.srgb), db(factors->error.linear), db(factors->error.srgb));
+            printf("power %g, %d units: foreseen %.2f / %.2f dB, measured %.2f / %.2f\n", powers[p],
+                   factors->n_units, db(error.linear), db(error.srgb), db(factors->error.linear),
+                   db(factors->error.srgb));
             assert_true(fabs(db(error.linear) - db(factors->error.linear)) < 1.5);
             assert_true(fabs(db(error.srgb) - db(factors->error.srgb)) < 1.5);
             enc_factors_destroy(&factors);

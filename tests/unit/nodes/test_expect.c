@@ -13,7 +13,8 @@
 
 #include <math.h>
 
-/* One candidate whose error with samples left out is `error`, and whose move has the cosine `aim` with it. */
+/* One candidate whose error with samples left out is `error`, and whose move has the cosine `aim` with it.
+ */
 static enc_fit_choice choice_of(double error, double aim, double move, double moves, enc_fit_error at) {
     const double product = aim * sqrt(move * error);
     const enc_fit_moved moved = {error, error - 2 * product + move, move, moves};
@@ -26,7 +27,8 @@ static enc_fit_choice choice_of(double error, double aim, double move, double mo
 static void test_smooth_error_falls_with_the_fourth_power_of_the_gap(void **state) {
     (void)state;
     const enc_fit_error none = {0, 0};
-    /* a fit that takes all of the error: a thirtieth is left between the samples, and the fit takes it there */
+    /* a fit that takes all of the error: a thirtieth is left between the samples, and the fit takes it
+     * there */
     enc_fit_choice c = choice_of(3e-3, 1, 3e-3, 1e-4, none);
     assert_true(fabs(c.candidate[0].left_out.linear - 3e-3) < 1e-9);
     assert_true(fabs(c.candidate[1].left_out.srgb) < 1e-9);

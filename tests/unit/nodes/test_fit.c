@@ -296,6 +296,42 @@ static void test_lists_without_a_fit_leave_the_others(void **state) {
     free(ubo.at);
 }
 
+/* As many views as there may be, and lights of another number that reach down to the horizon. */
+static void test_long_and_low_lists_are_judged(void **state) {
+    (void)state;
+    static const double rings[] = {75, 80, 85, 89.9};
+    const list views = parse("256");
+    enc_direction low[1 + 4 * 8] = {enc_direction_from_angles(0, 0)};
+    for (int i = 0; i < 32; i++) {
+        low[1 + i] = enc_direction_from_angles(rings[i / 8], 45.0 * (i % 8) + 10 * (i / 8));
+    }
+    const list lights = {low, 33};
+    enc_data *data = planted(&views, &lights, 2, 4, 0), *fitted = NULL;
+    enc_fit_choice choice;
+    enc_node_tables tables;
+    double gain;
+    assert_int_equal(enc_fit_choose(&two, data, true, 0, &coder, &choice, &tables), BTF_OK);
+    for (int k = 0; k < ENC_FIT_CANDIDATES; k++) {
+        const enc_fit_candidate *c = &choice.candidate[k];
+        assert_true(!c->judged || (isfinite(c->at.srgb) && isfinite(c->gain.linear) && c->between.srgb >= 0));
+    }
+    assert_true(choice.candidate[1].judged);
+    assert_true(choice.chosen > 0);
+    assert_true(sum_error(tables.views, 256, &gain) < 1e-5);
+    assert_true(gain <= ENC_FIT_MOST_GAIN);
+    assert_true(sum_error(tables.lights, 33, &gain) < 1e-5);
+    assert_true(gain <= ENC_FIT_MOST_GAIN);
+    assert_int_equal(enc_node_apply(&two, &tables, data, &fitted), BTF_OK);
+    for (size_t i = 0; i < enc_data_texel_count(data) * enc_data_texel_stride(data); i++) {
+        assert_true(fabsf(fitted->samples[i] - data->samples[i]) < 0.2f);
+    }
+    printf("256 views, 33 lights: candidate %d\n", choice.chosen);
+    enc_node_tables_clear(&tables);
+    enc_data_destroy(&fitted);
+    enc_data_destroy(&data);
+    free(views.at);
+}
+
 /* The transform against sums in double, in memory and through a scratch file, by one thread and two. */
 static void test_data_are_transformed(void **state) {
     (void)state;
@@ -358,6 +394,7 @@ int main(void) {
         cmocka_unit_test(test_smoothing_is_chosen_where_it_pays),
         cmocka_unit_test(test_a_fine_coder_bounds_the_smoothing),
         cmocka_unit_test(test_lists_without_a_fit_leave_the_others),
+        cmocka_unit_test(test_long_and_low_lists_are_judged),
         cmocka_unit_test(test_data_are_transformed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
