@@ -4,6 +4,7 @@
  */
 #include "foresee.h"
 
+#include "encoder/base/ranks.h"
 #include "encoder/base/stage.h"
 #include "encoder/factor/components.h"
 #include "encoder/math/srgb.h"
@@ -64,7 +65,7 @@ static btf_result find(survey *s) {
     double sums[CHANNELS];
     enc_factor_set u = {0}, w = {0};
     uint8_t *all = malloc(s->matrix.columns);
-    btf_result result = all ? BTF_OK : BTF_ERROR_MEMORY;
+    btf_result result = enc_ranks_agree(s->context, all ? BTF_OK : BTF_ERROR_MEMORY);
     for (int c = 0; c < CHANNELS; c++) {
         sought[c] = s->wanted[c] + SPARE < side ? s->wanted[c] + SPARE : side;
     }
@@ -263,6 +264,7 @@ btf_result enc_foresee_error(const enc_context *context, const enc_data *data,
     enc_stage_begin(context, "foresee error", 3 * s->matrix.texels);
     btf_result result = enc_factor_clip(&s->matrix);
     result = result == BTF_OK ? foresee(s, data, settings, out_error) : result;
+    result = enc_ranks_agree(context, result);
     enc_stage_end(context);
     for (int c = 0; c < CHANNELS; c++) {
         enc_components_clear(&s->components[c]);
