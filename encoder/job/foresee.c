@@ -29,7 +29,7 @@ static const double descended = 0.85;
  * btf-sample flat. */
 static const double strong_share = 0.15;
 
-/* What is known of the texels that were drawn. */
+/* The texels that were drawn, and their components. */
 typedef struct survey {
     const enc_context *context;
     enc_factor_matrix matrix; /* of these texels */

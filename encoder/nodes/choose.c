@@ -184,7 +184,7 @@ static enc_fit_moved moved_of(const double left[ACCUMULATED], const double betwe
                            .moves = between[2] / pairs_between};
 }
 
-/* What the sums say of each candidate; the last that was judged is the strongest. */
+/* Turns the sums into figures of each candidate; the last that was judged is the strongest. */
 static void fill_candidates(const job *j, sums total[ENC_FIT_CANDIDATES][ENC_ROWS_PLACES], size_t texels,
                             enc_fit_choice *choice) {
     const double left = pairs_of(j, ENC_ROWS_LEFT_OUT) * (double)texels;

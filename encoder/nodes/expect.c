@@ -1,4 +1,4 @@
-/* What fits gain and cost, with a coder after them. See expect.h.
+/* Gains and costs of fits, with a coder after them. See expect.h.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -20,7 +20,7 @@ static const double blended_share = 0.25;
 /* dB between the samples, where a renderer looks, that a dB at them is worth. */
 static const double price = 0.125;
 
-/* What a fit may add to the coder's squared error at the samples: 1.1 dB. An error of one level of 255 goes
+/* A fit may add this part of the coder's squared error at the samples: 1.1 dB. An error of one level of 255 goes
  * unseen and adds to the coder's. */
 static const double most_added = 0.3, unseen = 1.0 / (255 * 255);
 

@@ -33,7 +33,7 @@ const char *enc_fit_text(const enc_fit_choice *choice, char text[ENC_FIT_TEXT]) 
     return text;
 }
 
-/* What candidate k is expected to leave, coded; at the samples the chosen one was measured. */
+/* The errors that are expected of candidate k, coded; at the samples the chosen one was measured. */
 static void coded(const enc_fit_choice *choice, int k, enc_fit_error measured, enc_fit_error *out_at,
                   enc_fit_error *out_between) {
     const enc_fit_error coder = enc_fit_coder_measured(choice, measured);

@@ -1,4 +1,4 @@
-/* What fits are expected to gain and cost, from planted sums.
+/* Expected gains and costs of fits, from planted sums.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -52,7 +52,7 @@ static void test_the_coder_adds_to_both_places(void **state) {
     assert_true(fabs(between.srgb - c.candidate[1].between.srgb - 1e-4) < 1e-9);
 }
 
-/* What was measured tells the coder's part, and never that it had none. */
+/* A measurement tells the coder's part, and never that it had none. */
 static void test_the_coder_is_known_better_afterwards(void **state) {
     (void)state;
     enc_fit_choice c = choice_of(3e-3, 0.5, 1e-3, 5e-4, (enc_fit_error){2e-4, 2e-4});

@@ -239,7 +239,7 @@ static void test_smoothing_is_chosen_where_it_pays(void **state) {
     free(lights.at);
 }
 
-/* What a fit adds at the samples stays small beside the coder's error, or beside one level of 255. */
+/* A fit adds little at the samples beside the coder's error, or beside one level of 255. */
 static void test_a_fine_coder_bounds_the_smoothing(void **state) {
     (void)state;
     static const double errors[] = {0, 1e-5, 1e-4, 1e-3, 1e-2};
