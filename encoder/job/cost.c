@@ -92,7 +92,7 @@ static void add_reading(list *l, const enc_context *context, const enc_extent *e
 /* Components of some texels, by a product each way and one for what they leave. */
 static double foresee_cost(const counts *c, double fetch) {
     const double texels = fmin(c->texels, ENC_FORESEE_TEXELS), columns = c->views * c->lights;
-    const double luma = ENC_FORESEE_RANK, all = 1.5 * luma;
+    const double luma = ENC_FORESEE_RANK, all = 1.5 * luma; /* with spare ones */
     return 3 * texels * columns * (3 * (per_split + fetch) + all * per_product) +
            4 * 1.125 * luma * luma * (texels + columns) * per_square;
 }

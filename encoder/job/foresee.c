@@ -15,7 +15,7 @@
 
 enum {
     CHANNELS = ENC_FACTOR_CHANNELS,
-    CHROMA_SHARE = 4,    /* luma has so many times the components of a chroma channel */
+    CHROMA_SHARE = 8,    /* luma has so many times the components of a chroma channel */
     SPARE = 32,          /* components beyond, which make the range finder's better */
     DECODED_TEXELS = 64, /* of which the roots' error is turned into that of radiance */
     BISECTIONS = 50,
@@ -40,7 +40,7 @@ typedef struct survey {
     double rest[CHANNELS];    /* energy beyond */
 } survey;
 
-/* Evenly, odd places of an even grid: rows and columns of a texture both vary. */
+/* One of each run of texels, at another place of each run, so that rows and columns both vary. */
 static size_t draw_texels(size_t all, uint32_t *list) {
     const size_t count = all < ENC_FORESEE_TEXELS ? all : ENC_FORESEE_TEXELS;
     for (size_t i = 0; i < count; i++) {
