@@ -37,6 +37,7 @@ extern "C" {
 #define BTF_MAX_DIRECTION_LAYERS 256
 #define BTF_MAX_LOBES 4
 #define BTF_MAX_POINT_ENTRIES 16
+#define BTF_MAX_RELIEF_STEPS 64
 #define BTF_MAX_COMPONENTS 256 /**< components of the residual; units, where its store is factors */
 #define BTF_FACTOR_CLASSES 5
 #define BTF_MAX_CENTRES 65536
@@ -69,7 +70,9 @@ typedef enum btf_effect {
     BTF_EFFECT_HIDDEN = 4,
     BTF_EFFECT_GAIN = 8,
     BTF_EFFECT_RESIDUAL = 16,
-    BTF_EFFECT_ALL = 31,
+    BTF_EFFECT_RELIEF = 32, /**< version 2 */
+    BTF_EFFECT_GLOSS = 64,  /**< version 2 */
+    BTF_EFFECT_ALL = 127,
 } btf_effect;
 
 /** How a file stores the effect `residual`. */
@@ -127,6 +130,8 @@ typedef enum btf_texture_id {
     BTF_TEXTURE_POINTS,
     BTF_TEXTURE_POINT_LISTS,
     BTF_TEXTURE_POINT_INDICES,
+    BTF_TEXTURE_HEIGHTS,
+    BTF_TEXTURE_VIEW_VECTORS,
     BTF_TEXTURE_COUNT
 } btf_texture_id;
 
@@ -178,6 +183,12 @@ typedef struct btf_material_info {
                                     2^-24..2^24; else 0 */
     uint32_t point_entries;      /**< with BTF_POINTS_LISTS: packed points of a texel's list, 1 to
                                     BTF_MAX_POINT_ENTRIES; else 0 */
+    /** With BTF_EFFECT_RELIEF, else 0: the height of code c is relief_base + ((c * relief_step) >> 8), in 1/256 of the
+     * width of a texel of level 0, within -32768..32767; relief_step 0..32767, 0: one height everywhere and no
+     * texture `heights`. */
+    int32_t relief_base, relief_step;
+    uint32_t relief_steps; /**< with BTF_EFFECT_RELIEF: steps of a march, 1..BTF_MAX_RELIEF_STEPS; else 0 */
+    uint32_t gloss_share;  /**< with BTF_EFFECT_GLOSS: share of the half vector in quarters, 1 or 2; else 0 */
 } btf_material_info;
 
 /** One row of the errors that the encoder measured. */
@@ -310,6 +321,8 @@ typedef struct btf_material_desc {
     /** A picture for viewers of EXR files, which no decoder reads: halves, [height][width][4], linear Rec.
      * 709 RGB and a 0; NULL: none. Only in materials that need version 2. */
     const uint16_t *preview;
+    const uint8_t *relief_views; /**< [n_views], 0 or 1: whether relief acts on the view; NULL: on all. With
+                                    BTF_EFFECT_RELIEF alone */
 } btf_material_desc;
 
 /** @return the picture for viewers (see btf_material_desc), owned by the material; NULL when there is none.

@@ -45,6 +45,7 @@ typedef enum btf_interpolation {
 typedef enum btf_filter {
     BTF_FILTER_TEXEL = 0,    /**< the texel that holds uv */
     BTF_FILTER_BILINEAR = 1, /**< four decoded texels, blended */
+    BTF_FILTER_STEEP = 2,    /**< likewise, with weights that leave a texel's middle half to itself */
 } btf_filter;
 
 typedef enum btf_math {
