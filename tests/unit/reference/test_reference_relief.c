@@ -312,8 +312,7 @@ static void weights_in_double(const field *f, const btf_ref_neighbours *views, c
         out_weights[a] *= 4096 / sum;
 }
 
-/** Beside a wall, views from behind it weigh less: by how much the wall rises above the point, in double.
- */
+/** Beside a wall, views from behind it weigh less, by how much it rises above the point: in double. */
 static void test_walls_hide(void **state) {
     (void)state;
     static field f;
