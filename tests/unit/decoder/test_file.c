@@ -24,7 +24,7 @@ typedef struct saved {
 
 static saved save_random(btf_layout layout, bool half) {
     random_state r = {21};
-    btf_material_desc desc = random_material_desc(5, 4, 8, 7, layout, BTF_EFFECT_ALL);
+    btf_material_desc desc = random_material_desc(5, 4, 8, 7, layout, BTF_EFFECT_VERSION_1);
     desc.info.half_float = half;
     desc.info.method = "joint";
     desc.info.centres = 11;
