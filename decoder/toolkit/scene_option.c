@@ -127,13 +127,12 @@ const char *scene_plan_reason(const btf_material *material, const btf_plan *plan
 
 static void print_reasons(FILE *out, const char *indent, const btf_material *material,
                           const btf_plan *plan) {
-    static const char *const names[5] = {"shadow", "shift", "hidden", "gain", "residual"};
     btf_material_info info = {.struct_size = sizeof info};
     char text[80];
     btf_material_get_info(material, &info);
-    for (int i = 0; i < 5; i++)
+    for (int i = 0; i < CLI_EFFECTS_COUNT; i++)
         if (info.effects >> i & 1)
-            fprintf(out, "%s%s: %s\n", indent, names[i],
+            fprintf(out, "%s%s: %s\n", indent, cli_effect_word(i),
                     scene_plan_reason(material, plan, i, text, sizeof text));
 }
 

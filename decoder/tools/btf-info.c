@@ -188,7 +188,7 @@ static void print_effects(const btf_material *material, const btf_material_info 
     size_t count;
     const btf_material_error *errors = btf_material_errors(material, &count), *with, *without;
     printf("\nEffects: %s\n", cli_effects_text(info->effects, words));
-    for (uint32_t bit = 1; bit <= BTF_EFFECT_RESIDUAL; bit <<= 1)
+    for (uint32_t bit = 1; bit < BTF_EFFECT_ALL; bit <<= 1)
         if (info->effects & bit && find_gain(errors, count, bit, &with, &without))
             printf("  %-14s%+.2f dB linear, %+.2f dB sRGB for %.0f bytes\n", cli_effects_text(bit, words),
                    (double)(with->psnr_linear - without->psnr_linear),
@@ -250,8 +250,9 @@ static void print_levels(const btf_material *material, const btf_material_info *
 
 /* The textures that the bytes called gpu leave out. */
 static bool is_table(btf_texture_id id) {
-    return id == BTF_TEXTURE_VIEW_TABLE || id == BTF_TEXTURE_LIGHT_TABLE || id == BTF_TEXTURE_RESIDUAL_SCALES ||
-           id == BTF_TEXTURE_FACTOR_SCALES || id == BTF_TEXTURE_FACTOR_VIEWS;
+    return id == BTF_TEXTURE_VIEW_TABLE || id == BTF_TEXTURE_LIGHT_TABLE ||
+           id == BTF_TEXTURE_RESIDUAL_SCALES || id == BTF_TEXTURE_FACTOR_SCALES ||
+           id == BTF_TEXTURE_FACTOR_VIEWS || id == BTF_TEXTURE_VIEW_VECTORS;
 }
 
 static void print_textures(const btf_material *material, const btf_material_info *info) {
@@ -386,7 +387,7 @@ static void json_directions(json *j, const char *key, const btf_directions *d) {
 static void json_effect_list(json *j, const char *key, uint32_t effects) {
     char word[48];
     json_array(j, key);
-    for (uint32_t bit = 1; bit <= BTF_EFFECT_RESIDUAL; bit <<= 1)
+    for (uint32_t bit = 1; bit < BTF_EFFECT_ALL; bit <<= 1)
         if (effects & bit)
             json_string(j, NULL, cli_effects_text(bit, word));
     json_end(j);
@@ -398,7 +399,7 @@ static void json_effects(json *j, const btf_material *material, const btf_materi
     const btf_material_error *errors = btf_material_errors(material, &count), *with, *without;
     json_effect_list(j, "effects", info->effects);
     json_object(j, "buys");
-    for (uint32_t bit = 1; bit <= BTF_EFFECT_RESIDUAL; bit <<= 1)
+    for (uint32_t bit = 1; bit < BTF_EFFECT_ALL; bit <<= 1)
         if (info->effects & bit && find_gain(errors, count, bit, &with, &without)) {
             json_object(j, cli_effects_text(bit, word));
             json_number(j, "linear", (double)with->psnr_linear - (double)without->psnr_linear);

@@ -91,6 +91,12 @@ btf_material_desc random_material_desc(uint32_t width, uint32_t height, uint32_t
         .gain_scale = BTF_GAIN_SCALE,
         .centre_scale = 0x1p-8f,
     };
+    if (effects & BTF_EFFECT_RELIEF) { /* from a texel below the plane to two above, and a bit */
+        desc.info.relief_base = -256;
+        desc.info.relief_step = 801;
+        desc.info.relief_steps = 7;
+    }
+    desc.info.gloss_share = effects & BTF_EFFECT_GLOSS ? 1 : 0;
     float *views = malloc(sizeof(float[3]) * n_views), *lights = malloc(sizeof(float[3]) * n_lights);
     if (!views || !lights)
         abort();
@@ -232,6 +238,8 @@ static void fill_level(random_state *r, const btf_material_info *info, const btf
     if (data[BTF_TEXTURE_POINT_LISTS])
         fill_lists(r, info, shape[BTF_TEXTURE_POINT_LISTS].size, data[BTF_TEXTURE_POINT_LISTS],
                    data[BTF_TEXTURE_POINT_INDICES]);
+    for (size_t i = 0; data[BTF_TEXTURE_HEIGHTS] && i < shape[BTF_TEXTURE_HEIGHTS].size; i++)
+        ((uint8_t *)data[BTF_TEXTURE_HEIGHTS])[i] = (uint8_t)random_next(r);
     if (data[BTF_TEXTURE_CENTRES])
         fill_centres(r, info, &shape[BTF_TEXTURE_CENTRES], data[BTF_TEXTURE_CENTRES]);
     if (data[BTF_TEXTURE_RESIDUAL_TEXELS])

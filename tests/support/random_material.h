@@ -34,8 +34,8 @@ void random_material_free(btf_material_desc *desc);
 /* The file of a material filled at random: *size bytes, freed with btf_free. Frees desc. */
 void *random_material_save(random_state *r, btf_material_desc *desc, size_t *size);
 
-/* A desc of the given shape with scales of 1 (gain 2^-7), directions in rings, no textures yet; directions
- * are freed by random_material_free. */
+/* A desc of the given shape with scales of 1 (gain 2^-7), heights of -256 to 541 with relief, a share of
+ * 1/4 with gloss, directions in rings, no textures yet; directions are freed by random_material_free. */
 btf_material_desc random_material_desc(uint32_t width, uint32_t height, uint32_t n_views, uint32_t n_lights,
                                        btf_layout layout, uint32_t effects);
 

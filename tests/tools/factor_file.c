@@ -25,7 +25,7 @@ int main(int argc, char **argv) {
     const char *points = argc > 6 ? argv[6] : "";
     const bool lists = strcmp(points, "lists") == 0;
     const uint32_t effects =
-        lists || strcmp(points, "packed") == 0 ? BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN : BTF_EFFECT_ALL;
+        lists || strcmp(points, "packed") == 0 ? BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN : BTF_EFFECT_VERSION_1;
     btf_material_desc desc = factor_material_desc(16, 12, 19, 19, layout, effects, factor_classes);
     lists ? factor_material_list_points(&desc, 4) : factor_material_pack_points(&desc);
     desc.info.levels = argc > 4 ? (uint32_t)strtoul(argv[4], NULL, 10) : 1;

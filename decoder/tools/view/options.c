@@ -91,7 +91,7 @@ const cli_program view_program = {
         "the window: another material or a model (*.obj).",
     .details =
         "Left drag turns the model, right drag (or Shift + left) moves the light, the wheel zooms.\n"
-        "Keys: M model, 1..5 effects, 0 all of them, N nearest directions, B bilinear, X fast math,\n"
+        "Keys: M model, 1..7 effects, 0 all of them, N nearest directions, B bilinear, X fast math,\n"
         "L levels of detail, S split screen (middle drag or [ ] move it), + - exposure, A animate,\n"
         "C measure the cost of each effect, P save a picture, I panel, R reset, H help, Q quit.",
     .example = "btf-view bricks.btf.exr --original BRICKS64.zip",

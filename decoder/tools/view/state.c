@@ -25,7 +25,7 @@ const char *view_help_text(void) {
            "middle drag    move the split line\n"
            "wheel          zoom\n"
            "M              next model\n"
-           "1 2 3 4 5      shadow, shift, hidden, gain, residual on/off\n"
+           "1 2 3 4 5 6 7  shadow, shift, hidden, gain, residual, relief, gloss on/off\n"
            "0              all effects\n"
            "N              directions: linear / nearest\n"
            "B              texels: one / bilinear\n"
@@ -126,6 +126,8 @@ view_action view_state_key(view_state *s, int key, char *text, size_t size) {
     case '3':
     case '4':
     case '5':
+    case '6':
+    case '7':
         return toggle_effect(s, key - '1', text, size);
     case '0':
         s->effects = BTF_EFFECT_ALL;

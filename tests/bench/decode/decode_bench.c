@@ -211,7 +211,7 @@ static btf_result bench_variants(bench *b) {
     spec.colour = BTF_COLOUR_RGB;
     spec.lobes = 2;
     spec.half_float = 1;
-    spec.effects = BTF_EFFECT_ALL;
+    spec.effects = BTF_EFFECT_VERSION_1;
     spec.components = 16;
     if (result == BTF_OK)
         result = synthetic_create(&spec, b->log, &tight);
