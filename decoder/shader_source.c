@@ -279,6 +279,7 @@ static void write_macros(text *t, const btf_material *material, const btf_materi
         define_int(t, "BTF_RELIEF_BASE", info->relief_base);
         define_int(t, "BTF_RELIEF_STEP", info->relief_step);
         define_int(t, "BTF_RELIEF_STEPS", (int32_t)info->relief_steps);
+        define_int(t, "BTF_RELIEF_LEVEL", (int32_t)info->relief_level);
     }
 }
 

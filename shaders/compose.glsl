@@ -212,29 +212,64 @@ float btf_view_weight(uint weight) {
 
 #if BTF_RELIEF
 
+/* The texels around a position at which a view shows something, or the one that holds it; and their weights. */
+uvec4 btf_shown_texels(out uvec2 x[BTF_TEXELS], ivec2 shown, int level) {
+    uvec2 at = uvec2(shown), size = btf_size(level);
+#if BTF_BILINEAR
+    return btf_corners(x, btf_bilinear(at.x << 10u, size.x), btf_bilinear(at.y << 10u, size.y), level);
+#else
+    x[0] = uvec2(at.x >> 8u, size.y - 1u - (at.y >> 8u));
+    return uvec4(65536u, 0u, 0u, 0u);
+#endif
+}
+
+#if BTF_FACTORS
+/* The residual of what each view shows, [view][texel]. */
+void btf_shown_factors(out vec3 residual[BTF_FACTOR_SUMS], btf_setting s) {
+    uvec2 source[BTF_FACTOR_SUMS];
+    for (int a = 0; a < s.n_views; ++a) {
+        uvec2 x[BTF_TEXELS];
+        btf_shown_texels(x, s.shown[a], s.level);
+        for (int i = 0; i < BTF_TEXELS; ++i)
+            source[a * BTF_TEXELS + i] = btf_source(x[i], btf_view_codes(x[i], s.views.index[a], s.level), s.level);
+    }
+#if BTF_GLOSS
+    btf_factors(residual, btf_factor_scene(source, s.level, s.views.index, s.n_views, s.lights_of, s.n));
+#else
+    btf_factors(residual, btf_factor_scene(source, s.level, s.views.index, s.n_views, s.lights, s.n));
+#endif
+}
+#endif
+
 /* Radiance: the neighbouring views, each as it shows the point that is seen, blended. */
 vec3 btf_shifted_views(btf_setting s) {
     vec3 sum = vec3(0.0);
-    for (int a = 0; a < s.n_views; ++a)
-        if (s.views.weight[a] > 0u) {
-            uvec2 x[BTF_TEXELS];
-            vec3 radiance[BTF_TEXELS];
-            uvec2 at = uvec2(s.shown[a]);
+#if BTF_FACTORS
+    vec3 all[BTF_FACTOR_SUMS];
+    btf_shown_factors(all, s);
+#endif
+    for (int a = 0; a < s.n_views; ++a) {
+        uvec2 x[BTF_TEXELS];
+        vec3 radiance[BTF_TEXELS];
 #if BTF_GLOSS
-            s.lights = s.lights_of[a];
+        s.lights = s.lights_of[a];
+#endif
+        uvec4 weight = btf_shown_texels(x, s.shown[a], s.level);
+        if (s.views.weight[a] > 0u) {
+#if BTF_FACTORS
+            vec3 residual[BTF_TEXELS];
+            for (int i = 0; i < BTF_TEXELS; ++i)
+                residual[i] = all[a * BTF_TEXELS + i];
+            btf_show_view(radiance, x, s.views.index[a], residual, s);
+#else
+            btf_show_view(radiance, x, s.views.index[a], s);
 #endif
 #if BTF_BILINEAR
-            uvec2 size = btf_size(s.level);
-            uvec4 weight = btf_corners(x, btf_bilinear(at.x << 10u, size.x), btf_bilinear(at.y << 10u, size.y), s.level);
-            btf_show_view(radiance, x, s.views.index[a], s);
-            vec3 shown = btf_filter(radiance, weight);
-#else
-            x[0] = uvec2(at.x >> 8u, btf_size(s.level).y - 1u - (at.y >> 8u));
-            btf_show_view(radiance, x, s.views.index[a], s);
-            vec3 shown = radiance[0];
+            radiance[0] = btf_filter(radiance, weight);
 #endif
-            sum = btf_add(sum, btf_mul(shown, btf_view_weight(s.views.weight[a])));
+            sum = btf_add(sum, btf_mul(radiance[0], btf_view_weight(s.views.weight[a])));
         }
+    }
 #if BTF_BLEND_ROOTS
     sum = btf_radiance(sum);
 #endif

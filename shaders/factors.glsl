@@ -19,7 +19,7 @@
 #if BTF_FACTORS
 
 /* Views that are evaluated at once, for which u is then fetched and expanded once. With a shift each has sources of its
- * own. */
+ * own; with relief, too, but those of all three are known beforehand. */
 #if BTF_FACTORS_BY_VIEW
 #define BTF_FACTOR_VIEWS 1
 #else
@@ -27,10 +27,15 @@
 #endif
 #define BTF_FACTOR_SUMS (BTF_FACTOR_VIEWS * BTF_TEXELS)
 #define BTF_FACTOR_GLOSS (BTF_GLOSS && !BTF_FACTORS_BY_VIEW)
+#if BTF_RELIEF
+#define BTF_FACTOR_SOURCES BTF_FACTOR_SUMS
+#else
+#define BTF_FACTOR_SOURCES BTF_TEXELS
+#endif
 
-/* Sources, and the views and lights (1 to 3 each) under which they are seen. */
+/* Sources, with relief [view][texel], and the views and lights (1 to 3 each) under which they are seen. */
 struct btf_factor_scene {
-    uvec2 x[BTF_TEXELS];
+    uvec2 x[BTF_FACTOR_SOURCES];
     int level; /* of detail */
     uvec3 views;
     int n_views;
@@ -151,6 +156,22 @@ void btf_factor_turn(inout vec3 p[BTF_FACTOR_SUMS], int n) {
 #endif
 }
 
+#if BTF_RELIEF
+/* Turns the sources of n views likewise. */
+void btf_factor_turn_sources(inout uvec2 x[BTF_FACTOR_SOURCES], int n) {
+    for (int i = 0; i < BTF_TEXELS; ++i) {
+        uvec2 first = x[i], second = x[BTF_TEXELS + i];
+        if (n > 1)
+            x[i] = second;
+        if (n > 2) {
+            x[BTF_TEXELS + i] = x[2 * BTF_TEXELS + i];
+            x[2 * BTF_TEXELS + i] = first;
+        } else if (n > 1)
+            x[BTF_TEXELS + i] = first;
+    }
+}
+#endif
+
 /* Adds units of class c, whole or mixed ones, to the sums p (Y, C1, C2) of their tier, [view][texel]. Words before c1
  * are of C1, those from there to before c2 of C2. first is (first unit, first layer of u), afterwards those of what
  * follows.
@@ -173,13 +194,23 @@ void btf_factor_units(inout vec3 p[BTF_FACTOR_SUMS], inout ivec2 first, int c, b
     float power = uintBitsToFloat(c == 0 ? 0x3B800000u : (c == 1 ? 0x3C000000u : 0x3A000000u));
     btf_factor_levels u[BTF_TEXELS];
     ivec4 e[BTF_TEXELS];
+#if BTF_RELIEF
+    uvec2 x[BTF_FACTOR_SOURCES] = at.x;
+#endif
     do {
         vec4 scale = btf_mul(texelFetch(btf_factor_scales, ivec2(first.x, 0), 0), power);
+#if !BTF_RELIEF
         for (int i = 0; i < BTF_TEXELS; ++i)
             u[i] = btf_factor_expand(c, whole, at.x[i], first.y, at.level);
+#endif
         uvec3 views = at.views;
         int a = 0;
         do {
+#if BTF_RELIEF
+            for (int i = 0; i < BTF_TEXELS; ++i)
+                u[i] = btf_factor_expand(c, whole, x[i], first.y, at.level);
+            btf_factor_turn_sources(x, at.n_views);
+#endif
             btf_factor_lights(e, c, whole, first.x, u, views.x, lights, at.n);
             for (int i = 0; i < BTF_TEXELS; ++i) {
                 vec4 y = btf_mul(vec4(e[i] >> shift), scale);

@@ -86,7 +86,7 @@
 #else
 #define BTF_TEXELS 1
 #endif
-#define BTF_FACTORS_BY_VIEW (BTF_SHIFT || BTF_RELIEF)
+#define BTF_FACTORS_BY_VIEW (BTF_SHIFT && !BTF_RELIEF)
 #ifndef BTF_FAST_MATH
 #define BTF_FAST_MATH 0
 #endif

@@ -80,7 +80,7 @@ void btf_relief(out ivec2 shown[3], inout btf_neighbours views, int n, vec4 vect
         e += int(views.weight[a]) * int(vector[a].w);
     ivec2 s = (btf_slope(v) * e) >> 12;
 #if BTF_RELIEF == 2
-    int z = btf_march(x, s, -0x10000, level);
+    int z = btf_march(x, s, BTF_RELIEF_BASE, level); /* it comes down to that at most */
 #else
     int z = BTF_RELIEF_BASE;
 #endif
