@@ -156,22 +156,6 @@ void btf_factor_turn(inout vec3 p[BTF_FACTOR_SUMS], int n) {
 #endif
 }
 
-#if BTF_RELIEF
-/* Turns the sources of n views likewise. */
-void btf_factor_turn_sources(inout uvec2 x[BTF_FACTOR_SOURCES], int n) {
-    for (int i = 0; i < BTF_TEXELS; ++i) {
-        uvec2 first = x[i], second = x[BTF_TEXELS + i];
-        if (n > 1)
-            x[i] = second;
-        if (n > 2) {
-            x[BTF_TEXELS + i] = x[2 * BTF_TEXELS + i];
-            x[2 * BTF_TEXELS + i] = first;
-        } else if (n > 1)
-            x[BTF_TEXELS + i] = first;
-    }
-}
-#endif
-
 /* Adds units of class c, whole or mixed ones, to the sums p (Y, C1, C2) of their tier, [view][texel]. Words before c1
  * are of C1, those from there to before c2 of C2. first is (first unit, first layer of u), afterwards those of what
  * follows.
@@ -186,7 +170,7 @@ void btf_factor_units(inout vec3 p[BTF_FACTOR_SUMS], inout ivec2 first, int c, b
     /* FORMAT.md shifts whole dot products by 4, 5, 1, 0 and 0: these are halves, but in class 0. */
     int shift = c < 2 ? 4 : 0, g = 0;
 #if BTF_FACTOR_GLOSS
-    btf_neighbours lights = at.lights[0], second = at.lights[1], third = at.lights[2];
+    btf_neighbours lights = at.lights[0];
 #else
     btf_neighbours lights = at.lights;
 #endif
@@ -194,9 +178,6 @@ void btf_factor_units(inout vec3 p[BTF_FACTOR_SUMS], inout ivec2 first, int c, b
     float power = uintBitsToFloat(c == 0 ? 0x3B800000u : (c == 1 ? 0x3C000000u : 0x3A000000u));
     btf_factor_levels u[BTF_TEXELS];
     ivec4 e[BTF_TEXELS];
-#if BTF_RELIEF
-    uvec2 x[BTF_FACTOR_SOURCES] = at.x;
-#endif
     do {
         vec4 scale = btf_mul(texelFetch(btf_factor_scales, ivec2(first.x, 0), 0), power);
 #if !BTF_RELIEF
@@ -208,8 +189,16 @@ void btf_factor_units(inout vec3 p[BTF_FACTOR_SUMS], inout ivec2 first, int c, b
         do {
 #if BTF_RELIEF
             for (int i = 0; i < BTF_TEXELS; ++i)
-                u[i] = btf_factor_expand(c, whole, x[i], first.y, at.level);
-            btf_factor_turn_sources(x, at.n_views);
+                u[i] = btf_factor_expand(
+                    c, whole, a == 0 ? at.x[i] : (a == 1 ? at.x[BTF_TEXELS + i] : at.x[2 * BTF_TEXELS + i]), first.y,
+                    at.level);
+#endif
+#if BTF_FACTOR_GLOSS
+            lights = at.lights[0];
+            if (a == 1)
+                lights = at.lights[1];
+            if (a == 2)
+                lights = at.lights[2];
 #endif
             btf_factor_lights(e, c, whole, first.x, u, views.x, lights, at.n);
             for (int i = 0; i < BTF_TEXELS; ++i) {
@@ -227,12 +216,6 @@ void btf_factor_units(inout vec3 p[BTF_FACTOR_SUMS], inout ivec2 first, int c, b
             }
             btf_factor_turn(p, at.n_views);
             views = views.yzx;
-#if BTF_FACTOR_GLOSS
-            btf_neighbours next = at.n_views > 1 ? second : lights;
-            second = third;
-            third = lights;
-            lights = next;
-#endif
         } while (++a < n_views);
         first += ivec2(1, c == 1 || c == 3 ? 2 : 1);
     } while (++g < units);
