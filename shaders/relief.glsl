@@ -29,11 +29,7 @@ int btf_around(int x, uint size, bool binary) {
     uint period = size << 8u;
     if (binary)
         return int(uint(x) & (period - 1u));
-    if (size >= 2048u) {
-        x += x < 0 ? int(period) : 0;
-        return x >= int(period) ? x - int(period) : x;
-    }
-    return int(uint(x + int(period << 11u)) % period);
+    return int(uint(x + int(((1u << 19u) / period + 1u) * period)) % period);
 }
 
 /* A position that may lie beyond the image, wrapped. */
