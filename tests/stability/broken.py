@@ -100,6 +100,19 @@ CHANGES = [
         ("decoder/header.c", "if (attribute->type != type) {", "if (attribute->type != type && r->result) {")]),
     ("indices beyond the end of a list of points", "points", [
         ("decoder/values.c", "if (index >= entries)", "if (index > 15)")]),
+    ("the level of a relief lost where finer ones are cut away", "relief", [
+        ("decoder/restrict.c", "small->relief_level += level;", "small->relief_level += 0 * level;")]),
+    ("heights of level 0 seen at every level", "relief", [
+        ("decoder/toolkit/reference_view.c", "btf_material_level_texture(material, level, BTF_TEXTURE_HEIGHTS)",
+         "btf_material_texture(material, BTF_TEXTURE_HEIGHTS)")]),
+    ("heights beyond 32767 read", "relief", [
+        ("decoder/shape.c", "if (top > INT16_MAX)", "if (top > 2 * INT16_MAX)")]),
+    ("relief on every view, whatever the file says", "relief", [
+        ("decoder/header.c", "out->relief[v] = acts[v] != 0;", "out->relief[v] = acts[v] >= 0;")]),
+    ("lights left out that gloss looks up", "relief", [
+        ("decoder/restrict.c", "plan->effects & material->info.effects & BTF_EFFECT_GLOSS", "plan->level > BTF_MAX_LEVELS")]),
+    ("relief taken for an effect of version 1", "relief", [
+        ("decoder/shape.c", " || info->effects & BTFI_VECTOR_EFFECTS", "")]),
     ("textures of any size taken from a short file", "file", [
         ("decoder/exr_read.c", "if (bytes / MAX_RATIO > s->size)", "if (bytes == 1)")]),
     ("memory of a part not given back", "memory", [
@@ -153,7 +166,7 @@ def program(tree, test):
     tests = f'{tree}/tests'
     if test in ('stability_faults', 'stability_archives'):
         return TOOLS, [f'{tests}/stability/test_{test[10:]}.sh']
-    if test in ('exr', 'file', 'memory', 'names', 'output', 'points'):
+    if test in ('exr', 'file', 'memory', 'names', 'output', 'points', 'relief'):
         return [f'tests/unit/test_{test}'], [f'{tree}/build/tests/unit/test_{test}']
     if test == 'fuzz-exr':
         return [f'tests/fuzz/{test}'], [f'{tree}/build/tests/fuzz/{test}', f'{tests}/fuzz/corpus/exr']
