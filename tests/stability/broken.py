@@ -99,14 +99,14 @@ CHANGES = [
     ("attributes of another type read", "stability_files", [
         ("decoder/header.c", "if (attribute->type != type) {", "if (attribute->type != type && r->result) {")]),
     ("indices beyond the end of a list of points", "points", [
-        ("decoder/values.c", "if (index >= entries)", "if (index > 15)")]),
+        ("decoder/checks/values.c", "if (index >= entries)", "if (index > 15)")]),
     ("the level of a relief lost where finer ones are cut away", "relief", [
         ("decoder/restrict.c", "small->relief_level += level;", "small->relief_level += 0 * level;")]),
     ("heights of level 0 seen at every level", "relief", [
         ("decoder/toolkit/reference_view.c", "btf_material_level_texture(material, level, BTF_TEXTURE_HEIGHTS)",
          "btf_material_texture(material, BTF_TEXTURE_HEIGHTS)")]),
     ("heights beyond 32767 read", "relief", [
-        ("decoder/shape.c", "if (top > INT16_MAX)", "if (top > 2 * INT16_MAX)")]),
+        ("decoder/checks/info.c", "if (top > INT16_MAX)", "if (top > 2 * INT16_MAX)")]),
     ("relief on every view, whatever the file says", "relief", [
         ("decoder/header.c", "out->relief[v] = acts[v] != 0;", "out->relief[v] = acts[v] >= 0;")]),
     ("lights left out that gloss looks up", "relief", [
