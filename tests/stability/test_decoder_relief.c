@@ -6,7 +6,7 @@
 #include "cases.h"
 
 #include "reference/btf_reference_private.h"
-#include "tests/unit/reference/reference_material.h"
+#include "tests/support/reference_material.h"
 
 #include <math.h>
 #include <stdio.h>
