@@ -222,21 +222,22 @@ static void get_errors(reader *r, btf_material *m) {
     const float *rows = get_floats(r, "openbtf.errors", false, 4, 4096, &count);
     if (!rows)
         return;
-    const float most = m->info.version < 2 ? BTF_EFFECT_VERSION_1 : BTF_EFFECT_ALL;
+    const uint32_t known = btfi_version_effects(btfi_version(&m->info));
     m->errors = malloc(count / 4 * sizeof *m->errors);
     if (!m->errors) {
         out_of_memory(r, "openbtf.errors");
         return;
     }
     for (size_t i = 0; i < count / 4; i++, rows += 4) {
-        if (!(rows[0] >= 0 && rows[0] <= most) || rows[0] != floorf(rows[0])) {
+        if (!(rows[0] >= 0 && rows[0] <= (float)known) || rows[0] != floorf(rows[0])) {
             refuse(r, "attribute openbtf.errors: row %zu has effects %g", i, (double)rows[0]);
             return;
         }
         m->errors[i] = (btf_material_error){(uint32_t)rows[0], rows[1], rows[2], rows[3]};
     }
     m->error_count = count / 4;
-    r->result = btfi_check_errors(&(btfi_check){r->log, BTF_ERROR_BAD_FILE}, m->errors, m->error_count);
+    r->result =
+        btfi_check_errors(&(btfi_check){r->log, BTF_ERROR_BAD_FILE}, known, m->errors, m->error_count);
 }
 
 static void get_level_errors(reader *r, btf_material *m) {
@@ -425,7 +426,7 @@ btf_result btfi_header_read(exr_const_context_t context, const btf_log *log, btf
     info->domain = (btf_domain)get_word(&r, "openbtf.domain", btfi_domain_words, 2);
     info->width = get_int(&r, "openbtf.width", 1, BTF_MAX_SIZE);
     info->height = get_int(&r, "openbtf.height", 1, BTF_MAX_SIZE);
-    info->effects = get_effects(&r, info->version < 2 ? BTF_EFFECT_VERSION_1 : BTF_EFFECT_ALL);
+    info->effects = get_effects(&r, btfi_version_effects(info->version));
     info->lobes = get_int(&r, "openbtf.lobes", 0, BTF_MAX_LOBES);
     info->colour = (btf_colour)get_word(&r, "openbtf.colour", btfi_colour_words, 3);
     info->centres = get_int(&r, "openbtf.centres", 0, BTF_MAX_CENTRES);

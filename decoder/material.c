@@ -318,7 +318,8 @@ btf_result btf_material_create(const btf_material_desc *desc, const btf_log *log
         (result = btfi_directions_build(&check, "lights", m->info.n_lights, desc->lights, &m->lights)) ||
         (result = check_relief_views(desc, log)) ||
         (result = btfi_material_make_vectors(log, desc->relief_views, m)) ||
-        (result = btfi_check_errors(&check, desc->errors, desc->error_count)) ||
+        (result = btfi_check_errors(&check, btfi_version_effects(btfi_version(&m->info)), desc->errors,
+                                    desc->error_count)) ||
         (result = btfi_check_level_errors(&check, m->info.levels, desc->level_errors,
                                           desc->level_error_count)) ||
         (result =

@@ -48,6 +48,10 @@ bool btfi_unit_is_mixed(const btf_material_info *info, uint32_t unit);
 bool btfi_is_table(btf_texture_id id);
 /* The oldest version of the format that holds such a material. */
 uint32_t btfi_version(const btf_material_info *info);
+/* The effects that a version has. */
+static inline uint32_t btfi_version_effects(uint32_t version) {
+    return version < 2 ? BTF_EFFECT_VERSION_1 : BTF_EFFECT_ALL;
+}
 /* True where shift and gain of a (texel, view) share two bytes: packed points, and lists of them. */
 static inline bool btfi_shares_points(const btf_material_info *info) {
     return info->point_store == BTF_POINTS_PACKED || info->point_store == BTF_POINTS_LISTS;

@@ -45,7 +45,7 @@ static saved save_small(const char *name, btf_layout layout, uint32_t levels, ui
     desc.info.levels = levels;
     desc.info.half_float = levels > 1;
     const btf_level_error level_errors[2] = {{0, 30, 28, 100}, {1, 31, 29, 30}};
-    const btf_material_error errors[1] = {{BTF_EFFECT_ALL, 30, 28, 100}};
+    const btf_material_error errors[1] = {{BTF_EFFECT_VERSION_1, 30, 28, 100}};
     desc.level_errors = level_errors;
     desc.level_error_count = levels;
     desc.errors = errors;

@@ -28,7 +28,7 @@ static saved save_random(btf_layout layout, bool half) {
     desc.info.half_float = half;
     desc.info.method = "joint";
     desc.info.centres = 11;
-    const btf_material_error errors[1] = {{BTF_EFFECT_ALL, 30, 28, 12345}};
+    const btf_material_error errors[1] = {{BTF_EFFECT_VERSION_1, 30, 28, 12345}};
     desc.errors = errors;
     desc.error_count = 1;
     saved s;
