@@ -269,14 +269,27 @@ static bool is_within_limit(float x) {
     return x >= 0 && x <= 1e6f;
 }
 
-/* The plan that decodes everything. */
+/* What acts between the samples alone. */
+enum { BETWEEN = BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS };
+
+/* Whether the view is fixed, and a sample. One beyond the outermost has the same neighbour, but is not. */
+static bool view_is_sample(const btfi_directions *views, const btf_range *range) {
+    if (!range->fixed)
+        return false;
+    const btfi_neighbours n = btfi_neighbours_of(views, range->direction, true);
+    const float *sample = views->xyz + 3 * (size_t)n.index[0], *v = range->direction;
+    return hypot(hypot((double)(v[0] - sample[0]), (double)(v[1] - sample[1])),
+                 (double)(v[2] - sample[2])) < 1e-4;
+}
+
+/* The plan that decodes everything but the effects `idle`. */
 static void plan_all(const btf_material *material, const btf_scene *scene, uint32_t views, uint32_t lights,
-                     btf_plan *plan) {
+                     uint32_t idle, btf_plan *plan) {
     const btf_material_info *info = &material->info;
     const float pixels = scene->pixels > 0 ? scene->pixels : 1;
     *plan = (btf_plan){.struct_size = sizeof *plan,
                        .scene = *scene,
-                       .effects = info->effects,
+                       .effects = info->effects & ~idle,
                        .components = info->components,
                        .full_gpu_bytes = info->gpu_bytes};
     plan->shader.struct_size = sizeof plan->shader;
@@ -383,7 +396,10 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *given
         return BTF_ERROR_USAGE;
     btfi_reach_range(&material->views, &scene.view, &views);
     btfi_reach_range(&material->lights, &scene.light, &lights);
-    plan_all(material, &scene, views.count, lights.count, plan);
+    /* Relief and gloss change nothing at a sample. Elsewhere the table, which compares with the samples and
+     * what lies between them interpolated, cannot tell what they are worth: they stay. */
+    const uint32_t idle = view_is_sample(&material->views, &scene.view) ? BETWEEN : 0;
+    plan_all(material, &scene, views.count, lights.count, idle, plan);
 
     const error_table t = open_table(material, &scene);
     candidate full, chosen;
@@ -398,12 +414,14 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *given
         if (is_at_samples(&t, r) || level_of(&t, r) != plan->level)
             continue;
         const candidate c = read_candidate(&t, r);
+        if (info->effects & BETWEEN & ~idle & ~c.effects)
+            continue;
         const float linear = (float)psnr(c.mse[0]), srgb = (float)psnr(c.mse[1]);
         if (linear < plan->full_psnr_linear - tolerance || srgb < plan->full_psnr_srgb - tolerance ||
             (scene.interpolate && c.interpolation == BTF_INTERPOLATION_NEAREST))
             continue;
         btf_plan tried = *plan;
-        tried.effects = c.effects;
+        tried.effects = c.effects & ~idle;
         tried.components = c.components;
         tried.shader.interpolation = c.interpolation;
         tried.psnr_linear = linear;

@@ -72,8 +72,11 @@ typedef struct btf_plan {
  * whose mean of relative cost and relative bytes is least. Ways of the table of effect errors are compared
  * by their mean over the bands that the ranges meet; a view or light that never changes counts by how
  * near to a sample it is, where errors are larger than between. The level is the coarsest whose texels are
- * not larger than a pixel; the filter is bilinear where a texel is larger than a pixel and a half. No
- * memory is allocated. Errors: BTF_ERROR_USAGE (a range that is none, a negative or infinite number). */
+ * not larger than a pixel; the filter is bilinear where a texel is larger than a pixel and a half. Relief
+ * and gloss are decoded where the file has them, but where the view is fixed and a sample, where they
+ * change nothing: the table compares with interpolated samples, and cannot tell what they are worth
+ * between. No memory is allocated. Errors: BTF_ERROR_USAGE (a range that is none, a negative or infinite
+ * number). */
 btf_result btf_plan_effects(const btf_material *material, const btf_scene *scene, float tolerance,
                             btf_plan *out_plan);
 

@@ -554,7 +554,7 @@ static void test_restrict(void **state) {
                            .pixels = random_below(&r, 2) ? 1 : 0.3f};
         btf_plan plan;
         assert_int_equal(btf_plan_effects(whole, &scene, 0.5f, &plan), BTF_OK);
-        assert_int_equal(plan.lights == info.n_lights || !(info.effects & BTF_EFFECT_GLOSS), 1);
+        assert_int_equal(plan.lights == info.n_lights || !(plan.effects & BTF_EFFECT_GLOSS), 1);
         if (random_below(&r, 2))
             plan.effects = info.effects & (BTF_EFFECT_RELIEF * random_below(&r, 4) | random_below(&r, 32));
         plan.components = plan.effects & BTF_EFFECT_RESIDUAL ? 1 + random_below(&r, info.components) : 0;
@@ -624,13 +624,58 @@ static void test_cost(void **state) {
     random_material_free(&desc);
 }
 
+/* The table of effect errors says that without relief and gloss a decode is nearer to interpolated samples,
+ * and cheaper: a plan keeps them all the same, but at a sample. */
+static void test_plan(void **state) {
+    (void)state;
+    const uint32_t all = BOTH | BTF_EFFECT_RESIDUAL | BTF_EFFECT_SHIFT;
+    const float table[] = {1, 1, 0, 90,  0,       90,     (float)all,
+                           5, 0, 0, 100, 0.01f,   0.01f,  (float)(all & ~(uint32_t)BOTH),
+                           5, 0, 0, 90,  0.001f,  0.001f, (float)(all & ~(uint32_t)BTF_EFFECT_GLOSS),
+                           5, 0, 0, 90,  0.001f,  0.001f, (float)(all & ~(uint32_t)BTF_EFFECT_SHIFT),
+                           5, 0, 0, 90,  0.0101f, 0.0101f};
+    btf_material_desc desc = make_desc(10, all, 1);
+    desc.effect_errors = table;
+    desc.effect_error_count = sizeof table / sizeof *table;
+    btf_material *m = create_accepted(&desc);
+    btf_scene scene = {.struct_size = sizeof scene};
+    for (int i = 0; i < 5; i++) {
+        const bool sample = i == 1;
+        scene.view.fixed = i > 0;
+        if (sample)
+            memcpy(scene.view.direction, desc.views + 3 * 9, sizeof scene.view.direction);
+        else if (i > 1)
+            plan_angles(i == 2 ? 50 : 88, i == 3 ? 0 : 7,
+                        scene.view.direction); /* 88, 0: a sample's, but beyond */
+        btf_plan plan;
+        assert_int_equal(btf_plan_effects(m, &scene, 0.5f, &plan), BTF_OK);
+        assert_true(plan.measured);
+        assert_int_equal(plan.effects, BTF_EFFECT_RESIDUAL | (sample ? 0 : BOTH));
+        const uint32_t textures = 1u << BTF_TEXTURE_HEIGHTS | 1u << BTF_TEXTURE_VIEW_VECTORS;
+        assert_int_equal(plan.textures & textures, sample ? 0 : textures);
+        btf_material *small;
+        assert_int_equal(btf_material_restrict(m, &plan, &log_keep, &small), BTF_OK);
+        assert_int_equal(info_of(small).gpu_bytes, plan.gpu_bytes);
+        assert_int_equal(info_of(small).n_lights, plan.lights);
+        btf_material_close(&small);
+    }
+    btf_material_close(&m);
+    random_material_free(&desc);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_shapes),          cmocka_unit_test(test_either),
-        cmocka_unit_test(test_create_refuses),  cmocka_unit_test(test_create_refuses_others),
-        cmocka_unit_test(test_round_trip),      cmocka_unit_test(test_file_parts),
-        cmocka_unit_test(test_file_attributes), cmocka_unit_test(test_file_views),
-        cmocka_unit_test(test_restrict),        cmocka_unit_test(test_cost),
+        cmocka_unit_test(test_shapes),
+        cmocka_unit_test(test_either),
+        cmocka_unit_test(test_create_refuses),
+        cmocka_unit_test(test_create_refuses_others),
+        cmocka_unit_test(test_round_trip),
+        cmocka_unit_test(test_file_parts),
+        cmocka_unit_test(test_file_attributes),
+        cmocka_unit_test(test_file_views),
+        cmocka_unit_test(test_restrict),
+        cmocka_unit_test(test_cost),
+        cmocka_unit_test(test_plan),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }
