@@ -3,11 +3,11 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "decoder/checks/values.h"
 #include "exr_common.h"
 #include "header.h"
 #include "material.h"
 #include "parts.h"
-#include "values.h"
 #include <assert.h>
 #include <errno.h>
 #include <stdio.h>

@@ -4,10 +4,11 @@
  */
 #include "header.h"
 
-#include "effect_errors.h"
+#include "decoder/checks/effect_errors.h"
+#include "decoder/checks/info.h"
+#include "decoder/checks/values.h"
 #include "exr_common.h"
 #include "shape.h"
-#include "values.h"
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>

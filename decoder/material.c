@@ -4,9 +4,10 @@
  */
 #include "material.h"
 
-#include "effect_errors.h"
+#include "decoder/checks/effect_errors.h"
+#include "decoder/checks/info.h"
+#include "decoder/checks/values.h"
 #include "shape.h"
-#include "values.h"
 #include <stdlib.h>
 #include <string.h>
 

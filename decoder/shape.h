@@ -1,4 +1,4 @@
-/* OpenBTF: formats, names and shapes of the textures (FORMAT.md section 3), and what a header may say.
+/* OpenBTF: formats, names and shapes of the textures (FORMAT.md section 3).
  *
  * SPDX-License-Identifier: MIT
  */
@@ -56,8 +56,6 @@ static inline uint32_t btfi_version_effects(uint32_t version) {
 static inline bool btfi_shares_points(const btf_material_info *info) {
     return info->point_store == BTF_POINTS_PACKED || info->point_store == BTF_POINTS_LISTS;
 }
-/* Checks everything that info says by itself (FORMAT.md sections 2 to 5, 7), the strings aside. */
-btf_result btfi_check_info(const btfi_check *check, const btf_material_info *info);
 /* Sums of the textures, as info reports them. */
 size_t btfi_gpu_bytes(const btf_material_info *info);
 

@@ -5,6 +5,7 @@
 #include "scene_option.h"
 
 #include "cli.h"
+#include "filter.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -150,8 +151,8 @@ void scene_plan_print(FILE *out, const char *indent, const btf_material *materia
         fprintf(out, ", %s", scene_plan_amount(plan, amount, sizeof amount));
     fprintf(out, ", %s directions, %s, level %u%s%s\n",
             plan->shader.interpolation == BTF_INTERPOLATION_NEAREST ? "nearest" : "interpolated",
-            plan->shader.filter == BTF_FILTER_BILINEAR ? "bilinear" : "one texel", (unsigned)plan->level,
-            plan->shader.fixed & BTF_FIXED_VIEW ? ", fixed view" : "",
+            plan->shader.filter == BTF_FILTER_TEXEL ? "one texel" : filter_name(plan->shader.filter),
+            (unsigned)plan->level, plan->shader.fixed & BTF_FIXED_VIEW ? ", fixed view" : "",
             plan->shader.fixed & BTF_FIXED_LIGHT ? ", fixed light" : "");
     fprintf(out, "%s%u views, %u lights, %zu bytes of %zu (%.0f%%), %.0f%% of the time\n", indent,
             (unsigned)plan->views, (unsigned)plan->lights, plan->gpu_bytes, plan->full_gpu_bytes,

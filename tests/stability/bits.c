@@ -182,8 +182,8 @@ bool bits_decode(const btf_material *material, uint64_t seed, int count) {
         float f[CASE_WORDS], rgb[2][3];
         case_make(&r, material, words);
         memcpy(f, words, sizeof f);
-        const btf_ref_options options = {random_below(&r, 4) ? UINT32_MAX : random_below(&r, 32),
-                                         UINT32_MAX, i & 1, i >> 1 & 1};
+        const btf_ref_options options = {random_below(&r, 4) ? UINT32_MAX : random_below(&r, 128),
+                                         UINT32_MAX, i & 1, (i >> 1) % 3};
         for (int run = 0; run < 2; run++) {
             btf_ref_evaluate(&view, &options, f[0], f[1], f + 2, f + 5, rgb[run]);
         }

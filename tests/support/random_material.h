@@ -25,6 +25,11 @@ void random_directions(random_state *r, uint32_t count, double theta_max, float 
 void random_ubo2003(float out[81][3]);
 void random_ubo2014(float out[151][3]);
 
+/* Heights, steps, level and views of the effect relief, and a share for gloss, at random where desc has
+ * those effects: one height everywhere now and then, and the bounds of the format. Keeps levels and
+ * relief_level within it. */
+void random_material_relief(random_state *r, btf_material_desc *desc);
+
 /* Fills desc->texture[] and, with info.levels, level_texture[] with values that the rest of desc->info
  * allows, atlas size included for layout paper (its smallest legal one when atlas_width is 0). Free with
  * random_material_free. */

@@ -4,6 +4,7 @@
  */
 #include "options.h"
 
+#include "decoder/toolkit/filter.h"
 #include <openbtf/material.h>
 
 view_settings view_options = {
@@ -38,9 +39,10 @@ static const cli_option option_table[] = {
      .help = "between sampled directions (default linear)"},
     {.name = "filter",
      .type = CLI_CHOICE,
-     .choices = "texel|bilinear",
+     .choices = FILTER_CHOICES,
      .value = &view_options.filter,
-     .help = "between texels (default texel)"},
+     .help =
+         "between texels (default texel); steep: bilinear, but a texel keeps its\nmiddle half to itself"},
     {.name = "math",
      .type = CLI_CHOICE,
      .choices = "exact|fast",

@@ -5,6 +5,7 @@
 #include "viewer_panel.h"
 
 #include "decoder/toolkit/cli.h"
+#include "decoder/toolkit/filter.h"
 #include "decoder/toolkit/png_image.h"
 #include "options.h"
 #include "viewer_plan.h"
@@ -50,8 +51,7 @@ static void panel_text(const viewer *v, char *text, size_t size) {
              "effects %s: %s\n%ssplit %s\n%s",
              v->material_name, view_mesh_name(v->state.mesh),
              v->state.interpolation == BTF_INTERPOLATION_NEAREST ? "nearest" : "linear",
-             v->state.filter == BTF_FILTER_BILINEAR ? "bilinear" : "texel",
-             v->state.math == BTF_MATH_FAST ? "fast" : "exact",
+             filter_name(v->state.filter), v->state.math == BTF_MATH_FAST ? "fast" : "exact",
              !v->state.has_levels ? ""
              : v->state.levels    ? ", levels"
                                   : ", level 0",

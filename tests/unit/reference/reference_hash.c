@@ -9,7 +9,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "reference_material.h"
+#include "tests/support/reference_material.h"
 
 #define EXPECTED_HASH 0xfcda22e85c947b10u
 #define EXPECTED_HASH_2 0x12326c76419da8d1u

@@ -5,7 +5,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "reference_assert.h"
-#include "reference_material.h"
+#include "tests/support/reference_material.h"
 
 #include "reference/btf_reference_private.h"
 

@@ -5,7 +5,7 @@
 #ifndef OPENBTF_VALUES_H
 #define OPENBTF_VALUES_H
 
-#include "result.h"
+#include "decoder/result.h"
 #include <openbtf/material.h>
 
 #pragma GCC visibility push(hidden)

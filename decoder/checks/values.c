@@ -4,8 +4,8 @@
  */
 #include "values.h"
 
-#include "atlas.h"
-#include "parts.h"
+#include "decoder/atlas.h"
+#include "decoder/parts.h"
 #include <math.h>
 
 /* Of one level: info's size is that of the level. */
