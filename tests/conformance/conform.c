@@ -4,6 +4,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "conform.h"
+#include "decoder/toolkit/filter.h"
 
 #include <errno.h>
 #include <signal.h>
@@ -264,7 +265,7 @@ static void run_files(runner *r, uint64_t divide) {
             char name[VARIANT_NAME];
             snprintf(name, sizeof name, "%.60s minus %u cut %u %s %s", base, shader.leave_out,
                      shader.components, shader.interpolation ? "nearest" : "linear",
-                     variant_filter_name(shader.filter));
+                     filter_name(shader.filter));
             run_variant(r, material, &shader, name, r->options->seed + i, divide);
             if (r->options->fast)
                 run_fast(r, material, shader, name, r->options->seed + i, r->options->count / divide);

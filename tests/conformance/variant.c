@@ -4,6 +4,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "variant.h"
+#include "decoder/toolkit/filter.h"
 #include "pairwise.h"
 
 #include <stdbool.h>
@@ -122,11 +123,6 @@ static const uint32_t components[] = {0, 1, 6, 19};
 static const uint32_t left_out[] = {
     0, BTF_EFFECT_SHADOW, BTF_EFFECT_SHIFT, BTF_EFFECT_HIDDEN, BTF_EFFECT_GAIN, BTF_EFFECT_RESIDUAL};
 
-const char *variant_filter_name(btf_filter filter) {
-    static const char *const names[] = {"texel", "bilinear", "steep"};
-    return names[filter];
-}
-
 static void write_name(variant *v) {
     const synthetic_spec *s = &v->spec;
     static const char *const colours[] = {"mono", "rgb", "none"};
@@ -148,7 +144,7 @@ static void write_name(variant *v) {
              s->components, classes, s->codes ? " bounds" : "", s->blend ? " roots" : "",
              s->all_hidden ? " all-hidden" : "", s->values ? " extreme" : "",
              s->levels > 1 ? " levels" : "", v->shader.leave_out, v->shader.components,
-             v->shader.interpolation ? "nearest" : "linear", variant_filter_name(v->shader.filter));
+             v->shader.interpolation ? "nearest" : "linear", filter_name(v->shader.filter));
 }
 
 static void make_variant(const uint8_t row[FACTORS], uint64_t seed, variant *v) {
@@ -351,8 +347,6 @@ btf_ref_options variant_reference_options(const btf_shader_options *shader) {
     o.effects = BTF_EFFECT_ALL & ~shader->leave_out;
     o.components = shader->components ? shader->components : UINT32_MAX;
     o.interpolation = shader->interpolation == BTF_INTERPOLATION_NEAREST ? BTF_REF_NEAREST : BTF_REF_LINEAR;
-    o.filter = shader->filter == BTF_FILTER_STEEP      ? BTF_REF_STEEP
-               : shader->filter == BTF_FILTER_BILINEAR ? BTF_REF_BILINEAR
-                                                       : BTF_REF_TEXEL;
+    o.filter = filter_of_reference(shader->filter);
     return o;
 }

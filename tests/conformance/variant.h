@@ -23,9 +23,6 @@ typedef struct variant {
  * gloss; returns how many. */
 size_t variant_pairwise(uint64_t seed, variant list[VARIANT_MAX]);
 
-/* "texel", "bilinear" or "steep". */
-const char *variant_filter_name(btf_filter filter);
-
 /* The reference's options for a shader's. */
 btf_ref_options variant_reference_options(const btf_shader_options *shader);
 

@@ -60,7 +60,8 @@ typedef enum btf_bindings {
 } btf_bindings;
 
 /** Directions that never change. The shader fetches no table for them: their neighbours are constants. What
- * is handed to btf_evaluate must be this direction, bit for bit. */
+ * is handed to btf_evaluate must be this direction, bit for bit. Where gloss is decoded, each view has lights of its
+ * own, and a fixed light is looked up like any other. */
 typedef enum btf_fixed {
     BTF_FIXED_VIEW = 1,
     BTF_FIXED_LIGHT = 2,
