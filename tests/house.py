@@ -253,7 +253,7 @@ BREAKS = [
     ('encoder/job/job.c', '#include "tests/sample/noise.h"\n', 'tests/sample stands in front of encoder/job'),
     ('decoder/tools/render/table.c', '#include "../mesh/obj.h"\n', 'neither a file of its folder'),
     ('decoder/toolkit/output.c', '#include "temporary.h"\n', 'neither a file of its folder'),
-    ('decoder/result.h', '#include "values.h"\n', 'decoder/values'),
+    ('decoder/result.h', '#include "decoder/checks/values.h"\n', 'decoder/checks/values'),
     ('decoder/atlas.h', 'int btfi_atlas_nowhere(void);\n', 'btfi_atlas_nowhere: not defined in atlas.c'),
     ('decoder/lonely.h', 'extern const int btfi_lonely;\n', 'there is no lonely.c'),
     ('encoder/stray.c', '', 'encoder/stray.c: in no room'),

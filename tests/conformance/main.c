@@ -106,7 +106,7 @@ static const cli_program program = {
     .usage = "[FILE...] [--device LIST] [--json] [--vectors DIR]",
     .summary =
         "Compares what GPUs decode with the reference decoder, bit for bit. Without a FILE, materials are\n"
-        "synthetic: legal, random and extreme, one for each of some 85 pairwise variants.",
+        "synthetic: legal, random and extreme, one for each of some 115 pairwise variants.",
     .details =
         "A device that no context can be had for, or whose arithmetic fails the self-test, is not "
         "supported;\n"

@@ -240,9 +240,9 @@ class Directions:
             return (j, 4096), (j, 0), (j, 0)
         return None
 
-    def neighbours(self, direction, nearest):
-        """The neighbours of a direction, weights of 4096."""
-        k = reciprocal(add(direction[2], 1.0))
+    def neighbours(self, direction, nearest, k=None):
+        """The neighbours of a direction, weights of 4096; k in place of the reciprocal of its z and 1."""
+        k = reciprocal(add(direction[2], 1.0)) if k is None else k
         q = []
         for c in direction[:2]:
             x = math.floor(add(mul(mul(c, k), 8192.0), 0.5))
@@ -258,6 +258,35 @@ class Directions:
             best = max(found, key=lambda pair: pair[1])
             found = ((best[0], 4096), (0, 0), (0, 0))
         return [pair for pair in found if pair[1] > 0]
+
+
+# --- relief and gloss (section 9) -------------------------------------------------------------------------------
+
+def inner(p, q):
+    """The inner product, summed in order."""
+    return add(add(mul(p[0], q[0]), mul(p[1], q[1])), mul(p[2], q[2]))
+
+
+def slope(direction):
+    """Texels across for a texel of height, times 4096."""
+    z = max(direction[2], 0.25)
+    k = reciprocal(add(z, z))
+    k = add(k, k)
+    return [int(min(max(math.floor(add(mul(mul(c, k), 4096.0), 0.5)), -32767), 32767)) for c in direction[:2]]
+
+
+def shared_light(light, view, sampled, share):
+    """What is looked up in place of a light for a sampled view, and its k: None where it is the light."""
+    d = [add(a, -v) for a, v in zip(sampled, view)]
+    if all(abs(c) < 2.0 ** -24 for c in d):
+        return light, None
+    h = [add(a, b) for a, b in zip(light, view)]
+    hd = inner(h, d)
+    k = mul(add(hd, hd), reciprocal(min(max(inner(h, h), 0.5), 4.0)))
+    c = [add(a, mul(add(mul(b, k), -e), share * 0.25)) for a, b, e in zip(light, h, d)]
+    c[2] = max(c[2], 0.0)
+    n = power(inner(c, c), 0.5)
+    return c, reciprocal(min(max(add(n, c[2]), 0.5), 4.0))
 
 
 # --- factors (section 3) ---------------------------------------------------------------------------------------
@@ -333,7 +362,15 @@ class Material:
         self.n_views = len(head.floats("openbtf.views")) // 3
         self.n_lights = len(head.floats("openbtf.lights")) // 3
         self.views, self.lights = Directions(head, "view"), Directions(head, "light")
-        self.nearest, self.bilinear = how["interpolation"] == "nearest", how["filter"] == "bilinear"
+        self.nearest, self.bilinear = how["interpolation"] == "nearest", how["filter"] != "texel"
+        self.steep = how["filter"] == "steep"
+        numbers = head.floats("openbtf.views")
+        self.view_vectors = [numbers[i:i + 3] for i in range(0, len(numbers), 3)]
+        self.gloss = head.integer("openbtf.glossShare") if "gloss" in self.effects else 0
+        if "relief" in self.effects:
+            self.base, self.step, self.steps = (head.integer("openbtf.relief" + name) for name in ("Base", "Step", "Steps"))
+            self.down = 12 + level + head.integer("openbtf.reliefLevel", 0)
+            self.acts = [int(x) for x in head.floats("openbtf.reliefViews")]
 
     def tile(self, channel, i, x, y):
         """A channel of a tile of the atlas."""
@@ -526,16 +563,83 @@ class Material:
         values = [kept(v) for v in values]
         return [mul(v, v) for v in values] if self.root else values
 
-    def texel(self, x, y, views, lights, product, m, horizon):
-        """Radiance of a texel."""
-        total = [0.0] * 3
-        for view, w in views:
-            weight = mul(float(w), 2.0 ** -12)
-            radiance = self.view_radiance(x, y, view, lights, product, m, horizon)
-            total = [add(t, mul(v, weight)) for t, v in zip(total, radiance)]
+    def scaled(self, total):
+        """Radiance from the sum over views."""
         if self.blend_roots:
             total = [mul(kept(t), kept(t)) for t in total]
         return [mul(t, self.radiance_scale) for t in total]
+
+    def texel(self, x, y, views, lights, product, m, horizon):
+        """Radiance of a texel; `lights` of each view."""
+        total = [0.0] * 3
+        for (view, w), of_view in zip(views, lights):
+            weight = mul(float(w), 2.0 ** -12)
+            radiance = self.view_radiance(x, y, view, of_view, product, m, horizon)
+            total = [add(t, mul(v, weight)) for t, v in zip(total, radiance)]
+        return self.scaled(total)
+
+    def around(self, t, size):
+        """The texels that the filter takes for a position in 1/256 of a texel, wrapped, and their weights."""
+        if not self.bilinear:
+            return [(t >> 8, 256)]
+        t = (t - 128) % (size << 8)
+        f = t & 255
+        f = min(max(2 * f - 128, 0), 256) if self.steep else f
+        return [(t >> 8, 256 - f), (((t >> 8) + 1) % size, f)]
+
+    def moved(self, x, z, s):
+        """Section 9's move(); Python's >> rounds down."""
+        return [c + ((z * k) >> self.down) for c, k in zip(x, s)]
+
+    def march(self, x, s):
+        """The height that is met."""
+        top = self.base + ((255 * self.step) >> 8)
+        down = (top - self.base + self.steps - 1) // self.steps
+        for n in range(self.steps + 1):
+            z = top - n * down
+            column, v = ((c >> 8) % size for c, size in zip(self.moved(x, z, s), (self.width, self.height)))
+            code = int(self.parts["heights"].channels["Y"][self.height - 1 - v][column])
+            t = self.base + ((code * self.step) >> 8)
+            if t >= z:
+                return z if n == 0 else t if t < z + down else z + (down >> 1)
+        return self.base
+
+    def shifted(self, x, views, view):
+        """Where each view shows what is seen at x, and the weights of views."""
+        e = sum(w * self.acts[i] for i, w in views)
+        s = [(c * e) >> 12 for c in slope(view)]
+        z = self.march(x, s) if self.step > 0 else self.base
+        places, weights = [], []
+        for i, w in views:
+            own = [(c * e) >> 12 for c in slope(self.view_vectors[i])]
+            place = [a - b for a, b in zip(self.moved(x, z, s), self.moved((0, 0), z, own))]
+            places.append([c % (size << 8) for c, size in zip(place, (self.width, self.height))])
+            if self.step > 0 and not self.nearest:
+                above = ((self.march(places[-1], own) - z) * e) >> 12
+                w *= min(max(6144 - 8 * (above >> (self.down - 12)), 1229), 4096)
+            weights.append(w)
+        if self.step > 0 and not self.nearest:
+            total = sum(weights)
+            weights = [((w >> 6) << 12) // (total >> 6) for w in weights[:-1]]
+            weights.append(4096 - sum(weights))
+        return places, weights
+
+    def shown(self, x, views, lights, view, rest):
+        """Radiance with relief: each view at its own texels."""
+        total = [0.0] * 3
+        for (i, _), of_view, place, w in zip(views, lights, *self.shifted(x, views, view)):
+            if w == 0:
+                continue
+            seen = None
+            columns, rows = (self.around(c, size) for c, size in zip(place, (self.width, self.height)))
+            for row, wv in rows:
+                for column, wu in columns:
+                    values = self.view_radiance(column, self.height - 1 - row, i, of_view, *rest)
+                    if self.bilinear:
+                        values = [mul(v, mul(float(wu * wv), 2.0 ** -16)) for v in values]
+                    seen = values if seen is None else [add(a, b) for a, b in zip(seen, values)]
+            total = [add(t, mul(v, mul(float(w), 2.0 ** -12))) for t, v in zip(total, seen)]
+        return self.scaled(total)
 
     def evaluate(self, uv, light, view):
         """Radiance (section 9); arguments are bits."""
@@ -546,22 +650,23 @@ class Material:
                 return [0.0] * 3
         light, view = ([of_bits(c) for c in d] for d in (light, view))
         views = self.views.neighbours(view, self.nearest)
-        lights = self.lights.neighbours(light, self.nearest)
+        if self.gloss:
+            lights = [self.lights.neighbours(c, self.nearest, k) for c, k in
+                      (shared_light(light, view, self.view_vectors[i], self.gloss) for i, _ in views)]
+        else:
+            lights = [self.lights.neighbours(light, self.nearest)] * len(views)
         product = [mul(a, b) for a, b in zip(light, view)]
         m = power(light[2], 0.5) if self.root else light[2]
         horizon = mul(light[2], self.horizon_scale)
         horizon = 1.0 if horizon >= 1 else power(horizon, 0.5) if self.root else horizon
-        places = []
+        position = []
         for c, size in zip(uv, (self.width, self.height)):
             magnitude = c & 0x7FFFFFFF
             value = of_bits(c) if 0x00800000 <= magnitude <= 0x45800000 else 0.0
-            t = (math.floor(value * 2.0 ** 18) & 0x3FFFF) * size
-            if not self.bilinear:
-                places.append([(t >> 18, 256)])
-                continue
-            t = (t - (1 << 17) + (size << 18 if t < 1 << 17 else 0)) & 0xFFFFFFFF
-            c0, f = t >> 18, t >> 10 & 255
-            places.append([(c0, 256 - f), (0 if c0 + 1 == size else c0 + 1, f)])
+            position.append(((math.floor(value * 2.0 ** 18) & 0x3FFFF) * size) >> 10)
+        if "relief" in self.effects:
+            return self.shown(position, views, lights, view, (product, m, horizon))
+        places = [self.around(t, size) for t, size in zip(position, (self.width, self.height))]
         total = None
         for row, wv in places[1]:
             for column, wu in places[0]:

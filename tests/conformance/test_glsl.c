@@ -34,9 +34,12 @@ enum factor {
     STORE, /* components, factors of all classes, of some */
     ROOTS,
     POINTS, /* packed or in lists: layout tight, without hidden points */
+    RELIEF, /* of one height, of a map: layout tight */
+    GLOSS,  /* of a quarter, of a half: layout tight */
+    STEEP,  /* with bilinear filtering */
     FACTORS
 };
-static const uint8_t levels[FACTORS] = {2, 2, 3, 4, 2, 2, 3, 2, 4, 2, 2, 2, 3, 2, 3};
+static const uint8_t levels[FACTORS] = {2, 2, 3, 4, 2, 2, 3, 2, 4, 2, 2, 2, 3, 2, 3, 3, 3, 2};
 static const int components[] = {0, 1, 6, 16};
 
 /* Of each class units, words of C1 and of C2, of the stores after the first. */
@@ -54,6 +57,15 @@ static void write_version_2(char *out, size_t size, const uint8_t *row) {
     size_t at = (size_t)snprintf(
         out, size, "%s#define BTF_POINTS %d\n%s", row[ROOTS] && row[DOMAIN] ? "#define BTF_BLEND_ROOTS 1\n" : "",
         row[POINTS], row[POINTS] ? "#define BTF_GAIN_BASE 0.25\n#define BTF_GAIN_STEP 0.125\n" : "");
+    if (row[RELIEF])
+        at += (size_t)snprintf(out + at, size - at,
+                               "#define BTF_RELIEF %d\n#define BTF_RELIEF_BASE (-300)\n#define BTF_RELIEF_STEP 900\n"
+                               "#define BTF_RELIEF_STEPS 8\n",
+                               row[RELIEF]);
+    if (row[GLOSS])
+        at += (size_t)snprintf(out + at, size - at, "#define BTF_GLOSS %d\n", row[GLOSS]);
+    if (row[STEEP])
+        at += (size_t)snprintf(out + at, size - at, "#define BTF_STEEP %d\n", row[BILINEAR]);
     if (!has_factors(row))
         return;
     const int(*of)[3] = classes[row[STORE] - 1];
@@ -160,6 +172,10 @@ static int check_absence(const char *preprocessed, const uint8_t *row) {
         {row[GAIN], {"float(gain)", "float ( gain", NULL}},
         {row[POINTS] == 1 && (row[SHIFT] || row[GAIN]), {"btf_points", NULL, NULL}},
         {row[POINTS] == 2 && (row[SHIFT] || row[GAIN]), {"btf_point_lists", "btf_point_indices", NULL}},
+        {row[RELIEF], {"btf_slope", "btf_shifted_views", NULL}},
+        {row[RELIEF] == 2, {"btf_heights", "btf_march", "btf_occlude"}},
+        {row[GLOSS], {"btf_gloss", "lights_of", NULL}},
+        {row[RELIEF] || row[GLOSS], {"btf_view_vector", NULL, NULL}},
         {!row[POINTS], {"texelFetch(btf_shift", "texelFetch(btf_gain", NULL}},
     };
     int wrong = 0;
@@ -248,6 +264,12 @@ static int combination(uint64_t i, uint8_t *row) {
         return 0;
     if (row[POINTS] && (!row[LAYOUT] || row[HIDDEN] > 0 || row[LOBES] > 1))
         return 0;
+    /* Few of the others: neither points nor colours nor lobes meet them in the text. */
+    if ((row[RELIEF] || row[GLOSS] || row[STEEP]) &&
+        (!row[LAYOUT] || row[POINTS] || row[HIDDEN] == 1 || row[LOBES] > 0 || row[COLOUR] == 1 || row[COMPONENTS] % 2))
+        return 0;
+    if (row[STEEP] && !row[BILINEAR])
+        return 0;
     return row[COLOUR] != 2 || (row[LOBES] == 0 && !row[SHADOW]);
 }
 
@@ -285,7 +307,7 @@ int main(int argc, char **argv) {
         /* Every pair without packed points, then with them, which leave fewer layouts and hidden points. */
         uint8_t fewer[FACTORS];
         memcpy(fewer, levels, sizeof fewer);
-        fewer[POINTS] = 1;
+        fewer[POINTS] = fewer[RELIEF] = fewer[GLOSS] = fewer[STEEP] = 1;
         count = pairwise_rows(1, FACTORS, fewer, 400, rows);
         fewer[LAYOUT] = fewer[HIDDEN] = 1;
         fewer[POINTS] = 2;
@@ -293,6 +315,14 @@ int main(int argc, char **argv) {
         for (size_t i = 0; i < more; ++i, ++count) {
             rows[count][LAYOUT] = 1;
             rows[count][POINTS]++; /* packed, or in lists */
+        }
+        /* Then relief, gloss and the steep filter. */
+        memcpy(fewer, levels, sizeof fewer);
+        fewer[LAYOUT] = fewer[LOBES] = 1;
+        const size_t last = pairwise_rows(3, FACTORS, fewer, 400 - count, rows + count);
+        for (size_t i = 0; i < last; ++i, ++count) {
+            rows[count][LAYOUT] = 1;
+            rows[count][POINTS] = rows[count][HIDDEN] ? 0 : rows[count][POINTS];
         }
         return check_rows(0, count, 0, 1, rows) > 0;
     }

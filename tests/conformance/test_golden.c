@@ -12,6 +12,7 @@
  */
 #include "cases.h"
 #include "check.h"
+#include "decoder/toolkit/filter.h"
 #include "decoder/toolkit/reference_view.h"
 #include "synthetic.h"
 #include "tests/support/exr_edit.h"
@@ -34,8 +35,8 @@ typedef struct golden {
     uint32_t version;
     synthetic_spec spec;
     exr_compression_t compression;
-    int odd; /* parts in another order, rows from below, a private part, an unknown attribute, small display
-                window */
+    int odd; /* 1: parts in another order, rows from below, a private part, an unknown attribute, small
+                display window; 2: heights made for four finer levels */
 } golden;
 
 static const golden files[] = {
@@ -65,7 +66,7 @@ static const golden files[] = {
       .colour = BTF_COLOUR_RGB,
       .half_float = 1,
       .lobes = 1,
-      .effects = BTF_EFFECT_ALL,
+      .effects = BTF_EFFECT_VERSION_1,
       .components = 6,
       .centres = 9,
       .levels = 3},
@@ -147,7 +148,7 @@ static const golden files[] = {
       .domain = BTF_DOMAIN_SQRT,
       .colour = BTF_COLOUR_RGB,
       .lobes = 1,
-      .effects = BTF_EFFECT_ALL,
+      .effects = BTF_EFFECT_VERSION_1,
       .components = 4,
       .centres = 9,
       .directions = SYNTHETIC_RANDOM,
@@ -213,6 +214,62 @@ static const golden files[] = {
       .entries = 11},
      EXR_COMPRESSION_PIZ,
      1},
+    {.name = "v2-relief",
+     .version = 2,
+     .spec = {.seed = 111,
+              .width = 6,
+              .height = 5,
+              .n_views = 7,
+              .n_lights = 6,
+              .layout = BTF_LAYOUT_TIGHT,
+              .domain = BTF_DOMAIN_SQRT,
+              .colour = BTF_COLOUR_NONE,
+              .effects = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL | BTF_EFFECT_RELIEF |
+                         BTF_EFFECT_GLOSS,
+              .components = 3,
+              .levels = 3,
+              .classes = {{1, 1, 1}, {0, 0, 0}, {2, 1, 0}},
+              .blend = BTF_BLEND_ROOTS,
+              .horizon_scale = 3.5f,
+              .packed = 1,
+              .relief = SYNTHETIC_GENTLE,
+              .relief_mixed = 1,
+              .gloss_share = 1},
+     .compression = EXR_COMPRESSION_ZIP,
+     .odd = 1},
+    {.name = "v2-height", /* of no map; what version 1 has besides */
+     .version = 2,
+     .spec = {.seed = 112,
+              .width = 5,
+              .height = 4,
+              .n_views = 7,
+              .n_lights = 6,
+              .layout = BTF_LAYOUT_TIGHT,
+              .domain = BTF_DOMAIN_SQRT,
+              .colour = BTF_COLOUR_RGB,
+              .half_float = 1,
+              .lobes = 1,
+              .effects = BTF_EFFECT_ALL,
+              .components = 5,
+              .centres = 9,
+              .relief = SYNTHETIC_FLAT,
+              .gloss_share = 2},
+     .compression = EXR_COMPRESSION_PIZ},
+    {.name = "v2-level", /* as cut from a material of finer levels, with heights at their bounds */
+     .version = 2,
+     .spec = {.seed = 113,
+              .width = 5,
+              .height = 3,
+              .n_views = 19,
+              .n_lights = 7,
+              .layout = BTF_LAYOUT_TIGHT,
+              .colour = BTF_COLOUR_MONO,
+              .lobes = 2,
+              .effects = BTF_EFFECT_SHADOW | BTF_EFFECT_RELIEF,
+              .levels = 2,
+              .relief = SYNTHETIC_HIGH},
+     .compression = EXR_COMPRESSION_NONE,
+     .odd = 2},
 };
 enum { FILES = sizeof files / sizeof *files };
 
@@ -266,8 +323,11 @@ static int write_file(const golden *g, const char *folder) {
     edit_file *file = edit_load(data, size);
     for (int p = 0; p < file->part_count; ++p)
         file->parts[p].compression = g->compression;
-    if (g->odd)
+    if (g->odd == 1)
         make_odd(file);
+    if (g->odd == 2)
+        file->attributes[file->attribute_count++] =
+            (edit_attribute){.name = "openbtf.reliefLevel", .type = EXR_ATTR_INT, .i = 4};
     edit_save(file, &edited, &edited_size);
     snprintf(path, sizeof path, "%.1000s/%s.btf.exr", folder, g->name);
     FILE *out = fopen(path, "wb");
@@ -292,10 +352,15 @@ static void write_lines(const golden *g, const char *folder, FILE *out) {
     for (uint32_t i = 0; i < LINES; ++i) {
         btf_ref_material reference;
         const uint32_t level = i % info.levels;
-        btf_ref_options o = {.effects = i % 4 == 3 ? random_below(&r, 32) : BTF_EFFECT_ALL,
+        const bool between = info.effects & (BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS);
+        btf_ref_options o = {.effects = i % 4 == 3 ? random_below(&r, between ? 128 : 32)
+                                        : between  ? BTF_EFFECT_ALL
+                                                   : BTF_EFFECT_VERSION_1,
                              .components = i % 4 == 2 ? 1 + random_below(&r, 5) : 1000,
                              .interpolation = i % 5 ? BTF_REF_LINEAR : BTF_REF_NEAREST,
-                             .filter = i % 3 ? BTF_REF_BILINEAR : BTF_REF_TEXEL};
+                             .filter = i % 3 == 0              ? BTF_REF_TEXEL
+                                       : i % 3 == 1 && between ? BTF_REF_STEEP
+                                                               : BTF_REF_BILINEAR};
         uint32_t words[CASE_WORDS], bits[3] = {0, 0, 0};
         float f[CASE_WORDS], rgb[3];
         reference_view(material, level, &reference);
@@ -307,7 +372,7 @@ static void write_lines(const golden *g, const char *folder, FILE *out) {
         }
         fprintf(out, "%s %u %u %u %s %s", g->name, level, o.effects, o.components,
                 o.interpolation == BTF_REF_LINEAR ? "linear" : "nearest",
-                o.filter == BTF_REF_BILINEAR ? "bilinear" : "texel");
+                filter_name((btf_filter)o.filter));
         for (int k = 0; k < CASE_WORDS; ++k)
             fprintf(out, " %08x", words[k]);
         fprintf(out, " %08x %08x %08x\n", bits[0], bits[1], bits[2]);
@@ -362,7 +427,9 @@ static void reference_gives_the_bits(void **state) {
         btf_ref_material reference;
         btf_ref_options o = {.effects = e.effects, .components = e.components};
         o.interpolation = strcmp(e.interpolation, "linear") == 0 ? BTF_REF_LINEAR : BTF_REF_NEAREST;
-        o.filter = strcmp(e.filter, "bilinear") == 0 ? BTF_REF_BILINEAR : BTF_REF_TEXEL;
+        o.filter = strcmp(e.filter, "bilinear") == 0 ? BTF_REF_BILINEAR
+                   : strcmp(e.filter, "steep") == 0  ? BTF_REF_STEEP
+                                                     : BTF_REF_TEXEL;
         btf_material *material = open_golden(e.name);
         reference_view(material, e.level, &reference);
         memcpy(f, e.arguments, sizeof f);
@@ -422,7 +489,8 @@ static void device_agrees(void **state) {
     }
     for (int i = 0; i < FILES; ++i) {
         btf_material *material = open_golden(files[i].name);
-        btf_shader_options shader = {.struct_size = sizeof shader, .filter = (btf_filter)(i & 1)};
+        btf_shader_options shader = {.struct_size = sizeof shader,
+                                     .filter = (btf_filter)(i < 10 ? i & 1 : i % 3)};
         check_subject s = {.gpu = device, .material = material, .shader = &shader, .log = &log_errors};
         check_outcome outcome = {0};
         assert_int_equal(check_radiance(&s, 2 * (uint64_t)i, 2000, &outcome), BTF_OK);

@@ -111,7 +111,7 @@ static const sabotage list[] = {
     {"pow cut at 2^-59", "arithmetic", "t < -60.0 ? 0.0", "t < -59.0 ? 0.0"},
     {"bilinear corners swapped", "", "x[1] = uvec2(cu.y", "x[1] = uvec2(cu.x"},
     {"image upside down", "", "size.y - 1u - (tv >> 18u)", "(tv >> 18u)"},
-    {"image upside down, bilinear", "", "size.y - 1u - cv.x", "cv.x"},
+    {"image upside down, bilinear", "", "rows - 1u - cv.x", "cv.x"},
     {"lobe summed in another order", "",
      "btf_add(btf_add(btf_mul(c.x, p.x), btf_mul(c.y, p.y)), btf_mul(c.z, p.z))",
      "btf_add(btf_mul(c.x, p.x), btf_add(btf_mul(c.y, p.y), btf_mul(c.z, p.z)))"},
@@ -137,19 +137,21 @@ static const sabotage list[] = {
     {"negative radiance kept", "", "y >= uintBitsToFloat(0x30800000u) ? min(y, 4294967296.0) : 0.0",
      "min(y, 4294967296.0)"},
     {"no upper bound", "", "min(y, 4294967296.0)", "y"},
-    {"view weights of 4095ths", "", "btf_mul(float(s.views.weight[a]), uintBitsToFloat(0x39800000u))",
-     "btf_mul(float(s.views.weight[a]), uintBitsToFloat(0x39800801u))"},
+    {"view weights of 4095ths", "", "btf_mul(float(weight), uintBitsToFloat(0x39800000u))",
+     "btf_mul(float(weight), uintBitsToFloat(0x39800801u))"},
     {"light below the horizon", "", "floatBitsToInt(d.z) >= 0x33800000",
      "floatBitsToInt(d.z) >= 0x33000000"},
     {"long vectors accepted", "", "most <= 0x40000000u", "most <= 0x7F000000u"},
 };
 
 /* The same of version 2, and the subject that shows it. */
-enum { MIXED = 4, PACKED = 5, BOUNDS = 6, POINTS = 7, LISTS = 8 };
-static const struct {
+enum { MIXED = 4, PACKED = 5, BOUNDS = 6, POINTS = 7, LISTS = 8, RELIEF = 9, STEEP = 10, GLOSS = 11 };
+typedef struct sabotage_of {
     sabotage fault;
     int subject;
-} list_2[] = {
+} sabotage_of;
+
+static const sabotage_of list_2[] = {
     {{"sums of u left out of words", "", "ivec4(t + start)", "ivec4(t + 0x8000u)"}, MIXED},
     {{"sums of u left out of units", "", "(pair.x + pair.y) + start.x", "(pair.x + pair.y) + 0x8000u"},
      PACKED},
@@ -186,8 +188,8 @@ static const struct {
     {{"C2 once in green", "", "-btf_add(c2, c2)", "-c2"}, MIXED},
     {{"colours summed in another order", "", "btf_add(btf_add(y, c1), c2)", "btf_add(y, btf_add(c1, c2))"},
      MIXED},
-    {{"w of views and lights swapped", "", "ivec3(int(at.lights.index[b]), int(view), unit)",
-      "ivec3(int(view), int(at.lights.index[b]), unit)"},
+    {{"w of views and lights swapped", "", "ivec3(int(lights.index[b]), int(view), unit)",
+      "ivec3(int(view), int(lights.index[b]), unit)"},
      MIXED},
     {{"sums of views not turned", "", "            btf_factor_turn(p, at.n_views);", ""}, MIXED},
     {{"u of the first texel for all", "", "at.x[i], first.y", "at.x[0], first.y"}, PACKED},
@@ -233,7 +235,12 @@ static const struct {
     {{"indices of level 0", "codes", "view >> 1u), level)", "view >> 1u), 0)"}, LISTS},
     {{"entries of level 0", "codes", "ivec3(x, entry), level)", "ivec3(x, entry), 0)"}, LISTS},
 };
-enum { SABOTAGES = sizeof list / sizeof *list, SABOTAGES_2 = sizeof list_2 / sizeof *list_2 };
+#include "sabotage_between.h"
+enum {
+    SABOTAGES = sizeof list / sizeof *list,
+    SABOTAGES_2 = sizeof list_2 / sizeof *list_2,
+    SABOTAGES_3 = sizeof list_3 / sizeof *list_3
+};
 
 /* Materials that between them use every line of the decoder. The first shows most of the faults: shaders
  * of the others are compiled for few. */
@@ -250,7 +257,7 @@ static const struct {
       .domain = BTF_DOMAIN_SQRT,
       .colour = BTF_COLOUR_MONO,
       .lobes = 1,
-      .effects = BTF_EFFECT_ALL,
+      .effects = BTF_EFFECT_VERSION_1,
       .components = 4,
       .centres = 40,
       .directions = SYNTHETIC_RANDOM,
@@ -277,7 +284,7 @@ static const struct {
       .domain = BTF_DOMAIN_SQRT,
       .colour = BTF_COLOUR_RGB,
       .lobes = 2,
-      .effects = BTF_EFFECT_ALL,
+      .effects = BTF_EFFECT_VERSION_1,
       .components = 6,
       .centres = 5000,
       .directions = SYNTHETIC_RINGS,
@@ -371,6 +378,49 @@ static const struct {
                 .packed = 1,
                 .entries = 13},
                {0}},
+    [RELIEF] = {{.seed = 20,
+                 .width = 11,
+                 .height = 7,
+                 .n_views = 19,
+                 .n_lights = 5,
+                 .layout = BTF_LAYOUT_TIGHT,
+                 .colour = BTF_COLOUR_MONO,
+                 .lobes = 1,
+                 .effects = BTF_EFFECT_RELIEF,
+                 .directions = SYNTHETIC_RANDOM,
+                 .levels = 3,
+                 .relief = SYNTHETIC_GENTLE,
+                 .relief_mixed = 1},
+                {0}},
+    [STEEP] = {{.seed = 21,
+                .width = 16,
+                .height = 8,
+                .n_views = 7,
+                .n_lights = 9,
+                .layout = BTF_LAYOUT_TIGHT,
+                .domain = BTF_DOMAIN_SQRT,
+                .colour = BTF_COLOUR_NONE,
+                .effects = BTF_EFFECT_RESIDUAL | BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS,
+                .components = 1,
+                .directions = SYNTHETIC_RANDOM,
+                .classes = {{0, 0, 0}, {0, 0, 0}, {1, 1, 0}},
+                .blend = BTF_BLEND_ROOTS,
+                .horizon_scale = 4,
+                .relief = SYNTHETIC_GENTLE,
+                .gloss_share = 1},
+               {.filter = BTF_FILTER_STEEP}},
+    [GLOSS] = {{.seed = 22,
+                .width = 5,
+                .height = 3,
+                .n_views = 19,
+                .n_lights = 37,
+                .layout = BTF_LAYOUT_TIGHT,
+                .colour = BTF_COLOUR_MONO,
+                .lobes = 1,
+                .effects = BTF_EFFECT_SHADOW | BTF_EFFECT_GLOSS,
+                .directions = SYNTHETIC_RANDOM,
+                .gloss_share = 2},
+               {0}},
 };
 enum { SUBJECTS = sizeof subjects / sizeof *subjects, COUNT = 6000 };
 
@@ -441,10 +491,13 @@ static void untouched_passes(void **state) {
 static void each_is_caught(void **state) {
     (void)state;
     int missed = 0;
-    for (int i = 0; i < SABOTAGES + SABOTAGES_2; ++i) {
-        const bool new = i >= SABOTAGES;
-        active = new ? &list_2[i - SABOTAGES].fault : &list[i];
-        const int first = new ? list_2[i - SABOTAGES].subject : 0, last = new ? first : MIXED - 1;
+    for (int i = 0; i < SABOTAGES + SABOTAGES_2 + SABOTAGES_3; ++i) {
+        const int later = i - SABOTAGES;
+        const sabotage_of *new = later < 0             ? NULL
+                                 : later < SABOTAGES_2 ? &list_2[later]
+                                                       : &list_3[later - SABOTAGES_2];
+        active = new ? &new->fault : &list[i];
+        const int first = new ? new->subject : 0, last = new ? first : MIXED - 1;
         found = 0;
         uint64_t different = 0;
         for (int s = first; s <= last && different == 0; ++s)

@@ -19,8 +19,8 @@ typedef struct variant {
 } variant;
 
 /* Fills list with variants in which every pair of settings occurs, in an order that a seed gives, those of
- * version 1 first, then those of version 2 with all their mixtures of classes, then packed points; returns how
- * many. */
+ * version 1 first, then those of version 2 with all their mixtures of classes, then packed points, then relief and
+ * gloss; returns how many. */
 size_t variant_pairwise(uint64_t seed, variant list[VARIANT_MAX]);
 
 /* The reference's options for a shader's. */

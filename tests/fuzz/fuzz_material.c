@@ -32,7 +32,9 @@ static void decode_some(const btf_material *material) {
     for (int i = 0; i < COUNT * COUNT; i++) {
         const btf_ref_options options = {i % 3 ? BTF_EFFECT_ALL : (uint32_t)i, i % 5 ? UINT32_MAX : 1,
                                          i % 2 ? BTF_REF_LINEAR : BTF_REF_NEAREST,
-                                         i % 7 ? BTF_REF_BILINEAR : BTF_REF_TEXEL};
+                                         i % 7 == 0   ? BTF_REF_TEXEL
+                                         : i % 7 == 1 ? BTF_REF_STEEP
+                                                      : BTF_REF_BILINEAR};
         float rgb[3];
         btf_ref_evaluate(&views[(uint32_t)i % info.levels], &options, 0.31f * (float)i, -0.17f * (float)i,
                          directions[i / COUNT], directions[i % COUNT], rgb);

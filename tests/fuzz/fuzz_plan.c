@@ -105,7 +105,8 @@ static btf_material *material_of(input *in, random_state *r) {
     const btf_layout layout = below(in, 2) ? BTF_LAYOUT_PAPER : BTF_LAYOUT_TIGHT;
     const uint32_t effects = below(in, 32), width = 1 + below(in, 5), height = 1 + below(in, 4);
     const uint32_t views = counts[below(in, 8)], lights = counts[below(in, 8)];
-    btf_material_desc desc = random_material_desc(width, height, views, lights, layout, effects);
+    const uint32_t between = layout == BTF_LAYOUT_TIGHT ? BTF_EFFECT_RELIEF * random_below(r, 4) : 0;
+    btf_material_desc desc = random_material_desc(width, height, views, lights, layout, effects | between);
     desc.info.domain = below(in, 2) ? BTF_DOMAIN_SQRT : BTF_DOMAIN_LINEAR;
     desc.info.levels = layout == BTF_LAYOUT_TIGHT ? 1 + below(in, width > 3 || height > 3 ? 3 : 1) : 1;
     desc.info.gain_scale = below(in, 2) ? BTF_GAIN_SCALE : 0x1.8p-6f;
@@ -121,6 +122,7 @@ static btf_material *material_of(input *in, random_state *r) {
         random_directions(r, views, 89, (float *)(uintptr_t)desc.views);
         random_directions(r, lights, 80, (float *)(uintptr_t)desc.lights);
     }
+    random_material_relief(r, &desc);
     float errors[MOST_ERRORS];
     desc.effect_error_count = errors_of(in, &desc.info, errors);
     desc.effect_errors = desc.effect_error_count ? errors : NULL;
@@ -210,7 +212,7 @@ static void check_made_plan(input *in, random_state *r, const btf_material *whol
     plan.shader.leave_out = info->effects & ~plan.effects;
     plan.shader.components = plan.components;
     plan.shader.interpolation = (btf_interpolation)below(in, 2);
-    plan.shader.filter = (btf_filter)below(in, 2);
+    plan.shader.filter = (btf_filter)below(in, 3);
     check_restriction(r, whole, &plan, false);
 }
 

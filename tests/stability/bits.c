@@ -57,7 +57,7 @@ synthetic_spec bits_spec(int index) {
         .colour = index & 4 ? BTF_COLOUR_RGB : BTF_COLOUR_MONO,
         .half_float = index == 2 || index == 7,
         .lobes = 1 + (uint32_t)index % 4,
-        .effects = index == 3 ? BTF_EFFECT_SHADOW | BTF_EFFECT_GAIN : BTF_EFFECT_ALL,
+        .effects = index == 3 ? BTF_EFFECT_SHADOW | BTF_EFFECT_GAIN : BTF_EFFECT_VERSION_1,
         .components = index == 3 ? 0 : 6,
         .centres = 11,
         .directions = index == 5 ? SYNTHETIC_RANDOM : SYNTHETIC_RINGS,
@@ -182,8 +182,8 @@ bool bits_decode(const btf_material *material, uint64_t seed, int count) {
         float f[CASE_WORDS], rgb[2][3];
         case_make(&r, material, words);
         memcpy(f, words, sizeof f);
-        const btf_ref_options options = {random_below(&r, 4) ? UINT32_MAX : random_below(&r, 32),
-                                         UINT32_MAX, i & 1, i >> 1 & 1};
+        const btf_ref_options options = {random_below(&r, 4) ? UINT32_MAX : random_below(&r, 128),
+                                         UINT32_MAX, i & 1, (i >> 1) % 3};
         for (int run = 0; run < 2; run++) {
             btf_ref_evaluate(&view, &options, f[0], f[1], f + 2, f + 5, rgb[run]);
         }

@@ -88,18 +88,92 @@ CHANGES = [
     ("weights that do not sum to 4096", "decoder_bits", [
         ("reference/btf_directions.c", "{w0, w1, 4096 - w0 - w1}", "{w0, w1, 4095 - w0 - w1}")]),
     ("no upper bound of y", "decoder_bits", [
-        ("reference/btf_evaluate.c", "if (value > 0x1p32f)", "if (value < 0)")]),
+        ("reference/btf_source.c", "if (value > 0x1p32f)", "if (value < 0)")]),
     ("addresses of 32 bits", "decoder_bits", [
-        ("reference/btf_evaluate.c", "return ((size_t)layer * material->height + row) * material->width + column;",
+        ("reference/btf_source.c", "return ((size_t)layer * material->height + row) * material->width + column;",
          "return (layer * material->height + row) * material->width + column;")]),
     ("directions that are no numbers looked up", "decoder_bits", [
         ("reference/btf_evaluate.c", "if (l > 0x40000000u || v > 0x40000000u)", "if (l == v && l == 1)")]),
+    ("shifts of negative numbers rounded to 0", "reference_relief", [
+        ("reference/btf_reference_private.h", "return value >= 0 ? value >> shift : -1 - ((-1 - value) >> shift);",
+         "return value / (1 << shift);")]),
+    ("slopes to the horizon itself", "decoder_relief", [
+        ("reference/btf_relief.c", "direction[2] >= 0.25f ? direction[2] : 0.25f", "direction[2] >= 0x1p-24f ? direction[2] : 0x1p-24f")]),
+    ("slopes of more than 15 bits", "decoder_relief", [
+        ("reference/btf_relief.c", "s = s <= 32767.0f ? s : 32767.0f;", "s = s <= 32768.0f ? s : 32768.0f;")]),
+    ("slopes towards the view turned round", "reference_relief", [
+        ("reference/btf_relief.c", "k = k + k;", "k = -k - k;")]),
+    ("moves of every level as long as those of level 0", "reference_relief", [
+        ("reference/btf_relief.c", "SLOPE_BITS + material->level", "SLOPE_BITS + 0 * material->level")]),
+    ("positions that do not wrap", "decoder_relief", [
+        ("reference/btf_relief.c", "return wrapped < 0 ? wrapped + length : wrapped;", "return wrapped < 0 ? 0 : wrapped;")]),
+    ("rows of heights counted from below", "reference_relief", [
+        ("reference/btf_relief.c", "material->height - 1 - ((size_t)position[1] >> 8)", "(size_t)position[1] >> 8")]),
+    ("heights without their base", "reference_relief", [
+        ("reference/btf_relief.c", "return material->relief_base + ((code", "return ((code")]),
+    ("steps of a march rounded down", "decoder_relief", [
+        ("reference/btf_relief.c", "(z - material->relief_base + steps - 1) / steps;", "(z - material->relief_base) / steps;")]),
+    ("a ray that goes into a wall stopped at its top", "reference_relief", [
+        ("reference/btf_relief.c", "return surface < z + descent ? surface : z + (descent >> 1);", "return surface;")]),
+    ("a ray stopped where the march is, not at the surface", "reference_relief", [
+        ("reference/btf_relief.c", "return surface < z + descent ? surface : z + (descent >> 1);", "return z + (descent >> 1);")]),
+    ("relief switched, not faded", "reference_between", [
+        ("reference/btf_relief.c", "share += (int32_t)views->weight[a];", "share = FULL_WEIGHT;")]),
+    ("the point where the view sees it, in every view", "reference_relief", [
+        ("reference/btf_relief.c", "wrap_position(point[0] - shift[0], material->width)", "wrap_position(point[0], material->width)")]),
+    ("what stands lower hides", "reference_relief", [
+        ("reference/btf_relief.c", "(shown - seen) * share", "(seen - shown) * share")]),
+    ("hidden views left out altogether", "decoder_relief", [
+        ("reference/btf_relief.c", "if (o < 1229)\n        return 1229;", "if (o < 0)\n        return 0;")]),
+    ("no upper bound of what is visible", "reference_relief", [
+        ("reference/btf_relief.c", "return o > FULL_WEIGHT ? FULL_WEIGHT : o;", "return o;")]),
+    ("the rest of the weights given to a view of none", "reference_relief", [
+        ("reference/btf_relief.c", "visible[2] > 0 ? fraction(visible[1], total) : FULL_WEIGHT - out_weights[0];", "fraction(visible[1], total);")]),
+    ("weights of what is hidden where one view is wanted", "reference_relief", [
+        ("reference/btf_relief.c", "if (!occlusion || flat)", "if (flat)")]),
+    ("each view's texels blended by the first view's position", "reference_between", [
+        ("reference/btf_evaluate.c", "(uint32_t)positions[a][0] << 10", "(uint32_t)positions[0][0] << 10")]),
+    ("relief started at a texel's corner", "reference_between", [
+        ("reference/btf_evaluate.c", "(column << 18) + half", "(column << 18)")]),
+    ("the steep filter taken for the bilinear one", "reference_between", [
+        ("reference/btf_evaluate.c", "if (filter == BTF_REF_STEEP)", "if (filter > BTF_REF_STEEP)")]),
+    ("a steep filter of another slope", "reference_relief", [
+        ("reference/btf_addressing.c", "uint32_t twice = 2 * weight;", "uint32_t twice = 2 * weight + 1;")]),
+    ("gloss that follows the whole half vector", "reference_gloss", [
+        ("reference/btf_gloss.c", "(float)material->gloss_share * 0.25f", "(float)material->gloss_share * 0.5f")]),
+    ("gloss towards the view in place of away from it", "reference_gloss", [
+        ("reference/btf_gloss.c", "d[i] = sampled[i] - view[i];", "d[i] = view[i] - sampled[i];")]),
+    ("half vectors however short divided by", "decoder_relief", [
+        ("reference/btf_gloss.c", "within(dot(h, h), 0.5f, 4.0f)", "within(dot(h, h), 0x1p-40f, 4.0f)")]),
+    ("lights mirrored into the ground looked up there", "reference_gloss", [
+        ("reference/btf_gloss.c", "c[2] = c[2] >= 0.0f ? c[2] : 0.0f;", "c[2] = c[2] >= -0.4f ? c[2] : -0.4f;")]),
+    ("mirrored lights not brought to unit length", "reference_gloss", [
+        ("reference/btf_gloss.c", "float n = btf_ref_pow(dot(c, c), 0.5f);", "float n = 1.0f;")]),
+    ("a view taken for the sampled one by denormals", "decoder_relief", [
+        ("reference/btf_gloss.c", "if (d[i] >= 0x1p-24f || d[i] <= -0x1p-24f)", "if (d[i] != 0.0f)")]),
+    ("the same lights for every view, with gloss", "reference_between", [
+        ("reference/btf_evaluate.c", "e.lights[a] = some_lights(lights, e.linear);", "e.lights[0] = some_lights(lights, e.linear);")]),
+    ("three lights with gloss in nearest mode", "reference_between", [
+        ("reference/btf_evaluate.c", "e.lights[a] = some_lights(lights, e.linear);", "e.lights[a] = some_lights(lights, true);")]),
     ("integers read where floats belong", "stability_files", [
         ("decoder/exr_read.c", "if (entry->pixel_type != type)", "if (entry->pixel_type != type && type == EXR_PIXEL_HALF)")]),
     ("attributes of another type read", "stability_files", [
         ("decoder/header.c", "if (attribute->type != type) {", "if (attribute->type != type && r->result) {")]),
     ("indices beyond the end of a list of points", "points", [
-        ("decoder/values.c", "if (index >= entries)", "if (index > 15)")]),
+        ("decoder/checks/values.c", "if (index >= entries)", "if (index > 15)")]),
+    ("the level of a relief lost where finer ones are cut away", "relief", [
+        ("decoder/restrict.c", "small->relief_level += level;", "small->relief_level += 0 * level;")]),
+    ("heights of level 0 seen at every level", "relief", [
+        ("decoder/toolkit/reference_view.c", "btf_material_level_texture(material, level, BTF_TEXTURE_HEIGHTS)",
+         "btf_material_texture(material, BTF_TEXTURE_HEIGHTS)")]),
+    ("heights beyond 32767 read", "relief", [
+        ("decoder/checks/info.c", "if (top > INT16_MAX)", "if (top > 2 * INT16_MAX)")]),
+    ("relief on every view, whatever the file says", "relief", [
+        ("decoder/header.c", "out->relief[v] = acts[v] != 0;", "out->relief[v] = acts[v] >= 0;")]),
+    ("lights left out that gloss looks up", "relief", [
+        ("decoder/restrict.c", "plan->effects & material->info.effects & BTF_EFFECT_GLOSS", "plan->level > BTF_MAX_LEVELS")]),
+    ("relief taken for an effect of version 1", "relief", [
+        ("decoder/shape.c", " || info->effects & BTFI_VECTOR_EFFECTS", "")]),
     ("textures of any size taken from a short file", "file", [
         ("decoder/exr_read.c", "if (bytes / MAX_RATIO > s->size)", "if (bytes == 1)")]),
     ("memory of a part not given back", "memory", [
@@ -153,7 +227,7 @@ def program(tree, test):
     tests = f'{tree}/tests'
     if test in ('stability_faults', 'stability_archives'):
         return TOOLS, [f'{tests}/stability/test_{test[10:]}.sh']
-    if test in ('exr', 'file', 'memory', 'names', 'output', 'points'):
+    if test in ('exr', 'file', 'memory', 'names', 'output', 'points', 'relief') or test.startswith('reference_'):
         return [f'tests/unit/test_{test}'], [f'{tree}/build/tests/unit/test_{test}']
     if test == 'fuzz-exr':
         return [f'tests/fuzz/{test}'], [f'{tree}/build/tests/fuzz/{test}', f'{tests}/fuzz/corpus/exr']

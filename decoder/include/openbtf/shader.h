@@ -45,6 +45,7 @@ typedef enum btf_interpolation {
 typedef enum btf_filter {
     BTF_FILTER_TEXEL = 0,    /**< the texel that holds uv */
     BTF_FILTER_BILINEAR = 1, /**< four decoded texels, blended */
+    BTF_FILTER_STEEP = 2,    /**< likewise, with weights that leave a texel's middle half to itself */
 } btf_filter;
 
 typedef enum btf_math {
@@ -59,7 +60,8 @@ typedef enum btf_bindings {
 } btf_bindings;
 
 /** Directions that never change. The shader fetches no table for them: their neighbours are constants. What
- * is handed to btf_evaluate must be this direction, bit for bit. */
+ * is handed to btf_evaluate must be this direction, bit for bit. Where gloss is decoded, each view has lights of its
+ * own, and a fixed light is looked up like any other. */
 typedef enum btf_fixed {
     BTF_FIXED_VIEW = 1,
     BTF_FIXED_LIGHT = 2,

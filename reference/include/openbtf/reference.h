@@ -25,6 +25,8 @@ enum {
     BTF_REF_HIDDEN = 4,
     BTF_REF_GAIN = 8,
     BTF_REF_RESIDUAL = 16,
+    BTF_REF_RELIEF = 32,
+    BTF_REF_GLOSS = 64,
 };
 
 enum { BTF_REF_MONO = 0, BTF_REF_RGB = 1, BTF_REF_NONE = 2 };
@@ -75,17 +77,24 @@ typedef struct btf_ref_material {
     const uint8_t *points;      /**< RG */
     const uint8_t *point_lists; /**< RG, entries of a texel; with point_indices in place of `points`, else null */
     const uint8_t *point_indices; /**< R, two views each */
+    const uint8_t *heights;       /**< R, with relief_step > 0 */
+    const float *view_vectors;    /**< RGBA, with relief or gloss */
+    int32_t relief_base, relief_step; /**< height of code c: base + ((c * step) >> 8), 1/256 texel of level 0 */
+    uint32_t relief_steps;            /**< N of a march */
+    uint32_t gloss_share;             /**< quarters */
+    uint32_t level; /**< of detail that this material is, counted from that which heights were made for
+                       (openbtf.reliefLevel included): moves along the relief halve with each */
 } btf_ref_material;
 
 enum { BTF_REF_NEAREST = 0, BTF_REF_LINEAR = 1 }; /**< directions */
-enum { BTF_REF_TEXEL = 0, BTF_REF_BILINEAR = 1 }; /**< filter */
+enum { BTF_REF_TEXEL = 0, BTF_REF_BILINEAR = 1, BTF_REF_STEEP = 2 }; /**< filter */
 
 /** How to decode. */
 typedef struct btf_ref_options {
     uint32_t effects;    /**< those present in both this mask and the material are decoded */
     uint32_t components; /**< at most this many residual components or units; UINT32_MAX: all */
     int interpolation;   /**< BTF_REF_NEAREST or BTF_REF_LINEAR */
-    int filter;          /**< BTF_REF_TEXEL or BTF_REF_BILINEAR */
+    int filter;          /**< BTF_REF_TEXEL, _BILINEAR or _STEEP */
 } btf_ref_options;
 
 /** Three neighbours and integer weights that sum to 4096. */
@@ -108,7 +117,8 @@ void btf_ref_evaluate_texel(const btf_ref_material *material, const btf_ref_opti
 
 /** btf_ref_evaluate_texel() with neighbours that were looked up before, so that all texels of an image
  * share one look-up: @p lights and @p views are what btf_ref_lookup() gives for @p light and @p view; where
- * options say nearest, btf_ref_nearest() is applied to them here (once more does not change them). */
+ * options say nearest, btf_ref_nearest() is applied to them here (once more does not change them). The lights are
+ * those of every view: no gloss. */
 void btf_ref_evaluate_neighbours(const btf_ref_material *material, const btf_ref_options *options,
                                  uint32_t column, uint32_t row, const btf_ref_neighbours *lights,
                                  const btf_ref_neighbours *views, const float light[3], const float view[3],

@@ -17,7 +17,7 @@ static way way_of(const btf_material_info *info, const btf_shader_options *shade
     const bool nearest = shader->interpolation == BTF_INTERPOLATION_NEAREST;
     return (way){.views = nearest || shader->fixed & BTF_FIXED_VIEW ? 1 : 3,
                  .lights = nearest || shader->fixed & BTF_FIXED_LIGHT ? 1 : 3,
-                 .texels = shader->filter == BTF_FILTER_BILINEAR ? 4 : 1,
+                 .texels = shader->filter == BTF_FILTER_TEXEL ? 1 : 4,
                  .effects = info->effects & ~shader->leave_out,
                  .fast = shader->math == BTF_MATH_FAST};
 }
@@ -97,12 +97,12 @@ static const class_cost classes[BTF_FACTOR_CLASSES] = {{4, 7, 14, 0, 0, 1, 0, tr
                                                        {8, 5 * 8 - 2 + 5, 31, 5, 2, 2, 2, false},
                                                        {4, 5 * 4 - 1 + 5, 15, 11, 2, 1, 2, false}};
 
-/* One unit, evaluated whole or word by word, in `views` views for one u a texel. */
-static void add_unit(decode_cost *cost, const class_cost *c, bool mixed, int views, const way *w) {
+/* One unit, evaluated whole or word by word, in `views` views for one u a texel, or one a texel and view. */
+static void add_unit(decode_cost *cost, const class_cost *c, bool mixed, int views, int of_u, const way *w) {
     const int sums = mixed ? 4 : 1, blend = 2 * w->lights + c->shifted;
-    fetch(cost, views * w->lights + c->layers * w->texels + 1, 16);
+    fetch(cost, views * w->lights + c->layers * w->texels * of_u + 1, 16);
     cost->floats += sums;
-    cost->integers += w->texels * 4.0 * c->expand;
+    cost->integers += w->texels * of_u * 4.0 * c->expand;
     const double dot = 4 * c->product + (mixed ? 4 * c->word : c->unit);
     cost->integers += w->texels * views * (w->lights * dot + sums * blend);
     cost->floats += w->texels * views * 3.0 * sums;
@@ -113,10 +113,11 @@ static int units_of_words(uint32_t words, int units) {
     return whole < units ? whole : units;
 }
 
-/* u is fetched and expanded once for all views, but where they have sources of their own. A tier has three
+/* u is fetched and expanded once for all views, but where they have sources of their own: with shift alone view after
+ * view, with relief in one round. A tier has three
  * factors of its view, and the channels take 6 operations. */
 static void add_factors(decode_cost *cost, const btf_material_info *info, int units, const way *w) {
-    const bool apart = w->effects & BTF_EFFECT_SHIFT;
+    const bool relief = w->effects & BTF_EFFECT_RELIEF, apart = w->effects & BTF_EFFECT_SHIFT && !relief;
     const int rounds = apart ? w->views : 1, views = apart ? 1 : w->views;
     int tiers[3] = {0};
     for (int c = 0; c < BTF_FACTOR_CLASSES; c++) {
@@ -124,7 +125,7 @@ static void add_factors(decode_cost *cost, const btf_material_info *info, int un
         const int mixed =
             c == 0 ? here : units_of_words(info->factor_classes[c][1] + info->factor_classes[c][2], here);
         for (int i = 0; i < rounds * here; i++) {
-            add_unit(cost, &classes[c], i < rounds * mixed, views, w);
+            add_unit(cost, &classes[c], i < rounds * mixed, views, relief ? views : 1, w);
         }
         tiers[classes[c].tier] += here;
         units -= here;
@@ -138,6 +139,18 @@ static void add_factors(decode_cost *cost, const btf_material_info *info, int un
     cost->floats += w->views * w->texels * 6.0;
 }
 
+/* A vector of each view; a march of the pixel and, where views are interpolated, one of each of them, whole ones: a step
+ * moves (4 operations and 2 to wrap), and compares a height of 3. */
+static void add_relief(decode_cost *cost, const btf_material_info *info, const way *w) {
+    if (w->effects & (BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS))
+        fetch(cost, w->views, 16);
+    if (!(w->effects & BTF_EFFECT_RELIEF) || info->relief_step == 0)
+        return;
+    const double steps = (info->relief_steps + 1.0) * (w->views > 1 ? 1 + w->views : 1);
+    fetch(cost, steps, 1);
+    cost->integers += steps * 13;
+}
+
 decode_cost decode_cost_of(const btf_material_info *info, const btf_shader_options *shader) {
     const way w = way_of(info, shader);
     const uint32_t most = info->components;
@@ -146,6 +159,7 @@ decode_cost decode_cost_of(const btf_material_info *info, const btf_shader_optio
     decode_cost cost = {0};
     add_codes(&cost, info, &w);
     add_sbrdf(&cost, info, &w);
+    add_relief(&cost, info, &w);
     if (w.effects & BTF_EFFECT_RESIDUAL && info->store == BTF_STORE_FACTORS) {
         add_factors(&cost, info, components, &w);
     } else if (w.effects & BTF_EFFECT_RESIDUAL) {

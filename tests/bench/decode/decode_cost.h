@@ -3,7 +3,7 @@
  * Counted is what differs between materials: the fetches of their textures but the direction tables, and
  * the sums of SBRDF, shadow and residual. The look-up of directions, the cosine, gain, clamp and blend of
  * views are the same for all and left out, and so are addresses. No point is taken for hidden, and three
- * neighbours have weights. An operation is one number's: a shift, a mask, a product, a sum and a conversion
+ * neighbours have weights; a march along a relief takes all of its steps, where most end early. An operation is one number's: a shift, a mask, a product, a sum and a conversion
  * are one each.
  *
  * SPDX-License-Identifier: MIT

@@ -89,6 +89,26 @@ static void test_mixed(void **state) {
     expect(decode_cost_of(&info, &shader), 14, 14 * 16, 96 + 3 * (3 * 68 + 4 * 7), 4 + 3 * (12 + 12));
 }
 
+/* With relief u is read for each view, the scales once; 9 steps of a march, and of one for each of three views. */
+static void test_relief(void **state) {
+    (void)state;
+    const uint32_t classes[BTF_FACTOR_CLASSES][3] = {[2] = {1, 0, 0}};
+    btf_material_info info = factors_info(classes, BTF_EFFECT_RELIEF);
+    btf_shader_options shader = {0};
+    info.relief_step = 900;
+    info.relief_steps = 8;
+    expect(decode_cost_of(&info, &shader), 9 + 3 + 1 + 3 + 3 + 36, 19 * 16 + 36,
+           3 * (96 + 3 * 65 + 7) + 36 * 13, 1 + 3 * 15);
+    shader.filter = BTF_FILTER_STEEP;
+    expect(decode_cost_of(&info, &shader), 9 + 12 + 1 + 3 + 3 + 36, 28 * 16 + 36,
+           12 * (96 + 3 * 65 + 7) + 36 * 13, 1 + 12 * 15);
+    shader.filter = BTF_FILTER_TEXEL;
+    shader.interpolation = BTF_INTERPOLATION_NEAREST;
+    expect(decode_cost_of(&info, &shader), 5 + 9, 5 * 16 + 9, 96 + 65 + 3 + 9 * 13, 1 + 3 + 6 + 6);
+    info.relief_step = 0;
+    expect(decode_cost_of(&info, &shader), 5, 5 * 16, 96 + 65 + 3, 1 + 3 + 6 + 6);
+}
+
 /* Where each view has a source of its own, u and the scales are read for each, with a shift. */
 static void test_shift(void **state) {
     (void)state;
@@ -159,7 +179,7 @@ static void test_peers(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_components), cmocka_unit_test(test_unit),
-                                       cmocka_unit_test(test_mixed),      cmocka_unit_test(test_shift),
+                                       cmocka_unit_test(test_mixed),      cmocka_unit_test(test_relief), cmocka_unit_test(test_shift),
                                        cmocka_unit_test(test_units),      cmocka_unit_test(test_sbrdf),
                                        cmocka_unit_test(test_peers)};
     return cmocka_run_group_tests(tests, NULL, NULL);

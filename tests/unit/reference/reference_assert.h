@@ -5,7 +5,7 @@
 #ifndef OPENBTF_TEST_REFERENCE_ASSERT_H
 #define OPENBTF_TEST_REFERENCE_ASSERT_H
 
-#include "reference_material.h"
+#include "tests/support/reference_material.h"
 
 #include <math.h>
 #include <setjmp.h>

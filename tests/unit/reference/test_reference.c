@@ -4,7 +4,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "reference_assert.h"
-#include "reference_material.h"
+#include "tests/support/reference_material.h"
 
 /** Steps of the bit pattern between arguments where all of them would take too long; a prime. */
 enum { STRIDE = 7 };

@@ -4,7 +4,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "reference_assert.h"
-#include "reference_material.h"
+#include "tests/support/reference_material.h"
 
 #define ALL_EFFECTS (BTF_REF_SHADOW | BTF_REF_SHIFT | BTF_REF_HIDDEN | BTF_REF_GAIN | BTF_REF_RESIDUAL)
 

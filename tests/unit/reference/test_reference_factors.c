@@ -4,7 +4,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "reference_assert.h"
-#include "reference_material.h"
+#include "tests/support/reference_material.h"
 
 enum {
     CLASSES = 5,

@@ -5,7 +5,7 @@
 #ifndef OPENBTF_EFFECT_ERRORS_H
 #define OPENBTF_EFFECT_ERRORS_H
 
-#include "result.h"
+#include "decoder/result.h"
 #include <openbtf/material.h>
 
 #pragma GCC visibility push(hidden)
