@@ -4,6 +4,7 @@
  */
 #include "factor.h"
 
+#include "choose_plan.h"
 #include "decoder/toolkit/progress.h"
 #include "encoder/base/stage.h"
 #include "match_fit.h"
@@ -45,7 +46,7 @@ static void first_ranks(size_t texels, size_t columns, uint64_t budget, size_t o
 }
 
 static enc_factor_energies energies_of(const enc_components components[ENC_FACTOR_CHANNELS]) {
-    enc_factor_energies e;
+    enc_factor_energies e = {.rounding = NULL};
     for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
         e.rank[c] = components[c].rank;
         e.energy[c] = components[c].energy;
@@ -87,6 +88,15 @@ static btf_result make_plan(const enc_factor_matrix *m, const enc_factor_options
     return planned ? BTF_OK : enc_fail(m->context, BTF_ERROR_MEMORY, "factors: out of memory");
 }
 
+/* The bytes of which each candidate may make use: those that pay without match. Where these are the
+ * budget but for less than a unit, the budget. */
+static uint64_t equal_bytes(const enc_factor_matrix *m, const enc_factor_options *options,
+                            const enc_unspent *unspent) {
+    const uint64_t unit = 16 * (uint64_t)(m->texels + m->columns);
+    return unspent->budget > 0 && unspent->bytes + unit <= options->budget ? unspent->bytes
+                                                                           : options->budget;
+}
+
 /* Components and the plan for them; channels that turn out short are found again, with twice as many,
  * unless what was found ends in noise. */
 static btf_result factorise(const enc_factor_matrix *m, const enc_factor_options *options,
@@ -114,7 +124,9 @@ static btf_result factorise(const enc_factor_matrix *m, const enc_factor_options
         }
     }
     enc_signal_clear(&signal);
-    return result;
+    return result == BTF_OK
+               ? enc_choose_plan(m, components, equal_bytes(m, options, unspent), options->sweeps, plan)
+               : result;
 }
 
 /* An empty result of a plan's shape. */
@@ -306,31 +318,26 @@ static btf_result encode_matched(const enc_factor_matrix *plain, const enc_facto
     return result == BTF_OK ? finish(plain, options, begin, f) : result;
 }
 
-/* The bytes of which a candidate with match may make use: those that pay without it. Where these are the
- * budget but for less than a unit, the budget. */
-static uint64_t equal_bytes(const enc_factor_matrix *m, const enc_factor_options *options,
-                            const enc_unspent *unspent) {
-    const uint64_t unit = 16 * (uint64_t)(m->texels + m->columns);
-    return unspent->budget > 0 && unspent->bytes + unit <= options->budget ? unspent->bytes
-                                                                           : options->budget;
-}
-
 /* dB of the mean of linear and sRGB-coded values that b gains over a. */
 static double gained(enc_factor_error a, enc_factor_error b) {
     return 5 * log10(fmax(a.linear, 1e-10) / fmax(b.linear, 1e-10)) +
            5 * log10(fmax(a.srgb, 1e-10) / fmax(b.srgb, 1e-10));
 }
 
-/* Components go from one candidate to the other, with a plan for `budget`. *out_most: the share of their
- * squared error that may be left where match is to pay. */
-static btf_result hand_over(const enc_factor_matrix *m, uint64_t budget, found *plain, found *matched,
-                            double *out_most) {
+/* Components go from one candidate to the other, with a plan for `budget` of `bytes`. *out_most: the share of
+ * their squared error that may be left where match is to pay, by what the allocation expects of both: of a
+ * plan that was chosen by trial it expects too little. */
+static btf_result hand_over(const enc_factor_matrix *m, uint64_t bytes, uint64_t budget, found *plain,
+                            found *matched, double *out_most) {
     const enc_factor_energies energies = energies_of(plain->components);
-    if (!enc_factor_allocate(&energies, m->texels, (size_t)m->data->n_views, (size_t)m->data->n_lights,
-                             budget, &matched->plan)) {
+    const size_t views = (size_t)m->data->n_views, lights = (size_t)m->data->n_lights;
+    enc_factor_plan all;
+    if (!enc_factor_allocate(&energies, m->texels, views, lights, bytes, &all) ||
+        !enc_factor_allocate(&energies, m->texels, views, lights, budget, &matched->plan)) {
         return enc_fail(m->context, BTF_ERROR_MEMORY, "factors: out of memory");
     }
-    const double whole = enc_factor_plan_error(&energies, &plain->plan, 0);
+    const double whole = fmin(enc_factor_plan_error(&energies, &plain->plan, 0),
+                              enc_factor_plan_error(&energies, &all, 0));
     const double rest = enc_factor_plan_error(&energies, &matched->plan, 0);
     *out_most = rest > 0 ? fmin(MAY_PAY * whole / rest, MAY_LEAVE) : 0;
     memcpy(matched->components, plain->components, sizeof plain->components);
@@ -369,7 +376,7 @@ static btf_result try_match(const enc_factor_matrix *m, const enc_factor_options
         return BTF_OK;
     }
     const uint64_t rest = bytes < lists + least ? least : bytes - lists;
-    const btf_result result = hand_over(m, rest, plain, matched, &most);
+    const btf_result result = hand_over(m, bytes, rest, plain, matched, &most);
     return result == BTF_OK
                ? encode_matched(m, options, rest, choose ? most : HUGE_VAL, begin, matched)
                : result;

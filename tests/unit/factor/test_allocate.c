@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-#include "encoder/factor/allocate.h"
+#include "encoder/allocation/allocate.h"
 
 #include <math.h>
 #include <stdlib.h>
