@@ -26,8 +26,8 @@ static float uniform(uint32_t *state) {
     return (float)(*state >> 8) * 0x1p-24f;
 }
 
-/* Grey data: one strong component and WEAK others, all of one energy, more than 16 codes of 8 bits hold. */
-static enc_data *make(const enc_context *context) {
+/* Grey data: one strong component and WEAK others of amplitude `weak`, more than 16 codes of 8 bits hold. */
+static enc_data *make(const enc_context *context, float weak) {
     enc_direction directions[LIGHTS];
     enc_data *data = NULL;
     uint32_t state = 1;
@@ -49,7 +49,7 @@ static enc_data *make(const enc_context *context) {
             for (size_t l = 0; l < LIGHTS; l++) {
                 float root = 0.6f;
                 for (size_t j = 0; j < WEAK; j++) {
-                    root += 0.3f * u[t * WEAK + j] * w[(v * LIGHTS + l) * WEAK + j];
+                    root += weak * u[t * WEAK + j] * w[(v * LIGHTS + l) * WEAK + j];
                 }
                 for (size_t c = 0; c < 3; c++) {
                     data->samples[((t * VIEWS + v) * 3 + c) * LIGHTS + l] = root * root;
@@ -95,7 +95,7 @@ static void test_trial_beats_expectation(void **state) {
     const enc_context *contexts[2] = {&one, &two};
     enc_factor_plan chosen[2];
     for (int i = 0; i < 2; i++) {
-        enc_data *data = make(contexts[i]);
+        enc_data *data = make(contexts[i], 0.3f);
         const enc_factor_matrix m = enc_factor_matrix_of(contexts[i], data);
         enc_components components[3] = {{0}};
         enc_factor_plan was, is;
@@ -114,9 +114,26 @@ static void test_trial_beats_expectation(void **state) {
     assert_memory_equal(&chosen[0], &chosen[1], sizeof chosen[0]);
 }
 
+/* Data of one component give it whole however many are sought. */
+static void test_few_components_among_many(void **state) {
+    (void)state;
+    const size_t ranks[3] = {VIEWS * LIGHTS, 100, 100};
+    enc_data *data = make(&two, 0);
+    const enc_factor_matrix m = enc_factor_matrix_of(&two, data);
+    enc_components components[3] = {{0}};
+    const enc_factor_plan plan = {.words = {{4, 0, 0}}};
+    assert_int_equal(enc_components_find(&m, ranks, 1, components), BTF_OK);
+    assert_true(error_of(&m, components, &plan) < 1e-5);
+    for (int c = 0; c < 3; c++) {
+        enc_components_clear(&components[c]);
+    }
+    enc_data_destroy(&data);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_trial_beats_expectation),
+        cmocka_unit_test(test_few_components_among_many),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
