@@ -114,26 +114,9 @@ static void test_trial_beats_expectation(void **state) {
     assert_memory_equal(&chosen[0], &chosen[1], sizeof chosen[0]);
 }
 
-/* Data of one component give it whole however many are sought. */
-static void test_few_components_among_many(void **state) {
-    (void)state;
-    const size_t ranks[3] = {VIEWS * LIGHTS, 100, 100};
-    enc_data *data = make(&two, 0);
-    const enc_factor_matrix m = enc_factor_matrix_of(&two, data);
-    enc_components components[3] = {{0}};
-    const enc_factor_plan plan = {.words = {{4, 0, 0}}};
-    assert_int_equal(enc_components_find(&m, ranks, 1, components), BTF_OK);
-    assert_true(error_of(&m, components, &plan) < 1e-5);
-    for (int c = 0; c < 3; c++) {
-        enc_components_clear(&components[c]);
-    }
-    enc_data_destroy(&data);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_trial_beats_expectation),
-        cmocka_unit_test(test_few_components_among_many),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
