@@ -33,7 +33,7 @@ HOUSE = [
       'encoder/report',
       'encoder/between',
       'encoder/paper encoder/factor',
-      'encoder/lafortune encoder/nodes',
+      'encoder/lafortune encoder/nodes encoder/allocation',
       'encoder/input encoder/model',
       'encoder/data',
       'encoder/base encoder/math'],

@@ -5,8 +5,8 @@
 #ifndef OPENBTF_ENCODER_FACTOR_CODES_H
 #define OPENBTF_ENCODER_FACTOR_CODES_H
 
-#include "allocate.h"
 #include "components.h"
+#include "encoder/allocation/allocate.h"
 
 /* Where a component lies. */
 typedef struct enc_factor_place {

@@ -15,6 +15,10 @@
 /* Energy over that of the first component below which products in float find only their own rounding. */
 #define LEAST_ENERGY 1e-11
 
+enum { MOST_ROUNDS = 6 };
+/* From here on a round of Cholesky QR does not end at orthonormal rows in float. */
+#define FAR 0.1
+
 static btf_result no_memory(const enc_factor_matrix *m, size_t rank) {
     return enc_fail(m->context, BTF_ERROR_MEMORY, "factors: out of memory for %zu components", rank);
 }
@@ -27,15 +31,27 @@ static void fill_random(size_t count, uint32_t seed, float *out) {
     }
 }
 
+/* How far rows are from orthonormal, by their Gram matrix. */
+static double deviation(size_t rank, const double *gram) {
+    double most = 0;
+    for (size_t i = 0; i < rank * rank; i++) {
+        most = fmax(most, fabs(gram[i] - (i % (rank + 1) == 0)));
+    }
+    return most;
+}
+
 /* By two rounds of Cholesky QR, whose Gram matrices are in double: the rows of a random product are almost
- * parallel. */
+ * parallel. Where the data have far fewer components than rows are wanted, most rows are rounding of others, and
+ * a round or two more are needed. */
 bool enc_components_orthonormalise(const enc_factor_matrix *m, size_t rank, size_t count, float *x) {
     double *gram = malloc(2 * rank * rank * sizeof *gram), *inverse = gram ? gram + rank * rank : NULL;
     float *turn = malloc(rank * rank * sizeof *turn);
     bool done = gram && turn;
-    for (int round = 0; round < 2 && done; round++) {
+    bool far = true;
+    for (int round = 0; (round < 2 || far) && round < MOST_ROUNDS && done; round++) {
         double trace = 0;
         enc_gram_rows(m->context->threads, rank, count, x, gram);
+        far = round == 0 || deviation(rank, gram) > FAR;
         for (size_t i = 0; i < rank; i++) {
             trace += gram[i * rank + i];
         }

@@ -4,6 +4,7 @@
  */
 #include "factor.h"
 
+#include "choose_plan.h"
 #include "decoder/toolkit/progress.h"
 #include "encoder/base/stage.h"
 #include "match_fit.h"
@@ -11,6 +12,7 @@
 #include "steps.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -44,7 +46,7 @@ static void first_ranks(size_t texels, size_t columns, uint64_t budget, size_t o
 }
 
 static enc_factor_energies energies_of(const enc_components components[ENC_FACTOR_CHANNELS]) {
-    enc_factor_energies e;
+    enc_factor_energies e = {.rounding = NULL};
     for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
         e.rank[c] = components[c].rank;
         e.energy[c] = components[c].energy;
@@ -86,6 +88,15 @@ static btf_result make_plan(const enc_factor_matrix *m, const enc_factor_options
     return planned ? BTF_OK : enc_fail(m->context, BTF_ERROR_MEMORY, "factors: out of memory");
 }
 
+/* The bytes of which each candidate may make use: those that pay without match. Where these are the
+ * budget but for less than a unit, the budget. */
+static uint64_t equal_bytes(const enc_factor_matrix *m, const enc_factor_options *options,
+                            const enc_unspent *unspent) {
+    const uint64_t unit = 16 * (uint64_t)(m->texels + m->columns);
+    return unspent->budget > 0 && unspent->bytes + unit <= options->budget ? unspent->bytes
+                                                                           : options->budget;
+}
+
 /* Components and the plan for them; channels that turn out short are found again, with twice as many,
  * unless what was found ends in noise. */
 static btf_result factorise(const enc_factor_matrix *m, const enc_factor_options *options,
@@ -113,7 +124,9 @@ static btf_result factorise(const enc_factor_matrix *m, const enc_factor_options
         }
     }
     enc_signal_clear(&signal);
-    return result;
+    return result == BTF_OK
+               ? enc_choose_plan(m, components, equal_bytes(m, options, unspent), options->sweeps, plan)
+               : result;
 }
 
 /* An empty result of a plan's shape. */
@@ -203,7 +216,7 @@ static btf_result measure(const enc_factor_matrix *m, const enc_factor_options *
 static void end_trial(const enc_factor_matrix *m, double begin, found *f) {
     enc_factor_trial *trial = &f->trial;
     trial->core_seconds = progress_core_clock() - begin;
-    if (!trial->given_up) {
+    if (!trial->omitted) {
         trial->n_units = (int)enc_factor_all_units(&f->codes.plan);
         trial->bytes = enc_factor_bytes(&f->codes.plan, m->texels, f->codes.views, f->codes.lights) +
                        (trial->match ? match_bytes(m) : 0);
@@ -232,7 +245,7 @@ static btf_result finish(const enc_factor_matrix *m, const enc_factor_options *o
                          found *f) {
     btf_result result = BTF_OK;
     end_trial(m, begin, f);
-    if (!f->trial.given_up) {
+    if (!f->trial.omitted) {
         result = deliver(m, &f->codes, f->trial.error, &f->packed);
         result = result == BTF_OK && f->trial.match ? deliver_match(m, &f->match, f->packed) : result;
         enc_factor_codes_clear(&f->codes);
@@ -257,7 +270,7 @@ static btf_result encode_plain(const enc_factor_matrix *m, const enc_factor_opti
     return result == BTF_OK ? finish(m, options, begin, f) : result;
 }
 
-/* Sources for the components, and others in their place; trial.given_up where they leave more than `most`
+/* Sources for the components, and others in their place; trial.omitted where they leave more than `most`
  * of the squared error. */
 static btf_result find_match(const enc_factor_matrix *m, const enc_factor_options *options, uint64_t budget,
                              double most, found *f) {
@@ -274,11 +287,11 @@ static btf_result find_match(const enc_factor_matrix *m, const enc_factor_option
                                   : result;
     }
     enc_stage_end(m->context);
-    f->trial.given_up = !(share <= most);
+    f->trial.omitted = share <= most ? ENC_FACTOR_ENCODED : ENC_FACTOR_SURVEYED;
     if (result == BTF_OK && most < HUGE_VAL) {
         enc_log(m->context, BTF_LOG_INFO,
                 "match: a survey leaves %.3f of the squared error, of %.3f that would pay%s", share, most,
-                f->trial.given_up ? ": given up" : "");
+                f->trial.omitted ? ": given up" : "");
     }
     return result;
 }
@@ -292,7 +305,7 @@ static btf_result encode_matched(const enc_factor_matrix *plain, const enc_facto
     const int rounds = some > 1 ? some : 1;
     m.match = &f->match;
     btf_result result = find_match(plain, options, budget, most, f);
-    if (result == BTF_OK && !f->trial.given_up) {
+    if (result == BTF_OK && !f->trial.omitted) {
         result = enc_factor_codes_create(plain, &f->plan, f->components, &f->codes);
         if (result == BTF_OK) {
             enc_stage_begin(m.context, "round factors", 2 * (size_t)rounds * m.texels);
@@ -305,31 +318,26 @@ static btf_result encode_matched(const enc_factor_matrix *plain, const enc_facto
     return result == BTF_OK ? finish(plain, options, begin, f) : result;
 }
 
-/* The bytes of which a candidate with match may make use: those that pay without it. Where these are the
- * budget but for less than a unit, the budget. */
-static uint64_t equal_bytes(const enc_factor_matrix *m, const enc_factor_options *options,
-                            const enc_unspent *unspent) {
-    const uint64_t unit = 16 * (uint64_t)(m->texels + m->columns);
-    return unspent->budget > 0 && unspent->bytes + unit <= options->budget ? unspent->bytes
-                                                                           : options->budget;
-}
-
 /* dB of the mean of linear and sRGB-coded values that b gains over a. */
 static double gained(enc_factor_error a, enc_factor_error b) {
     return 5 * log10(fmax(a.linear, 1e-10) / fmax(b.linear, 1e-10)) +
            5 * log10(fmax(a.srgb, 1e-10) / fmax(b.srgb, 1e-10));
 }
 
-/* Components go from one candidate to the other, with a plan for `budget`. *out_most: the share of their
- * squared error that may be left where match is to pay. */
-static btf_result hand_over(const enc_factor_matrix *m, uint64_t budget, found *plain, found *matched,
-                            double *out_most) {
+/* Components go from one candidate to the other, with a plan for `budget` of `bytes`. *out_most: the share of
+ * their squared error that may be left where match is to pay, by what the allocation expects of both: of a
+ * plan that was chosen by trial it expects too little. */
+static btf_result hand_over(const enc_factor_matrix *m, uint64_t bytes, uint64_t budget, found *plain,
+                            found *matched, double *out_most) {
     const enc_factor_energies energies = energies_of(plain->components);
-    if (!enc_factor_allocate(&energies, m->texels, (size_t)m->data->n_views, (size_t)m->data->n_lights,
-                             budget, &matched->plan)) {
+    const size_t views = (size_t)m->data->n_views, lights = (size_t)m->data->n_lights;
+    enc_factor_plan all;
+    if (!enc_factor_allocate(&energies, m->texels, views, lights, bytes, &all) ||
+        !enc_factor_allocate(&energies, m->texels, views, lights, budget, &matched->plan)) {
         return enc_fail(m->context, BTF_ERROR_MEMORY, "factors: out of memory");
     }
-    const double whole = enc_factor_plan_error(&energies, &plain->plan, 0);
+    const double whole = fmin(enc_factor_plan_error(&energies, &plain->plan, 0),
+                              enc_factor_plan_error(&energies, &all, 0));
     const double rest = enc_factor_plan_error(&energies, &matched->plan, 0);
     *out_most = rest > 0 ? fmin(MAY_PAY * whole / rest, MAY_LEAVE) : 0;
     memcpy(matched->components, plain->components, sizeof plain->components);
@@ -359,12 +367,16 @@ static btf_result try_match(const enc_factor_matrix *m, const enc_factor_options
     if (enc_factor_take_candidate(m, options->number, &matched->trial, &matched->packed)) {
         return BTF_OK;
     }
-    matched->trial.given_up = choose && (bytes < lists + least || !has_room(m, options->budget));
-    if (matched->trial.given_up) {
+    if (choose) {
+        matched->trial.omitted = bytes < lists + least               ? ENC_FACTOR_NO_BYTES
+                                 : !has_room(m, options->budget) ? ENC_FACTOR_NO_MEMORY
+                                                                 : ENC_FACTOR_ENCODED;
+    }
+    if (matched->trial.omitted) {
         return BTF_OK;
     }
     const uint64_t rest = bytes < lists + least ? least : bytes - lists;
-    const btf_result result = hand_over(m, rest, plain, matched, &most);
+    const btf_result result = hand_over(m, bytes, rest, plain, matched, &most);
     return result == BTF_OK
                ? encode_matched(m, options, rest, choose ? most : HUGE_VAL, begin, matched)
                : result;
@@ -372,7 +384,7 @@ static btf_result try_match(const enc_factor_matrix *m, const enc_factor_options
 
 /* Whether match pays, of two candidates that were both measured. */
 static bool pays(const enc_factor_matrix *m, const found *plain, const found *matched) {
-    if (matched->trial.given_up) {
+    if (matched->trial.omitted) {
         return false;
     }
     const double gain = gained(plain->trial.error, matched->trial.error);
@@ -423,6 +435,31 @@ static enc_factors *hand_out(const enc_factor_options *options, found f[2]) {
     return out;
 }
 
+/* Says what would fit: a larger budget, fewer texels where the directions alone leave room for any, or the
+ * one other material that is smaller, a reflectance of 16 bytes a texel (FORMAT.md, section 4). */
+static btf_result refuse_budget(const enc_factor_matrix *m, uint64_t budget, bool match, uint64_t least) {
+    enum { PAPER_TEXEL = 16 };
+    const uint64_t a_texel = 16 + (match ? enc_match_bytes(1, (size_t)m->data->n_views) : 0);
+    const uint64_t directions = least - a_texel * m->texels;
+    const bool plain = budget >= enc_factor_least_budget(m->data->width, m->data->height, m->data->n_views,
+                                                         m->data->n_lights);
+    char size[80] = "", paper[100] = "";
+    if (budget >= directions + a_texel) {
+        snprintf(size, sizeof size, "; of at most %llu texels (--size) it holds one",
+                 (unsigned long long)((budget - directions) / a_texel));
+    }
+    if (budget >= PAPER_TEXEL * m->texels) {
+        snprintf(paper, sizeof paper, "; --method paper --effects none --lobes 1 --half takes %llu",
+                 (unsigned long long)(PAPER_TEXEL * m->texels));
+    }
+    return enc_fail(m->context, BTF_ERROR_USAGE,
+                    "factors: a budget of %llu bytes holds no unit%s, which takes %llu: --budget %lluk or "
+                    "more%s%s%s",
+                    (unsigned long long)budget, match ? " with lists of match" : "",
+                    (unsigned long long)least, (unsigned long long)((least + 999) / 1000),
+                    plain ? ", or --effects residual" : "", size, paper);
+}
+
 btf_result enc_factor_encode(const enc_context *context, const enc_data *data,
                              const enc_factor_options *options, enc_factors **out_factors) {
     enc_factor_matrix m = enc_factor_matrix_of(context, data);
@@ -433,10 +470,7 @@ btf_result enc_factor_encode(const enc_context *context, const enc_data *data,
     found f[2] = {{.trial = {0}}};
     *out_factors = NULL;
     if (options->budget < least) {
-        return enc_fail(context, BTF_ERROR_USAGE,
-                        "factors: a budget of %llu bytes holds no unit%s, which takes %llu",
-                        (unsigned long long)options->budget, match ? " with lists of match" : "",
-                        (unsigned long long)least);
+        return refuse_budget(&m, options->budget, match, least);
     }
     if (match && !data->samples) {
         return enc_fail(

@@ -4,7 +4,6 @@
  */
 #include "level.h"
 
-#include "allocate.h"
 #include "encoder/math/linear.h"
 #include "matrix.h"
 #include "rows.h"

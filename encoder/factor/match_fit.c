@@ -345,7 +345,7 @@ static btf_result play_rounds(const enc_factor_matrix *m, const enc_match_bases 
 /* Factors found to components, and the plan for them. */
 static btf_result plan_anew(const enc_factor_matrix *m, uint64_t budget, enc_factor_codes *codes,
                             enc_components components[3], enc_factor_plan *plan) {
-    enc_factor_energies energies;
+    enc_factor_energies energies = {.rounding = NULL};
     for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
         if (!to_components(m, &codes->channel[c], &components[c])) {
             return no_memory(m);

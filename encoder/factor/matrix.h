@@ -15,7 +15,7 @@
 #ifndef OPENBTF_ENCODER_FACTOR_MATRIX_H
 #define OPENBTF_ENCODER_FACTOR_MATRIX_H
 
-#include "allocate.h"
+#include "encoder/allocation/allocate.h"
 #include "encoder/data/data.h"
 #include "encoder/math/gemm.h"
 #include "match.h"

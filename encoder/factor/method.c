@@ -100,6 +100,10 @@ static uint64_t gpu_bytes(const enc_data *data, uint64_t bytes, int n_units) {
     return bytes > tables ? bytes - tables : 0;
 }
 
+static const char *const verdicts[ENC_FACTOR_OMISSIONS] = {
+    "left out", "given up after a survey", "not tried: the memory allowed does not hold it",
+    "not tried: the bytes do not hold its lists and one unit"};
+
 /* Notes the candidates of an encode; *out_kept: the one that was kept. Verdicts of encodes that may yet be
  * the best are `left out` until all are made. */
 static void note_trials(const enc_data *data, const enc_factors *f, bool measured, enc_factors_stats *stats,
@@ -112,9 +116,9 @@ static void note_trials(const enc_data *data, const enc_factors *f, bool measure
             (enc_trial){.effects = BTF_EFFECT_RESIDUAL | (t->match ? BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN : 0),
                         .components = t->n_units,
                         .gpu_bytes = gpu_bytes(data, t->bytes, t->n_units),
-                        .psnr = measured && !t->given_up ? psnr(t->error.srgb) : NAN,
+                        .psnr = measured && !t->omitted ? psnr(t->error.srgb) : NAN,
                         .core_seconds = t->core_seconds,
-                        .verdict = t->given_up ? "given up after a survey" : "left out"};
+                        .verdict = verdicts[t->omitted]};
     }
 }
 

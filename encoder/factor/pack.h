@@ -8,10 +8,19 @@
 #include "measure.h"
 #include "stop.h"
 
-/* A candidate that was encoded. */
+/* Why a candidate was not encoded. */
+typedef enum enc_factor_omission {
+    ENC_FACTOR_ENCODED = 0,
+    ENC_FACTOR_SURVEYED,  /* a survey says that it cannot pay */
+    ENC_FACTOR_NO_MEMORY, /* not tried: the samples, or the search beside them, do not fit the memory allowed */
+    ENC_FACTOR_NO_BYTES,  /* not tried: the bytes do not hold the lists of match and one unit */
+    ENC_FACTOR_OMISSIONS
+} enc_factor_omission;
+
+/* A candidate that was encoded, or left out. */
 typedef struct enc_factor_trial {
     bool match, kept;
-    bool given_up; /* after a survey: the rest is 0 but for core_seconds */
+    enc_factor_omission omitted; /* not 0: the rest is 0 but for core_seconds */
     int n_units;
     uint64_t bytes;         /* of the budget */
     enc_factor_error error; /* 0 where it was not measured */

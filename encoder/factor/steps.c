@@ -305,7 +305,7 @@ btf_result enc_factor_keep_match(const enc_factor_matrix *m, int number, const e
 
 /* The numbers of a candidate beside its arrays, of which every bit pattern is a value. */
 typedef struct head {
-    uint64_t match, given_up, bytes, match_bytes, components[ENC_FACTOR_CHANNELS];
+    uint64_t match, omitted, bytes, match_bytes, components[ENC_FACTOR_CHANNELS];
     double core_seconds, linear, srgb;
     uint32_t classes[ENC_FACTOR_CLASSES][ENC_FACTOR_CHANNELS];
     uint32_t entries, n_units;
@@ -328,8 +328,9 @@ static sizes sizes_of(const enc_factor_matrix *m, const head *h) {
 
 /* Whether the numbers are those of an encode. */
 static bool is_head(const head *h) {
-    bool good = is_positive(h->core_seconds) && is_positive(h->linear) && is_positive(h->srgb);
-    if (h->given_up) {
+    bool good = is_positive(h->core_seconds) && is_positive(h->linear) && is_positive(h->srgb) &&
+                h->omitted < ENC_FACTOR_OMISSIONS;
+    if (h->omitted) {
         return good;
     }
     for (int k = 0; k < ENC_FACTOR_CLASSES; k++) {
@@ -351,7 +352,7 @@ static head head_of(const enc_factor_trial *trial, const enc_factors *f) {
     head h;
     memset(&h, 0, sizeof h); /* gaps too: they go to a file */
     h.match = trial->match;
-    h.given_up = trial->given_up;
+    h.omitted = trial->omitted;
     h.bytes = trial->bytes;
     h.core_seconds = trial->core_seconds;
     h.linear = trial->error.linear;
@@ -438,7 +439,7 @@ bool enc_factor_take_candidate(const enc_factor_matrix *m, int number, enc_facto
     }
     enc_blob_take(&blob, &h, sizeof h);
     bool good = !blob.failed && is_head(&h) && (h.match != 0) == io_trial->match;
-    if (good && !h.given_up) {
+    if (good && !h.omitted) {
         *out_factors = take_arrays(m, &h, &blob);
         good = *out_factors;
     }
@@ -446,7 +447,7 @@ bool enc_factor_take_candidate(const enc_factor_matrix *m, int number, enc_facto
     good = enc_ranks_all(m->context, good);
     if (good) {
         *io_trial = (enc_factor_trial){.match = io_trial->match,
-                                       .given_up = h.given_up != 0,
+                                       .omitted = (enc_factor_omission)h.omitted,
                                        .n_units = (int)h.n_units,
                                        .bytes = h.bytes,
                                        .error = {h.linear, h.srgb},

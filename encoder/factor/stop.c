@@ -64,7 +64,7 @@ static bool find_bytes(const walk *w, uint64_t budget, double tolerance, enc_uns
 bool enc_stop_allocate(const enc_factor_energies *energies, const enc_signal *signal, size_t texels,
                        size_t n_views, size_t n_lights, uint64_t budget, double tolerance,
                        enc_factor_plan *out_plan, enc_unspent *out_unspent) {
-    enc_factor_energies gains;
+    enc_factor_energies gains = {.rounding = NULL};
     double *gain[ENC_FACTOR_CHANNELS];
     walk w = {.gains = &gains, .texels = texels, .n_views = n_views, .n_lights = n_lights};
     bool found = true;

@@ -5,7 +5,7 @@
 #ifndef OPENBTF_ENCODER_FACTOR_STOP_H
 #define OPENBTF_ENCODER_FACTOR_STOP_H
 
-#include "allocate.h"
+#include "encoder/allocation/allocate.h"
 #include "encoder/model/trial.h"
 #include "signal.h"
 

@@ -144,7 +144,7 @@ static btf_result planned_error(const survey *s, const enc_data *data, uint64_t 
     const size_t rank = all < columns ? all : columns;
     const double texels = (double)all / (double)s->matrix.texels;
     double *energies = calloc(CHANNELS * rank, sizeof *energies);
-    enc_factor_energies planned;
+    enc_factor_energies planned = {.rounding = NULL};
     enc_factor_plan plan;
     if (!energies) {
         return BTF_ERROR_MEMORY;
@@ -160,7 +160,7 @@ static btf_result planned_error(const survey *s, const enc_data *data, uint64_t 
     const double weak_rounded = fits ? enc_factor_plan_error(&planned, &plan, 1) : 0;
     *out = weak_rounded + strong_share * (all_rounded - weak_rounded);
     free(energies);
-    return fits ? BTF_OK : BTF_ERROR_MEMORY;
+    return BTF_OK; /* the encode refuses a budget that holds no unit, and says what would fit */
 }
 
 static double clipped(double x) {

@@ -64,6 +64,16 @@ for budget in 30k 100k; do
 done
 expect "a budget that holds nothing" 1 btf-encode wide -o x.btf.exr --budget 5k -q
 expect_text "is refused with the least" "a budget of 5000 bytes holds no unit, which takes [0-9]+" err
+least=$(sed -n 's/.*--budget \([0-9]*k\) or more.*/\1/p' err)
+expect "the budget that it names instead" 0 btf-encode wide -o least.btf.exr --preset fast --budget "$least" -q
+expect "a thousand bytes less" 1 btf-encode wide -o x.btf.exr --budget $((${least%k} - 1))k -q
+expect_text "offers fewer texels" "of at most [0-9]+ texels \(--size\)" err
+paper=$(sed -n 's/.*--half takes \([0-9]*\).*/\1/p' err)
+texels=$(sed -n 's/.*at most \([0-9]*\) texels.*/\1/p' err)
+expect "which hold a unit" 0 btf-encode wide -o x.btf.exr --preset fast --size "${texels}x1" --budget $((${least%k} - 1))k -q
+expect "and the reflectance that it offers" 0 btf-encode wide -o x.btf.exr --method paper --effects none --lobes 1 --half \
+    --report paper.json -q
+expect_that "takes what was said" test "$(json paper.json "r['bytes']['gpu']")" = "$paper"
 expect "quality" 0 btf-encode wide -o quality.btf.exr --preset fast --quality 25 --report quality.json -q
 expect_that "is reached, with fewer bytes than without" python3 - <<'P'
 import json

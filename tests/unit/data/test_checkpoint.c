@@ -249,7 +249,7 @@ static void test_factors(void **state) {
     enc_factors *plain;
     assert_int_equal(enc_factor_encode(&context, data, &both, &plain), BTF_OK);
     assert_int_equal(plain->n_trials, 2);
-    assert_false(plain->trials[1].given_up);
+    assert_false(plain->trials[1].omitted);
     assert_int_equal(enc_checkpoint_open(&context, folder, "x", data, false, &context.checkpoint), BTF_OK);
     for (int left = 4; left >= -1; left--) {
         enc_factors *found;

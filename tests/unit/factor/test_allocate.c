@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-#include "encoder/factor/allocate.h"
+#include "encoder/allocation/allocate.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -21,7 +21,7 @@ static double energy[3][MOST];
 
 /* Energies that fall like those of measured materials (luma) and of chroma with a tenth of it. */
 static enc_factor_energies energies_of(size_t luma, size_t chroma, double exponent) {
-    enc_factor_energies e = {{luma, chroma, chroma}, {energy[0], energy[1], energy[2]}};
+    enc_factor_energies e = {{luma, chroma, chroma}, {energy[0], energy[1], energy[2]}, NULL};
     for (size_t j = 0; j < MOST; j++) {
         energy[0][j] = j == 0 ? 40 : pow((double)j, -exponent);
         energy[1][j] = 0.1 * energy[0][j];

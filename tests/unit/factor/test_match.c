@@ -459,6 +459,31 @@ static void test_is_kept_where_it_pays(void **state) {
     }
 }
 
+/* Why match was not tried is told apart from a survey that finds nothing. */
+static void test_says_why_it_was_not_tried(void **state) {
+    (void)state;
+    enum { SURVEY, MEMORY, BYTES, REASONS };
+    static const char *const told[REASONS] = {"given up after a survey",
+                                              "not tried: the memory allowed does not hold it",
+                                              "not tried: the bytes do not hold its lists and one unit"};
+    for (int reason = 0; reason < REASONS; reason++) {
+        planted *p = plant(false, 0.02f);
+        enc_context context = two;
+        enc_factors_settings settings = {.budget = BUDGET, .sweeps = 1, .choose = true};
+        enc_solution solution;
+        enc_factors_stats stats;
+        context.memory = reason == MEMORY ? 1 : 0;
+        if (reason == BYTES) {
+            settings.budget = enc_factor_least_budget(p->data->width, p->data->height, VIEWS, LIGHTS);
+        }
+        assert_int_equal(enc_factors_solve(&context, p->data, &settings, &solution, &stats), BTF_OK);
+        assert_int_equal(stats.trials_count, 2);
+        assert_string_equal(stats.trials[1].verdict, told[reason]);
+        enc_solution_clear(&solution);
+        uproot(&p);
+    }
+}
+
 /* Levels of detail decode, without match, with what they share. */
 static void test_levels_have_no_match(void **state) {
     (void)state;
@@ -492,6 +517,7 @@ int main(void) {
         cmocka_unit_test(test_threads_do_not_matter),
         cmocka_unit_test(test_reference_decodes_what_was_measured),
         cmocka_unit_test(test_is_kept_where_it_pays),
+        cmocka_unit_test(test_says_why_it_was_not_tried),
         cmocka_unit_test(test_levels_have_no_match),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -3,8 +3,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_FACTOR_CLASSES_H
-#define OPENBTF_ENCODER_FACTOR_CLASSES_H
+#ifndef OPENBTF_ENCODER_CLASSES_H
+#define OPENBTF_ENCODER_CLASSES_H
 
 #include "encoder/model/factor_store.h"
 

@@ -57,6 +57,10 @@ typedef struct search {
     size_t texels, columns;
 } search;
 
+static double rounding_of(const enc_factor_energies *energies, int class) {
+    return energies->rounding ? energies->rounding[class] : enc_factor_classes[class].error;
+}
+
 /* The error that a plan leaves; infinite where it holds more components than there are. */
 static double error_of(const search *s, const enc_factor_plan *plan) {
     double error = 0;
@@ -68,7 +72,7 @@ static double error_of(const search *s, const enc_factor_plan *plan) {
             if (held > rank - at) {
                 return INFINITY;
             }
-            error += enc_factor_classes[k].error * (s->sums[c][at + held] - s->sums[c][at]);
+            error += rounding_of(s->energies, k) * (s->sums[c][at + held] - s->sums[c][at]);
             at += held;
         }
         error += s->sums[c][rank] - s->sums[c][at];
@@ -84,7 +88,7 @@ double enc_factor_plan_error(const enc_factor_energies *energies, const enc_fact
         for (int k = 0; k < ENC_FACTOR_CLASSES; k++) {
             const size_t held = enc_factor_held(plan, k, c, energies->rank[c] - at);
             for (size_t i = 0; i < held && at < energies->rank[c]; i++) {
-                error += (k >= first_rounded ? enc_factor_classes[k].error : 0) * energies->energy[c][at];
+                error += (k >= first_rounded ? rounding_of(energies, k) : 0) * energies->energy[c][at];
                 at++;
             }
         }
@@ -248,7 +252,7 @@ static double count_at(const search *s, double price,
             int best = -1;
             for (int k = 0; k < ENC_FACTOR_CLASSES; k++) {
                 const double cost =
-                    s->energies->energy[c][j] * enc_factor_classes[k].error + price * component_bytes(s, k);
+                    s->energies->energy[c][j] * rounding_of(s->energies, k) + price * component_bytes(s, k);
                 if (cost < least) {
                     least = cost;
                     best = k;

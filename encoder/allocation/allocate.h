@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_ENCODER_FACTOR_ALLOCATE_H
-#define OPENBTF_ENCODER_FACTOR_ALLOCATE_H
+#ifndef OPENBTF_ENCODER_ALLOCATE_H
+#define OPENBTF_ENCODER_ALLOCATE_H
 
 #include "classes.h"
 
@@ -18,6 +18,9 @@ typedef struct enc_factor_plan {
 typedef struct enc_factor_energies {
     size_t rank[ENC_FACTOR_CHANNELS];
     const double *energy[ENC_FACTOR_CHANNELS]; /* [rank] falling */
+    /* [class] share of a component's energy that its rounding is thought to leave; NULL: what rounding to the
+     * nearest levels leaves */
+    const double *rounding;
 } enc_factor_energies;
 
 /* Units of a class, units in all, and texels of u in all. */
