@@ -257,6 +257,16 @@ static btf_result encode_plain(const enc_factor_matrix *m, const enc_factor_opti
     return result == BTF_OK ? finish(m, options, begin, f) : result;
 }
 
+/* Whether match may be tried: it wants the samples in memory, and room beside them, more with the coordinates of the
+ * whole texture. */
+static bool has_room(const enc_factor_matrix *m, uint64_t budget, bool whole) {
+    const enc_data *d = m->data;
+    const uint64_t samples = 4 * (uint64_t)enc_data_texel_count(d) * enc_data_texel_stride(d);
+    const uint64_t all = samples + enc_factor_match_memory(d->width, d->height, d->n_views, whole) +
+                         enc_factor_memory(d->width, d->height, d->n_views, d->n_lights, budget, m->context->threads);
+    return d->samples && (m->context->memory == 0 || all <= m->context->memory);
+}
+
 /* Sources for the components, and others in their place; trial.given_up where they leave more than `most`
  * of the squared error. */
 static btf_result find_match(const enc_factor_matrix *m, const enc_factor_options *options, uint64_t budget,
@@ -265,6 +275,7 @@ static btf_result find_match(const enc_factor_matrix *m, const enc_factor_option
     enc_stage_begin(m->context, "match", 2 * ENC_MATCH_ROUNDS * m->texels);
     btf_result result = enc_match_create(m->context, m->data->width, m->data->height,
                                          (size_t)m->data->n_views, options->gain, &f->match);
+    f->match.whole = has_room(m, options->budget, true);
     result = result == BTF_OK ? enc_match_find_bases(m, &f->bases) : result;
     if (result == BTF_OK &&
         !enc_factor_take_match(m, options->number, &f->match, f->components, &f->plan, &share)) {
@@ -337,15 +348,6 @@ static btf_result hand_over(const enc_factor_matrix *m, uint64_t budget, found *
     return BTF_OK;
 }
 
-/* Whether match may be tried: it wants the samples in memory, and room beside them. */
-static bool has_room(const enc_factor_matrix *m, uint64_t budget) {
-    const enc_data *d = m->data;
-    const uint64_t samples = 4 * (uint64_t)enc_data_texel_count(d) * enc_data_texel_stride(d);
-    const uint64_t all = samples + enc_factor_match_memory(d->width, d->height, d->n_views) +
-                         enc_factor_memory(d->width, d->height, d->n_views, d->n_lights, budget, m->context->threads);
-    return d->samples && (m->context->memory == 0 || all <= m->context->memory);
-}
-
 /* With match, at the same bytes as `plain`; where it must not be given up, at least one unit of factors. */
 static btf_result try_match(const enc_factor_matrix *m, const enc_factor_options *options, found *plain,
                             found *matched) {
@@ -359,7 +361,7 @@ static btf_result try_match(const enc_factor_matrix *m, const enc_factor_options
     if (enc_factor_take_candidate(m, options->number, &matched->trial, &matched->packed)) {
         return BTF_OK;
     }
-    matched->trial.given_up = choose && (bytes < lists + least || !has_room(m, options->budget));
+    matched->trial.given_up = choose && (bytes < lists + least || !has_room(m, options->budget, false));
     if (matched->trial.given_up) {
         return BTF_OK;
     }
@@ -470,9 +472,9 @@ uint64_t enc_factor_memory(int width, int height, int n_views, int n_lights, uin
            enc_factor_product_memory(columns, rank, threads);
 }
 
-uint64_t enc_factor_match_memory(int width, int height, int n_views) {
+uint64_t enc_factor_match_memory(int width, int height, int n_views, bool whole) {
     const uint64_t points = (uint64_t)width * (uint64_t)height * (uint64_t)n_views;
     /* sources, gains, users and weights of points; then what the search of a block holds */
     return points * (4 + 1 + 4 + 4 + 4) +
-           enc_match_block_memory(width, height, (size_t)n_views, ENC_MATCH_LEADING);
+           enc_match_block_memory(width, height, (size_t)n_views, ENC_MATCH_LEADING, whole);
 }

@@ -178,13 +178,16 @@ static double own_error(const enc_match *match, const enc_match_coordinates *at)
 
 /* The steps of a search, one of which may take all blocks before the next begins. */
 typedef struct block_steps {
-    bool locate, search, restrict_points;
+    bool locate_points, locate_sources, search, restrict_points;
 } block_steps;
 
 static btf_result search_block(const enc_factor_matrix *m, const enc_match_bases *bases,
                                const enc_factor_codes *codes, block_steps steps, enc_match_coordinates *at,
                                enc_match *match, search_sums *sums) {
-    btf_result result = steps.locate ? enc_match_locate(m, codes, bases, match, at) : BTF_OK;
+    btf_result result = steps.locate_points ? enc_match_locate_points(m, bases, match, at) : BTF_OK;
+    if (result == BTF_OK && steps.locate_sources) {
+        result = enc_match_locate_sources(m, codes, bases, match, at);
+    }
     if (result == BTF_OK && steps.search) {
         result = enc_match_search(m, at, match, &sums->energy);
     }
@@ -280,6 +283,10 @@ static btf_result search_blocks(const enc_factor_matrix *m, const enc_match_base
     by_blocks.context = &alone;
     enc_ranks_range(split ? m->context : &alone, blocks, &first, &end);
     btf_result result = sums ? BTF_OK : no_memory(m);
+    if (result == BTF_OK && match->whole && steps.locate_sources) {
+        result = enc_match_locate_sources(m, codes, bases, match, at);
+        steps.locate_sources = false;
+    }
     if (result == BTF_OK) {
         result = search_some(split ? &by_blocks : m, bases, codes, steps, first, end, at, match, sums);
     }
@@ -300,16 +307,17 @@ static btf_result search_blocks(const enc_factor_matrix *m, const enc_match_base
  * all blocks. */
 static btf_result search(const enc_factor_matrix *m, const enc_match_bases *bases, bool first,
                          enc_match *match, const enc_factor_codes *codes, search_sums *out_sums) {
-    const bool split = first && match->gains.count > 1, kept = enc_match_blocks(match) == 1;
+    const bool split = first && match->gains.count > 1;
+    const bool points = enc_match_blocks(match) > 1, sources = points && !match->whole; /* not kept from block to block */
     enc_match_coordinates at = enc_match_block(match, bases->leading, 0);
     *out_sums = (search_sums){0, 0, 0};
     btf_result result = enc_match_coordinates_create(m->context, match->views, &at);
     if (result == BTF_OK) {
-        result = search_blocks(m, bases, codes, (block_steps){true, true, !split}, &at, match, out_sums);
+        result = search_blocks(m, bases, codes, (block_steps){true, true, true, !split}, &at, match, out_sums);
     }
     if (result == BTF_OK && split) {
         enc_match_fit_gains(m->context, match);
-        result = search_blocks(m, bases, codes, (block_steps){!kept, false, true}, &at, match, out_sums);
+        result = search_blocks(m, bases, codes, (block_steps){points, sources, false, true}, &at, match, out_sums);
     }
     enc_match_coordinates_clear(&at);
     if (result == BTF_OK) {

@@ -184,13 +184,17 @@ enc_match_coordinates enc_match_block(const enc_match *match, size_t k, int bloc
     at.block.y = at.sources.y = block / across * BLOCK;
     at.block.width = match->width - at.block.x < BLOCK ? match->width - at.block.x : BLOCK;
     at.block.height = match->height - at.block.y < BLOCK ? match->height - at.block.y : BLOCK;
+    if (match->whole) {
+        at.sources = (enc_match_area){0, 0, match->width, match->height};
+        return at;
+    }
     at.sources.width = in_reach(match->width, at.block.width, &at.sources.x);
     at.sources.height = in_reach(match->height, at.block.height, &at.sources.y);
     return at;
 }
 
-uint64_t enc_match_block_memory(int width, int height, size_t views, size_t k) {
-    const enc_match match = {.width = width, .height = height};
+uint64_t enc_match_block_memory(int width, int height, size_t views, size_t k, bool whole) {
+    const enc_match match = {.width = width, .height = height, .whole = whole};
     const enc_match_coordinates at = enc_match_block(&match, k, 0);
     return sizeof(float) * views *
            (enc_match_area_texels(&at.block) * k + enc_match_area_texels(&at.sources) * (k + 1));
