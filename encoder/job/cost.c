@@ -37,9 +37,9 @@ static const double per_split = 1.2e-9, per_product = 0.025e-9, per_square = 0.0
 /* of a round of match: a sample that is added to its source's row, a product of the Gram matrices of views and texels,
  * one of the descent on u, a point and a source that are compared, and two views of a list (btf-sample bricks of 64x64
  * and 128x128 texels, 81 directions, and BRICKS64), */
-enum { SOURCES_IN_REACH = 2401, PAIRS_OF_TEXEL = 40 };
-static const double per_added = 1.2e-9, per_gram = 0.016e-9, per_own_square = 0.06e-9, per_compared = 0.4e-9,
-                    per_view_pair = 10e-9;
+enum { ALL_IN_REACH = 4096, SOURCES_OF_TILE = 2401, PAIRS_OF_TEXEL = 40 };
+static const double per_added = 3e-9, per_gram = 0.019e-9, per_own_square = 0.1e-9, per_compared = 0.95e-9,
+                    per_view_pair = 18e-9;
 /* of the fit of nodes, */
 static const double per_judged = 0.15e-9, per_table = 0.3e-6, per_turned = 0.03e-9, per_fitted = 2.5e-9;
 /* of what comes after the analysis. */
@@ -149,7 +149,8 @@ static double match_round(const counts *c, const enc_factors_settings *settings)
     const double all = fmin(bytes * 8 / 3.2 / (c->texels + columns), side), luma = 0.84 * all;
     const double descent = c->texels * luma * luma * (c->views * per_gram + 3 * per_own_square) +
                            2 * (c->samples * per_added + c->texels * columns * all * per_product);
-    const double search = c->points * (all * ENC_MATCH_LEADING * per_product + fmin(c->texels, SOURCES_IN_REACH) * per_compared);
+    const double sources = c->texels > ALL_IN_REACH ? SOURCES_OF_TILE : c->texels;
+    const double search = c->points * (all * ENC_MATCH_LEADING * per_product + sources * per_compared);
     return descent + search + c->points * fmin(c->views, PAIRS_OF_TEXEL) * per_view_pair;
 }
 
