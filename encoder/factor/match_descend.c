@@ -187,8 +187,9 @@ static void mirror(size_t rank, float *gram) {
 
 /* Floats of a texel's components, whole panels of either width. */
 static size_t turned_rank(size_t rank) {
-    const size_t a = enc_gemm_panels(rank, ENC_GEMM_M) * ENC_GEMM_M, b = enc_gemm_panels(rank, ENC_GEMM_N) * ENC_GEMM_N;
-    return a > b ? a : b;
+    const size_t by_m = enc_gemm_panels(rank, ENC_GEMM_M) * ENC_GEMM_M;
+    const size_t by_n = enc_gemm_panels(rank, ENC_GEMM_N) * ENC_GEMM_N;
+    return by_m > by_n ? by_m : by_n;
 }
 
 /* u texel by texel, [texel][turned_rank], which each view's Gram matrix picks texels from. NULL: out of memory. */
@@ -211,7 +212,8 @@ static float *turn_u(const enc_factor_matrix *m, const enc_factor_channel *chann
 /* Texels with a weight in a view: packed panels of their u, and of u times weight. */
 static void pack_users(const float *turned, size_t rank, size_t n, const uint32_t *source, const float *weight,
                        float *left, float *right) {
-    const size_t pitch = turned_rank(rank), by_m = enc_gemm_panels(rank, ENC_GEMM_M), by_n = enc_gemm_panels(rank, ENC_GEMM_N);
+    const size_t pitch = turned_rank(rank);
+    const size_t by_m = enc_gemm_panels(rank, ENC_GEMM_M), by_n = enc_gemm_panels(rank, ENC_GEMM_N);
     for (size_t i = 0; i < n; i++) {
         const float *u = turned + source[i] * pitch;
         for (size_t p = 0; p < by_m; p++) {

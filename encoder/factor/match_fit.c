@@ -17,8 +17,8 @@
 enum { SWEEPS = 3 };
 
 /* Where the first search leaves more of the squared error than this, no round follows it: a descent and another search
- * gain two to three times as much again, which is too little then (MAY_LEAVE, factor.c). What the first and the second
- * search leave: UBO_IMPALLA64 0.983, 0.947; BRICKS64 0.920, 0.781; bumps 64x64 0.942, 0.81; of btf-sample bricks 64x64
+ * gain two to three times as much again, which is too little then (MAY_LEAVE, factor.c). Left by the first and the second
+ * search: UBO_IMPALLA64 0.983, 0.947; BRICKS64 0.920, 0.781; bumps 64x64 0.942, 0.81; of btf-sample bricks 64x64
  * 0.882, 0.714; 128x128 0.868, 0.684; of 32x32 texels bumps 0.862, 0.724; weave 0.740, 0.570. */
 #define FIRST_MAY_LEAVE 0.97
 

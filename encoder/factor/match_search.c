@@ -244,7 +244,12 @@ btf_result enc_match_locate_points(const enc_factor_matrix *m, const enc_match_b
     enc_ranks_range(m->context, match->views, &begin, &end);
 #pragma omp parallel for schedule(dynamic) num_threads(m->context->threads) if (work)
     for (size_t v = begin; v < (work ? end : begin); v++) {
-        const projector p = {.m = m, .match = match, .at = at, .view = v, .length = bases->length, .basis = basis_of(bases, v)};
+        const projector p = {.m = m,
+                             .match = match,
+                             .at = at,
+                             .view = v,
+                             .length = bases->length,
+                             .basis = basis_of(bases, v)};
         if (!enc_cancelled(m->context)) {
             find_queries(&p, work + enc_thread_index() * each);
         }
