@@ -257,13 +257,14 @@ static btf_result encode_plain(const enc_factor_matrix *m, const enc_factor_opti
     return result == BTF_OK ? finish(m, options, begin, f) : result;
 }
 
-/* Whether match may be tried: it wants the samples in memory, and room beside them, more with the coordinates of the
- * whole texture. */
+/* Whether match may be tried: it wants the samples in memory, and room beside them, more with the
+ * coordinates of the whole texture. */
 static bool has_room(const enc_factor_matrix *m, uint64_t budget, bool whole) {
     const enc_data *d = m->data;
     const uint64_t samples = 4 * (uint64_t)enc_data_texel_count(d) * enc_data_texel_stride(d);
-    const uint64_t all = samples + enc_factor_match_memory(d->width, d->height, d->n_views, budget, whole) +
-                         enc_factor_memory(d->width, d->height, d->n_views, d->n_lights, budget, m->context->threads);
+    const uint64_t all =
+        samples + enc_factor_match_memory(d->width, d->height, d->n_views, budget, whole) +
+        enc_factor_memory(d->width, d->height, d->n_views, d->n_lights, budget, m->context->threads);
     return d->samples && (m->context->memory == 0 || all <= m->context->memory);
 }
 
@@ -475,7 +476,8 @@ uint64_t enc_factor_memory(int width, int height, int n_views, int n_lights, uin
 uint64_t enc_factor_match_memory(int width, int height, int n_views, uint64_t budget, bool whole) {
     const uint64_t points = (uint64_t)width * (uint64_t)height * (uint64_t)n_views;
     const uint64_t turned = (uint64_t)((double)budget * 8 / MEAN_BITS) * sizeof(float);
-    /* sources, gains, users and weights of points; u once more, texel by texel; then what the search of a block holds */
+    /* sources, gains, users and weights of points; u once more, texel by texel; then what the search of a
+     * block holds */
     return points * (4 + 1 + 4 + 4 + 4) + turned +
            enc_match_block_memory(width, height, (size_t)n_views, ENC_MATCH_LEADING, whole);
 }

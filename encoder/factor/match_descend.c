@@ -52,8 +52,8 @@ ENC_CLONES static void see_shared(size_t rank, const float *restrict gram, const
     memcpy(seen, sum, sizeof sum);
 }
 
-/* Adds to seen [BLOCK][LANES] what the components first .. first + n - 1 see of those behind them, every lane having a
- * Gram matrix of its own. */
+/* Adds to seen [BLOCK][LANES] what the components first .. first + n - 1 see of those behind them, every
+ * lane having a Gram matrix of its own. */
 ENC_CLONES static void see_behind(size_t rank, size_t first, size_t n, const float *restrict gram,
                                   const float *restrict x, float *restrict seen) {
     for (size_t k = first + n; k < rank; k++) {
@@ -125,8 +125,8 @@ static void sweep_shared(const lanes *l) {
     }
 }
 
-/* The lanes' own Gram matrices are too large for the cache next to the core: of each row a block's part is read as a
- * whole, and again while it is there still. */
+/* The lanes' own Gram matrices are too large for the cache next to the core: of each row a block's part is
+ * read as a whole, and again while it is there still. */
 static void sweep_own(const lanes *l) {
     const size_t rank = l->channel->rank;
     memset(l->seen, 0, rank * LANES * sizeof *l->seen);
@@ -192,7 +192,8 @@ static size_t turned_rank(size_t rank) {
     return by_m > by_n ? by_m : by_n;
 }
 
-/* u texel by texel, [texel][turned_rank], which each view's Gram matrix picks texels from. NULL: out of memory. */
+/* u texel by texel, [texel][turned_rank], which each view's Gram matrix picks texels from. NULL: out of
+ * memory. */
 static float *turn_u(const enc_factor_matrix *m, const enc_factor_channel *channel) {
     const size_t rank = channel->rank, pitch = turned_rank(rank);
     float *turned = enc_gemm_alloc(m->texels * pitch);
@@ -210,8 +211,8 @@ static float *turn_u(const enc_factor_matrix *m, const enc_factor_channel *chann
 }
 
 /* Texels with a weight in a view: packed panels of their u, and of u times weight. */
-static void pack_users(const float *turned, size_t rank, size_t n, const uint32_t *source, const float *weight,
-                       float *left, float *right) {
+static void pack_users(const float *turned, size_t rank, size_t n, const uint32_t *source,
+                       const float *weight, float *left, float *right) {
     const size_t pitch = turned_rank(rank);
     const size_t by_m = enc_gemm_panels(rank, ENC_GEMM_M), by_n = enc_gemm_panels(rank, ENC_GEMM_N);
     for (size_t i = 0; i < n; i++) {
@@ -229,8 +230,8 @@ static void pack_users(const float *turned, size_t rank, size_t n, const uint32_
 }
 
 /* gram = U^T diag(h_v) U. turned: of turn_u; work: two packed blocks. */
-static void gram_of_view(const enc_factor_matrix *m, size_t rank, const float *turned, size_t view, float *work,
-                         float *gram) {
+static void gram_of_view(const enc_factor_matrix *m, size_t rank, const float *turned, size_t view,
+                         float *work, float *gram) {
     const size_t views = m->match->views;
     float *left = work, *right = work + (rank + ENC_GEMM_N) * DEPTH, weight[DEPTH];
     uint32_t source[DEPTH];

@@ -16,10 +16,11 @@
 
 enum { SWEEPS = 3 };
 
-/* Where the first search leaves more of the squared error than this, no round follows it: a descent and another search
- * gain two to three times as much again, which is too little then (MAY_LEAVE, factor.c). Left by the first and the second
- * search: UBO_IMPALLA64 0.983, 0.947; BRICKS64 0.920, 0.781; bumps 64x64 0.942, 0.81; of btf-sample bricks 64x64
- * 0.882, 0.714; 128x128 0.868, 0.684; of 32x32 texels bumps 0.862, 0.724; weave 0.740, 0.570. */
+/* Where the first search leaves more of the squared error than this, no round follows it: a descent and
+ * another search gain two to three times as much again, which is too little then (MAY_LEAVE, factor.c).
+ * Left by the first and the second search: UBO_IMPALLA64 0.983, 0.947; BRICKS64 0.920, 0.781; bumps 64x64
+ * 0.942, 0.81; of btf-sample bricks 64x64 0.882, 0.714; 128x128 0.868, 0.684; of 32x32 texels bumps 0.862,
+ * 0.724; weave 0.740, 0.570. */
 #define FIRST_MAY_LEAVE 0.97
 
 static btf_result no_memory(const enc_factor_matrix *m) {
@@ -314,16 +315,19 @@ static btf_result search_blocks(const enc_factor_matrix *m, const enc_match_base
 static btf_result search(const enc_factor_matrix *m, const enc_match_bases *bases, bool first,
                          enc_match *match, const enc_factor_codes *codes, search_sums *out_sums) {
     const bool split = first && match->gains.count > 1;
-    const bool points = enc_match_blocks(match) > 1, sources = points && !match->whole; /* not kept from block to block */
+    const bool points = enc_match_blocks(match) > 1,
+               sources = points && !match->whole; /* not kept from block to block */
     enc_match_coordinates at = enc_match_block(match, bases->leading, 0);
     *out_sums = (search_sums){0, 0, 0};
     btf_result result = enc_match_coordinates_create(m->context, match->views, &at);
     if (result == BTF_OK) {
-        result = search_blocks(m, bases, codes, (block_steps){true, true, true, !split}, &at, match, out_sums);
+        result =
+            search_blocks(m, bases, codes, (block_steps){true, true, true, !split}, &at, match, out_sums);
     }
     if (result == BTF_OK && split) {
         enc_match_fit_gains(m->context, match);
-        result = search_blocks(m, bases, codes, (block_steps){points, sources, false, true}, &at, match, out_sums);
+        result = search_blocks(m, bases, codes, (block_steps){points, sources, false, true}, &at, match,
+                               out_sums);
     }
     enc_match_coordinates_clear(&at);
     if (result == BTF_OK) {

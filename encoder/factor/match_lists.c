@@ -75,7 +75,8 @@ static size_t first_of_source(const pair *pairs, size_t i) {
     return first;
 }
 
-static void find_dots(const enc_match_coordinates *at, size_t views, size_t source, const float *query, float *dot) {
+static void find_dots(const enc_match_coordinates *at, size_t views, size_t source, const float *query,
+                      float *dot) {
     const size_t all = enc_match_area_texels(&at->sources);
     for (size_t v = 0; v < views; v++) {
         dot[v] = enc_match_dot(at->k, query + v * at->k, at->source + (v * all + source) * at->k);
@@ -98,7 +99,8 @@ static void fill_values(const enc_match *match, const enc_match_coordinates *at,
             find_dots(at, views, source, w->query, w->dot + i * views);
         }
         for (size_t v = 0; v < views; v++) {
-            w->value[i * views + v] = gain * (2 * w->dot[first * views + v] - gain * at->norm[v * all + source]);
+            w->value[i * views + v] =
+                gain * (2 * w->dot[first * views + v] - gain * at->norm[v * all + source]);
         }
     }
 }

@@ -34,9 +34,9 @@ static const double per_fit = 110e-9, per_shadow = 20e-9, per_flow = 1.2e-6, per
  * descent, */
 static const double per_split = 1.2e-9, per_product = 0.025e-9, per_square = 0.06e-9,
                     per_level_square = 0.25e-9;
-/* of a round of match: a sample that is added to its source's row, a product of the Gram matrices of views and texels,
- * one of the descent on u, a point and a source that are compared, and two views of a list (btf-sample bricks of 64x64
- * and 128x128 texels, 81 directions, and BRICKS64), */
+/* of a round of match: a sample that is added to its source's row, a product of the Gram matrices of views
+ * and texels, one of the descent on u, a point and a source that are compared, and two views of a list
+ * (btf-sample bricks of 64x64 and 128x128 texels, 81 directions, and BRICKS64), */
 enum { ALL_IN_REACH = 4096, SOURCES_OF_TILE = 2401, PAIRS_OF_TEXEL = 40 };
 static const double per_added = 3e-9, per_gram = 0.019e-9, per_own_square = 0.1e-9, per_compared = 0.95e-9,
                     per_view_pair = 18e-9;

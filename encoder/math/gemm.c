@@ -91,8 +91,9 @@ enc_gemm_tile enc_gemm_select(void) {
 }
 
 /* Packs a run of the columns of up to `width` rows. */
-static inline __attribute__((always_inline)) void pack_run(size_t count, size_t run, const float *source, size_t pitch,
-                                                           size_t width, float *restrict packed) {
+static inline __attribute__((always_inline)) void pack_run(size_t count, size_t run, const float *source,
+                                                           size_t pitch, size_t width,
+                                                           float *restrict packed) {
     for (size_t i = 0; i < count; i++) {
         const float *row = source + i * pitch;
         for (size_t p = 0; p < run; p++)

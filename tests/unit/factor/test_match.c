@@ -200,8 +200,8 @@ static bool reached(int size, int at, int from) {
 }
 
 /* A search of every block. */
-static void search_blocks(const enc_factor_matrix *m, const enc_factor_codes *codes, const enc_match_bases *bases,
-                          bool whole, enc_match *out) {
+static void search_blocks(const enc_factor_matrix *m, const enc_factor_codes *codes,
+                          const enc_match_bases *bases, bool whole, enc_match *out) {
     assert_int_equal(enc_match_create(&two, WIDE, HIGH, FEW, true, out), BTF_OK);
     assert_int_equal(enc_match_blocks(out), 6);
     out->whole = whole;
@@ -216,8 +216,8 @@ static void search_blocks(const enc_factor_matrix *m, const enc_factor_codes *co
     }
 }
 
-/* In every block, at its edges too, no source in reach is nearer than the one found, and with the sources of the whole
- * texture the same ones are found. */
+/* In every block, at its edges too, no source in reach is nearer than the one found, and with the sources
+ * of the whole texture the same ones are found. */
 static void test_blocks_search_all_sources_in_reach(void **state) {
     (void)state;
     enc_data *data = wide_data();
