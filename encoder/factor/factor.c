@@ -270,6 +270,17 @@ static btf_result encode_plain(const enc_factor_matrix *m, const enc_factor_opti
     return result == BTF_OK ? finish(m, options, begin, f) : result;
 }
 
+/* Whether match may be tried: it wants the samples in memory, and room beside them, more with the
+ * coordinates of the whole texture. */
+static bool has_room(const enc_factor_matrix *m, uint64_t budget, bool whole) {
+    const enc_data *d = m->data;
+    const uint64_t samples = 4 * (uint64_t)enc_data_texel_count(d) * enc_data_texel_stride(d);
+    const uint64_t all =
+        samples + enc_factor_match_memory(d->width, d->height, d->n_views, budget, whole) +
+        enc_factor_memory(d->width, d->height, d->n_views, d->n_lights, budget, m->context->threads);
+    return d->samples && (m->context->memory == 0 || all <= m->context->memory);
+}
+
 /* Sources for the components, and others in their place; trial.omitted where they leave more than `most`
  * of the squared error. */
 static btf_result find_match(const enc_factor_matrix *m, const enc_factor_options *options, uint64_t budget,
@@ -278,6 +289,7 @@ static btf_result find_match(const enc_factor_matrix *m, const enc_factor_option
     enc_stage_begin(m->context, "match", 2 * ENC_MATCH_ROUNDS * m->texels);
     btf_result result = enc_match_create(m->context, m->data->width, m->data->height,
                                          (size_t)m->data->n_views, options->gain, &f->match);
+    f->match.whole = has_room(m, options->budget, true);
     result = result == BTF_OK ? enc_match_find_bases(m, &f->bases) : result;
     if (result == BTF_OK &&
         !enc_factor_take_match(m, options->number, &f->match, f->components, &f->plan, &share)) {
@@ -345,15 +357,6 @@ static btf_result hand_over(const enc_factor_matrix *m, uint64_t bytes, uint64_t
     return BTF_OK;
 }
 
-/* Whether match may be tried: it wants the samples in memory, and room beside them. */
-static bool has_room(const enc_factor_matrix *m, uint64_t budget) {
-    const enc_data *d = m->data;
-    const uint64_t samples = 4 * (uint64_t)enc_data_texel_count(d) * enc_data_texel_stride(d);
-    const uint64_t all = samples + enc_factor_match_memory(d->width, d->height, d->n_views) +
-                         enc_factor_memory(d->width, d->height, d->n_views, d->n_lights, budget, m->context->threads);
-    return d->samples && (m->context->memory == 0 || all <= m->context->memory);
-}
-
 /* With match, at the same bytes as `plain`; where it must not be given up, at least one unit of factors. */
 static btf_result try_match(const enc_factor_matrix *m, const enc_factor_options *options, found *plain,
                             found *matched) {
@@ -369,7 +372,7 @@ static btf_result try_match(const enc_factor_matrix *m, const enc_factor_options
     }
     if (choose) {
         matched->trial.omitted = bytes < lists + least               ? ENC_FACTOR_NO_BYTES
-                                 : !has_room(m, options->budget) ? ENC_FACTOR_NO_MEMORY
+                                 : !has_room(m, options->budget, false) ? ENC_FACTOR_NO_MEMORY
                                                                  : ENC_FACTOR_ENCODED;
     }
     if (matched->trial.omitted) {
@@ -504,9 +507,11 @@ uint64_t enc_factor_memory(int width, int height, int n_views, int n_lights, uin
            enc_factor_product_memory(columns, rank, threads);
 }
 
-uint64_t enc_factor_match_memory(int width, int height, int n_views) {
+uint64_t enc_factor_match_memory(int width, int height, int n_views, uint64_t budget, bool whole) {
     const uint64_t points = (uint64_t)width * (uint64_t)height * (uint64_t)n_views;
-    /* sources, gains, users and weights of points; then what the search of a block holds */
-    return points * (4 + 1 + 4 + 4 + 4) +
-           enc_match_block_memory(width, height, (size_t)n_views, ENC_MATCH_LEADING);
+    const uint64_t turned = (uint64_t)((double)budget * 8 / MEAN_BITS) * sizeof(float);
+    /* sources, gains, users and weights of points; u once more, texel by texel; then what the search of a
+     * block holds */
+    return points * (4 + 1 + 4 + 4 + 4) + turned +
+           enc_match_block_memory(width, height, (size_t)n_views, ENC_MATCH_LEADING, whole);
 }

@@ -46,8 +46,9 @@ btf_result enc_factor_encode(const enc_context *context, const enc_data *data,
 uint64_t enc_factor_least_budget(int width, int height, int n_views, int n_lights);
 
 /* Bytes that an encode without match takes at most beside the samples, and those that match adds. Where the
- * memory allowed does not hold both beside the samples, match is left out of the choice. */
-uint64_t enc_factor_match_memory(int width, int height, int n_views);
+ * memory allowed does not hold both beside the samples, match is left out of the choice; where it holds
+ * more, match takes the coordinates of the whole texture (match.h), which saves time. */
+uint64_t enc_factor_match_memory(int width, int height, int n_views, uint64_t budget, bool whole);
 uint64_t enc_factor_memory(int width, int height, int n_views, int n_lights, uint64_t budget, int threads);
 
 #endif

@@ -12,6 +12,7 @@
 
 #include "encoder/base/context.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 
 enum {
@@ -40,6 +41,8 @@ typedef struct enc_match {
      * 1] - 1], i = source * views + view, and the sum of the squares of their gains. */
     uint32_t *first, *user;
     float *weight; /* [source][view] */
+    bool whole;    /* a search holds the coordinates of the sources of the whole texture, not those that a block
+                      of it reaches, which are found again for each block that they lie near; the same is found */
 } enc_match;
 
 static inline float enc_match_gain(const enc_match *match, size_t view, size_t texel) {

@@ -18,6 +18,7 @@
 enum {
     LANES = ENC_GEMM_N, /* columns or texels that are refined together */
     DEPTH = 512,        /* texels that a view's Gram matrix adds at a time */
+    BLOCK = 8,          /* components whose parts of Gram matrices are read together */
 };
 
 static btf_result no_memory(const enc_factor_matrix *m) {
@@ -35,6 +36,7 @@ typedef struct lanes {
     const float
         *gram; /* one for all lanes: [rank][rank]; one a lane: [pair j (j + 1) / 2 + k, k <= j][LANES] */
     float *x, *product;            /* [rank][LANES] */
+    float *seen;                   /* [rank][LANES], where the lanes have Gram matrices of their own */
     float views[ENC_FACTOR_TIERS]; /* factors of the view, 1 for u */
 } lanes;
 
@@ -50,23 +52,46 @@ ENC_CLONES static void see_shared(size_t rank, const float *restrict gram, const
     memcpy(seen, sum, sizeof sum);
 }
 
-/* The same of component j, every lane having a Gram matrix of its own. */
-ENC_CLONES static void see_own(size_t rank, size_t j, const float *restrict gram,
-                                      const float *restrict x, float *restrict seen) {
-    float sum[LANES] = {0};
-    const float *row = gram + j * (j + 1) / 2 * LANES;
-    for (size_t k = 0; k < j; k++) {
-        for (size_t i = 0; i < LANES; i++) {
-            sum[i] += row[k * LANES + i] * x[k * LANES + i];
+/* Adds to seen [BLOCK][LANES] what the components first .. first + n - 1 see of those behind them, every
+ * lane having a Gram matrix of its own. */
+ENC_CLONES static void see_behind(size_t rank, size_t first, size_t n, const float *restrict gram,
+                                  const float *restrict x, float *restrict seen) {
+    for (size_t k = first + n; k < rank; k++) {
+        const float *g = gram + (k * (k + 1) / 2 + first) * LANES, *value = x + k * LANES;
+        for (size_t j = 0; j < n; j++) {
+            for (size_t i = 0; i < LANES; i++) {
+                seen[j * LANES + i] += g[j * LANES + i] * value[i];
+            }
         }
     }
-    for (size_t k = j; k < rank; k++) {
-        const float *g = gram + (k * (k + 1) / 2 + j) * LANES;
+}
+
+/* Adds to seen [rank][LANES] what those behind them see of the components first .. first + n - 1. */
+ENC_CLONES static void tell_behind(size_t rank, size_t first, size_t n, const float *restrict gram,
+                                   const float *restrict x, float *restrict seen) {
+    for (size_t k = first + n; k < rank; k++) {
+        const float *g = gram + (k * (k + 1) / 2 + first) * LANES, *value = x + first * LANES;
+        float sum[LANES] = {0};
+        for (size_t j = 0; j < n; j++) {
+            for (size_t i = 0; i < LANES; i++) {
+                sum[i] += g[j * LANES + i] * value[j * LANES + i];
+            }
+        }
         for (size_t i = 0; i < LANES; i++) {
-            sum[i] += g[i] * x[k * LANES + i];
+            seen[k * LANES + i] += sum[i];
         }
     }
-    memcpy(seen, sum, sizeof sum);
+}
+
+/* Adds to seen [LANES] what component j sees of first .. first + n - 1, of which it is one. */
+ENC_CLONES static void see_beside(size_t j, size_t first, size_t n, const float *restrict gram,
+                                  const float *restrict x, float *restrict seen) {
+    for (size_t k = first; k < first + n; k++) {
+        const float *g = gram + (k < j ? j * (j + 1) / 2 + k : k * (k + 1) / 2 + j) * LANES;
+        for (size_t i = 0; i < LANES; i++) {
+            seen[i] += g[i] * x[k * LANES + i];
+        }
+    }
 }
 
 /* A component goes to its best value in all lanes. */
@@ -81,23 +106,38 @@ ENC_CLONES static void settle(bool round, enc_factor_levels levels, float step,
     }
 }
 
-static void sweep(const lanes *l) {
+static void settle_component(const lanes *l, size_t j, const float *diagonal, const float *seen) {
+    const int class = l->channel->place[j].class;
+    const enc_factor_class *k = &enc_factor_classes[class];
+    settle(l->round, enc_factor_levels_of(class, l->is_w ? k->top_w : k->top_u),
+           l->steps[j] * l->views[k->tier], diagonal, l->product + j * LANES, seen, l->x + j * LANES);
+}
+
+static void sweep_shared(const lanes *l) {
     const size_t rank = l->channel->rank;
     _Alignas(64) float seen[LANES], diagonal[LANES];
     for (size_t j = 0; j < rank; j++) {
-        const int class = l->channel->place[j].class;
-        const enc_factor_class *k = &enc_factor_classes[class];
-        if (l->is_w) {
-            see_shared(rank, l->gram + j * rank, l->x, seen);
-            for (size_t i = 0; i < LANES; i++) {
-                diagonal[i] = l->gram[j * rank + j];
-            }
-        } else {
-            see_own(rank, j, l->gram, l->x, seen);
-            memcpy(diagonal, l->gram + (j * (j + 1) / 2 + j) * LANES, sizeof diagonal);
+        see_shared(rank, l->gram + j * rank, l->x, seen);
+        for (size_t i = 0; i < LANES; i++) {
+            diagonal[i] = l->gram[j * rank + j];
         }
-        settle(l->round, enc_factor_levels_of(class, l->is_w ? k->top_w : k->top_u),
-               l->steps[j] * l->views[k->tier], diagonal, l->product + j * LANES, seen, l->x + j * LANES);
+        settle_component(l, j, diagonal, seen);
+    }
+}
+
+/* The lanes' own Gram matrices are too large for the cache next to the core: of each row a block's part is
+ * read as a whole, and again while it is there still. */
+static void sweep_own(const lanes *l) {
+    const size_t rank = l->channel->rank;
+    memset(l->seen, 0, rank * LANES * sizeof *l->seen);
+    for (size_t first = 0; first < rank; first += BLOCK) {
+        const size_t n = rank - first < BLOCK ? rank - first : BLOCK;
+        see_behind(rank, first, n, l->gram, l->x, l->seen + first * LANES);
+        for (size_t j = first; j < first + n; j++) {
+            see_beside(j, first, n, l->gram, l->x, l->seen + j * LANES);
+            settle_component(l, j, l->gram + (j * (j + 1) / 2 + j) * LANES, l->seen + j * LANES);
+        }
+        tell_behind(rank, first, n, l->gram, l->x, l->seen);
     }
 }
 
@@ -112,7 +152,11 @@ static void refine_lanes(const lanes *l, int sweeps, size_t first, size_t n, siz
         memcpy(l->product + j * LANES, product + j * count + first, n * sizeof(float));
     }
     for (int s = 0; s < sweeps; s++) {
-        sweep(l);
+        if (l->is_w) {
+            sweep_shared(l);
+        } else {
+            sweep_own(l);
+        }
     }
     for (size_t j = 0; j < rank; j++) {
         memcpy(values + j * count + first, l->x + j * LANES, n * sizeof(float));
@@ -141,28 +185,55 @@ static void mirror(size_t rank, float *gram) {
     }
 }
 
-/* Texels with a weight in a view, `n` of the sources first .. : packed panels of their u, and of u times
- * weight. */
-static void pack_users(const float *u, size_t rank, size_t texels, size_t n, const uint32_t *source,
+/* Floats of a texel's components, whole panels of either width. */
+static size_t turned_rank(size_t rank) {
+    const size_t by_m = enc_gemm_panels(rank, ENC_GEMM_M) * ENC_GEMM_M;
+    const size_t by_n = enc_gemm_panels(rank, ENC_GEMM_N) * ENC_GEMM_N;
+    return by_m > by_n ? by_m : by_n;
+}
+
+/* u texel by texel, [texel][turned_rank], which each view's Gram matrix picks texels from. NULL: out of
+ * memory. */
+static float *turn_u(const enc_factor_matrix *m, const enc_factor_channel *channel) {
+    const size_t rank = channel->rank, pitch = turned_rank(rank);
+    float *turned = enc_gemm_alloc(m->texels * pitch);
+#pragma omp parallel for schedule(static) num_threads(m->context->threads) if (turned)
+    for (size_t first = 0; first < (turned ? m->texels : 0); first += LANES) {
+        const size_t n = m->texels - first < LANES ? m->texels - first : LANES;
+        memset(turned + first * pitch, 0, n * pitch * sizeof *turned);
+        for (size_t j = 0; j < rank; j++) {
+            for (size_t i = 0; i < n; i++) {
+                turned[(first + i) * pitch + j] = channel->u[j * m->texels + first + i];
+            }
+        }
+    }
+    return turned;
+}
+
+/* Texels with a weight in a view: packed panels of their u, and of u times weight. */
+static void pack_users(const float *turned, size_t rank, size_t n, const uint32_t *source,
                        const float *weight, float *left, float *right) {
-    memset(left, 0, enc_gemm_panels(rank, ENC_GEMM_M) * ENC_GEMM_M * n * sizeof *left);
-    memset(right, 0, enc_gemm_panels(rank, ENC_GEMM_N) * ENC_GEMM_N * n * sizeof *right);
-    for (size_t j = 0; j < rank; j++) {
-        float *a = left + j / ENC_GEMM_M * ENC_GEMM_M * n + j % ENC_GEMM_M;
-        float *b = right + j / ENC_GEMM_N * ENC_GEMM_N * n + j % ENC_GEMM_N;
-        for (size_t i = 0; i < n; i++) {
-            const float x = u[j * texels + source[i]];
-            a[i * ENC_GEMM_M] = x;
-            b[i * ENC_GEMM_N] = x * weight[i];
+    const size_t pitch = turned_rank(rank);
+    const size_t by_m = enc_gemm_panels(rank, ENC_GEMM_M), by_n = enc_gemm_panels(rank, ENC_GEMM_N);
+    for (size_t i = 0; i < n; i++) {
+        const float *u = turned + source[i] * pitch;
+        for (size_t p = 0; p < by_m; p++) {
+            memcpy(left + (p * n + i) * ENC_GEMM_M, u + p * ENC_GEMM_M, ENC_GEMM_M * sizeof *left);
+        }
+        for (size_t p = 0; p < by_n; p++) {
+            float *to = right + (p * n + i) * ENC_GEMM_N;
+            for (size_t j = 0; j < ENC_GEMM_N; j++) {
+                to[j] = u[p * ENC_GEMM_N + j] * weight[i];
+            }
         }
     }
 }
 
-/* gram = U^T diag(h_v) U. work: two packed blocks. */
-static void gram_of_view(const enc_factor_matrix *m, const enc_factor_channel *channel, size_t view,
+/* gram = U^T diag(h_v) U. turned: of turn_u; work: two packed blocks. */
+static void gram_of_view(const enc_factor_matrix *m, size_t rank, const float *turned, size_t view,
                          float *work, float *gram) {
-    const size_t rank = channel->rank, views = m->match->views;
-    float *left = work, *right = work + (rank + ENC_GEMM_M) * DEPTH / 16 * 16, weight[DEPTH];
+    const size_t views = m->match->views;
+    float *left = work, *right = work + (rank + ENC_GEMM_N) * DEPTH, weight[DEPTH];
     uint32_t source[DEPTH];
     size_t n = 0;
     memset(gram, 0, rank * rank * sizeof *gram);
@@ -172,7 +243,7 @@ static void gram_of_view(const enc_factor_matrix *m, const enc_factor_channel *c
             weight[n++] = m->match->weight[z * views + view];
         }
         if (n == DEPTH || (z + 1 == m->texels && n > 0)) {
-            pack_users(channel->u, rank, m->texels, n, source, weight, left, right);
+            pack_users(turned, rank, n, source, weight, left, right);
             add_lower(m->tile, rank, n, left, right, gram);
             n = 0;
         }
@@ -184,7 +255,7 @@ static void gram_of_view(const enc_factor_matrix *m, const enc_factor_channel *c
  * ------------------------------------------------------------------------------------------------ */
 
 static void refine_view(const enc_factor_matrix *m, const enc_factor_codes *codes, int c, size_t view,
-                        const float *product, bool round, int sweeps, float *work) {
+                        const float *turned, const float *product, bool round, int sweeps, float *work) {
     const enc_factor_channel *channel = &codes->channel[c];
     const size_t rank = channel->rank, block = (rank + ENC_GEMM_N) * DEPTH;
     float *gram = work + 2 * block;
@@ -194,7 +265,7 @@ static void refine_view(const enc_factor_matrix *m, const enc_factor_codes *code
     for (size_t t = 0; t < ENC_FACTOR_TIERS; t++) {
         l.views[t] = enc_factor_view(codes, view, t, c);
     }
-    gram_of_view(m, channel, view, work, gram);
+    gram_of_view(m, rank, turned, view, work, gram);
     for (size_t i = 0; i < codes->lights; i += LANES) {
         const size_t n = codes->lights - i < LANES ? codes->lights - i : LANES;
         refine_lanes(&l, sweeps, view * codes->lights + i, n, codes->columns, product, channel->w);
@@ -206,15 +277,18 @@ static btf_result refine_w(const enc_factor_matrix *m, const enc_factor_codes *c
                      bool round, int sweeps) {
     const size_t rank = codes->channel[c].rank;
     const size_t each = 2 * (rank + ENC_GEMM_N) * DEPTH + (rank * rank + 15) / 16 * 16 + 2 * rank * LANES;
+    float *turned = turn_u(m, &codes->channel[c]);
     float *work = enc_gemm_alloc((size_t)m->context->threads * each);
+    const bool room = turned && work;
     size_t begin, end;
     enc_ranks_range(m->context, codes->views, &begin, &end);
-#pragma omp parallel for schedule(dynamic) num_threads(m->context->threads) if (work)
-    for (size_t view = begin; view < (work ? end : begin); view++) {
-        refine_view(m, codes, c, view, product, round, sweeps, work + enc_thread_index() * each);
+#pragma omp parallel for schedule(dynamic) num_threads(m->context->threads) if (room)
+    for (size_t view = begin; view < (room ? end : begin); view++) {
+        refine_view(m, codes, c, view, turned, product, round, sweeps, work + enc_thread_index() * each);
     }
+    free(turned);
     free(work);
-    return enc_rows_complete(m->context, work ? BTF_OK : no_memory(m), rank, codes->columns, codes->lights,
+    return enc_rows_complete(m->context, room ? BTF_OK : no_memory(m), rank, codes->columns, codes->lights,
                              sizeof(float), codes->channel[c].w);
 }
 
@@ -270,6 +344,7 @@ static void refine_texels(const enc_factor_matrix *m, const enc_factor_codes *co
         .channel = channel, .round = round, .steps = channel->step_u, .gram = gram, .views = {1, 1, 1}};
     l.x = weight + views * LANES;
     l.product = l.x + rank * LANES;
+    l.seen = l.product + rank * LANES;
     enc_gemm_pack_rows(n, views, m->match->weight + first * views, views, LANES, weight);
     for (size_t p = 0; p < panels; p++) {
         m->tile(views, packed + p * views * ENC_GEMM_M, weight, gram + p * ENC_GEMM_M * LANES);
@@ -281,7 +356,7 @@ static void refine_texels(const enc_factor_matrix *m, const enc_factor_codes *co
 static btf_result refine_u(const enc_factor_matrix *m, const enc_factor_codes *codes, int c, const float *product,
                      bool round, int sweeps) {
     const size_t rank = codes->channel[c].rank, panels = enc_gemm_panels(rank * (rank + 1) / 2, ENC_GEMM_M);
-    const size_t each = (panels * ENC_GEMM_M + codes->views + 2 * rank) * LANES;
+    const size_t each = (panels * ENC_GEMM_M + codes->views + 3 * rank) * LANES;
     float *packed = enc_gemm_alloc(panels * ENC_GEMM_M * codes->views);
     float *work = enc_gemm_alloc((size_t)m->context->threads * each);
     bool room = packed && work;

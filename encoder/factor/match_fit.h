@@ -13,7 +13,8 @@ enum { ENC_MATCH_ROUNDS = 3, ENC_MATCH_CODE_ROUNDS = 4 };
  * those of the factors found, by falling energy, and io_plan that of the least error within the budget,
  * which is for the factors alone. *out_share: what one round and another search leave of the squared error
  * that the components had alone, as far as the leading directions of profiles tell; where it is more than
- * `most`, nothing follows, and components and plan stay. matrix has no match. The same bits for any number
+ * `most`, nothing follows, and components and plan stay. So it is where the first search leaves so much that `most`
+ * is out of reach: *out_share is then what that leaves. matrix has no match. The same bits for any number
  * of threads. Errors: BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
 btf_result enc_match_fit(const enc_factor_matrix *matrix, uint64_t budget, const enc_match_bases *bases,
                          double most, enc_match *io_match,

@@ -53,19 +53,71 @@ static size_t distinct_pairs(const enc_match *match, size_t texel, pair *out) {
     return count;
 }
 
-/* value[pair][view]: how much of the energy of the view's profile the pair takes. place: of the texel. */
+/* What a thread works in. */
+typedef struct workspace {
+    pair *pairs;  /* [view] */
+    float *query; /* [view][k] */
+    float *dot;   /* [pair][view] of profile and source */
+    float *value; /* [pair][view]: how much of the energy of the view's profile the pair takes */
+    float *has;   /* [view]: that of the pair that it has */
+} workspace;
+
+static size_t workspace_floats(size_t views, size_t k) {
+    return views * (k + 2 * views + 1);
+}
+
+/* The first pair of the same source. */
+static size_t first_of_source(const pair *pairs, size_t i) {
+    size_t first = 0;
+    while (pairs[first].source != pairs[i].source) {
+        first++;
+    }
+    return first;
+}
+
+static void find_dots(const enc_match_coordinates *at, size_t views, size_t source, const float *query,
+                      float *dot) {
+    const size_t all = enc_match_area_texels(&at->sources);
+    for (size_t v = 0; v < views; v++) {
+        dot[v] = enc_match_dot(at->k, query + v * at->k, at->source + (v * all + source) * at->k);
+    }
+}
+
+/* place: of the texel. */
 static void fill_values(const enc_match *match, const enc_match_coordinates *at, size_t place, size_t count,
-                        const pair *pairs, float *value) {
+                        workspace *w) {
     const size_t texels = enc_match_area_texels(&at->block), all = enc_match_area_texels(&at->sources);
+    const size_t views = match->views;
+    for (size_t v = 0; v < views; v++) {
+        memcpy(w->query + v * at->k, at->query + (v * texels + place) * at->k, at->k * sizeof *w->query);
+    }
     for (size_t i = 0; i < count; i++) {
-        const size_t source = enc_match_place(match, &at->sources, pairs[i].source);
-        const float gain = match->gains.base + match->gains.step * (float)pairs[i].gain;
-        for (size_t v = 0; v < match->views; v++) {
-            const float *query = at->query + (v * texels + place) * at->k;
-            const float dot = enc_match_dot(at->k, query, at->source + (v * all + source) * at->k);
-            value[i * match->views + v] = gain * (2 * dot - gain * at->norm[v * all + source]);
+        const size_t source = enc_match_place(match, &at->sources, w->pairs[i].source);
+        const size_t first = first_of_source(w->pairs, i);
+        const float gain = match->gains.base + match->gains.step * (float)w->pairs[i].gain;
+        if (first == i) {
+            find_dots(at, views, source, w->query, w->dot + i * views);
+        }
+        for (size_t v = 0; v < views; v++) {
+            w->value[i * views + v] =
+                gain * (2 * w->dot[first * views + v] - gain * at->norm[v * all + source]);
         }
     }
+}
+
+/* The energy that views take with a pair beside what they have. */
+ENC_CLONES static double taken_with(size_t views, const float *restrict value, const float *restrict has) {
+    double sum[8] = {0};
+    size_t v = 0;
+    for (; v + 8 <= views; v += 8) {
+        for (size_t i = 0; i < 8; i++) {
+            sum[i] += value[v + i] > has[v + i] ? value[v + i] : has[v + i];
+        }
+    }
+    for (size_t i = 0; v + i < views; i++) {
+        sum[i] += value[v + i] > has[v + i] ? value[v + i] : has[v + i];
+    }
+    return ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7]));
 }
 
 /* The pair that adds most to what the views have. */
@@ -73,10 +125,7 @@ static size_t best_pair(size_t views, size_t count, const float *value, const fl
     size_t best = 0;
     double most = -HUGE_VAL;
     for (size_t i = 0; i < count; i++) {
-        double sum = 0;
-        for (size_t v = 0; v < views; v++) {
-            sum += fmaxf(value[i * views + v], has[v]);
-        }
+        const double sum = taken_with(views, value + i * views, has);
         if (sum > most) {
             most = sum;
             best = i;
@@ -85,22 +134,22 @@ static size_t best_pair(size_t views, size_t count, const float *value, const fl
     return best;
 }
 
-/* One texel. has [view]: room. */
-static void restrict_texel(const enc_match_coordinates *at, size_t entries, size_t place, pair *pairs,
-                             float *value, float *has, enc_match *match) {
+static void restrict_texel(const enc_match_coordinates *at, size_t entries, size_t place, workspace *w,
+                           enc_match *match) {
     const size_t texel = enc_match_texel(match, &at->block, place);
-    const size_t views = match->views, count = distinct_pairs(match, texel, pairs);
-    fill_values(match, at, place, count, pairs, value);
+    const size_t views = match->views, count = distinct_pairs(match, texel, w->pairs);
+    fill_values(match, at, place, count, w);
     for (size_t v = 0; v < views; v++) {
-        has[v] = -FLT_MAX;
+        w->has[v] = -FLT_MAX;
     }
     for (size_t n = 0; n < entries && n < count; n++) {
-        const size_t best = best_pair(views, count, value, has);
+        const size_t best = best_pair(views, count, w->value, w->has);
+        const float *value = w->value + best * views;
         for (size_t v = 0; v < views; v++) {
-            if (value[best * views + v] > has[v]) {
-                has[v] = value[best * views + v];
-                match->source[v * match->texels + texel] = pairs[best].source;
-                match->gain[v * match->texels + texel] = pairs[best].gain;
+            if (value[v] > w->has[v]) {
+                w->has[v] = value[v];
+                match->source[v * match->texels + texel] = w->pairs[best].source;
+                match->gain[v * match->texels + texel] = w->pairs[best].gain;
             }
         }
     }
@@ -137,13 +186,17 @@ enc_match_coordinates enc_match_block(const enc_match *match, size_t k, int bloc
     at.block.y = at.sources.y = block / across * BLOCK;
     at.block.width = match->width - at.block.x < BLOCK ? match->width - at.block.x : BLOCK;
     at.block.height = match->height - at.block.y < BLOCK ? match->height - at.block.y : BLOCK;
+    if (match->whole) {
+        at.sources = (enc_match_area){0, 0, match->width, match->height};
+        return at;
+    }
     at.sources.width = in_reach(match->width, at.block.width, &at.sources.x);
     at.sources.height = in_reach(match->height, at.block.height, &at.sources.y);
     return at;
 }
 
-uint64_t enc_match_block_memory(int width, int height, size_t views, size_t k) {
-    const enc_match match = {.width = width, .height = height};
+uint64_t enc_match_block_memory(int width, int height, size_t views, size_t k, bool whole) {
+    const enc_match match = {.width = width, .height = height, .whole = whole};
     const enc_match_coordinates at = enc_match_block(&match, k, 0);
     return sizeof(float) * views *
            (enc_match_area_texels(&at.block) * k + enc_match_area_texels(&at.sources) * (k + 1));
@@ -184,17 +237,20 @@ static double left_at(const enc_match *match, const enc_match_coordinates *at, s
 btf_result enc_match_restrict(const enc_context *context, const enc_match_coordinates *at, size_t entries,
                               enc_match *match, double *io_error) {
     const size_t views = match->views, texels = enc_match_area_texels(&at->block);
-    const size_t threads = (size_t)context->threads;
+    const size_t threads = (size_t)context->threads, each = workspace_floats(views, at->k);
     pair *pairs = malloc(threads * views * sizeof *pairs);
-    float *value = malloc(threads * views * (views + 1) * sizeof *value);
+    float *work = malloc(threads * each * sizeof *work);
     double *sums = calloc(texels, sizeof *sums);
-    const bool room = pairs && value && sums;
+    const bool room = pairs && work && sums;
 #pragma omp parallel for schedule(dynamic, 8) num_threads(context->threads) if (room)
     for (size_t x = 0; x < (room ? texels : 0); x++) {
         const size_t t = enc_thread_index();
-        float *mine = value + t * views * (views + 1);
+        workspace w = {.pairs = pairs + t * views, .query = work + t * each};
+        w.dot = w.query + views * at->k;
+        w.value = w.dot + views * views;
+        w.has = w.value + views * views;
         if (entries > 0) {
-            restrict_texel(at, entries, x, pairs + t * views, mine, mine + views * views, match);
+            restrict_texel(at, entries, x, &w, match);
         }
         for (size_t v = 0; v < views; v++) {
             sums[x] += left_at(match, at, v, x);
@@ -204,7 +260,7 @@ btf_result enc_match_restrict(const enc_context *context, const enc_match_coordi
         *io_error += sums[x];
     }
     free(pairs);
-    free(value);
+    free(work);
     free(sums);
     return room ? BTF_OK : enc_fail(context, BTF_ERROR_MEMORY, "match: out of memory for lists");
 }

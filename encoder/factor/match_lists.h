@@ -43,8 +43,8 @@ typedef struct enc_match_coordinates {
 /* The blocks of a texture, and one of them without coordinates. */
 int enc_match_blocks(const enc_match *match);
 enc_match_coordinates enc_match_block(const enc_match *match, size_t k, int block);
-/* Bytes of the coordinates of a block at most. */
-uint64_t enc_match_block_memory(int width, int height, size_t views, size_t k);
+/* Bytes of the coordinates of a block at most; whole: with all sources. */
+uint64_t enc_match_block_memory(int width, int height, size_t views, size_t k, bool whole);
 
 /* Room for all views. Errors: BTF_ERROR_MEMORY. */
 btf_result enc_match_coordinates_create(const enc_context *context, size_t views,

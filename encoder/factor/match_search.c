@@ -231,23 +231,42 @@ static btf_result outcome(const enc_factor_matrix *m, bool room) {
     return !room ? no_memory(m) : enc_cancelled(m->context) ? BTF_ERROR_INTERRUPTED : BTF_OK;
 }
 
-/* Completes the coordinates of a block, of which each rank has found those of some views. */
-static btf_result share_coordinates(const enc_context *context, btf_result result, size_t views,
-                                    enc_match_coordinates *at) {
-    const size_t sources = enc_match_area_texels(&at->sources), one = sizeof(float);
-    result = enc_ranks_gather(context, result, at->query, enc_match_area_texels(&at->block) * at->k * one,
-                              views);
-    result = enc_ranks_gather(context, result, at->source, sources * at->k * one, views);
-    return enc_ranks_gather(context, result, at->norm, sources * one, views);
+static const float *basis_of(const enc_match_bases *bases, size_t view) {
+    return bases->basis + view * bases->leading * bases->length;
 }
 
-btf_result enc_match_locate(const enc_factor_matrix *m, const enc_factor_codes *codes,
-                            const enc_match_bases *bases, const enc_match *match,
-                            enc_match_coordinates *at) {
+/* Ranks share the views. */
+btf_result enc_match_locate_points(const enc_factor_matrix *m, const enc_match_bases *bases,
+                                   const enc_match *match, enc_match_coordinates *at) {
+    const size_t each = ((2 * ENC_GEMM_N + 2 * ENC_GEMM_M) * bases->length + 64) / 16 * 16;
+    float *work = enc_gemm_alloc((size_t)m->context->threads * each);
+    size_t begin, end;
+    enc_ranks_range(m->context, match->views, &begin, &end);
+#pragma omp parallel for schedule(dynamic) num_threads(m->context->threads) if (work)
+    for (size_t v = begin; v < (work ? end : begin); v++) {
+        const projector p = {.m = m,
+                             .match = match,
+                             .at = at,
+                             .view = v,
+                             .length = bases->length,
+                             .basis = basis_of(bases, v)};
+        if (!enc_cancelled(m->context)) {
+            find_queries(&p, work + enc_thread_index() * each);
+        }
+    }
+    const btf_result result = outcome(m, work);
+    free(work);
+    return enc_ranks_gather(m->context, result, at->query,
+                            enc_match_area_texels(&at->block) * at->k * sizeof *at->query, match->views);
+}
+
+btf_result enc_match_locate_sources(const enc_factor_matrix *m, const enc_factor_codes *codes,
+                                    const enc_match_bases *bases, const enc_match *match,
+                                    enc_match_coordinates *at) {
     const size_t components = codes->channel[0].rank + codes->channel[1].rank + codes->channel[2].rank;
-    const size_t longest = components + bases->length + bases->leading;
-    const size_t each = (longest * 2 * ENC_GEMM_N + 2 * ENC_GEMM_M * bases->length + 64) / 16 * 16;
-    float *packed = enc_gemm_alloc((enc_match_area_texels(&at->sources) + ENC_GEMM_M) * components);
+    const size_t sources = enc_match_area_texels(&at->sources);
+    const size_t each = ((bases->leading + ENC_GEMM_N) * components + 64) / 16 * 16;
+    float *packed = enc_gemm_alloc((sources + ENC_GEMM_M) * components);
     float *work = enc_gemm_alloc((size_t)m->context->threads * each);
     const bool room = packed && work;
     size_t begin, end;
@@ -264,16 +283,17 @@ btf_result enc_match_locate(const enc_factor_matrix *m, const enc_factor_codes *
                                  .components = components,
                                  .view = v,
                                  .length = bases->length,
-                                 .basis = bases->basis + v * bases->leading * bases->length};
+                                 .basis = basis_of(bases, v)};
             if (!enc_cancelled(m->context)) {
-                find_queries(&p, work + enc_thread_index() * each);
                 find_sources(&p, work + enc_thread_index() * each);
             }
         }
     }
     free(packed);
     free(work);
-    return share_coordinates(m->context, outcome(m, room), match->views, at);
+    const btf_result result = enc_ranks_gather(m->context, outcome(m, room), at->source,
+                                               sources * at->k * sizeof *at->source, match->views);
+    return enc_ranks_gather(m->context, result, at->norm, sources * sizeof *at->norm, match->views);
 }
 
 /* The nearest.

@@ -24,11 +24,13 @@ typedef struct enc_match_bases {
 btf_result enc_match_find_bases(const enc_factor_matrix *matrix, enc_match_bases *out_bases);
 void enc_match_bases_clear(enc_match_bases *bases);
 
-/* Coordinates of a block, which has room for them, in all views. Errors: BTF_ERROR_MEMORY,
- * BTF_ERROR_INTERRUPTED. */
-btf_result enc_match_locate(const enc_factor_matrix *matrix, const enc_factor_codes *codes,
-                            const enc_match_bases *bases, const enc_match *match,
-                            enc_match_coordinates *io_coordinates);
+/* Coordinates of the points of a block, or of its sources, in all views; there is room for them. Errors:
+ * BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
+btf_result enc_match_locate_points(const enc_factor_matrix *matrix, const enc_match_bases *bases,
+                                   const enc_match *match, enc_match_coordinates *io_coordinates);
+btf_result enc_match_locate_sources(const enc_factor_matrix *matrix, const enc_factor_codes *codes,
+                                    const enc_match_bases *bases, const enc_match *match,
+                                    enc_match_coordinates *io_coordinates);
 
 /* Finds sources and gains for the points of a block. A point changes its source only for a nearer one, its
  * gain being rounded; of equals the first wins. Up to 64x64 texels every point looks at all sources, else at

@@ -8,6 +8,7 @@
 #include "encoder/data/level_filter.h"
 #include "encoder/factor/factor.h"
 #include "encoder/factor/level.h"
+#include "encoder/factor/match_fit.h"
 #include "encoder/factor/round.h"
 #include "encoder/factor/signal.h"
 #include "encoder/input/bonn_reader.h"
@@ -34,10 +35,12 @@ static const double per_fit = 110e-9, per_shadow = 20e-9, per_flow = 1.2e-6, per
  * descent, */
 static const double per_split = 1.2e-9, per_product = 0.025e-9, per_square = 0.06e-9,
                     per_level_square = 0.25e-9;
-/* with match, all searches of a point by a source within reach, and what is done for them (btf-sample bricks of
- * 64x64 and 128x128 texels, 81 directions, and BRICKS64), */
-enum { SOURCES_IN_REACH = 4096 };
-static const double per_source = 1.05e-8, per_source_rounded = 1.2e-8;
+/* of a round of match: a sample that is added to its source's row, a product of the Gram matrices of views
+ * and texels, one of the descent on u, a point and a source that are compared, and two views of a list
+ * (btf-sample bricks of 64x64 and 128x128 texels, 81 directions, and BRICKS64), */
+enum { ALL_IN_REACH = 4096, SOURCES_OF_TILE = 2401, PAIRS_OF_TEXEL = 40 };
+static const double per_added = 3e-9, per_gram = 0.019e-9, per_own_square = 0.1e-9, per_compared = 0.95e-9,
+                    per_view_pair = 18e-9;
 /* of the fit of nodes, */
 static const double per_judged = 0.15e-9, per_table = 0.3e-6, per_turned = 0.03e-9, per_fitted = 2.5e-9;
 /* of what comes after the analysis. */
@@ -153,6 +156,19 @@ static outcome add_paper(list *l, const enc_extent *e, const counts *c, double f
     return (outcome){.lobes = o->fit.lobes, .effects = __builtin_popcount(o->effects)};
 }
 
+/* A round of match: a search, lists, and a descent on w and u. */
+static double match_round(const counts *c, const enc_factors_settings *settings) {
+    const double columns = c->views * c->lights, side = fmin(c->texels, columns);
+    const double lists = (double)enc_match_bytes((size_t)c->texels, (size_t)c->views);
+    const double bytes = fmax((double)settings->budget - lists, 16 * (c->texels + columns));
+    const double all = fmin(bytes * 8 / 3.2 / (c->texels + columns), side), luma = 0.84 * all;
+    const double descent = c->texels * luma * luma * (c->views * per_gram + 3 * per_own_square) +
+                           2 * (c->samples * per_added + c->texels * columns * all * per_product);
+    const double sources = c->texels > ALL_IN_REACH ? SOURCES_OF_TILE : c->texels;
+    const double search = c->points * (all * ENC_MATCH_LEADING * per_product + sources * per_compared);
+    return descent + search + c->points * fmin(c->views, PAIRS_OF_TEXEL) * per_view_pair;
+}
+
 /* Components of luma and of all channels that a budget of factors is thought to hold (see factor.c). */
 /* held: the samples lie in memory, without which no match is tried. */
 static outcome add_factors(list *l, const counts *c, const enc_factors_settings *settings, double fetch,
@@ -170,12 +186,12 @@ static outcome add_factors(list *l, const counts *c, const enc_factors_settings 
         add(l, "cross-validate",
             fmin(1, ENC_SIGNAL_MOST_TEXELS / c->texels) * (2.25 * pass + 3 * square * per_square));
     const bool match = held && (settings->choose || settings->effects & BTF_EFFECT_SHIFT);
-    const double looked_at = c->points * fmin(c->texels, SOURCES_IN_REACH); /* pairs of point and source */
+    const double round = match ? match_round(c, settings) : 0;
     add(l, "round factors",
         times * (passes * pass + (2 * sweeps + passes) * square * per_square +
-                 (match ? looked_at * per_source_rounded : 0)));
+                 fmax(1, settings->sweeps * ENC_MATCH_CODE_ROUNDS / ENC_FACTOR_SWEEPS) * round));
     if (match)
-        add(l, "match", times * looked_at * per_source);
+        add(l, "match", times * ENC_MATCH_ROUNDS * round);
     if (settings->quality > 0 || settings->choose)
         add(l, "measure factors", times * (pass + c->samples * per_measured));
     return (outcome){.components = all / 5, .factors = true};

@@ -96,8 +96,12 @@ enc_memory_use enc_memory_expected(const enc_context *context, enc_method method
     if (kept)
         use.peak += samples;
     if (kept && method == ENC_METHOD_JOINT) {
-        const uint64_t match = enc_factor_match_memory(width, height, n_views);
-        use.peak += context->memory == 0 || use.peak + match <= context->memory ? match : 0;
+        const uint64_t match = enc_factor_match_memory(width, height, n_views, budget, false),
+                       whole = enc_factor_match_memory(width, height, n_views, budget, true);
+        const uint64_t left = context->memory == 0         ? UINT64_MAX
+                              : use.peak < context->memory ? context->memory - use.peak
+                                                           : 0;
+        use.peak += whole <= left ? whole : match <= left ? match : 0;
     }
     else if (!made)
         use.scratch += samples;

@@ -90,18 +90,34 @@ enc_gemm_tile enc_gemm_select(void) {
     return tile_plain;
 }
 
+/* Packs a run of the columns of up to `width` rows. */
+static inline __attribute__((always_inline)) void pack_run(size_t count, size_t run, const float *source,
+                                                           size_t pitch, size_t width,
+                                                           float *restrict packed) {
+    for (size_t i = 0; i < count; i++) {
+        const float *row = source + i * pitch;
+        for (size_t p = 0; p < run; p++)
+            packed[p * width + i] = row[p];
+    }
+    for (size_t i = count; i < width; i++)
+        for (size_t p = 0; p < run; p++)
+            packed[p * width + i] = 0.0f;
+}
+
 void enc_gemm_pack_rows(size_t rows, size_t k, const float *source, size_t pitch, size_t width,
                         float *packed) {
+    enum { RUN = 32 }; /* columns whose panel stays in the first cache until all rows are in it */
     for (size_t first = 0; first < rows; first += width) {
         const size_t count = rows - first < width ? rows - first : width;
-        for (size_t i = 0; i < count; i++) {
-            const float *row = source + (first + i) * pitch;
-            for (size_t p = 0; p < k; p++)
-                packed[p * width + i] = row[p];
+        for (size_t p = 0; p < k; p += RUN) {
+            const float *from = source + first * pitch + p;
+            if (k - p >= RUN && width == ENC_GEMM_N)
+                pack_run(count, RUN, from, pitch, ENC_GEMM_N, packed + p * ENC_GEMM_N);
+            else if (k - p >= RUN && width == ENC_GEMM_M)
+                pack_run(count, RUN, from, pitch, ENC_GEMM_M, packed + p * ENC_GEMM_M);
+            else
+                pack_run(count, k - p < RUN ? k - p : RUN, from, pitch, width, packed + p * width);
         }
-        for (size_t i = count; i < width; i++)
-            for (size_t p = 0; p < k; p++)
-                packed[p * width + i] = 0.0f;
         packed += k * width;
     }
 }

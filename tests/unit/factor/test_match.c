@@ -127,7 +127,8 @@ static void test_search_finds_what_was_planted(void **state) {
     assert_int_equal(enc_match_blocks(&match), 1);
     enc_match_coordinates at = enc_match_block(&match, bases.leading, 0);
     assert_int_equal(enc_match_coordinates_create(&two, VIEWS, &at), BTF_OK);
-    assert_int_equal(enc_match_locate(&m, &codes, &bases, &match, &at), BTF_OK);
+    assert_int_equal(enc_match_locate_points(&m, &bases, &match, &at), BTF_OK);
+    assert_int_equal(enc_match_locate_sources(&m, &codes, &bases, &match, &at), BTF_OK);
     assert_int_equal(enc_match_search(&m, &at, &match, &energy), BTF_OK);
     assert_int_equal(enc_match_restrict(&two, &at, 0, &match, &error), BTF_OK);
     for (size_t v = 0; v < VIEWS; v++) {
@@ -148,7 +149,7 @@ static void test_search_finds_what_was_planted(void **state) {
 
 /* A texture of more blocks than one, around whose edges sources lie. Directions are so few that coordinates
  * hold profiles as they are. */
-enum { WIDE = 70, HIGH = 67, FEW = 3, WIDE_RANK = 4 };
+enum { WIDE = 140, HIGH = 67, FEW = 3, WIDE_RANK = 4 };
 
 static enc_data *wide_data(void) {
     enc_direction directions[FEW];
@@ -198,7 +199,25 @@ static bool reached(int size, int at, int from) {
     return size <= 64 || by <= 2 * ENC_MATCH_REACH - n;
 }
 
-/* In every block, at its edges too, no source in reach is nearer than the one found. */
+/* A search of every block. */
+static void search_blocks(const enc_factor_matrix *m, const enc_factor_codes *codes,
+                          const enc_match_bases *bases, bool whole, enc_match *out) {
+    assert_int_equal(enc_match_create(&two, WIDE, HIGH, FEW, true, out), BTF_OK);
+    assert_int_equal(enc_match_blocks(out), 6);
+    out->whole = whole;
+    for (int b = 0; b < 6; b++) {
+        enc_match_coordinates at = enc_match_block(out, bases->leading, b);
+        double energy = 0;
+        assert_int_equal(enc_match_coordinates_create(&two, FEW, &at), BTF_OK);
+        assert_int_equal(enc_match_locate_points(m, bases, out, &at), BTF_OK);
+        assert_int_equal(enc_match_locate_sources(m, codes, bases, out, &at), BTF_OK);
+        assert_int_equal(enc_match_search(m, &at, out, &energy), BTF_OK);
+        enc_match_coordinates_clear(&at);
+    }
+}
+
+/* In every block, at its edges too, no source in reach is nearer than the one found, and with the sources
+ * of the whole texture the same ones are found. */
 static void test_blocks_search_all_sources_in_reach(void **state) {
     (void)state;
     enc_data *data = wide_data();
@@ -209,7 +228,7 @@ static void test_blocks_search_all_sources_in_reach(void **state) {
     enc_components components[3] = {{.rank = WIDE_RANK, .u = u, .w = w}};
     enc_factor_codes codes;
     enc_match_bases bases;
-    enc_match match;
+    enc_match match, whole;
     assert_non_null(u);
     for (size_t i = 0; i < WIDE_RANK * m.texels; i++) {
         u[i] = uniform(&seed);
@@ -219,16 +238,10 @@ static void test_blocks_search_all_sources_in_reach(void **state) {
     }
     assert_int_equal(enc_factor_codes_create(&m, &plan, components, &codes), BTF_OK);
     assert_int_equal(enc_match_find_bases(&m, &bases), BTF_OK);
-    assert_int_equal(enc_match_create(&two, WIDE, HIGH, FEW, true, &match), BTF_OK);
-    assert_int_equal(enc_match_blocks(&match), 4);
-    for (int b = 0; b < 4; b++) {
-        enc_match_coordinates at = enc_match_block(&match, bases.leading, b);
-        double energy = 0;
-        assert_int_equal(enc_match_coordinates_create(&two, FEW, &at), BTF_OK);
-        assert_int_equal(enc_match_locate(&m, &codes, &bases, &match, &at), BTF_OK);
-        assert_int_equal(enc_match_search(&m, &at, &match, &energy), BTF_OK);
-        enc_match_coordinates_clear(&at);
-    }
+    search_blocks(&m, &codes, &bases, false, &match);
+    search_blocks(&m, &codes, &bases, true, &whole);
+    assert_memory_equal(match.source, whole.source, FEW * m.texels * sizeof *match.source);
+    assert_memory_equal(match.gain, whole.gain, FEW * m.texels);
     for (size_t i = 0; i < FEW * m.texels; i += 97) {
         const size_t view = i / m.texels, texel = i % m.texels;
         const double found = left_of(&m, &codes, &match, view, texel, match.source[i]);
@@ -243,6 +256,7 @@ static void test_blocks_search_all_sources_in_reach(void **state) {
     }
     free(u);
     enc_match_bases_clear(&bases);
+    enc_match_clear(&whole);
     enc_match_clear(&match);
     enc_factor_codes_clear(&codes);
     enc_data_destroy(&data);
