@@ -10,6 +10,7 @@
 #include "cost.h"
 #include "decoder/toolkit/output.h"
 #include "encoder/report/effect_errors.h"
+#include "foresee.h"
 #include "levels.h"
 #include "memory.h"
 #include "encoder/report/montage.h"
@@ -125,16 +126,34 @@ static double fit_least_psnr(const enc_job *job) {
     return job->method != ENC_METHOD_PAPER && job->joint.quality > 0 ? job->joint.quality + 3 : 0;
 }
 
-/* Fits values at views and lights, where that is asked for and pays. */
+/* The error of the factors that are to come. */
+static btf_result foresee(const enc_context *context, const enc_job *job, const enc_data *data,
+                          enc_fit_error *out) {
+    const enc_factors_settings settings =
+        enc_settings_of_factors(job, data->width, data->height, data->n_views, data->n_lights);
+    return enc_foresee_error(context, data, &settings, out);
+}
+
+/* Judges fits of values at views and lights, and takes the best where that is asked for. Of the paper's method it
+ * is judged only then. */
 static btf_result fit_nodes(const enc_context *context, const enc_job *job, job_state *s,
                             enc_report *report) {
     char kappa[ENC_FIT_TEXT];
-    if (job->fit != ENC_FIT_BETWEEN) {
+    const bool roots = job->method != ENC_METHOD_PAPER; /* as the decoder blends */
+    const bool taken = job->fit == ENC_FIT_BETWEEN;
+    enc_fit_error coder;
+    if (!taken && !roots) {
         return BTF_OK;
     }
-    const bool roots = job->method != ENC_METHOD_PAPER; /* as the decoder blends */
-    btf_result result =
-        enc_fit_choose(context, s->data, roots, fit_least_psnr(job), &s->fit, &s->nodes);
+    btf_result result = roots ? foresee(context, job, s->data, &coder) : BTF_OK;
+    if (result == BTF_OK) {
+        result = enc_fit_choose(context, s->data, roots, fit_least_psnr(job), roots ? &coder : NULL, &s->fit,
+                                &s->nodes);
+    }
+    if (!taken) {
+        enc_node_tables_clear(&s->nodes);
+        s->fit.chosen = 0;
+    }
     if (result == BTF_OK && s->nodes.views) {
         result = enc_node_apply(context, &s->nodes, s->data, &s->fitted);
     }
@@ -142,10 +161,10 @@ static btf_result fit_nodes(const enc_context *context, const enc_job *job, job_
         report->fit = &s->fit;
         enc_fit_text(&s->fit, kappa);
         enc_log(context, BTF_LOG_INFO, "fit of nodes: kappa %s", kappa);
-        if (asprintf(&s->provenance, "%s fit-kappa=%s", s->options, kappa) < 0) {
-            s->provenance = NULL;
-            result = enc_fail(context, BTF_ERROR_MEMORY, "out of memory");
-        }
+    }
+    if (result == BTF_OK && taken && asprintf(&s->provenance, "%s fit-kappa=%s", s->options, kappa) < 0) {
+        s->provenance = NULL;
+        result = enc_fail(context, BTF_ERROR_MEMORY, "out of memory");
     }
     return result;
 }
