@@ -66,21 +66,27 @@ static float cost_of_factors(const btf_material_info *info, uint32_t units, bool
 
 /* Costs of relief and gloss, see plan.h: likewise in one place. */
 static const struct {
-    float vector; /* a fetch of a neighbour's direction, and its slope or its reflection */
-    float step;   /* of a march */
-    float view;   /* of relief: the texels that a neighbouring view shows */
-} between_costs = {2.0f, 1.5f, 3.0f};
+    float texel;     /* more for a texel of u that each view has of its own: it is in no common pass */
+    float view;      /* of relief: where a neighbouring view shows the point */
+    float step;      /* of the pixel's march */
+    float view_step; /* of a neighbouring view's */
+    float gloss;     /* of a neighbouring view's own lights, where there are several views */
+} between_costs = {1, 14, 1.1f, 4.3f, 70};
 
 /* Heights are marched along once for the pixel, whichever its filter, and once for each of several
  * neighbouring views; with gloss each view has lights of its own, which are looked up. */
 static float cost_of_between(const btf_material_info *info, uint32_t effects, float views, float look_up) {
-    const bool relief = effects & BTF_EFFECT_RELIEF, gloss = effects & BTF_EFFECT_GLOSS;
-    const float marches = info->relief_step == 0 ? 0 : views > 1 ? 1 + views : 1;
-    const float fetched = relief || gloss ? between_costs.vector * views : 0;
-    return fetched + (gloss ? look_up * views : 0) +
-           (relief ? between_costs.view * views +
-                         between_costs.step * marches * (float)(info->relief_steps + 1)
-                   : 0);
+    const bool several = views > 1;
+    float cost = 0;
+    if (effects & BTF_EFFECT_RELIEF) {
+        cost += between_costs.view * views;
+        if (info->relief_step > 0)
+            cost += (between_costs.step + (several ? between_costs.view_step * views : 0)) *
+                    (float)(info->relief_steps + 1);
+    }
+    if (effects & BTF_EFFECT_GLOSS)
+        cost += look_up + (several ? between_costs.gloss * views : 0);
+    return cost;
 }
 
 /* See plan.h for the model and where its numbers come from. `stored` has the layout and the store of points that the
@@ -131,7 +137,11 @@ static float cost_of(const btf_material *material, const btf_material_info *stor
                                  ? cost_of_factors(info, components, relief || effects & BTF_EFFECT_SHIFT,
                                                    views.decoded + views.skipped, lights, texels)
                                  : 0;
-    return once + look_up * look_ups +
+    const float own_texels = factors && relief
+                                 ? between_costs.texel * texels * (views.decoded + views.skipped) *
+                                       (float)btfi_factor_layers(info, components)
+                                 : 0;
+    return once + look_up * look_ups + own_texels +
            cost_of_between(info, lights_matter ? effects : effects & ~(uint32_t)BTF_EFFECT_GLOSS,
                            views.decoded + views.skipped, look_up) +
            (views.decoded + views.skipped) * texels * each + of_factors +
