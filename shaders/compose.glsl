@@ -41,16 +41,24 @@ btf_setting btf_prepare(vec3 l, vec3 v, bool nearest, int level) {
         s.views = btf_nearest(s.views);
         s.n_views = 1;
     }
-    for (int a = 0; a < s.n_views; ++a)
-        s.vector[a] = btf_view_vector(s.views.index[a]);
+    s.vector[0] = s.vector[1] = s.vector[2] = btf_view_vector(s.views.index.x);
+    if (s.n_views > 1) {
+        s.vector[1] = btf_view_vector(s.views.index.y);
+        s.vector[2] = btf_view_vector(s.views.index.z);
+    }
 #endif
 #if BTF_GLOSS
     s.n = 3;
     for (int a = 0; a < s.n_views; ++a) {
-        btf_neighbours lights = btf_lookup(btf_light_table, BTF_LIGHT_GRID, btf_gloss(l, v, s.vector[a].xyz));
+        btf_neighbours lights = btf_lookup(btf_light_table, BTF_LIGHT_GRID, btf_gloss(l, v, BTF_ELEMENT(s.vector, a).xyz));
         if (nearest)
             lights = btf_nearest(lights);
-        s.lights_of[a] = lights;
+        if (a == 0)
+            s.lights_of[0] = lights;
+        else if (a == 1)
+            s.lights_of[1] = lights;
+        else
+            s.lights_of[2] = lights;
     }
     s.lights = s.lights_of[0];
 #else
@@ -229,7 +237,7 @@ void btf_shown_factors(out vec3 residual[BTF_FACTOR_SUMS], btf_setting s) {
     uvec2 source[BTF_FACTOR_SUMS];
     for (int a = 0; a < s.n_views; ++a) {
         uvec2 x[BTF_TEXELS];
-        btf_shown_texels(x, s.shown[a], s.level);
+        btf_shown_texels(x, BTF_ELEMENT(s.shown, a), s.level);
         for (int i = 0; i < BTF_TEXELS; ++i)
             source[a * BTF_TEXELS + i] = btf_source(x[i], btf_view_codes(x[i], s.views.index[a], s.level), s.level);
     }
@@ -252,9 +260,13 @@ vec3 btf_shifted_views(btf_setting s) {
         uvec2 x[BTF_TEXELS];
         vec3 radiance[BTF_TEXELS];
 #if BTF_GLOSS
-        s.lights = s.lights_of[a];
+        s.lights = s.lights_of[0];
+        if (a == 1)
+            s.lights = s.lights_of[1];
+        if (a == 2)
+            s.lights = s.lights_of[2];
 #endif
-        uvec4 weight = btf_shown_texels(x, s.shown[a], s.level);
+        uvec4 weight = btf_shown_texels(x, BTF_ELEMENT(s.shown, a), s.level);
         if (s.views.weight[a] > 0u) {
 #if BTF_FACTORS
             vec3 residual[BTF_TEXELS];
@@ -297,7 +309,11 @@ void btf_texels(inout vec3 sum[BTF_TEXELS], uvec2 x[BTF_TEXELS], btf_setting s) 
     for (int a = 0; a < s.n_views; ++a) {
         vec3 radiance[BTF_TEXELS];
 #if BTF_GLOSS
-        s.lights = s.lights_of[a];
+        s.lights = s.lights_of[0];
+        if (a == 1)
+            s.lights = s.lights_of[1];
+        if (a == 2)
+            s.lights = s.lights_of[2];
 #endif
 #if BTF_FACTORS && !BTF_FACTORS_BY_VIEW
         vec3 residual[BTF_TEXELS];

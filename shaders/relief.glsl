@@ -73,7 +73,7 @@ uint btf_occlude(uint weight, ivec2 x, ivec2 s, int z, int e, int level) {
 void btf_relief(out ivec2 shown[3], inout btf_neighbours views, int n, vec4 vector[3], ivec2 x, vec3 v, int level) {
     int e = 0;
     for (int a = 0; a < n; ++a)
-        e += int(views.weight[a]) * int(vector[a].w);
+        e += int(views.weight[a]) * int(BTF_ELEMENT(vector, a).w);
     ivec2 s = (btf_slope(v) * e) >> 12;
 #if BTF_RELIEF == 2
     int z = btf_march(x, s, BTF_RELIEF_BASE, level); /* it comes down to that at most */
@@ -83,11 +83,17 @@ void btf_relief(out ivec2 shown[3], inout btf_neighbours views, int n, vec4 vect
     ivec2 point = x + btf_move(z, s, level);
     uvec3 weight = uvec3(0u);
     for (int a = 0; a < n; ++a) {
-        ivec2 s_a = (btf_slope(vector[a].xyz) * e) >> 12;
-        shown[a] = btf_inside(point - btf_move(z, s_a, level), level);
+        ivec2 s_a = (btf_slope(BTF_ELEMENT(vector, a).xyz) * e) >> 12;
+        ivec2 at = btf_inside(point - btf_move(z, s_a, level), level);
+        if (a == 0)
+            shown[0] = shown[1] = shown[2] = at;
+        else if (a == 1)
+            shown[1] = at;
+        else
+            shown[2] = at;
 #if BTF_RELIEF == 2
         if (n > 1 && views.weight[a] > 0u)
-            weight[a] = btf_occlude(views.weight[a], shown[a], s_a, z, e, level);
+            weight[a] = btf_occlude(views.weight[a], at, s_a, z, e, level);
 #endif
     }
 #if BTF_RELIEF == 2
