@@ -18,7 +18,7 @@ extern const char *const btfi_colour_words[3]; /* btf_colour */
 extern const char *const btfi_blend_words[2];  /* btf_blend */
 extern const char *const btfi_point_words[3];  /* btf_point_store */
 
-/* "shadow,shift" for a mask of effects; "" for none. size >= 40. */
+/* "shadow,shift" for a mask of effects; "" for none. size >= 48. */
 void btfi_effects_text(uint32_t effects, char *buffer, size_t size);
 
 /* OpenEXR's last message to this thread: it speaks while it holds the lock of its context, so that its

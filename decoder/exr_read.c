@@ -349,6 +349,8 @@ static btf_result read_textures(exr_const_context_t context, const btf_log *log,
     if (!result)
         place_scales(m, scales);
     if (!result)
+        result = btfi_material_make_vectors(log, scales->relief, m);
+    if (!result)
         result = btfi_check_values(&(btfi_check){log, BTF_ERROR_BAD_FILE}, &m->info, m->texture);
     return result;
 }
@@ -358,7 +360,7 @@ static btf_result read_material(exr_const_context_t context, const btf_log *log,
     btf_material *m = btfi_material_new();
     if (!m)
         return btfi_fail(log, BTF_ERROR_MEMORY, "out of memory for a material");
-    btfi_scales scales = {NULL, NULL, NULL};
+    btfi_scales scales = {0};
     btf_result result = btfi_header_read(context, log, m, &scales);
     if (!result) {
         m->info.half_float = m->info.colour != BTF_COLOUR_NONE && sbrdf_is_half(context);
@@ -367,6 +369,7 @@ static btf_result read_material(exr_const_context_t context, const btf_log *log,
     free(scales.residual);
     free(scales.factor);
     free(scales.view);
+    free(scales.relief);
     if (result) {
         btf_material_close(&m);
         return result;

@@ -151,6 +151,22 @@ static void put_factors(header *h, const btf_material *m) {
     put_float(h, "openbtf.horizonScale", info->horizon_scale);
 }
 
+static void put_relief(header *h, const btf_material *m) {
+    const btf_material_info *info = &m->info;
+    put_int(h, "openbtf.reliefBase", (uint32_t)info->relief_base);
+    put_int(h, "openbtf.reliefStep", (uint32_t)info->relief_step);
+    put_int(h, "openbtf.reliefSteps", info->relief_steps);
+    if (info->relief_level > 0)
+        put_int(h, "openbtf.reliefLevel", info->relief_level);
+    float *acts = malloc(info->n_views * sizeof *acts);
+    if (!acts && !h->result)
+        h->result = EXR_ERR_OUT_OF_MEMORY;
+    for (size_t v = 0; acts && v < info->n_views; v++)
+        acts[v] = m->view_vectors[4 * v + 3];
+    put_floats(h, "openbtf.reliefViews", acts, info->n_views);
+    free(acts);
+}
+
 static exr_result_t write_attributes(exr_context_t context, const btf_material *m) {
     const btf_material_info *info = &m->info;
     header h = {context, EXR_ERR_SUCCESS};
@@ -181,6 +197,10 @@ static exr_result_t write_attributes(exr_context_t context, const btf_material *
         put_float(&h, "openbtf.gainBase", info->gain_base);
         put_float(&h, "openbtf.gainStep", info->gain_step);
     }
+    if (info->effects & BTF_EFFECT_RELIEF)
+        put_relief(&h, m);
+    if (info->effects & BTF_EFFECT_GLOSS)
+        put_int(&h, "openbtf.glossShare", info->gloss_share);
     put_float(&h, "openbtf.radianceScale", info->radiance_scale);
     put_float(&h, "openbtf.shadowScale", info->shadow_scale);
     put_float(&h, "openbtf.gainScale", info->gain_scale);

@@ -110,7 +110,8 @@ static char *get_provenance(reader *r, const char *name) {
     return copy;
 }
 
-static uint32_t get_effects(reader *r) {
+/* Of the effects that the file's version has. */
+static uint32_t get_effects(reader *r, uint32_t known) {
     const char *const name = "openbtf.effects";
     size_t length;
     const char *text = get_string(r, name, true, &length);
@@ -118,7 +119,7 @@ static uint32_t get_effects(reader *r) {
         return 0;
     uint32_t effects = 0;
     size_t at = 0;
-    for (int i = 0; btfi_effect_name(i) && at < length; i++) {
+    for (int i = 0; btfi_effect_name(i) && 1u << i & known && at < length; i++) {
         const char *word = btfi_effect_name(i);
         size_t size = strlen(word);
         if (length - at < size || memcmp(text + at, word, size) ||
@@ -221,20 +222,22 @@ static void get_errors(reader *r, btf_material *m) {
     const float *rows = get_floats(r, "openbtf.errors", false, 4, 4096, &count);
     if (!rows)
         return;
+    const uint32_t known = btfi_version_effects(btfi_version(&m->info));
     m->errors = malloc(count / 4 * sizeof *m->errors);
     if (!m->errors) {
         out_of_memory(r, "openbtf.errors");
         return;
     }
     for (size_t i = 0; i < count / 4; i++, rows += 4) {
-        if (!(rows[0] >= 0 && rows[0] <= BTF_EFFECT_ALL) || rows[0] != floorf(rows[0])) {
+        if (!(rows[0] >= 0 && rows[0] <= (float)known) || rows[0] != floorf(rows[0])) {
             refuse(r, "attribute openbtf.errors: row %zu has effects %g", i, (double)rows[0]);
             return;
         }
         m->errors[i] = (btf_material_error){(uint32_t)rows[0], rows[1], rows[2], rows[3]};
     }
     m->error_count = count / 4;
-    r->result = btfi_check_errors(&(btfi_check){r->log, BTF_ERROR_BAD_FILE}, m->errors, m->error_count);
+    r->result =
+        btfi_check_errors(&(btfi_check){r->log, BTF_ERROR_BAD_FILE}, known, m->errors, m->error_count);
 }
 
 static void get_level_errors(reader *r, btf_material *m) {
@@ -361,6 +364,44 @@ static void get_factors(reader *r, btf_material_info *info) {
         info->blend = (btf_blend)get_word(r, "openbtf.blend", btfi_blend_words, 2);
 }
 
+/* Version 2: heights and the share of the half vector. Those of an effect that the file has not are
+ * refused. */
+static void get_relief(reader *r, btf_material_info *info) {
+    static const char *const names[] = {"openbtf.reliefBase", "openbtf.reliefStep", "openbtf.reliefSteps",
+                                        "openbtf.reliefLevel", "openbtf.glossShare"};
+    const bool relief = info->effects & BTF_EFFECT_RELIEF, gloss = info->effects & BTF_EFFECT_GLOSS;
+    if (info->version < 2)
+        return;
+    for (int i = 0; i < 5; i++)
+        if (!(i < 4 ? relief : gloss) && find(r, names[i], EXR_ATTR_INT, "int", false))
+            refuse(r, "attribute %s without the effect %s", names[i], i < 4 ? "relief" : "gloss");
+    if (relief) {
+        info->relief_base = (int32_t)get_int(r, names[0], INT16_MIN, INT16_MAX);
+        info->relief_step = (int32_t)get_int(r, names[1], 0, INT16_MAX);
+        info->relief_steps = get_int(r, names[2], 1, BTF_MAX_RELIEF_STEPS);
+        info->relief_level = get_int_or(r, names[3], 0, BTF_MAX_LEVELS - 1, &(uint32_t){0});
+    }
+    if (gloss)
+        info->gloss_share = get_int(r, names[4], 1, 2);
+}
+
+/* Version 2: which views relief acts on, 0 or 1 each. */
+static void get_relief_views(reader *r, const btf_material_info *info, btfi_scales *out) {
+    const char *const name = "openbtf.reliefViews";
+    float *acts = NULL;
+    if (info->version >= 2)
+        get_scales(r, name, 1, info->effects & BTF_EFFECT_RELIEF ? info->n_views : 0, "views of relief",
+                   &acts);
+    if (acts && !(out->relief = malloc(info->n_views)))
+        out_of_memory(r, name);
+    for (uint32_t v = 0; out->relief && v < info->n_views; v++) {
+        if (acts[v] != 0 && acts[v] != 1)
+            refuse(r, "attribute %s: number %u is %g, not 0 or 1", name, (unsigned)v, (double)acts[v]);
+        out->relief[v] = acts[v] != 0;
+    }
+    free(acts);
+}
+
 static uint32_t get_version(reader *r) {
     const exr_attribute_t *attribute = NULL;
     if (exr_get_attribute_by_name(r->context, 0, "openbtf.version", &attribute) != EXR_ERR_SUCCESS ||
@@ -385,13 +426,14 @@ btf_result btfi_header_read(exr_const_context_t context, const btf_log *log, btf
     info->domain = (btf_domain)get_word(&r, "openbtf.domain", btfi_domain_words, 2);
     info->width = get_int(&r, "openbtf.width", 1, BTF_MAX_SIZE);
     info->height = get_int(&r, "openbtf.height", 1, BTF_MAX_SIZE);
-    info->effects = get_effects(&r);
+    info->effects = get_effects(&r, btfi_version_effects(info->version));
     info->lobes = get_int(&r, "openbtf.lobes", 0, BTF_MAX_LOBES);
     info->colour = (btf_colour)get_word(&r, "openbtf.colour", btfi_colour_words, 3);
     info->centres = get_int(&r, "openbtf.centres", 0, BTF_MAX_CENTRES);
     info->components = get_int(&r, "openbtf.residual", 0, BTF_MAX_COMPONENTS);
     get_factors(&r, info);
     get_points(&r, info);
+    get_relief(&r, info);
     info->radiance_scale = get_float(&r, "openbtf.radianceScale");
     info->shadow_scale = get_float(&r, "openbtf.shadowScale");
     info->gain_scale = get_float(&r, "openbtf.gainScale");
@@ -409,6 +451,7 @@ btf_result btfi_header_read(exr_const_context_t context, const btf_log *log, btf
     if (!r.result)
         r.result = btfi_check_info(&(btfi_check){log, BTF_ERROR_BAD_FILE}, info);
     get_all_scales(&r, info, out_scales);
+    get_relief_views(&r, info, out_scales);
     m->method = get_provenance(&r, "openbtf.method");
     m->options = get_provenance(&r, "openbtf.options");
     m->source = get_provenance(&r, "openbtf.source");

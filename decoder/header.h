@@ -15,6 +15,7 @@ typedef struct btfi_scales {
     float *residual; /* [component] */
     float *factor;   /* [unit][word] */
     float *view;     /* [view][tier][Y, C1, C2] */
+    uint8_t *relief; /* [view] 1 where relief acts, else 0 */
 } btfi_scales;
 
 /* Reads and checks every attribute of part 0 into the material: info (half_float aside), directions,

@@ -42,11 +42,26 @@ void btf_material_close(btf_material **material) {
     free(m->effect_errors);
     free(m->between_errors);
     free(m->preview);
+    free(m->view_vectors);
     free(m->method);
     free(m->options);
     free(m->source);
     free(m);
     *material = NULL;
+}
+
+btf_result btfi_material_make_vectors(const btf_log *log, const uint8_t *acts, btf_material *m) {
+    const size_t views = m->info.n_views;
+    if (!(m->info.effects & BTFI_VECTOR_EFFECTS))
+        return BTF_OK;
+    m->view_vectors = calloc(views, 4 * sizeof *m->view_vectors);
+    if (!m->view_vectors)
+        return btfi_fail(log, BTF_ERROR_MEMORY, "view_vectors: out of memory for %zu views", views);
+    for (size_t v = 0; v < views; v++) {
+        memcpy(m->view_vectors + 4 * v, m->views.xyz + 3 * v, 3 * sizeof *m->view_vectors);
+        m->view_vectors[4 * v + 3] = m->info.effects & BTF_EFFECT_RELIEF && (!acts || acts[v]) ? 1 : 0;
+    }
+    return BTF_OK;
 }
 
 btf_result btfi_material_allocate(const btf_log *log, btf_material *m) {
@@ -70,7 +85,8 @@ void btfi_material_finish(btf_material *m) {
                           btf_material_texture(m, BTF_TEXTURE_LIGHT_TABLE).size +
                           btf_material_texture(m, BTF_TEXTURE_RESIDUAL_SCALES).size +
                           btf_material_texture(m, BTF_TEXTURE_FACTOR_SCALES).size +
-                          btf_material_texture(m, BTF_TEXTURE_FACTOR_VIEWS).size;
+                          btf_material_texture(m, BTF_TEXTURE_FACTOR_VIEWS).size +
+                          btf_material_texture(m, BTF_TEXTURE_VIEW_VECTORS).size;
     m->info.version = btfi_version(&m->info);
     if (m->info.version < 2) { /* it would be written so, where no part may be a picture */
         free(m->preview);
@@ -101,7 +117,22 @@ static btf_texture table_texture(const btfi_directions *d) {
     return texture;
 }
 
+static btf_texture vector_texture(const btf_material *m) {
+    btf_texture texture = {0};
+    if (m->view_vectors) {
+        texture = (btf_texture){.format = BTF_FORMAT_RGBA32F,
+                                .width = m->info.n_views,
+                                .height = 1,
+                                .layers = 1,
+                                .data = m->view_vectors};
+        texture.size = (size_t)texture.width * btf_format_size(texture.format);
+    }
+    return texture;
+}
+
 btf_texture btf_material_texture(const btf_material *material, btf_texture_id id) {
+    if (id == BTF_TEXTURE_VIEW_VECTORS)
+        return vector_texture(material);
     if (id == BTF_TEXTURE_VIEW_TABLE)
         return table_texture(&material->views);
     if (id == BTF_TEXTURE_LIGHT_TABLE)
@@ -231,6 +262,19 @@ static btf_result copy_provenance(const btf_material_desc *desc, const btf_log *
     return BTF_OK;
 }
 
+/* Which views relief acts on: 0 or 1 each. */
+static btf_result check_relief_views(const btf_material_desc *desc, const btf_log *log) {
+    if (!desc->relief_views)
+        return BTF_OK;
+    if (!(desc->info.effects & BTF_EFFECT_RELIEF))
+        return btfi_fail(log, BTF_ERROR_USAGE, "reliefViews: given without the effect relief");
+    for (uint32_t v = 0; v < desc->info.n_views; v++)
+        if (desc->relief_views[v] > 1)
+            return btfi_fail(log, BTF_ERROR_USAGE, "reliefViews: number %u is %u, not 0 or 1", (unsigned)v,
+                             (unsigned)desc->relief_views[v]);
+    return BTF_OK;
+}
+
 btf_result btf_material_create(const btf_material_desc *desc, const btf_log *log,
                                btf_material **out_material) {
     const btfi_check check = {log, BTF_ERROR_USAGE};
@@ -272,7 +316,10 @@ btf_result btf_material_create(const btf_material_desc *desc, const btf_log *log
         (result = btfi_check_values(&check, &m->info, m->texture)) ||
         (result = btfi_directions_build(&check, "views", m->info.n_views, desc->views, &m->views)) ||
         (result = btfi_directions_build(&check, "lights", m->info.n_lights, desc->lights, &m->lights)) ||
-        (result = btfi_check_errors(&check, desc->errors, desc->error_count)) ||
+        (result = check_relief_views(desc, log)) ||
+        (result = btfi_material_make_vectors(log, desc->relief_views, m)) ||
+        (result = btfi_check_errors(&check, btfi_version_effects(btfi_version(&m->info)), desc->errors,
+                                    desc->error_count)) ||
         (result = btfi_check_level_errors(&check, m->info.levels, desc->level_errors,
                                           desc->level_error_count)) ||
         (result =

@@ -23,13 +23,17 @@ struct btf_material {
     size_t effect_error_count;
     float *between_errors; /* attribute openbtf.betweenErrors */
     size_t between_error_count;
-    uint16_t *preview; /* [height][width][4] halves; NULL: none */
+    uint16_t *preview;   /* [height][width][4] halves; NULL: none */
+    float *view_vectors; /* [n_views][4], texture view_vectors; NULL: none */
 };
 
 /* A copy of a string ("" for NULL), NULL when out of memory. */
 char *btfi_copy_string(const char *text, size_t length);
 /* An empty material. NULL when out of memory. */
 btf_material *btfi_material_new(void);
+/* With relief or gloss, makes view_vectors of the material's views: acts[view] 0 or 1 says where relief
+ * acts; NULL: everywhere. Errors: BTF_ERROR_MEMORY. */
+btf_result btfi_material_make_vectors(const btf_log *log, const uint8_t *acts, btf_material *material);
 /* Allocates zeroed textures for material->info. Errors: BTF_ERROR_MEMORY. */
 btf_result btfi_material_allocate(const btf_log *log, btf_material *material);
 /* Fills the fields of info that follow from the rest, once tables are made. */

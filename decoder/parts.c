@@ -94,6 +94,9 @@ bool btfi_part_of(const btf_material_info *info, uint32_t level, btf_texture_id 
         add_letters(&part, "R");
         make_sheet(&part, part.shape.layers);
         break;
+    case BTF_TEXTURE_HEIGHTS:
+        add_letters(&part, "Y");
+        break;
     case BTF_TEXTURE_CENTRES:
         add_letters(&part, "RGB");
         break;

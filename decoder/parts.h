@@ -10,7 +10,7 @@
 #pragma GCC visibility push(hidden)
 
 enum {
-    BTFI_MAX_PARTS = 8 + 5 * (BTF_MAX_LEVELS - 1), /* layout tight; `paper` has 4 */
+    BTFI_MAX_PARTS = 9 + 6 * (BTF_MAX_LEVELS - 1), /* layout tight; `paper` has 4 */
     BTFI_MAX_CHANNELS = 3 + 7 * BTF_MAX_LOBES,
 };
 

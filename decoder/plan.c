@@ -64,6 +64,25 @@ static float cost_of_factors(const btf_material_info *info, uint32_t units, bool
            views * (float)__builtin_popcount(tiers_read) * factor_costs.direction;
 }
 
+/* Costs of relief and gloss, see plan.h: likewise in one place. */
+static const struct {
+    float vector; /* a fetch of a neighbour's direction, and its slope or its reflection */
+    float step;   /* of a march */
+    float view;   /* of relief: the texels that a neighbouring view shows */
+} between_costs = {2.0f, 1.5f, 3.0f};
+
+/* Heights are marched along once for the pixel, whichever its filter, and once for each of several
+ * neighbouring views; with gloss each view has lights of its own, which are looked up. */
+static float cost_of_between(const btf_material_info *info, uint32_t effects, float views, float look_up) {
+    const bool relief = effects & BTF_EFFECT_RELIEF, gloss = effects & BTF_EFFECT_GLOSS;
+    const float marches = info->relief_step == 0 ? 0 : views > 1 ? 1 + views : 1;
+    const float fetched = relief || gloss ? between_costs.vector * views : 0;
+    return fetched + (gloss ? look_up * views : 0) +
+           (relief ? between_costs.view * views +
+                         between_costs.step * marches * (float)(info->relief_steps + 1)
+                   : 0);
+}
+
 /* See plan.h for the model and where its numbers come from. `stored` has the layout and the store of points that the
  * shader reads. */
 static float cost_of(const btf_material *material, const btf_material_info *stored, const btf_shader_options *o,
@@ -79,16 +98,18 @@ static float cost_of(const btf_material *material, const btf_material_info *stor
         o->components && o->components < info->components ? o->components : info->components;
     const bool factors = residual && info->store == BTF_STORE_FACTORS;
     const float groups = residual && !factors ? (float)((components + 3) / 4) : 0;
-    const float texels = o->filter == BTF_FILTER_BILINEAR ? 4 : 1;
+    const float texels = o->filter == BTF_FILTER_TEXEL ? 1 : 4;
+    const bool relief = effects & BTF_EFFECT_RELIEF, gloss = effects & BTF_EFFECT_GLOSS;
     const bool has_shadow = info->colour != BTF_COLOUR_NONE && effects & BTF_EFFECT_SHADOW;
     const bool lights_matter = has_shadow || residual || effects & BTF_EFFECT_HIDDEN;
     direction_count views =
         count_directions(&material->views, o, BTF_FIXED_VIEW, o->fixed_view, scene ? &scene->view : NULL);
-    const direction_count light = count_directions(&material->lights, o, BTF_FIXED_LIGHT, o->fixed_light,
-                                                   scene ? &scene->light : NULL);
+    /* With gloss a light that is fixed has neighbours that are not. */
+    const direction_count light = count_directions(&material->lights, o, gloss ? 0 : BTF_FIXED_LIGHT,
+                                                   o->fixed_light, scene && !gloss ? &scene->light : NULL);
     const float lights = light.decoded + light.skipped;
     /* The same for each view: compilers see that where the views are constants. */
-    if (o->fixed & BTF_FIXED_VIEW && !(effects & codes) && !residual)
+    if (o->fixed & BTF_FIXED_VIEW && !(effects & codes) && !residual && !relief && !gloss)
         views = (direction_count){1, 0};
     float fetched = effects & codes ? 1 : 0, each = 0;
     if (stored->point_store == BTF_POINTS_LISTS)
@@ -105,11 +126,15 @@ static float cost_of(const btf_material *material, const btf_material_info *stor
     const float group_fetches = groups > UNROLLED ? views.decoded * groups + views.skipped
                                                   : (views.decoded + views.skipped) * groups;
     const float look_ups = (o->fixed & BTF_FIXED_VIEW ? 0.0f : 1.0f) +
-                           (!lights_matter || o->fixed & BTF_FIXED_LIGHT ? 0.0f : 1.0f);
-    const float of_factors = factors ? cost_of_factors(info, components, effects & BTF_EFFECT_SHIFT,
-                                                       views.decoded + views.skipped, lights, texels)
-                                     : 0;
-    return once + look_up * look_ups + (views.decoded + views.skipped) * texels * each + of_factors +
+                           (!lights_matter || gloss || o->fixed & BTF_FIXED_LIGHT ? 0.0f : 1.0f);
+    const float of_factors = factors
+                                 ? cost_of_factors(info, components, relief || effects & BTF_EFFECT_SHIFT,
+                                                   views.decoded + views.skipped, lights, texels)
+                                 : 0;
+    return once + look_up * look_ups +
+           cost_of_between(info, lights_matter ? effects : effects & ~(uint32_t)BTF_EFFECT_GLOSS,
+                           views.decoded + views.skipped, look_up) +
+           (views.decoded + views.skipped) * texels * each + of_factors +
            group_fetches * (texel_group * texels + 3 * direction_group * lights);
 }
 
@@ -225,10 +250,12 @@ static double psnr(double mse) {
 /* Fills in what follows from the options: textures, bytes, cost. */
 static void fill_costs(const btf_material *material, uint32_t views, uint32_t lights, btf_plan *plan) {
     const btf_material_info *info = &material->info;
-    const btf_material_info small =
-        btfi_restricted_info(info, plan->effects, plan->components, plan->level, views, lights);
+    /* With gloss any light may be a neighbour's. */
+    const bool gloss = plan->effects & info->effects & BTF_EFFECT_GLOSS;
+    const btf_material_info small = btfi_restricted_info(info, plan->effects, plan->components, plan->level,
+                                                         views, gloss ? info->n_lights : lights);
     plan->views = views;
-    plan->lights = lights;
+    plan->lights = small.n_lights;
     plan->shader.leave_out = info->effects & ~plan->effects;
     plan->shader.components = plan->components;
     plan->textures = btf_shader_textures(&small, &plan->shader);

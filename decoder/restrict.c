@@ -34,6 +34,18 @@ static void restrict_points(const btf_material_info *info, btf_material_info *sm
     }
 }
 
+/* Heights stay as they are: those of the level that becomes level 0 are stored in texels of the finest
+ * there was. */
+static void restrict_relief(btf_material_info *small, uint32_t level) {
+    small->relief_level += level;
+    if (!(small->effects & BTF_EFFECT_RELIEF)) {
+        small->relief_base = small->relief_step = 0;
+        small->relief_steps = small->relief_level = 0;
+    }
+    if (!(small->effects & BTF_EFFECT_GLOSS))
+        small->gloss_share = 0;
+}
+
 btf_material_info btfi_restricted_info(const btf_material_info *info, uint32_t effects, uint32_t components,
                                        uint32_t level, uint32_t views, uint32_t lights) {
     btf_material_info small = *info;
@@ -59,6 +71,7 @@ btf_material_info btfi_restricted_info(const btf_material_info *info, uint32_t e
     small.height = btf_level_size(info->height, level);
     small.levels = info->levels - level;
     small.effects = effects;
+    restrict_relief(&small, level);
     small.components = effects & BTF_EFFECT_RESIDUAL
                            ? (components && components < info->components ? components : info->components)
                            : 0;
@@ -184,6 +197,7 @@ typedef struct work {
     bool shift, gain; /* the plan has that effect */
     btf_material_desc desc;
     subset views, lights;
+    uint8_t acts[BTF_MAX_DIRECTIONS];              /* [view of the restriction] 1 where relief acts */
     uint32_t *centre;                              /* [centre of the whole] its new number, or UINT32_MAX */
     void *made[BTF_MAX_LEVELS][BTF_TEXTURE_COUNT]; /* [level of the restriction] */
 } work;
@@ -405,6 +419,7 @@ static void fill(const work *w, uint32_t level, btf_texture_id id, const btf_tex
         (size_t)btf_level_size(w->desc.info.width, level) * btf_level_size(w->desc.info.height, level);
     switch (id) {
     case BTF_TEXTURE_SBRDF:
+    case BTF_TEXTURE_HEIGHTS:
         memcpy(out, whole_data(w, level, id), shape->size);
         break;
     case BTF_TEXTURE_SHADOW:
@@ -529,10 +544,17 @@ btf_result btf_material_restrict(const btf_material *material, const btf_plan *p
     w->gain = plan->effects & BTF_EFFECT_GAIN;
     w->desc.struct_size = sizeof w->desc;
     btf_result result = choose_directions(&material->views, &plan->scene.view, log, &w->views);
-    if (result == BTF_OK)
+    if (result == BTF_OK && plan->effects & material->info.effects & BTF_EFFECT_GLOSS)
+        select_directions(&material->lights, NULL, &w->lights); /* a neighbour's light may be any */
+    else if (result == BTF_OK)
         result = choose_directions(&material->lights, &plan->scene.light, log, &w->lights);
     w->desc.info = btfi_restricted_info(&material->info, plan->effects, plan->components, plan->level,
                                         w->views.count, w->lights.count);
+    if (w->desc.info.effects & BTF_EFFECT_RELIEF) {
+        for (uint32_t v = 0; v < w->views.count; v++)
+            w->acts[v] = material->view_vectors[4 * (size_t)w->views.number[v] + 3] != 0;
+        w->desc.relief_views = w->acts;
+    }
     w->desc.views = w->views.xyz[0];
     w->desc.lights = w->lights.xyz[0];
     if (plan->level == 0 && btfi_version(&w->desc.info) >= 2) /* of a coarser level it has not the size */

@@ -64,6 +64,10 @@ static void define_uint(text *t, const char *name, uint32_t value) {
     text_print(t, "#ifndef %s\n#define %s %uu\n#endif\n", name, name, value);
 }
 
+static void define_int(text *t, const char *name, int32_t value) {
+    text_print(t, "#ifndef %s\n#define %s (%d)\n#endif\n", name, name, value);
+}
+
 static void fail(const btf_log *log, const char *message) {
     if (log && log->callback)
         log->callback(log->user, BTF_LOG_ERROR, message);
@@ -86,6 +90,8 @@ typedef struct variant {
     uint32_t effects;    /* without the residual */
     uint32_t components; /* 0: no residual */
     int code_zero;       /* the file marks hidden points */
+    int relief;          /* 0: none, 1: of one height, 2: of a height map */
+    uint32_t gloss;      /* the share in quarters */
 } variant;
 
 static variant choose(const btf_material_info *info, const btf_shader_options *options) {
@@ -98,6 +104,8 @@ static variant choose(const btf_material_info *info, const btf_shader_options *o
     }
     v.effects &= ~(uint32_t)BTF_EFFECT_RESIDUAL;
     v.code_zero = (info->effects & BTF_EFFECT_HIDDEN) != 0;
+    v.relief = !(v.effects & BTF_EFFECT_RELIEF) ? 0 : info->relief_step > 0 ? 2 : 1;
+    v.gloss = v.effects & BTF_EFFECT_GLOSS ? info->gloss_share : 0;
     return v;
 }
 
@@ -105,7 +113,11 @@ uint32_t btf_shader_textures(const btf_material_info *info, const btf_shader_opt
     btf_shader_options all = read_options(options);
     variant v = choose(info, &all);
     uint32_t textures = all.fixed & BTF_FIXED_VIEW ? 0 : 1u << BTF_TEXTURE_VIEW_TABLE;
-    textures |= all.fixed & BTF_FIXED_LIGHT ? 0 : 1u << BTF_TEXTURE_LIGHT_TABLE;
+    textures |= all.fixed & BTF_FIXED_LIGHT && !v.gloss ? 0 : 1u << BTF_TEXTURE_LIGHT_TABLE;
+    if (v.relief == 2)
+        textures |= 1u << BTF_TEXTURE_HEIGHTS;
+    if (v.relief || v.gloss)
+        textures |= 1u << BTF_TEXTURE_VIEW_VECTORS;
     int shadow = (v.effects & BTF_EFFECT_SHADOW) && info->colour != BTF_COLOUR_NONE;
     int shift = (v.effects & BTF_EFFECT_SHIFT) != 0, hidden = (v.effects & BTF_EFFECT_HIDDEN) != 0;
     int gain = (v.effects & BTF_EFFECT_GAIN) != 0;
@@ -223,15 +235,21 @@ static void write_macros(text *t, const btf_material *material, const btf_materi
     }
     if (btfi_shares_points(info)) /* 1 packed points, 2 lists of them */
         text_print(t, "#define BTF_POINTS %d\n", (int)info->point_store);
+    if (v.relief)
+        text_print(t, "#define BTF_RELIEF %d\n", v.relief);
+    if (v.gloss)
+        text_print(t, "#define BTF_GLOSS %u\n", v.gloss);
     text_print(t, "#define BTF_NEAREST %d\n", options->interpolation == BTF_INTERPOLATION_NEAREST);
-    text_print(t, "#define BTF_BILINEAR %d\n", options->filter == BTF_FILTER_BILINEAR);
+    text_print(t, "#define BTF_BILINEAR %d\n", options->filter != BTF_FILTER_TEXEL);
+    if (options->filter == BTF_FILTER_STEEP)
+        text_print(t, "#define BTF_STEEP 1\n");
     text_print(t, "#define BTF_FAST_MATH %d\n", options->math == BTF_MATH_FAST);
     if (options->have_precise)
         text_print(t, "#define BTF_HAVE_PRECISE 1\n");
     int nearest = options->interpolation == BTF_INTERPOLATION_NEAREST;
     if (options->fixed & BTF_FIXED_VIEW)
         define_fixed(t, "VIEW", &material->views, options->fixed_view, nearest);
-    if (options->fixed & BTF_FIXED_LIGHT)
+    if (options->fixed & BTF_FIXED_LIGHT && !v.gloss) /* with gloss each view has lights of its own */
         define_fixed(t, "LIGHT", &material->lights, options->fixed_light, nearest);
 
     define_uint(t, "BTF_WIDTH", info->width);
@@ -256,6 +274,12 @@ static void write_macros(text *t, const btf_material *material, const btf_materi
     if (btfi_shares_points(info)) {
         define_float(t, "BTF_GAIN_BASE", info->gain_base);
         define_float(t, "BTF_GAIN_STEP", info->gain_step);
+    }
+    if (v.relief) {
+        define_int(t, "BTF_RELIEF_BASE", info->relief_base);
+        define_int(t, "BTF_RELIEF_STEP", info->relief_step);
+        define_int(t, "BTF_RELIEF_STEPS", (int32_t)info->relief_steps);
+        define_int(t, "BTF_RELIEF_LEVEL", (int32_t)info->relief_level);
     }
 }
 
@@ -290,7 +314,7 @@ btf_result btf_shader_source(const btf_material *material, const btf_shader_opti
         return BTF_ERROR_USAGE;
     }
     if ((unsigned)all.interpolation > BTF_INTERPOLATION_NEAREST ||
-        (unsigned)all.filter > BTF_FILTER_BILINEAR || (unsigned)all.math > BTF_MATH_FAST ||
+        (unsigned)all.filter > BTF_FILTER_STEEP || (unsigned)all.math > BTF_MATH_FAST ||
         (unsigned)all.bindings > BTF_BINDINGS_VULKAN) {
         char message[160];
         snprintf(message, sizeof message,

@@ -27,9 +27,12 @@ static const char *const texture_names[BTF_TEXTURE_COUNT] = {
     "points",
     "point_lists",
     "point_indices",
+    "heights",
+    "view_vectors",
 };
 
-static const char *const effect_names[] = {"shadow", "shift", "hidden", "gain", "residual"};
+static const char *const effect_names[] = {"shadow",   "shift",  "hidden", "gain",
+                                           "residual", "relief", "gloss"};
 
 const char *btfi_effect_name(int index) {
     int count = (int)(sizeof effect_names / sizeof *effect_names);
@@ -128,13 +131,14 @@ bool btfi_unit_is_mixed(const btf_material_info *info, uint32_t unit) {
 
 bool btfi_is_table(btf_texture_id id) {
     return id == BTF_TEXTURE_RESIDUAL_SCALES || id == BTF_TEXTURE_FACTOR_SCALES ||
-           id == BTF_TEXTURE_FACTOR_VIEWS || id == BTF_TEXTURE_VIEW_TABLE || id == BTF_TEXTURE_LIGHT_TABLE;
+           id == BTF_TEXTURE_FACTOR_VIEWS || id == BTF_TEXTURE_VIEW_TABLE ||
+           id == BTF_TEXTURE_LIGHT_TABLE || id == BTF_TEXTURE_VIEW_VECTORS;
 }
 
 uint32_t btfi_version(const btf_material_info *info) {
     const bool many = info->n_views > BTF_MAX_DIRECTION_LAYERS || info->n_lights > BTF_MAX_DIRECTION_LAYERS;
     return many || info->store == BTF_STORE_FACTORS || info->blend != BTF_BLEND_RADIANCE ||
-                   btfi_shares_points(info)
+                   btfi_shares_points(info) || info->effects & BTFI_VECTOR_EFFECTS
                ? 2
                : 1;
 }
@@ -165,7 +169,7 @@ btf_texture btf_material_texture_shape(const btf_material_info *info, btf_textur
                      lead + info->lobes);
     }
     case BTF_TEXTURE_MAPS:
-        return !tight && effects & ~(uint32_t)BTF_EFFECT_RESIDUAL
+        return !tight && effects & BTFI_ATLAS_EFFECTS
                    ? shape(BTF_FORMAT_RGBA8UI, 0, info->atlas_width, info->atlas_height, 1)
                    : none;
     case BTF_TEXTURE_SHADOW:
@@ -209,6 +213,11 @@ btf_texture btf_material_texture_shape(const btf_material_info *info, btf_textur
         return factors ? shape(BTF_FORMAT_RGBA32F, 0, info->components, 1, 1) : none;
     case BTF_TEXTURE_FACTOR_VIEWS:
         return factors ? shape(BTF_FORMAT_RGBA32F, 0, 3, info->n_views, 1) : none;
+    case BTF_TEXTURE_HEIGHTS:
+        return tight && effects & BTF_EFFECT_RELIEF && info->relief_step > 0
+                   ? shape(BTF_FORMAT_R8UI, 0, w, h, 1)
+                   : none;
+    case BTF_TEXTURE_VIEW_VECTORS:
     case BTF_TEXTURE_VIEW_TABLE:
     case BTF_TEXTURE_LIGHT_TABLE:
     case BTF_TEXTURE_COUNT:
@@ -313,6 +322,45 @@ static btf_result check_points(const btfi_check *check, const btf_material_info 
     return BTF_OK;
 }
 
+/* Heights of the relief, and the share of the half vector; all 0 without their effects. */
+static btf_result check_relief(const btfi_check *check, const btf_material_info *info) {
+    const bool relief = info->effects & BTF_EFFECT_RELIEF, gloss = info->effects & BTF_EFFECT_GLOSS;
+    const struct {
+        const char *name;
+        int64_t value, low, high;
+    } numbers[] = {{"reliefBase", info->relief_base, INT16_MIN, INT16_MAX},
+                   {"reliefStep", info->relief_step, 0, INT16_MAX},
+                   {"reliefSteps", info->relief_steps, 1, BTF_MAX_RELIEF_STEPS},
+                   {"reliefLevel", info->relief_level, 0, BTF_MAX_LEVELS - 1},
+                   {"glossShare", info->gloss_share, 1, 2}};
+    const int count = (int)(sizeof numbers / sizeof *numbers);
+    for (int i = 0; i < count; i++) {
+        const bool of_gloss = i == count - 1;
+        const long long value = numbers[i].value;
+        if (of_gloss ? gloss : relief) {
+            if (value < numbers[i].low || value > numbers[i].high)
+                return btfi_fail(check->log, check->code, "%s %lld is not within %lld to %lld",
+                                 numbers[i].name, value, (long long)numbers[i].low,
+                                 (long long)numbers[i].high);
+        } else if (value != 0) {
+            return btfi_fail(check->log, check->code, "%s %lld without the effect %s", numbers[i].name,
+                             value, of_gloss ? "gloss" : "relief");
+        }
+    }
+    if ((relief || gloss) && info->layout != BTF_LAYOUT_TIGHT)
+        return btfi_fail(check->log, check->code, "effect %s with layout paper",
+                         relief ? "relief" : "gloss");
+    const int top = info->relief_base + (255 * info->relief_step >> 8);
+    if (top > INT16_MAX)
+        return btfi_fail(check->log, check->code,
+                         "reliefBase %d and reliefStep %d: the greatest height is %d, above %d",
+                         (int)info->relief_base, (int)info->relief_step, top, INT16_MAX);
+    if (relief && info->relief_step == 0 && info->relief_steps != 1)
+        return btfi_fail(check->log, check->code, "reliefSteps %u where reliefStep is 0, not 1",
+                         (unsigned)info->relief_steps);
+    return BTF_OK;
+}
+
 /* Checks the members that only version 2 stores. */
 static btf_result check_version_2(const btfi_check *check, const btf_material_info *info) {
     if (info->store != BTF_STORE_COMPONENTS && info->store != BTF_STORE_FACTORS)
@@ -329,7 +377,8 @@ static btf_result check_version_2(const btfi_check *check, const btf_material_in
     if (info->store != BTF_STORE_FACTORS && info->horizon_scale != 1)
         return btfi_fail(check->log, check->code, "horizonScale %g without factors",
                          (double)info->horizon_scale);
-    const btf_result result = check_points(check, info);
+    btf_result result = check_points(check, info);
+    result = result ? result : check_relief(check, info);
     return result ? result : check_classes(check, info);
 }
 
@@ -411,6 +460,9 @@ static btf_result check_levels(const btfi_check *check, const btf_material_info 
                          (unsigned)info->height);
     if (info->levels > 1 && info->layout != BTF_LAYOUT_TIGHT)
         return btfi_fail(check->log, check->code, "levels %u with layout paper", (unsigned)info->levels);
+    if (info->levels + info->relief_level > BTF_MAX_LEVELS)
+        return btfi_fail(check->log, check->code, "reliefLevel %u with levels %u: more than %d in all",
+                         (unsigned)info->relief_level, (unsigned)info->levels, BTF_MAX_LEVELS);
     return BTF_OK;
 }
 

@@ -28,6 +28,10 @@ typedef struct btfi_name {
     char text[32];
 } btfi_name;
 btfi_name btfi_texture_name(uint32_t level, btf_texture_id id);
+/* The effects whose codes layout paper keeps in its atlas. */
+enum { BTFI_ATLAS_EFFECTS = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN | BTF_EFFECT_GAIN };
+/* Those that need view_vectors. */
+enum { BTFI_VECTOR_EFFECTS = BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS };
 /* Names of the effects in the order of FORMAT.md section 3; NULL beyond the last. */
 const char *btfi_effect_name(int index);
 /* Of the first `units` units of a material whose store is factors: the classes that are left, into `out`.
@@ -44,6 +48,10 @@ bool btfi_unit_is_mixed(const btf_material_info *info, uint32_t unit);
 bool btfi_is_table(btf_texture_id id);
 /* The oldest version of the format that holds such a material. */
 uint32_t btfi_version(const btf_material_info *info);
+/* The effects that a version has. */
+static inline uint32_t btfi_version_effects(uint32_t version) {
+    return version < 2 ? BTF_EFFECT_VERSION_1 : BTF_EFFECT_ALL;
+}
 /* True where shift and gain of a (texel, view) share two bytes: packed points, and lists of them. */
 static inline bool btfi_shares_points(const btf_material_info *info) {
     return info->point_store == BTF_POINTS_PACKED || info->point_store == BTF_POINTS_LISTS;

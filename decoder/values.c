@@ -338,10 +338,11 @@ btf_result btfi_check_values(const btfi_check *check, const btf_material_info *i
     return result;
 }
 
-btf_result btfi_check_errors(const btfi_check *check, const btf_material_error *errors, size_t count) {
+btf_result btfi_check_errors(const btfi_check *check, uint32_t known, const btf_material_error *errors,
+                             size_t count) {
     for (size_t i = 0; i < count; i++) {
         const btf_material_error *e = &errors[i];
-        if (e->effects & ~(uint32_t)BTF_EFFECT_ALL)
+        if (e->effects & ~known)
             return btfi_fail(check->log, check->code, "errors: row %zu has effects 0x%x", i,
                              (unsigned)e->effects);
         if (e->psnr_linear != e->psnr_linear || e->psnr_srgb != e->psnr_srgb || !(e->gpu_bytes >= 0))

@@ -15,7 +15,9 @@
  */
 btf_result btfi_check_values(const btfi_check *check, const btf_material_info *info,
                              void *texture[BTF_MAX_LEVELS][BTF_TEXTURE_COUNT]);
-btf_result btfi_check_errors(const btfi_check *check, const btf_material_error *errors, size_t count);
+/* `known`: effects of the file's version. */
+btf_result btfi_check_errors(const btfi_check *check, uint32_t known, const btf_material_error *errors,
+                             size_t count);
 btf_result btfi_check_level_errors(const btfi_check *check, uint32_t levels, const btf_level_error *errors,
                                    size_t count);
 

@@ -25,6 +25,13 @@ void btf_ref_bilinear(uint32_t t, uint32_t size, uint32_t *out_c0, uint32_t *out
     *out_weight1 = (start >> 10) & 255u;
 }
 
+uint32_t btf_ref_steep(uint32_t weight) {
+    uint32_t twice = 2 * weight;
+    if (twice < 128)
+        return 0;
+    return twice - 128 > 256 ? 256 : twice - 128;
+}
+
 uint32_t btf_ref_wrap(uint32_t position, int32_t shift, uint32_t size) {
     int32_t wrapped = ((int32_t)position + shift) % (int32_t)size; /* has the sign of the sum */
     return (uint32_t)(wrapped < 0 ? wrapped + (int32_t)size : wrapped);

@@ -38,10 +38,13 @@ static int32_t project_component(float component, float k) {
     return btf_ref_floor(q) + 8192;
 }
 
-void btf_ref_project(const float direction[3], int32_t out_q[2]) {
-    float k = btf_ref_reciprocal(direction[2] + 1.0f);
+void btf_ref_project_by(const float direction[3], float k, int32_t out_q[2]) {
     out_q[0] = project_component(direction[0], k);
     out_q[1] = project_component(direction[1], k);
+}
+
+void btf_ref_project(const float direction[3], int32_t out_q[2]) {
+    btf_ref_project_by(direction, btf_ref_reciprocal(direction[2] + 1.0f), out_q);
 }
 
 enum { RECORD_TEXELS = 3 };

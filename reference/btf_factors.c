@@ -113,15 +113,10 @@ static int32_t light_sum(const btf_ref_material *material, const btf_ref_lights 
     return sum;
 }
 
-/** e >> s, rounded down: C leaves open how it shifts negative numbers. */
-static int32_t shift_down(int32_t e, uint32_t shift) {
-    return e >= 0 ? e >> shift : -1 - ((-1 - e) >> shift);
-}
-
 /** float(e >> s) * (scale * 2^(s - 12)) */
 static float scaled(int32_t e, uint32_t shift, float scale) {
     float step = scale * btf_ref_float((127 + shift - 12) << 23);
-    return (float)shift_down(e, shift) * step;
+    return (float)btf_ref_shift_down(e, shift) * step;
 }
 
 /** The channel of a word of a class, counted through its units. */

@@ -52,6 +52,11 @@ static inline int32_t btf_ref_floor(float x) {
     return (float)truncated > x ? truncated - 1 : truncated;
 }
 
+/** value >> shift, rounded down: C leaves open how it shifts negative numbers. */
+static inline int32_t btf_ref_shift_down(int32_t value, uint32_t shift) {
+    return value >= 0 ? value >> shift : -1 - ((-1 - value) >> shift);
+}
+
 /** Whether the file that includes this was compiled to round and to order as written.
  *
  *  The operands come from volatile memory, so that arithmetic at run time is what is probed, and each
@@ -107,6 +112,16 @@ typedef struct btf_ref_lights {
     int32_t weight[3];
 } btf_ref_lights;
 
+/** The part of an evaluation that all texels and views share. */
+typedef struct btf_ref_situation {
+    const btf_ref_material *material;
+    uint32_t effects;    /**< decoded */
+    uint32_t components; /**< decoded; units, with factors */
+    float product[3];    /**< P of section 9: l * V by component */
+    float cosine;        /**< m of section 9 */
+    float horizon;       /**< m_r of section 9; with factors */
+} btf_ref_situation;
+
 /** The functions below make no symbols of the library. */
 #if defined __GNUC__
 #pragma GCC visibility push(hidden)
@@ -115,12 +130,51 @@ typedef struct btf_ref_lights {
 void btf_ref_factors(const btf_ref_material *material, uint32_t units, const btf_ref_lights *lights,
                      uint32_t column, uint32_t row, uint32_t view, float out_r[3]);
 
+/** The value of a texel that is blended in one view: L of section 9, or y where the blend is of roots. */
+void btf_ref_view_value(const btf_ref_situation *s, const btf_ref_lights *lights, uint32_t column,
+                        uint32_t row, uint32_t view, float out[3]);
+
+/** Within 0 and 2^32; 0 below 2^-30. */
+float btf_ref_keep_within(float value);
+
+/** Section 9, Steep: f' of a weight f, of 256. */
+uint32_t btf_ref_steep(uint32_t weight);
+
+/** Section 9, slope(d): texels across for a texel of height, times 4096; of a @p direction above the
+ * horizon. */
+void btf_ref_slope(const float direction[3], int32_t out_slope[2]);
+
+/** Section 9, move(x, z, s), wrapped at the level's size. Positions are in 1/256 of a texel of the level, v
+ * upwards. */
+void btf_ref_move(const btf_ref_material *material, const int32_t position[2], int32_t height,
+                  const int32_t slope[2], int32_t out_position[2]);
+
+/** Section 9, march(x, s): the height of the surface where the ray through @p position meets it first from
+ * above. */
+int32_t btf_ref_march(const btf_ref_material *material, const int32_t position[2], const int32_t slope[2]);
+
+/** Section 9, Relief: x_a, where each neighbouring view shows the point that @p view sees at @p position,
+ * and the weights, less where something hides the point, if @p occlusion is wanted; they sum to 4096. */
+void btf_ref_relief(const btf_ref_material *material, const btf_ref_neighbours *views, const float view[3],
+                    bool occlusion, const int32_t position[2], int32_t out_positions[3][2],
+                    uint32_t out_weights[3]);
+
+/** Section 9, Gloss: q_a, where lights are looked up for the neighbouring view @p index. */
+void btf_ref_gloss(const btf_ref_material *material, uint32_t index, const float light[3],
+                   const float view[3], int32_t out_q[2]);
+
+/** project(d) of section 8 with k in place of the reciprocal of d.z + 1. */
+void btf_ref_project_by(const float direction[3], float k, int32_t out_q[2]);
+
 /** btf_ref_probe() of each file. */
 bool btf_ref_probe_arithmetic(void);
 bool btf_ref_probe_addressing(void);
 bool btf_ref_probe_directions(void);
 bool btf_ref_probe_evaluate(void);
 bool btf_ref_probe_factors(void);
+bool btf_ref_probe_source(void);
+bool btf_ref_probe_relief(void);
+bool btf_ref_probe_gloss(void);
 #if defined __GNUC__
 #pragma GCC visibility pop
 #endif

@@ -11,6 +11,7 @@
 #define ARITHMETIC_HASH 0xD17D2CC8u
 #define EVALUATION_HASH 0x3EE5763Bu
 #define FACTORS_HASH 0x3C92541Bu
+#define RELIEF_HASH 0xC406F172u
 
 enum {
     SIZE = 2,
@@ -132,6 +133,8 @@ static uint32_t hash_evaluations(btf_ref_material *material, uint32_t state, int
         options.components = version_2 && i % 7 == 0 ? (uint32_t)i % UNITS : UINT32_MAX;
         options.interpolation = i % 3 != 0 ? BTF_REF_LINEAR : BTF_REF_NEAREST;
         options.filter = i % 5 != 0 ? BTF_REF_BILINEAR : BTF_REF_TEXEL;
+        if ((material->effects & BTF_REF_RELIEF) && i % 5 > 2)
+            options.filter = BTF_REF_STEEP;
         float light[3], view[3], radiance[3];
         for (int k = 0; k < 3; ++k) { /* the decoder does not mind directions that are not of unit length */
             light[k] = random_float(&state, k == 2 ? 0.01f : -0.8f, k == 2 ? 1.0f : 1.6f);
@@ -202,28 +205,56 @@ static uint32_t hash_evaluation(void) {
 }
 
 /** The same material with factors in place of components. */
-static uint32_t hash_factors(void) {
-    contents c;
-    factors f;
-    fill(&c);
-    fill_factors(&f);
-    btf_ref_material material = make_material(&c);
+static btf_ref_material make_factor_material(const contents *c, const factors *f) {
+    btf_ref_material material = make_material(c);
     material.store = BTF_REF_FACTORS;
     material.components = UNITS;
     material.horizon_scale = 2.5f;
     for (int i = 0; i < 5; ++i)
         for (int k = 0; k < 3; ++k)
             material.factor_classes[i][k] = factor_classes[i][k];
-    material.factor_texels = f.texels;
-    material.factor_directions = f.directions;
-    material.factor_scales = f.scales;
-    material.factor_views = f.views;
+    material.factor_texels = f->texels;
+    material.factor_directions = f->directions;
+    material.factor_scales = f->scales;
+    material.factor_views = f->views;
+    return material;
+}
+
+static uint32_t hash_factors(void) {
+    contents c;
+    factors f;
+    fill(&c);
+    fill_factors(&f);
+    btf_ref_material material = make_factor_material(&c, &f);
     return hash_evaluations(&material, 6, 240);
+}
+
+/** Factors alone in layout tight, with relief and gloss. */
+static uint32_t hash_relief(void) {
+    static const uint8_t heights[SIZE * SIZE] = {0, 200, 120, 255};
+    static const float view_vectors[VIEWS * 4] = {-0.65f, -0.5f, 0.5723635f, 1.0f,  0.8f,       -0.36f,
+                                                  0.48f,  1.0f,  -0.03f,     0.88f, 0.4740253f, 0.0f};
+    contents c;
+    factors f;
+    fill(&c);
+    fill_factors(&f);
+    btf_ref_material material = make_factor_material(&c, &f);
+    material.layout_tight = 1;
+    material.effects = BTF_REF_RESIDUAL | BTF_REF_RELIEF | BTF_REF_GLOSS;
+    material.heights = heights;
+    material.view_vectors = view_vectors;
+    material.relief_base = -150;
+    material.relief_step = 700;
+    material.relief_steps = 9;
+    material.gloss_share = 2;
+    material.level = 1;
+    return hash_evaluations(&material, 8, 240);
 }
 
 int btf_ref_self_test(void) {
     return btf_ref_probe() && btf_ref_probe_arithmetic() && btf_ref_probe_addressing() &&
            btf_ref_probe_directions() && btf_ref_probe_evaluate() && btf_ref_probe_factors() &&
+           btf_ref_probe_source() && btf_ref_probe_relief() && btf_ref_probe_gloss() &&
            hash_arithmetic() == ARITHMETIC_HASH && hash_evaluation() == EVALUATION_HASH &&
-           hash_factors() == FACTORS_HASH;
+           hash_factors() == FACTORS_HASH && hash_relief() == RELIEF_HASH;
 }

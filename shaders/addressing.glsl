@@ -27,6 +27,15 @@ uvec3 btf_bilinear(uint t, uint size) {
     return uvec3(c0, c1 == size ? 0u : c1, (s >> 10u) & 255u);
 }
 
+/* The weight of the latter in 256ths as the filter says: its own of a texel's middle half, in between twice as steep. */
+uint btf_share(uint weight) {
+#if BTF_STEEP
+    return uint(clamp(2 * int(weight) - 128, 0, 256));
+#else
+    return weight;
+#endif
+}
+
 /* position + shift, wrapped; position < size, shift -128..127. */
 uint btf_wrap(uint position, int shift, uint size) {
     int p = int(position) + shift;

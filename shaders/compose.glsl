@@ -7,6 +7,15 @@
 /* The part that does not depend on the texel. */
 struct btf_setting {
     btf_neighbours views, lights;
+#if BTF_GLOSS
+    btf_neighbours lights_of[3]; /* each view has its own */
+#endif
+#if BTF_RELIEF || BTF_GLOSS
+    vec4 vector[3]; /* of each view */
+#endif
+#if BTF_RELIEF
+    ivec2 shown[3]; /* where each view shows the point that is seen */
+#endif
     int n;        /* lights in use: 1 to 3 */
     int n_views;  /* views in use: 1 to 3 */
     vec3 product; /* l * v, by component */
@@ -27,12 +36,31 @@ btf_setting btf_prepare(vec3 l, vec3 v, bool nearest, int level) {
     s.views = btf_lookup(btf_view_table, BTF_VIEW_GRID, btf_project(v));
     s.n_views = 3;
 #endif
+#if BTF_RELIEF || BTF_GLOSS
+    if (nearest) {
+        s.views = btf_nearest(s.views);
+        s.n_views = 1;
+    }
+    for (int a = 0; a < s.n_views; ++a)
+        s.vector[a] = btf_view_vector(s.views.index[a]);
+#endif
+#if BTF_GLOSS
+    s.n = 3;
+    for (int a = 0; a < s.n_views; ++a) {
+        btf_neighbours lights = btf_lookup(btf_light_table, BTF_LIGHT_GRID, btf_gloss(l, v, s.vector[a].xyz));
+        if (nearest)
+            lights = btf_nearest(lights);
+        s.lights_of[a] = lights;
+    }
+    s.lights = s.lights_of[0];
+#else
 #if BTF_FIXED_LIGHT > 0
     s.lights = btf_neighbours(BTF_FIXED_LIGHT_INDEX, BTF_FIXED_LIGHT_WEIGHT);
     s.n = BTF_FIXED_LIGHT;
 #else
     s.lights = btf_lookup(btf_light_table, BTF_LIGHT_GRID, btf_project(l));
     s.n = 3;
+#endif
 #endif
     if (nearest) {
         s.views = btf_nearest(s.views);
@@ -117,12 +145,12 @@ vec3 btf_source_radiance(uvec2 source, vec3 residual, uint gain, btf_setting s) 
 #endif
 }
 
-/* Adds what each texel x shows in one sampled view, weighted, to its sum. */
-void btf_add_view(inout vec3 sum[BTF_TEXELS], uvec2 x[BTF_TEXELS], uint view, float weight,
+/* Radiance of each texel x in one sampled view; its root where views are blended as roots. */
+void btf_show_view(out vec3 radiance[BTF_TEXELS], uvec2 x[BTF_TEXELS], uint view,
 #if BTF_FACTORS && !BTF_FACTORS_BY_VIEW
-                  vec3 residual[BTF_TEXELS],
+                   vec3 residual[BTF_TEXELS],
 #endif
-                  btf_setting s) {
+                   btf_setting s) {
     uvec3 codes[BTF_TEXELS];
     uvec2 source[BTF_TEXELS];
 #if !BTF_FACTORS || BTF_FACTORS_BY_VIEW
@@ -148,36 +176,144 @@ void btf_add_view(inout vec3 sum[BTF_TEXELS], uvec2 x[BTF_TEXELS], uint view, fl
 #endif
 #endif
     for (int i = 0; i < BTF_TEXELS; ++i) {
-        vec3 radiance;
 #if BTF_HIDDEN
         if (codes[i].x == 0u)
-            radiance = btf_centre_radiance(btf_centre_index(codes[i]), s.lights, s.n);
+            radiance[i] = btf_centre_radiance(btf_centre_index(codes[i]), s.lights, s.n);
         else
 #endif
-            radiance = btf_source_radiance(source[i], residual[i], codes[i].x, s);
-        sum[i] = btf_add(sum[i], btf_mul(radiance, weight));
+            radiance[i] = btf_source_radiance(source[i], residual[i], codes[i].x, s);
     }
+}
+
+#if BTF_BILINEAR
+/* Four texels as the filter blends them, of weights in 65536ths. */
+vec3 btf_filter(vec3 radiance[BTF_TEXELS], uvec4 weight) {
+    vec3 sum = btf_mul(radiance[0], btf_mul(float(weight[0]), uintBitsToFloat(0x37800000u)));
+    for (int i = 1; i < BTF_TEXELS; ++i)
+        sum = btf_add(sum, btf_mul(radiance[i], btf_mul(float(weight[i]), uintBitsToFloat(0x37800000u))));
+    return sum;
+}
+
+/* The texels around a position and their weights; cu and cv of its coordinates, from btf_bilinear. */
+uvec4 btf_corners(out uvec2 x[BTF_TEXELS], uvec3 cu, uvec3 cv, int level) {
+    uint rows = btf_size(level).y;
+    x[0] = uvec2(cu.x, rows - 1u - cv.x);
+    x[1] = uvec2(cu.y, rows - 1u - cv.x);
+    x[2] = uvec2(cu.x, rows - 1u - cv.y);
+    x[3] = uvec2(cu.y, rows - 1u - cv.y);
+    uint u = btf_share(cu.z), v = btf_share(cv.z);
+    return uvec4(256u - u, u, 256u - u, u) * uvec4(uvec2(256u - v), uvec2(v));
+}
+#endif
+
+float btf_view_weight(uint weight) {
+    return btf_mul(float(weight), uintBitsToFloat(0x39800000u));
+}
+
+#if BTF_RELIEF
+
+/* The texels around a position at which a view shows something, or the one that holds it; and their weights. */
+uvec4 btf_shown_texels(out uvec2 x[BTF_TEXELS], ivec2 shown, int level) {
+    uvec2 at = uvec2(shown), size = btf_size(level);
+#if BTF_BILINEAR
+    return btf_corners(x, btf_bilinear(at.x << 10u, size.x), btf_bilinear(at.y << 10u, size.y), level);
+#else
+    x[0] = uvec2(at.x >> 8u, size.y - 1u - (at.y >> 8u));
+    return uvec4(65536u, 0u, 0u, 0u);
+#endif
+}
+
+#if BTF_FACTORS
+/* The residual of what each view shows, [view][texel]. */
+void btf_shown_factors(out vec3 residual[BTF_FACTOR_SUMS], btf_setting s) {
+    uvec2 source[BTF_FACTOR_SUMS];
+    for (int a = 0; a < s.n_views; ++a) {
+        uvec2 x[BTF_TEXELS];
+        btf_shown_texels(x, s.shown[a], s.level);
+        for (int i = 0; i < BTF_TEXELS; ++i)
+            source[a * BTF_TEXELS + i] = btf_source(x[i], btf_view_codes(x[i], s.views.index[a], s.level), s.level);
+    }
+#if BTF_GLOSS
+    btf_factors(residual, btf_factor_scene(source, s.level, s.views.index, s.n_views, s.lights_of, s.n));
+#else
+    btf_factors(residual, btf_factor_scene(source, s.level, s.views.index, s.n_views, s.lights, s.n));
+#endif
+}
+#endif
+
+/* Radiance: the neighbouring views, each as it shows the point that is seen, blended. */
+vec3 btf_shifted_views(btf_setting s) {
+    vec3 sum = vec3(0.0);
+#if BTF_FACTORS
+    vec3 all[BTF_FACTOR_SUMS];
+    btf_shown_factors(all, s);
+#endif
+    for (int a = 0; a < s.n_views; ++a) {
+        uvec2 x[BTF_TEXELS];
+        vec3 radiance[BTF_TEXELS];
+#if BTF_GLOSS
+        s.lights = s.lights_of[a];
+#endif
+        uvec4 weight = btf_shown_texels(x, s.shown[a], s.level);
+        if (s.views.weight[a] > 0u) {
+#if BTF_FACTORS
+            vec3 residual[BTF_TEXELS];
+            for (int i = 0; i < BTF_TEXELS; ++i)
+                residual[i] = all[a * BTF_TEXELS + i];
+            btf_show_view(radiance, x, s.views.index[a], residual, s);
+#else
+            btf_show_view(radiance, x, s.views.index[a], s);
+#endif
+#if BTF_BILINEAR
+            radiance[0] = btf_filter(radiance, weight);
+#endif
+            sum = btf_add(sum, btf_mul(radiance[0], btf_view_weight(s.views.weight[a])));
+        }
+    }
+#if BTF_BLEND_ROOTS
+    sum = btf_radiance(sum);
+#endif
+    return btf_mul(sum, BTF_RADIANCE_SCALE);
+}
+
+#else
+
+/* Adds what each texel shows in one sampled view, weighted, to its sum. */
+void btf_add_view(inout vec3 sum[BTF_TEXELS], vec3 radiance[BTF_TEXELS], uint weight) {
+    for (int i = 0; i < BTF_TEXELS; ++i)
+        sum[i] = btf_add(sum[i], btf_mul(radiance[i], btf_view_weight(weight)));
 }
 
 /* Radiance of each texel x: the neighbouring views, blended. */
 void btf_texels(inout vec3 sum[BTF_TEXELS], uvec2 x[BTF_TEXELS], btf_setting s) {
 #if BTF_FACTORS && !BTF_FACTORS_BY_VIEW
     vec3 all[BTF_FACTOR_SUMS];
+#if BTF_GLOSS
+    btf_factors(all, btf_factor_scene(x, s.level, s.views.index, s.n_views, s.lights_of, s.n));
+#else
     btf_factors(all, btf_factor_scene(x, s.level, s.views.index, s.n_views, s.lights, s.n));
+#endif
+#endif
     for (int a = 0; a < s.n_views; ++a) {
+        vec3 radiance[BTF_TEXELS];
+#if BTF_GLOSS
+        s.lights = s.lights_of[a];
+#endif
+#if BTF_FACTORS && !BTF_FACTORS_BY_VIEW
         vec3 residual[BTF_TEXELS];
         for (int i = 0; i < BTF_TEXELS; ++i)
             residual[i] = all[a * BTF_TEXELS + i];
-        if (s.views.weight[a] > 0u)
-            btf_add_view(sum, x, s.views.index[a],
-                         btf_mul(float(s.views.weight[a]), uintBitsToFloat(0x39800000u)), residual, s);
-    }
+        if (s.views.weight[a] > 0u) {
+            btf_show_view(radiance, x, s.views.index[a], residual, s);
+            btf_add_view(sum, radiance, s.views.weight[a]);
+        }
 #else
-    for (int a = 0; a < s.n_views; ++a)
-        if (s.views.weight[a] > 0u)
-            btf_add_view(sum, x, s.views.index[a],
-                         btf_mul(float(s.views.weight[a]), uintBitsToFloat(0x39800000u)), s);
+        if (s.views.weight[a] > 0u) {
+            btf_show_view(radiance, x, s.views.index[a], s);
+            btf_add_view(sum, radiance, s.views.weight[a]);
+        }
 #endif
+    }
     for (int i = 0; i < BTF_TEXELS; ++i) {
 #if BTF_BLEND_ROOTS
         sum[i] = btf_radiance(sum[i]);
@@ -185,3 +321,5 @@ void btf_texels(inout vec3 sum[BTF_TEXELS], uvec2 x[BTF_TEXELS], btf_setting s) 
         sum[i] = btf_mul(sum[i], BTF_RADIANCE_SCALE);
     }
 }
+
+#endif

@@ -8,12 +8,16 @@ struct btf_neighbours {
     uvec3 weight; /* they sum to 4096 */
 };
 
-/* A unit vector above the horizon in the plane of the triangulation: 0..16384 each. */
-ivec2 btf_project(vec3 d) {
-    float k = btf_reciprocal(btf_add(d.z, 1.0));
+/* k d.xy in the plane of the triangulation: 0..16384 each. */
+ivec2 btf_plane(vec3 d, float k) {
     float x = floor(btf_add(btf_mul(btf_mul(d.x, k), 8192.0), 0.5));
     float y = floor(btf_add(btf_mul(btf_mul(d.y, k), 8192.0), 0.5));
     return ivec2(min(max(vec2(x, y), -8192.0), 8192.0)) + 8192;
+}
+
+/* A unit vector above the horizon in the plane of the triangulation. */
+ivec2 btf_project(vec3 d) {
+    return btf_plane(d, btf_reciprocal(btf_add(d.z, 1.0)));
 }
 
 int btf_cross(ivec2 p, ivec2 q) {
@@ -71,6 +75,13 @@ btf_neighbours btf_lookup(highp usampler2D table, uint grid, ivec2 q) {
     }
     return r;
 }
+
+#if BTF_RELIEF || BTF_GLOSS
+/* A sampled view, and in w 1 where relief acts on it, else 0. */
+vec4 btf_view_vector(uint view) {
+    return texelFetch(btf_view_vectors, ivec2(int(view), 0), 0);
+}
+#endif
 
 /* The neighbour of the largest weight, the first of equals. */
 btf_neighbours btf_nearest(btf_neighbours n) {

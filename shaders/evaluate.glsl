@@ -9,28 +9,24 @@ vec3 btf_evaluate_directions(vec2 uv, vec3 l, vec3 v, bool nearest, int level) {
     btf_setting s = btf_prepare(l, v, nearest, level);
     uvec2 size = btf_size(level);
     uint tu = btf_coordinate(uv.x, size.x), tv = btf_coordinate(uv.y, size.y);
+#if BTF_RELIEF
+    btf_relief(s.shown, s.views, s.n_views, s.vector, ivec2(tu >> 10u, tv >> 10u), v, level);
+    return btf_shifted_views(s);
+#else
     uvec2 x[BTF_TEXELS];
     vec3 sum[BTF_TEXELS];
 #if BTF_BILINEAR
-    uvec3 cu = btf_bilinear(tu, size.x), cv = btf_bilinear(tv, size.y);
-    x[0] = uvec2(cu.x, size.y - 1u - cv.x);
-    x[1] = uvec2(cu.y, size.y - 1u - cv.x);
-    x[2] = uvec2(cu.x, size.y - 1u - cv.y);
-    x[3] = uvec2(cu.y, size.y - 1u - cv.y);
-    uvec4 weight = uvec4(256u - cu.z, cu.z, 256u - cu.z, cu.z) * uvec4(uvec2(256u - cv.z), uvec2(cv.z));
+    uvec4 weight = btf_corners(x, btf_bilinear(tu, size.x), btf_bilinear(tv, size.y), level);
     for (int i = 0; i < BTF_TEXELS; ++i)
         sum[i] = vec3(0.0);
     btf_texels(sum, x, s);
-    vec3 radiance = btf_mul(sum[0], btf_mul(float(weight[0]), uintBitsToFloat(0x37800000u)));
-    for (int i = 1; i < BTF_TEXELS; ++i)
-        radiance =
-            btf_add(radiance, btf_mul(sum[i], btf_mul(float(weight[i]), uintBitsToFloat(0x37800000u))));
-    return radiance;
+    return btf_filter(sum, weight);
 #else
     x[0] = uvec2(tu >> 18u, size.y - 1u - (tv >> 18u));
     sum[0] = vec3(0.0);
     btf_texels(sum, x, s);
     return sum[0];
+#endif
 #endif
 }
 

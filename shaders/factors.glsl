@@ -19,21 +19,31 @@
 #if BTF_FACTORS
 
 /* Views that are evaluated at once, for which u is then fetched and expanded once. With a shift each has sources of its
- * own. */
+ * own; with relief, too, but those of all three are known beforehand. */
 #if BTF_FACTORS_BY_VIEW
 #define BTF_FACTOR_VIEWS 1
 #else
 #define BTF_FACTOR_VIEWS 3
 #endif
 #define BTF_FACTOR_SUMS (BTF_FACTOR_VIEWS * BTF_TEXELS)
+#define BTF_FACTOR_GLOSS (BTF_GLOSS && !BTF_FACTORS_BY_VIEW)
+#if BTF_RELIEF
+#define BTF_FACTOR_SOURCES BTF_FACTOR_SUMS
+#else
+#define BTF_FACTOR_SOURCES BTF_TEXELS
+#endif
 
-/* Sources, and the views and lights (1 to 3 each) under which they are seen. */
+/* Sources, with relief [view][texel], and the views and lights (1 to 3 each) under which they are seen. */
 struct btf_factor_scene {
-    uvec2 x[BTF_TEXELS];
+    uvec2 x[BTF_FACTOR_SOURCES];
     int level; /* of detail */
     uvec3 views;
     int n_views;
+#if BTF_FACTOR_GLOSS
+    btf_neighbours lights[3]; /* of each view */
+#else
     btf_neighbours lights;
+#endif
     int n;
 };
 
@@ -107,14 +117,14 @@ int btf_factor_unit(int c, uvec4 t, uvec4 start) {
 /* A unit, whole or mixed, of class c for a view: the half dot products (in x where it is whole), summed over lights.
  * Of w all fetches come first, to be under way together, and each code is brought up once for all texels. */
 void btf_factor_lights(out ivec4 e[BTF_TEXELS], int c, bool whole, int unit, btf_factor_levels u[BTF_TEXELS], uint view,
-                       btf_factor_scene at) {
+                       btf_neighbours lights, int n) {
     uvec4 w[3], t[BTF_TEXELS];
-    for (int b = 0; b < at.n; ++b)
-        w[b] = texelFetch(btf_factor_directions, ivec3(int(at.lights.index[b]), int(view), unit), 0);
+    for (int b = 0; b < n; ++b)
+        w[b] = texelFetch(btf_factor_directions, ivec3(int(lights.index[b]), int(view), unit), 0);
     for (int i = 0; i < BTF_TEXELS; ++i)
         e[i] = ivec4(0);
-    for (int b = 0; b < at.n; ++b) {
-        int weight = int(at.lights.weight[b]);
+    for (int b = 0; b < n; ++b) {
+        int weight = int(lights.weight[b]);
         for (int i = 0; i < BTF_TEXELS; ++i)
             t[i] = uvec4(0u);
         for (int s = 0; s < btf_factor_shifts(c); ++s) {
@@ -146,6 +156,22 @@ void btf_factor_turn(inout vec3 p[BTF_FACTOR_SUMS], int n) {
 #endif
 }
 
+#if BTF_RELIEF
+/* Turns the sources of n views likewise. */
+void btf_factor_turn_sources(inout uvec2 x[BTF_FACTOR_SOURCES], int n) {
+    for (int i = 0; i < BTF_TEXELS; ++i) {
+        uvec2 first = x[i], second = x[BTF_TEXELS + i];
+        if (n > 1)
+            x[i] = second;
+        if (n > 2) {
+            x[BTF_TEXELS + i] = x[2 * BTF_TEXELS + i];
+            x[2 * BTF_TEXELS + i] = first;
+        } else if (n > 1)
+            x[BTF_TEXELS + i] = first;
+    }
+}
+#endif
+
 /* Adds units of class c, whole or mixed ones, to the sums p (Y, C1, C2) of their tier, [view][texel]. Words before c1
  * are of C1, those from there to before c2 of C2. first is (first unit, first layer of u), afterwards those of what
  * follows.
@@ -159,18 +185,33 @@ void btf_factor_units(inout vec3 p[BTF_FACTOR_SUMS], inout ivec2 first, int c, b
         return;
     /* FORMAT.md shifts whole dot products by 4, 5, 1, 0 and 0: these are halves, but in class 0. */
     int shift = c < 2 ? 4 : 0, g = 0;
-    int n_views = BTF_FACTOR_VIEWS > 1 ? at.n_views + int(at.lights.weight.x >> 13u) : 1;
+#if BTF_FACTOR_GLOSS
+    btf_neighbours lights = at.lights[0], second = at.lights[1], third = at.lights[2];
+#else
+    btf_neighbours lights = at.lights;
+#endif
+    int n_views = BTF_FACTOR_VIEWS > 1 ? at.n_views + int(lights.weight.x >> 13u) : 1;
     float power = uintBitsToFloat(c == 0 ? 0x3B800000u : (c == 1 ? 0x3C000000u : 0x3A000000u));
     btf_factor_levels u[BTF_TEXELS];
     ivec4 e[BTF_TEXELS];
+#if BTF_RELIEF
+    uvec2 x[BTF_FACTOR_SOURCES] = at.x;
+#endif
     do {
         vec4 scale = btf_mul(texelFetch(btf_factor_scales, ivec2(first.x, 0), 0), power);
+#if !BTF_RELIEF
         for (int i = 0; i < BTF_TEXELS; ++i)
             u[i] = btf_factor_expand(c, whole, at.x[i], first.y, at.level);
+#endif
         uvec3 views = at.views;
         int a = 0;
         do {
-            btf_factor_lights(e, c, whole, first.x, u, views.x, at);
+#if BTF_RELIEF
+            for (int i = 0; i < BTF_TEXELS; ++i)
+                u[i] = btf_factor_expand(c, whole, x[i], first.y, at.level);
+            btf_factor_turn_sources(x, at.n_views);
+#endif
+            btf_factor_lights(e, c, whole, first.x, u, views.x, lights, at.n);
             for (int i = 0; i < BTF_TEXELS; ++i) {
                 vec4 y = btf_mul(vec4(e[i] >> shift), scale);
                 if (whole)
@@ -186,6 +227,12 @@ void btf_factor_units(inout vec3 p[BTF_FACTOR_SUMS], inout ivec2 first, int c, b
             }
             btf_factor_turn(p, at.n_views);
             views = views.yzx;
+#if BTF_FACTOR_GLOSS
+            btf_neighbours next = at.n_views > 1 ? second : lights;
+            second = third;
+            third = lights;
+            lights = next;
+#endif
         } while (++a < n_views);
         first += ivec2(1, c == 1 || c == 3 ? 2 : 1);
     } while (++g < units);

@@ -93,7 +93,7 @@ def resolve_conditions(lines, given):
             if not entry[0] and alive():
                 out.append(line)
         elif alive():
-            definition = re.fullmatch(r"(BTF_READS_\w+|BTF_FACTORS_BY_VIEW) (.*)", word.group(2)) if kind == "define" else None
+            definition = re.fullmatch(r"(BTF_READS_\w+|BTF_FACTORS_BY_VIEW|BTF_FACTOR_GLOSS) (.*)", word.group(2)) if kind == "define" else None
             if definition:
                 macros[definition.group(1)] = definition.group(2)
             out.append(line)
@@ -120,7 +120,8 @@ def squeeze(lines):
 # The defines of a variant that the program around it has to know; options.glsl explains each.
 VALUES = ("BTF_WIDTH", "BTF_HEIGHT", "BTF_N_LIGHTS", "BTF_VIEW_GRID", "BTF_LIGHT_GRID", "BTF_ATLAS_WIDTH",
           "BTF_ATLAS_HEIGHT", "BTF_TILES", "BTF_CENTRE_ROWS", "BTF_RADIANCE_SCALE", "BTF_SHADOW_SCALE", "BTF_GAIN_SCALE",
-          "BTF_CENTRE_SCALE", "BTF_HORIZON_SCALE", "BTF_GAIN_BASE", "BTF_GAIN_STEP")
+          "BTF_CENTRE_SCALE", "BTF_HORIZON_SCALE", "BTF_GAIN_BASE", "BTF_GAIN_STEP", "BTF_RELIEF_BASE", "BTF_RELIEF_STEP",
+          "BTF_RELIEF_STEPS")
 
 
 def variant_head(macros, lines):

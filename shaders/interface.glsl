@@ -1,7 +1,8 @@
 /* OpenBTF shaders: the samplers, one a texture of FORMAT.md section 3, and the run-time zero.
  *
- * Only what the variant reads is declared: at most 11 samplers (layout tight: an SBRDF, shadow, shift, gain, centres,
- * four of factors and two tables; 9 where points are packed, 10 where they lie in lists) of the 16 that every GL and ES has for a fragment shader.
+ * Only what the variant reads is declared: at most 13 samplers (layout tight: an SBRDF, shadow, shift, gain, centres,
+ * four of factors, heights, view vectors and two tables; 11 where points are packed, 12 where they lie in lists) of the 16
+ * that every GL and ES has for a fragment shader.
  * In Vulkan, BTF_UNIFORM(n) has to give set and binding. To use samplers of other names, define BTF_NO_INTERFACE and,
  * say, btf_maps as the name of yours.
  *
@@ -30,6 +31,8 @@
 #define BTF_BINDING_POINTS 15
 #define BTF_BINDING_POINT_LISTS 16
 #define BTF_BINDING_POINT_INDICES 17
+#define BTF_BINDING_HEIGHTS 18
+#define BTF_BINDING_VIEW_VECTORS 19
 #endif
 
 #ifndef BTF_NO_INTERFACE
@@ -75,6 +78,12 @@ BTF_UNIFORM(BTF_BINDING_FACTOR_TEXELS) highp usampler2DArray btf_factor_texels;
 BTF_UNIFORM(BTF_BINDING_FACTOR_DIRECTIONS) highp usampler2DArray btf_factor_directions;
 BTF_UNIFORM(BTF_BINDING_FACTOR_SCALES) highp sampler2D btf_factor_scales;
 BTF_UNIFORM(BTF_BINDING_FACTOR_VIEWS) highp sampler2D btf_factor_views;
+#endif
+#if BTF_RELIEF == 2
+BTF_UNIFORM(BTF_BINDING_HEIGHTS) highp usampler2D btf_heights;
+#endif
+#if BTF_RELIEF || BTF_GLOSS
+BTF_UNIFORM(BTF_BINDING_VIEW_VECTORS) highp sampler2D btf_view_vectors;
 #endif
 #if BTF_FIXED_VIEW == 0
 BTF_UNIFORM(BTF_BINDING_VIEW_TABLE) highp usampler2D btf_view_table;

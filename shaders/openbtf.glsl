@@ -21,6 +21,8 @@
 #include "lafortune.glsl"
 #include "residual.glsl"
 #include "factors.glsl"
+#include "relief.glsl"
+#include "gloss.glsl"
 #include "compose.glsl"
 #include "evaluate.glsl"
 #endif

@@ -16,6 +16,8 @@
  *     BTF_BLEND_ROOTS    1: views are blended as roots. Default 0
  *     BTF_POINTS         1: shift and gain lie packed in one texture; 2: in a list a texel, of which each view has an
  *                        index. Default 0
+ *     BTF_RELIEF         1: the file has a relief of one height, 2: of a height map, and it is decoded. Default 0
+ *     BTF_GLOSS          1 or 2: the effect is in the file with a share of so many quarters, and is decoded. Default 0
  *   values (any expressions, e.g. uniforms of your own)
  *     BTF_WIDTH BTF_HEIGHT BTF_N_LIGHTS BTF_VIEW_GRID BTF_LIGHT_GRID          uint
  *     BTF_LEVELS                                                              uint, levels of detail; default 1
@@ -25,12 +27,16 @@
  *                        shadowScale * 2^-12, CENTRE_SCALE is centreScale * 2^-12
  *     BTF_HORIZON_SCALE                              float, with factors
  *     BTF_GAIN_BASE BTF_GAIN_STEP                    float, with BTF_POINTS and BTF_GAIN
+ *     BTF_RELIEF_BASE                                int, with relief; with BTF_RELIEF 2 also
+ *     BTF_RELIEF_STEP BTF_RELIEF_STEPS               int: of heights, > 0; of a march, >= 1
+ *     BTF_RELIEF_LEVEL                               int: reliefLevel; default 0
  *   how to decode
  *     BTF_NEAREST        1: btf_evaluate takes the nearest directions, 0: it interpolates between three
  *     BTF_BILINEAR       1: four decoded texels are blended, 0: one texel
+ *     BTF_STEEP          1, with BTF_BILINEAR: with weights that leave a texel's middle half to itself. Default 0
  *     BTF_FIXED_VIEW     0, or how many neighbours (1 to 3) the one view has that is ever seen; then
  *                        BTF_FIXED_VIEW_INDEX and BTF_FIXED_VIEW_WEIGHT are uvec3 of them, and btf_evaluate
- *                        must be handed this view. BTF_FIXED_LIGHT... likewise. Default 0
+ *                        must be handed this view. BTF_FIXED_LIGHT... likewise, but not with BTF_GLOSS. Default 0
  *     BTF_FAST_MATH      1: the device's own log2 and exp2, and no order of operations kept
  *   the device
  *     BTF_HAVE_PRECISE   1: the qualifier `precise` exists. Told from the version; define it as 1 when you
@@ -54,6 +60,15 @@
 #ifndef BTF_POINTS
 #define BTF_POINTS 0
 #endif
+#ifndef BTF_RELIEF
+#define BTF_RELIEF 0
+#endif
+#ifndef BTF_RELIEF_LEVEL
+#define BTF_RELIEF_LEVEL 0
+#endif
+#ifndef BTF_GLOSS
+#define BTF_GLOSS 0
+#endif
 #ifndef BTF_LEVELS
 #define BTF_LEVELS 1u
 #endif
@@ -63,12 +78,15 @@
 #ifndef BTF_BILINEAR
 #define BTF_BILINEAR 0
 #endif
+#ifndef BTF_STEEP
+#define BTF_STEEP 0
+#endif
 #if BTF_BILINEAR
 #define BTF_TEXELS 4
 #else
 #define BTF_TEXELS 1
 #endif
-#define BTF_FACTORS_BY_VIEW BTF_SHIFT
+#define BTF_FACTORS_BY_VIEW (BTF_SHIFT && !BTF_RELIEF)
 #ifndef BTF_FAST_MATH
 #define BTF_FAST_MATH 0
 #endif

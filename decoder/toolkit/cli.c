@@ -18,7 +18,8 @@
 #define OPENBTF_VERSION "0.2.0"
 #endif
 
-static const char *const effect_words[5] = {"shadow", "shift", "hidden", "gain", "residual"};
+static const char *const effect_words[CLI_EFFECTS_COUNT] = {"shadow",   "shift",  "hidden", "gain",
+                                                            "residual", "relief", "gloss"};
 
 void cli_print(const char *program, btf_log_level level, const char *message) {
     static const char *const kinds[] = {"error: ", "warning: ", ""};
@@ -76,9 +77,13 @@ int cli_finish(const cli_program *program, btf_result result) {
     return btf_result_exit_code(result);
 }
 
+const char *cli_effect_word(int i) {
+    return i >= 0 && i < CLI_EFFECTS_COUNT ? effect_words[i] : NULL;
+}
+
 const char *cli_effects_text(uint32_t effects, char *buffer) {
     buffer[0] = 0;
-    for (int i = 0; i < 5; i++)
+    for (int i = 0; i < CLI_EFFECTS_COUNT; i++)
         if (effects & 1u << i) {
             if (buffer[0])
                 strcat(buffer, ",");
@@ -327,7 +332,7 @@ static bool read_angles(const cli_option *option, const char *text, wanted *w) {
 
 static bool read_effects(const cli_option *option, const char *text, wanted *w) {
     uint32_t effects = 0;
-    want(w, "%s, or some of shadow,shift,hidden,gain,residual",
+    want(w, "%s, or some of shadow,shift,hidden,gain,residual,relief,gloss",
          option->choices ? "auto, none, all" : "none, all");
     if (option->choices && !strcmp(text, option->choices)) {
         *(uint32_t *)option->value = UINT32_MAX;
@@ -339,9 +344,10 @@ static bool read_effects(const cli_option *option, const char *text, wanted *w) 
         for (const char *word = text; word;) {
             size_t size = strcspn(word, ",");
             int i = 0;
-            while (i < 5 && (strlen(effect_words[i]) != size || memcmp(effect_words[i], word, size)))
+            while (i < CLI_EFFECTS_COUNT &&
+                   (strlen(effect_words[i]) != size || memcmp(effect_words[i], word, size)))
                 i++;
-            if (i == 5)
+            if (i == CLI_EFFECTS_COUNT)
                 return false;
             effects |= 1u << i;
             word = word[size] ? word + size + 1 : NULL;

@@ -119,6 +119,10 @@ int cli_finish(const cli_program *program, btf_result result);
  * it. */
 const char *cli_effects_text(uint32_t effects, char *buffer);
 
+/* The word of effect 1 << i; NULL where there is none. */
+enum { CLI_EFFECTS_COUNT = 7 };
+const char *cli_effect_word(int i);
+
 #ifdef __cplusplus
 }
 #endif

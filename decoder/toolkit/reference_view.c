@@ -54,6 +54,13 @@ int reference_view(const btf_material *material, uint32_t level, btf_ref_materia
         .points = btf_material_level_texture(material, level, BTF_TEXTURE_POINTS).data,
         .point_lists = btf_material_level_texture(material, level, BTF_TEXTURE_POINT_LISTS).data,
         .point_indices = btf_material_level_texture(material, level, BTF_TEXTURE_POINT_INDICES).data,
+        .heights = btf_material_level_texture(material, level, BTF_TEXTURE_HEIGHTS).data,
+        .view_vectors = btf_material_texture(material, BTF_TEXTURE_VIEW_VECTORS).data,
+        .relief_base = info.relief_base,
+        .relief_step = info.relief_step,
+        .relief_steps = info.relief_steps,
+        .gloss_share = info.gloss_share,
+        .level = level + info.relief_level,
     };
     for (int i = 0; i < BTF_FACTOR_CLASSES; ++i)
         for (int j = 0; j < 3; ++j)

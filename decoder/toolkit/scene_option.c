@@ -5,6 +5,7 @@
 #include "scene_option.h"
 
 #include "cli.h"
+#include "filter.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -127,13 +128,12 @@ const char *scene_plan_reason(const btf_material *material, const btf_plan *plan
 
 static void print_reasons(FILE *out, const char *indent, const btf_material *material,
                           const btf_plan *plan) {
-    static const char *const names[5] = {"shadow", "shift", "hidden", "gain", "residual"};
     btf_material_info info = {.struct_size = sizeof info};
     char text[80];
     btf_material_get_info(material, &info);
-    for (int i = 0; i < 5; i++)
+    for (int i = 0; i < CLI_EFFECTS_COUNT; i++)
         if (info.effects >> i & 1)
-            fprintf(out, "%s%s: %s\n", indent, names[i],
+            fprintf(out, "%s%s: %s\n", indent, cli_effect_word(i),
                     scene_plan_reason(material, plan, i, text, sizeof text));
 }
 
@@ -151,8 +151,8 @@ void scene_plan_print(FILE *out, const char *indent, const btf_material *materia
         fprintf(out, ", %s", scene_plan_amount(plan, amount, sizeof amount));
     fprintf(out, ", %s directions, %s, level %u%s%s\n",
             plan->shader.interpolation == BTF_INTERPOLATION_NEAREST ? "nearest" : "interpolated",
-            plan->shader.filter == BTF_FILTER_BILINEAR ? "bilinear" : "one texel", (unsigned)plan->level,
-            plan->shader.fixed & BTF_FIXED_VIEW ? ", fixed view" : "",
+            plan->shader.filter == BTF_FILTER_TEXEL ? "one texel" : filter_name(plan->shader.filter),
+            (unsigned)plan->level, plan->shader.fixed & BTF_FIXED_VIEW ? ", fixed view" : "",
             plan->shader.fixed & BTF_FIXED_LIGHT ? ", fixed light" : "");
     fprintf(out, "%s%u views, %u lights, %zu bytes of %zu (%.0f%%), %.0f%% of the time\n", indent,
             (unsigned)plan->views, (unsigned)plan->lights, plan->gpu_bytes, plan->full_gpu_bytes,

@@ -6,6 +6,7 @@
 #include "decoder/toolkit/cli.h"
 #include "decoder/toolkit/exr_image.h"
 #include "decoder/toolkit/file.h"
+#include "decoder/toolkit/filter.h"
 #include "decoder/toolkit/output.h"
 #include "decoder/toolkit/png_image.h"
 #include "decoder/toolkit/progress.h"
@@ -29,7 +30,7 @@ static struct {
     bool view_given, light_given, format_given;
     bool all, quiet;
     uint32_t effects;
-    int interpolation, format, threads, components, level;
+    int interpolation, filter, format, threads, components, level;
 } options = {.effects = BTF_EFFECT_ALL, .interpolation = BTF_REF_LINEAR, .components = BTF_MAX_COMPONENTS};
 
 static const cli_option option_table[] = {
@@ -77,6 +78,12 @@ static const cli_option option_table[] = {
      .choices = "nearest|linear",
      .value = &options.interpolation,
      .help = "between sampled directions (default linear)"},
+    {.name = "filter",
+     .type = CLI_CHOICE,
+     .choices = FILTER_CHOICES,
+     .value = &options.filter,
+     .help = "between texels (default texel), at whose centres it matters with the effect\n"
+             "relief alone, which shifts views by parts of a texel"},
     {.name = "format",
      .type = CLI_CHOICE,
      .choices = "png|exr",
@@ -142,6 +149,13 @@ static unsigned char srgb_code(const float thresholds[256], float linear) {
     return (unsigned char)low;
 }
 
+/* The texture coordinate of a texel's centre, counted from the left or from below: the next multiple of
+ * 2^-18, in which texture coordinates are counted, so that no part of the texel before is blended in, and,
+ * up to 1024 texels, none of the next. */
+static float centre(uint32_t i, uint32_t size) {
+    return (float)(((2 * i + 1) * ((uint32_t)1 << 17) + size - 1) / size) * 0x1p-18f;
+}
+
 /* Decodes the texel grid into rgb (floats) and writes it; codes is as large as rgb. */
 static btf_result decode_image(const decoder *d, const char *path, const float light[3],
                                const float view[3], float *rgb, unsigned char *codes) {
@@ -150,7 +164,11 @@ static btf_result decode_image(const decoder *d, const char *path, const float l
     float *out = rgb;
     for (uint32_t row = 0; row < height; row++)
         for (uint32_t column = 0; column < width; column++, out += 3)
-            btf_ref_evaluate_texel(&d->material, &d->options, column, row, light, view, out);
+            if (d->options.filter == BTF_REF_TEXEL)
+                btf_ref_evaluate_texel(&d->material, &d->options, column, row, light, view, out);
+            else
+                btf_ref_evaluate(&d->material, &d->options, centre(column, width),
+                                 centre(height - 1 - row, height), light, view, out);
     if (d->format == FORMAT_EXR)
         return exr_image_write(path, (int)width, (int)height, rgb, false, d->log);
     for (size_t i = 0; i < values; i++)
@@ -347,7 +365,7 @@ static btf_result run(const char *path) {
     d.options = (btf_ref_options){.effects = options.effects,
                                   .components = (uint32_t)options.components,
                                   .interpolation = options.interpolation ? BTF_REF_LINEAR : BTF_REF_NEAREST,
-                                  .filter = BTF_REF_TEXEL};
+                                  .filter = filter_of_reference((btf_filter)options.filter)};
     if (options.all) {
         const btf_directions views = btf_material_views(material), lights = btf_material_lights(material);
         result = decode_all(&d, &views, &lights);

@@ -188,7 +188,7 @@ static void print_effects(const btf_material *material, const btf_material_info 
     size_t count;
     const btf_material_error *errors = btf_material_errors(material, &count), *with, *without;
     printf("\nEffects: %s\n", cli_effects_text(info->effects, words));
-    for (uint32_t bit = 1; bit <= BTF_EFFECT_RESIDUAL; bit <<= 1)
+    for (uint32_t bit = 1; bit < BTF_EFFECT_ALL; bit <<= 1)
         if (info->effects & bit && find_gain(errors, count, bit, &with, &without))
             printf("  %-14s%+.2f dB linear, %+.2f dB sRGB for %.0f bytes\n", cli_effects_text(bit, words),
                    (double)(with->psnr_linear - without->psnr_linear),
@@ -250,8 +250,9 @@ static void print_levels(const btf_material *material, const btf_material_info *
 
 /* The textures that the bytes called gpu leave out. */
 static bool is_table(btf_texture_id id) {
-    return id == BTF_TEXTURE_VIEW_TABLE || id == BTF_TEXTURE_LIGHT_TABLE || id == BTF_TEXTURE_RESIDUAL_SCALES ||
-           id == BTF_TEXTURE_FACTOR_SCALES || id == BTF_TEXTURE_FACTOR_VIEWS;
+    return id == BTF_TEXTURE_VIEW_TABLE || id == BTF_TEXTURE_LIGHT_TABLE ||
+           id == BTF_TEXTURE_RESIDUAL_SCALES || id == BTF_TEXTURE_FACTOR_SCALES ||
+           id == BTF_TEXTURE_FACTOR_VIEWS || id == BTF_TEXTURE_VIEW_VECTORS;
 }
 
 static void print_textures(const btf_material *material, const btf_material_info *info) {
@@ -284,6 +285,44 @@ static void print_points(const btf_material_info *info) {
     else
         printf("packed");
     printf(": shifts within -32..31, gain %g + %g * 0..15\n", (double)info->gain_base, (double)info->gain_step);
+}
+
+/* Heights of a relief in texels of level 0, and how many views it acts on. */
+typedef struct relief_range {
+    double low, high;
+    uint32_t views;
+} relief_range;
+
+static relief_range find_relief(const btf_material *material, const btf_material_info *info) {
+    const btf_texture t = btf_material_texture(material, BTF_TEXTURE_HEIGHTS);
+    const float *vectors = btf_material_texture(material, BTF_TEXTURE_VIEW_VECTORS).data;
+    int least = t.size ? 255 : 0, most = 0;
+    for (size_t i = 0; i < t.size; i++) {
+        const int code = ((const uint8_t *)t.data)[i];
+        least = code < least ? code : least;
+        most = code > most ? code : most;
+    }
+    const double texel = 256.0 * (1u << info->relief_level);
+    relief_range range = {.low = (info->relief_base + (least * info->relief_step >> 8)) / texel,
+                          .high = (info->relief_base + (most * info->relief_step >> 8)) / texel};
+    for (uint32_t v = 0; v < info->n_views; v++)
+        range.views += vectors[4 * (size_t)v + 3] != 0;
+    return range;
+}
+
+static void print_relief(const btf_material *material, const btf_material_info *info) {
+    if (info->effects & BTF_EFFECT_RELIEF) {
+        const relief_range r = find_relief(material, info);
+        printf("  %-14s", "relief");
+        if (info->relief_step > 0)
+            printf("heights %.3g to %.3g texels, %u step%s", r.low, r.high, (unsigned)info->relief_steps,
+                   info->relief_steps == 1 ? "" : "s");
+        else
+            printf("height %.3g texels everywhere", r.low);
+        printf(", on %u of %u views\n", (unsigned)r.views, (unsigned)info->n_views);
+    }
+    if (info->effects & BTF_EFFECT_GLOSS)
+        printf("  %-14skeeps %g of the half vector\n", "gloss", info->gloss_share / 4.0);
 }
 
 static void print_residual(const btf_material_info *info) {
@@ -333,6 +372,7 @@ static void print_text(const char *path, uint64_t file_bytes, const btf_material
         printf("  %-14s%u\n", "centres", (unsigned)info->centres);
     print_points(info);
     print_residual(info);
+    print_relief(material, info);
     if (info->version >= 2)
         printf("  %-14s%s\n", "blend", blend_names[info->blend]);
     printf("  %-14sradiance %g, shadow %g, gain %g, centre %g\n", "scales", (double)info->radiance_scale,
@@ -386,7 +426,7 @@ static void json_directions(json *j, const char *key, const btf_directions *d) {
 static void json_effect_list(json *j, const char *key, uint32_t effects) {
     char word[48];
     json_array(j, key);
-    for (uint32_t bit = 1; bit <= BTF_EFFECT_RESIDUAL; bit <<= 1)
+    for (uint32_t bit = 1; bit < BTF_EFFECT_ALL; bit <<= 1)
         if (effects & bit)
             json_string(j, NULL, cli_effects_text(bit, word));
     json_end(j);
@@ -398,7 +438,7 @@ static void json_effects(json *j, const btf_material *material, const btf_materi
     const btf_material_error *errors = btf_material_errors(material, &count), *with, *without;
     json_effect_list(j, "effects", info->effects);
     json_object(j, "buys");
-    for (uint32_t bit = 1; bit <= BTF_EFFECT_RESIDUAL; bit <<= 1)
+    for (uint32_t bit = 1; bit < BTF_EFFECT_ALL; bit <<= 1)
         if (info->effects & bit && find_gain(errors, count, bit, &with, &without)) {
             json_object(j, cli_effects_text(bit, word));
             json_number(j, "linear", (double)with->psnr_linear - (double)without->psnr_linear);
@@ -493,6 +533,22 @@ static void json_classes(json *j, const btf_material_info *info) {
     json_end(j);
 }
 
+static void json_relief(json *j, const btf_material *material, const btf_material_info *info) {
+    if (info->effects & BTF_EFFECT_RELIEF) {
+        const relief_range r = find_relief(material, info);
+        json_object(j, "relief");
+        json_number(j, "low", r.low);
+        json_number(j, "high", r.high);
+        json_integer(j, "base", info->relief_base);
+        json_integer(j, "step", info->relief_step);
+        json_integer(j, "steps", info->relief_steps);
+        json_integer(j, "level", info->relief_level);
+        json_integer(j, "views", r.views);
+        json_end(j);
+    }
+    json_number(j, "gloss", info->gloss_share / 4.0);
+}
+
 static btf_result print_json(const char *path, uint64_t file_bytes, const btf_material *material,
                              const btf_material_info *info) {
     const btf_directions views = btf_material_views(material), lights = btf_material_lights(material);
@@ -515,6 +571,7 @@ static btf_result print_json(const char *path, uint64_t file_bytes, const btf_ma
     json_string(&j, "blend", blend_names[info->blend]);
     json_string(&j, "point_store", point_store_names[info->point_store]);
     json_integer(&j, "point_entries", info->point_entries);
+    json_relief(&j, material, info);
     json_bool(&j, "preview", btf_material_preview(material) != NULL);
     if (info->layout == BTF_LAYOUT_PAPER) {
         json_integer(&j, "atlas_width", info->atlas_width);

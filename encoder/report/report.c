@@ -18,11 +18,10 @@
 static const struct {
     btf_effect effect;
     const char *name;
-} effect_names[] = {{BTF_EFFECT_SHADOW, "shadow"},
-                    {BTF_EFFECT_SHIFT, "shift"},
-                    {BTF_EFFECT_HIDDEN, "hidden"},
-                    {BTF_EFFECT_GAIN, "gain"},
-                    {BTF_EFFECT_RESIDUAL, "residual"}};
+} effect_names[] = {{BTF_EFFECT_SHADOW, "shadow"},     {BTF_EFFECT_SHIFT, "shift"},
+                    {BTF_EFFECT_HIDDEN, "hidden"},     {BTF_EFFECT_GAIN, "gain"},
+                    {BTF_EFFECT_RESIDUAL, "residual"}, {BTF_EFFECT_RELIEF, "relief"},
+                    {BTF_EFFECT_GLOSS, "gloss"}};
 enum { EFFECT_COUNT = sizeof effect_names / sizeof effect_names[0] };
 
 size_t enc_report_gpu_bytes(const btf_material_info *info, uint32_t effects) {

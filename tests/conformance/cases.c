@@ -143,6 +143,17 @@ void case_in_range(random_state *r, const btf_range *range, const btf_directions
     from_angles(theta * degree, ((double)range->phi[0] + part) * degree, out);
 }
 
+/* A view in the last 15 degrees, and a light from anywhere, from the other side or from its own: half vectors that
+ * vanish, and lights that sink below the horizon where they keep part of them. */
+static void grazing(random_state *r, float light[3], float view[3]) {
+    const double theta = random_between(r, 75, 90) * M_PI / 180, phi = random_between(r, 0, 2 * M_PI);
+    from_angles(theta, phi, view);
+    const uint32_t kind = random_below(r, 4);
+    if (kind > 1) /* now and then exactly opposed */
+        from_angles(random_below(r, 2) ? theta : random_between(r, 75, 90) * M_PI / 180,
+                    phi + (kind == 2 ? M_PI : 0) + random_below(r, 2) * random_between(r, -0.1, 0.1), light);
+}
+
 void case_make(random_state *r, const btf_material *material, uint32_t out[CASE_WORDS]) {
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(material, &info);
@@ -152,5 +163,7 @@ void case_make(random_state *r, const btf_material *material, uint32_t out[CASE_
     f[1] = case_coordinate(r, info.height);
     case_direction(r, &lights, f + 2);
     case_direction(r, &views, f + 5);
+    if (info.effects & (BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS) && random_below(r, 4) == 0)
+        grazing(r, f + 2, f + 5);
     memcpy(out, f, sizeof f);
 }

@@ -232,6 +232,7 @@ static void run_files(runner *r, uint64_t divide) {
     static const btf_shader_options ways[] = {
         {.leave_out = 0},
         {.filter = BTF_FILTER_BILINEAR},
+        {.filter = BTF_FILTER_STEEP},
         {.interpolation = BTF_INTERPOLATION_NEAREST},
         {.interpolation = BTF_INTERPOLATION_NEAREST, .filter = BTF_FILTER_BILINEAR},
         {.leave_out = BTF_EFFECT_SHADOW},
@@ -239,6 +240,8 @@ static void run_files(runner *r, uint64_t divide) {
         {.leave_out = BTF_EFFECT_HIDDEN},
         {.leave_out = BTF_EFFECT_GAIN},
         {.leave_out = BTF_EFFECT_RESIDUAL},
+        {.leave_out = BTF_EFFECT_RELIEF},
+        {.leave_out = BTF_EFFECT_GLOSS},
         {.components = 3},
         {.leave_out = BTF_EFFECT_ALL},
     };
@@ -261,7 +264,7 @@ static void run_files(runner *r, uint64_t divide) {
             char name[VARIANT_NAME];
             snprintf(name, sizeof name, "%.60s minus %u cut %u %s %s", base, shader.leave_out,
                      shader.components, shader.interpolation ? "nearest" : "linear",
-                     shader.filter ? "bilinear" : "texel");
+                     variant_filter_name(shader.filter));
             run_variant(r, material, &shader, name, r->options->seed + i, divide);
             if (r->options->fast)
                 run_fast(r, material, shader, name, r->options->seed + i, r->options->count / divide);

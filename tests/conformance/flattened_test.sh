@@ -23,7 +23,10 @@ values='#define BTF_WIDTH 64u
 #define BTF_CENTRE_SCALE 0.000000957415
 #define BTF_HORIZON_SCALE 3.5
 #define BTF_GAIN_BASE 0.25
-#define BTF_GAIN_STEP 0.125'
+#define BTF_GAIN_STEP 0.125
+#define BTF_RELIEF_BASE (-300)
+#define BTF_RELIEF_STEP 900
+#define BTF_RELIEF_STEPS 8'
 
 # compile NAME VERSION EXTRA LAYOUT OPTION...: file NAME as a fragment shader of a version.
 compile() {
@@ -50,7 +53,7 @@ for name in "$2"/openbtf_*.glsl; do
         echo "no flattened shader in $2"
         exit 1
     fi
-    if grep -nE '^#(el)?if .*(LAYOUT_TIGHT|COLOUR|HIDDEN|COMPONENTS|FACTOR|BLEND|POINTS)' "$name"; then
+    if grep -nE '^#(el)?if .*(LAYOUT_TIGHT|COLOUR|HIDDEN|COMPONENTS|FACTOR|BLEND|POINTS|RELIEF|GLOSS|STEEP)' "$name"; then
         echo "$(basename "$name") still has conditions that its variant decides"
         failures=$((failures + 1))
     fi

@@ -287,6 +287,13 @@ static void fill_factors(random_state *r, const synthetic_spec *s, const btf_mat
                                                     : (float)random_between(r, 0.2, i % 4 == 0 ? 1 : 0.5);
 }
 
+static void fill_heights(random_state *r, const synthetic_spec *s, size_t texels, uint8_t *data) {
+    for (size_t i = 0; i < texels; ++i)
+        data[i] = s->relief == SYNTHETIC_EVEN                             ? 100
+                  : s->relief == SYNTHETIC_HIGH && random_below(r, 2) == 0 ? (uint8_t)(255 * random_below(r, 2))
+                                                                          : (uint8_t)random_bits(r);
+}
+
 static float make_scale(random_state *r, const synthetic_spec *s, float plausible) {
     return s->values == SYNTHETIC_EXTREME ? extreme_float(r, 1) : plausible;
 }
@@ -323,6 +330,14 @@ static btf_result make_info(random_state *r, const synthetic_spec *s, btf_materi
         info->gain_step = s->values == SYNTHETIC_EXTREME ? extreme_float(r, 0) : 0.11f;
     }
     info->horizon_scale = info->store == BTF_STORE_FACTORS ? s->horizon_scale : 0;
+    if (s->effects & BTF_EFFECT_RELIEF) {
+        static const int32_t heights[SYNTHETIC_RELIEFS][3] = {
+            {-700, 0, 1}, {-900, 1100, 8}, {-32768, 32767, 1}, {128, 32767, 64}, {300, 900, 3}};
+        info->relief_base = heights[s->relief][0];
+        info->relief_step = heights[s->relief][1];
+        info->relief_steps = (uint32_t)heights[s->relief][2];
+    }
+    info->gloss_share = s->effects & BTF_EFFECT_GLOSS ? s->gloss_share : 0;
     uint32_t room = BTF_MAX_CENTRES;
     if (s->layout == BTF_LAYOUT_PAPER) {
         btf_result result = btf_material_atlas(info, &info->atlas_width, &info->atlas_height, &room);
@@ -360,6 +375,8 @@ static btf_result make_level(random_state *r, const synthetic_spec *spec, const 
         fill_maps(r, spec, &of_level, texture[BTF_TEXTURE_MAPS]);
     else
         fill_tight(r, spec, &of_level, texture);
+    if (texture[BTF_TEXTURE_HEIGHTS])
+        fill_heights(r, spec, (size_t)of_level.width * of_level.height, texture[BTF_TEXTURE_HEIGHTS]);
     if (spec->effects & BTF_EFFECT_RESIDUAL)
         (info->store == BTF_STORE_FACTORS ? fill_factors : fill_residual)(r, spec, &of_level, texture);
     return BTF_OK;
@@ -368,7 +385,8 @@ static btf_result make_level(random_state *r, const synthetic_spec *spec, const 
 /* A picture for viewers, which no decoder may read, in every second material of version 2; NULL in others.
  */
 static uint16_t *make_preview(random_state *r, const synthetic_spec *spec, const btf_material_info *info) {
-    const bool version_2 = info->store == BTF_STORE_FACTORS || info->blend == BTF_BLEND_ROOTS || spec->packed;
+    const bool version_2 = info->store == BTF_STORE_FACTORS || info->blend == BTF_BLEND_ROOTS || spec->packed ||
+                           info->effects & (BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS);
     const size_t texels = (size_t)info->width * info->height;
     uint16_t *halves = version_2 && (spec->seed & 1) ? malloc(texels * 4 * sizeof *halves) : NULL;
     for (size_t i = 0; halves && i < 4 * texels; ++i)
@@ -392,6 +410,10 @@ btf_result synthetic_create(const synthetic_spec *spec, const btf_log *log, btf_
         for (int id = 0; id < BTF_TEXTURE_COUNT; ++id)
             *(level ? &desc.level_texture[level][id] : &desc.texture[id]) = texture[level][id];
     }
+    uint8_t acts[BTF_MAX_DIRECTIONS];
+    for (uint32_t v = 0; v < spec->n_views && spec->relief_mixed; ++v)
+        acts[v] = (uint8_t)random_below(&r, 2);
+    desc.relief_views = spec->effects & BTF_EFFECT_RELIEF && spec->relief_mixed ? acts : NULL;
     uint16_t *preview = make_preview(&r, spec, &desc.info);
     desc.preview = preview;
     if (result == BTF_OK)

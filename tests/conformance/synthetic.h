@@ -26,6 +26,16 @@ typedef enum synthetic_codes {
                          their bounds */
 } synthetic_codes;
 
+/* Heights of the effect relief. */
+typedef enum synthetic_relief {
+    SYNTHETIC_FLAT,   /* one height, no map */
+    SYNTHETIC_GENTLE, /* as a wall of bricks has them, below and above the plane of the data */
+    SYNTHETIC_DEEP,   /* from the lowest height there may be, in one step */
+    SYNTHETIC_HIGH,   /* to the highest, in 64 steps, half of the texels at a limit */
+    SYNTHETIC_EVEN,   /* a map of one height */
+    SYNTHETIC_RELIEFS
+} synthetic_relief;
+
 typedef struct synthetic_spec {
     uint64_t seed;
     uint32_t width, height, n_views, n_lights;
@@ -46,6 +56,9 @@ typedef struct synthetic_spec {
     float horizon_scale; /* 0 means 1 */
     int packed;          /* shift and gain are packed points: layout tight, both effects, not hidden */
     uint32_t entries;    /* with packed: of a texel's list; 0: no lists */
+    synthetic_relief relief; /* with the effect */
+    int relief_mixed;        /* relief acts on about half of the views; else on all */
+    uint32_t gloss_share;    /* with the effect gloss: 1 or 2 */
 } synthetic_spec;
 
 /* Makes it. Errors as btf_material_create. */

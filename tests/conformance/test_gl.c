@@ -557,7 +557,7 @@ static int setup(void **state) {
                         .colour = BTF_COLOUR_RGB,
                         .lobes = 2,
                         .half_float = 1,
-                        .effects = BTF_EFFECT_ALL,
+                        .effects = BTF_EFFECT_VERSION_1,
                         .components = 6,
                         .centres = 100,
                         .directions = SYNTHETIC_RANDOM};

@@ -392,7 +392,7 @@ static int setup(void **state) {
                            .layout = BTF_LAYOUT_TIGHT,
                            .colour = BTF_COLOUR_RGB,
                            .lobes = 2,
-                           .effects = BTF_EFFECT_ALL,
+                           .effects = BTF_EFFECT_VERSION_1,
                            .components = 6,
                            .centres = 100};
     if (synthetic_create(&spec, &hearing, &material) != BTF_OK)

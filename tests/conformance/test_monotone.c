@@ -289,7 +289,7 @@ static int check_layout(btf_layout layout) {
                                  .layout = layout,
                                  .domain = BTF_DOMAIN_SQRT,
                                  .lobes = 2,
-                                 .effects = BTF_EFFECT_ALL,
+                                 .effects = BTF_EFFECT_VERSION_1,
                                  .components = 16,
                                  .centres = 100};
     static count counts[VARIANTS];

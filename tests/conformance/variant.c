@@ -72,6 +72,24 @@ enum factor_3 {
 };
 static const uint8_t levels_3[FACTORS_3] = {2, 3, 3, 2, 3, 2, 4, 2, 2, 2};
 
+/* The same for relief, gloss and the steep filter, which each part of a material meets. */
+enum factor_4 {
+    SIZE_4,
+    DIRECTIONS_4,
+    LAYOUT_4, /* one level, all levels of detail */
+    DOMAIN_4, /* linear, roots blended as radiance, as roots */
+    MODEL_4,
+    RELIEF_4, /* none, or a synthetic_relief */
+    VIEWS_4,  /* relief acts on all of them, on some */
+    GLOSS_4,  /* none, a quarter, a half */
+    VALUES_4,
+    LEAVE_OUT_4, /* nothing, what the model leaves out, relief, gloss */
+    INTERPOLATION_4,
+    FILTER_4,
+    FACTORS_4
+};
+static const uint8_t levels_4[FACTORS_4] = {4, 4, 2, 3, 5, 1 + SYNTHETIC_RELIEFS, 2, 3, 2, 4, 2, 3};
+
 /* Units, words of C1 and of C2 of each class: every class alone and with others, and mixed units of 0 to 5
  * words of colour in each class. */
 static const uint32_t mixtures[][BTF_FACTOR_CLASSES][3] = {
@@ -104,25 +122,33 @@ static const uint32_t components[] = {0, 1, 6, 19};
 static const uint32_t left_out[] = {
     0, BTF_EFFECT_SHADOW, BTF_EFFECT_SHIFT, BTF_EFFECT_HIDDEN, BTF_EFFECT_GAIN, BTF_EFFECT_RESIDUAL};
 
+const char *variant_filter_name(btf_filter filter) {
+    static const char *const names[] = {"texel", "bilinear", "steep"};
+    return names[filter];
+}
+
 static void write_name(variant *v) {
     const synthetic_spec *s = &v->spec;
     static const char *const colours[] = {"mono", "rgb", "none"};
+    static const char *const reliefs[] = {" relief-flat", " relief", " relief-deep", " relief-high", " relief-even"};
     char classes[100] = "";
     for (int c = 0, at = 0; c < BTF_FACTOR_CLASSES; ++c)
         if (s->classes[c][0])
             at += snprintf(classes + at, sizeof classes - (size_t)at, " %d:%u/%u/%u", c, s->classes[c][0],
                            s->classes[c][1], s->classes[c][2]);
     snprintf(v->name, sizeof v->name,
-             "%ux%u V%u L%u %s %s %s%s J%u%s%s%s%s%s k%u%s%s%s%s%s%s minus %u cut %u %s %s", s->width,
+             "%ux%u V%u L%u %s %s %s%s J%u%s%s%s%s%s%s%s k%u%s%s%s%s%s%s minus %u cut %u %s %s", s->width,
              s->height, s->n_views, s->n_lights, s->layout ? "tight" : "paper",
              s->domain ? "sqrt" : "linear", colours[s->colour], s->half_float ? " half" : "", s->lobes,
              s->effects & BTF_EFFECT_SHADOW ? " shadow" : "", s->effects & BTF_EFFECT_SHIFT ? " shift" : "",
              s->effects & BTF_EFFECT_HIDDEN ? " hidden" : "", s->effects & BTF_EFFECT_GAIN ? " gain" : "",
              s->entries ? " lists" : s->packed ? " packed" : "",
+             s->effects & BTF_EFFECT_RELIEF ? reliefs[s->relief] : "",
+             !(s->effects & BTF_EFFECT_GLOSS) ? "" : s->gloss_share > 1 ? " gloss 1/2" : " gloss 1/4",
              s->components, classes, s->codes ? " bounds" : "", s->blend ? " roots" : "",
              s->all_hidden ? " all-hidden" : "", s->values ? " extreme" : "",
              s->levels > 1 ? " levels" : "", v->shader.leave_out, v->shader.components,
-             v->shader.interpolation ? "nearest" : "linear", v->shader.filter ? "bilinear" : "texel");
+             v->shader.interpolation ? "nearest" : "linear", variant_filter_name(v->shader.filter));
 }
 
 static void make_variant(const uint8_t row[FACTORS], uint64_t seed, variant *v) {
@@ -232,6 +258,56 @@ static void make_variant_3(const uint8_t row[FACTORS_3], uint64_t seed, variant 
     write_name(v);
 }
 
+/* An SBRDF with shadow; factors; components with shift and gain of all stores; hidden points among factors. */
+static void make_model_4(int model, uint64_t seed, synthetic_spec *s) {
+    static const uint32_t classes[][BTF_FACTOR_CLASSES][3] = {{{1, 1, 1}, {0}, {2, 1, 0}}, {{0}, {0}, {2, 0, 1}}};
+    static const uint32_t effects[] = {
+        BTF_EFFECT_SHADOW, BTF_EFFECT_RESIDUAL, BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL,
+        BTF_EFFECT_HIDDEN | BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_RESIDUAL, BTF_EFFECT_RESIDUAL};
+    s->effects = effects[model];
+    s->colour = model == 0 ? BTF_COLOUR_RGB : model == 3 ? BTF_COLOUR_MONO : BTF_COLOUR_NONE;
+    s->lobes = s->colour == BTF_COLOUR_NONE ? 0 : 1;
+    s->centres = 40;
+    s->components = model == 0 ? 0 : model == 1 ? 3 : model == 2 ? 5 : 2;
+    if (model == 1 || model > 2) {
+        memcpy(s->classes, classes[model != 1], sizeof s->classes);
+        s->horizon_scale = 3.75f;
+    }
+    s->packed = model == 2 && seed % 3 > 0;
+    s->entries = s->packed && seed % 3 > 1 ? 5 : 0;
+}
+
+static void make_variant_4(const uint8_t row[FACTORS_4], uint64_t seed, variant *v) {
+    static const uint32_t few_sizes[][2] = {{1, 1}, {3, 5}, {16, 32}, {37, 21}};
+    static const synthetic_directions kinds[] = {SYNTHETIC_RINGS, SYNTHETIC_RANDOM, SYNTHETIC_COLLINEAR,
+                                                 SYNTHETIC_RINGS};
+    static const uint32_t counts[][2] = {{37, 19}, {9, 11}, {3, 5}, {1, 37}};
+    memset(v, 0, sizeof *v);
+    synthetic_spec *s = &v->spec;
+    s->seed = seed;
+    s->width = few_sizes[row[SIZE_4]][0];
+    s->height = few_sizes[row[SIZE_4]][1];
+    s->directions = kinds[row[DIRECTIONS_4]];
+    s->n_views = counts[row[DIRECTIONS_4]][0];
+    s->n_lights = counts[row[DIRECTIONS_4]][1];
+    s->layout = BTF_LAYOUT_TIGHT;
+    s->levels = row[LAYOUT_4] ? BTF_MAX_LEVELS : 1;
+    s->domain = row[DOMAIN_4] ? BTF_DOMAIN_SQRT : BTF_DOMAIN_LINEAR;
+    s->blend = row[DOMAIN_4] == 2 ? BTF_BLEND_ROOTS : BTF_BLEND_RADIANCE;
+    make_model_4(row[MODEL_4], seed, s);
+    s->effects |= (row[RELIEF_4] ? BTF_EFFECT_RELIEF : 0u) | (row[GLOSS_4] ? BTF_EFFECT_GLOSS : 0u);
+    s->relief = row[RELIEF_4] ? (synthetic_relief)(row[RELIEF_4] - 1) : SYNTHETIC_FLAT;
+    s->relief_mixed = row[VIEWS_4];
+    s->gloss_share = row[GLOSS_4];
+    s->values = (synthetic_values)row[VALUES_4];
+    static const uint32_t left_out_4[] = {0, BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT, BTF_EFFECT_RELIEF, BTF_EFFECT_GLOSS};
+    v->shader.struct_size = sizeof v->shader;
+    v->shader.leave_out = left_out_4[row[LEAVE_OUT_4]];
+    v->shader.interpolation = (btf_interpolation)row[INTERPOLATION_4];
+    v->shader.filter = (btf_filter)row[FILTER_4];
+    write_name(v);
+}
+
 /* A mixture that was not used yet, of few classes for bilinear filtering, else of many: compilers take long
  * over both together. */
 static size_t choose_mixture(bool used[MIXTURES], bool bilinear) {
@@ -264,6 +340,9 @@ size_t variant_pairwise(uint64_t seed, variant list[VARIANT_MAX]) {
     more = pairwise_rows(seed, FACTORS_3, levels_3, VARIANT_MAX - count, rows);
     for (size_t i = 0; i < more; ++i, ++count)
         make_variant_3(rows[i], seed + count, &list[count]);
+    more = pairwise_rows(seed, FACTORS_4, levels_4, VARIANT_MAX - count, rows);
+    for (size_t i = 0; i < more; ++i, ++count)
+        make_variant_4(rows[i], seed + count, &list[count]);
     return count;
 }
 
@@ -272,6 +351,8 @@ btf_ref_options variant_reference_options(const btf_shader_options *shader) {
     o.effects = BTF_EFFECT_ALL & ~shader->leave_out;
     o.components = shader->components ? shader->components : UINT32_MAX;
     o.interpolation = shader->interpolation == BTF_INTERPOLATION_NEAREST ? BTF_REF_NEAREST : BTF_REF_LINEAR;
-    o.filter = shader->filter == BTF_FILTER_BILINEAR ? BTF_REF_BILINEAR : BTF_REF_TEXEL;
+    o.filter = shader->filter == BTF_FILTER_STEEP      ? BTF_REF_STEEP
+               : shader->filter == BTF_FILTER_BILINEAR ? BTF_REF_BILINEAR
+                                                       : BTF_REF_TEXEL;
     return o;
 }

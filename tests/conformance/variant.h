@@ -19,9 +19,12 @@ typedef struct variant {
 } variant;
 
 /* Fills list with variants in which every pair of settings occurs, in an order that a seed gives, those of
- * version 1 first, then those of version 2 with all their mixtures of classes, then packed points; returns how
- * many. */
+ * version 1 first, then those of version 2 with all their mixtures of classes, then packed points, then relief and
+ * gloss; returns how many. */
 size_t variant_pairwise(uint64_t seed, variant list[VARIANT_MAX]);
+
+/* "texel", "bilinear" or "steep". */
+const char *variant_filter_name(btf_filter filter);
 
 /* The reference's options for a shader's. */
 btf_ref_options variant_reference_options(const btf_shader_options *shader);

@@ -62,7 +62,7 @@ static btf_result write_vector(const char *directory, int number, const variant 
     json_string(j, "effects", cli_effects_text(v->spec.effects & ~v->shader.leave_out, effects));
     json_integer(j, "components", v->shader.components ? v->shader.components : BTF_MAX_COMPONENTS);
     json_string(j, "interpolation", v->shader.interpolation ? "nearest" : "linear");
-    json_string(j, "filter", v->shader.filter ? "bilinear" : "texel");
+    json_string(j, "filter", variant_filter_name(v->shader.filter));
     json_integer(j, "level", level);
     evaluate(material, level, v, planes);
     for (int p = 0; p < PLANES && result == BTF_OK; ++p) {

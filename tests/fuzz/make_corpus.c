@@ -111,7 +111,8 @@ static void write_version_2(const char *name, btf_layout layout, uint32_t effect
 }
 
 static void write_materials(void) {
-    const uint32_t all = BTF_EFFECT_ALL, paper = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN;
+    const uint32_t all = BTF_EFFECT_VERSION_1,
+                   paper = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN;
     write_material("paper", BTF_LAYOUT_PAPER, BTF_COLOUR_MONO, paper, false);
     write_material("tight", BTF_LAYOUT_TIGHT, BTF_COLOUR_RGB, all, true);
     write_material("residual", BTF_LAYOUT_TIGHT, BTF_COLOUR_NONE, BTF_EFFECT_RESIDUAL | BTF_EFFECT_SHIFT,

@@ -57,7 +57,7 @@ synthetic_spec bits_spec(int index) {
         .colour = index & 4 ? BTF_COLOUR_RGB : BTF_COLOUR_MONO,
         .half_float = index == 2 || index == 7,
         .lobes = 1 + (uint32_t)index % 4,
-        .effects = index == 3 ? BTF_EFFECT_SHADOW | BTF_EFFECT_GAIN : BTF_EFFECT_ALL,
+        .effects = index == 3 ? BTF_EFFECT_SHADOW | BTF_EFFECT_GAIN : BTF_EFFECT_VERSION_1,
         .components = index == 3 ? 0 : 6,
         .centres = 11,
         .directions = index == 5 ? SYNTHETIC_RANDOM : SYNTHETIC_RINGS,

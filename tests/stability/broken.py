@@ -88,9 +88,9 @@ CHANGES = [
     ("weights that do not sum to 4096", "decoder_bits", [
         ("reference/btf_directions.c", "{w0, w1, 4096 - w0 - w1}", "{w0, w1, 4095 - w0 - w1}")]),
     ("no upper bound of y", "decoder_bits", [
-        ("reference/btf_evaluate.c", "if (value > 0x1p32f)", "if (value < 0)")]),
+        ("reference/btf_source.c", "if (value > 0x1p32f)", "if (value < 0)")]),
     ("addresses of 32 bits", "decoder_bits", [
-        ("reference/btf_evaluate.c", "return ((size_t)layer * material->height + row) * material->width + column;",
+        ("reference/btf_source.c", "return ((size_t)layer * material->height + row) * material->width + column;",
          "return (layer * material->height + row) * material->width + column;")]),
     ("directions that are no numbers looked up", "decoder_bits", [
         ("reference/btf_evaluate.c", "if (l > 0x40000000u || v > 0x40000000u)", "if (l == v && l == 1)")]),

@@ -35,7 +35,7 @@ static void keep_message(void *user, btf_log_level level, const char *message) {
 static saved save_small(const char *name, btf_layout layout, uint32_t levels, uint32_t entries) {
     random_state r = {61};
     const uint32_t hidden = entries ? 0 : BTF_EFFECT_HIDDEN;
-    const uint32_t effects = (BTF_EFFECT_ALL & ~(uint32_t)BTF_EFFECT_HIDDEN) | hidden;
+    const uint32_t effects = (BTF_EFFECT_VERSION_1 & ~(uint32_t)BTF_EFFECT_HIDDEN) | hidden;
     btf_material_desc desc = random_material_desc(2, 2, 3, 2, layout, effects);
     desc.info.lobes = 1;
     desc.info.components = 2;
@@ -45,7 +45,7 @@ static saved save_small(const char *name, btf_layout layout, uint32_t levels, ui
     desc.info.levels = levels;
     desc.info.half_float = levels > 1;
     const btf_level_error level_errors[2] = {{0, 30, 28, 100}, {1, 31, 29, 30}};
-    const btf_material_error errors[1] = {{BTF_EFFECT_ALL, 30, 28, 100}};
+    const btf_material_error errors[1] = {{BTF_EFFECT_VERSION_1, 30, 28, 100}};
     desc.level_errors = level_errors;
     desc.level_error_count = levels;
     desc.errors = errors;

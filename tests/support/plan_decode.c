@@ -5,6 +5,7 @@
 #include "plan_decode.h"
 
 #include <openbtf/reference.h>
+#include "decoder/toolkit/filter.h"
 #include "decoder/toolkit/reference_view.h"
 
 #include <math.h>
@@ -49,7 +50,7 @@ static btf_ref_options reference_options(const btf_shader_options *o) {
         .effects = BTF_EFFECT_ALL & ~o->leave_out,
         .components = o->components ? o->components : UINT32_MAX,
         .interpolation = o->interpolation == BTF_INTERPOLATION_NEAREST ? BTF_REF_NEAREST : BTF_REF_LINEAR,
-        .filter = o->filter == BTF_FILTER_BILINEAR ? BTF_REF_BILINEAR : BTF_REF_TEXEL};
+        .filter = filter_of_reference(o->filter)};
 }
 
 int plan_differences(random_state *r, const btf_material *whole, const btf_material *small,

@@ -91,6 +91,12 @@ btf_material_desc random_material_desc(uint32_t width, uint32_t height, uint32_t
         .gain_scale = BTF_GAIN_SCALE,
         .centre_scale = 0x1p-8f,
     };
+    if (effects & BTF_EFFECT_RELIEF) { /* from a texel below the plane to two above, and a bit */
+        desc.info.relief_base = -256;
+        desc.info.relief_step = 801;
+        desc.info.relief_steps = 7;
+    }
+    desc.info.gloss_share = effects & BTF_EFFECT_GLOSS ? 1 : 0;
     float *views = malloc(sizeof(float[3]) * n_views), *lights = malloc(sizeof(float[3]) * n_lights);
     if (!views || !lights)
         abort();
@@ -232,6 +238,8 @@ static void fill_level(random_state *r, const btf_material_info *info, const btf
     if (data[BTF_TEXTURE_POINT_LISTS])
         fill_lists(r, info, shape[BTF_TEXTURE_POINT_LISTS].size, data[BTF_TEXTURE_POINT_LISTS],
                    data[BTF_TEXTURE_POINT_INDICES]);
+    for (size_t i = 0; data[BTF_TEXTURE_HEIGHTS] && i < shape[BTF_TEXTURE_HEIGHTS].size; i++)
+        ((uint8_t *)data[BTF_TEXTURE_HEIGHTS])[i] = (uint8_t)random_next(r);
     if (data[BTF_TEXTURE_CENTRES])
         fill_centres(r, info, &shape[BTF_TEXTURE_CENTRES], data[BTF_TEXTURE_CENTRES]);
     if (data[BTF_TEXTURE_RESIDUAL_TEXELS])
@@ -243,6 +251,29 @@ static void fill_level(random_state *r, const btf_material_info *info, const btf
     if (data[BTF_TEXTURE_RESIDUAL_SCALES])
         for (uint32_t i = 0; i < info->components; i++)
             ((float *)data[BTF_TEXTURE_RESIDUAL_SCALES])[i] = random_parameter(r);
+}
+
+void random_material_relief(random_state *r, btf_material_desc *desc) {
+    btf_material_info *info = &desc->info;
+    if (info->effects & BTF_EFFECT_RELIEF) {
+        const uint32_t kind = random_below(r, 8);
+        info->relief_base = kind == 0 ? INT16_MIN : (int32_t)random_below(r, 1200) - 600;
+        info->relief_step = kind < 2 ? INT16_MAX : kind < 4 ? 0 : (int32_t)random_below(r, 1000);
+        if (info->relief_base + (255 * info->relief_step >> 8) > INT16_MAX)
+            info->relief_base = INT16_MAX - (255 * info->relief_step >> 8);
+        info->relief_steps = info->relief_step == 0 ? 1 : 1 + random_below(r, BTF_MAX_RELIEF_STEPS);
+        const uint32_t levels = info->levels ? info->levels : 1;
+        info->relief_level = random_below(r, 2) ? 0 : random_below(r, BTF_MAX_LEVELS - levels + 1);
+        if (random_below(r, 2)) {
+            uint8_t *acts = malloc(info->n_views);
+            if (!acts)
+                abort();
+            for (uint32_t v = 0; v < info->n_views; v++)
+                acts[v] = (uint8_t)random_below(r, 2);
+            desc->relief_views = acts;
+        }
+    }
+    info->gloss_share = info->effects & BTF_EFFECT_GLOSS ? 1 + random_below(r, 2) : 0;
 }
 
 void random_material_fill(random_state *r, btf_material_desc *desc) {
@@ -280,6 +311,7 @@ void random_material_free(btf_material_desc *desc) {
             free((void *)(uintptr_t)desc->level_texture[level][id]);
     free((void *)(uintptr_t)desc->views);
     free((void *)(uintptr_t)desc->lights);
+    free((void *)(uintptr_t)desc->relief_views);
     *desc = (btf_material_desc){0};
 }
 

@@ -25,6 +25,11 @@ void random_directions(random_state *r, uint32_t count, double theta_max, float 
 void random_ubo2003(float out[81][3]);
 void random_ubo2014(float out[151][3]);
 
+/* Heights, steps, level and views of the effect relief, and a share for gloss, at random where desc has
+ * those effects: one height everywhere now and then, and the bounds of the format. Keeps levels and
+ * relief_level within it. */
+void random_material_relief(random_state *r, btf_material_desc *desc);
+
 /* Fills desc->texture[] and, with info.levels, level_texture[] with values that the rest of desc->info
  * allows, atlas size included for layout paper (its smallest legal one when atlas_width is 0). Free with
  * random_material_free. */
@@ -34,8 +39,8 @@ void random_material_free(btf_material_desc *desc);
 /* The file of a material filled at random: *size bytes, freed with btf_free. Frees desc. */
 void *random_material_save(random_state *r, btf_material_desc *desc, size_t *size);
 
-/* A desc of the given shape with scales of 1 (gain 2^-7), directions in rings, no textures yet; directions
- * are freed by random_material_free. */
+/* A desc of the given shape with scales of 1 (gain 2^-7), heights of -256 to 541 with relief, a share of
+ * 1/4 with gloss, directions in rings, no textures yet; directions are freed by random_material_free. */
 btf_material_desc random_material_desc(uint32_t width, uint32_t height, uint32_t n_views, uint32_t n_lights,
                                        btf_layout layout, uint32_t effects);
 

@@ -1,5 +1,6 @@
-/* factor_file OUT SEED [LAYOUT LEVELS BLEND POINTS]: writes a material of version 2 filled at random, with every
- * effect, or with shift and gain packed where POINTS is `packed`, in lists of four where it is `lists`.
+/* factor_file OUT SEED [LAYOUT LEVELS BLEND POINTS]: writes a material of version 2 filled at random, with
+ * every effect of version 1, or with shift and gain packed where POINTS is `packed`, in lists of four where
+ * it is `lists`; `relief` adds relief and gloss, `height` the same with one height everywhere.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -24,10 +25,16 @@ int main(int argc, char **argv) {
         argc > 3 && strcmp(argv[3], "paper") == 0 ? BTF_LAYOUT_PAPER : BTF_LAYOUT_TIGHT;
     const char *points = argc > 6 ? argv[6] : "";
     const bool lists = strcmp(points, "lists") == 0;
-    const uint32_t effects =
-        lists || strcmp(points, "packed") == 0 ? BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN : BTF_EFFECT_ALL;
+    const bool height = strcmp(points, "height") == 0, relief = height || strcmp(points, "relief") == 0;
+    const uint32_t effects = lists || strcmp(points, "packed") == 0 ? BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN
+                             : relief                               ? BTF_EFFECT_ALL
+                                                                    : BTF_EFFECT_VERSION_1;
     btf_material_desc desc = factor_material_desc(16, 12, 19, 19, layout, effects, factor_classes);
     lists ? factor_material_list_points(&desc, 4) : factor_material_pack_points(&desc);
+    if (height) {
+        desc.info.relief_step = 0;
+        desc.info.relief_steps = 1;
+    }
     desc.info.levels = argc > 4 ? (uint32_t)strtoul(argv[4], NULL, 10) : 1;
     desc.info.blend = argc > 5 && strcmp(argv[5], "roots") == 0 ? BTF_BLEND_ROOTS : BTF_BLEND_RADIANCE;
     /* Small enough values for a picture to show more than white. */

@@ -174,6 +174,39 @@ expect_text "and the bytes of the lists" "^  point_lists +RG8UI +16 x 12 x 4 +15
 expect_text "and of the indices" "^  point_indices +R8UI +16 x 12 x 10 +1920 bytes +10.00 a texel$" out
 expect "and as JSON" 0 btf-info lists.btf.exr --json
 expect_that "the same" python3 -c 'import json; r = json.load(open("out")); assert (r["point_store"], r["point_entries"]) == ("lists", 4), r'
+expect "relief and gloss" 0 factor_file relief.btf.exr 1 tight 3 roots relief
+expect "are told" 0 btf-info relief.btf.exr
+expect_text "with heights" "^  relief +heights -0.988 to 2.1 texels, 7 steps, on 19 of 19 views$" out
+expect_text "and a share" "^  gloss +keeps 0.25 of the half vector$" out
+expect_text "among the effects" "^Effects: shadow,shift,hidden,gain,residual,relief,gloss$" out
+expect_text "and the textures" "^  heights +R8UI +16 x 12 +192 bytes +1.00 a texel$" out
+expect_text "of which one is a table" "^  view_vectors +RGBA32F +19 x 1 +304 bytes  \\(table\\)$" out
+expect_that "on lines of 100 columns" python3 -c 'assert max(len(l.rstrip("\n")) for l in open("out", encoding="utf-8")) <= 100'
+expect "and as JSON" 0 btf-info relief.btf.exr --json
+expect_that "the same" python3 - <<'P'
+import json
+r = json.load(open("out"))
+assert r["version"] == 2 and r["gloss"] == 0.25 and r["effects"][-2:] == ["relief", "gloss"], r
+assert (r["relief"]["base"], r["relief"]["step"], r["relief"]["steps"], r["relief"]["views"]) == (-256, 801, 7, 19), r
+t = r["textures"]
+assert t["view_vectors"]["table"] and not t["heights"]["table"]
+assert sum(x["bytes"] for x in t.values() if x["table"]) == r["bytes"]["tables"]
+P
+way="--view 40,60 --light 40,120"
+expect "they are decoded" 0 btf-decode relief.btf.exr -o all.exr $way
+expect "without relief" 0 btf-decode relief.btf.exr -o flat.exr $way --effects shadow,shift,hidden,gain,residual,gloss
+expect "without gloss" 0 btf-decode relief.btf.exr -o dull.exr $way --effects shadow,shift,hidden,gain,residual,relief
+expect "without both" 0 btf-decode relief.btf.exr -o none.exr $way --effects shadow,shift,hidden,gain,residual
+expect "by a filter" 0 btf-decode relief.btf.exr -o soft.exr $way --filter bilinear
+expect "by a steep one" 0 btf-decode relief.btf.exr -o steep.exr $way --filter steep
+expect_that "each another image" test "$(md5sum all.exr flat.exr dull.exr none.exr soft.exr steep.exr | cut -d' ' -f1 | sort -u | wc -l)" = 6
+expect "without either, filtered" 0 btf-decode relief.btf.exr -o plain.exr $way --filter steep --effects shadow,shift,hidden,gain,residual
+expect_that "centres of texels are texels" cmp none.exr plain.exr
+expect "no such filter" 1 btf-decode relief.btf.exr -o x.exr --filter soft
+expect "one height" 0 factor_file height.btf.exr 1 tight 1 roots height
+expect "is told" 0 btf-info height.btf.exr
+expect_text "as one" "^  relief +height -1 texels everywhere, on 19 of 19 views$" out
+expect "and decoded" 0 btf-decode height.btf.exr -o height.exr $way
 expect "lists are decoded" 0 btf-decode lists.btf.exr -o lists.exr --view 40,60 --light 40,120
 expect "version 1 as JSON" 0 btf-info m.btf.exr --json
 expect_that "is of version 1" python3 -c 'import json; r = json.load(open("out")); assert (r["version"], r["store"], r["classes"]) == (1, "components", [])'

@@ -119,7 +119,9 @@ for key in 1:shift,hidden 2:hidden 3:gain; do
 done
 differ "shadows off are seen" start.png effect1.png
 press 4 '^effects residual'
-press 5 '^effects none'
+press 5 '^effects relief,gloss'
+press 6 '^effects gloss'
+press 7 '^effects none'
 shoot none
 press 0 '^effects all'
 shoot all
@@ -142,6 +144,9 @@ press n '^directions linear'
 press b '^filter bilinear'
 shoot bilinear
 differ "bilinear is seen" start.png bilinear.png
+press b '^filter steep'
+shoot steep
+differ "steep is seen" bilinear.png steep.png
 press b '^filter texel'
 press x '^math fast'
 press x '^math exact'

@@ -73,6 +73,7 @@ typedef enum btf_effect {
     BTF_EFFECT_RELIEF = 32, /**< version 2 */
     BTF_EFFECT_GLOSS = 64,  /**< version 2 */
     BTF_EFFECT_ALL = 127,
+    BTF_EFFECT_VERSION_1 = 31, /**< those of version 1, which either layout holds */
 } btf_effect;
 
 /** How a file stores the effect `residual`. */
@@ -165,7 +166,7 @@ typedef struct btf_material_info {
     uint32_t atlas_width, atlas_height; /**< layout paper, else 0 */
     float radiance_scale, shadow_scale, gain_scale, centre_scale; /**< factors of FORMAT.md section 9 */
     size_t gpu_bytes;   /**< FORMAT.md section 3: without tables */
-    size_t table_bytes; /**< direction tables, and scales of the residual */
+    size_t table_bytes; /**< direction tables, scales of the residual, and view_vectors */
     const char *method; /**< provenance; "" when not given */
     const char *options;
     const char *source;
@@ -183,11 +184,15 @@ typedef struct btf_material_info {
                                     2^-24..2^24; else 0 */
     uint32_t point_entries;      /**< with BTF_POINTS_LISTS: packed points of a texel's list, 1 to
                                     BTF_MAX_POINT_ENTRIES; else 0 */
-    /** With BTF_EFFECT_RELIEF, else 0: the height of code c is relief_base + ((c * relief_step) >> 8), in 1/256 of the
-     * width of a texel of level 0, within -32768..32767; relief_step 0..32767, 0: one height everywhere and no
-     * texture `heights`. */
+    /** With BTF_EFFECT_RELIEF, else 0: the height of code c is relief_base + ((c * relief_step) >> 8), in
+     * 1/256 of the width of a texel of level 0 (of level -relief_level, if there were one), within
+     * -32768..32767; relief_step 0..32767, 0: one height everywhere and no texture `heights`. */
     int32_t relief_base, relief_step;
-    uint32_t relief_steps; /**< with BTF_EFFECT_RELIEF: steps of a march, 1..BTF_MAX_RELIEF_STEPS; else 0 */
+    uint32_t relief_steps; /**< with BTF_EFFECT_RELIEF: steps of a march, 1..BTF_MAX_RELIEF_STEPS, 1 where
+                              relief_step is 0; else 0 */
+    uint32_t relief_level; /**< with BTF_EFFECT_RELIEF: the level of detail, of the material that heights
+                              were made for, that is level 0 here: 0, but in restrictions; with levels at
+                              most BTF_MAX_LEVELS */
     uint32_t gloss_share;  /**< with BTF_EFFECT_GLOSS: share of the half vector in quarters, 1 or 2; else 0 */
 } btf_material_info;
 
@@ -274,8 +279,8 @@ btf_result btf_material_get_info(const btf_material *material, btf_material_info
 btf_texture btf_material_texture(const btf_material *material, btf_texture_id id);
 
 /** @return the same of a level of detail: level 0 is btf_material_texture; a higher one has sbrdf, shadow,
- *  shift, gain, points, point_lists, point_indices, residual_texels and factor_texels of its own and shares the
- *  rest with level 0 (format NONE here, as for a level that the material does not have). */
+ *  shift, gain, points, point_lists, point_indices, residual_texels, factor_texels and heights of its own
+ * and shares the rest with level 0 (format NONE here, as for a level that the material does not have). */
 btf_texture btf_material_level_texture(const btf_material *material, uint32_t level, btf_texture_id id);
 
 /** @return the sampled directions to the viewer, and to the light. */
@@ -298,8 +303,8 @@ btf_between_errors btf_material_between_errors(const btf_material *material);
 
 /** All that a material is made from, as an encoder hands it over. Textures as in btf_texture, of which only
  * `data` is read (sizes and formats follow from the rest; see btf_material_texture_shape); entries that the
- * effects do not call for must be NULL. residual_scales is BTF_TEXTURE_RESIDUAL_SCALES; the two tables are
- * made here.
+ * effects do not call for must be NULL. residual_scales is BTF_TEXTURE_RESIDUAL_SCALES; the two tables and
+ * view_vectors are made here.
  */
 typedef struct btf_material_desc {
     size_t struct_size;     /**< sizeof(btf_material_desc) */
@@ -330,7 +335,8 @@ typedef struct btf_material_desc {
 const uint16_t *btf_material_preview(const btf_material *material);
 
 /** The shape (format, is_array, width, height, layers, size; data NULL) that a texture of a material with
- * this info has; format NONE when it has none. The tables have no shape before they are made. */
+ * this info has; format NONE when it has none. The two tables and view_vectors have no shape before they
+ * are made. */
 btf_texture btf_material_texture_shape(const btf_material_info *info, btf_texture_id id);
 
 /** The same of a level of detail; level 0 is btf_material_texture_shape. Format NONE for what a level

@@ -89,16 +89,19 @@ btf_result btf_plan_predict(const btf_material *material, const btf_plan *plan, 
  *    8.3 once, 10.7 a look-up (view; light where shadows, centres or components ask for it; none that is
  *    fixed), then for each neighbouring view (1 with nearest directions, 3 else, of a fixed view those of
  *    weight above 0) and each of 1 or 4 texels: 1.5, 1 a code (two where shifts and gains are textures of
- *    their own or lists, one where they are packed), 4.1 a texel of parameters, 3.4 a shadow and 4.8 a centre
- *    for each neighbouring light;
- *    and a group of four components 3.9 a texel, and once for all texels 6.9 a neighbouring light;
- *    0.8 more a code, shadow or centre that lies in an atlas.
+ *    their own or lists, one where they are packed), 4.1 a texel of parameters, 3.4 a shadow and 4.8 a
+ * centre for each neighbouring light; and a group of four components 3.9 a texel, and once for all
+ * texels 6.9 a neighbouring light; 0.8 more a code, shadow or centre that lies in an atlas.
  *
  *  Of factors 1.65 for a texel of u, fetched once, or once a neighbouring view where sources shift, and
  *  for each of 1 or 4 texels; 2.15 a unit for each neighbouring view and light, and for each texel 1.55,
  *  1.65, 1.65, 3.2 and 1.75 in the classes 0 to 4; 2.15 a neighbouring view and tier. These come from a
  *  prototype of the shader (three sets of units, one view and light or three of each, mean deviation 4 %),
  *  times 1.6, by which its components were cheaper than those above.
+ *
+ *  With relief 5 a neighbouring view and 1.5 a step of a march, N + 1 of them for the pixel and, where
+ * there are several neighbouring views and a height map, for each; sources shift. With gloss 2 a
+ * neighbouring view (not once more beside relief) and a look-up of lights each, of which none are fixed.
  *
  *  A neighbour of weight 0 is passed over where a compiler branches. llvmpipe masks instead: it saves the
  *  groups of a residual that has more than six, a loop, all but one, and nothing else. A fixed view whose
@@ -112,12 +115,14 @@ float btf_plan_cost(const btf_material *material, const btf_shader_options *opti
 /** A material with what a plan reads: views and lights that its ranges reach (all where the file's
  * triangulation cannot be kept otherwise), its effects, components, its level and coarser ones, centres in
  * use; layout `tight`. Packed points of which a plan decodes the gain alone stay packed, with shifts of 0,
- * since no other store says their gains; of which it decodes the shift alone, become the texture `shift`. Lists
- * of points stay lists, of a gain of 1 where the plan decodes the shift alone, unless so few views are kept that
- * they take no fewer bytes than what packed points become. Inside the ranges it decodes, with plan->shader, bit for bit what the material
- * decodes with them; level plan->level of the material is level 0. Outside, a direction counts as the
- * nearest one that was kept (section 6). It can be saved and opened like any material. Errors:
- * BTF_ERROR_USAGE, BTF_ERROR_MEMORY. */
+ * since no other store says their gains; of which it decodes the shift alone, become the texture `shift`.
+ * Lists of points stay lists, of a gain of 1 where the plan decodes the shift alone, unless so few views
+ * are kept that they take no fewer bytes than what packed points become. Heights are kept as they are, in
+ * texels of the material's level 0 (btf_material_info.relief_level). Where gloss is decoded all lights are
+ * kept, since any may be that of a neighbouring view. Inside the ranges it decodes, with plan->shader, bit
+ * for bit what the material decodes with them; level plan->level of the material is level 0. Outside, a
+ * direction counts as the nearest one that was kept (section 6). It can be saved and opened like any
+ * material. Errors: BTF_ERROR_USAGE, BTF_ERROR_MEMORY. */
 btf_result btf_material_restrict(const btf_material *material, const btf_plan *plan, const btf_log *log,
                                  btf_material **out_material);
 

@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "decoder/toolkit/file.h"
+#include "decoder/toolkit/filter.h"
 #include "decoder/toolkit/output.h"
 #include "decoder/toolkit/progress.h"
 #include "decoder/toolkit/scene_option.h"
@@ -268,7 +269,7 @@ static void print_stats(const job *j, const render_times *t) {
                 : (btf_interpolation)render_options.interpolation) == BTF_INTERPOLATION_NEAREST
                ? "nearest"
                : "linear",
-           render_options.filter == BTF_FILTER_BILINEAR ? "bilinear" : "texel",
+           filter_name((btf_filter)render_options.filter),
            render_options.math == BTF_MATH_FAST ? "fast" : "exact");
     printf("cast: %.1f ms\nshade: %.1f ms\n", 1e3 * t->cast, 1e3 * t->shade);
     if (t->decode.seconds > 0) {

@@ -4,6 +4,7 @@
  */
 #include "settings.h"
 
+#include "decoder/toolkit/filter.h"
 #include "light_option.h"
 #include "picture.h"
 #include <math.h>
@@ -209,9 +210,10 @@ static const cli_option option_table[] = {
      .help = "between sampled directions (default linear)"},
     {.name = "filter",
      .type = CLI_CHOICE,
-     .choices = "texel|bilinear",
+     .choices = FILTER_CHOICES,
      .value = &render_options.filter,
-     .help = "between texels (default texel)"},
+     .help =
+         "between texels (default texel); steep: bilinear, but a texel keeps its\nmiddle half to itself"},
     {.name = "level",
      .arg = "auto|N",
      .type = CLI_CUSTOM,
@@ -268,7 +270,9 @@ static const cli_option option_table[] = {
      .minimum = 1,
      .maximum = 1024,
      .help = "threads (default: all cores); the picture does not depend on it"},
-    {.name = "quiet", .type = CLI_FLAG, .value = &render_options.quiet,
+    {.name = "quiet",
+     .type = CLI_FLAG,
+     .value = &render_options.quiet,
      .help = "no progress, no information; warnings stay"},
     {.type = CLI_END},
 };

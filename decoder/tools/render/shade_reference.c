@@ -4,6 +4,7 @@
  */
 #include "shade_reference.h"
 
+#include "decoder/toolkit/filter.h"
 #include "decoder/toolkit/reference_view.h"
 #include "decoder/toolkit/file.h"
 #include "table.h"
@@ -45,7 +46,7 @@ static void *create(const shader_request *request, const btf_log *log, btf_resul
             .components = request->components,
             .interpolation =
                 request->interpolation == BTF_INTERPOLATION_NEAREST ? BTF_REF_NEAREST : BTF_REF_LINEAR,
-            .filter = request->filter == BTF_FILTER_BILINEAR ? BTF_REF_BILINEAR : BTF_REF_TEXEL};
+            .filter = filter_of_reference(request->filter)};
     return self;
 }
 

@@ -4,6 +4,7 @@
  */
 #include "costs.h"
 
+#include "decoder/toolkit/cli.h"
 #include <stdio.h>
 #include <string.h>
 
@@ -28,19 +29,18 @@ const btf_material_error *costs_error(const btf_material *material, uint32_t eff
 }
 
 void costs_text(const costs *c, const btf_material *material, uint32_t effects, char *text, size_t size) {
-    static const char *const names[5] = {"shadow", "shift", "hidden", "gain", "residual"};
     btf_material_info info = {.struct_size = sizeof info};
     size_t length = 0;
     btf_material_get_info(material, &info);
     text[0] = '\0';
-    for (uint32_t i = 0; i < 5; i++) {
+    for (uint32_t i = 0; i < CLI_EFFECTS_COUNT; i++) {
         const uint32_t bit = 1u << i, with = (effects & info.effects) | bit, without = with & ~bit;
         char ms[24] = "-", db[40] = "-";
         if (length >= size)
             break;
         if (!(info.effects & bit)) {
             length += (size_t)snprintf(text + length, size - length, "%u %-8s not in the file\n", i + 1,
-                                       names[i]);
+                                       cli_effect_word((int)i));
             continue;
         }
         if (c->ms[with] > 0 && c->ms[without] > 0)
@@ -49,7 +49,7 @@ void costs_text(const costs *c, const btf_material *material, uint32_t effects, 
         if (a && b)
             snprintf(db, sizeof db, "%+.1f/%+.1f dB", (double)a->psnr_linear - (double)b->psnr_linear,
                      (double)a->psnr_srgb - (double)b->psnr_srgb);
-        length += (size_t)snprintf(text + length, size - length, "%u %-8s %-3s %9s  %s\n", i + 1, names[i],
-                                   effects & bit ? "on" : "off", ms, db);
+        length += (size_t)snprintf(text + length, size - length, "%u %-8s %-3s %9s  %s\n", i + 1,
+                                   cli_effect_word((int)i), effects & bit ? "on" : "off", ms, db);
     }
 }

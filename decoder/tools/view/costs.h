@@ -9,7 +9,7 @@
 #include <stddef.h>
 
 typedef struct costs {
-    double ms[32]; /* the last time of a frame by effect mask; 0: not measured */
+    double ms[BTF_EFFECT_ALL + 1]; /* the last time of a frame by effect mask; 0: not measured */
 } costs;
 
 void costs_clear(costs *c);

@@ -4,6 +4,7 @@
  */
 #include "options.h"
 
+#include "decoder/toolkit/filter.h"
 #include <openbtf/material.h>
 
 view_settings view_options = {
@@ -38,9 +39,10 @@ static const cli_option option_table[] = {
      .help = "between sampled directions (default linear)"},
     {.name = "filter",
      .type = CLI_CHOICE,
-     .choices = "texel|bilinear",
+     .choices = FILTER_CHOICES,
      .value = &view_options.filter,
-     .help = "between texels (default texel)"},
+     .help =
+         "between texels (default texel); steep: bilinear, but a texel keeps its\nmiddle half to itself"},
     {.name = "math",
      .type = CLI_CHOICE,
      .choices = "exact|fast",
@@ -91,7 +93,7 @@ const cli_program view_program = {
         "the window: another material or a model (*.obj).",
     .details =
         "Left drag turns the model, right drag (or Shift + left) moves the light, the wheel zooms.\n"
-        "Keys: M model, 1..5 effects, 0 all of them, N nearest directions, B bilinear, X fast math,\n"
+        "Keys: M model, 1..7 effects, 0 all of them, N nearest directions, B bilinear, X fast math,\n"
         "L levels of detail, S split screen (middle drag or [ ] move it), + - exposure, A animate,\n"
         "C measure the cost of each effect, P save a picture, I panel, R reset, H help, Q quit.",
     .example = "btf-view bricks.btf.exr --original BRICKS64.zip",

@@ -5,6 +5,7 @@
 #include "state.h"
 
 #include "decoder/toolkit/cli.h"
+#include "decoder/toolkit/filter.h"
 #include <math.h>
 #include <stdio.h>
 
@@ -25,10 +26,10 @@ const char *view_help_text(void) {
            "middle drag    move the split line\n"
            "wheel          zoom\n"
            "M              next model\n"
-           "1 2 3 4 5      shadow, shift, hidden, gain, residual on/off\n"
+           "1 2 3 4 5 6 7  shadow, shift, hidden, gain, residual, relief, gloss on/off\n"
            "0              all effects\n"
            "N              directions: linear / nearest\n"
-           "B              texels: one / bilinear\n"
+           "B              texels: one / bilinear / steep\n"
            "X              math: exact / fast\n"
            "L              levels of detail: by pixel / the finest\n"
            "S              split: off / SBRDF / original\n"
@@ -126,6 +127,8 @@ view_action view_state_key(view_state *s, int key, char *text, size_t size) {
     case '3':
     case '4':
     case '5':
+    case '6':
+    case '7':
         return toggle_effect(s, key - '1', text, size);
     case '0':
         s->effects = BTF_EFFECT_ALL;
@@ -140,8 +143,8 @@ view_action view_state_key(view_state *s, int key, char *text, size_t size) {
                  s->interpolation == BTF_INTERPOLATION_NEAREST ? "nearest" : "linear");
         return VIEW_CHANGED;
     case 'B':
-        s->filter = s->filter == BTF_FILTER_TEXEL ? BTF_FILTER_BILINEAR : BTF_FILTER_TEXEL;
-        snprintf(text, size, "filter %s", s->filter == BTF_FILTER_BILINEAR ? "bilinear" : "texel");
+        s->filter = (btf_filter)((s->filter + 1) % (BTF_FILTER_STEEP + 1));
+        snprintf(text, size, "filter %s", filter_name(s->filter));
         return VIEW_CHANGED;
     case 'X':
         s->math = s->math == BTF_MATH_EXACT ? BTF_MATH_FAST : BTF_MATH_EXACT;

@@ -4,6 +4,8 @@
  */
 #include "viewer_panel.h"
 
+#include "decoder/toolkit/cli.h"
+#include "decoder/toolkit/filter.h"
 #include "decoder/toolkit/png_image.h"
 #include "options.h"
 #include "viewer_plan.h"
@@ -31,7 +33,7 @@ static btf_result draw_model(viewer *v, const view_state *s, double *out_ms) {
 }
 
 static void panel_text(const viewer *v, char *text, size_t size) {
-    char list[600] = "", quality[80] = "not in the file", words[48];
+    char list[800] = "", quality[80] = "not in the file", words[48];
     if (!v->material) {
         snprintf(text, size, "drop a material here: *.btf.exr\n%s", v->message);
         return;
@@ -49,8 +51,7 @@ static void panel_text(const viewer *v, char *text, size_t size) {
              "effects %s: %s\n%ssplit %s\n%s",
              v->material_name, view_mesh_name(v->state.mesh),
              v->state.interpolation == BTF_INTERPOLATION_NEAREST ? "nearest" : "linear",
-             v->state.filter == BTF_FILTER_BILINEAR ? "bilinear" : "texel",
-             v->state.math == BTF_MATH_FAST ? "fast" : "exact",
+             filter_name(v->state.filter), v->state.math == BTF_MATH_FAST ? "fast" : "exact",
              !v->state.has_levels ? ""
              : v->state.levels    ? ", levels"
                                   : ", level 0",
@@ -62,7 +63,7 @@ static void panel_text(const viewer *v, char *text, size_t size) {
 
 /* Letters of twice the size on large windows. */
 static void draw_overlays(viewer *v) {
-    char text[1600];
+    char text[1800];
     int width, height, w, h;
     viewer_frame_size(v, &width, &height);
     const int zoom = width >= 1100 && height >= 900 ? 2 : 1;
@@ -95,8 +96,8 @@ btf_result viewer_measure(viewer *v) {
     btf_material_get_info(v->material, &info);
     s.split = VIEW_SPLIT_OFF;
     costs_clear(&v->costs);
-    for (uint32_t i = 0; i <= 5; i++) {
-        const uint32_t change = i < 5 ? 1u << i : 0;
+    for (uint32_t i = 0; i <= CLI_EFFECTS_COUNT; i++) {
+        const uint32_t change = i < CLI_EFFECTS_COUNT ? 1u << i : 0;
         double ms[6];
         if (change && !(info.effects & change))
             continue;

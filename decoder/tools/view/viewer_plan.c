@@ -4,6 +4,7 @@
  */
 #include "viewer_plan.h"
 
+#include "decoder/toolkit/cli.h"
 #include "decoder/toolkit/scene_option.h"
 #include "decoder/tools/render/plan_range.h"
 #include "options.h"
@@ -161,7 +162,6 @@ btf_result viewer_plan(viewer *v, double *out_wait) {
 }
 
 void viewer_plan_text(const viewer *v, char *text, size_t size) {
-    static const char *const names[5] = {"shadow", "shift", "hidden", "gain", "residual"};
     const planner *p = &v->planning.planner;
     size_t length = 0;
     char reason[80], amount[32];
@@ -170,10 +170,11 @@ void viewer_plan_text(const viewer *v, char *text, size_t size) {
         return;
     }
     const planner_plan *now = &p->slot[p->current];
-    for (int i = 0; i < 5 && length < size; i++)
-        length += (size_t)snprintf(text + length, size - length, "%d %-8s %s%s\n", i + 1, names[i],
-                                   scene_plan_reason(v->material, &now->plan, i, reason, sizeof reason),
-                                   v->state.effects >> i & 1 ? "" : "; switched off");
+    for (int i = 0; i < CLI_EFFECTS_COUNT && length < size; i++)
+        length +=
+            (size_t)snprintf(text + length, size - length, "%d %-8s %s%s\n", i + 1, cli_effect_word(i),
+                             scene_plan_reason(v->material, &now->plan, i, reason, sizeof reason),
+                             v->state.effects >> i & 1 ? "" : "; switched off");
     const btf_scene *s = &now->plan.scene;
     if (length < size)
         snprintf(text + length, size - length,

@@ -82,7 +82,8 @@ typedef struct btf_ref_material {
     int32_t relief_base, relief_step; /**< height of code c: base + ((c * step) >> 8), 1/256 texel of level 0 */
     uint32_t relief_steps;            /**< N of a march */
     uint32_t gloss_share;             /**< quarters */
-    uint32_t level; /**< of detail that this material is: moves along the relief halve with each */
+    uint32_t level; /**< of detail that this material is, counted from that which heights were made for
+                       (openbtf.reliefLevel included): moves along the relief halve with each */
 } btf_ref_material;
 
 enum { BTF_REF_NEAREST = 0, BTF_REF_LINEAR = 1 }; /**< directions */

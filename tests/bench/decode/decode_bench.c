@@ -139,21 +139,40 @@ static btf_result bench_loading(bench *b, const btf_material *material) {
     return result;
 }
 
-/* The variants of layout paper, then of layout tight. */
-/* Factors of 2.36, 1.26 and 0.68 MB, then the first with a source of its own for each view. */
+/* Factors of 2.36, 1.26 and 0.68 MB, then the first with a source of its own for each view, and with what
+ * acts between the samples. */
 static btf_result bench_factors(bench *b) {
     static const struct {
         const char *name;
         uint32_t classes[BTF_FACTOR_CLASSES][3], effects;
-    } sets[] = {{"factors, 13 units", {{2, 2, 1}, {1, 0, 0}, {5, 2, 1}, {1, 0, 0}, {4, 1, 0}}, 0},
-                {"factors, 7 units", {{1, 1, 1}, {1, 0, 0}, {3, 1, 1}, {0, 0, 0}, {2, 0, 0}}, 0},
-                {"factors, 4 units", {{1, 1, 1}, {0, 0, 0}, {2, 1, 1}, {0, 0, 0}, {1, 0, 0}}, 0},
-                {"factors, 13 units; shift",
-                 {{2, 2, 1}, {1, 0, 0}, {5, 2, 1}, {1, 0, 0}, {4, 1, 0}},
-                 BTF_EFFECT_SHIFT}};
+        synthetic_relief relief;
+    } sets[] = {
+        {"factors, 13 units", {{2, 2, 1}, {1, 0, 0}, {5, 2, 1}, {1, 0, 0}, {4, 1, 0}}, 0, SYNTHETIC_FLAT},
+        {"factors, 7 units", {{1, 1, 1}, {1, 0, 0}, {3, 1, 1}, {0, 0, 0}, {2, 0, 0}}, 0, SYNTHETIC_FLAT},
+        {"factors, 4 units", {{1, 1, 1}, {0, 0, 0}, {2, 1, 1}, {0, 0, 0}, {1, 0, 0}}, 0, SYNTHETIC_FLAT},
+        {"factors, 13 units; shift",
+         {{2, 2, 1}, {1, 0, 0}, {5, 2, 1}, {1, 0, 0}, {4, 1, 0}},
+         BTF_EFFECT_SHIFT,
+         SYNTHETIC_FLAT},
+        {"factors, 13 units; one height",
+         {{2, 2, 1}, {1, 0, 0}, {5, 2, 1}, {1, 0, 0}, {4, 1, 0}},
+         BTF_EFFECT_RELIEF,
+         SYNTHETIC_FLAT},
+        {"factors, 13 units; relief",
+         {{2, 2, 1}, {1, 0, 0}, {5, 2, 1}, {1, 0, 0}, {4, 1, 0}},
+         BTF_EFFECT_RELIEF,
+         SYNTHETIC_GENTLE},
+        {"factors, 13 units; gloss",
+         {{2, 2, 1}, {1, 0, 0}, {5, 2, 1}, {1, 0, 0}, {4, 1, 0}},
+         BTF_EFFECT_GLOSS,
+         SYNTHETIC_FLAT},
+        {"factors, 13 units; both",
+         {{2, 2, 1}, {1, 0, 0}, {5, 2, 1}, {1, 0, 0}, {4, 1, 0}},
+         BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS,
+         SYNTHETIC_GENTLE}};
     static const btf_shader_options ways[] = {
-        {0}, {.filter = BTF_FILTER_BILINEAR}, {.interpolation = BTF_INTERPOLATION_NEAREST}};
-    static const char *const words[] = {"", ", bilinear", ", nearest directions"};
+        {0}, {.filter = BTF_FILTER_STEEP}, {.interpolation = BTF_INTERPOLATION_NEAREST}};
+    static const char *const words[] = {"", ", steep", ", nearest directions"};
     char name[BENCH_DECODE_NAME];
     btf_result result = BTF_OK;
     for (size_t i = 0; i < sizeof sets / sizeof *sets && result == BTF_OK; ++i) {
@@ -163,6 +182,8 @@ static btf_result bench_factors(bench *b) {
         spec.domain = BTF_DOMAIN_SQRT;
         spec.colour = BTF_COLOUR_NONE;
         spec.effects = BTF_EFFECT_RESIDUAL | sets[i].effects;
+        spec.relief = sets[i].relief;
+        spec.gloss_share = sets[i].effects & BTF_EFFECT_GLOSS ? 1 : 0;
         memcpy(spec.classes, sets[i].classes, sizeof spec.classes);
         for (int c = 0; c < BTF_FACTOR_CLASSES; ++c)
             spec.components += spec.classes[c][0];
@@ -176,6 +197,7 @@ static btf_result bench_factors(bench *b) {
     return result;
 }
 
+/* The variants of layout paper, then of layout tight. */
 static btf_result bench_variants(bench *b) {
     synthetic_spec spec = base_spec();
     spec.colour = BTF_COLOUR_MONO;
@@ -211,7 +233,7 @@ static btf_result bench_variants(bench *b) {
     spec.colour = BTF_COLOUR_RGB;
     spec.lobes = 2;
     spec.half_float = 1;
-    spec.effects = BTF_EFFECT_ALL;
+    spec.effects = BTF_EFFECT_VERSION_1;
     spec.components = 16;
     if (result == BTF_OK)
         result = synthetic_create(&spec, b->log, &tight);

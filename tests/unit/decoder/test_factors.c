@@ -339,7 +339,7 @@ static void test_round_trip(void **state) {
         const btf_layout layout = i & 1 ? BTF_LAYOUT_PAPER : BTF_LAYOUT_TIGHT;
         random_state r = {(uint64_t)i};
         btf_material_desc desc = factor_material_desc(WIDTH, HEIGHT, VIEWS, LIGHTS, layout,
-                                                      i & 2 ? BTF_EFFECT_ALL : 0, factor_classes);
+                                                      i & 2 ? BTF_EFFECT_VERSION_1 : 0, factor_classes);
         desc.info.blend = i & 4 ? BTF_BLEND_ROOTS : BTF_BLEND_RADIANCE;
         desc.info.levels = layout == BTF_LAYOUT_TIGHT ? 3 : 1;
         if (!(i & 2)) {
@@ -407,7 +407,7 @@ static saved save(const btf_material_desc *desc) {
 
 static int setup(void **state) {
     (void)state;
-    btf_material_desc desc = make_desc(10, BTF_LAYOUT_TIGHT, BTF_EFFECT_ALL);
+    btf_material_desc desc = make_desc(10, BTF_LAYOUT_TIGHT, BTF_EFFECT_VERSION_1);
     uint16_t *preview = make_preview(WIDTH, HEIGHT);
     desc.preview = preview;
     desc.info.blend = BTF_BLEND_ROOTS;
@@ -415,7 +415,7 @@ static int setup(void **state) {
     free(preview);
     random_material_free(&desc);
     random_state r = {11};
-    desc = random_material_desc(WIDTH, HEIGHT, VIEWS, LIGHTS, BTF_LAYOUT_TIGHT, BTF_EFFECT_ALL);
+    desc = random_material_desc(WIDTH, HEIGHT, VIEWS, LIGHTS, BTF_LAYOUT_TIGHT, BTF_EFFECT_VERSION_1);
     desc.info.domain = BTF_DOMAIN_SQRT;
     random_material_fill(&r, &desc);
     plain_file = save(&desc);
@@ -815,8 +815,8 @@ static void test_restrict(void **state) {
     int fewer = 0;
     for (int round = 0; round < 40; round++) {
         const btf_layout layout = round % 4 ? BTF_LAYOUT_TIGHT : BTF_LAYOUT_PAPER;
-        btf_material_desc desc =
-            factor_material_desc(9, 6, 37, 37, layout, round & 1 ? BTF_EFFECT_ALL : 0, factor_classes);
+        btf_material_desc desc = factor_material_desc(9, 6, 37, 37, layout,
+                                                      round & 1 ? BTF_EFFECT_VERSION_1 : 0, factor_classes);
         desc.info.levels = layout == BTF_LAYOUT_TIGHT ? 3 : 1;
         desc.info.blend = round & 2 ? BTF_BLEND_ROOTS : BTF_BLEND_RADIANCE;
         factor_material_fill(&r, &desc);
@@ -865,7 +865,7 @@ static void test_restrict(void **state) {
 
 static void test_to_tight(void **state) {
     (void)state;
-    btf_material_desc desc = make_desc(14, BTF_LAYOUT_PAPER, BTF_EFFECT_ALL);
+    btf_material_desc desc = make_desc(14, BTF_LAYOUT_PAPER, BTF_EFFECT_VERSION_1);
     desc.info.blend = BTF_BLEND_ROOTS;
     btf_material *paper = create_accepted(&desc), *tight;
     assert_int_equal(btf_material_to_tight(paper, &log_keep, &tight), BTF_OK);

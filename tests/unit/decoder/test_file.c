@@ -24,11 +24,11 @@ typedef struct saved {
 
 static saved save_random(btf_layout layout, bool half) {
     random_state r = {21};
-    btf_material_desc desc = random_material_desc(5, 4, 8, 7, layout, BTF_EFFECT_ALL);
+    btf_material_desc desc = random_material_desc(5, 4, 8, 7, layout, BTF_EFFECT_VERSION_1);
     desc.info.half_float = half;
     desc.info.method = "joint";
     desc.info.centres = 11;
-    const btf_material_error errors[1] = {{BTF_EFFECT_ALL, 30, 28, 12345}};
+    const btf_material_error errors[1] = {{BTF_EFFECT_VERSION_1, 30, 28, 12345}};
     desc.errors = errors;
     desc.error_count = 1;
     saved s;

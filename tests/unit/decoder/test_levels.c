@@ -44,7 +44,7 @@ static void test_shapes(void **state) {
                               .n_lights = 7,
                               .layout = BTF_LAYOUT_TIGHT,
                               .lobes = 3,
-                              .effects = BTF_EFFECT_ALL,
+                              .effects = BTF_EFFECT_VERSION_1,
                               .centres = 7,
                               .components = 5,
                               .levels = 3};
@@ -74,7 +74,7 @@ static void test_shapes(void **state) {
 static void test_info(void **state) {
     (void)state;
     random_state r = {41};
-    btf_material_desc desc = make_desc(&r, 5, 3, 3, BTF_EFFECT_ALL);
+    btf_material_desc desc = make_desc(&r, 5, 3, 3, BTF_EFFECT_VERSION_1);
     btf_material *m = create_accepted(&desc);
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(m, &info);
@@ -153,7 +153,7 @@ static void test_round_trip(void **state) {
     } cases[] = {{5, 3, 3}, {5, 3, 2}, {1, 1, 1}, {2, 1, 2}, {1, 13, 4}, {8, 8, 4}, {33, 6, 6}};
     random_state r = {42};
     for (size_t c = 0; c < sizeof cases / sizeof *cases; c++)
-        for (uint32_t effects = 0; effects <= BTF_EFFECT_ALL; effects += c < 2 ? 1 : 31) {
+        for (uint32_t effects = 0; effects <= BTF_EFFECT_VERSION_1; effects += c < 2 ? 1 : 31) {
             btf_material_desc desc =
                 random_material_desc(cases[c].width, cases[c].height, 9, 7, BTF_LAYOUT_TIGHT, effects);
             desc.info.levels = cases[c].levels;
@@ -175,7 +175,7 @@ static void test_round_trip(void **state) {
 static void test_create_refuses(void **state) {
     (void)state;
     random_state r = {43};
-    btf_material_desc good = make_desc(&r, 5, 3, 3, BTF_EFFECT_ALL), bad = good;
+    btf_material_desc good = make_desc(&r, 5, 3, 3, BTF_EFFECT_VERSION_1), bad = good;
     bad.info.levels = 4;
     create_refused(&bad, "levels 4 is not within 1 to 3 (size 5 x 3)");
     bad.info.levels = 2;
@@ -229,7 +229,7 @@ static void test_create_refuses(void **state) {
 /* A saved material of 5 x 3, 2 x 1 and 1 x 1. */
 static edit_file *take(void) {
     random_state r = {44};
-    btf_material_desc desc = make_desc(&r, 5, 3, 3, BTF_EFFECT_ALL);
+    btf_material_desc desc = make_desc(&r, 5, 3, 3, BTF_EFFECT_VERSION_1);
     const btf_level_error errors[3] = {{0, 30, 28, 2}, {1, 31, 28, 1}, {2, 32, 28, 1}};
     desc.level_errors = errors;
     desc.level_error_count = 3;
@@ -337,7 +337,7 @@ static btf_material *alone(const btf_material_desc *desc, uint32_t level) {
 static void test_reference(void **state) {
     (void)state;
     random_state r = {45};
-    btf_material_desc desc = make_desc(&r, 13, 6, 4, BTF_EFFECT_ALL);
+    btf_material_desc desc = make_desc(&r, 13, 6, 4, BTF_EFFECT_VERSION_1);
     btf_material *m = create_accepted(&desc);
     btf_ref_material first;
     reference_view(m, 0, &first);

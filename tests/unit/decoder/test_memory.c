@@ -101,9 +101,9 @@ static fixture make(int kind) {
     static const uint16_t preview[3 * 2 * 4] = {0x3C00, 0x3800};
     const btf_layout layout = kind == PAPER ? BTF_LAYOUT_PAPER : BTF_LAYOUT_TIGHT;
     random_state r = {41};
-    fixture f = {.desc = kind == FACTORS
-                             ? factor_material_desc(3, 2, 5, 4, layout, BTF_EFFECT_ALL, factor_classes)
-                             : random_material_desc(3, 2, 5, 4, layout, BTF_EFFECT_ALL)};
+    fixture f = {.desc = kind == FACTORS ? factor_material_desc(3, 2, 5, 4, layout, BTF_EFFECT_VERSION_1,
+                                                                factor_classes)
+                                         : random_material_desc(3, 2, 5, 4, layout, BTF_EFFECT_VERSION_1)};
     f.desc.info.blend = kind == FACTORS ? BTF_BLEND_ROOTS : BTF_BLEND_RADIANCE;
     f.desc.preview = kind == FACTORS ? preview : NULL;
     f.desc.info.method = "joint";

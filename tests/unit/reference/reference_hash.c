@@ -1,7 +1,8 @@
 /* Hashes of what the reference decoder computes: every function of its header on seeded arguments, over
- * made-up materials of every kind, another of materials of version 2, one of packed points and one of lists of them. The same four
- * have to come from every compiler, optimisation level and machine; they are pinned below. Prints them; exits 1
- * when one is another, 4 when the self-test refuses the build.
+ * made-up materials of every kind, another of materials of version 2, one of packed points, one of lists of
+ * them and one of relief and gloss. The same five have to come from every compiler, optimisation level and
+ * machine; they are pinned below. Prints them; exits 1 when one is another, 4 when the self-test refuses the
+ * build.
  *
  * With -DBTF_TEST_FREESTANDING it needs no C library (Linux on aarch64, i386 and x86-64), so that a
  * compiler for another machine and an emulator suffice.
@@ -14,11 +15,13 @@
 #define EXPECTED_HASH_2 0x12326c76419da8d1u
 #define EXPECTED_HASH_3 0xbe302bc6c4de5000u
 #define EXPECTED_HASH_4 0x5206558db6880991u
+#define EXPECTED_HASH_5 0x8ceec597c9bdb979u
 
 enum {
     SEEDS = 3,
     ARGUMENTS = 250,
     STEPS = 20000,
+    HASHES = 5,
     EXIT_DIFFERENT = 1,
     EXIT_DENORMALS = 3,
     EXIT_UNSOUND = 4
@@ -77,15 +80,16 @@ static void hash_steps(const btf_ref_material *tight, const btf_ref_material *pa
 }
 
 static void hash_evaluation(const btf_ref_material *material, uint32_t seed) {
+    int newest = (material->effects & BTF_REF_RELIEF) != 0; /* what came last must not change the older hashes */
     uint32_t state = seed * 2u + 1u;
     for (int i = 0; i < ARGUMENTS; ++i) {
         btf_ref_options options = {.effects = UINT32_MAX, .components = UINT32_MAX};
         if (random_below(&state, 2) != 0)
-            options.effects = random_below(&state, 32);
+            options.effects = random_below(&state, 32) | (newest ? BTF_REF_RELIEF | BTF_REF_GLOSS : 0);
         if (random_below(&state, 2) != 0)
             options.components = random_below(&state, MADE_COMPONENTS);
         options.interpolation = (int)random_below(&state, 2);
-        options.filter = (int)random_below(&state, 2);
+        options.filter = (int)random_below(&state, newest ? 3 : 2);
         float light[3], view[3], radiance[3];
         random_direction(&state, light);
         random_direction(&state, view);
@@ -165,6 +169,23 @@ static uint64_t hash_lists(void) {
     return hash;
 }
 
+/** @return the hash of materials with relief and gloss. */
+static uint64_t hash_relief(void) {
+    static made_storage storage;
+    static made_factors factors;
+    static made_relief relief;
+    btf_ref_material material;
+    hash = 14695981039346656037u;
+    for (uint32_t kind = 0; kind < 96; ++kind) {
+        make_material(600 + kind, kind, kind * 5 % 32, kind % 3 == 0, &storage, &material);
+        if (kind % 2)
+            make_factors(kind, kind % 3 == 0, &factors, &material);
+        make_relief(kind, kind % 4 == 0, &relief, &material);
+        hash_evaluation(&material, 6000 + kind);
+    }
+    return hash;
+}
+
 /** From now on denormal operands and results are 0, where we know how to say so. */
 static void flush_denormals(void) {
 #if defined __SSE2__
@@ -187,23 +208,28 @@ static void format_hash(uint64_t value, char out_text[17]) {
     out_text[16] = '\n';
 }
 
-static int run(char out_text[4 * 17]) {
-    uint64_t result = hash_all(), result_2 = hash_version_2(), result_3 = hash_points(), result_4 = hash_lists();
-    format_hash(result, out_text);
-    format_hash(result_2, out_text + 17);
-    format_hash(result_3, out_text + 2 * 17);
-    format_hash(result_4, out_text + 3 * 17);
-    out_text[16] = out_text[33] = out_text[50] = ' ';
+static uint64_t (*const hashes[HASHES])(void) = {hash_all, hash_version_2, hash_points, hash_lists, hash_relief};
+static const uint64_t expected[HASHES] = {EXPECTED_HASH, EXPECTED_HASH_2, EXPECTED_HASH_3, EXPECTED_HASH_4,
+                                          EXPECTED_HASH_5};
+
+static int run(char out_text[HASHES * 17]) {
+    int as_expected = 1, without_denormals = 1;
+    uint64_t result[HASHES];
+    for (int i = 0; i < HASHES; ++i) {
+        result[i] = hashes[i]();
+        as_expected = as_expected && result[i] == expected[i];
+        format_hash(result[i], out_text + 17 * i);
+        if (i + 1 < HASHES)
+            out_text[17 * i + 16] = ' ';
+    }
     if (!btf_ref_self_test())
         return EXIT_UNSOUND;
-    if (result != EXPECTED_HASH || result_2 != EXPECTED_HASH_2 || result_3 != EXPECTED_HASH_3 ||
-        result_4 != EXPECTED_HASH_4)
+    if (!as_expected)
         return EXIT_DIFFERENT;
     flush_denormals();
-    return hash_all() == result && hash_version_2() == result_2 && hash_points() == result_3 &&
-                   hash_lists() == result_4
-               ? 0
-               : EXIT_DENORMALS;
+    for (int i = 0; i < HASHES; ++i)
+        without_denormals = without_denormals && hashes[i]() == result[i];
+    return without_denormals ? 0 : EXIT_DENORMALS;
 }
 
 #ifdef BTF_TEST_FREESTANDING
@@ -265,7 +291,7 @@ __asm__(".globl _start\n_start:\n    xor %ebp, %ebp\n    and $-16, %esp\n    cal
 
 void start(void);
 void start(void) {
-    char text[4 * 17];
+    char text[HASHES * 17];
     int status = run(text);
     system_call(CALL_WRITE, 1, (long)text, (long)sizeof text);
     system_call(CALL_EXIT, status, 0, 0);
@@ -278,7 +304,7 @@ void start(void) {
 #include <stdio.h>
 
 int main(void) {
-    char text[4 * 17];
+    char text[HASHES * 17];
     int status = run(text);
     fwrite(text, 1, sizeof text, stdout);
     if (status == EXIT_UNSOUND)
@@ -286,13 +312,10 @@ int main(void) {
     if (status == EXIT_DENORMALS)
         fprintf(stderr, "another hash with denormals flushed to zero\n");
     if (status == EXIT_DIFFERENT) {
-        char expected[4][17];
-        format_hash(EXPECTED_HASH, expected[0]);
-        format_hash(EXPECTED_HASH_2, expected[1]);
-        format_hash(EXPECTED_HASH_3, expected[2]);
-        format_hash(EXPECTED_HASH_4, expected[3]);
-        fprintf(stderr, "expected %.16s %.16s %.16s %.16s\n", expected[0], expected[1], expected[2],
-                expected[3]);
+        fprintf(stderr, "expected");
+        for (int i = 0; i < HASHES; ++i)
+            fprintf(stderr, " %016llx", (unsigned long long)expected[i]);
+        fprintf(stderr, "\n");
     }
     return status;
 }

@@ -375,4 +375,54 @@ static inline void make_factors(uint32_t seed, int extreme, made_factors *f, btf
                                  : random_float(&state, 0.0f, 1.0f);
 }
 
+/** The arrays of relief and gloss that a made-up material points to, and tables of its own. */
+typedef struct made_relief {
+    uint8_t heights[MADE_TEXELS];
+    float view_vectors[MADE_VIEWS * 4];
+    uint16_t view_table[MADE_TABLE];
+} made_relief;
+
+/** The direction whose stereographic projection is a vertex of a table. */
+static inline void direction_of_vertex(const int32_t vertex[2], float out_direction[3]) {
+    float a = (float)(vertex[0] - 8192) * 0x1p-13f, b = (float)(vertex[1] - 8192) * 0x1p-13f;
+    float aa = a * a, bb = b * b;
+    float r = aa + bb;
+    out_direction[0] = 2.0f * a / (1.0f + r);
+    out_direction[1] = 2.0f * b / (1.0f + r);
+    out_direction[2] = (1.0f - r) / (1.0f + r);
+}
+
+/** Gives a made-up material relief and gloss: random heights, some views that relief leaves alone, one of three levels
+ * of detail. Its views are exactly where their vectors project. `extreme`: heights over all their range, else of up to
+ * eight texels. */
+static inline void make_relief(uint32_t seed, int extreme, made_relief *r, btf_ref_material *m) {
+    uint32_t state = seed * 374761393u + 1u;
+    state = state != 0 ? state : 1;
+    m->layout_tight = 1;
+    m->effects |= BTF_REF_RELIEF | BTF_REF_GLOSS;
+    m->heights = r->heights;
+    m->view_vectors = r->view_vectors;
+    m->view_table = r->view_table;
+    m->relief_steps = 1 + random_below(&state, 64);
+    m->gloss_share = 1 + random_below(&state, 2);
+    m->level = random_below(&state, 3);
+    m->relief_base = extreme ? (int32_t)random_below(&state, 65536) - 32768 : (int32_t)random_below(&state, 2048) - 1024;
+    int32_t room = (32767 - m->relief_base) * 256 / 255; /* the greatest height is at most 32767 */
+    m->relief_step = (int32_t)random_below(&state, extreme ? (uint32_t)(room < 32767 ? room : 32767) + 1 : 2048);
+    if (random_below(&state, 8) == 0)
+        m->relief_step = 0;
+    if (m->relief_step == 0)
+        m->relief_steps = 1;
+    random_bytes(&state, r->heights, sizeof r->heights);
+
+    direction_set views = made_views;
+    for (uint32_t view = 0; view < MADE_VIEWS; ++view) {
+        float *vector = r->view_vectors + 4 * view;
+        direction_of_vertex(made_views.vertices[view], vector);
+        vector[3] = random_below(&state, 4) == 0 ? 0.0f : 1.0f;
+        btf_ref_project(vector, views.vertices[view]);
+    }
+    make_table(&views, MADE_GRID, r->view_table);
+}
+
 #endif

@@ -25,7 +25,7 @@ static view_state fresh(void) {
 /* Twice the same switch is where it was; every key of the help does something. */
 static void test_switches(void **state) {
     (void)state;
-    for (const char *key = "12345NBXLAIH"; *key; key++) {
+    for (const char *key = "1234567NXLAIH"; *key; key++) {
         view_state s = fresh(), before = s;
         assert_int_equal(view_state_key(&s, *key, text, sizeof text), VIEW_CHANGED);
         assert_true(strlen(text) > 0);
@@ -34,13 +34,19 @@ static void test_switches(void **state) {
         assert_memory_equal(&s, &before, sizeof s);
     }
     view_state s = fresh();
+    static const char *const filters[] = {"filter texel", "filter bilinear", "filter steep"};
+    for (int i = 1; i <= 3; i++) {
+        assert_int_equal(view_state_key(&s, 'B', text, sizeof text), VIEW_CHANGED);
+        assert_int_equal(s.filter, i % 3);
+        assert_string_equal(text, filters[i % 3]);
+    }
     assert_int_equal(view_state_key(&s, 'Q', text, sizeof text), VIEW_QUIT);
     assert_int_equal(view_state_key(&s, VIEW_KEY_ESCAPE, text, sizeof text), VIEW_QUIT);
     assert_int_equal(view_state_key(&s, 'P', text, sizeof text), VIEW_SCREENSHOT);
     assert_int_equal(view_state_key(&s, 'C', text, sizeof text), VIEW_MEASURE);
     assert_int_equal(view_state_key(&s, 'Z', text, sizeof text), VIEW_NOTHING);
     view_state_key(&s, '3', text, sizeof text);
-    assert_string_equal(text, "effects shadow,shift,gain,residual");
+    assert_string_equal(text, "effects shadow,shift,gain,residual,relief,gloss");
     view_state_key(&s, '0', text, sizeof text);
     assert_int_equal(s.effects, BTF_EFFECT_ALL);
 }
@@ -130,6 +136,7 @@ static void test_costs(void **state) {
     costs_text(&c, material, BTF_EFFECT_ALL, panel, sizeof panel);
     assert_non_null(strstr(panel, "1 shadow   on          -  +10.0/+9.0 dB"));
     assert_non_null(strstr(panel, "5 residual not in the file"));
+    assert_non_null(strstr(panel, "7 gloss    not in the file"));
     costs_record(&c, BTF_EFFECT_SHADOW, 12);
     costs_record(&c, 0, 9.5);
     costs_text(&c, material, 0, panel, sizeof panel);

@@ -154,7 +154,7 @@ static void test_values(void **state) {
     assert_true(values.auto_effects == UINT32_MAX);
     assert_int_equal(values.custom, 'e');
     good(WORDS("a", "--effects", "all", "--auto-effects", "none"));
-    assert_int_equal(values.effects, 31);
+    assert_int_equal(values.effects, 127);
     assert_int_equal(values.auto_effects, 0);
 }
 

@@ -1,0 +1,636 @@
+/* Relief and gloss in the library: shapes, what is refused when a material is made or opened, the way
+ * through a file, levels, and what a plan leaves of them, bit for bit by the reference.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "decoder/toolkit/reference_view.h"
+#include "tests/support/exr_edit.h"
+#include "tests/support/factor_material.h"
+#include "tests/support/plan_decode.h"
+#include "tests/support/refusals.h"
+#include <math.h>
+#include <openbtf/plan.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { WIDTH = 9, HEIGHT = 6, VIEWS = 19, LIGHTS = 7 };
+enum { BOTH = BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS };
+
+/* Relief acts on every view but the third. */
+static btf_material_desc make_desc(uint64_t seed, uint32_t effects, uint32_t levels) {
+    static uint8_t acts[VIEWS];
+    random_state r = {seed};
+    btf_material_desc desc = random_material_desc(WIDTH, HEIGHT, VIEWS, LIGHTS, BTF_LAYOUT_TIGHT, effects);
+    desc.info.levels = levels;
+    desc.info.domain = BTF_DOMAIN_SQRT;
+    if (effects & BTF_EFFECT_RELIEF) {
+        uint8_t *own = malloc(sizeof acts);
+        assert_non_null(own);
+        memset(own, 1, sizeof acts);
+        own[2] = 0;
+        desc.relief_views = own;
+    }
+    random_material_fill(&r, &desc);
+    return desc;
+}
+
+static btf_material_info info_of(const btf_material *material) {
+    btf_material_info info = {.struct_size = sizeof info};
+    assert_int_equal(btf_material_get_info(material, &info), BTF_OK);
+    return info;
+}
+
+static bool has(const btf_material *material, btf_texture_id id) {
+    return btf_material_texture(material, id).format != BTF_FORMAT_NONE;
+}
+
+static void test_shapes(void **state) {
+    (void)state;
+    btf_material_desc desc = make_desc(1, BOTH, 3);
+    btf_material *m = create_accepted(&desc);
+    const btf_material_info info = info_of(m);
+    assert_int_equal(info.version, 2);
+    assert_int_equal(info.relief_base, -256);
+    assert_int_equal(info.relief_step, 801);
+    assert_int_equal(info.relief_steps, 7);
+    assert_int_equal(info.relief_level, 0);
+    assert_int_equal(info.gloss_share, 1);
+    assert_string_equal(btf_texture_name(BTF_TEXTURE_HEIGHTS), "heights");
+    assert_string_equal(btf_texture_name(BTF_TEXTURE_VIEW_VECTORS), "view_vectors");
+    const btf_texture vectors = btf_material_texture(m, BTF_TEXTURE_VIEW_VECTORS);
+    assert_int_equal(vectors.format, BTF_FORMAT_RGBA32F);
+    assert_false(vectors.is_array);
+    assert_true(vectors.width == VIEWS && vectors.height == 1 && vectors.layers == 1);
+    assert_int_equal(vectors.size, 16 * VIEWS);
+    const float *numbers = vectors.data;
+    for (size_t v = 0; v < VIEWS; v++) {
+        assert_memory_equal(numbers + 4 * v, desc.views + 3 * v, 3 * sizeof(float));
+        assert_true(numbers[4 * v + 3] == (v == 2 ? 0 : 1));
+    }
+    assert_int_equal(btf_material_texture_shape(&info, BTF_TEXTURE_VIEW_VECTORS).format, BTF_FORMAT_NONE);
+    size_t bytes = 0;
+    for (uint32_t level = 0; level < 3; level++) {
+        const btf_texture heights = btf_material_level_texture(m, level, BTF_TEXTURE_HEIGHTS);
+        assert_int_equal(heights.format, BTF_FORMAT_R8UI);
+        assert_false(heights.is_array);
+        assert_int_equal(heights.width, WIDTH >> level);
+        assert_int_equal(heights.height, HEIGHT >> level);
+        assert_int_equal(heights.layers, 1);
+        assert_int_equal(heights.size, (WIDTH >> level) * (HEIGHT >> level));
+        assert_memory_equal(heights.data,
+                            level ? desc.level_texture[level][BTF_TEXTURE_HEIGHTS]
+                                  : desc.texture[BTF_TEXTURE_HEIGHTS],
+                            heights.size);
+        assert_int_equal(btf_material_level_texture(m, level, BTF_TEXTURE_VIEW_VECTORS).format,
+                         level ? BTF_FORMAT_NONE : BTF_FORMAT_RGBA32F);
+        bytes += heights.size + btf_material_level_texture(m, level, BTF_TEXTURE_SBRDF).size;
+    }
+    assert_int_equal(info.gpu_bytes, bytes);
+    assert_int_equal(info.table_bytes, btf_material_texture(m, BTF_TEXTURE_VIEW_TABLE).size +
+                                           btf_material_texture(m, BTF_TEXTURE_LIGHT_TABLE).size +
+                                           vectors.size);
+    btf_material_close(&m);
+    random_material_free(&desc);
+}
+
+/* Which of the textures there are, and on which views relief acts. */
+static void test_either(void **state) {
+    (void)state;
+    for (int i = 0; i < 5; i++) {
+        const uint32_t effects = i == 0   ? 0
+                                 : i == 1 ? BTF_EFFECT_GLOSS
+                                          : BTF_EFFECT_RELIEF | (i == 4 ? BTF_EFFECT_GLOSS : 0u);
+        btf_material_desc desc = make_desc(2, effects, 2);
+        const uint8_t *acts = desc.relief_views;
+        if (i == 2)
+            desc.relief_views = NULL; /* all */
+        if (i == 3) {                 /* one height everywhere */
+            desc.info.relief_step = 0;
+            desc.info.relief_steps = 1;
+            free((void *)(uintptr_t)desc.texture[BTF_TEXTURE_HEIGHTS]);
+            free((void *)(uintptr_t)desc.level_texture[1][BTF_TEXTURE_HEIGHTS]);
+            desc.texture[BTF_TEXTURE_HEIGHTS] = desc.level_texture[1][BTF_TEXTURE_HEIGHTS] = NULL;
+        }
+        btf_material *m = create_accepted(&desc);
+        assert_int_equal(info_of(m).version, i == 0 ? 1 : 2);
+        assert_int_equal(has(m, BTF_TEXTURE_HEIGHTS), i == 2 || i == 4);
+        assert_int_equal(has(m, BTF_TEXTURE_VIEW_VECTORS), i > 0);
+        const float *numbers = btf_material_texture(m, BTF_TEXTURE_VIEW_VECTORS).data;
+        for (size_t v = 0; v < VIEWS && i > 0; v++)
+            assert_true(numbers[4 * v + 3] == (i == 1 ? 0 : i == 2 ? 1 : v != 2));
+        btf_material_close(&m);
+        desc.relief_views = acts;
+        random_material_free(&desc);
+    }
+}
+
+/* The members of info that relief and gloss have, to be set by a table. */
+typedef enum member { BASE, STEP, STEPS, LEVEL, SHARE } member;
+
+static void set_member(btf_material_info *info, member which, int64_t value) {
+    switch (which) {
+    case BASE:
+        info->relief_base = (int32_t)value;
+        break;
+    case STEP:
+        info->relief_step = (int32_t)value;
+        break;
+    case STEPS:
+        info->relief_steps = (uint32_t)value;
+        break;
+    case LEVEL:
+        info->relief_level = (uint32_t)value;
+        break;
+    case SHARE:
+        info->gloss_share = (uint32_t)value;
+        break;
+    }
+}
+
+static void test_create_refuses(void **state) {
+    (void)state;
+    static const struct {
+        uint32_t effects;
+        member which;
+        int64_t value;
+        const char *text; /* NULL: accepted */
+    } cases[] = {
+        {BOTH, BASE, -32769, "reliefBase -32769 is not within -32768 to 32767"},
+        {BOTH, BASE, -32768, NULL},
+        {BOTH, BASE, 31970, NULL}, /* (255 * 801) >> 8 is 797 */
+        {BOTH, BASE, 31971,
+         "reliefBase 31971 and reliefStep 801: the greatest height is 32768, above 32767"},
+        {BOTH, BASE, 32768, "reliefBase 32768 is not within"},
+        {BOTH, STEP, -1, "reliefStep -1 is not within 0 to 32767"},
+        {BOTH, STEP, 32767, NULL},
+        {BOTH, STEP, 32768, "reliefStep 32768 is not within"},
+        {BOTH, STEP, INT32_MAX, "reliefStep 2147483647 is not within"},
+        {BOTH, STEP, 0, "reliefSteps 7 where reliefStep is 0, not 1"},
+        {BOTH, STEPS, 0, "reliefSteps 0 is not within 1 to 64"},
+        {BOTH, STEPS, 1, NULL},
+        {BOTH, STEPS, 64, NULL},
+        {BOTH, STEPS, 65, "reliefSteps 65 is not within 1 to 64"},
+        {BOTH, STEPS, UINT32_MAX, "reliefSteps 4294967295 is not within"},
+        {BOTH, LEVEL, 13, NULL},
+        {BOTH, LEVEL, 14, "reliefLevel 14 with levels 2: more than 15 in all"},
+        {BOTH, LEVEL, 15, "reliefLevel 15 is not within 0 to 14"},
+        {BOTH, SHARE, 0, "glossShare 0 is not within 1 to 2"},
+        {BOTH, SHARE, 2, NULL},
+        {BOTH, SHARE, 3, "glossShare 3 is not within 1 to 2"},
+        {BTF_EFFECT_GLOSS, BASE, 1, "reliefBase 1 without the effect relief"},
+        {BTF_EFFECT_GLOSS, STEP, 1, "reliefStep 1 without the effect relief"},
+        {BTF_EFFECT_GLOSS, STEPS, 1, "reliefSteps 1 without the effect relief"},
+        {BTF_EFFECT_GLOSS, LEVEL, 1, "reliefLevel 1 without the effect relief"},
+        {BTF_EFFECT_RELIEF, SHARE, 1, "glossShare 1 without the effect gloss"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        btf_material_desc desc = make_desc(3, cases[i].effects, 2);
+        set_member(&desc.info, cases[i].which, cases[i].value);
+        if (cases[i].text) {
+            create_refused(&desc, cases[i].text);
+        } else {
+            btf_material *m = create_accepted(&desc);
+            btf_material_close(&m);
+        }
+        random_material_free(&desc);
+    }
+}
+
+static void test_create_refuses_others(void **state) {
+    (void)state;
+    btf_material_desc good = make_desc(4, BOTH | BTF_EFFECT_RESIDUAL, 2), bad = good;
+    const uint8_t acts[VIEWS] = {0, 1, 1, 0, 2}, *const own = good.relief_views;
+    const float vectors[4 * VIEWS] = {0};
+    bad.relief_views = acts;
+    create_refused(&bad, "reliefViews: number 4 is 2, not 0 or 1");
+    bad = good;
+    bad.texture[BTF_TEXTURE_VIEW_VECTORS] = vectors;
+    create_refused(&bad, "view_vectors: given, but the material has no such texture");
+    bad = good;
+    bad.texture[BTF_TEXTURE_HEIGHTS] = NULL;
+    create_refused(&bad, "heights: missing, 54 bytes");
+    bad = good;
+    bad.level_texture[1][BTF_TEXTURE_HEIGHTS] = NULL;
+    create_refused(&bad, "level1.heights: missing, 12 bytes");
+    bad = good;
+    bad.info.relief_step = 0;
+    bad.info.relief_steps = 1;
+    create_refused(&bad, "heights: given, but the material has no such texture");
+    bad = good;
+    bad.info.effects |= 128;
+    create_refused(&bad, "effects 0xf0 has unknown bits");
+    bad = good;
+    bad.info.effects &= ~(uint32_t)BTF_EFFECT_RELIEF;
+    bad.info.relief_base = bad.info.relief_step = 0;
+    bad.info.relief_steps = 0;
+    create_refused(&bad, "heights: given, but the material has no such texture");
+    bad.texture[BTF_TEXTURE_HEIGHTS] = bad.level_texture[1][BTF_TEXTURE_HEIGHTS] = NULL;
+    create_refused(&bad, "reliefViews: given without the effect relief");
+    bad.relief_views = NULL;
+    btf_material *m = create_accepted(&bad);
+    btf_material_close(&m);
+    good.relief_views = own;
+    random_material_free(&good);
+
+    for (int gloss = 0; gloss < 2; gloss++) {
+        btf_material_desc paper = random_material_desc(4, 4, 3, 3, BTF_LAYOUT_PAPER, BTF_EFFECT_SHADOW);
+        random_state r = {5};
+        random_material_fill(&r, &paper);
+        paper.info.effects |= gloss ? BTF_EFFECT_GLOSS : BTF_EFFECT_RELIEF;
+        paper.info.gloss_share = gloss ? 1 : 0;
+        paper.info.relief_steps = gloss ? 0 : 1;
+        create_refused(&paper,
+                       gloss ? "effect gloss with layout paper" : "effect relief with layout paper");
+        random_material_free(&paper);
+    }
+}
+
+static void assert_same(const btf_material *a, const btf_material *b) {
+    const btf_material_info x = info_of(a), y = info_of(b);
+    assert_int_equal(x.version, y.version);
+    assert_int_equal(x.effects, y.effects);
+    assert_int_equal(x.levels, y.levels);
+    assert_int_equal(x.relief_base, y.relief_base);
+    assert_int_equal(x.relief_step, y.relief_step);
+    assert_int_equal(x.relief_steps, y.relief_steps);
+    assert_int_equal(x.relief_level, y.relief_level);
+    assert_int_equal(x.gloss_share, y.gloss_share);
+    assert_int_equal(x.gpu_bytes, y.gpu_bytes);
+    assert_int_equal(x.table_bytes, y.table_bytes);
+    for (uint32_t level = 0; level < x.levels; level++)
+        for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
+            const btf_texture s = btf_material_level_texture(a, level, (btf_texture_id)id),
+                              t = btf_material_level_texture(b, level, (btf_texture_id)id);
+            assert_int_equal(s.size, t.size);
+            if (s.size)
+                assert_memory_equal(s.data, t.data, s.size);
+        }
+}
+
+/* What is written is read, and written again byte for byte. */
+static btf_material *through_a_file(const btf_material *m) {
+    void *data, *again;
+    size_t size, again_size;
+    btf_material *opened;
+    assert_int_equal(btf_material_save_memory(m, NULL, &data, &size), BTF_OK);
+    if (btf_material_open_memory(data, size, &log_keep, &opened))
+        fail_msg("%s", last_message);
+    assert_int_equal(btf_material_save_memory(opened, NULL, &again, &again_size), BTF_OK);
+    assert_int_equal(size, again_size);
+    assert_memory_equal(data, again, size);
+    btf_free(data);
+    btf_free(again);
+    return opened;
+}
+
+/* Every set of effects, and the most textures that a file may have. */
+static void test_round_trip(void **state) {
+    (void)state;
+    random_state r = {6};
+    for (uint32_t effects = 32; effects <= BTF_EFFECT_ALL; effects++) {
+        const bool most = effects == BTF_EFFECT_ALL;
+        const uint32_t width = most ? 16384 : 5, height = most ? 1 : 4;
+        btf_material_desc desc = random_material_desc(width, height, 3, 2, BTF_LAYOUT_TIGHT, effects);
+        desc.info.levels = most ? BTF_MAX_LEVELS : 1 + random_below(&r, 3);
+        random_material_relief(&r, &desc);
+        if (most) { /* of which the last is a map */
+            desc.info.relief_base = 0;
+            desc.info.relief_step = 400;
+            desc.info.relief_steps = 3;
+        }
+        random_material_fill(&r, &desc);
+        btf_material *m = create_accepted(&desc), *opened = through_a_file(m), *tight;
+        assert_same(m, opened);
+        assert_int_equal(btf_material_to_tight(m, NULL, &tight), BTF_OK);
+        if (!(effects & BTF_EFFECT_HIDDEN)) /* of whose centres those stay that are shown */
+            assert_same(m, tight);
+        btf_material_close(&tight);
+        btf_material_close(&m);
+        btf_material_close(&opened);
+        random_material_free(&desc);
+    }
+}
+
+/* A file of two levels, to be edited. */
+static void *file_data;
+static size_t file_size;
+
+static int setup(void **state) {
+    (void)state;
+    btf_material_desc desc = make_desc(7, BOTH, 2);
+    btf_material *m = create_accepted(&desc);
+    const btf_result result = btf_material_save_memory(m, NULL, &file_data, &file_size);
+    btf_material_close(&m);
+    random_material_free(&desc);
+    return result;
+}
+
+static int teardown(void **state) {
+    (void)state;
+    btf_free(file_data);
+    return 0;
+}
+
+static edit_file *take(void) {
+    return edit_load(file_data, file_size);
+}
+
+static void refused(edit_file *file, const char *text) {
+    refused_as(file, BTF_ERROR_BAD_FILE, text);
+}
+
+static void set_text(edit_file *file, const char *name, const char *text) {
+    edit_attribute *a = edit_find_attribute(file, name);
+    free(a->text);
+    a->text = strdup(text);
+}
+
+static void accepted(edit_file *file) {
+    btf_material *m;
+    if (open_edited(file, &m))
+        fail_msg("%s", last_message);
+    btf_material_close(&m);
+}
+
+static void test_file_parts(void **state) {
+    (void)state;
+    accepted(take());
+    edit_file *e = take();
+    edit_remove_part(e, "heights");
+    refused(e, "part heights: missing");
+    e = take();
+    edit_remove_part(e, "level1.heights");
+    refused(e, "part level1.heights: missing");
+    e = take();
+    edit_copy_part(e, "heights", "view_vectors");
+    refused(e, "part view_vectors: unknown");
+    e = take();
+    edit_add_channel(edit_find_part(e, "heights"), "A", EXR_PIXEL_HALF);
+    refused(e, "part heights: unknown channel A");
+    e = take();
+    edit_resize(edit_find_part(e, "heights"), WIDTH, HEIGHT + 1);
+    refused(e, "part heights: data window (0,0)-(8,6), not (0,0)-(8,5)");
+    static const uint16_t bad[] = {0x5C00, 0x3800, 0xBC00, 0x7E00}; /* 256, a half, -1, no number */
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        char text[100];
+        e = take();
+        memcpy(edit_find_channel(e, "level1.heights", "Y")->data + 2, &bad[i], 2);
+        snprintf(text, sizeof text, "part level1.heights: channel Y at (1, 0) holds half 0x%04x", bad[i]);
+        refused(e, text);
+    }
+    e = take();
+    edit_find_attribute(e, "openbtf.reliefStep")->i = 0;
+    edit_find_attribute(e, "openbtf.reliefSteps")->i = 1;
+    refused(e, "heights: unknown, or not in a material of these effects");
+}
+
+static void test_file_attributes(void **state) {
+    (void)state;
+    static const struct {
+        const char *name;
+        int value;
+        const char *text;
+    } cases[] = {
+        {"reliefBase", -32769, "attribute openbtf.reliefBase is -32769, not within -32768 to 32767"},
+        {"reliefBase", 32768, "attribute openbtf.reliefBase is 32768, not within"},
+        {"reliefBase", 31971,
+         "reliefBase 31971 and reliefStep 801: the greatest height is 32768, above 32767"},
+        {"reliefStep", -1, "attribute openbtf.reliefStep is -1, not within 0 to 32767"},
+        {"reliefStep", 32768, "attribute openbtf.reliefStep is 32768, not within"},
+        {"reliefStep", 0, "reliefSteps 7 where reliefStep is 0, not 1"},
+        {"reliefSteps", 0, "attribute openbtf.reliefSteps is 0, not within 1 to 64"},
+        {"reliefSteps", 65, "attribute openbtf.reliefSteps is 65, not within"},
+        {"glossShare", 0, "attribute openbtf.glossShare is 0, not within 1 to 2"},
+        {"glossShare", 3, "attribute openbtf.glossShare is 3, not within"},
+    };
+    char name[40], text[100];
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        edit_file *e = take();
+        snprintf(name, sizeof name, "openbtf.%s", cases[i].name);
+        edit_find_attribute(e, name)->i = cases[i].value;
+        refused(e, cases[i].text);
+    }
+    static const char *const words[] = {"reliefBase", "reliefStep", "reliefSteps", "reliefViews",
+                                        "glossShare"};
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        edit_file *e = take();
+        snprintf(name, sizeof name, "openbtf.%s", words[i]);
+        edit_remove_attribute(e, name);
+        snprintf(text, sizeof text, "attribute %s is missing", name);
+        refused(e, text);
+        e = take();
+        edit_find_attribute(e, name)->type = EXR_ATTR_DOUBLE;
+        snprintf(text, sizeof text, "attribute %s is of type double", name);
+        refused(e, text);
+        e = take();
+        set_text(e, "openbtf.effects", i < 4 ? "gloss" : "relief");
+        for (size_t k = 0; k < i && i < 4; k++) { /* those before would be refused first */
+            snprintf(text, sizeof text, "openbtf.%s", words[k]);
+            edit_remove_attribute(e, text);
+        }
+        if (i < 4) {
+            edit_remove_part(e, "heights");
+            edit_remove_part(e, "level1.heights");
+        }
+        if (i == 3)
+            refused(e, "attribute openbtf.reliefViews without views of relief");
+        else {
+            snprintf(text, sizeof text, "attribute %s without the effect %s", name,
+                     i < 3 ? "relief" : "gloss");
+            refused(e, text);
+        }
+    }
+}
+
+/* Numbers of reliefViews, the words of effects, the version, and the level that only restrictions have. */
+static void test_file_views(void **state) {
+    (void)state;
+    static const float bad[] = {2, -1, 0.5f, NAN, INFINITY};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        edit_file *e = take();
+        edit_find_attribute(e, "openbtf.reliefViews")->values[5] = bad[i];
+        refused(e, "attribute openbtf.reliefViews: number 5 is");
+    }
+    edit_file *e = take();
+    edit_find_attribute(e, "openbtf.reliefViews")->count = VIEWS - 1;
+    refused(e, "attribute openbtf.reliefViews holds 18 numbers for 19 views of relief");
+    e = take();
+    edit_find_attribute(e, "openbtf.reliefViews")->values[5] = -0.0f;
+    accepted(e);
+    e = take();
+    set_text(e, "openbtf.effects", "gloss,relief");
+    refused(e, "attribute openbtf.effects is \"gloss,relief\": unknown, repeated or out of order");
+    e = take();
+    edit_find_attribute(e, "openbtf.version")->i = 1;
+    refused(e, "attribute openbtf.effects is \"relief,gloss\": unknown, repeated or out of order");
+    e = take();
+    set_text(e, "openbtf.layout", "paper");
+    refused(e, "attribute openbtf.atlasWidth is missing");
+    static const struct {
+        int level;
+        const char *text;
+    } levels[] = {{0, NULL},
+                  {13, NULL},
+                  {14, "reliefLevel 14 with levels 2: more than 15 in all"},
+                  {15, "attribute openbtf.reliefLevel is 15, not within 0 to 14"},
+                  {-1, "attribute openbtf.reliefLevel is -1, not within"}};
+    for (size_t i = 0; i < sizeof levels / sizeof *levels; i++) {
+        e = take();
+        edit_attribute *added = &e->attributes[e->attribute_count++];
+        *added =
+            (edit_attribute){.name = "openbtf.reliefLevel", .type = EXR_ATTR_INT, .i = levels[i].level};
+        if (levels[i].text)
+            refused(e, levels[i].text);
+        else
+            accepted(e);
+    }
+}
+
+static btf_range random_range(random_state *r) {
+    btf_range range = {0};
+    const uint32_t kind = random_below(r, 4);
+    if (kind == 0) {
+        range.fixed = 1;
+        plan_angles(random_below(r, 3) ? 89 * random_unit(r) : 15.0 * random_below(r, 6),
+                    random_below(r, 3) ? 360 * random_unit(r) : 60.0 * random_below(r, 6), range.direction);
+    } else if (kind > 1) {
+        range.theta[1] = (float)(20 + 70 * random_unit(r));
+    }
+    return range;
+}
+
+/* Of a restriction: the plan's effects alone, whose heights are those of the whole. */
+static void assert_restricted(const btf_material *whole, const btf_material *small, const btf_plan *plan) {
+    const btf_material_info a = info_of(whole), b = info_of(small);
+    const bool relief = a.effects & plan->effects & BTF_EFFECT_RELIEF,
+               gloss = a.effects & plan->effects & BTF_EFFECT_GLOSS;
+    assert_int_equal(b.effects & BOTH, a.effects & plan->effects & BOTH);
+    assert_int_equal(b.relief_base, relief ? a.relief_base : 0);
+    assert_int_equal(b.relief_step, relief ? a.relief_step : 0);
+    assert_int_equal(b.relief_steps, relief ? a.relief_steps : 0);
+    assert_int_equal(b.relief_level, relief ? a.relief_level + plan->level : 0);
+    assert_int_equal(b.gloss_share, gloss ? a.gloss_share : 0);
+    assert_true(!gloss || b.n_lights == a.n_lights);
+    assert_int_equal(has(small, BTF_TEXTURE_HEIGHTS), relief && a.relief_step > 0);
+    assert_int_equal(has(small, BTF_TEXTURE_VIEW_VECTORS), relief || gloss);
+    const btf_texture in = btf_material_level_texture(whole, plan->level, BTF_TEXTURE_HEIGHTS),
+                      out = btf_material_texture(small, BTF_TEXTURE_HEIGHTS);
+    if (out.size)
+        assert_memory_equal(in.data, out.data, out.size);
+}
+
+/* Any plan's restriction decodes to the same bits as the whole, through a file and restricted once more
+ * too. */
+static void test_restrict(void **state) {
+    (void)state;
+    enum { MATERIALS = 24, PLANS = 6, SAMPLES = 40 };
+    random_state r = {8};
+    int lit = 0, all_lit = 0, fewer = 0, coarser = 0;
+    for (int round = 0; round < MATERIALS * PLANS; round++) {
+        static btf_material *whole;
+        static btf_material_info info;
+        if (round % PLANS == 0) {
+            const uint32_t both = BTF_EFFECT_RELIEF * (1 + random_below(&r, 3)),
+                           others = random_below(&r, 32);
+            btf_material_desc desc = random_material_desc(9, 6, 37, 19, BTF_LAYOUT_TIGHT, both | others);
+            desc.info.domain = BTF_DOMAIN_SQRT;
+            desc.info.levels = 1 + random_below(&r, 3);
+            factor_material_choose(&r, &desc);
+            random_material_relief(&r, &desc);
+            factor_material_fill(&r, &desc);
+            whole = create_accepted(&desc);
+            info = info_of(whole);
+            random_material_free(&desc);
+        }
+        btf_scene scene = {.struct_size = sizeof scene,
+                           .view = random_range(&r),
+                           .light = random_range(&r),
+                           .pixels = random_below(&r, 2) ? 1 : 0.3f};
+        btf_plan plan;
+        assert_int_equal(btf_plan_effects(whole, &scene, 0.5f, &plan), BTF_OK);
+        assert_int_equal(plan.lights == info.n_lights || !(info.effects & BTF_EFFECT_GLOSS), 1);
+        if (random_below(&r, 2))
+            plan.effects = info.effects & (BTF_EFFECT_RELIEF * random_below(&r, 4) | random_below(&r, 32));
+        plan.components = plan.effects & BTF_EFFECT_RESIDUAL ? 1 + random_below(&r, info.components) : 0;
+        plan.shader.leave_out = info.effects & ~plan.effects;
+        plan.shader.components = plan.components;
+        plan.shader.interpolation = (btf_interpolation)random_below(&r, 2);
+        plan.shader.filter = (btf_filter)random_below(&r, 3);
+        btf_material *small, *again;
+        assert_int_equal(btf_material_restrict(whole, &plan, &log_keep, &small), BTF_OK);
+        assert_restricted(whole, small, &plan);
+        assert_int_equal(plan_differences(&r, whole, small, &plan, SAMPLES, &lit), 0);
+        all_lit += lit;
+        fewer += info_of(small).n_views < info.n_views;
+        coarser += info_of(small).relief_level > 0;
+        btf_material *back = through_a_file(small);
+        assert_same(small, back);
+        plan.level = 0; /* of what is left; its plan is the whole of it */
+        assert_int_equal(btf_material_restrict(small, &plan, &log_keep, &again), BTF_OK);
+        assert_same(small, again);
+        btf_material_close(&again);
+        btf_material_close(&back);
+        btf_material_close(&small);
+        if (round % PLANS == PLANS - 1)
+            btf_material_close(&whole);
+    }
+    print_message("%d of %d samples lit, %d with fewer views, %d of a coarser level\n", all_lit,
+                  MATERIALS * PLANS * SAMPLES, fewer, coarser);
+    assert_true(all_lit > MATERIALS * PLANS * SAMPLES / 4 && fewer > MATERIALS && coarser > MATERIALS);
+}
+
+/* Each step of a march, each neighbour's look-up of lights, and sources of their own are counted. */
+static void test_cost(void **state) {
+    (void)state;
+    btf_material_desc desc = factor_material_desc(WIDTH, HEIGHT, VIEWS, LIGHTS, BTF_LAYOUT_TIGHT,
+                                                  BOTH | BTF_EFFECT_RESIDUAL, factor_classes);
+    random_state r = {9};
+    factor_material_fill(&r, &desc);
+    btf_material *m = create_accepted(&desc);
+    const btf_shader_options all = {.struct_size = sizeof all};
+    btf_shader_options no_gloss = all, no_relief = all, neither = all, nearest = all, one = all, lit = all;
+    no_gloss.leave_out = BTF_EFFECT_GLOSS;
+    no_relief.leave_out = BTF_EFFECT_RELIEF;
+    neither.leave_out = BOTH;
+    nearest.interpolation = BTF_INTERPOLATION_NEAREST;
+    one.fixed = BTF_FIXED_LIGHT; /* changes nothing beside gloss */
+    memcpy(one.fixed_light, desc.lights, sizeof one.fixed_light);
+    lit.filter = BTF_FILTER_STEEP;
+    const float cost = btf_plan_cost(m, &all, NULL);
+    assert_true(btf_plan_cost(m, &neither, NULL) < btf_plan_cost(m, &no_gloss, NULL));
+    assert_true(btf_plan_cost(m, &neither, NULL) < btf_plan_cost(m, &no_relief, NULL));
+    assert_true(btf_plan_cost(m, &no_gloss, NULL) < cost && btf_plan_cost(m, &no_relief, NULL) < cost);
+    assert_true(btf_plan_cost(m, &nearest, NULL) < cost && cost < btf_plan_cost(m, &lit, NULL));
+    assert_true(btf_plan_cost(m, &one, NULL) == cost);
+    one.leave_out = BTF_EFFECT_GLOSS;
+    assert_true(btf_plan_cost(m, &one, NULL) < btf_plan_cost(m, &no_gloss, NULL));
+    /* A step more is one for the pixel and for each of three neighbouring views. */
+    btf_material_desc steps = desc;
+    steps.info.relief_steps++;
+    btf_material *more = create_accepted(&steps);
+    const float step = btf_plan_cost(more, &all, NULL) - cost;
+    assert_true(step > 0);
+    assert_float_equal(btf_plan_cost(more, &nearest, NULL) - btf_plan_cost(m, &nearest, NULL), step / 4,
+                       1e-3);
+    assert_float_equal(btf_plan_cost(more, &lit, NULL) - btf_plan_cost(m, &lit, NULL), step, 1e-3);
+    btf_material_close(&more);
+    btf_material_close(&m);
+    random_material_free(&desc);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_shapes),          cmocka_unit_test(test_either),
+        cmocka_unit_test(test_create_refuses),  cmocka_unit_test(test_create_refuses_others),
+        cmocka_unit_test(test_round_trip),      cmocka_unit_test(test_file_parts),
+        cmocka_unit_test(test_file_attributes), cmocka_unit_test(test_file_views),
+        cmocka_unit_test(test_restrict),        cmocka_unit_test(test_cost),
+    };
+    return cmocka_run_group_tests(tests, setup, teardown);
+}
