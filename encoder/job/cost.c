@@ -15,6 +15,7 @@
 #include "encoder/nodes/choose.h"
 #include "encoder/nodes/rows.h"
 #include "encoder/paper/choose_effects.h"
+#include "encoder/relief/relief.h"
 #include "encoder/report/leave_one_out.h"
 #include "memory.h"
 
