@@ -40,6 +40,10 @@ enum { SOURCES_IN_REACH = 4096 };
 static const double per_source = 1.05e-8, per_source_rounded = 1.2e-8;
 /* of the fit of nodes, */
 static const double per_judged = 0.15e-9, per_table = 0.3e-6, per_turned = 0.03e-9, per_fitted = 2.5e-9;
+/* of relief: a sample reduced to numbers, a height of the sweep in a view, a sweep of the descent at a texel of a view, a
+ * surface judged there, a sample baked along it, */
+static const double per_number = 24e-9, per_swept = 95e-9, per_descent = 12.6e-6, per_surface = 0.8e-6,
+                    per_baked = 15e-9;
 /* of what comes after the analysis. */
 static const double per_measured = 8e-9, per_measured_component = 0.17e-9, per_measured_lobe = 6e-9,
                     per_ssim = 8e-9, per_evaluation = 0.25e-6, per_left_out = 0.4e-6, per_packed = 30e-9,
@@ -89,6 +93,23 @@ static void add_reading(list *l, const enc_context *context, const enc_extent *e
         add(l, "decode", c->samples * enc_bonn_sample_seconds(e->components));
 }
 
+/* Heights are found on images of a bounded size, and judged at a bounded number of texels. */
+static void add_relief(list *l, const enc_context *context, const enc_job *job, const enc_extent *e, const counts *c,
+                       double fetch) {
+    const bool held = enc_data_fits(context, e->width, e->height, e->n_views, e->n_lights);
+    if (!enc_settings_try_relief(job)) {
+        return;
+    }
+    double cost = 0.2;
+    if (job->relief.relief && held) {
+        const enc_relief_work work = enc_relief_work_of(e->width, e->height);
+        cost += c->samples * (per_number + 2 * fetch) + work.texels * c->views * work.heights * per_swept * 0.7 +
+                work.texels * c->views * work.sweeps * per_descent * 0.7 +
+                work.judged * c->views * ENC_RELIEF_CANDIDATES * per_surface;
+    }
+    add(l, "relief", cost);
+}
+
 /* Candidates are judged at a fixed number of texels, by directions left out; then every sample is turned. */
 static void add_fit(list *l, const enc_job *job, const counts *c, double fetch) {
     const double judged = fmin(c->texels, ENC_FIT_TEXELS) * ENC_STRENGTHS * 36 * 3 * c->views * c->lights;
@@ -97,7 +118,8 @@ static void add_fit(list *l, const enc_job *job, const counts *c, double fetch) 
         return;
     }
     add(l, "choose fit", judged * per_judged + tables * per_table);
-    add(l, "fit nodes", c->samples * ((c->views + c->lights) * per_turned + per_fitted + 2 * fetch));
+    const double baked = enc_settings_try_relief(job) && job->relief.relief ? per_baked : 0;
+    add(l, "fit nodes", c->samples * ((c->views + c->lights) * per_turned + per_fitted + baked + 2 * fetch));
 }
 
 /* The model that the analysis is likely to find: measuring it costs by its size. */
@@ -194,6 +216,7 @@ size_t enc_cost_parts(const enc_context *context, const enc_job *job, const enc_
     const int levels = levels_of(job, e);
     list l = {out_parts, 0};
     add_reading(&l, context, e, &c);
+    add_relief(&l, context, job, e, &c, fetch);
     add_fit(&l, job, &c, fetch);
     const size_t first = l.count;
     const enc_factors_settings settings =

@@ -56,6 +56,14 @@ uint64_t enc_relief_memory(int width, int height, int n_views, int n_lights) {
     return (estimate > judged ? estimate : judged) + 16 * (uint64_t)width * (uint64_t)height;
 }
 
+enc_relief_work enc_relief_work_of(int width, int height) {
+    const int shift = shift_of(width, height), wide = width >> shift, high = height >> shift;
+    return (enc_relief_work){.texels = (double)wide * high,
+                             .heights = 8.0 * reach_of(wide, high) + 1,
+                             .sweeps = SWEEPS,
+                             .judged = fmin((double)width * height, 4096)};
+}
+
 /* One of the surfaces that are judged, and what its heights are made of. */
 typedef struct relief_job {
     const enc_context *context;

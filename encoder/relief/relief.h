@@ -62,6 +62,14 @@ typedef struct enc_relief_choice {
 btf_result enc_relief_choose(const enc_context *context, const enc_data *data, const enc_relief_options *options,
                              enc_relief_choice *out_choice, enc_relief_store *out_store);
 
+/* What it does, for predictions. */
+typedef struct enc_relief_work {
+    double texels, heights, sweeps, judged; /* of the images that heights are found on; heights of the plane sweep; sweeps
+                                               of the descent; texels that surfaces are judged at */
+} enc_relief_work;
+
+enc_relief_work enc_relief_work_of(int width, int height);
+
 /* Bytes that it takes beside the samples. */
 uint64_t enc_relief_memory(int width, int height, int n_views, int n_lights);
 
