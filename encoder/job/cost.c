@@ -41,9 +41,10 @@ static const double per_source = 1.05e-8, per_source_rounded = 1.2e-8;
 /* of the fit of nodes, */
 static const double per_judged = 0.15e-9, per_table = 0.3e-6, per_turned = 0.03e-9, per_fitted = 2.5e-9;
 /* of relief: a sample reduced to numbers, a height of the sweep in a view, a sweep of the descent at a texel of a view, a
- * surface judged there, a sample baked along it, */
+ * surface judged there, a sample baked along it, a direction of a list without one of them, shares of gloss judged at a
+ * texel of a pair, */
 static const double per_number = 24e-9, per_swept = 95e-9, per_descent = 12.6e-6, per_surface = 0.8e-6,
-                    per_baked = 15e-9;
+                    per_baked = 15e-9, per_triangle = 60e-6, per_share = 2e-6;
 /* of what comes after the analysis. */
 static const double per_measured = 8e-9, per_measured_component = 0.17e-9, per_measured_lobe = 6e-9,
                     per_ssim = 8e-9, per_evaluation = 0.25e-6, per_left_out = 0.4e-6, per_packed = 30e-9,
@@ -100,7 +101,9 @@ static void add_relief(list *l, const enc_context *context, const enc_job *job, 
     if (!enc_settings_try_relief(job)) {
         return;
     }
-    double cost = 0.2;
+    const double pairs = fmin(c->views, 20) * fmin(c->lights, 16);
+    double cost = 2 * c->views * c->views * per_triangle + 16 * c->lights * per_triangle +
+                  fmin(c->texels, 192) * pairs * per_share;
     if (job->relief.relief && held) {
         const enc_relief_work work = enc_relief_work_of(e->width, e->height);
         cost += c->samples * (per_number + 2 * fetch) + work.texels * c->views * work.heights * per_swept * 0.7 +
