@@ -33,6 +33,7 @@ HOUSE = [
       'encoder/report',
       'encoder/between',
       'encoder/paper encoder/factor',
+      'encoder/relief',
       'encoder/lafortune encoder/nodes encoder/allocation',
       'encoder/input encoder/model',
       'encoder/data',

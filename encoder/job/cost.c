@@ -16,6 +16,7 @@
 #include "encoder/nodes/choose.h"
 #include "encoder/nodes/rows.h"
 #include "encoder/paper/choose_effects.h"
+#include "encoder/relief/relief.h"
 #include "encoder/report/leave_one_out.h"
 #include "foresee.h"
 #include "memory.h"
@@ -43,6 +44,11 @@ static const double per_added = 3e-9, per_gram = 0.019e-9, per_own_square = 0.1e
                     per_view_pair = 18e-9;
 /* of the fit of nodes, */
 static const double per_judged = 0.15e-9, per_table = 0.3e-6, per_turned = 0.03e-9, per_fitted = 2.5e-9;
+/* of relief: a sample reduced to numbers, a height of the sweep in a view, a sweep of the descent at a texel of a view, a
+ * surface judged there, a sample baked along it, a direction of a list without one of them, shares of gloss judged at a
+ * texel of a pair, */
+static const double per_number = 24e-9, per_swept = 95e-9, per_descent = 12.6e-6, per_surface = 0.8e-6,
+                    per_baked = 15e-9, per_triangle = 60e-6, per_share = 2e-6;
 /* of what comes after the analysis. */
 static const double per_measured = 8e-9, per_measured_component = 0.17e-9, per_measured_lobe = 6e-9,
                     per_ssim = 8e-9, per_evaluation = 0.25e-6, per_left_out = 0.4e-6, per_packed = 30e-9,
@@ -100,6 +106,25 @@ static double foresee_cost(const counts *c, double fetch) {
            4 * 1.125 * luma * luma * (texels + columns) * per_square;
 }
 
+/* Heights are found on images of a bounded size, and judged at a bounded number of texels. */
+static void add_relief(list *l, const enc_context *context, const enc_job *job, const enc_extent *e, const counts *c,
+                       double fetch) {
+    const bool held = enc_data_fits(context, e->width, e->height, e->n_views, e->n_lights);
+    if (!enc_settings_try_relief(job)) {
+        return;
+    }
+    const double pairs = fmin(c->views, 20) * fmin(c->lights, 16);
+    double cost = 2 * c->views * c->views * per_triangle + 16 * c->lights * per_triangle +
+                  fmin(c->texels, 192) * pairs * per_share;
+    if (job->relief.relief && held) {
+        const enc_relief_work work = enc_relief_work_of(e->width, e->height);
+        cost += c->samples * (per_number + 2 * fetch) + work.texels * c->views * work.heights * per_swept * 0.7 +
+                work.texels * c->views * work.sweeps * per_descent * 0.7 +
+                work.judged * c->views * ENC_RELIEF_CANDIDATES * per_surface;
+    }
+    add(l, "relief", cost);
+}
+
 /* Candidates are judged at a fixed number of texels, by directions left out; then every sample is turned. */
 static void add_fit(list *l, const enc_job *job, const counts *c, double fetch) {
     const double judged = fmin(c->texels, ENC_FIT_TEXELS) * ENC_STRENGTHS * 36 * 3 * c->views * c->lights;
@@ -114,7 +139,8 @@ static void add_fit(list *l, const enc_job *job, const counts *c, double fetch) 
     if (job->fit != ENC_FIT_BETWEEN) {
         return;
     }
-    add(l, "fit nodes", c->samples * ((c->views + c->lights) * per_turned + per_fitted + 2 * fetch));
+    const double baked = enc_settings_try_relief(job) && job->relief.relief ? per_baked : 0;
+    add(l, "fit nodes", c->samples * ((c->views + c->lights) * per_turned + per_fitted + baked + 2 * fetch));
 }
 
 /* The model that the analysis is likely to find: measuring it costs by its size. */
@@ -224,6 +250,7 @@ size_t enc_cost_parts(const enc_context *context, const enc_job *job, const enc_
     const int levels = levels_of(job, e);
     list l = {out_parts, 0};
     add_reading(&l, context, e, &c);
+    add_relief(&l, context, job, e, &c, fetch);
     add_fit(&l, job, &c, fetch);
     const size_t first = l.count;
     const enc_factors_settings settings =

@@ -19,6 +19,7 @@
 #include "encoder/model/decode_samples.h"
 #include "encoder/model/preview.h"
 #include "encoder/report/report.h"
+#include "encoder/relief/relief.h"
 #include "encoder/base/ranks.h"
 #include "encoder/model/unpack.h"
 
@@ -104,6 +105,8 @@ typedef struct job_state {
     enc_data *fitted; /* values at the nodes, of which the model is found; NULL: the samples are */
     enc_node_tables nodes;
     enc_fit_choice fit;
+    enc_relief_choice relief;
+    enc_relief_store between; /* what acts between the samples; moves to `found` */
     char *provenance; /* options, and what was chosen */
     enc_solution found, stored; /* what the method found; what the packed material holds */
     enc_levels found_levels, stored_levels;
@@ -126,6 +129,59 @@ static double fit_least_psnr(const enc_job *job) {
     return job->method != ENC_METHOD_PAPER && job->joint.quality > 0 ? job->joint.quality + 3 : 0;
 }
 
+/* Chooses what acts between the samples. */
+static btf_result find_relief(const enc_context *context, const enc_job *job, job_state *s, enc_report *report) {
+    if (job->method != ENC_METHOD_JOINT) {
+        return BTF_OK;
+    }
+    if (!enc_settings_try_relief(job)) {
+        s->between = (enc_relief_store){.effects = job->relief.gloss > 0 ? BTF_EFFECT_GLOSS : 0,
+                                        .gloss_share = (uint32_t)job->relief.gloss};
+        return BTF_OK;
+    }
+    const btf_result result = enc_relief_choose(context, s->data, &job->relief, &s->relief, &s->between);
+    if (result == BTF_OK) {
+        char text[ENC_RELIEF_TEXT];
+        report->relief = &s->relief;
+        enc_log(context, BTF_LOG_INFO, "between the samples: %s", enc_relief_text(&s->relief, text));
+    }
+    return result;
+}
+
+/* The samples, or values at the nodes that follow the surface. */
+static btf_result apply_nodes(const enc_context *context, job_state *s) {
+    enc_warp surface = {0};
+    const enc_node_relief relief = {&surface, s->between.views};
+    const bool moves = s->between.effects & BTF_EFFECT_RELIEF;
+    btf_result result = moves ? enc_relief_level(&s->between, s->data->width, s->data->height, 0, NULL, &surface)
+                              : BTF_OK;
+    result = result == BTF_ERROR_MEMORY ? enc_fail(context, result, "relief: out of memory") : result;
+    if (result == BTF_OK) {
+        result = enc_node_apply(context, &s->nodes, moves ? &relief : NULL, s->data, &s->fitted);
+    }
+    enc_warp_clear(&surface);
+    return result;
+}
+
+/* Options, and what was chosen where they leave it open. */
+static btf_result note_provenance(const enc_context *context, const enc_job *job, job_state *s, const enc_report *report) {
+    char kappa[ENC_FIT_TEXT] = "", between[ENC_RELIEF_TEXT] = "";
+    const bool fitted = report->fit && job->fit == ENC_FIT_BETWEEN;
+    if (report->fit) {
+        enc_fit_text(&s->fit, kappa);
+        enc_log(context, BTF_LOG_INFO, "fit of nodes: kappa %s", kappa);
+    }
+    if (report->relief) {
+        enc_relief_text(&s->relief, between);
+    }
+    if (asprintf(&s->provenance, "%s%s%s%s%s", s->options, fitted ? " fit-kappa=" : "", fitted ? kappa : "",
+                 report->relief ? " " : "", between) < 0) {
+        s->provenance = NULL;
+        return enc_fail(context, BTF_ERROR_MEMORY, "out of memory");
+    }
+    return BTF_OK;
+}
+
 /* The error of the factors that are to come. */
 static btf_result foresee(const enc_context *context, const enc_job *job, const enc_data *data,
                           enc_fit_error *out) {
@@ -138,7 +194,6 @@ static btf_result foresee(const enc_context *context, const enc_job *job, const 
  * is judged only then. */
 static btf_result fit_nodes(const enc_context *context, const enc_job *job, job_state *s,
                             enc_report *report) {
-    char kappa[ENC_FIT_TEXT];
     const bool roots = job->method != ENC_METHOD_PAPER; /* as the decoder blends */
     const bool taken = job->fit == ENC_FIT_BETWEEN;
     enc_fit_error coder;
@@ -155,16 +210,10 @@ static btf_result fit_nodes(const enc_context *context, const enc_job *job, job_
         s->fit.chosen = 0;
     }
     if (result == BTF_OK && s->nodes.views) {
-        result = enc_node_apply(context, &s->nodes, s->data, &s->fitted);
+        result = apply_nodes(context, s);
     }
     if (result == BTF_OK) {
         report->fit = &s->fit;
-        enc_fit_text(&s->fit, kappa);
-        enc_log(context, BTF_LOG_INFO, "fit of nodes: kappa %s", kappa);
-    }
-    if (result == BTF_OK && taken && asprintf(&s->provenance, "%s fit-kappa=%s", s->options, kappa) < 0) {
-        s->provenance = NULL;
-        result = enc_fail(context, BTF_ERROR_MEMORY, "out of memory");
     }
     return result;
 }
@@ -367,6 +416,7 @@ static void clear_state(job_state *s) {
     enc_data_destroy(&s->fitted);
     enc_data_destroy(&s->data);
     enc_node_tables_clear(&s->nodes);
+    enc_relief_clear(&s->between);
     free(s->provenance);
     free(s->preview);
     free(s->options);
@@ -437,9 +487,16 @@ static btf_result find_model(const enc_context *context, const enc_job *job, job
             enc_checkpoint_open(context, job->checkpoint, s->options, s->data, job->resume, &s->checkpoint);
     }
     first_level.checkpoint = s->checkpoint;
+    result = result == BTF_OK ? find_relief(context, job, s, report) : result;
     result = result == BTF_OK ? fit_nodes(context, job, s, report) : result;
+    result = result == BTF_OK ? note_provenance(context, job, s, report) : result;
     if (result == BTF_OK) {
         result = analyse(&first_level, job, s, report);
+    }
+    if (result == BTF_OK) {
+        s->found.effects |= s->between.effects;
+        s->found.relief = s->between;
+        s->between = (enc_relief_store){0};
     }
     enc_data_destroy(&s->fitted); /* levels are filtered from the samples, errors measured against them */
     if (result == BTF_OK && levels > 1) {

@@ -9,6 +9,7 @@
 #include "encoder/model/decode_samples.h"
 #include "encoder/model/pack.h"
 #include "encoder/model/unpack.h"
+#include "encoder/relief/relief.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -82,18 +83,43 @@ static btf_result fit_paper(fit_pass *pass, const enc_data *data, int level, enc
     return result;
 }
 
+/* Values at the nodes of a level, where there are any, and the codes of its heights. */
+static btf_result prepare_level(const fit_pass *pass, int level, const enc_data *samples, uint8_t **out_codes,
+                                enc_data **out_fitted) {
+    const enc_relief_store *relief = &pass->base->relief;
+    enc_warp surface = {0};
+    const enc_node_relief along = {&surface, relief->views};
+    const bool moves = relief->effects & BTF_EFFECT_RELIEF;
+    btf_result result =
+        moves ? enc_relief_level(relief, samples->width, samples->height, level, out_codes, &surface) : BTF_OK;
+    if (result == BTF_ERROR_MEMORY) {
+        return enc_fail(pass->context, result, "levels: out of memory");
+    }
+    if (pass->nodes) {
+        result = enc_node_apply(&pass->quiet, pass->nodes, moves ? &along : NULL, samples, out_fitted);
+    }
+    enc_warp_clear(&surface);
+    return result;
+}
+
 static btf_result fit_level(void *user, int level, const enc_data *samples) {
     fit_pass *pass = user;
     enc_solution *out = &pass->levels->level[level - 1];
     enc_data *fitted = NULL;
-    const btf_result ready =
-        pass->nodes ? enc_node_apply(&pass->quiet, pass->nodes, samples, &fitted) : BTF_OK;
+    uint8_t *codes = NULL;
+    const btf_result ready = prepare_level(pass, level, samples, &codes, &fitted);
     if (ready != BTF_OK) {
+        free(codes);
         return ready;
     }
     const enc_data *data = fitted ? fitted : samples;
     const btf_result result = pass->paper ? fit_paper(pass, data, level, out)
                                           : enc_factors_level(&pass->quiet, data, pass->base, out);
+    if (result == BTF_OK) {
+        out->relief.heights = codes;
+    } else {
+        free(codes);
+    }
     enc_stage_step(pass->context, enc_data_texel_count(data));
     enc_data_destroy(&fitted);
     return result;

@@ -12,7 +12,7 @@ static struct {
     enc_options all;
     enc_option_values values;
     uint32_t effects; /* UINT32_MAX: auto */
-    int method, preset, fit, layout, centres;
+    int method, preset, fit, relief, gloss, layout, centres;
     double hidden_threshold, error_threshold, btf_threshold;
     int window[2];
     double effect_tolerance[2]; /* dB; --method paper: dB for each MB */
@@ -21,7 +21,7 @@ static struct {
 } o = {.all = {.job = {.levels = 1}}, .effects = UINT32_MAX, .preset = ENC_PRESET_MEDIUM, .hidden_threshold = 0.7};
 
 /* Whether options of one method were given, in the order of the table. */
-static bool given[16];
+static bool given[18];
 
 static const cli_option table[] = {
     {.short_name = 'o',
@@ -87,6 +87,22 @@ static const cli_option table[] = {
      .help = "between: values at views and lights are fitted so that the blend\nof three is smooth between "
              "them, as far as that gains there\nand adds little to the codec's error at the samples; "
              "samples: they\nare the samples. Default between; with --method paper samples"},
+    {.name = "relief",
+     .type = CLI_CHOICE,
+     .value = &o.relief,
+     .given = &given[16],
+     .choices = "auto|off",
+     .only = "joint",
+     .help = "joint: heights, found from the images, along which neighbouring\nviews are shifted between the samples, "
+             "where views left out\nsay that it pays. Default auto; with --preset fast off"},
+    {.name = "gloss",
+     .type = CLI_CHOICE,
+     .value = &o.gloss,
+     .given = &given[17],
+     .choices = "auto|off|0|1|2",
+     .only = "joint",
+     .help = "joint: quarters of the half vector that each view's lights keep\nbetween the samples; off is 0. "
+             "Default auto; with --preset fast off"},
     {.name = "layout",
      .type = CLI_CHOICE,
      .value = &o.layout,
@@ -320,12 +336,16 @@ static void settle_paper(enc_job *job) {
 }
 
 static void settle_joint(enc_job *job) {
+    static const int gloss[] = {-1, 0, 0, 1, 2}; /* as --gloss lists them */
     job->fit = (enc_fit_goal)o.fit;
     job->layout = BTF_LAYOUT_TIGHT;
     job->joint.preset = (enc_preset)o.preset;
     job->joint.choose = o.effects == UINT32_MAX;
     job->joint.effects = o.effects == UINT32_MAX ? BTF_EFFECT_RESIDUAL : o.effects;
     job->joint.tolerance = o.effect_tolerance[0];
+    const bool fast = job->joint.preset == ENC_PRESET_FAST;
+    job->relief.relief = given[16] ? o.relief == 0 : !fast;
+    job->relief.gloss = given[17] ? gloss[o.gloss] : fast ? 0 : -1;
 }
 
 /* Checks what depends on several options, and fills in the job. */

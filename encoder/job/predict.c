@@ -6,6 +6,7 @@
 
 #include "cost.h"
 #include "decoder/toolkit/progress.h"
+#include "encoder/data/data.h"
 #include "encoder/data/extent.h"
 #include "encoder/math/gemm.h"
 #include "encoder/report/stage_times.h"
@@ -116,9 +117,14 @@ static void print_prediction(const enc_context *context, const enc_job *job, con
     const size_t count = enc_cost_parts(context, job, e, parts);
     const uint64_t budget =
         enc_settings_of_factors(job, e->width, e->height, e->n_views, e->n_lights).budget;
-    const enc_memory_use use =
+    enc_memory_use use =
         enc_memory_expected(context, job->method, e->width, e->height, e->n_views, e->n_lights, budget,
                             e->origin == ENC_ORIGIN_BONN, job->fit == ENC_FIT_BETWEEN);
+    if (enc_settings_try_relief(job) && job->relief.relief &&
+        enc_data_fits(context, e->width, e->height, e->n_views, e->n_lights)) {
+        const uint64_t relief = enc_extent_bytes(e) + enc_relief_memory(e->width, e->height, e->n_views, e->n_lights);
+        use.peak = relief > use.peak ? relief : use.peak;
+    }
     const uint64_t least =
         job->method == ENC_METHOD_JOINT
             ? enc_memory_of_factors(e->width, e->height, e->n_views, e->n_lights, context->threads, budget)

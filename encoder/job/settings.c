@@ -65,6 +65,10 @@ enc_factors_settings enc_settings_of_factors(const enc_job *job, int width, int 
         .sweeps = preset_sweeps[joint->preset]};
 }
 
+bool enc_settings_try_relief(const enc_job *job) {
+    return job->method == ENC_METHOD_JOINT && (job->relief.relief || job->relief.gloss < 0);
+}
+
 const char *enc_parse_tolerance(const char *text, void *tolerance) {
     static const double most[2] = {100, 1e6};
     double value[2] = {0, 0};
@@ -184,6 +188,12 @@ static void describe_joint(enc_option_values *values, const enc_job *job) {
         describe(values, "quality", "%g", joint->quality);
     }
     describe(values, "effect-tolerance", "%g", joint->tolerance);
+    describe(values, "relief", "%s", job->relief.relief ? "auto" : "off");
+    if (job->relief.gloss < 0) {
+        describe(values, "gloss", "auto");
+    } else {
+        describe(values, "gloss", "%d", job->relief.gloss);
+    }
 }
 
 void enc_settings_describe(const enc_job *job, enc_option_values *values) {

@@ -8,6 +8,7 @@
 #include "encoder/factor/method.h"
 #include "encoder/input/reader.h"
 #include "encoder/paper/paper.h"
+#include "encoder/relief/relief.h"
 
 typedef enum enc_method {
     ENC_METHOD_JOINT = 0,
@@ -64,6 +65,7 @@ struct enc_job {
     enc_paper_options paper;
     enc_joint_options joint;
     enc_fit_goal fit;
+    enc_relief_options relief; /* --method joint */
     btf_layout layout;
     int levels; /* of detail, 1 at least; 0: down to one texel */
     bool half_float;
@@ -87,6 +89,9 @@ typedef struct enc_option_values {
 /* For the material's provenance and the report; every member of job but option_values is set. The list
  * points to names that stay and into *out_values, which is not to be moved. */
 void enc_settings_describe(const enc_job *job, enc_option_values *out_values);
+
+/* Whether relief is looked for, or gloss judged. */
+bool enc_settings_try_relief(const enc_job *job);
 
 /* The settings of the factors that the options of --method joint make for data of this extent. */
 enc_factors_settings enc_settings_of_factors(const enc_job *job, int width, int height, int n_views,

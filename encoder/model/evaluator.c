@@ -353,6 +353,10 @@ void enc_evaluate(enc_evaluated_texel *t, const btf_ref_options *options, const 
     for (size_t i = 0; i < count; i++) {
         btf_ref_options each = *options;
         each.components = components[i];
+        if (at->looked_up && options->effects & e->reference.effects & BTF_EFFECT_GLOSS) {
+            btf_ref_evaluate_texel(&e->reference, &each, t->column, t->row, at->light, at->view, out[i]);
+            continue;
+        }
         btf_ref_evaluate_neighbours(&e->reference, &each, t->column, t->row, at->lights, at->views,
                                     at->light, at->view, out[i]);
     }

@@ -37,6 +37,12 @@ static btf_material_info describe(const enc_data *data, const enc_solution *s, c
         info.gain_base = s->gain_base;
         info.gain_step = s->gain_step;
     }
+    if (s->effects & BTF_EFFECT_RELIEF) {
+        info.relief_base = s->relief.base;
+        info.relief_step = s->relief.step;
+        info.relief_steps = s->relief.steps;
+    }
+    info.gloss_share = s->effects & BTF_EFFECT_GLOSS ? s->relief.gloss_share : 0;
     info.centre_scale = info.centres > 0 ? s->centre_scale : 1.0f / 255.0f;
     info.levels = o->levels > 0 ? (uint32_t)o->levels : 1;
     info.method = o->method;
@@ -194,6 +200,9 @@ static void fill(const btf_material_info *info, const enc_solution *s, btf_textu
             point_bytes(s, i, (uint8_t *)out + 2 * i);
         }
         break;
+    case BTF_TEXTURE_HEIGHTS:
+        memcpy(out, s->relief.heights, shape->size);
+        break;
     case BTF_TEXTURE_CENTRES:
         pack_centres(info, s, shape, out);
         break;
@@ -310,6 +319,7 @@ btf_result enc_pack(const enc_context *context, const enc_data *data, const enc_
     desc.level_errors = options->level_errors;
     desc.level_error_count = options->level_error_count;
     desc.preview = options->preview;
+    desc.relief_views = solution->effects & BTF_EFFECT_RELIEF ? solution->relief.views : NULL;
     result = btf_material_create(&desc, context ? &context->log : NULL, out_material);
 done:
     for (int i = 0; i < BTF_MAX_LEVELS * BTF_TEXTURE_COUNT; i++) {

@@ -8,6 +8,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+void enc_relief_clear(enc_relief_store *store) {
+    free(store->heights);
+    free(store->views);
+    *store = (enc_relief_store){0};
+}
+
 void enc_solution_clear(enc_solution *s) {
     enc_sbrdf_destroy(&s->sbrdf);
     free(s->shadow);
@@ -19,6 +25,7 @@ void enc_solution_clear(enc_solution *s) {
     free(s->residual_directions);
     free(s->residual_scales);
     enc_store_clear(&s->factors);
+    enc_relief_clear(&s->relief);
     memset(s, 0, sizeof *s);
 }
 
@@ -33,6 +40,7 @@ enc_solution enc_level_of(const enc_solution *base, int width, int height) {
     level.centre = NULL;
     level.residual_texels = NULL;
     level.factors.texels = NULL;
+    level.relief.heights = NULL;
     return level;
 }
 
@@ -43,6 +51,7 @@ void enc_level_clear(enc_solution *level) {
     level->factors.directions = NULL;
     level->factors.scales = NULL;
     level->factors.views = NULL;
+    level->relief.views = NULL;
     enc_solution_clear(level);
 }
 

@@ -11,6 +11,19 @@
 #include "sbrdf.h"
 #include <openbtf/material.h>
 
+/* Effects between the samples (FORMAT.md section 9, Relief and Gloss). Zeros: none. */
+typedef struct enc_relief_store {
+    uint32_t effects;    /* BTF_EFFECT_RELIEF, BTF_EFFECT_GLOSS */
+    int width, height;   /* of the map, level 0 */
+    uint8_t *heights;    /* [texel] codes; NULL: base everywhere */
+    uint8_t *views;      /* [view] 0 or 1 */
+    int32_t base, step;
+    uint32_t steps, gloss_share;
+} enc_relief_store;
+
+/* Frees both arrays and zeroes the struct. */
+void enc_relief_clear(enc_relief_store *store);
+
 /* Codes and scales mean what FORMAT.md sections 3 and 4 say. Arrays that `effects` does not call for are
  * NULL. */
 typedef struct enc_solution {
@@ -46,6 +59,7 @@ typedef struct enc_solution {
     uint32_t n_components;
     enc_factor_store factors; /* the residual in the other store; n_components is 0 then */
     btf_blend blend;
+    enc_relief_store relief; /* of a level: heights of its own, all else that of level 0 */
 } enc_solution;
 
 static inline size_t enc_solution_texels(const enc_solution *s) {

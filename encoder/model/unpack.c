@@ -148,6 +148,32 @@ static bool copy_texture(const btf_material *material, uint32_t level, btf_textu
     return *out;
 }
 
+/* Heights of a level, where the material has them. */
+static bool unpack_heights(const btf_material *material, uint32_t level, enc_solution *s) {
+    void *heights = NULL;
+    const bool ok = !btf_material_level_texture(material, level, BTF_TEXTURE_HEIGHTS).data ||
+                    copy_texture(material, level, BTF_TEXTURE_HEIGHTS, &heights);
+    s->relief.heights = heights;
+    return ok;
+}
+
+/* What level 0 has of relief and gloss. */
+static bool unpack_relief(const btf_material *material, const btf_material_info *info, enc_solution *s) {
+    const float *vectors = btf_material_texture(material, BTF_TEXTURE_VIEW_VECTORS).data;
+    s->relief = (enc_relief_store){.effects = info->effects & (BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS),
+                                   .width = (int)info->width,
+                                   .height = (int)info->height,
+                                   .views = calloc(info->n_views, 1),
+                                   .base = info->relief_base,
+                                   .step = info->relief_step,
+                                   .steps = info->relief_steps,
+                                   .gloss_share = info->gloss_share};
+    for (uint32_t v = 0; v < info->n_views && s->relief.views && vectors; v++) {
+        s->relief.views[v] = vectors[4 * v + 3] != 0;
+    }
+    return unpack_heights(material, 0, s) && s->relief.views;
+}
+
 static bool unpack_factor_texels(const btf_material *material, uint32_t level, enc_solution *s) {
     void *texels;
     const bool ok = copy_texture(material, level, BTF_TEXTURE_FACTOR_TEXELS, &texels);
@@ -225,6 +251,9 @@ btf_result enc_unpack(const enc_context *context, const btf_material *material, 
     if (info.store == BTF_STORE_FACTORS) {
         ok = unpack_factors(material, &info, s) && ok;
     }
+    if (info.effects & (BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS)) {
+        ok = unpack_relief(material, &info, s) && ok;
+    }
     if (!ok) {
         enc_solution_clear(s);
         return enc_fail(context, BTF_ERROR_MEMORY, "unpacking: out of memory");
@@ -257,7 +286,8 @@ btf_result enc_unpack_level(const enc_context *context, const btf_material *mate
     *s =
         enc_level_of(base, (int)btf_level_size(info.width, level), (int)btf_level_size(info.height, level));
     const bool factors = info.store == BTF_STORE_FACTORS;
-    if (!allocate_texels(&info, s) || (factors && !unpack_factor_texels(material, level, s))) {
+    if (!allocate_texels(&info, s) || (factors && !unpack_factor_texels(material, level, s)) ||
+        !unpack_heights(material, level, s)) {
         enc_level_clear(s);
         return enc_fail(context, BTF_ERROR_MEMORY, "unpacking: out of memory");
     }

@@ -17,6 +17,8 @@
 typedef struct pass {
     const enc_context *context;
     const enc_node_tables *tables;
+    const enc_node_relief *relief; /* NULL: none */
+    int32_t (*slope)[2];           /* with relief: of each view */
     const enc_data *from;
     enc_data *to;
     enc_gemm_tile tile;
@@ -41,6 +43,63 @@ static size_t up(size_t n) {
     return (n + 15) / 16 * 16;
 }
 
+static const float least_weight = 0.01f; /* of a view where views are shifted */
+
+/* out [n] += weight times what is blended of a view around a place. */
+static void add_view(const pass *p, size_t view, const enc_warp_fetch *f, float weight, float *out) {
+    const size_t n = 3 * (size_t)p->from->n_lights, views = (size_t)p->from->n_views;
+    for (int c = 0; c < 4; c++) {
+        const float w = weight * f->weight[c], *samples = p->from->samples + (f->texel[c] * views + view) * n;
+        for (size_t i = 0; i < n && w != 0; i++) {
+            out[i] += w * (p->tables->roots ? sqrtf(samples[i]) : samples[i]);
+        }
+    }
+}
+
+/* The node of view a at a texel, from views shifted along the surface. own: what is blended of view a there. */
+static void shift_row(const pass *p, size_t texel, size_t a, const float *own, float *out) {
+    const size_t n = 3 * (size_t)p->from->n_lights, views = (size_t)p->from->n_views;
+    const enc_warp *w = p->relief->surface;
+    const float *weight = p->tables->views + a * views;
+    float whole = 0, used = 0;
+    int32_t at[2];
+    enc_warp_middle(w, texel, at);
+    const int32_t z = enc_warp_march(w, at[0], at[1], p->slope[a]);
+    const int32_t u = at[0] + enc_warp_move(w, z, p->slope[a][0]), v = at[1] + enc_warp_move(w, z, p->slope[a][1]);
+    for (size_t b = 0; b < views; b++) {
+        whole += fabsf(weight[b]) >= least_weight ? weight[b] : 0;
+    }
+    memset(out, 0, n * sizeof *out);
+    for (size_t b = 0; b < views; b++) {
+        if (fabsf(weight[b]) < least_weight) {
+            continue;
+        }
+        const int32_t x = u - enc_warp_move(w, z, p->slope[b][0]), y = v - enc_warp_move(w, z, p->slope[b][1]);
+        const int32_t above = w->heights ? enc_warp_march(w, x, y, p->slope[b]) - z : 0;
+        const float share = weight[b] / whole * (float)enc_warp_visible(w, above) / ENC_WARP_WEIGHT;
+        enc_warp_fetch fetch;
+        enc_warp_around(w, x, y, &fetch);
+        add_view(p, b, &fetch, share, out);
+        used += share;
+    }
+    for (size_t i = 0; i < n; i++) {
+        out[i] += (1 - used) * own[i];
+    }
+}
+
+/* The views' part, in place: values [view][channel][light]. shifted: room for as many. */
+static void apply_views(const pass *p, size_t texel, float *values, float *right, float *shifted) {
+    const size_t views = (size_t)p->from->n_views, n = 3 * (size_t)p->from->n_lights;
+    enc_gemm_pack_columns(n, views, values, n, ENC_GEMM_N, right);
+    enc_gemm_multiply(p->tile, views, n, views, p->views, right, shifted, n, 0);
+    for (size_t a = 0; a < views && p->relief; a++) {
+        if (p->relief->views[a]) {
+            shift_row(p, texel, a, values + a * n, shifted + a * n);
+        }
+    }
+    memcpy(values, shifted, views * n * sizeof *values);
+}
+
 /* One texel. work: its values, both packed operands, the product with the lights, samples as read. */
 static btf_result apply_texel(const pass *p, size_t texel, float *work) {
     const size_t views = (size_t)p->from->n_views, lights = (size_t)p->from->n_lights;
@@ -55,10 +114,17 @@ static btf_result apply_texel(const pass *p, size_t texel, float *work) {
         return result;
     }
     to_blended(stride, samples, p->tables->roots, values);
+    if (p->relief) { /* another order of the same products, since the samples that are fetched are not fitted */
+        apply_views(p, texel, values, right, half);
+    }
     enc_gemm_pack_rows(3 * views, lights, values, lights, ENC_GEMM_M, left);
     enc_gemm_multiply(p->tile, 3 * views, lights, lights, left, p->lights, half, lights, 0);
-    enc_gemm_pack_columns(3 * lights, views, half, 3 * lights, ENC_GEMM_N, right);
-    enc_gemm_multiply(p->tile, views, 3 * lights, views, p->views, right, values, 3 * lights, 0);
+    if (p->relief) {
+        memcpy(values, half, stride * sizeof *values);
+    } else {
+        enc_gemm_pack_columns(3 * lights, views, half, 3 * lights, ENC_GEMM_N, right);
+        enc_gemm_multiply(p->tile, views, 3 * lights, views, p->views, right, values, 3 * lights, 0);
+    }
     to_samples(stride, values, p->tables->roots);
     return enc_data_store_texels(p->context, p->to, texel, 1, values);
 }
@@ -88,7 +154,11 @@ static btf_result fill(pass *p) {
     p->lights = enc_gemm_alloc((lights + ENC_GEMM_N) * lights);
     p->each = 3 * up(3 * views * lights) + up((3 * views + ENC_GEMM_M) * lights) +
               up((3 * lights + ENC_GEMM_N) * views);
-    btf_result result = p->views && p->lights ? BTF_OK : BTF_ERROR_MEMORY;
+    p->slope = malloc(views * sizeof *p->slope);
+    btf_result result = p->views && p->lights && p->slope ? BTF_OK : BTF_ERROR_MEMORY;
+    for (size_t v = 0; v < views && p->slope; v++) {
+        enc_warp_slope(p->from->views[v].xyz, p->slope[v]);
+    }
     if (result == BTF_OK) {
         enc_gemm_pack_rows(views, views, p->tables->views, views, ENC_GEMM_M, p->views);
         enc_gemm_pack_rows(lights, lights, p->tables->lights, lights, ENC_GEMM_N, p->lights);
@@ -96,6 +166,7 @@ static btf_result fill(pass *p) {
     }
     free(p->views);
     free(p->lights);
+    free(p->slope);
     return result;
 }
 
@@ -110,10 +181,13 @@ static enc_context beside(const enc_context *context, const enc_data *data) {
     return rest;
 }
 
-btf_result enc_node_apply(const enc_context *context, const enc_node_tables *tables, const enc_data *data,
-                          enc_data **out_data) {
+btf_result enc_node_apply(const enc_context *context, const enc_node_tables *tables, const enc_node_relief *relief,
+                          const enc_data *data, enc_data **out_data) {
     const enc_context rest = beside(context, data);
-    pass p = {.context = context, .tables = tables, .from = data};
+    pass p = {.context = context,
+              .tables = tables,
+              .relief = relief && data->samples ? relief : NULL,
+              .from = data};
     btf_result result = enc_data_create(&rest, data->width, data->height, data->n_views, data->views,
                                         data->n_lights, data->lights, out_data);
     if (result != BTF_OK) {

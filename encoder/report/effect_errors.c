@@ -97,7 +97,11 @@ static void add_way(job *j, const btf_material_info *info, uint32_t effects, con
  * eighth, and 8 and 4, in whole groups of four; of factors as many units, one at the least. */
 static void make_variants(job *j, const btf_material_info *info) {
     const uint32_t group = info->store == BTF_STORE_FACTORS ? 1 : 4;
+    const uint32_t between = info->effects & (BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS);
     for (uint32_t effects = 0; effects <= info->effects; effects++) {
+        if (effects != 0 && (effects & between) != between) {
+            continue; /* the data that errors are measured against know nothing of these two: no plan leaves them out */
+        }
         if ((effects & ~info->effects) || effective(info, effects) != effects) {
             continue;
         }
@@ -182,7 +186,7 @@ static void measure_pair(const job *j, enc_evaluated_texel *texel, const pair pa
     for (size_t w = 0; w < j->n_variants; w++) {
         const variant *v = &j->variants[w];
         const pair *p = &pairs[v->kind];
-        const enc_evaluated_at at = {&p->around.lights, &p->around.views, p->light, p->view};
+        const enc_evaluated_at at = {&p->around.lights, &p->around.views, p->light, p->view, true};
         float rgb[MOST_COUNTS][3], truth[3];
         enc_evaluate(texel, &v->options, &at, v->components, v->count, rgb);
         for (int c = 0; c < 3; c++) {

@@ -98,7 +98,7 @@ static void measure_pair(const job *j, enc_evaluated_texel *texel, const float *
     add_error(truth, found[0], sum);
     if (texel) {
         const enc_evaluated_at directions = {&p->lights, &p->views, data->lights[p->light].xyz,
-                                             data->views[p->view].xyz};
+                                             data->views[p->view].xyz, false};
         enc_evaluate(texel, &everything, &directions, &all, 1, found);
         add_error(truth, found[0], sum + 2);
     }

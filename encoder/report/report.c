@@ -377,6 +377,9 @@ void enc_report_print(const enc_report *report, FILE *out) {
     if (report->fit) {
         enc_fit_print(report->fit, measured_at_samples(report), out);
     }
+    if (report->relief) {
+        enc_relief_print(report->relief, out);
+    }
     print_levels(report, out);
     print_volumes(report, out);
     fprintf(out, "\nSeconds:");
@@ -584,6 +587,7 @@ btf_result enc_report_write(const enc_context *context, const enc_report *report
     }
     enc_leave_one_out_json(&j, "between", &report->between);
     enc_fit_json(&j, "fit", report->fit, measured_at_samples(report));
+    enc_relief_json(&j, "relief", report->relief);
     write_truncations(&j, report, &info);
     write_effects(&j, report);
     write_unspent(&j, &report->unspent);

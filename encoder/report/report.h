@@ -11,6 +11,7 @@
 #include "leave_one_out.h"
 #include "messages.h"
 #include "metrics.h"
+#include "relief_table.h"
 #include "truncations.h"
 #include "encoder/model/solution.h"
 #include "encoder/base/ranks.h"
@@ -52,6 +53,7 @@ typedef struct enc_report {
     size_t n_truncations;
     enc_leave_one_out between; /* an estimate of the accuracy between the samples */
     const enc_fit_choice *fit; /* of node values, and what it was chosen from; NULL: not asked for */
+    const enc_relief_choice *relief; /* what acts between the samples; NULL: not asked for */
     bool has_hidden;           /* table 1 applies */
     size_t hidden_before, hidden_after, hidden_total;
     size_t file_bytes;

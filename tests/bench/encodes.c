@@ -98,7 +98,7 @@ btf_result bench_encode_joint_between(const enc_context *context, const enc_data
     btf_result result = enc_foresee_error(context, data, &settings, &coder);
     result = result == BTF_OK ? enc_fit_choose(context, data, true, 0, &coder, &choice, &nodes) : result;
     if (result == BTF_OK && nodes.views) {
-        result = enc_node_apply(context, &nodes, data, &fitted);
+        result = enc_node_apply(context, &nodes, NULL, data, &fitted);
     }
     const bench_clock end = bench_now();
     if (result == BTF_OK) {

@@ -352,8 +352,8 @@ static void test_data_are_transformed(void **state) {
     float *buffer = malloc(9 * stride * sizeof *buffer);
     const float *read;
     int negative = 0;
-    assert_int_equal(enc_node_apply(&one, &tables, data, &fitted), BTF_OK);
-    assert_int_equal(enc_node_apply(&little, &tables, data, &filed), BTF_OK);
+    assert_int_equal(enc_node_apply(&one, &tables, NULL, data, &fitted), BTF_OK);
+    assert_int_equal(enc_node_apply(&little, &tables, NULL, data, &filed), BTF_OK);
     assert_non_null(fitted->samples);
     assert_null(filed->samples);
     assert_ptr_equal(fitted->original, data);

@@ -1,0 +1,144 @@
+/* Relief and gloss as tables. See relief_table.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "relief_table.h"
+
+#include "metrics.h"
+
+static double linear(enc_judged_error e) {
+    const enc_error_sum sum = {e.linear, e.srgb, 1};
+    return enc_psnr_linear(&sum);
+}
+
+static double srgb(enc_judged_error e) {
+    const enc_error_sum sum = {e.linear, e.srgb, 1};
+    return enc_psnr_srgb(&sum);
+}
+
+static const char *kind_of(const enc_relief_candidate *c) {
+    return c->constant ? "constant" : "map";
+}
+
+const char *enc_relief_text(const enc_relief_choice *choice, char text[ENC_RELIEF_TEXT]) {
+    if (choice->chosen > 0) {
+        const enc_relief_candidate *c = &choice->candidate[choice->chosen];
+        snprintf(text, ENC_RELIEF_TEXT, "relief-chosen=%s:%g,%.3f,%.3f gloss-chosen=%d", kind_of(c), c->scale,
+                 choice->least, choice->most, choice->gloss.quarters);
+    } else {
+        snprintf(text, ENC_RELIEF_TEXT, "relief-chosen=none gloss-chosen=%d", choice->gloss.quarters);
+    }
+    return text;
+}
+
+static void print_gloss(const enc_gloss_choice *gloss, FILE *out) {
+    fprintf(out, "Gloss: share of the half vector, view and light left out (half of the best, %.2f, is taken)\n",
+            gloss->best);
+    for (int q = 0; q < ENC_GLOSS_SHARES; q++) {
+        fprintf(out, "%c %-22.2f %8.2f / %.2f\n", q == gloss->quarters ? '*' : ' ', q / 4.0, linear(gloss->error[q]),
+                srgb(gloss->error[q]));
+    }
+}
+
+void enc_relief_print(const enc_relief_choice *choice, FILE *out) {
+    if (choice->tried) {
+        fprintf(out, "Relief: views left out, PSNR in dB, linear / sRGB; a ring must gain %g dB (heights leave %.3f of "
+                     "the squared error\nof a plane, of which a map must leave less than %g)\n",
+                ENC_RELIEF_MARGIN, choice->share, ENC_RELIEF_SHARE);
+        for (int k = 0; k < ENC_RELIEF_CANDIDATES; k++) {
+            const enc_relief_candidate *c = &choice->candidate[k];
+            char name[32] = "none";
+            if (k > 0) {
+                snprintf(name, sizeof name, "%s x %g", kind_of(c), c->scale);
+            }
+            if (c->judged) {
+                fprintf(out, "%c %-22s gains %.2f dB on %d rings\n", k == choice->chosen ? '*' : ' ', name, c->gain,
+                        c->rings);
+            }
+        }
+        for (int k = 0; k < choice->n_rings; k++) {
+            const enc_relief_ring *r = &choice->ring[k];
+            if (r->views > 0) {
+                fprintf(out, "%c %-22.1f %8.2f / %.2f -> %.2f / %.2f\n", r->on ? '*' : ' ', r->theta, linear(r->plain),
+                        srgb(r->plain), linear(r->moved), srgb(r->moved));
+            }
+        }
+    }
+    if (choice->reason) {
+        fprintf(out, "Relief: none, %s\n", choice->reason);
+    }
+    if (choice->gloss.judged) {
+        print_gloss(&choice->gloss, out);
+    }
+}
+
+static void candidates_json(json *j, const enc_relief_choice *choice) {
+    json_array(j, "candidates");
+    for (int k = 0; k < ENC_RELIEF_CANDIDATES; k++) {
+        const enc_relief_candidate *c = &choice->candidate[k];
+        if (c->judged) {
+            json_object(j, NULL);
+            json_integer(j, "candidate", k);
+            json_string(j, "kind", k == 0 ? "none" : kind_of(c));
+            json_number(j, "scale", c->scale);
+            json_number(j, "gain", c->gain);
+            json_integer(j, "rings", c->rings);
+            json_end(j);
+        }
+    }
+    json_end(j);
+}
+
+static void rings_json(json *j, const enc_relief_choice *choice) {
+    json_array(j, "rings");
+    for (int k = 0; k < choice->n_rings; k++) {
+        const enc_relief_ring *r = &choice->ring[k];
+        json_object(j, NULL);
+        json_number(j, "theta", r->theta);
+        json_integer(j, "views_left_out", r->views);
+        json_integer(j, "relief", r->on);
+        json_number(j, "plain_linear", linear(r->plain));
+        json_number(j, "plain_srgb", srgb(r->plain));
+        json_number(j, "moved_linear", linear(r->moved));
+        json_number(j, "moved_srgb", srgb(r->moved));
+        json_end(j);
+    }
+    json_end(j);
+}
+
+static void gloss_json(json *j, const enc_gloss_choice *gloss) {
+    json_integer(j, "gloss", gloss->quarters);
+    if (gloss->judged) {
+        json_number(j, "gloss_best", gloss->best);
+        json_array(j, "gloss_shares");
+        for (int q = 0; q < ENC_GLOSS_SHARES; q++) {
+            json_object(j, NULL);
+            json_number(j, "share", q / 4.0);
+            json_number(j, "left_out_linear", linear(gloss->error[q]));
+            json_number(j, "left_out_srgb", srgb(gloss->error[q]));
+            json_end(j);
+        }
+        json_end(j);
+    }
+}
+
+void enc_relief_json(json *j, const char *key, const enc_relief_choice *choice) {
+    if (!choice) {
+        json_null(j, key);
+        return;
+    }
+    json_object(j, key);
+    json_integer(j, "chosen", choice->chosen);
+    if (choice->reason) {
+        json_string(j, "reason", choice->reason);
+    }
+    json_number(j, "least_height", choice->least);
+    json_number(j, "greatest_height", choice->most);
+    if (choice->tried) {
+        json_number(j, "share_of_plane", choice->share);
+        candidates_json(j, choice);
+        rings_json(j, choice);
+    }
+    gloss_json(j, &choice->gloss);
+    json_end(j);
+}
