@@ -244,7 +244,7 @@ static void check_evaluations(const btf_material *material) {
             random_direction(view);
             const btf_ref_neighbours lights = look_up(m->light_table, m->light_grid, light),
                                      views = look_up(m->view_table, m->view_grid, view);
-            const enc_evaluated_at at = {&lights, &views, light, view};
+            const enc_evaluated_at at = {&lights, &views, light, view, false};
             btf_ref_options options = {.effects = n % 3 == 0 ? 31 : 16 | random_bits() % 16,
                                        .interpolation = n % 4 > 0};
             enc_evaluate(t, &options, &at, units, COUNT, found);
