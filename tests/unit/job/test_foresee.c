@@ -66,8 +66,9 @@ static double db(double x) {
     return -10 * log10(x);
 }
 
-/* Within 1.5 dB of what an encode measures, for spectra steep and flat and budgets small and large; the
- * same bits for any number of threads. */
+/* At most 1.5 dB more than an encode measures, for spectra steep and flat, and at most 2.5 dB less: an encode
+ * chooses a plan of so few units by trial (choose_plan.h), which gains up to 1 dB here. The same bits for any
+ * number of threads. */
 static void test_the_error_is_foreseen(void **state) {
     (void)state;
     static const double powers[] = {1, 2};
@@ -87,8 +88,9 @@ static void test_the_error_is_foreseen(void **state) {
             printf("power %g, %d units: foreseen %.2f / %.2f dB, measured %.2f / %.2f\n", powers[p],
                    factors->n_units, db(error.linear), db(error.srgb), db(factors->error.linear),
                    db(factors->error.srgb));
-            assert_true(fabs(db(error.linear) - db(factors->error.linear)) < 1.5);
-            assert_true(fabs(db(error.srgb) - db(factors->error.srgb)) < 1.5);
+            const double linear = db(factors->error.linear) - db(error.linear);
+            const double srgb = db(factors->error.srgb) - db(error.srgb);
+            assert_true(linear > -1.5 && linear < 2.5 && srgb > -1.5 && srgb < 2.5);
             enc_factors_destroy(&factors);
         }
         enc_data_destroy(&data);
