@@ -92,18 +92,15 @@ static void judge_texel(const enc_judged *j, const enc_seen_view *s, const enc_w
     const size_t n = 3 * (size_t)j->lights, texels = (size_t)j->width * (size_t)j->height;
     float got[3 * MOST_LIGHTS] = {0};
     enc_seen_point point;
-    enc_warp_fetch fetch;
     int32_t at[2];
     enc_warp_middle(w, texel, at);
     enc_seen_find(w, s, at, SIZE_MAX, 0, &point);
     for (int a = 0; a < s->count; a++) {
-        enc_warp_around(w, point.at[a][0], point.at[a][1], &fetch);
-        for (int c = 0; c < 4; c++) {
-            const float weight = (float)point.weight[a] * fetch.weight[c] * (0x1p-12f / 255);
-            const uint8_t *from = j->roots + ((size_t)s->near[a] * texels + fetch.texel[c]) * n;
-            for (size_t i = 0; i < n && weight > 0; i++) {
-                got[i] += weight * (float)from[i];
-            }
+        const size_t there = enc_warp_texel(w, point.at[a][0], point.at[a][1]);
+        const float weight = (float)point.weight[a] * (0x1p-12f / 255);
+        const uint8_t *from = j->roots + ((size_t)s->near[a] * texels + there) * n;
+        for (size_t i = 0; i < n; i++) {
+            got[i] += weight * (float)from[i];
         }
     }
     const uint8_t *truth = j->roots + ((size_t)s->view * texels + texel) * n;

@@ -29,7 +29,8 @@ typedef struct enc_judged_error {
 /* dB, mean of linear and sRGB-coded, that b gains over a. */
 double enc_judged_gain(enc_judged_error a, enc_judged_error b);
 
-/* The error of each view left out, out [seen->count], at drawn texels, by steep fetches and blended roots. The same
+/* The error of each view left out, out [seen->count], at drawn texels, by fetches of whole texels, which gain
+ * less than filtered ones, and blended roots. The same
  * bits for any number of threads. */
 void enc_judge_surface(const enc_context *context, const enc_judged *judged, const enc_seen *seen,
                        const enc_warp *warp, enc_judged_error *out);

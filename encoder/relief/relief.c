@@ -220,6 +220,22 @@ static int find_rings(relief_job *j) {
     return rings > ENC_RELIEF_RINGS ? ENC_RELIEF_RINGS : rings;
 }
 
+/* A ring that gains alone is chance, and would be left at each of its seams. The last one stays only beside one that
+ * stays: nothing lies beyond it, which makes it gain most of all when it is left out. */
+static void drop_lone_rings(int n_rings, enc_relief_ring rings[ENC_RELIEF_RINGS]) {
+    bool alone[ENC_RELIEF_RINGS];
+    for (int k = 0; k < n_rings; k++) {
+        const bool inner = k > 0 && rings[k - 1].on, outer = k + 1 < n_rings && rings[k + 1].on;
+        alone[k] = n_rings > 2 && !inner && !outer;
+    }
+    for (int k = 0; k < n_rings; k++) {
+        rings[k].on = rings[k].on && !alone[k];
+    }
+    if (n_rings > 2) {
+        rings[n_rings - 1].on = rings[n_rings - 1].on && rings[n_rings - 2].on;
+    }
+}
+
 /* What a candidate gains, ring by ring and over all. */
 static void weigh(const relief_job *j, int number, int n_rings, enc_relief_ring rings[ENC_RELIEF_RINGS],
                   enc_relief_candidate *c) {
@@ -241,6 +257,10 @@ static void weigh(const relief_job *j, int number, int n_rings, enc_relief_ring 
         enc_relief_ring *r = &rings[k];
         r->gain = r->views > 0 ? enc_judged_gain(r->plain, r->moved) : 0;
         r->on = number > 0 && r->gain > ENC_RELIEF_MARGIN;
+    }
+    drop_lone_rings(n_rings, rings);
+    for (int k = 0; k < n_rings; k++) {
+        enc_relief_ring *r = &rings[k];
         c->rings += r->on;
         plain.linear += r->plain.linear;
         plain.srgb += r->plain.srgb;

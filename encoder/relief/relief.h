@@ -3,7 +3,8 @@
  *
  * Heights are found by a plane sweep and a descent on what the decoder gets wrong of views left out. Whether they
  * pay is judged ring by ring of views in true values, by views left out: neighbours there lie twice as far away as in
- * use, which flatters what moves, so that a ring must gain ENC_RELIEF_MARGIN. Where one height does as well, there is
+ * use, which flatters what moves, so that a ring must gain ENC_RELIEF_MARGIN beside another that does, and the outermost one, which has no neighbours
+ * beyond, follows the one before. Where one height does as well, there is
  * no map. RELIEF.md has what was measured.
  *
  * SPDX-License-Identifier: MIT
