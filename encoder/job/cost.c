@@ -17,6 +17,7 @@
 #include "encoder/paper/choose_effects.h"
 #include "encoder/relief/relief.h"
 #include "encoder/report/leave_one_out.h"
+#include "foresee.h"
 #include "memory.h"
 
 #include <math.h>
@@ -113,14 +114,28 @@ static void add_relief(list *l, const enc_context *context, const enc_job *job, 
     add(l, "relief", cost);
 }
 
+/* Components of some texels, by a product each way and one for what they leave. */
+static double foresee_cost(const counts *c, double fetch) {
+    const double texels = fmin(c->texels, ENC_FORESEE_TEXELS), columns = c->views * c->lights;
+    const double luma = ENC_FORESEE_RANK, all = 1.5 * luma; /* with spare ones */
+    return 3 * texels * columns * (3 * (per_split + fetch) + all * per_product) +
+           4 * 1.125 * luma * luma * (texels + columns) * per_square;
+}
+
 /* Candidates are judged at a fixed number of texels, by directions left out; then every sample is turned. */
 static void add_fit(list *l, const enc_job *job, const counts *c, double fetch) {
     const double judged = fmin(c->texels, ENC_FIT_TEXELS) * ENC_STRENGTHS * 36 * 3 * c->views * c->lights;
     const double tables = ENC_ROWS_MOST * (c->views * c->views + c->lights * c->lights);
+    if (job->fit != ENC_FIT_BETWEEN && job->method == ENC_METHOD_PAPER) {
+        return;
+    }
+    if (job->method != ENC_METHOD_PAPER) {
+        add(l, "foresee error", foresee_cost(c, fetch));
+    }
+    add(l, "choose fit", judged * per_judged + tables * per_table);
     if (job->fit != ENC_FIT_BETWEEN) {
         return;
     }
-    add(l, "choose fit", judged * per_judged + tables * per_table);
     const double baked = enc_settings_try_relief(job) && job->relief.relief ? per_baked : 0;
     add(l, "fit nodes", c->samples * ((c->views + c->lights) * per_turned + per_fitted + baked + 2 * fetch));
 }

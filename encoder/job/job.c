@@ -10,6 +10,7 @@
 #include "cost.h"
 #include "decoder/toolkit/output.h"
 #include "encoder/report/effect_errors.h"
+#include "foresee.h"
 #include "levels.h"
 #include "memory.h"
 #include "encoder/report/montage.h"
@@ -163,16 +164,18 @@ static btf_result apply_nodes(const enc_context *context, job_state *s) {
 }
 
 /* Options, and what was chosen where they leave it open. */
-static btf_result note_provenance(const enc_context *context, job_state *s, const enc_report *report) {
+static btf_result note_provenance(const enc_context *context, const enc_job *job, job_state *s,
+                                  const enc_report *report) {
     char kappa[ENC_FIT_TEXT] = "", between[ENC_RELIEF_TEXT] = "";
-    if (report->fit) {
+    const bool fitted = report->fit && job->fit == ENC_FIT_BETWEEN;
+    if (fitted) {
         enc_fit_text(&s->fit, kappa);
         enc_log(context, BTF_LOG_INFO, "fit of nodes: kappa %s", kappa);
     }
     if (report->relief) {
         enc_relief_text(&s->relief, between);
     }
-    if (asprintf(&s->provenance, "%s%s%s%s%s", s->options, report->fit ? " fit-kappa=" : "", kappa,
+    if (asprintf(&s->provenance, "%s%s%s%s%s", s->options, fitted ? " fit-kappa=" : "", kappa,
                  report->relief ? " " : "", between) < 0) {
         s->provenance = NULL;
         return enc_fail(context, BTF_ERROR_MEMORY, "out of memory");
@@ -180,15 +183,33 @@ static btf_result note_provenance(const enc_context *context, job_state *s, cons
     return BTF_OK;
 }
 
-/* Fits values at views and lights, where that is asked for and pays. */
+/* The error of the factors that are to come. */
+static btf_result foresee(const enc_context *context, const enc_job *job, const enc_data *data,
+                          enc_fit_error *out) {
+    const enc_factors_settings settings =
+        enc_settings_of_factors(job, data->width, data->height, data->n_views, data->n_lights);
+    return enc_foresee_error(context, data, &settings, out);
+}
+
+/* Judges fits of values at views and lights, and takes the best where that is asked for. Of the paper's method it
+ * is judged only then. */
 static btf_result fit_nodes(const enc_context *context, const enc_job *job, job_state *s,
                             enc_report *report) {
-    if (job->fit != ENC_FIT_BETWEEN) {
+    const bool roots = job->method != ENC_METHOD_PAPER; /* as the decoder blends */
+    const bool taken = job->fit == ENC_FIT_BETWEEN;
+    enc_fit_error coder;
+    if (!taken && !roots) {
         return BTF_OK;
     }
-    const bool roots = job->method != ENC_METHOD_PAPER; /* as the decoder blends */
-    btf_result result =
-        enc_fit_choose(context, s->data, roots, fit_least_psnr(job), &s->fit, &s->nodes);
+    btf_result result = roots ? foresee(context, job, s->data, &coder) : BTF_OK;
+    if (result == BTF_OK) {
+        result = enc_fit_choose(context, s->data, roots, fit_least_psnr(job), roots ? &coder : NULL, &s->fit,
+                                &s->nodes);
+    }
+    if (!taken) {
+        enc_node_tables_clear(&s->nodes);
+        s->fit.chosen = 0;
+    }
     if (result == BTF_OK && s->nodes.views) {
         result = apply_nodes(context, s);
     }
@@ -469,7 +490,7 @@ static btf_result find_model(const enc_context *context, const enc_job *job, job
     first_level.checkpoint = s->checkpoint;
     result = result == BTF_OK ? find_relief(context, job, s, report) : result;
     result = result == BTF_OK ? fit_nodes(context, job, s, report) : result;
-    result = result == BTF_OK ? note_provenance(context, s, report) : result;
+    result = result == BTF_OK ? note_provenance(context, job, s, report) : result;
     if (result == BTF_OK) {
         result = analyse(&first_level, job, s, report);
     }

@@ -85,8 +85,8 @@ static const cli_option table[] = {
      .given = &given[15],
      .choices = "between|samples",
      .help = "between: values at views and lights are fitted so that the blend\nof three is smooth between "
-             "them, as far as that gains more there\nthan it costs at the samples; samples: they are the "
-             "samples.\nDefault between; with --method paper samples"},
+             "them, as far as that gains there\nand adds little to the codec's error at the samples; "
+             "samples: they\nare the samples. Default between; with --method paper samples"},
     {.name = "relief",
      .type = CLI_CHOICE,
      .value = &o.relief,

@@ -170,49 +170,52 @@ static btf_result judge_texel(const job *j, size_t index, size_t texels, texel_s
     return result;
 }
 
-/* An error at a sample against one between the samples, where a renderer looks. */
-static const double sample_share = 0.75;
-
-/* Product of a fit's move with the error of the barycentric blend, between the samples against left-out ones,
- * both moves being of one size: neighbours are half as far away. */
-static const double halved_gap = 0.6;
-
 static double pairs_of(const job *j, int place) {
     int unused[DRAWN];
     return 3.0 * draw(&j->views, place, 0, unused) * draw(&j->lights, place, 0, unused);
 }
 
-/* The squared error that a move saves between the samples: twice its product with the error less its square. */
-static double gain(const double left[ACCUMULATED], const double between[ACCUMULATED], double pairs_left,
-                   double pairs_between) {
-    const double move = left[2] / pairs_left, moves = between[2] / pairs_between;
-    const double twice_product = (left[0] - left[1]) / pairs_left + move;
-    return move > 0 ? halved_gap * twice_product * sqrt(moves / move) - moves : 0;
+/* Means of one of the two codings. */
+static enc_fit_moved moved_of(const double left[ACCUMULATED], const double between[ACCUMULATED],
+                              double pairs_left, double pairs_between) {
+    return (enc_fit_moved){.error = left[0] / pairs_left,
+                           .fitted = left[1] / pairs_left,
+                           .move = left[2] / pairs_left,
+                           .moves = between[2] / pairs_between};
 }
 
-static enc_fit_candidate result_of(const job *j, int k, const sums of[ENC_ROWS_PLACES], size_t texels) {
+/* Turns the sums into figures of each candidate; the last that was judged is the strongest. */
+static void fill_candidates(const job *j, sums total[ENC_FIT_CANDIDATES][ENC_ROWS_PLACES], size_t texels,
+                            enc_fit_choice *choice) {
     const double left = pairs_of(j, ENC_ROWS_LEFT_OUT) * (double)texels;
     const double between = pairs_of(j, ENC_ROWS_BETWEEN) * (double)texels;
     const double at = pairs_of(j, ENC_ROWS_AT) * (double)texels;
-    const sums *l = &of[ENC_ROWS_LEFT_OUT], *b = &of[ENC_ROWS_BETWEEN], *n = &of[ENC_ROWS_AT];
-    return (enc_fit_candidate){
-        .kappa_views = enc_strength_kappa[j->strength[k][0]],
-        .kappa_lights = enc_strength_kappa[j->strength[k][1]],
-        .judged = j->judged[k],
-        .at = {n->linear[1] / at, n->srgb[1] / at},
-        .left_out = {l->linear[1] / left, l->srgb[1] / left},
-        .gain = {gain(l->linear, b->linear, left, between), gain(l->srgb, b->srgb, left, between)}};
+    enc_fit_moved linear[ENC_FIT_CANDIDATES] = {{0}}, srgb[ENC_FIT_CANDIDATES] = {{0}};
+    for (int k = 1; k < ENC_FIT_CANDIDATES; k++) {
+        const sums *l = &total[k][ENC_ROWS_LEFT_OUT], *b = &total[k][ENC_ROWS_BETWEEN];
+        const sums *n = &total[k][ENC_ROWS_AT];
+        if (j->judged[k]) {
+            linear[k] = moved_of(l->linear, b->linear, left, between);
+            srgb[k] = moved_of(l->srgb, b->srgb, left, between);
+        }
+        choice->candidate[k] = (enc_fit_candidate){.kappa_views = enc_strength_kappa[j->strength[k][0]],
+                                                   .kappa_lights = enc_strength_kappa[j->strength[k][1]],
+                                                   .judged = j->judged[k],
+                                                   .at = {n->linear[1] / at, n->srgb[1] / at}};
+    }
+    enc_fit_expect(linear, srgb, choice);
 }
 
 static void decide(double least_psnr, enc_fit_choice *choice) {
     double best = 0;
     const double most_at = least_psnr > 0 ? pow(10, -least_psnr / 10) : HUGE_VAL;
     for (int k = 1; k < ENC_FIT_CANDIDATES; k++) {
-        const enc_fit_candidate *c = &choice->candidate[k];
-        const double net = c->gain.linear + c->gain.srgb - sample_share * (c->at.linear + c->at.srgb);
-        if (c->judged && net > best && c->at.srgb < most_at) {
-            best = net;
-            choice->chosen = k;
+        enc_fit_candidate *c = &choice->candidate[k];
+        c->value = c->judged ? enc_fit_value(choice, c) : 0;
+        c->allowed = c->judged && enc_fit_allowed(choice, c) && c->at.srgb < most_at;
+        if (c->allowed && c->value > best) {
+            best = c->value;
+            choice->chosen = choice->best = k;
         }
     }
 }
@@ -243,13 +246,8 @@ static btf_result judge(const job *j, enc_fit_choice *choice) {
         }
     }
     free(each);
-    for (int k = 1; result == BTF_OK && k < ENC_FIT_CANDIDATES; k++) {
-        choice->candidate[k] = result_of(j, k, total[k], texels);
-        if (choice->candidate[k].judged && choice->candidate[0].left_out.linear == 0) {
-            const double left = pairs_of(j, ENC_ROWS_LEFT_OUT) * (double)texels;
-            const sums *l = &total[k][ENC_ROWS_LEFT_OUT];
-            choice->candidate[0].left_out = (enc_fit_error){l->linear[0] / left, l->srgb[0] / left};
-        }
+    if (result == BTF_OK) {
+        fill_candidates(j, total, texels, choice);
     }
     return result;
 }
@@ -288,7 +286,8 @@ void enc_node_tables_clear(enc_node_tables *tables) {
     *tables = (enc_node_tables){0};
 }
 
-static btf_result choose(job *j, double least_psnr, enc_fit_choice *choice, enc_node_tables *out_tables) {
+static btf_result choose(job *j, double least_psnr, const enc_fit_error *coder, enc_fit_choice *choice,
+                         enc_node_tables *out_tables) {
     btf_result result = enc_node_rows_make(j->context, j->data->views, j->data->n_views, &j->views);
     result = result == BTF_OK
                  ? enc_node_rows_make(j->context, j->data->lights, j->data->n_lights, &j->lights)
@@ -298,6 +297,7 @@ static btf_result choose(job *j, double least_psnr, enc_fit_choice *choice, enc_
         result = judge(j, choice);
     }
     if (result == BTF_OK) {
+        choice->coder = coder ? *coder : choice->candidate[0].between;
         decide(least_psnr, choice);
     }
     if (result == BTF_OK && choice->chosen > 0) {
@@ -309,14 +309,15 @@ static btf_result choose(job *j, double least_psnr, enc_fit_choice *choice, enc_
 }
 
 btf_result enc_fit_choose(const enc_context *context, const enc_data *data, bool roots, double least_psnr,
-                          enc_fit_choice *out_choice, enc_node_tables *out_tables) {
+                          const enc_fit_error *coder, enc_fit_choice *out_choice,
+                          enc_node_tables *out_tables) {
     job j = {.context = context, .data = data, .roots = roots};
     const size_t count = enc_data_texel_count(data);
     *out_choice =
         (enc_fit_choice){.candidate = {{.kappa_views = HUGE_VAL, .kappa_lights = HUGE_VAL, .judged = true}}};
     *out_tables = (enc_node_tables){0};
     enc_stage_begin(context, "choose fit", count < ENC_FIT_TEXELS ? count : ENC_FIT_TEXELS);
-    btf_result result = choose(&j, least_psnr, out_choice, out_tables);
+    btf_result result = choose(&j, least_psnr, coder, out_choice, out_tables);
     result = enc_ranks_agree(context, result);
     enc_stage_end(context);
     if (result != BTF_OK) {

@@ -15,12 +15,15 @@ enum { ENC_FIT_TEXT = 48 };
 /* "1,0.3": the kappas of views and lights that were chosen; "none". */
 const char *enc_fit_text(const enc_fit_choice *choice, char text[ENC_FIT_TEXT]);
 
-/* A table for people: every candidate at the samples and between them. Nothing where none could be judged. */
-void enc_fit_print(const enc_fit_choice *choice, FILE *out);
+/* A table for people: every candidate at the samples and between them. measured: squared error at the samples of what
+ * was encoded. Nothing where none could be judged. */
+void enc_fit_print(const enc_fit_choice *choice, enc_fit_error measured, FILE *out);
 
-/* {"chosen": index, "candidates": [{"kappa_views", "kappa_lights" (null: barycentric), "at_linear", "at_srgb",
- * "left_out_linear", "left_out_srgb": dB, "gain_linear", "gain_srgb": mean squares}...]} under `key`; null
- * without a choice (NULL). */
-void enc_fit_json(json *j, const char *key, const enc_fit_choice *choice);
+/* {"chosen", "best": index, taken and worth most; "coder_linear", "coder_srgb": dB at the samples that were foreseen of
+ * the coder; "candidates": [{"kappa_views", "kappa_lights" (null: barycentric), "at_linear", "at_srgb": dB, of the
+ * fit alone; "left_out_linear", "left_out_srgb": dB; "gain_linear", "gain_srgb": mean squares; "coded_at_linear",
+ * "coded_at_srgb", "coded_between_linear", "coded_between_srgb": dB, expected, but measured at the samples of the one
+ * that was taken; "allowed", "value" (expect.h)}...]} under `key`; null without a choice (NULL). */
+void enc_fit_json(json *j, const char *key, const enc_fit_choice *choice, enc_fit_error measured);
 
 #endif

@@ -12,6 +12,7 @@
 #include "metrics.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -310,6 +311,13 @@ static void print_volumes(const enc_report *report, FILE *out) {
     }
 }
 
+/* Mean squared errors of the whole material at the samples. */
+static enc_fit_error measured_at_samples(const enc_report *report) {
+    const enc_error_sum *sum = &report->ladder[report->n_ladder - 1].metrics.total;
+    const double count = fmax(sum->count, 1);
+    return (enc_fit_error){sum->linear / count, sum->srgb / count};
+}
+
 void enc_report_print(const enc_report *report, FILE *out) {
     const enc_data *data = report->data;
     const enc_metrics *first = &report->ladder[0].metrics;
@@ -367,7 +375,7 @@ void enc_report_print(const enc_report *report, FILE *out) {
     fprintf(out, "\n");
     enc_leave_one_out_print(&report->between, out);
     if (report->fit) {
-        enc_fit_print(report->fit, out);
+        enc_fit_print(report->fit, measured_at_samples(report), out);
     }
     if (report->relief) {
         enc_relief_print(report->relief, out);
@@ -578,7 +586,7 @@ btf_result enc_report_write(const enc_context *context, const enc_report *report
         json_null(&j, "hidden");
     }
     enc_leave_one_out_json(&j, "between", &report->between);
-    enc_fit_json(&j, "fit", report->fit);
+    enc_fit_json(&j, "fit", report->fit, measured_at_samples(report));
     enc_relief_json(&j, "relief", report->relief);
     write_truncations(&j, report, &info);
     write_effects(&j, report);

@@ -7,7 +7,7 @@
 #include "encoder/factor/factor.h"
 #include "encoder/model/pack.h"
 #include "encoder/model/unpack.h"
-#include "encoder/nodes/choose.h"
+#include "encoder/job/foresee.h"
 
 #include <sys/resource.h>
 #include <time.h>
@@ -71,11 +71,16 @@ btf_result bench_encode_paper_options(const enc_context *context, const enc_data
                             : result;
 }
 
-btf_result bench_encode_joint(const enc_context *context, const enc_data *data, int preset, uint64_t budget,
-                              bench_encoded *out) {
+static enc_joint_options joint_options(int preset, uint64_t budget) {
     enc_joint_options options = enc_joint_options_default();
     options.preset = (enc_preset)preset;
     options.budget = budget;
+    return options;
+}
+
+btf_result bench_encode_joint(const enc_context *context, const enc_data *data, int preset, uint64_t budget,
+                              bench_encoded *out) {
+    const enc_joint_options options = joint_options(preset, budget);
     return bench_encode_joint_options(context, data, &options, out);
 }
 
@@ -86,7 +91,12 @@ btf_result bench_encode_joint_between(const enc_context *context, const enc_data
     enc_node_tables nodes;
     enc_data *fitted = NULL;
     *out = (bench_encoded){0};
-    btf_result result = enc_fit_choose(context, data, true, 0, &choice, &nodes);
+    enc_fit_error coder;
+    const enc_job job = {.joint = joint_options(preset, budget)};
+    const enc_factors_settings settings =
+        enc_settings_of_factors(&job, data->width, data->height, data->n_views, data->n_lights);
+    btf_result result = enc_foresee_error(context, data, &settings, &coder);
+    result = result == BTF_OK ? enc_fit_choose(context, data, true, 0, &coder, &choice, &nodes) : result;
     if (result == BTF_OK && nodes.views) {
         result = enc_node_apply(context, &nodes, NULL, data, &fitted);
     }

@@ -1,6 +1,6 @@
 #!/bin/bash
-# Measures what the README shows of encoding and decoding, and writes it there: plots in tests/data/readme/ and
-# what stands between marks of README.md.
+# Measures what tests/bench/README.md shows of encoding and decoding, and writes it there: plots in tests/data/readme/ and
+# what stands between marks of that page.
 #
 #   tests/bench/readme.sh [BUILD [btf-bench option...]]    default: build --quick
 #   tests/bench/readme.sh --from DIR                       of a finished run
@@ -14,9 +14,9 @@
 # SPDX-License-Identifier: MIT
 set -euo pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd)
-marks=$root/tests/bench/marks.py
+marks=$root/tests/bench/marks.py page=$root/tests/bench/README.md
 if [ "${1:-}" = --plan ]; then
-    python3 - "${2:?expected a folder after --plan}" <<'EOF' | "$marks" "$root/README.md" plan
+    python3 - "${2:?expected a folder after --plan}" <<'EOF' | "$marks" "$page" plan
 import glob, os, re, sys
 out = sys.argv[1]
 with open(f"{out}/summary.md") as file:
@@ -45,7 +45,7 @@ if [ "${1:-}" = --between ]; then
             [ ! -e "$plot" ] || cp "$plot" "$root/tests/data/readme/storage.png"
         done
     done
-    python3 - "$@" <<'EOF' | "$marks" "$root/README.md" between
+    python3 - "$@" <<'EOF' | "$marks" "$page" between
 import glob, os, re, sys, textwrap
 shown = ("joint ", "paper", "low-bit split PCA", "uncompressed")
 sources, rows, stored = {}, [], ""
@@ -74,7 +74,7 @@ print(f"""<!-- between: written by tests/bench/readme.sh --between -->
 | data | codec | between the samples | at the samples | estimate | GPU MB |
 | --- | --- | --- | --- | --- | --- |
 {"".join(rows)}
-![Bytes against accuracy between the samples and at them: {stored}](tests/data/readme/storage.png)
+![Bytes against accuracy between the samples and at them: {stored}](../data/readme/storage.png)
 <!-- /between -->""")
 EOF
     exit
@@ -93,7 +93,7 @@ name=${name#readme-encode-}
 for plot in encode decode; do
     cp "$out/readme-$plot-$name.png" "$root/tests/data/readme/$plot.png"
 done
-python3 - "$out" "$name" <<'EOF' | "$marks" "$root/README.md" bench
+python3 - "$out" "$name" <<'EOF' | "$marks" "$page" bench
 import re, sys
 out, name = sys.argv[1:]
 def read(path):
@@ -112,11 +112,11 @@ Data: {data}. Machine: {field("processor")}; {field("threads")} threads; load {f
 the run. Repeats: {field("repeats")}. PSNR in dB, linear / sRGB-coded{"; between: " + truth.group(1) if truth else ""}{
 "; held out: " + held.group(1) if held else ""}.
 
-![Encoding: time against accuracy](tests/data/readme/encode.png)
+![Encoding: time against accuracy](../data/readme/encode.png)
 
 {part("readme-encode")}
 
-![Decoding: time against accuracy](tests/data/readme/decode.png)
+![Decoding: time against accuracy](../data/readme/decode.png)
 
 {part("readme-decode")}
 

@@ -33,6 +33,18 @@ candidates = fitted[0]["fit"]["candidates"]
 assert candidates[0]["kappa_views"] is None and len(candidates) > 3
 for c in candidates[1:]:  # stronger fits cost more at the samples
     assert c["at_srgb"] < 100 and c["left_out_srgb"] > 10, c
+# both places are told for both choices: what was not taken is expected, within 2 dB at the samples and 4 dB between
+for mine, other in ((fitted, samples), (samples, fitted)):
+    fit, place = mine[0]["fit"], other[0]["fit"]["chosen"]
+    assert fit["best"] == fitted[0]["fit"]["chosen"] and samples[0]["fit"]["chosen"] == 0, fit
+    for kind in ("linear", "srgb"):
+        at, between = [[c for c in fit["candidates"] if c["candidate"] == place][0][f"coded_{where}_{kind}"] for where in ("at", "between")]
+        really = other[0]["psnr"]["full"][kind], other[1]["between"][kind]
+        print(kind, "expected of", other[0]["fit"]["chosen"], (at, between), "measured", really)
+        assert abs(at - really[0]) < 2 and abs(between - really[1]) < 4, (kind, at, between, really)
+    taken = [c for c in fit["candidates"] if c["candidate"] == fit["chosen"]][0]
+    assert abs(taken["coded_at_linear"] - mine[0]["psnr"]["full"]["linear"]) < 1e-6, taken
+    assert taken["allowed"], taken
 assert all(a["at_srgb"] > b["at_srgb"] for a, b in zip(candidates[1:], candidates[2:])), candidates
 P
 expect_that "is better between the samples, worse at them, of as many bytes; the file and the report say so" python3 fit.py

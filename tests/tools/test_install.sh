@@ -1,6 +1,6 @@
 #!/bin/bash
 # An installation, as other people's programs see it: moved to another folder, its tools start, nothing but the
-# documented files is there, and the README's program builds against it with cc, c++, CMake and as a meson subproject.
+# documented files is there, and the documents' programs build against it with cc, c++, CMake and as a meson subproject.
 #
 # SPDX-License-Identifier: MIT
 . "$(dirname "$0")/common.sh"
@@ -101,11 +101,14 @@ mkdir vectors
 expect 'vectors for a port' 0 bare "$prefix/bin/btf-conform" --vectors "$work/vectors" --quiet
 expect_that 'a manifest of them' test -s vectors/manifest.json
 
-# ---- the README's program
+# ---- the programs of the documents
 
-awk '/^```c$/ { inside = 1; next } /^```$/ { inside = 0 } inside' "$root/README.md" >program.c
+code_of() { awk '/^```c$/ { inside = 1; next } /^```$/ { inside = 0 } inside' "$root/$1"; }
+code_of decoder/README.md >program.c
 cp program.c program.cc
-expect_text 'a program in the README' 'int main' program.c
+expect_text 'a program in decoder/README.md' 'int main' program.c
+code_of README.md >first_screen.c
+expect_text 'two functions in README.md' '^btf_result draw' first_screen.c
 
 # prints_shader NAME PROGRAM [variable=value...]
 prints_shader() {
@@ -126,6 +129,7 @@ build_with() { # COMPILER SOURCE PROGRAM PACKAGE...
 }
 expect_that 'cc' build_with 'cc -std=c99' program.c with_cc openbtf
 prints_shader cc ./with_cc "LD_LIBRARY_PATH=$libdir"
+expect_that "README.md's functions" build_with 'cc -std=c99 -c' first_screen.c first_screen.o openbtf
 expect_that 'c++' build_with 'c++ -std=c++11' program.cc with_cpp openbtf
 prints_shader c++ ./with_cpp "LD_LIBRARY_PATH=$libdir"
 

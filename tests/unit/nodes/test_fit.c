@@ -23,6 +23,9 @@
 
 static const enc_context one = {.threads = 1}, two = {.threads = 2};
 
+/* 30 dB at the samples. */
+static const enc_fit_error coder = {1e-3, 1e-3};
+
 typedef struct list {
     enc_direction *at;
     int count;
@@ -208,22 +211,22 @@ static void test_smoothing_is_chosen_where_it_pays(void **state) {
     enc_fit_choice choice, again;
     enc_node_tables tables, same;
     enc_data *bent = planted(&views, &lights, 4, 4, 0), *noisy = planted(&views, &lights, 4, 0, 0.2);
-    assert_int_equal(enc_fit_choose(&one, bent, true, 0, &choice, &tables), BTF_OK);
+    assert_int_equal(enc_fit_choose(&one, bent, true, 0, &coder, &choice, &tables), BTF_OK);
     assert_true(choice.chosen > 0);
     assert_true(choice.candidate[choice.chosen].gain.linear > 0);
     assert_true(choice.candidate[choice.chosen].left_out.linear < choice.candidate[0].left_out.linear);
-    assert_int_equal(enc_fit_choose(&two, bent, true, 0, &again, &same), BTF_OK);
+    assert_int_equal(enc_fit_choose(&two, bent, true, 0, &coder, &again, &same), BTF_OK);
     assert_int_equal(choice.chosen, again.chosen);
     assert_memory_equal(choice.candidate, again.candidate, sizeof choice.candidate);
     assert_memory_equal(tables.views, same.views, 81 * 81 * sizeof(float));
     enc_node_tables_clear(&tables);
     enc_node_tables_clear(&same);
     /* of a quality that no fit leaves, none is taken */
-    assert_int_equal(enc_fit_choose(&one, bent, true, 99, &choice, &tables), BTF_OK);
+    assert_int_equal(enc_fit_choose(&one, bent, true, 99, &coder, &choice, &tables), BTF_OK);
     assert_int_equal(choice.chosen, 0);
     assert_null(tables.views);
     /* noise has nothing that a spline follows */
-    assert_int_equal(enc_fit_choose(&one, noisy, true, 0, &choice, &tables), BTF_OK);
+    assert_int_equal(enc_fit_choose(&one, noisy, true, 0, &coder, &choice, &tables), BTF_OK);
     printf("noise: kappa %g, gain %g\n", choice.candidate[choice.chosen].kappa_views,
            choice.candidate[choice.chosen].gain.linear);
     for (int k = 5; k < ENC_FIT_CANDIDATES; k++) {
@@ -232,6 +235,37 @@ static void test_smoothing_is_chosen_where_it_pays(void **state) {
     enc_node_tables_clear(&tables);
     enc_data_destroy(&bent);
     enc_data_destroy(&noisy);
+    free(views.at);
+    free(lights.at);
+}
+
+/* A fit adds little at the samples beside the coder's error, or beside one level of 255. */
+static void test_a_fine_coder_bounds_the_smoothing(void **state) {
+    (void)state;
+    static const double errors[] = {0, 1e-5, 1e-4, 1e-3, 1e-2};
+    const list views = parse("ubo"), lights = parse("ubo");
+    enc_data *bent = planted(&views, &lights, 4, 4, 0);
+    int before = 0;
+    for (size_t i = 0; i < sizeof errors / sizeof *errors; i++) {
+        const enc_fit_error error = {errors[i], errors[i]};
+        enc_fit_choice choice;
+        enc_node_tables tables;
+        assert_int_equal(enc_fit_choose(&two, bent, true, 0, &error, &choice, &tables), BTF_OK);
+        const enc_fit_candidate *chosen = &choice.candidate[choice.chosen];
+        printf("coder %g: candidate %d, which adds %g\n", errors[i], choice.chosen, chosen->at.srgb);
+        assert_true(choice.chosen >= before);
+        assert_true(chosen->at.srgb <= 0.3 * (errors[i] + 1 / (255.0 * 255)));
+        before = choice.chosen;
+        enc_node_tables_clear(&tables);
+    }
+    assert_true(before >= 4);
+    enc_fit_choice choice;
+    enc_node_tables tables;
+    const enc_fit_error none = {0, 0};
+    assert_int_equal(enc_fit_choose(&two, bent, true, 0, &none, &choice, &tables), BTF_OK);
+    assert_true(choice.chosen < before);
+    enc_node_tables_clear(&tables);
+    enc_data_destroy(&bent);
     free(views.at);
     free(lights.at);
 }
@@ -246,7 +280,7 @@ static void test_lists_without_a_fit_leave_the_others(void **state) {
         enc_fit_choice choice;
         enc_node_tables tables;
         enc_data *data = planted(&ubo, &short_list, 3, 4, 0);
-        assert_int_equal(enc_fit_choose(&two, data, true, 0, &choice, &tables), BTF_OK);
+        assert_int_equal(enc_fit_choose(&two, data, true, 0, &coder, &choice, &tables), BTF_OK);
         assert_true(choice.chosen > 0);
         assert_true(isfinite(choice.candidate[choice.chosen].kappa_views));
         assert_true(isinf(choice.candidate[choice.chosen].kappa_lights));
@@ -254,12 +288,48 @@ static void test_lists_without_a_fit_leave_the_others(void **state) {
         enc_node_tables_clear(&tables);
         enc_data_destroy(&data);
         data = planted(&short_list, &short_list, 3, 4, 0);
-        assert_int_equal(enc_fit_choose(&two, data, true, 0, &choice, &tables), BTF_OK);
+        assert_int_equal(enc_fit_choose(&two, data, true, 0, &coder, &choice, &tables), BTF_OK);
         assert_int_equal(choice.chosen, 0);
         enc_data_destroy(&data);
         free(short_list.at);
     }
     free(ubo.at);
+}
+
+/* As many views as there may be, and lights of another number that reach down to the horizon. */
+static void test_long_and_low_lists_are_judged(void **state) {
+    (void)state;
+    static const double rings[] = {75, 80, 85, 89.9};
+    const list views = parse("256");
+    enc_direction low[1 + 4 * 8] = {enc_direction_from_angles(0, 0)};
+    for (int i = 0; i < 32; i++) {
+        low[1 + i] = enc_direction_from_angles(rings[i / 8], 45.0 * (i % 8) + 10 * (i / 8));
+    }
+    const list lights = {low, 33};
+    enc_data *data = planted(&views, &lights, 2, 4, 0), *fitted = NULL;
+    enc_fit_choice choice;
+    enc_node_tables tables;
+    double gain;
+    assert_int_equal(enc_fit_choose(&two, data, true, 0, &coder, &choice, &tables), BTF_OK);
+    for (int k = 0; k < ENC_FIT_CANDIDATES; k++) {
+        const enc_fit_candidate *c = &choice.candidate[k];
+        assert_true(!c->judged || (isfinite(c->at.srgb) && isfinite(c->gain.linear) && c->between.srgb >= 0));
+    }
+    assert_true(choice.candidate[1].judged);
+    assert_true(choice.chosen > 0);
+    assert_true(sum_error(tables.views, 256, &gain) < 1e-5);
+    assert_true(gain <= ENC_FIT_MOST_GAIN);
+    assert_true(sum_error(tables.lights, 33, &gain) < 1e-5);
+    assert_true(gain <= ENC_FIT_MOST_GAIN);
+    assert_int_equal(enc_node_apply(&two, &tables, data, &fitted), BTF_OK);
+    for (size_t i = 0; i < enc_data_texel_count(data) * enc_data_texel_stride(data); i++) {
+        assert_true(fabsf(fitted->samples[i] - data->samples[i]) < 0.2f);
+    }
+    printf("256 views, 33 lights: candidate %d\n", choice.chosen);
+    enc_node_tables_clear(&tables);
+    enc_data_destroy(&fitted);
+    enc_data_destroy(&data);
+    free(views.at);
 }
 
 /* The transform against sums in double, in memory and through a scratch file, by one thread and two. */
@@ -322,7 +392,9 @@ int main(void) {
         cmocka_unit_test(test_lists_without_a_spline_are_refused),
         cmocka_unit_test(test_a_smooth_function_comes_out_better_between),
         cmocka_unit_test(test_smoothing_is_chosen_where_it_pays),
+        cmocka_unit_test(test_a_fine_coder_bounds_the_smoothing),
         cmocka_unit_test(test_lists_without_a_fit_leave_the_others),
+        cmocka_unit_test(test_long_and_low_lists_are_judged),
         cmocka_unit_test(test_data_are_transformed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

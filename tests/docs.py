@@ -1,0 +1,97 @@
+#!/usr/bin/env python3
+"""Holds the documents: every relative link and picture of a Markdown file leads somewhere, every picture that the
+repository has for them is shown, and the README stays short.
+
+    docs.py SOURCE_ROOT               prints what is wrong, a line each; exit code 1 when there is anything
+    docs.py SOURCE_ROOT --self-test   breaks each rule in a copy, and fails where that goes unnoticed
+
+SPDX-License-Identifier: MIT
+"""
+import os
+import re
+import shutil
+import sys
+import tempfile
+
+PICTURES = 'tests/data/readme'
+README_BYTES = 9000
+LEFT_OUT = ('.git', 'subprojects')
+
+
+def documents(root):
+    for folder, folders, files in os.walk(root):
+        folders[:] = sorted(name for name in folders if name not in LEFT_OUT and not name.startswith('build'))
+        for name in sorted(files):
+            if name.endswith('.md'):
+                yield os.path.relpath(os.path.join(folder, name), root)
+
+
+def anchor(heading):
+    """The name that viewers of Markdown give a heading."""
+    return re.sub(r'[^\w\- ]', '', heading.strip().lower()).replace(' ', '-')
+
+
+def text_of(root, path):
+    """Without code, whose brackets are no links."""
+    with open(os.path.join(root, path), encoding='utf-8') as file:
+        text = file.read()
+    return re.sub(r'^```.*?^```$', '', text, flags=re.S | re.M)
+
+
+def complaints(root):
+    found, shown = [], set()
+    for path in documents(root):
+        for target in re.findall(r'\]\(([^)\s]+)\)', re.sub(r'`[^`\n]*`', '', text_of(root, path))):
+            if re.match(r'[a-z]+:', target):
+                continue
+            name, _, part = target.partition('#')
+            at = os.path.normpath(os.path.join(os.path.dirname(path), name)) if name else path
+            shown.add(at)
+            if not os.path.exists(os.path.join(root, at)):
+                found.append(f'{path}: no such file: {target}')
+            elif part and part not in map(anchor, re.findall(r'^#+ (.*)$', text_of(root, at), flags=re.M)):
+                found.append(f'{path}: no such heading: {target}')
+    for name in sorted(os.listdir(os.path.join(root, PICTURES))):
+        if name.endswith('.png') and f'{PICTURES}/{name}' not in shown:
+            found.append(f'{PICTURES}/{name}: no document shows it')
+    size = os.path.getsize(os.path.join(root, 'README.md'))
+    if size > README_BYTES:
+        found.append(f'README.md: {size} bytes, at most {README_BYTES}')
+    return found
+
+
+def self_test(root):
+    """(what is broken, file, what is added to it); a document that is not there is made."""
+    breaks = [('a link', 'README.md', '\n[x](encoder/none.md)\n'),
+              ('a heading', 'README.md', '\n[x](tests/bench/README.md#none)\n'),
+              ('a picture', 'tests/README.md', '\n![x](none.png)\n'),
+              ('a picture that nothing shows', PICTURES + '/none.png', 'x'),
+              ('the length', 'README.md', 'x' * README_BYTES)]
+    unnoticed = 0
+    for what, path, added in breaks:
+        with tempfile.TemporaryDirectory() as folder:
+            copy = os.path.join(folder, 'copy')
+            shutil.copytree(root, copy, ignore=shutil.ignore_patterns('build*', *LEFT_OUT), symlinks=True)
+            with open(os.path.join(copy, path), 'a', encoding='utf-8') as file:
+                file.write(added)
+            if not complaints(copy):
+                print(f'docs.py: not noticed: {what}')
+                unnoticed += 1
+    return unnoticed
+
+
+def main():
+    root = sys.argv[1]
+    found = complaints(root)
+    for complaint in found:
+        print(complaint)
+    if '--self-test' in sys.argv[2:]:
+        unnoticed = self_test(root)
+        print(f'{unnoticed} breaks not noticed')
+        sys.exit(1 if found or unnoticed else 0)
+    print(f'{len(found)} complaints')
+    sys.exit(1 if found else 0)
+
+
+if __name__ == '__main__':
+    main()
