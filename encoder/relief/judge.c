@@ -28,7 +28,8 @@ uint64_t enc_judged_bytes(int width, int height, int n_views) {
 }
 
 static void keep_texel(const enc_data *data, const float *samples, size_t texel, const enc_judged *j) {
-    const size_t texels = enc_data_texel_count(data), all = (size_t)data->n_lights, lights = (size_t)j->lights;
+    const size_t texels = enc_data_texel_count(data), all = (size_t)data->n_lights,
+                 lights = (size_t)j->lights;
     for (size_t v = 0; v < (size_t)j->n_views; v++) {
         for (size_t i = 0; i < lights; i++) {
             for (size_t c = 0; c < 3; c++) {
@@ -57,9 +58,10 @@ btf_result enc_judged_create(const enc_context *context, const enc_data *data, e
 #pragma omp for schedule(dynamic, 8)
         for (size_t t = 0; t < texels; t++) {
             const float *samples;
-            const btf_result mine = !buffer                  ? BTF_ERROR_MEMORY
-                                    : enc_cancelled(context) ? BTF_ERROR_INTERRUPTED
-                                                             : enc_data_texels(context, data, t, 1, buffer, &samples);
+            const btf_result mine = !buffer ? BTF_ERROR_MEMORY
+                                    : enc_cancelled(context)
+                                        ? BTF_ERROR_INTERRUPTED
+                                        : enc_data_texels(context, data, t, 1, buffer, &samples);
             if (mine == BTF_OK) {
                 keep_texel(data, samples, t, out);
             } else {
@@ -112,9 +114,10 @@ static void judge_texel(const enc_judged *j, const enc_seen_view *s, const enc_w
     }
 }
 
-void enc_judge_surface(const enc_context *context, const enc_judged *j, const enc_seen *seen, const enc_warp *w,
-                       enc_judged_error *out) {
-    const size_t texels = (size_t)j->width * (size_t)j->height, drawn = texels < DRAWN_TEXELS ? texels : DRAWN_TEXELS;
+void enc_judge_surface(const enc_context *context, const enc_judged *j, const enc_seen *seen,
+                       const enc_warp *w, enc_judged_error *out) {
+    const size_t texels = (size_t)j->width * (size_t)j->height,
+                 drawn = texels < DRAWN_TEXELS ? texels : DRAWN_TEXELS;
     const double count = (double)drawn * 3 * j->lights;
 #pragma omp parallel for schedule(dynamic) num_threads(context->threads)
     for (int i = 0; i < seen->count; i++) {

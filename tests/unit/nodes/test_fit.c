@@ -321,7 +321,7 @@ static void test_long_and_low_lists_are_judged(void **state) {
     assert_true(gain <= ENC_FIT_MOST_GAIN);
     assert_true(sum_error(tables.lights, 33, &gain) < 1e-5);
     assert_true(gain <= ENC_FIT_MOST_GAIN);
-    assert_int_equal(enc_node_apply(&two, &tables, data, &fitted), BTF_OK);
+    assert_int_equal(enc_node_apply(&two, &tables, NULL, data, &fitted), BTF_OK);
     for (size_t i = 0; i < enc_data_texel_count(data) * enc_data_texel_stride(data); i++) {
         assert_true(fabsf(fitted->samples[i] - data->samples[i]) < 0.2f);
     }
