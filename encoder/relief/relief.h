@@ -12,8 +12,8 @@
 #ifndef OPENBTF_ENCODER_RELIEF_RELIEF_H
 #define OPENBTF_ENCODER_RELIEF_RELIEF_H
 
-#include "encoder/model/solution.h"
 #include "gloss.h"
+#include "level.h"
 
 enum {
     ENC_RELIEF_RINGS = 16,
@@ -76,10 +76,5 @@ enc_relief_work enc_relief_work_of(int width, int height);
 
 /* Bytes that it takes beside the samples. */
 uint64_t enc_relief_memory(int width, int height, int n_views, int n_lights);
-
-/* The surface of a level of detail of a store, with heights filtered from those of level 0; codes, which
- * may be NULL where there is no map: [texel of the level]. Errors, not logged: BTF_ERROR_MEMORY. */
-btf_result enc_relief_level(const enc_relief_store *store, int width, int height, int level,
-                            uint8_t **out_codes, enc_warp *out_warp);
 
 #endif
