@@ -164,17 +164,18 @@ static btf_result apply_nodes(const enc_context *context, job_state *s) {
 }
 
 /* Options, and what was chosen where they leave it open. */
-static btf_result note_provenance(const enc_context *context, const enc_job *job, job_state *s, const enc_report *report) {
+static btf_result note_provenance(const enc_context *context, const enc_job *job, job_state *s,
+                                  const enc_report *report) {
     char kappa[ENC_FIT_TEXT] = "", between[ENC_RELIEF_TEXT] = "";
     const bool fitted = report->fit && job->fit == ENC_FIT_BETWEEN;
-    if (report->fit) {
+    if (fitted) {
         enc_fit_text(&s->fit, kappa);
         enc_log(context, BTF_LOG_INFO, "fit of nodes: kappa %s", kappa);
     }
     if (report->relief) {
         enc_relief_text(&s->relief, between);
     }
-    if (asprintf(&s->provenance, "%s%s%s%s%s", s->options, fitted ? " fit-kappa=" : "", fitted ? kappa : "",
+    if (asprintf(&s->provenance, "%s%s%s%s%s", s->options, fitted ? " fit-kappa=" : "", kappa,
                  report->relief ? " " : "", between) < 0) {
         s->provenance = NULL;
         return enc_fail(context, BTF_ERROR_MEMORY, "out of memory");

@@ -1,8 +1,8 @@
-/* Where views see the points of a surface that is given as heights over the texels: the decoder's integer march
- * (FORMAT.md section 9, Relief), of any number of texels at a time.
+/* Where views see the points of a surface that is given as heights over the texels: the decoder's integer
+ * march (FORMAT.md section 9, Relief), of any number of texels at a time.
  *
- * Positions are pairs (u, v) in 1/256 of a texel, v upwards; heights are 1/256 of the width of a texel of level 0,
- * texels as everywhere row * width + column with row 0 at the top.
+ * Positions are pairs (u, v) in 1/256 of a texel, v upwards; heights are 1/256 of the width of a texel of
+ * level 0, texels as everywhere row * width + column with row 0 at the top.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -14,8 +14,8 @@
 enum {
     ENC_WARP_ONE = 256,     /* a texel, as positions and heights count */
     ENC_WARP_WEIGHT = 4096, /* the weight of one view, and the full slope of one texel of height a texel */
-    ENC_WARP_FARTHEST = 4096, /* texels that a march may leave the image by, on each side: 128 texels of height at
-                                the greatest slope, and back along another view */
+    ENC_WARP_FARTHEST = 4096, /* texels that a march may leave the image by, on each side: 128 texels of
+                                height at the greatest slope, and back along another view */
 };
 
 /* A surface. Zeros are a flat one at height 0. */
@@ -30,7 +30,8 @@ typedef struct enc_warp {
 
 /* A surface of one height. Errors, not logged: BTF_ERROR_MEMORY. */
 btf_result enc_warp_create(int width, int height, int level, int32_t base, enc_warp *out_warp);
-/* Gives it a height each texel, of codes: base + ((code * step) >> 8). Errors, not logged: BTF_ERROR_MEMORY. */
+/* Gives it a height each texel, of codes: base + ((code * step) >> 8). Errors, not logged:
+ * BTF_ERROR_MEMORY. */
 btf_result enc_warp_set_codes(enc_warp *warp, int32_t base, int32_t step, int steps, const uint8_t *codes);
 void enc_warp_clear(enc_warp *warp);
 
@@ -54,8 +55,8 @@ static inline int32_t enc_warp_march(const enc_warp *w, int32_t u, int32_t v, co
     const int32_t step = (w->top - w->base + w->steps - 1) / w->steps;
     int32_t z = w->top;
     for (int n = 0; n <= w->steps; n++, z -= step) {
-        const int32_t t =
-            w->heights[enc_warp_texel(w, u + enc_warp_move(w, z, slope[0]), v + enc_warp_move(w, z, slope[1]))];
+        const int32_t t = w->heights[enc_warp_texel(w, u + enc_warp_move(w, z, slope[0]),
+                                                    v + enc_warp_move(w, z, slope[1]))];
         if (t >= z) {
             return n == 0 ? z : t < z + step ? t : z + (step >> 1);
         }
@@ -63,7 +64,8 @@ static inline int32_t enc_warp_march(const enc_warp *w, int32_t u, int32_t v, co
     return w->base;
 }
 
-/* How much a point `above` our own, at the place where a view should show it, leaves of that view: of 4096. */
+/* How much a point `above` our own, at the place where a view should show it, leaves of that view: of 4096.
+ */
 static inline int32_t enc_warp_visible(const enc_warp *w, int32_t above) {
     const int32_t o = 6144 - 8 * (above >> w->level);
     return o < 1229 ? 1229 : o > 4096 ? 4096 : o;
@@ -85,7 +87,8 @@ static inline void enc_warp_around(const enc_warp *w, int32_t u, int32_t v, enc_
     const int32_t fu = enc_warp_steep((u - 128) & 255), fv = enc_warp_steep((v - 128) & 255);
     for (int i = 0; i < 4; i++) {
         const int x = i & 1, y = i >> 1;
-        out->texel[i] = (size_t)(w->row[cv + y + ENC_WARP_FARTHEST] + w->column[cu + x + ENC_WARP_FARTHEST]);
+        out->texel[i] =
+            (size_t)(w->row[cv + y + ENC_WARP_FARTHEST] + w->column[cu + x + ENC_WARP_FARTHEST]);
         out->weight[i] = (float)((x ? fu : 256 - fu) * (y ? fv : 256 - fv)) * 0x1p-16f;
     }
 }

@@ -19,7 +19,8 @@ enum {
     LEAST_STEPS = 8,
 };
 
-/* Of a texel of difference between two texels side by side, against the error of one texel of a flat surface. */
+/* Of a texel of difference between two texels side by side, against the error of one texel of a flat
+ * surface. */
 static const double variation = 0.02;
 static const int32_t variation_most = 4 * ENC_WARP_ONE;
 
@@ -62,7 +63,8 @@ ENC_CLONES static float square_of(const float a[K], const float b[K]) {
     return sum;
 }
 
-/* Squared error of view number i at a texel of its image, with another height of one texel of the surface. */
+/* Squared error of view number i at a texel of its image, with another height of one texel of the surface.
+ */
 static float error_at(const descent *d, int i, size_t pixel, size_t changed, int32_t height) {
     const enc_seen_view *s = &d->seen->of[i];
     enc_seen_point point;
@@ -73,19 +75,21 @@ static float error_at(const descent *d, int i, size_t pixel, size_t changed, int
     enc_seen_find(d->warp, s, at, changed, height, &point);
     for (int a = 0; a < s->count; a++) {
         enc_warp_around(d->warp, point.at[a][0], point.at[a][1], &fetch);
-        add_fetch(enc_relief_numbers(d->images, s->near[a], 0), &fetch, (float)point.weight[a] * 0x1p-12f, got);
+        add_fetch(enc_relief_numbers(d->images, s->near[a], 0), &fetch, (float)point.weight[a] * 0x1p-12f,
+                  got);
     }
     return square_of(got, enc_relief_numbers(d->images, s->view, pixel));
 }
 
-/* The texels of a view's image whose rays pass over a texel of the surface between two heights. Calls for each once
- * or, where the way is short, twice. */
+/* The texels of a view's image whose rays pass over a texel of the surface between two heights. Calls for
+ * each once or, where the way is short, twice. */
 typedef struct rays {
     int count;
     size_t pixel[4 * 256];
 } rays;
 
-static void find_rays(const enc_warp *w, const enc_seen_view *s, size_t texel, int32_t low, int32_t high, rays *out) {
+static void find_rays(const enc_warp *w, const enc_seen_view *s, size_t texel, int32_t low, int32_t high,
+                      rays *out) {
     int32_t at[2];
     enc_warp_middle(w, texel, at);
     const int32_t across = abs(enc_warp_move(w, high - low, s->slope[0]));
@@ -129,13 +133,15 @@ static double variation_of(const enc_warp *w, const size_t around[4], int32_t he
 /* What another height of a texel adds to the squared errors. */
 static double added_error(const descent *d, size_t texel, int32_t height, rays *r) {
     const int32_t before = d->warp->heights[texel], step = march_step(d->warp);
-    const int32_t low = (before < height ? before : height) - step, high = (before < height ? height : before) + step;
+    const int32_t low = (before < height ? before : height) - step,
+                  high = (before < height ? height : before) + step;
     double sum = 0;
     for (int i = 0; i < d->seen->count; i++) {
         find_rays(d->warp, &d->seen->of[i], texel, low, high, r);
         for (int k = 0; k < r->count; k++) {
             const size_t pixel = r->pixel[k];
-            sum += (double)error_at(d, i, pixel, texel, height) - (double)d->error[(size_t)i * d->texels + pixel];
+            sum += (double)error_at(d, i, pixel, texel, height) -
+                   (double)d->error[(size_t)i * d->texels + pixel];
         }
     }
     return sum;
@@ -201,7 +207,8 @@ static size_t list_phase(const descent *d, int phase) {
     return count;
 }
 
-/* Heights that were found together are set together; errors on the rays of those that changed are taken anew. */
+/* Heights that were found together are set together; errors on the rays of those that changed are taken
+ * anew. */
 static void commit(descent *d, size_t count, rays *work) {
     const int32_t step = march_step(d->warp);
     for (size_t i = 0; i < count; i++) {
@@ -217,7 +224,8 @@ static void commit(descent *d, size_t count, rays *work) {
                 const int32_t high = c->before < c->after ? c->after : c->before;
                 find_rays(d->warp, &d->seen->of[i], c->texel, low - step, high + step, r);
                 for (int p = 0; p < r->count; p++) {
-                    d->error[(size_t)i * d->texels + r->pixel[p]] = error_at(d, i, r->pixel[p], SIZE_MAX, 0);
+                    d->error[(size_t)i * d->texels + r->pixel[p]] =
+                        error_at(d, i, r->pixel[p], SIZE_MAX, 0);
                 }
             }
         }
@@ -274,8 +282,8 @@ static btf_result descend(descent *d, int sweeps, rays *work, double *out_share)
     return enc_cancelled(d->context) ? BTF_ERROR_INTERRUPTED : BTF_OK;
 }
 
-btf_result enc_relief_descend(const enc_context *context, const enc_relief_images *images, const enc_seen *seen,
-                              int sweeps, enc_warp *io_warp, double *out_share) {
+btf_result enc_relief_descend(const enc_context *context, const enc_relief_images *images,
+                              const enc_seen *seen, int sweeps, enc_warp *io_warp, double *out_share) {
     descent d = {.context = context,
                  .images = images,
                  .seen = seen,

@@ -32,12 +32,13 @@ typedef struct gloss_job {
     const enc_seen *seen;
     const enc_warp *warp, *plane;
     const uint8_t *relief_views;
-    int views, view[DRAWN_VIEWS];     /* drawn of those left out */
-    int lights, light[DRAWN_LIGHTS];  /* drawn of those left out */
-    near_lights *near;                /* [view][neighbour][light][share] */
+    int views, view[DRAWN_VIEWS];    /* drawn of those left out */
+    int lights, light[DRAWN_LIGHTS]; /* drawn of those left out */
+    near_lights *near;               /* [view][neighbour][light][share] */
 } gloss_job;
 
-void enc_gloss_light(const float near[3], const float view[3], const float light[3], float share, float out[3]) {
+void enc_gloss_light(const float near[3], const float view[3], const float light[3], float share,
+                     float out[3]) {
     float d[3], h[3], hh = 0, hd = 0, square = 0;
     for (int i = 0; i < 3; i++) {
         d[i] = near[i] - view[i];
@@ -113,8 +114,8 @@ static float clipped(float x) {
     return x > 0 ? x < 1 ? x : 1.0f : 0.0f;
 }
 
-static void judge_light(const gloss_job *g, int v, int l, const enc_seen_point *point, const float *profiles,
-                        const float *truth, enc_judged_error sums[SHARES]) {
+static void judge_light(const gloss_job *g, int v, int l, const enc_seen_point *point,
+                        const float *profiles, const float *truth, enc_judged_error sums[SHARES]) {
     const enc_seen_view *s = &g->seen->of[g->view[v]];
     const size_t lights = (size_t)g->data->n_lights;
     for (int q = 0; q < SHARES; q++) {
@@ -129,7 +130,8 @@ static void judge_light(const gloss_job *g, int v, int l, const enc_seen_point *
             }
             const float original = truth[c * lights + (size_t)g->light[l]];
             const float got = clipped(root * root), right = clipped(original * original);
-            const double linear = (double)(got - right), srgb = (double)(enc_srgb_encode(got) - enc_srgb_encode(right));
+            const double linear = (double)(got - right),
+                         srgb = (double)(enc_srgb_encode(got) - enc_srgb_encode(right));
             sums[q].linear += linear * linear;
             sums[q].srgb += srgb * srgb;
         }
@@ -137,7 +139,8 @@ static void judge_light(const gloss_job *g, int v, int l, const enc_seen_point *
 }
 
 /* All lights at one texel of a view, read at whole texels. */
-static btf_result judge_texel(const gloss_job *g, int v, size_t texel, float *work, enc_judged_error sums[SHARES]) {
+static btf_result judge_texel(const gloss_job *g, int v, size_t texel, float *work,
+                              enc_judged_error sums[SHARES]) {
     const enc_seen_view *s = &g->seen->of[g->view[v]];
     const bool moved = g->relief_views && g->relief_views[s->view];
     const enc_warp *w = moved ? g->warp : g->plane;
@@ -163,9 +166,10 @@ static btf_result judge_view(const gloss_job *g, int v, enc_judged_error sums[SH
     float *work = malloc((enc_data_texel_stride(g->data) + 12 * (size_t)g->data->n_lights) * sizeof *work);
     btf_result result = work ? BTF_OK : BTF_ERROR_MEMORY;
     for (size_t t = 0; t < count && result == BTF_OK; t++) { /* other texels of each view */
-        result = enc_cancelled(g->context)
-                     ? BTF_ERROR_INTERRUPTED
-                     : judge_texel(g, v, ((2 * t + 1) * all / (2 * count) + 37 * (size_t)v) % all, work, sums);
+        result =
+            enc_cancelled(g->context)
+                ? BTF_ERROR_INTERRUPTED
+                : judge_texel(g, v, ((2 * t + 1) * all / (2 * count) + 37 * (size_t)v) % all, work, sums);
     }
     free(work);
     return result;
@@ -182,7 +186,8 @@ static void decide(enc_gloss_choice *c) {
     }
     double shift = 0;
     if (best > 0 && best + 1 < SHARES) {
-        const double a = score(c, best - 1), b = score(c, best), d = score(c, best + 1), bend = 2 * b - a - d;
+        const double a = score(c, best - 1), b = score(c, best), d = score(c, best + 1),
+                     bend = 2 * b - a - d;
         shift = bend > 0 ? 0.5 * (d - a) / bend : 0;
     }
     c->best = ((double)best + shift) / (SHARES - 1);
@@ -225,8 +230,8 @@ static btf_result judge(gloss_job *g, enc_gloss_choice *choice) {
 /* Views and lights that are left out, spread over those that can be. */
 static btf_result draw(gloss_job *g) {
     enc_left_out *left = malloc(sizeof *left);
-    const btf_result result = left ? enc_left_out_make(g->context, g->data->lights, g->data->n_lights, left)
-                                   : BTF_ERROR_MEMORY;
+    const btf_result result =
+        left ? enc_left_out_make(g->context, g->data->lights, g->data->n_lights, left) : BTF_ERROR_MEMORY;
     if (result == BTF_OK) {
         g->lights = left->count < DRAWN_LIGHTS ? left->count : DRAWN_LIGHTS;
         g->views = g->seen->count < DRAWN_VIEWS ? g->seen->count : DRAWN_VIEWS;

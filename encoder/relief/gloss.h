@@ -1,4 +1,5 @@
-/* The share of the half vector that each neighbouring view's lights keep, chosen by views and lights left out.
+/* The share of the half vector that each neighbouring view's lights keep, chosen by views and lights left
+ * out.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -12,19 +13,21 @@ enum { ENC_GLOSS_SHARES = 5 }; /* 0, 1/4, ... 1 */
 typedef struct enc_gloss_choice {
     bool judged;
     enc_judged_error error[ENC_GLOSS_SHARES];
-    double best; /* share, between the five by a parabola */
-    int quarters; /* chosen: half of the best, since the gap is twice that of use, to the nearest quarter; 0 where that
-                     gains less than ENC_GLOSS_MARGIN */
+    double best;  /* share, between the five by a parabola */
+    int quarters; /* chosen: half of the best, since the gap is twice that of use, to the nearest quarter; 0
+                     where that gains less than ENC_GLOSS_MARGIN */
 } enc_gloss_choice;
 
 #define ENC_GLOSS_MARGIN 0.2 /* dB, mean of linear and sRGB-coded, at the chosen share */
 
 /* The direction around which neighbour `near` of a view looks up lights (FORMAT.md section 9, Gloss). */
-void enc_gloss_light(const float near[3], const float view[3], const float light[3], float share, float out[3]);
+void enc_gloss_light(const float near[3], const float view[3], const float light[3], float share,
+                     float out[3]);
 
-/* Judges the shares with a surface, seen with the bits of `relief_views` (NULL: with none). Errors: those of the data
- * and of enc_left_out_make, BTF_ERROR_MEMORY. */
+/* Judges the shares with a surface, seen with the bits of `relief_views` (NULL: with none). Errors: those
+ * of the data and of enc_left_out_make, BTF_ERROR_MEMORY. */
 btf_result enc_gloss_choose(const enc_context *context, const enc_data *data, const enc_seen *seen,
-                            const enc_warp *warp, const uint8_t *relief_views, enc_gloss_choice *out_choice);
+                            const enc_warp *warp, const uint8_t *relief_views,
+                            enc_gloss_choice *out_choice);
 
 #endif

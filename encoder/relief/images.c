@@ -54,7 +54,8 @@ static void to_kind(size_t stride, const maker *m, const float *roots, float *ou
 }
 
 /* Roots of evenly drawn texels: rows of lights and channels, columns of texels and views. */
-static btf_result draw_profiles(const enc_context *context, const enc_data *data, size_t texels, float *rows) {
+static btf_result draw_profiles(const enc_context *context, const enc_data *data, size_t texels,
+                                float *rows) {
     const size_t stride = enc_data_texel_stride(data), all = enc_data_texel_count(data);
     const size_t n = 3 * (size_t)data->n_lights, views = (size_t)data->n_views, columns = texels * views;
     btf_result result = BTF_OK;
@@ -102,16 +103,17 @@ static void standardise(size_t count, float *values, bool scaled, float *out_mea
 }
 
 /* The leading components of what was drawn, zeros beyond n; the rows are spoilt. */
-static btf_result make(const enc_context *context, const enc_data *data, enc_relief_kind kind, size_t texels,
-                       float *rows, double *gram, maker *out) {
+static btf_result make(const enc_context *context, const enc_data *data, enc_relief_kind kind,
+                       size_t texels, float *rows, double *gram, maker *out) {
     const size_t n = 3 * (size_t)data->n_lights, views = (size_t)data->n_views, count = texels * views;
     for (size_t i = 0; i < n; i++) {
         for (size_t v = 0; v < views; v++) {
             float *row = rows + i * count, *values = kind == ENC_RELIEF_STANDARD ? row + v * texels : row;
             float *mean = &out->mean[v * n + i], *scale = &out->scale[v * n + i];
-            if (kind == ENC_RELIEF_STANDARD || v == 0) { /* one mean of all views leaves their differences */
-                standardise(kind == ENC_RELIEF_STANDARD ? texels : count, values, kind == ENC_RELIEF_STANDARD, mean,
-                            scale);
+            if (kind == ENC_RELIEF_STANDARD ||
+                v == 0) { /* one mean of all views leaves their differences */
+                standardise(kind == ENC_RELIEF_STANDARD ? texels : count, values,
+                            kind == ENC_RELIEF_STANDARD, mean, scale);
             } else {
                 *mean = out->mean[i];
                 *scale = out->scale[i];
@@ -130,9 +132,12 @@ static btf_result make(const enc_context *context, const enc_data *data, enc_rel
     return BTF_OK;
 }
 
-static btf_result make_all(const enc_context *context, const enc_data *data, maker makers[ENC_RELIEF_KINDS]) {
-    const size_t n = 3 * (size_t)data->n_lights, views = (size_t)data->n_views, all = enc_data_texel_count(data);
-    const size_t wanted = DRAWN_PROFILES / views + 1, texels = wanted < all ? wanted : all, count = texels * views;
+static btf_result make_all(const enc_context *context, const enc_data *data,
+                           maker makers[ENC_RELIEF_KINDS]) {
+    const size_t n = 3 * (size_t)data->n_lights, views = (size_t)data->n_views,
+                 all = enc_data_texel_count(data);
+    const size_t wanted = DRAWN_PROFILES / views + 1, texels = wanted < all ? wanted : all,
+                 count = texels * views;
     float *rows = malloc(n * count * sizeof *rows);
     double *gram = malloc((n + 1) * n * sizeof *gram);
     btf_result result = rows && gram ? draw_profiles(context, data, texels, rows) : BTF_ERROR_MEMORY;
@@ -157,8 +162,8 @@ static btf_result allocate(int width, int height, int n_views, enc_relief_images
 }
 
 /* The mean of the texels of the data that texel `t` covers, side x side of them. */
-static btf_result fill_texel(const enc_context *context, const enc_data *data, int side, const maker *makers, size_t t,
-                             float *work, const enc_relief_images *out) {
+static btf_result fill_texel(const enc_context *context, const enc_data *data, int side,
+                             const maker *makers, size_t t, float *work, const enc_relief_images *out) {
     const size_t stride = enc_data_texel_stride(data), n = 3 * (size_t)data->n_lights;
     const size_t views = (size_t)data->n_views, width = (size_t)out->width, size = (size_t)side;
     const size_t texels = width * (size_t)out->height;
@@ -202,9 +207,10 @@ static btf_result fill(const enc_context *context, const enc_data *data, int sid
         float *work = malloc(each * sizeof *work);
 #pragma omp for schedule(dynamic, 8)
         for (size_t t = 0; t < texels; t++) {
-            const btf_result mine = !work                    ? BTF_ERROR_MEMORY
-                                    : enc_cancelled(context) ? BTF_ERROR_INTERRUPTED
-                                                             : fill_texel(context, data, side, makers, t, work, out);
+            const btf_result mine = !work ? BTF_ERROR_MEMORY
+                                    : enc_cancelled(context)
+                                        ? BTF_ERROR_INTERRUPTED
+                                        : fill_texel(context, data, side, makers, t, work, out);
             if (mine != BTF_OK) {
 #pragma omp atomic write
                 result = mine;
@@ -221,7 +227,8 @@ btf_result enc_relief_images_create(const enc_context *context, const enc_data *
     maker makers[ENC_RELIEF_KINDS];
     btf_result result = BTF_OK;
     for (int kind = 0; kind < ENC_RELIEF_KINDS; kind++) {
-        const btf_result mine = allocate(data->width >> shift, data->height >> shift, data->n_views, &out[kind]);
+        const btf_result mine =
+            allocate(data->width >> shift, data->height >> shift, data->n_views, &out[kind]);
         result = mine == BTF_OK ? result : mine;
         makers[kind] = (maker){.basis = malloc(n * K * sizeof(float)),
                                .mean = malloc(views * n * sizeof(float)),
@@ -246,7 +253,8 @@ btf_result enc_relief_images_halve(const enc_relief_images *from, enc_relief_ima
     const size_t width = (size_t)out->width, height = (size_t)out->height;
     for (size_t v = 0; v < (size_t)from->n_views && result == BTF_OK; v++) {
         for (size_t t = 0; t < width * height; t++) {
-            const float *a = from->of + (v * all + 2 * (t / width) * wide + 2 * (t % width)) * K, *b = a + wide * K;
+            const float *a = from->of + (v * all + 2 * (t / width) * wide + 2 * (t % width)) * K,
+                        *b = a + wide * K;
             float *to = out->of + (v * width * height + t) * K;
             for (size_t k = 0; k < K; k++) {
                 to[k] = ((a[k] + a[K + k]) + (b[k] + b[K + k])) * 0.25f;

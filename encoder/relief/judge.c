@@ -28,7 +28,8 @@ uint64_t enc_judged_bytes(int width, int height, int n_views) {
 }
 
 static void keep_texel(const enc_data *data, const float *samples, size_t texel, const enc_judged *j) {
-    const size_t texels = enc_data_texel_count(data), all = (size_t)data->n_lights, lights = (size_t)j->lights;
+    const size_t texels = enc_data_texel_count(data), all = (size_t)data->n_lights,
+                 lights = (size_t)j->lights;
     for (size_t v = 0; v < (size_t)j->n_views; v++) {
         for (size_t i = 0; i < lights; i++) {
             for (size_t c = 0; c < 3; c++) {
@@ -57,9 +58,10 @@ btf_result enc_judged_create(const enc_context *context, const enc_data *data, e
 #pragma omp for schedule(dynamic, 8)
         for (size_t t = 0; t < texels; t++) {
             const float *samples;
-            const btf_result mine = !buffer                  ? BTF_ERROR_MEMORY
-                                    : enc_cancelled(context) ? BTF_ERROR_INTERRUPTED
-                                                             : enc_data_texels(context, data, t, 1, buffer, &samples);
+            const btf_result mine = !buffer ? BTF_ERROR_MEMORY
+                                    : enc_cancelled(context)
+                                        ? BTF_ERROR_INTERRUPTED
+                                        : enc_data_texels(context, data, t, 1, buffer, &samples);
             if (mine == BTF_OK) {
                 keep_texel(data, samples, t, out);
             } else {
@@ -92,18 +94,15 @@ static void judge_texel(const enc_judged *j, const enc_seen_view *s, const enc_w
     const size_t n = 3 * (size_t)j->lights, texels = (size_t)j->width * (size_t)j->height;
     float got[3 * MOST_LIGHTS] = {0};
     enc_seen_point point;
-    enc_warp_fetch fetch;
     int32_t at[2];
     enc_warp_middle(w, texel, at);
     enc_seen_find(w, s, at, SIZE_MAX, 0, &point);
     for (int a = 0; a < s->count; a++) {
-        enc_warp_around(w, point.at[a][0], point.at[a][1], &fetch);
-        for (int c = 0; c < 4; c++) {
-            const float weight = (float)point.weight[a] * fetch.weight[c] * (0x1p-12f / 255);
-            const uint8_t *from = j->roots + ((size_t)s->near[a] * texels + fetch.texel[c]) * n;
-            for (size_t i = 0; i < n && weight > 0; i++) {
-                got[i] += weight * (float)from[i];
-            }
+        const size_t there = enc_warp_texel(w, point.at[a][0], point.at[a][1]);
+        const float weight = (float)point.weight[a] * (0x1p-12f / 255);
+        const uint8_t *from = j->roots + ((size_t)s->near[a] * texels + there) * n;
+        for (size_t i = 0; i < n; i++) {
+            got[i] += weight * (float)from[i];
         }
     }
     const uint8_t *truth = j->roots + ((size_t)s->view * texels + texel) * n;
@@ -115,9 +114,10 @@ static void judge_texel(const enc_judged *j, const enc_seen_view *s, const enc_w
     }
 }
 
-void enc_judge_surface(const enc_context *context, const enc_judged *j, const enc_seen *seen, const enc_warp *w,
-                       enc_judged_error *out) {
-    const size_t texels = (size_t)j->width * (size_t)j->height, drawn = texels < DRAWN_TEXELS ? texels : DRAWN_TEXELS;
+void enc_judge_surface(const enc_context *context, const enc_judged *j, const enc_seen *seen,
+                       const enc_warp *w, enc_judged_error *out) {
+    const size_t texels = (size_t)j->width * (size_t)j->height,
+                 drawn = texels < DRAWN_TEXELS ? texels : DRAWN_TEXELS;
     const double count = (double)drawn * 3 * j->lights;
 #pragma omp parallel for schedule(dynamic) num_threads(context->threads)
     for (int i = 0; i < seen->count; i++) {

@@ -16,8 +16,8 @@ typedef struct enc_judged {
 /* Bytes that they take at most. */
 uint64_t enc_judged_bytes(int width, int height, int n_views);
 
-/* Reads every sample once. Stage steps: the data's texels. Errors: those of the data, BTF_ERROR_MEMORY (not logged),
- * BTF_ERROR_INTERRUPTED. */
+/* Reads every sample once. Stage steps: the data's texels. Errors: those of the data, BTF_ERROR_MEMORY (not
+ * logged), BTF_ERROR_INTERRUPTED. */
 btf_result enc_judged_create(const enc_context *context, const enc_data *data, enc_judged *out_judged);
 void enc_judged_clear(enc_judged *judged);
 
@@ -29,8 +29,8 @@ typedef struct enc_judged_error {
 /* dB, mean of linear and sRGB-coded, that b gains over a. */
 double enc_judged_gain(enc_judged_error a, enc_judged_error b);
 
-/* The error of each view left out, out [seen->count], at drawn texels, by steep fetches and blended roots. The same
- * bits for any number of threads. */
+/* The error of each view left out, out [seen->count], at drawn texels, by fetches of whole texels, which
+ * gain less than filtered ones, and blended roots. The same bits for any number of threads. */
 void enc_judge_surface(const enc_context *context, const enc_judged *judged, const enc_seen *seen,
                        const enc_warp *warp, enc_judged_error *out);
 

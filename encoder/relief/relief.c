@@ -7,7 +7,6 @@
 #include "descend.h"
 #include "encoder/base/ranks.h"
 #include "encoder/base/stage.h"
-#include "encoder/math/area.h"
 #include "sweep.h"
 
 #include <math.h>
@@ -46,7 +45,8 @@ static int reach_of(int width, int height) {
 
 uint64_t enc_relief_memory(int width, int height, int n_views, int n_lights) {
     const int shift = shift_of(width, height), wide = width >> shift, high = height >> shift;
-    const uint64_t texels = (uint64_t)wide * (uint64_t)high, heights = 8 * (uint64_t)reach_of(wide, high) + 1;
+    const uint64_t texels = (uint64_t)wide * (uint64_t)high,
+                   heights = 8 * (uint64_t)reach_of(wide, high) + 1;
     const uint64_t lights = 3 * (uint64_t)n_lights;
     const uint64_t drawn = lights * (20000 + (uint64_t)n_views) * 4 + lights * lights * 8;
     const uint64_t images = 2 * enc_relief_images_bytes(wide, high, n_views);
@@ -76,8 +76,6 @@ typedef struct relief_job {
     enc_judged_error *error[ENC_RELIEF_CANDIDATES]; /* [view left out] */
 } relief_job;
 
-/* Heights ---------------------------------------------------------------------------------------------------- */
-
 /* From the smaller images to the texels that each covers. */
 static void enlarge(const enc_warp *found, int shift, const enc_data *data, float *out) {
     for (int row = 0; row < data->height; row++) {
@@ -89,12 +87,13 @@ static void enlarge(const enc_warp *found, int shift, const enc_data *data, floa
     }
 }
 
-static btf_result descend(const relief_job *j, const enc_relief_images images[ENC_RELIEF_KINDS], enc_warp *w,
-                          float *first, double *out_share) {
+static btf_result descend(const relief_job *j, const enc_relief_images images[ENC_RELIEF_KINDS],
+                          enc_warp *w, float *first, double *out_share) {
     const size_t texels = (size_t)w->width * (size_t)w->height;
     enc_seen *some = malloc(sizeof *some);
-    btf_result result = some ? enc_seen_make(j->context, j->data->views, j->data->n_views, least_theta, most_theta, some)
-                             : BTF_ERROR_MEMORY;
+    btf_result result =
+        some ? enc_seen_make(j->context, j->data->views, j->data->n_views, least_theta, most_theta, some)
+             : BTF_ERROR_MEMORY;
     for (size_t t = 0; t < texels; t++) {
         w->heights[t] = (int32_t)lrintf(first[t] * ENC_WARP_ONE);
     }
@@ -168,7 +167,9 @@ static uint32_t steps_for(const relief_job *j, int32_t range, const uint8_t *vie
         }
     }
     const int steps = (int)ceil(range * steepest / ENC_WARP_ONE / texels_a_step);
-    return steps < LEAST_STEPS ? LEAST_STEPS : steps > BTF_MAX_RELIEF_STEPS ? BTF_MAX_RELIEF_STEPS : (uint32_t)steps;
+    return steps < LEAST_STEPS            ? LEAST_STEPS
+           : steps > BTF_MAX_RELIEF_STEPS ? BTF_MAX_RELIEF_STEPS
+                                          : (uint32_t)steps;
 }
 
 /* The surface of a candidate as files have it. */
@@ -197,13 +198,12 @@ static btf_result make_store(const relief_job *j, const enc_relief_candidate *c,
     out->step = out->base + ((CODES * out->step) >> 8) > 32767 ? out->step - 1 : out->step;
     out->steps = steps_for(j, (CODES * out->step) >> 8, views);
     for (size_t t = 0; t < texels; t++) {
-        const int32_t z = bounded(c->scale * (double)j->height[t]), code = ((z - low) * 256 + out->step / 2) / out->step;
+        const int32_t z = bounded(c->scale * (double)j->height[t]),
+                      code = ((z - low) * 256 + out->step / 2) / out->step;
         out->heights[t] = (uint8_t)(code < CODES ? code : CODES);
     }
     return BTF_OK;
 }
-
-/* Choice ----------------------------------------------------------------------------------------------------- */
 
 /* Rings of views: as far apart as half a degree, or bands of the hemisphere where there are too many. */
 static int find_rings(relief_job *j) {
@@ -218,6 +218,22 @@ static int find_rings(relief_job *j) {
         j->ring_of[v] = band < ENC_RELIEF_RINGS ? band : ENC_RELIEF_RINGS - 1;
     }
     return rings > ENC_RELIEF_RINGS ? ENC_RELIEF_RINGS : rings;
+}
+
+/* A ring that gains alone is chance, and would be left at each of its seams. The last one stays only beside
+ * one that stays: nothing lies beyond it, which makes it gain most of all when it is left out. */
+static void drop_lone_rings(int n_rings, enc_relief_ring rings[ENC_RELIEF_RINGS]) {
+    bool alone[ENC_RELIEF_RINGS];
+    for (int k = 0; k < n_rings; k++) {
+        const bool inner = k > 0 && rings[k - 1].on, outer = k + 1 < n_rings && rings[k + 1].on;
+        alone[k] = n_rings > 2 && !inner && !outer;
+    }
+    for (int k = 0; k < n_rings; k++) {
+        rings[k].on = rings[k].on && !alone[k];
+    }
+    if (n_rings > 2) {
+        rings[n_rings - 1].on = rings[n_rings - 1].on && rings[n_rings - 2].on;
+    }
 }
 
 /* What a candidate gains, ring by ring and over all. */
@@ -241,6 +257,10 @@ static void weigh(const relief_job *j, int number, int n_rings, enc_relief_ring 
         enc_relief_ring *r = &rings[k];
         r->gain = r->views > 0 ? enc_judged_gain(r->plain, r->moved) : 0;
         r->on = number > 0 && r->gain > ENC_RELIEF_MARGIN;
+    }
+    drop_lone_rings(n_rings, rings);
+    for (int k = 0; k < n_rings; k++) {
+        enc_relief_ring *r = &rings[k];
         c->rings += r->on;
         plain.linear += r->plain.linear;
         plain.srgb += r->plain.srgb;
@@ -262,7 +282,8 @@ static btf_result judge_candidate(relief_job *j, int number, enc_relief_choice *
     btf_result result = enc_cancelled(j->context) ? BTF_ERROR_INTERRUPTED : make_store(j, c, NULL, &store);
     j->error[number] = malloc((size_t)(j->seen->count + 1) * sizeof *j->error[number]);
     result = result == BTF_OK && !j->error[number] ? BTF_ERROR_MEMORY : result;
-    result = result == BTF_OK ? enc_relief_level(&store, j->data->width, j->data->height, 0, NULL, &w) : result;
+    result =
+        result == BTF_OK ? enc_relief_level(&store, j->data->width, j->data->height, 0, NULL, &w) : result;
     if (result == BTF_OK) {
         enc_judge_surface(j->context, &j->judged, j->seen, &w, j->error[number]);
         weigh(j, number, choice->n_rings, choice->ring, c);
@@ -346,18 +367,19 @@ static btf_result choose_relief(relief_job *j, enc_relief_choice *choice, enc_re
 static const char *obstacle(const relief_job *j, const enc_relief_options *options) {
     const enc_data *d = j->data;
     const uint64_t held = 4 * (uint64_t)enc_data_texel_count(d) * enc_data_texel_stride(d);
-    return !options->relief                  ? "not asked for"
-           : j->seen->count == 0             ? "no view can be left out"
-           : d->width < 8 || d->height < 8   ? "fewer than 8 texels a side"
-           : !d->samples                     ? "the samples do not fit the memory allowed"
-           : j->context->memory > 0 && held + enc_relief_memory(d->width, d->height, d->n_views, d->n_lights) >
-                                           j->context->memory
+    return !options->relief                ? "not asked for"
+           : j->seen->count == 0           ? "no view can be left out"
+           : d->width < 8 || d->height < 8 ? "fewer than 8 texels a side"
+           : !d->samples                   ? "the samples do not fit the memory allowed"
+           : j->context->memory > 0 &&
+                   held + enc_relief_memory(d->width, d->height, d->n_views, d->n_lights) >
+                       j->context->memory
                ? "it does not fit the memory allowed beside the samples"
                : NULL;
 }
 
-static btf_result choose_gloss(const relief_job *j, const enc_relief_options *options, enc_relief_choice *choice,
-                               enc_relief_store *out) {
+static btf_result choose_gloss(const relief_job *j, const enc_relief_options *options,
+                               enc_relief_choice *choice, enc_relief_store *out) {
     enc_warp w = {0};
     btf_result result = BTF_OK;
     choice->gloss.quarters = options->gloss;
@@ -373,15 +395,18 @@ static btf_result choose_gloss(const relief_job *j, const enc_relief_options *op
     return result;
 }
 
-btf_result enc_relief_choose(const enc_context *context, const enc_data *data, const enc_relief_options *options,
-                             enc_relief_choice *out_choice, enc_relief_store *out_store) {
+btf_result enc_relief_choose(const enc_context *context, const enc_data *data,
+                             const enc_relief_options *options, enc_relief_choice *out_choice,
+                             enc_relief_store *out_store) {
     const size_t texels = enc_data_texel_count(data);
     relief_job j = {.context = context, .data = data, .seen = malloc(sizeof *j.seen)};
     *out_choice = (enc_relief_choice){.share = 1};
     *out_store = (enc_relief_store){0};
-    enc_stage_begin(context, "relief", (2 + ENC_RELIEF_CANDIDATES) * texels +
-                                           SWEEPS * (texels >> 2 * shift_of(data->width, data->height)));
-    btf_result result = j.seen ? enc_seen_make(context, data->views, data->n_views, 0, 90, j.seen) : BTF_ERROR_MEMORY;
+    enc_stage_begin(context, "relief",
+                    (2 + ENC_RELIEF_CANDIDATES) * texels +
+                        SWEEPS * (texels >> 2 * shift_of(data->width, data->height)));
+    btf_result result =
+        j.seen ? enc_seen_make(context, data->views, data->n_views, 0, 90, j.seen) : BTF_ERROR_MEMORY;
     if (result == BTF_OK) {
         out_choice->reason = obstacle(&j, options);
         result = out_choice->reason ? BTF_OK : choose_relief(&j, out_choice, out_store);
@@ -394,44 +419,4 @@ btf_result enc_relief_choose(const enc_context *context, const enc_data *data, c
         enc_relief_clear(out_store);
     }
     return result == BTF_ERROR_MEMORY ? enc_fail(context, result, "relief: out of memory") : result;
-}
-
-/* Levels ----------------------------------------------------------------------------------------------------- */
-
-/* The mean of what a texel of the level covers, rounded. */
-static uint8_t filtered(const enc_relief_store *s, int width, int height, int column, int row) {
-    int first[2], end[2];
-    int64_t sum = 0;
-    const int64_t whole = (int64_t)s->width * s->height;
-    enc_area_span(s->width, width, column, &first[0], &end[0]);
-    enc_area_span(s->height, height, row, &first[1], &end[1]);
-    for (int r = first[1]; r < end[1]; r++) {
-        const int64_t down = enc_area_overlap(s->height, height, row, r);
-        for (int c = first[0]; c < end[0]; c++) {
-            sum += down * enc_area_overlap(s->width, width, column, c) * s->heights[(size_t)r * (size_t)s->width + (size_t)c];
-        }
-    }
-    return (uint8_t)((2 * sum + whole) / (2 * whole));
-}
-
-btf_result enc_relief_level(const enc_relief_store *s, int width, int height, int level, uint8_t **out_codes,
-                            enc_warp *out_warp) {
-    uint8_t *codes = NULL;
-    btf_result result = enc_warp_create(width, height, level, s->base, out_warp);
-    if (s->heights && result == BTF_OK) {
-        codes = malloc((size_t)width * (size_t)height);
-        for (int t = 0; codes && t < width * height; t++) {
-            codes[t] = filtered(s, width, height, t % width, t / width);
-        }
-        result = codes ? enc_warp_set_codes(out_warp, s->base, s->step, (int)s->steps, codes) : BTF_ERROR_MEMORY;
-    }
-    if (result != BTF_OK) {
-        enc_warp_clear(out_warp);
-    }
-    if (out_codes && result == BTF_OK) {
-        *out_codes = codes;
-    } else {
-        free(codes);
-    }
-    return result;
 }

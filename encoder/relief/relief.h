@@ -1,45 +1,47 @@
-/* The effects that act between the sampled directions, chosen for a data set: a surface along which views are
- * shifted before they are blended, and the share of the half vector that their lights keep.
+/* The effects that act between the sampled directions, chosen for a data set: a surface along which views
+ * are shifted before they are blended, and the share of the half vector that their lights keep.
  *
- * Heights are found by a plane sweep and a descent on what the decoder gets wrong of views left out. Whether they
- * pay is judged ring by ring of views in true values, by views left out: neighbours there lie twice as far away as in
- * use, which flatters what moves, so that a ring must gain ENC_RELIEF_MARGIN. Where one height does as well, there is
- * no map. RELIEF.md has what was measured.
+ * Heights are found by a plane sweep and a descent on what the decoder gets wrong of views left out.
+ * Whether they pay is judged ring by ring of views in true values, by views left out: neighbours there lie
+ * twice as far away as in use, which flatters what moves, so that a ring must gain ENC_RELIEF_MARGIN beside
+ * another that does, and the outermost one, which has no neighbours beyond, follows the one before. Where
+ * one height does as well, there is no map. RELIEF.md has what was measured.
  *
  * SPDX-License-Identifier: MIT
  */
 #ifndef OPENBTF_ENCODER_RELIEF_RELIEF_H
 #define OPENBTF_ENCODER_RELIEF_RELIEF_H
 
-#include "encoder/model/solution.h"
 #include "gloss.h"
+#include "level.h"
 
 enum {
     ENC_RELIEF_RINGS = 16,
     ENC_RELIEF_CANDIDATES = 8, /* no relief; four scales of the heights; three single heights */
 };
 
-#define ENC_RELIEF_MARGIN 0.7 /* dB that a ring must gain by views left out, mean of linear and sRGB-coded */
+#define ENC_RELIEF_MARGIN                                                                                  \
+    0.7 /* dB that a ring must gain by views left out, mean of linear and sRGB-coded */
 #define ENC_RELIEF_SHARE 0.95 /* of a flat surface's squared error, which a map must come below */
 
 typedef struct enc_relief_options {
     bool relief;
-    int gloss;          /* 0, 1, 2: quarters; -1: chosen */
+    int gloss; /* 0, 1, 2: quarters; -1: chosen */
 } enc_relief_options;
 
 /* A surface that was judged. */
 typedef struct enc_relief_candidate {
-    double scale;  /* of the heights; of the median height where it is constant */
+    double scale; /* of the heights; of the median height where it is constant */
     bool constant, judged;
-    double gain;   /* dB over all views left out, with relief on the rings where it pays */
-    int rings;     /* how many these are */
+    double gain; /* dB over all views left out, with relief on the rings where it pays */
+    int rings;   /* how many these are */
 } enc_relief_candidate;
 
 typedef struct enc_relief_ring {
-    double theta; /* degrees, the mean of its views */
-    int views;    /* left out */
+    double theta;                  /* degrees, the mean of its views */
+    int views;                     /* left out */
     enc_judged_error plain, moved; /* by the surface chosen, or the best one where none is */
-    double gain;  /* dB */
+    double gain;                   /* dB */
     bool on;
 } enc_relief_ring;
 
@@ -55,27 +57,24 @@ typedef struct enc_relief_choice {
     enc_gloss_choice gloss;
 } enc_relief_choice;
 
-/* Chooses for `data`, whose samples must lie in memory for relief to be tried. What is chosen goes to *out_store,
- * which is empty otherwise. Stage "relief". Every rank does all of it; the same bits for any number of threads.
- * Memory beside the samples: enc_relief_memory. Errors, on the log: those of the data, BTF_ERROR_MEMORY,
- * BTF_ERROR_INTERRUPTED. */
-btf_result enc_relief_choose(const enc_context *context, const enc_data *data, const enc_relief_options *options,
-                             enc_relief_choice *out_choice, enc_relief_store *out_store);
+/* Chooses for `data`, whose samples must lie in memory for relief to be tried. What is chosen goes to
+ * *out_store, which is empty otherwise. Stage "relief". Every rank does all of it; the same bits for any
+ * number of threads. Memory beside the samples: enc_relief_memory. Errors, on the log: those of the data,
+ * BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
+btf_result enc_relief_choose(const enc_context *context, const enc_data *data,
+                             const enc_relief_options *options, enc_relief_choice *out_choice,
+                             enc_relief_store *out_store);
 
 /* What it does, for predictions. */
 typedef struct enc_relief_work {
-    double texels, heights, sweeps, judged; /* of the images that heights are found on; heights of the plane sweep; sweeps
-                                               of the descent; texels that surfaces are judged at */
+    double texels, heights, sweeps,
+        judged; /* of the images that heights are found on; heights of the plane sweep; sweeps
+                   of the descent; texels that surfaces are judged at */
 } enc_relief_work;
 
 enc_relief_work enc_relief_work_of(int width, int height);
 
 /* Bytes that it takes beside the samples. */
 uint64_t enc_relief_memory(int width, int height, int n_views, int n_lights);
-
-/* The surface of a level of detail of a store, with heights filtered from those of level 0; codes, which may be NULL
- * where there is no map: [texel of the level]. Errors, not logged: BTF_ERROR_MEMORY. */
-btf_result enc_relief_level(const enc_relief_store *store, int width, int height, int level, uint8_t **out_codes,
-                            enc_warp *out_warp);
 
 #endif

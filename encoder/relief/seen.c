@@ -21,8 +21,8 @@ static enc_seen_view view_of(const enc_direction *views, int view, const btf_ref
     return s;
 }
 
-btf_result enc_seen_make(const enc_context *context, const enc_direction *views, int count, double least_theta,
-                         double most_theta, enc_seen *out) {
+btf_result enc_seen_make(const enc_context *context, const enc_direction *views, int count,
+                         double least_theta, double most_theta, enc_seen *out) {
     enc_left_out *left = malloc(sizeof *left);
     btf_result result = left ? enc_left_out_make(context, views, count, left) : BTF_ERROR_MEMORY;
     out->count = 0;

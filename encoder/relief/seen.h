@@ -21,9 +21,10 @@ typedef struct enc_seen {
     enc_seen_view of[ENC_MAX_DIRECTIONS];
 } enc_seen;
 
-/* All views that can be left out with a theta of least to most degrees. Errors: those of enc_left_out_make. */
-btf_result enc_seen_make(const enc_context *context, const enc_direction *views, int count, double least_theta,
-                         double most_theta, enc_seen *out_seen);
+/* All views that can be left out with a theta of least to most degrees. Errors: those of enc_left_out_make.
+ */
+btf_result enc_seen_make(const enc_context *context, const enc_direction *views, int count,
+                         double least_theta, double most_theta, enc_seen *out_seen);
 
 /* Where the neighbours show the point that one texel of the view shows, and what they weigh. */
 typedef struct enc_seen_point {
@@ -32,8 +33,8 @@ typedef struct enc_seen_point {
 } enc_seen_point;
 
 /* `changed`: a texel whose height is taken to be `height` whatever the surface says; SIZE_MAX: none. */
-static inline int32_t enc_seen_march(const enc_warp *w, int32_t u, int32_t v, const int32_t slope[2], size_t changed,
-                                     int32_t height) {
+static inline int32_t enc_seen_march(const enc_warp *w, int32_t u, int32_t v, const int32_t slope[2],
+                                     size_t changed, int32_t height) {
     if (!w->heights) {
         return w->base;
     }
@@ -50,10 +51,11 @@ static inline int32_t enc_seen_march(const enc_warp *w, int32_t u, int32_t v, co
     return w->base;
 }
 
-static inline void enc_seen_find(const enc_warp *w, const enc_seen_view *s, const int32_t at[2], size_t changed,
-                                 int32_t height, enc_seen_point *out) {
+static inline void enc_seen_find(const enc_warp *w, const enc_seen_view *s, const int32_t at[2],
+                                 size_t changed, int32_t height, enc_seen_point *out) {
     const int32_t z = enc_seen_march(w, at[0], at[1], s->slope, changed, height);
-    const int32_t u = at[0] + enc_warp_move(w, z, s->slope[0]), v = at[1] + enc_warp_move(w, z, s->slope[1]);
+    const int32_t u = at[0] + enc_warp_move(w, z, s->slope[0]),
+                  v = at[1] + enc_warp_move(w, z, s->slope[1]);
     int32_t weight[3] = {0}, total = 0;
     for (int a = 0; a < s->count; a++) {
         out->at[a][0] = u - enc_warp_move(w, z, s->near_slope[a][0]);

@@ -1,8 +1,8 @@
 /* Plane sweep and semi-global matching. See sweep.h.
  *
- * H. Hirschmüller, Stereo Processing by Semiglobal Matching and Mutual Information, IEEE Transactions on Pattern
- * Analysis and Machine Intelligence 30 (2008): costs of a texel's heights are summed along eight paths, on which a
- * small change of height costs little and any larger one a fixed amount.
+ * H. Hirschmüller, Stereo Processing by Semiglobal Matching and Mutual Information, IEEE Transactions on
+ * Pattern Analysis and Machine Intelligence 30 (2008): costs of a texel's heights are summed along eight
+ * paths, on which a small change of height costs little and any larger one a fixed amount.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -30,7 +30,7 @@ typedef struct volume {
     int top_view, reach, heights; /* heights: steps of the sweep, 2 * reach * STEPS_A_TEXEL + 1 */
     int views, view[ENC_MAX_DIRECTIONS];
     int32_t slope[ENC_MAX_DIRECTIONS][2];
-    float *mean; /* [view of the images][K] */
+    float *mean;     /* [view of the images][K] */
     float weight[K]; /* of a product of numbers */
     enc_warp plane;
     float *cost; /* [texel][height]: 1 - correlation */
@@ -64,7 +64,8 @@ static void find_means(volume *s) {
 }
 
 /* Correlation of the texel `own`, about the mean, with what view number i shows at a height. */
-static float correlation(const volume *s, int i, const int32_t at[2], int32_t z, const float own[K], float own_square) {
+static float correlation(const volume *s, int i, const int32_t at[2], int32_t z, const float own[K],
+                         float own_square) {
     const int v = s->view[i];
     const float *mean = s->mean + (size_t)v * K;
     const int32_t u = at[0] - enc_warp_move(&s->plane, z, s->slope[i][0]) - 128,
@@ -76,8 +77,8 @@ static float correlation(const volume *s, int i, const int32_t at[2], int32_t z,
         x[k] = -mean[k];
     }
     for (int c = 0; c < 4; c++) {
-        const float *from =
-            enc_relief_numbers(s->images, v, enc_warp_texel(&s->plane, u + (c & 1) * 256, w + (c >> 1) * 256));
+        const float *from = enc_relief_numbers(
+            s->images, v, enc_warp_texel(&s->plane, u + (c & 1) * 256, w + (c >> 1) * 256));
         for (size_t k = 0; k < K; k++) {
             x[k] += weight[c] * from[k];
         }
@@ -98,7 +99,8 @@ static int falling(const void *a, const void *b) {
     return (x < y) - (x > y);
 }
 
-/* The mean correlation of the better half of the views, so that those that do not show the texel do not count. */
+/* The mean correlation of the better half of the views, so that those that do not show the texel do not
+ * count. */
 static void fill_costs(const volume *s, size_t texel) {
     float own[K], own_square = 0, of[ENC_MAX_DIRECTIONS];
     const float *top = enc_relief_numbers(s->images, s->top_view, texel);
@@ -141,8 +143,8 @@ static void step_path(int heights, const float *cost, const float *before, float
     }
 }
 
-/* All paths of one direction, each once around the periodic image and a half more, so that its start does not matter.
- * Paths of one direction share no texel. */
+/* All paths of one direction, each once around the periodic image and a half more, so that its start does
+ * not matter. Paths of one direction share no texel. */
 static void add_paths(const volume *s, int across, int down, float *sums, float *work) {
     const int width = s->images->width, height = s->images->height, heights = s->heights;
     const int starts = across != 0 && down == 0 ? height : width, length = down == 0 ? width : height;
@@ -183,7 +185,8 @@ static float best_height(const volume *s, const float *cost) {
 static btf_result match(volume *s, float *out) {
     static const int way[PATHS][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, 1}, {1, -1}, {-1, -1}};
     const size_t texels = (size_t)s->images->width * (size_t)s->images->height;
-    const size_t side = (size_t)(s->images->width > s->images->height ? s->images->width : s->images->height);
+    const size_t side =
+        (size_t)(s->images->width > s->images->height ? s->images->width : s->images->height);
     float *sums = calloc(texels * (size_t)s->heights, sizeof *sums);
     float *work = calloc(3 * side * (size_t)s->heights, sizeof *work);
     s->cost = malloc(texels * (size_t)s->heights * sizeof *s->cost);
@@ -207,8 +210,8 @@ static btf_result match(volume *s, float *out) {
     return result;
 }
 
-btf_result enc_relief_sweep(const enc_context *context, const enc_relief_images *images, const enc_direction *views,
-                            int top_view, int reach, float *out) {
+btf_result enc_relief_sweep(const enc_context *context, const enc_relief_images *images,
+                            const enc_direction *views, int top_view, int reach, float *out) {
     volume s = {.context = context,
                 .images = images,
                 .top_view = top_view,
@@ -225,7 +228,8 @@ btf_result enc_relief_sweep(const enc_context *context, const enc_relief_images 
         return BTF_OK;
     }
     s.mean = malloc((size_t)images->n_views * K * sizeof *s.mean);
-    btf_result result = s.mean ? enc_warp_create(images->width, images->height, 0, 0, &s.plane) : BTF_ERROR_MEMORY;
+    btf_result result =
+        s.mean ? enc_warp_create(images->width, images->height, 0, 0, &s.plane) : BTF_ERROR_MEMORY;
     if (result == BTF_OK) {
         find_means(&s);
         result = match(&s, out);

@@ -23,8 +23,8 @@ static const char *kind_of(const enc_relief_candidate *c) {
 const char *enc_relief_text(const enc_relief_choice *choice, char text[ENC_RELIEF_TEXT]) {
     if (choice->chosen > 0) {
         const enc_relief_candidate *c = &choice->candidate[choice->chosen];
-        snprintf(text, ENC_RELIEF_TEXT, "relief-chosen=%s:%g,%.3f,%.3f gloss-chosen=%d", kind_of(c), c->scale,
-                 choice->least, choice->most, choice->gloss.quarters);
+        snprintf(text, ENC_RELIEF_TEXT, "relief-chosen=%s:%g,%.3f,%.3f gloss-chosen=%d", kind_of(c),
+                 c->scale, choice->least, choice->most, choice->gloss.quarters);
     } else {
         snprintf(text, ENC_RELIEF_TEXT, "relief-chosen=none gloss-chosen=%d", choice->gloss.quarters);
     }
@@ -32,18 +32,21 @@ const char *enc_relief_text(const enc_relief_choice *choice, char text[ENC_RELIE
 }
 
 static void print_gloss(const enc_gloss_choice *gloss, FILE *out) {
-    fprintf(out, "Gloss: share of the half vector, view and light left out (half of the best, %.2f, is taken)\n",
+    fprintf(out,
+            "Gloss: share of the half vector, view and light left out (half of the best, %.2f, is taken)\n",
             gloss->best);
     for (int q = 0; q < ENC_GLOSS_SHARES; q++) {
-        fprintf(out, "%c %-22.2f %8.2f / %.2f\n", q == gloss->quarters ? '*' : ' ', q / 4.0, linear(gloss->error[q]),
-                srgb(gloss->error[q]));
+        fprintf(out, "%c %-22.2f %8.2f / %.2f\n", q == gloss->quarters ? '*' : ' ', q / 4.0,
+                linear(gloss->error[q]), srgb(gloss->error[q]));
     }
 }
 
 void enc_relief_print(const enc_relief_choice *choice, FILE *out) {
     if (choice->tried) {
-        fprintf(out, "Relief: views left out, PSNR in dB, linear / sRGB; a ring must gain %g dB (heights leave %.3f of "
-                     "the squared error\nof a plane, of which a map must leave less than %g)\n",
+        fprintf(out,
+                "Relief: views left out, PSNR in dB, linear / sRGB; a ring must gain %g dB (heights leave "
+                "%.3f of "
+                "the squared error\nof a plane, of which a map must leave less than %g)\n",
                 ENC_RELIEF_MARGIN, choice->share, ENC_RELIEF_SHARE);
         for (int k = 0; k < ENC_RELIEF_CANDIDATES; k++) {
             const enc_relief_candidate *c = &choice->candidate[k];
@@ -52,15 +55,15 @@ void enc_relief_print(const enc_relief_choice *choice, FILE *out) {
                 snprintf(name, sizeof name, "%s x %g", kind_of(c), c->scale);
             }
             if (c->judged) {
-                fprintf(out, "%c %-22s gains %.2f dB on %d rings\n", k == choice->chosen ? '*' : ' ', name, c->gain,
-                        c->rings);
+                fprintf(out, "%c %-22s gains %.2f dB on %d rings\n", k == choice->chosen ? '*' : ' ', name,
+                        c->gain, c->rings);
             }
         }
         for (int k = 0; k < choice->n_rings; k++) {
             const enc_relief_ring *r = &choice->ring[k];
             if (r->views > 0) {
-                fprintf(out, "%c %-22.1f %8.2f / %.2f -> %.2f / %.2f\n", r->on ? '*' : ' ', r->theta, linear(r->plain),
-                        srgb(r->plain), linear(r->moved), srgb(r->moved));
+                fprintf(out, "%c %-22.1f %8.2f / %.2f -> %.2f / %.2f\n", r->on ? '*' : ' ', r->theta,
+                        linear(r->plain), srgb(r->plain), linear(r->moved), srgb(r->moved));
             }
         }
     }

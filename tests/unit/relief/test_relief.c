@@ -30,8 +30,8 @@ static float random_of(uint32_t *state) {
     return (float)(*state >> 8) * 0x1p-24f;
 }
 
-/* A material of three grey lights whose texels, albedos at random, stand as high as `height` says (texels), seen
- * through the decoder's march; noise: of values, uniform. */
+/* A material of three grey lights whose texels, albedos at random, stand as high as `height` says (texels),
+ * seen through the decoder's march; noise: of values, uniform. */
 static enc_data *planted(const char *views, double (*height)(int column, int row), float noise) {
     enc_direction *view, *light;
     enc_data *data = NULL;
@@ -58,10 +58,11 @@ static enc_data *planted(const char *views, double (*height)(int column, int row
             int32_t at[2];
             enc_warp_middle(&w, t, at);
             const int32_t z = enc_warp_march(&w, at[0], at[1], slope);
-            const size_t from =
-                enc_warp_texel(&w, at[0] + enc_warp_move(&w, z, slope[0]), at[1] + enc_warp_move(&w, z, slope[1]));
+            const size_t from = enc_warp_texel(&w, at[0] + enc_warp_move(&w, z, slope[0]),
+                                               at[1] + enc_warp_move(&w, z, slope[1]));
             for (int i = 0; i < 3 * n_lights; i++) {
-                const float value = albedo[from] * light[i % n_lights].xyz[2] + noise * (random_of(&state) - 0.5f);
+                const float value =
+                    albedo[from] * light[i % n_lights].xyz[2] + noise * (random_of(&state) - 0.5f);
                 data->samples[(t * (size_t)n_views + (size_t)v) * 3 * (size_t)n_lights + (size_t)i] =
                     value > 0 ? value : 0;
             }
@@ -108,7 +109,8 @@ static void test_a_step_is_found(void **state) {
         error += far;
         off += far > 0.5;
     }
-    printf("mean error %.3f texels, %d of %d off by more than half a texel\n", error / (SIDE * SIDE), off, SIDE * SIDE);
+    printf("mean error %.3f texels, %d of %d off by more than half a texel\n", error / (SIDE * SIDE), off,
+           SIDE * SIDE);
     assert_true(error / (SIDE * SIDE) < 0.35);
     assert_true(off < SIDE * SIDE / 6); /* a step's foot, which few views show */
     enc_relief_clear(&store);
@@ -137,7 +139,8 @@ static void test_flat_and_noise_stay_flat(void **state) {
         enc_relief_choice choice;
         enc_relief_store store;
         assert_int_equal(enc_relief_choose(&two, data, &both, &choice, &store), BTF_OK);
-        printf("noise %.2f: heights leave %.3f, gloss %d\n", (double)noises[i], choice.share, choice.gloss.quarters);
+        printf("noise %.2f: heights leave %.3f, gloss %d\n", (double)noises[i], choice.share,
+               choice.gloss.quarters);
         assert_int_equal(choice.chosen, 0);
         assert_int_equal(store.effects & BTF_EFFECT_RELIEF, 0);
         assert_null(store.heights);
@@ -206,13 +209,14 @@ static void test_gloss_is_found_where_there_is_a_lobe(void **state) {
     }
 }
 
-/* The baked values of a view are those of the spline through views that show the same point: of a surface whose
- * views all show it as it is, moved by whole texels, every node has its own samples. */
+/* The baked values of a view are those of the spline through views that show the same point: of a surface
+ * whose views all show it as it is, moved by whole texels, every node has its own samples. */
 static void test_nodes_follow_the_surface(void **state) {
     (void)state;
     enc_data *data = planted("0:1,45:4", raised, 0), *fitted = NULL, *plain = NULL;
     const int n = data->n_views, lights = data->n_lights;
-    float *views = malloc((size_t)(n * n) * sizeof *views), *none = calloc((size_t)(lights * lights), sizeof *none);
+    float *views = malloc((size_t)(n * n) * sizeof *views),
+          *none = calloc((size_t)(lights * lights), sizeof *none);
     uint8_t act[64];
     enc_node_fit *fit = NULL;
     enc_warp w;
@@ -222,7 +226,8 @@ static void test_nodes_follow_the_surface(void **state) {
         none[i * lights + i] = 1;
     }
     memset(act, 1, sizeof act);
-    const enc_node_tables tables = {.n_views = n, .n_lights = lights, .views = views, .lights = none, .roots = true};
+    const enc_node_tables tables = {
+        .n_views = n, .n_lights = lights, .views = views, .lights = none, .roots = true};
     const enc_node_relief relief = {&w, act};
     assert_int_equal(enc_warp_create(SIDE, SIDE, 0, ENC_WARP_ONE, &w), BTF_OK);
     assert_int_equal(enc_node_apply(&one, &tables, &relief, data, &fitted), BTF_OK);
@@ -235,7 +240,8 @@ static void test_nodes_follow_the_surface(void **state) {
         moved += m * m;
         stays += p * p;
     }
-    printf("squared change: %.2e with the surface, %.2e without\n", moved / (double)count, stays / (double)count);
+    printf("squared change: %.2e with the surface, %.2e without\n", moved / (double)count,
+           stays / (double)count);
     assert_true(moved / (double)count < 1e-12 && stays / (double)count > 1e-5);
     enc_node_fit_destroy(&fit);
     enc_warp_clear(&w);
@@ -249,7 +255,8 @@ static void test_nodes_follow_the_surface(void **state) {
 static void test_levels_filter_heights(void **state) {
     (void)state;
     uint8_t codes[25] = {0, 100, 0, 0, 200, 100, 0, 0, 0, 200};
-    enc_relief_store store = {.width = 5, .height = 5, .heights = codes, .base = -100, .step = 256, .steps = 8};
+    enc_relief_store store = {
+        .width = 5, .height = 5, .heights = codes, .base = -100, .step = 256, .steps = 8};
     uint8_t *level = NULL;
     enc_warp w;
     assert_int_equal(enc_relief_level(&store, 5, 5, 0, &level, &w), BTF_OK);
