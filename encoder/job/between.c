@@ -39,6 +39,9 @@ static btf_result find_relief(const enc_context *context, const enc_job *job, co
         char text[ENC_RELIEF_TEXT];
         s->relief_judged = true;
         enc_log(context, BTF_LOG_INFO, "between the samples: %s", enc_relief_text(&s->relief, text));
+        if (job->relief.relief && !s->relief.tried) {
+            enc_log(context, BTF_LOG_INFO, "relief: not tried: %s", s->relief.reason);
+        }
     }
     return result;
 }

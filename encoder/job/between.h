@@ -21,10 +21,9 @@ typedef struct enc_between {
 } enc_between;
 
 /* Finds all that the job asks for. Relief and gloss are a step of the checkpoint; NULL: there is none. The
- * fit is found again on resumption: it takes a tenth of a second of what relief takes, and its values at
- * the nodes would be as large as the samples. The caller clears *out, whatever comes back. Errors, on the
- * log: those of enc_relief_choose, enc_relief_step_take, enc_foresee_error, enc_fit_choose and
- * enc_node_apply, BTF_ERROR_IO. */
+ * fit is found again on resumption, since its values at the nodes would take as much of the disk as the
+ * samples. The caller clears *out, whatever comes back. Errors, on the log: those of enc_relief_choose,
+ * enc_relief_step_take, enc_foresee_error, enc_fit_choose and enc_node_apply, BTF_ERROR_IO. */
 btf_result enc_between_find(const enc_context *context, const enc_job *job, const enc_data *data,
                             enc_checkpoint *checkpoint, enc_between *out);
 
