@@ -294,7 +294,8 @@ static void get_between_errors(reader *r, btf_material *m) {
     const float *values = get_floats(r, name, false, 1, 1 << 20, &count);
     if (!values)
         return;
-    r->result = btfi_check_between_errors(&(btfi_check){r->log, BTF_ERROR_BAD_FILE}, values, count);
+    r->result =
+        btfi_check_between_errors(&(btfi_check){r->log, BTF_ERROR_BAD_FILE}, &m->info, values, count);
     if (!r->result)
         keep_floats(r, name, values, count, &m->between_errors, &m->between_error_count);
 }

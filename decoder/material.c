@@ -325,7 +325,8 @@ btf_result btf_material_create(const btf_material_desc *desc, const btf_log *log
                                           desc->level_error_count)) ||
         (result =
              btfi_check_effect_errors(&check, &m->info, desc->effect_errors, desc->effect_error_count)) ||
-        (result = btfi_check_between_errors(&check, desc->between_errors, desc->between_error_count)) ||
+        (result = btfi_check_between_errors(&check, &m->info, desc->between_errors,
+                                            desc->between_error_count)) ||
         (result = copy_provenance(desc, log, m))) {
         btf_material_close(&m);
         return result;

@@ -17,7 +17,8 @@ btf_result btfi_check_effect_errors(const btfi_check *check, const btf_material_
 btf_effect_errors btfi_effect_errors_of(const float *values, size_t count);
 
 /* The same of the attribute openbtf.betweenErrors. */
-btf_result btfi_check_between_errors(const btfi_check *check, const float *values, size_t count);
+btf_result btfi_check_between_errors(const btfi_check *check, const btf_material_info *info,
+                                     const float *values, size_t count);
 btf_between_errors btfi_between_errors_of(const float *values, size_t count);
 
 #pragma GCC visibility pop

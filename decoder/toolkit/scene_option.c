@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "scene_option.h"
+#include "between.h"
 
 #include "cli.h"
 #include "filter.h"
@@ -115,6 +116,13 @@ const char *scene_plan_reason(const btf_material *material, const btf_plan *plan
     btf_material_get_info(material, &info);
     if (!(info.effects & bit)) {
         snprintf(text, size, "not in the file");
+        return text;
+    }
+    if (bit & BETWEEN_EFFECTS) {
+        double gain[2];
+        const bool known = between_gain(material, bit, gain);
+        snprintf(text, size, known ? "%s, worth %+.1f/%+.1f dB between the samples" : "%s, acts between the samples",
+                 on ? "on" : "off", gain[0], gain[1]);
         return text;
     }
     const uint32_t components = !residual ? plan->components : on ? 0 : info.components;

@@ -2,6 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "decoder/toolkit/between.h"
 #include "decoder/toolkit/cli.h"
 #include "decoder/toolkit/json.h"
 #include "decoder/toolkit/scene_option.h"
@@ -161,6 +162,11 @@ static void print_wrapped(const char *label, const char *words) {
     printf("\n");
 }
 
+/* Textures that relief alone reads; gloss reads none of its own. */
+static size_t between_bytes(const btf_material *material, uint32_t effect) {
+    return effect == BTF_EFFECT_RELIEF ? btf_material_texture(material, BTF_TEXTURE_HEIGHTS).size : 0;
+}
+
 static void print_rings(const char *name, const btf_directions *d) {
     ring rings[BTF_MAX_DIRECTIONS];
     char text[MOST_RINGS * 40 + 160];
@@ -183,13 +189,25 @@ static void print_rings(const char *name, const btf_directions *d) {
     print_wrapped(name, text);
 }
 
+/* An effect that changes nothing at the samples, where the other errors are measured. */
+static void print_between_gain(const btf_material *material, uint32_t effect) {
+    char word[48];
+    double gain[2];
+    printf("  %-14sbetween the samples only", cli_effects_text(effect, word));
+    if (between_gain(material, effect, gain))
+        printf(": %+.2f dB linear, %+.2f dB sRGB where views are left out", gain[0], gain[1]);
+    printf(", for %zu bytes\n", between_bytes(material, effect));
+}
+
 static void print_effects(const btf_material *material, const btf_material_info *info) {
     char words[48];
     size_t count;
     const btf_material_error *errors = btf_material_errors(material, &count), *with, *without;
     printf("\nEffects: %s\n", cli_effects_text(info->effects, words));
     for (uint32_t bit = 1; bit < BTF_EFFECT_ALL; bit <<= 1)
-        if (info->effects & bit && find_gain(errors, count, bit, &with, &without))
+        if (info->effects & bit & BETWEEN_EFFECTS)
+            print_between_gain(material, bit);
+        else if (info->effects & bit && find_gain(errors, count, bit, &with, &without))
             printf("  %-14s%+.2f dB linear, %+.2f dB sRGB for %.0f bytes\n", cli_effects_text(bit, words),
                    (double)(with->psnr_linear - without->psnr_linear),
                    (double)(with->psnr_srgb - without->psnr_srgb),
@@ -202,7 +220,9 @@ static void print_effects(const btf_material *material, const btf_material_info 
                cli_effects_text(errors[i].effects, words));
 }
 
-static const char *const left_out_names[] = {"", "view", "light", "both"};
+static const char *const left_out_names[] = {"", "view", "light", "both", "", "view, no relief", "", "both, no relief"};
+static const char *const left_out_keys[] = {"", "view", "light", "both", "", "view_without_relief", "",
+                                            "both_without_relief"};
 
 static double decibels(float mse) {
     return mse > 1e-10f ? -10 * log10((double)mse) : 100;
@@ -213,11 +233,11 @@ static void print_between(const btf_material *material) {
     if (e.row_count == 0)
         return;
     printf("\nBetween the samples, estimated by leaving samples out, at double the gap (which overstates the\n"
-           "error; PSNR in dB, linear / sRGB):\n  %-14s%16s%22s\n",
+           "error; PSNR in dB, linear / sRGB):\n  %-16s%14s%22s\n",
            "left out", "material", "data, interpolated");
     for (uint32_t i = 0; i < e.row_count; i++) {
         const float *row = e.rows + (size_t)i * e.row_stride;
-        printf("  %-14s%7.2f / %6.2f%13.2f / %6.2f\n", left_out_names[(int)row[0]], decibels(row[1]),
+        printf("  %-16s%7.2f / %6.2f%13.2f / %6.2f\n", left_out_names[(int)row[0]], decibels(row[1]),
                decibels(row[2]), decibels(row[3]), decibels(row[4]));
     }
 }
@@ -439,7 +459,17 @@ static void json_effects(json *j, const btf_material *material, const btf_materi
     json_effect_list(j, "effects", info->effects);
     json_object(j, "buys");
     for (uint32_t bit = 1; bit < BTF_EFFECT_ALL; bit <<= 1)
-        if (info->effects & bit && find_gain(errors, count, bit, &with, &without)) {
+        if (info->effects & bit & BETWEEN_EFFECTS) {
+            double gain[2];
+            json_object(j, cli_effects_text(bit, word));
+            json_bool(j, "between_samples", true);
+            if (between_gain(material, bit, gain)) {
+                json_number(j, "linear", gain[0]);
+                json_number(j, "srgb", gain[1]);
+            }
+            json_number(j, "bytes", (double)between_bytes(material, bit));
+            json_end(j);
+        } else if (info->effects & bit && find_gain(errors, count, bit, &with, &without)) {
             json_object(j, cli_effects_text(bit, word));
             json_number(j, "linear", (double)with->psnr_linear - (double)without->psnr_linear);
             json_number(j, "srgb", (double)with->psnr_srgb - (double)without->psnr_srgb);
@@ -464,7 +494,7 @@ static void json_between(json *j, const btf_material *material) {
     json_object(j, "between");
     for (uint32_t i = 0; i < e.row_count; i++) {
         const float *row = e.rows + (size_t)i * e.row_stride;
-        json_object(j, left_out_names[(int)row[0]]);
+        json_object(j, left_out_keys[(int)row[0]]);
         json_number(j, "linear", decibels(row[1]));
         json_number(j, "srgb", decibels(row[2]));
         json_number(j, "data_linear", decibels(row[3]));

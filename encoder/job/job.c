@@ -7,10 +7,10 @@
 #include "encoder/base/stage.h"
 #include "encoder/data/extent.h"
 #include "encoder/data/checkpoint.h"
+#include "between.h"
 #include "cost.h"
 #include "decoder/toolkit/output.h"
 #include "encoder/report/effect_errors.h"
-#include "foresee.h"
 #include "levels.h"
 #include "memory.h"
 #include "encoder/report/montage.h"
@@ -19,7 +19,6 @@
 #include "encoder/model/decode_samples.h"
 #include "encoder/model/preview.h"
 #include "encoder/report/report.h"
-#include "encoder/relief/relief.h"
 #include "encoder/base/ranks.h"
 #include "encoder/model/unpack.h"
 
@@ -102,11 +101,7 @@ static const char *base_name(const char *path) {
 /* The results of a job's stages while it runs. */
 typedef struct job_state {
     enc_data *data;
-    enc_data *fitted; /* values at the nodes, of which the model is found; NULL: the samples are */
-    enc_node_tables nodes;
-    enc_fit_choice fit;
-    enc_relief_choice relief;
-    enc_relief_store between; /* what acts between the samples; moves to `found` */
+    enc_between between; /* its store moves to `found` */
     char *provenance; /* options, and what was chosen */
     enc_solution found, stored; /* what the method found; what the packed material holds */
     enc_levels found_levels, stored_levels;
@@ -121,102 +116,7 @@ typedef struct job_state {
 
 /* The values that methods analyse: the samples, or what they were fitted to. */
 static const enc_data *analysed(const job_state *s) {
-    return s->fitted ? s->fitted : s->data;
-}
-
-/* A fit may be no worse at the samples than the quality that is asked for, with as much room for the codec. */
-static double fit_least_psnr(const enc_job *job) {
-    return job->method != ENC_METHOD_PAPER && job->joint.quality > 0 ? job->joint.quality + 3 : 0;
-}
-
-/* Chooses what acts between the samples. */
-static btf_result find_relief(const enc_context *context, const enc_job *job, job_state *s, enc_report *report) {
-    if (job->method != ENC_METHOD_JOINT) {
-        return BTF_OK;
-    }
-    if (!enc_settings_try_relief(job)) {
-        s->between = (enc_relief_store){.effects = job->relief.gloss > 0 ? BTF_EFFECT_GLOSS : 0,
-                                        .gloss_share = (uint32_t)job->relief.gloss};
-        return BTF_OK;
-    }
-    const btf_result result = enc_relief_choose(context, s->data, &job->relief, &s->relief, &s->between);
-    if (result == BTF_OK) {
-        char text[ENC_RELIEF_TEXT];
-        report->relief = &s->relief;
-        enc_log(context, BTF_LOG_INFO, "between the samples: %s", enc_relief_text(&s->relief, text));
-    }
-    return result;
-}
-
-/* The samples, or values at the nodes that follow the surface. */
-static btf_result apply_nodes(const enc_context *context, job_state *s) {
-    enc_warp surface = {0};
-    const enc_node_relief relief = {&surface, s->between.views};
-    const bool moves = s->between.effects & BTF_EFFECT_RELIEF;
-    btf_result result = moves ? enc_relief_level(&s->between, s->data->width, s->data->height, 0, NULL, &surface)
-                              : BTF_OK;
-    result = result == BTF_ERROR_MEMORY ? enc_fail(context, result, "relief: out of memory") : result;
-    if (result == BTF_OK) {
-        result = enc_node_apply(context, &s->nodes, moves ? &relief : NULL, s->data, &s->fitted);
-    }
-    enc_warp_clear(&surface);
-    return result;
-}
-
-/* Options, and what was chosen where they leave it open. */
-static btf_result note_provenance(const enc_context *context, const enc_job *job, job_state *s,
-                                  const enc_report *report) {
-    char kappa[ENC_FIT_TEXT] = "", between[ENC_RELIEF_TEXT] = "";
-    const bool fitted = report->fit && job->fit == ENC_FIT_BETWEEN;
-    if (fitted) {
-        enc_fit_text(&s->fit, kappa);
-        enc_log(context, BTF_LOG_INFO, "fit of nodes: kappa %s", kappa);
-    }
-    if (report->relief) {
-        enc_relief_text(&s->relief, between);
-    }
-    if (asprintf(&s->provenance, "%s%s%s%s%s", s->options, fitted ? " fit-kappa=" : "", kappa,
-                 report->relief ? " " : "", between) < 0) {
-        s->provenance = NULL;
-        return enc_fail(context, BTF_ERROR_MEMORY, "out of memory");
-    }
-    return BTF_OK;
-}
-
-/* The error of the factors that are to come. */
-static btf_result foresee(const enc_context *context, const enc_job *job, const enc_data *data,
-                          enc_fit_error *out) {
-    const enc_factors_settings settings =
-        enc_settings_of_factors(job, data->width, data->height, data->n_views, data->n_lights);
-    return enc_foresee_error(context, data, &settings, out);
-}
-
-/* Judges fits of values at views and lights, and takes the best where that is asked for. Of the paper's method it
- * is judged only then. */
-static btf_result fit_nodes(const enc_context *context, const enc_job *job, job_state *s,
-                            enc_report *report) {
-    const bool roots = job->method != ENC_METHOD_PAPER; /* as the decoder blends */
-    const bool taken = job->fit == ENC_FIT_BETWEEN;
-    enc_fit_error coder;
-    if (!taken && !roots) {
-        return BTF_OK;
-    }
-    btf_result result = roots ? foresee(context, job, s->data, &coder) : BTF_OK;
-    if (result == BTF_OK) {
-        result = enc_fit_choose(context, s->data, roots, fit_least_psnr(job), roots ? &coder : NULL, &s->fit,
-                                &s->nodes);
-    }
-    if (!taken) {
-        enc_node_tables_clear(&s->nodes);
-        s->fit.chosen = 0;
-    }
-    if (result == BTF_OK && s->nodes.views) {
-        result = apply_nodes(context, s);
-    }
-    if (result == BTF_OK) {
-        report->fit = &s->fit;
-    }
-    return result;
+    return s->between.fitted ? s->between.fitted : s->data;
 }
 
 static btf_result analyse_joint(const enc_context *context, const enc_job *job, job_state *s,
@@ -267,7 +167,7 @@ static btf_result analyse_levels(const enc_context *context, const enc_job *job,
     enc_paper_options paper = job->paper;
     paper.fallback = s->paper.diffuse; /* as level 0 */
     return enc_levels_fit(context, s->data, count, job->method == ENC_METHOD_PAPER ? &paper : NULL,
-                          s->nodes.views ? &s->nodes : NULL, &s->found, &s->found_levels);
+                          s->between.nodes.views ? &s->between.nodes : NULL, &s->found, &s->found_levels);
 }
 
 /* Packs, measures what was packed, and packs again with the errors in the header. */
@@ -414,10 +314,8 @@ static void clear_state(job_state *s) {
     enc_solution_clear(&s->stored);
     enc_solution_clear(&s->found);
     enc_occlusion_destroy(&s->occlusion);
-    enc_data_destroy(&s->fitted);
+    enc_between_clear(&s->between);
     enc_data_destroy(&s->data);
-    enc_node_tables_clear(&s->nodes);
-    enc_relief_clear(&s->between);
     free(s->provenance);
     free(s->preview);
     free(s->options);
@@ -488,18 +386,21 @@ static btf_result find_model(const enc_context *context, const enc_job *job, job
             enc_checkpoint_open(context, job->checkpoint, s->options, s->data, job->resume, &s->checkpoint);
     }
     first_level.checkpoint = s->checkpoint;
-    result = result == BTF_OK ? find_relief(context, job, s, report) : result;
-    result = result == BTF_OK ? fit_nodes(context, job, s, report) : result;
-    result = result == BTF_OK ? note_provenance(context, job, s, report) : result;
+    result = result == BTF_OK ? enc_between_find(context, job, s->data, s->checkpoint, &s->between) : result;
+    if (result == BTF_OK) {
+        report->relief = s->between.relief_judged ? &s->between.relief : NULL;
+        report->fit = s->between.fit_judged ? &s->between.fit : NULL;
+        result = enc_between_provenance(context, job, &s->between, s->options, &s->provenance);
+    }
     if (result == BTF_OK) {
         result = analyse(&first_level, job, s, report);
     }
     if (result == BTF_OK) {
-        s->found.effects |= s->between.effects;
-        s->found.relief = s->between;
-        s->between = (enc_relief_store){0};
+        s->found.effects |= s->between.store.effects;
+        s->found.relief = s->between.store;
+        s->between.store = (enc_relief_store){0};
     }
-    enc_data_destroy(&s->fitted); /* levels are filtered from the samples, errors measured against them */
+    enc_data_destroy(&s->between.fitted); /* levels are filtered from the samples, errors measured against them */
     if (result == BTF_OK && levels > 1) {
         result = analyse_levels(context, job, levels, s);
     }

@@ -93,14 +93,17 @@ static void add_way(job *j, const btf_material_info *info, uint32_t effects, con
     j->n_rows += count * KINDS;
 }
 
-/* All subsets of the effects present; of the residual all components, three quarters, a half, ... an
- * eighth, and 8 and 4, in whole groups of four; of factors as many units, one at the least. */
+/* All subsets of the effects present, but those that leave out relief or gloss: the data that errors are
+ * measured against, interpolated between the samples, know nothing of the two, so that each would seem to
+ * harm. What relief is worth is in the table of errors between the samples (leave_one_out.h). Of the
+ * residual all components, three quarters, a half, ... an eighth, and 8 and 4, in whole groups of four; of
+ * factors as many units, one at the least. */
 static void make_variants(job *j, const btf_material_info *info) {
     const uint32_t group = info->store == BTF_STORE_FACTORS ? 1 : 4;
     const uint32_t between = info->effects & (BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS);
     for (uint32_t effects = 0; effects <= info->effects; effects++) {
         if (effects != 0 && (effects & between) != between) {
-            continue; /* the data that errors are measured against know nothing of these two: no plan leaves them out */
+            continue;
         }
         if ((effects & ~info->effects) || effective(info, effects) != effects) {
             continue;
@@ -181,8 +184,7 @@ static void look_up_pair(const job *j, const float *profiles, pair *p) {
 
 /* One texel under a pair of directions for each kind: adds squared errors, linear and sRGB-coded, of each
  * row: sum[row][cell][2]. */
-static void measure_pair(const job *j, enc_evaluated_texel *texel, const pair pairs[KINDS],
-                         double *sum) {
+static void measure_pair(const job *j, enc_evaluated_texel *texel, const pair pairs[KINDS], double *sum) {
     for (size_t w = 0; w < j->n_variants; w++) {
         const variant *v = &j->variants[w];
         const pair *p = &pairs[v->kind];

@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SUMS = 4 };
+enum { SUMS = 6, WITHOUT_RELIEF = 4 /* in the numbers of rows */ };
 
 /* The directions of a band that are drawn from: those that can be left out, or where there are none, all.
  */
@@ -29,6 +29,7 @@ typedef struct job {
     const enc_context *context;
     const enc_data *data;
     const enc_evaluator *material; /* or NULL */
+    bool relief;                   /* it holds relief */
     int view_bands, light_bands;
     size_t cells; /* pairs of bands */
     pool views[BTF_MAX_BANDS], lights[BTF_MAX_BANDS];
@@ -83,9 +84,10 @@ static void interpolate(const enc_data *data, const float *samples, const pair *
     }
 }
 
-/* One sample, predicted: sum[0..1] of the data, sum[2..3] of the material. */
-static void measure_pair(const job *j, enc_evaluated_texel *texel, const float *samples,
-                         const pair *p, double *sum) {
+/* One sample, predicted: sum[0..1] of the data, sum[2..3] of the material, sum[4..5] of it without
+ * relief, which acts where a view is left out. */
+static void measure_pair(const job *j, enc_evaluated_texel *texel, const float *samples, const pair *p,
+                         bool view_left, double *sum) {
     static const uint32_t all = UINT32_MAX;
     static const btf_ref_options everything = {.effects = BTF_EFFECT_ALL,
                                                .interpolation = BTF_REF_LINEAR,
@@ -101,6 +103,12 @@ static void measure_pair(const job *j, enc_evaluated_texel *texel, const float *
                                              data->views[p->view].xyz, false};
         enc_evaluate(texel, &everything, &directions, &all, 1, found);
         add_error(truth, found[0], sum + 2);
+        if (j->relief && view_left) {
+            btf_ref_options plain = everything;
+            plain.effects &= ~(uint32_t)BTF_EFFECT_RELIEF;
+            enc_evaluate(texel, &plain, &directions, &all, 1, found);
+            add_error(truth, found[0], sum + 4);
+        }
     }
 }
 
@@ -131,7 +139,7 @@ static void measure_cell(const job *j, enc_evaluated_texel *texel, const float *
                             .views = left & ENC_LEFT_VIEW ? both.views : only(both.view),
                             .lights = left & ENC_LEFT_LIGHT ? both.lights : only(both.light)};
             if (can_leave(views, lights, left))
-                measure_pair(j, texel, samples, &p, sums + (size_t)left * stride);
+                measure_pair(j, texel, samples, &p, left & ENC_LEFT_VIEW, sums + (size_t)left * stride);
         }
     }
 }
@@ -156,6 +164,8 @@ static void add_mean(enc_left_out_errors *to, const enc_left_out_errors *from, d
     to->data.srgb += share * from->data.srgb;
     to->material.linear += share * from->material.linear;
     to->material.srgb += share * from->material.srgb;
+    to->no_relief.linear += share * from->no_relief.linear;
+    to->no_relief.srgb += share * from->no_relief.srgb;
 }
 
 /* Means of one cell of the sums over all texels. */
@@ -165,6 +175,8 @@ static enc_left_out_errors cell_errors(const job *j, const double *sums, int lef
     enc_left_out_errors e = {.data = {all[0] / count, all[1] / count, 1}};
     if (j->material)
         e.material = (enc_error_sum){all[2] / count, all[3] / count, 1};
+    if (j->relief && left & ENC_LEFT_VIEW)
+        e.no_relief = (enc_error_sum){all[4] / count, all[5] / count, 1};
     return e;
 }
 
@@ -186,6 +198,7 @@ static void sum_up(const job *j, const double *sums, enc_leave_one_out *out) {
             add_mean(&out->error[left], &all, 1 / pairs);
         out->error[left].data.count = pairs > 0;
         out->error[left].material.count = pairs > 0 && j->material;
+        out->error[left].no_relief.count = pairs > 0 && j->relief && left & ENC_LEFT_VIEW;
     }
 }
 
@@ -254,6 +267,7 @@ btf_result enc_leave_one_out_measure(const enc_context *context, const enc_data 
         j->context = context;
         j->data = data;
         j->material = evaluator;
+        j->relief = evaluator && enc_evaluator_reference(evaluator)->effects & BTF_EFFECT_RELIEF;
         result = measure_all(j, out);
     }
     enc_evaluator_destroy(&evaluator);
@@ -273,14 +287,18 @@ size_t enc_leave_one_out_numbers(const enc_leave_one_out *measured, float *out) 
     if (measured->views == 0 && measured->lights == 0)
         return 0;
     out = enc_bands_write(&measured->view_bands, &measured->light_bands, out);
-    for (int left = ENC_LEFT_VIEW; left <= ENC_LEFT_BOTH; left++) {
+    for (int row = ENC_LEFT_VIEW; row <= WITHOUT_RELIEF + ENC_LEFT_BOTH; row++) {
+        const int left = row & ENC_LEFT_BOTH;
+        const bool plain = row > WITHOUT_RELIEF;
         const enc_left_out_errors *e = &measured->error[left];
-        if (e->material.count == 0)
+        if ((plain ? e->no_relief : e->material).count == 0)
             continue;
-        *out++ = (float)left;
-        out = write_error(&e->data, write_error(&e->material, out));
-        for (int cell = 0; cell < cells; cell++)
-            out = write_error(&measured->band_error[left][cell].material, out);
+        *out++ = (float)row;
+        out = write_error(&e->data, write_error(plain ? &e->no_relief : &e->material, out));
+        for (int cell = 0; cell < cells; cell++) {
+            const enc_left_out_errors *of_band = &measured->band_error[left][cell];
+            out = write_error(plain ? &of_band->no_relief : &of_band->material, out);
+        }
     }
     return (size_t)(out - begin);
 }
@@ -296,7 +314,8 @@ static const char *errors_text(const enc_error_sum *sum, char text[32]) {
 }
 
 void enc_leave_one_out_print(const enc_leave_one_out *measured, FILE *out) {
-    char first[32], second[32];
+    char first[32], second[32], third[32];
+    const bool relief = measured->error[ENC_LEFT_VIEW].no_relief.count > 0;
     if (measured->views == 0 && measured->lights == 0)
         return;
     fprintf(
@@ -305,12 +324,14 @@ void enc_leave_one_out_print(const enc_leave_one_out *measured, FILE *out) {
         "(PSNR in dB, linear / sRGB; they lie twice as far away as for a direction between samples, which\n"
         "overstates the error, most where relief, shadows or highlights move)\n",
         measured->views, measured->lights);
-    fprintf(out, "  %-20s %18s %18s\n", "left out", "data, interpolated", "material");
+    fprintf(out, "  %-20s %18s %18s%s\n", "left out", "data, interpolated", "material",
+            relief ? "     without relief" : "");
     for (int left = ENC_LEFT_VIEW; left <= ENC_LEFT_BOTH; left++) {
         const enc_left_out_errors *e = &measured->error[left];
         if (e->data.count > 0)
-            fprintf(out, "  %-20s %18s %18s\n", left_names[left], errors_text(&e->data, first),
-                    errors_text(&e->material, second));
+            fprintf(out, "  %-20s %18s %18s%s%s\n", left_names[left], errors_text(&e->data, first),
+                    errors_text(&e->material, second), e->no_relief.count > 0 ? "      " : "",
+                    errors_text(&e->no_relief, third));
     }
 }
 
@@ -328,6 +349,10 @@ void enc_leave_one_out_json(json *j, const char *key, const enc_leave_one_out *m
         json_object(j, left_names[left]);
         json_number(j, "linear", material ? enc_psnr_linear(&e->material) : NAN);
         json_number(j, "srgb", material ? enc_psnr_srgb(&e->material) : NAN);
+        if (e->no_relief.count > 0) {
+            json_number(j, "linear_without_relief", enc_psnr_linear(&e->no_relief));
+            json_number(j, "srgb_without_relief", enc_psnr_srgb(&e->no_relief));
+        }
         json_number(j, "data_linear", enc_psnr_linear(&e->data));
         json_number(j, "data_srgb", enc_psnr_srgb(&e->data));
         json_end(j);

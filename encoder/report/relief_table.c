@@ -68,7 +68,7 @@ void enc_relief_print(const enc_relief_choice *choice, FILE *out) {
         }
     }
     if (choice->reason) {
-        fprintf(out, "Relief: none, %s\n", choice->reason);
+        fprintf(out, choice->tried ? "Relief: none, %s\n" : "Relief: not tried: %s\n", choice->reason);
     }
     if (choice->gloss.judged) {
         print_gloss(&choice->gloss, out);
@@ -132,6 +132,7 @@ void enc_relief_json(json *j, const char *key, const enc_relief_choice *choice) 
     }
     json_object(j, key);
     json_integer(j, "chosen", choice->chosen);
+    json_bool(j, "tried", choice->tried);
     if (choice->reason) {
         json_string(j, "reason", choice->reason);
     }

@@ -7,6 +7,7 @@
 #include "encoder/base/stage.h"
 #include "encoder/data/level_filter.h"
 #include "encoder/model/decode_samples.h"
+#include "decoder/toolkit/between.h"
 #include "decoder/toolkit/cli.h"
 #include "decoder/toolkit/output.h"
 #include "metrics.h"
@@ -318,6 +319,18 @@ static enc_fit_error measured_at_samples(const enc_report *report) {
     return (enc_fit_error){sum->linear / count, sum->srgb / count};
 }
 
+/* An effect that changes nothing at the samples, and what it is worth between them where that is estimated. */
+static void print_between_effect(const enc_report_step *without, const enc_report *report, FILE *out) {
+    const enc_left_out_errors *e = &report->between.error[ENC_LEFT_VIEW];
+    fprintf(out, "  %-28s acts between the samples only", without->name);
+    if (strcmp(without->name, "relief") == 0 && e->no_relief.count > 0) {
+        fprintf(out, ": removes %.2f/%.2f dB where views are left out",
+                enc_psnr_linear(&e->material) - enc_psnr_linear(&e->no_relief),
+                enc_psnr_srgb(&e->material) - enc_psnr_srgb(&e->no_relief));
+    }
+    fprintf(out, "\n");
+}
+
 void enc_report_print(const enc_report *report, FILE *out) {
     const enc_data *data = report->data;
     const enc_metrics *first = &report->ladder[0].metrics;
@@ -361,6 +374,10 @@ void enc_report_print(const enc_report *report, FILE *out) {
     }
     for (int i = 0; i < report->n_without; i++) {
         const enc_metrics *m = &report->without[i].metrics;
+        if ((report->without[i].effects ^ full->effects) & BETWEEN_EFFECTS) {
+            print_between_effect(&report->without[i], report, out);
+            continue;
+        }
         fprintf(out, "  without %-12s %8.2f %8.2f   (%s removes %.2f/%.2f dB)\n", report->without[i].name,
                 enc_psnr_linear(&m->total), enc_psnr_srgb(&m->total), report->without[i].name,
                 enc_psnr_linear(&full->metrics.total) - enc_psnr_linear(&m->total),
@@ -495,7 +512,10 @@ static void write_effects(json *j, const enc_report *report) {
     json_object(j, "effects");
     for (int i = 0; i < report->n_without; i++) {
         const enc_error_sum *sum = &report->without[i].metrics.total;
+        const bool between =
+            (report->without[i].effects ^ report->ladder[report->n_ladder - 1].effects) & BETWEEN_EFFECTS;
         json_object(j, report->without[i].name);
+        json_bool(j, "between_samples", between); /* where the two removed values say nothing */
         json_number(j, "removes_linear", enc_psnr_linear(full) - enc_psnr_linear(sum));
         json_number(j, "removes_srgb", enc_psnr_srgb(full) - enc_psnr_srgb(sum));
         json_end(j);

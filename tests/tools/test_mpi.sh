@@ -59,6 +59,9 @@ same() { # NAME RANKS ARGUMENT...
 same "joint, folder" "1 2 3" data
 same "joint, fast, levels, archive" 3 data.zip --preset fast --levels all
 same "joint, Bonn" 3 small.btf --preset fast
+btf-sample -o bumps --relief bumps --size 16 --directions 0:1,30:6,60:8 --format exr --quiet || exit 99
+same "joint, relief, levels" "1 2" bumps --preset fast --relief auto --gloss auto --levels 2
+expect_that "relief is found" sh -c 'btf-info one.btf.exr | grep -q "relief-chosen=[a-m]"'
 btf-sample -o strip --relief bricks --size 72x4 --directions 0:1,40:3 --quiet || exit 99
 same "joint, match, two blocks of texels" 3 strip --effects shift,gain,residual --budget 24K
 same "joint, more ranks than views" $more_ranks data --preset fast
@@ -154,4 +157,11 @@ rm -f x.btf.exr
 expect "joint: three ranks go on from two" 0 on_ranks 3 "${kept[@]}" --resume
 btf-encode data --budget 10K -o whole.btf.exr -q
 expect_that "joint: with the same bytes" cmp whole.btf.exr x.btf.exr
+kept=(bumps --preset fast --relief auto --gloss auto -o x.btf.exr -q --checkpoint steps)
+kill_one KILL rank
+expect_that "relief: the checkpoint of a killed rank is there" test -e steps/relief.btf-step
+rm -f x.btf.exr
+expect "relief: one goes on from two" 0 on_ranks 1 "${kept[@]}" --resume
+btf-encode bumps --preset fast --relief auto --gloss auto -o whole.btf.exr -q
+expect_that "relief: with the same bytes" cmp whole.btf.exr x.btf.exr
 finish

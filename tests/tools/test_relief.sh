@@ -6,11 +6,12 @@
 # Bumps lie below the plane of their highest points: grazing views show them displaced.
 btf-sample -o data --relief bumps --size 16 --directions 0:1,30:6,60:8 --format exr --quiet || exit 99
 
-encode() { # NAME OPTION...
+encode_aloud() { # NAME OPTION...
     local name=$1
     shift
-    btf-encode data -o "$name.btf.exr" -q --preset fast --budget 100000 --report "$name.json" "$@"
+    btf-encode data -o "$name.btf.exr" --preset fast --budget 100000 --report "$name.json" "$@"
 }
+encode() { encode_aloud "$@" -q; }
 expect "relief and gloss, looked for" 0 encode found --relief auto --gloss auto --levels 3
 expect "preset fast looks for neither" 0 encode fast
 expect "off" 0 encode off --relief off --gloss off
@@ -32,11 +33,34 @@ for report, info in (fast, off):
 assert "gloss" in shared[1]["effects"], shared[1]
 P
 expect_that "files and reports say so" python3 check.py
+cat >worth.py <<'P'
+import json, subprocess
+info = json.loads(subprocess.run(["btf-info", "found.btf.exr", "--json"], capture_output=True, check=True).stdout)
+report = json.load(open("found.json"))
+buys, between = info["buys"]["relief"], info["between"]
+assert buys["between_samples"] and buys["bytes"] == 256, buys
+gain = between["view"]["linear"] - between["view_without_relief"]["linear"]
+assert abs(gain - buys["linear"]) < 1e-9 and gain > 0.7 and buys["srgb"] > 0.7, (buys, between)
+assert between["both"]["linear"] > between["both_without_relief"]["linear"] and "light_without_relief" not in between, between
+assert abs(report["between"]["view"]["linear_without_relief"] - between["view_without_relief"]["linear"]) < 1e-3, report["between"]
+assert report["effects"]["relief"]["between_samples"] and not report["effects"]["residual"]["between_samples"], report["effects"]
+off = json.loads(subprocess.run(["btf-info", "off.btf.exr", "--json"], capture_output=True, check=True).stdout)
+assert "view" in off["between"] and "view_without_relief" not in off["between"], off["between"]
+P
+expect_that "a file tells what relief is worth between the samples" python3 worth.py
+expect "in words" 0 btf-info found.btf.exr
+expect_text "not by errors at the samples" "relief +between the samples only: \\+[0-9.]+ dB linear, .* where views are left out, for 256 bytes" out
+expect "gloss" 0 btf-info shared.btf.exr
+expect_text "acts there too" "gloss +between the samples only, for 0 bytes" out
+expect "a plan" 0 btf-info found.btf.exr --plan views=0:60,lights=0:60
+expect_text "says so as well" "relief: on, worth \\+[0-9.]+/\\+[0-9.]+ dB between the samples" out
 expect_that "off is what fast does" cmp fast.btf.exr off.btf.exr
 expect "with threads" 0 encode again --relief auto --gloss auto --levels 3 --threads 3
 expect_that "the same bytes" cmp found.btf.exr again.btf.exr
-expect "samples that lie in a file" 0 encode disk --relief auto --memory "$(least_memory data --preset fast --budget 100000)"
+expect "samples that lie in a file" 0 encode_aloud disk --relief auto --memory "$(least_memory data --preset fast --budget 100000)"
 expect_text "have no relief, which is said" "do not fit|does not fit" disk.json
+expect_text "in the tables too" "^Relief: not tried: .*memory allowed" out
+expect_text "and when it is decided" "relief: not tried: .*memory allowed" err
 expect "another share is refused" 1 encode odd --gloss 3
 expect_text "with those that there are" "auto.*off.*0.*1.*2" err
 expect "the paper's method has no relief" 1 btf-encode data -o odd.btf.exr --method paper --relief auto

@@ -306,7 +306,7 @@ static void between_errors_are_checked(void **state) {
         size_t index;
         float value;
     } wrong[] = {{0, 0},    {0, 17}, {1, NAN},  {3, 60},   {6, 91},  {7, 0},         {7, 4},
-                 {7, 1.5f}, {8, -1}, {9, 1.5f}, {11, NAN}, {12, -2}, {13, INFINITY}, {14, NAN}};
+                 {7, 5},    {7, 1.5f}, {8, -1}, {9, 1.5f}, {11, NAN}, {12, -2}, {13, INFINITY}, {14, NAN}};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         float values[COUNT];
         memcpy(values, good, sizeof good);

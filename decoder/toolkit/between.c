@@ -1,0 +1,33 @@
+/* Effects that act between the samples. See between.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "between.h"
+
+#include <math.h>
+#include <stddef.h>
+
+enum { VIEW = 1, VIEW_WITHOUT_RELIEF = 5 };
+
+static const float *find_row(const btf_between_errors *e, int left_out) {
+    for (uint32_t i = 0; i < e->row_count; i++) {
+        const float *row = e->rows + (size_t)i * e->row_stride;
+        if (row[0] == (float)left_out) {
+            return row;
+        }
+    }
+    return NULL;
+}
+
+bool between_gain(const btf_material *material, uint32_t effect, double out_gain[2]) {
+    const btf_between_errors e = btf_material_between_errors(material);
+    const float *with = find_row(&e, VIEW), *without = find_row(&e, VIEW_WITHOUT_RELIEF);
+    out_gain[0] = out_gain[1] = 0;
+    if (effect != BTF_EFFECT_RELIEF || !with || !without) {
+        return false;
+    }
+    for (int i = 0; i < 2; i++) {
+        out_gain[i] = 10 * log10(fmax((double)without[1 + i], 1e-10) / fmax((double)with[1 + i], 1e-10));
+    }
+    return true;
+}

@@ -1,0 +1,37 @@
+/* What acts between the samples: relief and gloss, and values at the nodes that a decoder blends as a
+ * smooth surface would.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_ENCODER_JOB_BETWEEN_H
+#define OPENBTF_ENCODER_JOB_BETWEEN_H
+
+#include "encoder/nodes/choose.h"
+#include "relief_step.h"
+#include "settings.h"
+
+typedef struct enc_between {
+    bool relief_judged, fit_judged;
+    enc_relief_choice relief; /* where relief_judged */
+    char reason[ENC_RELIEF_REASON];
+    enc_relief_store store; /* zeros: neither relief nor gloss */
+    enc_fit_choice fit;     /* where fit_judged */
+    enc_node_tables nodes;
+    enc_data *fitted; /* values at the nodes, of which the model is found; NULL: the samples are */
+} enc_between;
+
+/* Finds all that the job asks for. Relief and gloss are a step of the checkpoint; NULL: there is none. The
+ * fit is found again on resumption, since its values at the nodes would take as much of the disk as the
+ * samples. The caller clears *out, whatever comes back. Errors, on the log: those of enc_relief_choose,
+ * enc_relief_step_take, enc_foresee_error, enc_fit_choose and enc_node_apply, BTF_ERROR_IO. */
+btf_result enc_between_find(const enc_context *context, const enc_job *job, const enc_data *data,
+                            enc_checkpoint *checkpoint, enc_between *out);
+
+/* Options, and what was chosen where they leave it open; the caller frees it. Errors, on the log:
+ * BTF_ERROR_MEMORY. */
+btf_result enc_between_provenance(const enc_context *context, const enc_job *job,
+                                  const enc_between *between, const char *options, char **out_text);
+
+void enc_between_clear(enc_between *between);
+
+#endif
