@@ -22,7 +22,7 @@ enum {
 
 #define ENC_RELIEF_MARGIN                                                                                  \
     0.7 /* dB that a ring must gain by views left out, mean of linear and sRGB-coded */
-#define ENC_RELIEF_SHARE 0.95 /* of a flat surface's squared error, which a map must come below */
+#define ENC_RELIEF_SHARE 0.65 /* of a flat surface's squared error, which a map must come below */
 
 typedef struct enc_relief_options {
     bool relief;
