@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "decoder/toolkit/file.h"
+#include "decoder/toolkit/filter.h"
 #include "decoder/toolkit/progress.h"
 #include "encoder/base/stage.h"
 #include "encoder/between/blend.h"
@@ -25,7 +26,7 @@ static struct {
     enc_read_options read;
     const char *pictures;
     uint32_t effects;
-    int interpolation, worst, threads;
+    int interpolation, filter, worst, threads;
     bool json, no_ssim, pairs, leave_one_out, quiet;
 } o = {.read = {.names_of_some = true}, /* a table may be of one side alone */
        .effects = BTF_EFFECT_ALL, .interpolation = ENC_INTERPOLATE_LINEAR, .worst = 8};
@@ -43,6 +44,12 @@ static const cli_option table[] = {
      .help = "between sampled directions: the nearest one, the decoder's barycentric\n"
              "weights, or, of a data set, thin-plate splines through the square roots\n"
              "of all its images; default linear"},
+    {.name = "filter",
+     .type = CLI_CHOICE,
+     .value = &o.filter,
+     .choices = FILTER_CHOICES,
+     .help = "of a material between the samples: how texels that the effect relief shifts\n"
+             "are read; default texel"},
     {.name = "pairs",
      .type = CLI_FLAG,
      .value = &o.pairs,
@@ -120,7 +127,8 @@ static btf_ref_options decoding(void) {
     return (btf_ref_options){.effects = o.effects,
                              .components = UINT32_MAX,
                              .interpolation = o.interpolation == ENC_INTERPOLATE_NEAREST ? BTF_REF_NEAREST
-                                                                                         : BTF_REF_LINEAR};
+                                                                                         : BTF_REF_LINEAR,
+                             .filter = filter_of_reference((btf_filter)o.filter)};
 }
 
 static btf_result open_side(const enc_context *context, side *s, bool as_pairs) {
@@ -434,6 +442,10 @@ static btf_result compare(const enc_context *context, side *a, side *b) {
     if (o.interpolation == ENC_INTERPOLATE_SPLINE && !(pairs && (a->data || b->data))) {
         return enc_fail(context, BTF_ERROR_USAGE,
                         "--interpolation spline: is for a data set against pairs, see --help");
+    }
+    if (o.filter != BTF_FILTER_TEXEL && !(pairs && (a->material || b->material))) {
+        return enc_fail(context, BTF_ERROR_USAGE, "--filter %s: is for a material against pairs, see --help",
+                        filter_name((btf_filter)o.filter));
     }
     if (!pairs && (o.pictures || o.pairs)) {
         return enc_fail(context, BTF_ERROR_USAGE, "--%s: neither %s nor %s holds single images",

@@ -15,3 +15,7 @@ int filter_of_reference(btf_filter filter) {
            : filter == BTF_FILTER_STEEP  ? BTF_REF_STEEP
                                          : BTF_REF_TEXEL;
 }
+
+float filter_centre(uint32_t i, uint32_t size) {
+    return (float)(((2 * i + 1) * ((uint32_t)1 << 17) + size - 1) / size) * 0x1p-18f;
+}

@@ -16,4 +16,9 @@ const char *filter_name(btf_filter filter);
 /* BTF_REF_TEXEL, _BILINEAR or _STEEP. */
 int filter_of_reference(btf_filter filter);
 
+/* The texture coordinate of the centre of texel `i` of `size`, counted from the left or from below: the
+ * next multiple of 2^-18, in which texture coordinates are counted, so that no part of the texel before is
+ * blended in, and, up to 1024 texels, none of the next. */
+float filter_centre(uint32_t i, uint32_t size);
+
 #endif

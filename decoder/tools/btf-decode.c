@@ -149,13 +149,6 @@ static unsigned char srgb_code(const float thresholds[256], float linear) {
     return (unsigned char)low;
 }
 
-/* The texture coordinate of a texel's centre, counted from the left or from below: the next multiple of
- * 2^-18, in which texture coordinates are counted, so that no part of the texel before is blended in, and,
- * up to 1024 texels, none of the next. */
-static float centre(uint32_t i, uint32_t size) {
-    return (float)(((2 * i + 1) * ((uint32_t)1 << 17) + size - 1) / size) * 0x1p-18f;
-}
-
 /* Decodes the texel grid into rgb (floats) and writes it; codes is as large as rgb. */
 static btf_result decode_image(const decoder *d, const char *path, const float light[3],
                                const float view[3], float *rgb, unsigned char *codes) {
@@ -167,8 +160,8 @@ static btf_result decode_image(const decoder *d, const char *path, const float l
             if (d->options.filter == BTF_REF_TEXEL)
                 btf_ref_evaluate_texel(&d->material, &d->options, column, row, light, view, out);
             else
-                btf_ref_evaluate(&d->material, &d->options, centre(column, width),
-                                 centre(height - 1 - row, height), light, view, out);
+                btf_ref_evaluate(&d->material, &d->options, filter_centre(column, width),
+                                 filter_centre(height - 1 - row, height), light, view, out);
     if (d->format == FORMAT_EXR)
         return exr_image_write(path, (int)width, (int)height, rgb, false, d->log);
     for (size_t i = 0; i < values; i++)

@@ -4,6 +4,8 @@
  */
 #include "decode.h"
 
+#include "decoder/toolkit/filter.h"
+
 #include <stdlib.h>
 
 /* A texel at all pairs: out[pair][texel][3]. */
@@ -13,6 +15,18 @@ static void decode_texel(enc_evaluated_texel *texel, const btf_ref_options *opti
         const enc_evaluated_at at = {&around[p].lights, &around[p].views, pairs[p].light.xyz,
                                      pairs[p].view.xyz, true};
         enc_evaluate(texel, options, &at, &options->components, 1, (float(*)[3])(out + 3 * p * texels));
+    }
+}
+
+/* The same at its centre by a filter between texels, which the evaluator does not have. */
+static void filter_texel(const btf_ref_material *m, const btf_ref_options *options, const enc_pair *pairs,
+                         size_t texel, size_t count, float *out) {
+    const uint32_t column = (uint32_t)(texel % m->width),
+                   below = m->height - 1 - (uint32_t)(texel / m->width);
+    const size_t texels = (size_t)m->width * m->height;
+    for (size_t p = 0; p < count; p++) {
+        btf_ref_evaluate(m, options, filter_centre(column, m->width), filter_centre(below, m->height),
+                         pairs[p].light.xyz, pairs[p].view.xyz, out + 3 * p * texels);
     }
 }
 
@@ -34,6 +48,10 @@ btf_result enc_decode_pairs(const enc_context *context, const enc_evaluator *eva
             if (cancelled || !texel) {
 #pragma omp atomic write
                 result = cancelled ? BTF_ERROR_INTERRUPTED : BTF_ERROR_MEMORY;
+                continue;
+            }
+            if (options->filter != BTF_REF_TEXEL) {
+                filter_texel(m, options, pairs, t, count, out + 3 * t);
                 continue;
             }
             enc_evaluated_texel_move(texel, t);

@@ -42,7 +42,7 @@ static bool add_products(const enc_factor_matrix *m, size_t n_a, const float *a,
     return done;
 }
 
-/* What a plan's codes leave of the components. */
+/* Squared error that the codes of a plan leave of the components. */
 static btf_result error_of(const enc_factor_matrix *m, const enc_components components[ENC_FACTOR_CHANNELS],
                            const enc_factor_plan *plan, int sweeps, double *out_error) {
     enc_factor_codes codes;

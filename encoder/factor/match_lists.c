@@ -53,7 +53,7 @@ static size_t distinct_pairs(const enc_match *match, size_t texel, pair *out) {
     return count;
 }
 
-/* What a thread works in. */
+/* The memory that a thread works in. */
 typedef struct workspace {
     pair *pairs;  /* [view] */
     float *query; /* [view][k] */

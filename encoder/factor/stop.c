@@ -5,7 +5,7 @@
  * of dB - tolerance * log(bytes) / log(1.1): beyond it no step gains the tolerance a tenth, however wide it
  * is.
  *
- * What 8 bits round off does not count: of a strong component it may be more than all that weak ones hold,
+ * The error of rounding to 8 bits does not count: of a strong component it may be more than all that weak ones hold,
  * but the descent lets those make up for it, so that bytes are not to stop at it.
  *
  * SPDX-License-Identifier: MIT

@@ -157,7 +157,7 @@ static bool unpack_heights(const btf_material *material, uint32_t level, enc_sol
     return ok;
 }
 
-/* What level 0 has of relief and gloss. */
+/* Takes relief and gloss of level 0 from a material. */
 static bool unpack_relief(const btf_material *material, const btf_material_info *info, enc_solution *s) {
     const float *vectors = btf_material_texture(material, BTF_TEXTURE_VIEW_VECTORS).data;
     s->relief = (enc_relief_store){.effects = info->effects & (BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS),

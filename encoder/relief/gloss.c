@@ -18,6 +18,7 @@ enum {
     DRAWN_LIGHTS = 16,
     DRAWN_TEXELS = 192, /* of each view */
     SHARES = ENC_GLOSS_SHARES,
+    MOST_QUARTERS = 2,
 };
 
 /* The lights of a pair of a neighbour and a light left out. */
@@ -191,9 +192,12 @@ static void decide(enc_gloss_choice *c) {
         shift = bend > 0 ? 0.5 * (d - a) / bend : 0;
     }
     c->best = ((double)best + shift) / (SHARES - 1);
-    c->quarters = (int)floor(c->best / 2 * 4 + 0.5);
-    if (c->quarters > 0 && score(c, c->quarters) < ENC_GLOSS_MARGIN) {
-        c->quarters = 0;
+    const double least = pow(10, ENC_GLOSS_MARGIN / 10);
+    c->quarters = 0;
+    for (int q = 1; q <= MOST_QUARTERS && c->error[q - 1].linear > least * c->error[q].linear &&
+                    c->error[q - 1].srgb > least * c->error[q].srgb;
+         q++) {
+        c->quarters = q;
     }
 }
 

@@ -14,11 +14,12 @@ typedef struct enc_gloss_choice {
     bool judged;
     enc_judged_error error[ENC_GLOSS_SHARES];
     double best;  /* share, between the five by a parabola */
-    int quarters; /* chosen: half of the best, since the gap is twice that of use, to the nearest quarter; 0
-                     where that gains less than ENC_GLOSS_MARGIN */
+    int quarters; /* chosen: a quarter more as long as linear and sRGB-coded values both gain
+                     ENC_GLOSS_MARGIN by it, so that neither pays for the other; 2 at most, since the gap is
+                     twice that of use */
 } enc_gloss_choice;
 
-#define ENC_GLOSS_MARGIN 0.2 /* dB, mean of linear and sRGB-coded, at the chosen share */
+#define ENC_GLOSS_MARGIN 0.2 /* dB that each quarter must gain */
 
 /* The direction around which neighbour `near` of a view looks up lights (FORMAT.md section 9, Gloss). */
 void enc_gloss_light(const float near[3], const float view[3], const float light[3], float share,

@@ -10,6 +10,7 @@
 
 #include "decoder/toolkit/reference_view.h"
 #include "encoder/base/stage.h"
+#include "encoder/relief/relief.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -22,6 +23,7 @@ typedef struct section {
     bench_held whole; /* nothing is left out: every row is of all data */
     char name[160];   /* in the journal */
     uint64_t budget;
+    enc_relief_store relief; /* what the default chooses to do between the samples */
     bench_table *table;
 } section;
 
@@ -71,11 +73,31 @@ static btf_result measure_joint(const section *s, int preset, bench_row *row) {
     return result == BTF_OK ? measure_encoded(s, &encoded, row) : result;
 }
 
+static btf_result measure_still(const section *s, int preset, bench_row *row) {
+    bench_encoded encoded;
+    const btf_result result =
+        bench_encode_joint_between(s->run->context, s->run->data, preset, s->budget, NULL, &encoded);
+    return result == BTF_OK ? measure_encoded(s, &encoded, row) : result;
+}
+
+/* With relief and gloss, which preset fast leaves out. */
 static btf_result measure_fitted(const section *s, int preset, bench_row *row) {
     bench_encoded encoded;
     const btf_result result =
-        bench_encode_joint_between(s->run->context, s->run->data, preset, s->budget, &encoded);
+        bench_encode_joint_between(s->run->context, s->run->data, preset, s->budget,
+                                   preset == ENC_PRESET_FAST ? NULL : &s->relief, &encoded);
     return result == BTF_OK ? measure_encoded(s, &encoded, row) : result;
+}
+
+static btf_result choose_relief(section *s) {
+    const enc_relief_options options = {.relief = true, .gloss = -1};
+    bool wanted = false;
+    for (int i = 0; i < BENCH_PRESETS; i++) {
+        wanted = wanted || (s->run->presets[i] && i != ENC_PRESET_FAST);
+    }
+    enc_relief_choice choice;
+    return wanted ? enc_relief_choose(s->run->context, s->run->data, &options, &choice, &s->relief)
+                  : BTF_OK;
 }
 
 static btf_result measure_paper(const section *s, int setting, bench_row *row) {
@@ -143,6 +165,10 @@ static btf_result measure_all(section *s) {
         if (s->run->presets[i]) {
             snprintf(name, sizeof name, "joint %s", bench_preset_names[i]);
             result = measured(s, "preset", name, measure_fitted, i);
+            snprintf(name, sizeof name, "joint %s; relief and gloss off", bench_preset_names[i]);
+            if (result == BTF_OK && i != ENC_PRESET_FAST && s->relief.effects) {
+                result = measured(s, "still", name, measure_still, i);
+            }
             snprintf(name, sizeof name, "joint %s; --fit samples", bench_preset_names[i]);
             result = result == BTF_OK ? measured(s, "samples", name, measure_joint, i) : result;
         }
@@ -166,7 +192,8 @@ btf_result bench_section_between(const bench_run *run) {
         return enc_fail(run->context, BTF_ERROR_MEMORY, "bench: out of memory");
     }
     snprintf(s.name, sizeof s.name, "between/%s", run->name);
-    btf_result result = measure_all(&s);
+    btf_result result = choose_relief(&s);
+    result = result == BTF_OK ? measure_all(&s) : result;
     if (result == BTF_OK && (result = bench_open(run, "between", "csv", &csv)) == BTF_OK) {
         bench_mark_pareto(s.table, bench_cost_bytes);
         bench_table_write(s.table, csv);
@@ -177,6 +204,7 @@ btf_result bench_section_between(const bench_run *run) {
     if (result == BTF_OK) {
         result = bench_readme_between(run, s.table);
     }
+    enc_relief_clear(&s.relief);
     free(s.table);
     return result;
 }

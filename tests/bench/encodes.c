@@ -8,7 +8,10 @@
 #include "encoder/model/pack.h"
 #include "encoder/model/unpack.h"
 #include "encoder/job/foresee.h"
+#include "encoder/relief/relief.h"
 
+#include <stdlib.h>
+#include <string.h>
 #include <sys/resource.h>
 #include <time.h>
 
@@ -46,8 +49,30 @@ static btf_result store(const enc_context *context, const enc_data *data, enc_so
     return result;
 }
 
-btf_result bench_encode_joint_options(const enc_context *context, const enc_data *data,
-                                      const enc_joint_options *options, bench_encoded *out) {
+/* What acts between the samples becomes part of a solution. Errors: BTF_ERROR_MEMORY. */
+static btf_result add_relief(const enc_relief_store *relief, const enc_data *data, enc_solution *found) {
+    const size_t texels = enc_data_texel_count(data), views = (size_t)data->n_views;
+    enc_relief_store copy = *relief;
+    copy.heights = relief->heights ? malloc(texels) : NULL;
+    copy.views = relief->views ? malloc(views) : NULL;
+    if ((relief->heights && !copy.heights) || (relief->views && !copy.views)) {
+        enc_relief_clear(&copy);
+        return BTF_ERROR_MEMORY;
+    }
+    if (copy.heights) {
+        memcpy(copy.heights, relief->heights, texels);
+    }
+    if (copy.views) {
+        memcpy(copy.views, relief->views, views);
+    }
+    found->effects |= relief->effects;
+    found->relief = copy;
+    return BTF_OK;
+}
+
+static btf_result encode_joint(const enc_context *context, const enc_data *data,
+                               const enc_joint_options *options, const enc_relief_store *relief,
+                               bench_encoded *out) {
     const bench_clock start = bench_now();
     const enc_job job = {.joint = *options};
     const enc_factors_settings settings =
@@ -55,9 +80,17 @@ btf_result bench_encode_joint_options(const enc_context *context, const enc_data
     enc_factors_stats stats;
     enc_solution found;
     *out = (bench_encoded){0};
-    const btf_result result = enc_factors_solve(context, data, &settings, &found, &stats);
+    btf_result result = enc_factors_solve(context, data, &settings, &found, &stats);
+    if (result == BTF_OK && relief && (result = add_relief(relief, data, &found)) != BTF_OK) {
+        enc_solution_clear(&found);
+    }
     return result == BTF_OK ? store(context, data, &found, BTF_LAYOUT_TIGHT, false, "joint", start, out)
                             : result;
+}
+
+btf_result bench_encode_joint_options(const enc_context *context, const enc_data *data,
+                                      const enc_joint_options *options, bench_encoded *out) {
+    return encode_joint(context, data, options, NULL, out);
 }
 
 btf_result bench_encode_paper_options(const enc_context *context, const enc_data *data,
@@ -84,8 +117,21 @@ btf_result bench_encode_joint(const enc_context *context, const enc_data *data, 
     return bench_encode_joint_options(context, data, &options, out);
 }
 
+/* Values at nodes, which follow the surface that views are shifted along. */
+static btf_result apply_nodes(const enc_context *context, const enc_node_tables *nodes,
+                              const enc_relief_store *relief, const enc_data *data, enc_data **out) {
+    enc_warp surface = {0};
+    const bool moves = relief && relief->effects & BTF_EFFECT_RELIEF;
+    const enc_node_relief along = {&surface, moves ? relief->views : NULL};
+    btf_result result =
+        moves ? enc_relief_level(relief, data->width, data->height, 0, NULL, &surface) : BTF_OK;
+    result = result == BTF_OK ? enc_node_apply(context, nodes, moves ? &along : NULL, data, out) : result;
+    enc_warp_clear(&surface);
+    return result;
+}
+
 btf_result bench_encode_joint_between(const enc_context *context, const enc_data *data, int preset,
-                                      uint64_t budget, bench_encoded *out) {
+                                      uint64_t budget, const enc_relief_store *relief, bench_encoded *out) {
     const bench_clock start = bench_now();
     enc_fit_choice choice;
     enc_node_tables nodes;
@@ -98,11 +144,11 @@ btf_result bench_encode_joint_between(const enc_context *context, const enc_data
     btf_result result = enc_foresee_error(context, data, &settings, &coder);
     result = result == BTF_OK ? enc_fit_choose(context, data, true, 0, &coder, &choice, &nodes) : result;
     if (result == BTF_OK && nodes.views) {
-        result = enc_node_apply(context, &nodes, NULL, data, &fitted);
+        result = apply_nodes(context, &nodes, relief, data, &fitted);
     }
     const bench_clock end = bench_now();
     if (result == BTF_OK) {
-        result = bench_encode_joint(context, fitted ? fitted : data, preset, budget, out);
+        result = encode_joint(context, fitted ? fitted : data, &job.joint, relief, out);
     }
     out->wall += end.wall - start.wall;
     out->core += end.core - start.core;

@@ -18,9 +18,10 @@ typedef struct bench_encoded {
 /* --method joint with this preset (enc_preset) and budget (0: default), --fit samples. */
 btf_result bench_encode_joint(const enc_context *context, const enc_data *data, int preset, uint64_t budget,
                               bench_encoded *out);
-/* The same with --fit between, the default of btf-encode. */
+/* The same with --fit between, the default of btf-encode, and with the relief and gloss that
+ * enc_relief_choose found; NULL: --relief off --gloss off. The time of that choice is not counted. */
 btf_result bench_encode_joint_between(const enc_context *context, const enc_data *data, int preset,
-                                      uint64_t budget, bench_encoded *out);
+                                      uint64_t budget, const enc_relief_store *relief, bench_encoded *out);
 /* --method paper with its defaults, layout paper. */
 btf_result bench_encode_paper(const enc_context *context, const enc_data *data, bench_encoded *out);
 /* The same with any options; half: SBRDF parameters as half floats. */

@@ -144,6 +144,9 @@ expect "pairs against pairs" 1 btf-compare pairs others -q
 expect_text "need a side to measure" "one of the two has to be a data set or a material" err
 expect "splines of a material" 1 btf-compare m.btf.exr pairs --interpolation spline -q
 expect "splines at samples" 1 btf-compare data data --interpolation spline -q
+expect "a filter of data" 1 btf-compare data pairs --filter steep -q
+expect_text "is told" "--filter steep: is for a material against pairs" err
+expect "a filter at samples" 1 btf-compare data m.btf.exr --filter bilinear -q
 expect "pictures of grids" 1 btf-compare data m.btf.exr --pictures x.png -q
 btf-sample -o large --between 3 --size 24 -q
 expect "sizes differ" 3 btf-compare m.btf.exr large -q

@@ -202,6 +202,12 @@ expect "by a steep one" 0 btf-decode relief.btf.exr -o steep.exr $way --filter s
 expect_that "each another image" test "$(md5sum all.exr flat.exr dull.exr none.exr soft.exr steep.exr | cut -d' ' -f1 | sort -u | wc -l)" = 6
 expect "without either, filtered" 0 btf-decode relief.btf.exr -o plain.exr $way --filter steep --effects shadow,shift,hidden,gain,residual
 expect_that "centres of texels are texels" cmp none.exr plain.exr
+mkdir way
+cp steep.exr way/tl40_pl120_tv40_pv60.exr
+expect "against the steep one" 0 btf-compare relief.btf.exr way --filter steep --no-ssim --json -q
+expect_that "no error by the same filter" python3 -c 'import json; assert json.load(open("out"))["between"]["linear"] > 99'
+expect "by whole texels" 0 btf-compare relief.btf.exr way --no-ssim --json -q
+expect_that "some" python3 -c 'import json; assert json.load(open("out"))["between"]["linear"] < 60'
 expect "no such filter" 1 btf-decode relief.btf.exr -o x.exr --filter soft
 expect "one height" 0 factor_file height.btf.exr 1 tight 1 roots height
 expect "is told" 0 btf-info height.btf.exr

@@ -28,7 +28,7 @@ unset PKG_CONFIG_PATH
     printf 'LIB/%s\n' libopenbtf{,_reference}.so{,.0.2,.0.2.0} pkgconfig/openbtf{,-reference}.pc
     printf 'share/cmake/openbtf/%s\n' openbtfConfig{,Version}.cmake
     printf 'share/openbtf/%s\n' FORMAT.md LICENSE README.md openbtf.glsl self_test.glsl \
-        openbtf_{factors,joint,lists,paper,points,residual,sbrdf}_{texel,bilinear,fast}.glsl
+        openbtf_{factors,joint,lists,paper,points,relief,residual,sbrdf}_{texel,bilinear,steep,fast}.glsl
 } | sort >documented
 [ -x "$prefix/bin/btf-view" ] || sed -i '/btf-view/d' documented # built where GLFW is
 expect_that 'the documented files, and no other' diff documented files
@@ -53,7 +53,7 @@ expect_that 'what installed files refer to' complete
 variant() {
     {
         echo '#version 450 core'
-        sed '/\*\//q' "$1" | grep -oE 'BTF_[A-Z_]+' | sed -E 's/.*(SCALE|GAIN_BASE|GAIN_STEP)/#define & 1.0/; t; s/.*/#define & 7u/'
+        sed '/\*\//q' "$1" | grep -oE 'BTF_[A-Z_]+' | sed -E 's/.*(SCALE|GAIN_BASE|GAIN_STEP)/#define & 1.0/; t; s/.*RELIEF.*/#define & 7/; t; s/.*/#define & 7u/'
         cat "$1"
         echo 'in vec3 l; out vec4 colour; void main() { colour = vec4(btf_evaluate(l.xy, l, l), 1.0); }'
     } >variant.frag

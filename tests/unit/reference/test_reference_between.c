@@ -137,7 +137,7 @@ static void test_views_left_alone(void **state) {
 
 /* --- the parts put together in double --- */
 
-/** What is blended of one texel in one view: radiance before its scale, or the root where roots are blended
+/** The value of one texel in one view that is blended: radiance before its scale, or the root where roots are blended
  * and radiance is not 0; *out_known false where it may be negative. */
 static void blended_value(const made *x, const btf_ref_options *o, uint32_t column, uint32_t row,
                           uint32_t view, const btf_ref_neighbours *lights, const float l[3],
