@@ -251,8 +251,8 @@ static const cli_option table[] = {
      .maximum = 0x1p62,
      .help = "bound of the working set of a process; default half of the\nmachine's, divided by its ranks. "
              "Data beyond half of it go through "
-             "a scratch file in $TMPDIR, where\nshift, gain and relief are not tried: there the output depends on it. "
-             "Refused where the data\ntake more at the least"},
+             "a scratch\nfile in $TMPDIR, where shift, gain and relief are not tried: the output\ndepends on it there. "
+             "Refused where the data take more at the least"},
     {.short_name = 'q',
      .name = "quiet",
      .type = CLI_FLAG,

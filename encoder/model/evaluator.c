@@ -13,10 +13,12 @@
 
 /* Texels whose levels are kept at a time: more than the sources in a texel's list of points. */
 enum { SOURCES = 24 };
+/* Effects that change nothing where the view is a sample. */
+enum { BETWEEN = BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS };
 
 struct enc_evaluator {
     btf_ref_material reference;
-    bool fast; /* nothing but factors, shift and gain */
+    bool fast; /* nothing but factors, shift and gain, and what acts between the samples */
     bool roots;
     float horizon_scale;
     enc_factor_unit *units;
@@ -70,7 +72,7 @@ btf_result enc_evaluator_create(const enc_context *context, const btf_material *
     btf_result result = btf_material_get_info(material, &info);
     reference_view(material, level, &e->reference);
     const uint32_t others =
-        info.effects & ~(uint32_t)(BTF_EFFECT_RESIDUAL | BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN);
+        info.effects & ~(uint32_t)(BTF_EFFECT_RESIDUAL | BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BETWEEN);
     e->fast = info.store == BTF_STORE_FACTORS && others == 0 && info.colour == BTF_COLOUR_NONE &&
               info.layout == BTF_LAYOUT_TIGHT;
     if (result == BTF_OK && e->fast)
@@ -342,11 +344,27 @@ static void evaluate_factors(enc_evaluated_texel *t, const btf_ref_options *opti
         }
 }
 
+/* Whether the view is a sampled direction to the bit: a neighbour is then shifted by nothing, weighs 4096 and has
+ * the pixel's own lights. */
+static bool view_is_sample(const enc_evaluator *e, const enc_evaluated_at *at) {
+    const float *vectors = e->reference.view_vectors;
+    for (int a = 0; a < 3; a++)
+        if (at->views->weight[a] == 4096)
+            return memcmp(vectors + 4 * (size_t)at->views->index[a], at->view, 3 * sizeof *vectors) == 0;
+    return false;
+}
+
+/* Whether relief or gloss act. */
+static bool acts_between(const enc_evaluator *e, const btf_ref_options *options, const enc_evaluated_at *at) {
+    return options->effects & e->reference.effects & BETWEEN && !view_is_sample(e, at);
+}
+
 void enc_evaluate(enc_evaluated_texel *t, const btf_ref_options *options, const enc_evaluated_at *at,
                   const uint32_t *components, size_t count, float out[][3]) {
     const enc_evaluator *e = t->evaluator;
     const bool above = at->light[2] >= 0x1p-24f && at->view[2] >= 0x1p-24f;
-    if (e->fast && above && options->effects & BTF_EFFECT_RESIDUAL && components[count - 1] > 0) {
+    if (e->fast && above && options->effects & BTF_EFFECT_RESIDUAL && components[count - 1] > 0 &&
+        !acts_between(e, options, at)) {
         evaluate_factors(t, options, at, components, count, out);
         return;
     }
