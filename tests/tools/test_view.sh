@@ -243,6 +243,7 @@ expect "a material dropped on an empty window" 0 x_drop "$window" m.btf.exr
 said "is shown" '^opened m.btf.exr'
 press 1 '^effects shadow'
 press n '^directions linear'
+press b '^filter steep'
 press b '^filter texel'
 press x '^math exact'
 xdotool key q
