@@ -347,3 +347,9 @@ void edit_resize(edit_part *part, int width, int height) {
             allocate(pixel_size(part->channels[c].type) * (size_t)width * (size_t)height);
     }
 }
+
+void edit_set_text(edit_file *file, const char *name, const char *text) {
+    edit_attribute *a = edit_find_attribute(file, name);
+    free(a->text);
+    a->text = strdup(text);
+}

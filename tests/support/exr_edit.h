@@ -54,6 +54,8 @@ void edit_save(const edit_file *file, void **out_data, size_t *out_size);
 void edit_free(edit_file *file);
 
 edit_attribute *edit_find_attribute(edit_file *file, const char *name);
+/* Gives an attribute of strings another one. */
+void edit_set_text(edit_file *file, const char *name, const char *text);
 void edit_remove_attribute(edit_file *file, const char *name);
 edit_part *edit_find_part(edit_file *file, const char *name);
 edit_channel *edit_find_channel(edit_file *file, const char *part, const char *channel);

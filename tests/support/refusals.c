@@ -68,3 +68,7 @@ void refused_as(edit_file *file, btf_result code, const char *text) {
     const btf_result result = open_edited(file, &material);
     assert_refused(result, code, text, material);
 }
+
+void file_refused(edit_file *file, const char *text) {
+    refused_as(file, BTF_ERROR_BAD_FILE, text);
+}

@@ -25,5 +25,7 @@ btf_result open_edited(edit_file *file, btf_material **out_material);
 
 /* The edited file must be refused with this code and a message that holds `text`. */
 void refused_as(edit_file *file, btf_result code, const char *text);
+/* The same with BTF_ERROR_BAD_FILE. */
+void file_refused(edit_file *file, const char *text);
 
 #endif

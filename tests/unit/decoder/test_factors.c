@@ -434,10 +434,6 @@ static edit_file *take(const saved *s) {
     return edit_load(s->data, s->size);
 }
 
-static void refused(edit_file *file, const char *text) {
-    refused_as(file, BTF_ERROR_BAD_FILE, text);
-}
-
 /* The edited file must open; the material that it is. */
 static btf_material *accepted(edit_file *file) {
     btf_material *m;
@@ -460,14 +456,14 @@ static void test_file_parts(void **state) {
         if (words) {
             edit_remove_part(e, names[i]);
             snprintf(text, sizeof text, "part %s: missing", names[i]);
-            refused(e, text);
+            file_refused(e, text);
         } else {
             edit_free(e);
         }
         e = take(&factor_file);
         edit_resize(edit_find_part(e, names[i]), 9, 3);
         snprintf(text, sizeof text, "part %s: data window (0,0)-(8,2)", names[i]);
-        refused(e, text);
+        file_refused(e, text);
         for (int type = 0; type < 3; type++) {
             static const exr_pixel_type_t types[3] = {EXR_PIXEL_HALF, EXR_PIXEL_FLOAT, EXR_PIXEL_UINT};
             if (types[type] == (words ? EXR_PIXEL_UINT : EXR_PIXEL_HALF))
@@ -478,23 +474,23 @@ static void test_file_parts(void **state) {
             edit_add_channel(part, "G", types[type]);
             snprintf(text, sizeof text, "part %s: channel G is of type %d, not %d (%s)", names[i],
                      (int)types[type], words ? 0 : 1, words ? "UINT" : "HALF");
-            refused(e, text);
+            file_refused(e, text);
         }
         e = take(&factor_file);
         edit_remove_channel(edit_find_part(e, names[i]), "B");
         snprintf(text, sizeof text, "part %s: channel B is missing", names[i]);
-        refused(e, text);
+        file_refused(e, text);
         e = take(&factor_file);
         edit_add_channel(edit_find_part(e, names[i]), "Y", words ? EXR_PIXEL_UINT : EXR_PIXEL_HALF);
         snprintf(text, sizeof text, "part %s: unknown channel Y", names[i]);
-        refused(e, text);
+        file_refused(e, text);
     }
     edit_file *e = take(&factor_file);
     edit_copy_part(e, "factor_texels", "residual_texels");
-    refused(e, "part residual_texels: unknown");
+    file_refused(e, "part residual_texels: unknown");
     e = take(&factor_file);
     edit_copy_part(e, "factor_texels", "level1.factor_texels");
-    refused(e, "part level1.factor_texels: unknown");
+    file_refused(e, "part level1.factor_texels: unknown");
 }
 
 static void test_file_words(void **state) {
@@ -506,15 +502,15 @@ static void test_file_words(void **state) {
     assert_int_equal(part->height, 12);
     uint32_t word = 0x80000001u;
     memcpy(edit_find_channel(e, "factor_texels", "A")->data + 4 * (9 * 20 + 16), &word, 4);
-    refused(e, "part factor_texels: channel A at (16, 9) holds 0x80000001 where no layer lies, not 0");
+    file_refused(e, "part factor_texels: channel A at (16, 9) holds 0x80000001 where no layer lies, not 0");
     e = take(&factor_file); /* layer 1 of class 0 begins at column 5 */
     word = 0x00800000u;
     memcpy(edit_find_channel(e, "factor_texels", "R")->data + 4 * (3 * 20 + 7), &word, 4);
-    refused(e, "factor_texels: unit 1 at (2, 3): byte 2 of channel R is -128");
+    file_refused(e, "factor_texels: unit 1 at (2, 3): byte 2 of channel R is -128");
     e = take(&factor_file);
     word = 0xFFFFFF80u;
     memcpy(edit_find_channel(e, "factor_directions", "B")->data, &word, 4);
-    refused(e, "factor_directions: unit 0 at (0, 0): byte 0 of channel B is -128");
+    file_refused(e, "factor_directions: unit 0 at (0, 0): byte 0 of channel B is -128");
 }
 
 /* Words come through every compression and order of rows. */
@@ -556,7 +552,7 @@ static void test_preview(void **state) {
     btf_material_close(&m);
     e = take(&plain_file); /* version 1 knows no such part */
     edit_copy_part(e, "sbrdf", "preview");
-    refused(e, "part preview: unknown");
+    file_refused(e, "part preview: unknown");
     btf_material_desc desc = random_material_desc(2, 2, 3, 3, BTF_LAYOUT_TIGHT, 0);
     random_state r = {12};
     random_material_fill(&r, &desc);
@@ -591,7 +587,7 @@ static void test_file_attributes(void **state) {
         edit_file *e = take(&factor_file);
         edit_remove_attribute(e, name);
         snprintf(text, sizeof text, "attribute %s is missing", name);
-        refused(e, text);
+        file_refused(e, text);
     }
     static const char *const typed[] = {"factorClasses", "factorScales", "factorViews", "horizonScale",
                                         "blend"};
@@ -601,27 +597,27 @@ static void test_file_attributes(void **state) {
         edit_file *e = take(&factor_file);
         edit_find_attribute(e, name)->type = EXR_ATTR_DOUBLE;
         snprintf(text, sizeof text, "attribute %s is of type double", name);
-        refused(e, text);
+        file_refused(e, text);
     }
     edit_file *e = take(&factor_file); /* its store is another then */
     edit_remove_attribute(e, "openbtf.factorClasses");
-    refused(e, "attribute openbtf.residualScales is missing");
+    file_refused(e, "attribute openbtf.residualScales is missing");
     e = take(&factor_file);
     add_floats(e, "openbtf.residualScales", FACTOR_UNITS);
-    refused(e, "attribute openbtf.residualScales without components of the residual");
+    file_refused(e, "attribute openbtf.residualScales without components of the residual");
     e = take(&factor_file);
     edit_find_attribute(e, "openbtf.residual")->i = 8;
-    refused(e, "factorClasses: 9 units in all, not 8");
+    file_refused(e, "factorClasses: 9 units in all, not 8");
     e = take(&factor_file);
     edit_find_attribute(e, "openbtf.version")->i = 1; /* nine components then */
-    refused(e, "attribute openbtf.residualScales is missing");
+    file_refused(e, "attribute openbtf.residualScales is missing");
     e = take(&factor_file); /* a file without a residual and with factors */
     edit_attribute *effects = edit_find_attribute(e, "openbtf.effects");
     free(effects->text);
     effects->text = strdup("shadow");
     edit_find_attribute(e, "openbtf.residual")->i = 0;
     edit_find_attribute(e, "openbtf.centres")->i = 0;
-    refused(e, "factors without the effect residual");
+    file_refused(e, "factors without the effect residual");
 }
 
 /* Changes one number of a floatvector. */
@@ -632,7 +628,7 @@ static void refused_number(const char *name, int index, float value, const char 
     edit_attribute *a = edit_find_attribute(e, full);
     assert_true(index < a->count);
     a->values[index] = value;
-    refused(e, text);
+    file_refused(e, text);
 }
 
 static void refused_count(const char *name, int count, const char *text) {
@@ -646,7 +642,7 @@ static void refused_count(const char *name, int count, const char *text) {
     free(a->values);
     a->values = values;
     a->count = count;
-    refused(e, text);
+    file_refused(e, text);
 }
 
 static void test_file_numbers(void **state) {
@@ -668,7 +664,7 @@ static void test_file_numbers(void **state) {
     e = take(&factor_file);
     edit_find_attribute(e, "openbtf.factorClasses")->values[7] = 5;
     edit_find_attribute(e, "openbtf.factorScales")->values[4 * 5 + 1] = 0.125f;
-    refused(e, "factorScales: unit 5, all of Y, has the scales");
+    file_refused(e, "factorScales: unit 5, all of Y, has the scales");
 }
 
 static void test_file_counts(void **state) {
@@ -687,18 +683,18 @@ static void test_file_counts(void **state) {
     for (size_t i = 0; i < sizeof horizons / sizeof *horizons; i++) {
         edit_file *e = take(&factor_file);
         edit_find_attribute(e, "openbtf.horizonScale")->f = horizons[i];
-        refused(e, "horizonScale");
+        file_refused(e, "horizonScale");
     }
     edit_file *e = take(&factor_file);
     edit_attribute *blend = edit_find_attribute(e, "openbtf.blend");
     free(blend->text);
     blend->text = strdup("root");
-    refused(e, "openbtf.blend is \"root\", which is unknown");
+    file_refused(e, "openbtf.blend is \"root\", which is unknown");
     e = take(&factor_file);
     edit_attribute *domain = edit_find_attribute(e, "openbtf.domain");
     free(domain->text);
     domain->text = strdup("linear");
-    refused(e, "blend roots without the domain sqrt");
+    file_refused(e, "blend roots without the domain sqrt");
     e = take(&factor_file);
     edit_remove_attribute(e, "openbtf.blend");
     btf_material *m = accepted(e);
@@ -744,7 +740,7 @@ static void test_versions(void **state) {
     e = take(&plain_file); /* the store is that of version 1 */
     edit_find_attribute(e, "openbtf.version")->i = 2;
     add_floats(e, "openbtf.factorScales", 4);
-    refused(e, "attribute openbtf.factorScales without units of factors");
+    file_refused(e, "attribute openbtf.factorScales without units of factors");
     e = take(&plain_file);
     edit_find_attribute(e, "openbtf.version")->i = 2;
     add_attribute(e, "openbtf.blend", EXR_ATTR_STRING)->text = strdup("roots");
@@ -963,7 +959,7 @@ static void test_many_directions(void **state) {
     edit_file *e = take(&s);
     assert_int_equal(edit_find_attribute(e, "openbtf.version")->i, 2);
     edit_find_attribute(e, "openbtf.version")->i = 1;
-    refused(e, "attribute openbtf.views holds 12288 numbers, not 1 to 256 times 3");
+    file_refused(e, "attribute openbtf.views holds 12288 numbers, not 1 to 256 times 3");
     btf_free(s.data);
     btf_material_close(&m);
     static const uint32_t layered[] = {BTF_EFFECT_SHIFT, BTF_EFFECT_HIDDEN, BTF_EFFECT_GAIN};

@@ -56,10 +56,6 @@ static edit_file *take(const saved *s) {
     return edit_load(s->data, s->size);
 }
 
-static void refused(edit_file *file, const char *text) {
-    refused_as(file, BTF_ERROR_BAD_FILE, text);
-}
-
 /* The edited file must open, with the textures of the original. */
 static void accepted(edit_file *file, const saved *original) {
     btf_material *a, *b;
@@ -190,26 +186,26 @@ static void test_parts(void **state) {
         edit_file *e = take(&tight_file);
         edit_remove_part(e, names[i]);
         snprintf(text, sizeof text, "part %s: missing", names[i]);
-        refused(e, text);
+        file_refused(e, text);
         e = take(&tight_file);
         edit_copy_part(e, names[i], "what");
-        refused(e, "part what: unknown");
+        file_refused(e, "part what: unknown");
         e = take(&tight_file);
         edit_resize(edit_find_part(e, names[i]), 9, 7);
         snprintf(text, sizeof text, "part %s: data window (0,0)-(8,6)", names[i]);
-        refused(e, text);
+        file_refused(e, text);
         e = take(&tight_file);
         edit_find_part(e, names[i])->min_x = 1;
         snprintf(text, sizeof text, "part %s: data window (1,0)", names[i]);
-        refused(e, text);
+        file_refused(e, text);
         e = take(&tight_file);
         edit_find_part(e, names[i])->compression = EXR_COMPRESSION_PXR24;
         snprintf(text, sizeof text, "part %s: compression 5", names[i]);
-        refused(e, text);
+        file_refused(e, text);
         e = take(&tight_file);
         edit_add_channel(edit_find_part(e, names[i]), "Z", EXR_PIXEL_HALF);
         snprintf(text, sizeof text, "part %s: unknown channel Z", names[i]);
-        refused(e, text);
+        file_refused(e, text);
         e = take(&tight_file);
         edit_part *part = edit_find_part(e, names[i]);
         char channel[40];
@@ -217,7 +213,7 @@ static void test_parts(void **state) {
         edit_remove_channel(part, channel);
         edit_add_channel(part, "Z", EXR_PIXEL_HALF);
         snprintf(text, sizeof text, "part %s: channel ", names[i]);
-        refused(e, text);
+        file_refused(e, text);
         e = take(&tight_file);
         part = edit_find_part(e, names[i]);
         int last = part->channel_count - 1; /* the first channel of sbrdf says whether all are halves */
@@ -225,11 +221,11 @@ static void test_parts(void **state) {
         edit_remove_channel(part, channel);
         edit_add_channel(part, channel, EXR_PIXEL_UINT);
         snprintf(text, sizeof text, "part %s: channel %s is of type 0", names[i], channel);
-        refused(e, text);
+        file_refused(e, text);
     }
     edit_file *e = take(&tight_file);
     edit_copy_part(e, "shadow", "maps");
-    refused(e, "part maps: unknown, or not in a material of these effects");
+    file_refused(e, "part maps: unknown, or not in a material of these effects");
 }
 
 /* Two parts of one name: EXR writers refuse that, so the bytes are changed. */
@@ -270,40 +266,40 @@ static void test_values(void **state) {
             set_half(e, channels[c][0], channels[c][1], 3, bad_u8[i]);
             snprintf(text, sizeof text, "part %s: channel %s at (3, 0) holds half 0x%04x", channels[c][0],
                      channels[c][1], bad_u8[i]);
-            refused(e, text);
+            file_refused(e, text);
         }
     static const uint16_t bad_i8[] = {0xD800 /* -128 */, 0x5800 /* 128 */, 0x3800};
     for (size_t i = 0; i < sizeof bad_i8 / sizeof *bad_i8; i++) {
         edit_file *e = take(&tight_file);
         set_half(e, "residual_directions", "G", 0, bad_i8[i]);
-        refused(e, "part residual_directions: channel G at (0, 0) holds half");
+        file_refused(e, "part residual_directions: channel G at (0, 0) holds half");
     }
     edit_file *e =
         take(&tight_file); /* 7 layers of 5 x 4 in a sheet of 3 columns: (5, 8) is covered by none */
     set_half(e, "shadow", "Y", 8 * 15 + 5, 0x3C00);
-    refused(e, "part shadow: channel Y at (5, 8) holds half 0x3c00");
+    file_refused(e, "part shadow: channel Y at (5, 8) holds half 0x3c00");
 
     static const float bad_float[] = {NAN, INFINITY, 0x1p-25f, 1e-42f, 0x1.8p24f};
     for (size_t i = 0; i < sizeof bad_float / sizeof *bad_float; i++) {
         e = take(&tight_file);
         set_float(e, "sbrdf", "lobe2.Cy", 6, bad_float[i]);
-        refused(e, "sbrdf: channel lobe2.Cy at (1, 1) holds");
+        file_refused(e, "sbrdf: channel lobe2.Cy at (1, 1) holds");
     }
     static const uint16_t bad_half[] = {0x7C00, 0xFC00, 0x7FFF, 0x0001, 0x83FF};
     for (size_t i = 0; i < sizeof bad_half / sizeof *bad_half; i++) {
         e = take(&paper_file);
         set_half(e, "sbrdf", "lobe3.n", 19, bad_half[i]);
-        refused(e, "sbrdf: channel lobe3.n at (4, 3) holds");
+        file_refused(e, "sbrdf: channel lobe3.n at (4, 3) holds");
     }
     e = take(&paper_file); /* G code 0 with an index of 65535 */
     set_half(e, "maps", "G", 0, 0);
     set_half(e, "maps", "B", 0, 0x5BF8);
     set_half(e, "maps", "A", 0, 0x5BF8);
-    refused(e, "maps: view 0, texel (0, 0): centre 65535 of ");
+    file_refused(e, "maps: view 0, texel (0, 0): centre 65535 of ");
     e = take(&paper_file);
     edit_part *maps = edit_find_part(e, "maps");
     set_half(e, "maps", "R", (size_t)maps->width * (size_t)maps->height - 1, 0x3C00);
-    refused(e, "where nothing has a meaning");
+    file_refused(e, "where nothing has a meaning");
 }
 
 static void test_attributes(void **state) {
@@ -320,18 +316,18 @@ static void test_attributes(void **state) {
         edit_file *e = take(&paper_file);
         edit_remove_attribute(e, name);
         snprintf(text, sizeof text, "attribute %s is missing", name);
-        refused(e, text);
+        file_refused(e, text);
         e = take(&paper_file);
         edit_find_attribute(e, name)->type = EXR_ATTR_DOUBLE;
         snprintf(text, sizeof text, "attribute %s is of type double", name);
-        refused(e, text);
+        file_refused(e, text);
     }
     edit_file *e = take(&paper_file);
     edit_find_attribute(e, "openbtf.version")->i = BTF_FORMAT_VERSION + 1;
     refused_as(e, BTF_ERROR_UNSUPPORTED, "format version 3 is above 2");
     e = take(&paper_file);
     edit_find_attribute(e, "openbtf.version")->i = 0;
-    refused(e, "openbtf.version is 0");
+    file_refused(e, "openbtf.version is 0");
 }
 
 static void test_attribute_values(void **state) {
@@ -364,7 +360,7 @@ static void test_attribute_values(void **state) {
         snprintf(name, sizeof name, "openbtf.%s", integers[i].name);
         edit_file *e = take(&paper_file);
         edit_find_attribute(e, name)->i = integers[i].value;
-        refused(e, integers[i].text);
+        file_refused(e, integers[i].text);
     }
     static const struct {
         const char *name, *value, *text;
@@ -390,7 +386,7 @@ static void test_attribute_values(void **state) {
         edit_attribute *a = edit_find_attribute(e, name);
         free(a->text);
         a->text = strdup(strings[i].value);
-        refused(e, strings[i].text);
+        file_refused(e, strings[i].text);
     }
     static const char *const scales[] = {"radianceScale", "shadowScale", "gainScale", "centreScale"};
     static const float values[] = {0, -1, NAN, INFINITY, 0x1p-25f, 0x1p25f};
@@ -400,7 +396,7 @@ static void test_attribute_values(void **state) {
             snprintf(name, sizeof name, "openbtf.%s", scales[i]);
             edit_file *e = take(&paper_file);
             edit_find_attribute(e, name)->f = values[k];
-            refused(e, scales[i]);
+            file_refused(e, scales[i]);
         }
 }
 
@@ -412,7 +408,7 @@ static void refused_number(const char *name, int index, float value, const char 
     edit_attribute *a = edit_find_attribute(e, full);
     assert_true(index < a->count);
     a->values[index < 0 ? a->count + index : index] = value;
-    refused(e, text);
+    file_refused(e, text);
 }
 
 /* Changes the length of a floatvector. */
@@ -427,7 +423,7 @@ static void refused_count(const char *name, int count, const char *text) {
     free(a->values);
     a->values = values;
     a->count = count;
-    refused(e, text);
+    file_refused(e, text);
 }
 
 static void test_directions(void **state) {
@@ -464,10 +460,10 @@ static void test_directions(void **state) {
 
     edit_file *e = take(&paper_file);
     edit_remove_attribute(e, "openbtf.viewHull");
-    refused(e, "views: a hull of 0 vertices for 8 directions");
+    file_refused(e, "views: a hull of 0 vertices for 8 directions");
     e = take(&paper_file); /* the hull says more cells than there are records */
     edit_remove_attribute(e, "openbtf.viewTriangles");
-    refused(e, "views: cell");
+    file_refused(e, "views: cell");
     e = take(&paper_file); /* clockwise */
     edit_attribute *hull = edit_find_attribute(e, "openbtf.lightHull");
     for (int i = 0; i < hull->count / 2; i++) {
@@ -475,20 +471,20 @@ static void test_directions(void **state) {
         hull->values[i] = hull->values[hull->count - 1 - i];
         hull->values[hull->count - 1 - i] = swap;
     }
-    refused(e, "outside hull edge");
+    file_refused(e, "outside hull edge");
     e = take(&paper_file); /* not in order */
     edit_attribute *cells = edit_find_attribute(e, "openbtf.viewCells");
     int at = 0;
     while (cells->values[at] < 2)
         at += 1 + (int)cells->values[at];
     cells->values[at + 2] = cells->values[at + 1];
-    refused(e, "are not in order");
+    file_refused(e, "are not in order");
     e = take(&paper_file);
     cells = edit_find_attribute(e, "openbtf.viewCells");
     cells->values = realloc(cells->values, (size_t)(cells->count + 1) * sizeof(float));
     assert_non_null(cells->values);
     cells->values[cells->count++] = 0;
-    refused(e, "1 numbers after the last cell");
+    file_refused(e, "1 numbers after the last cell");
 }
 
 /* A header that promises more than a file of its size can hold is refused before anything is allocated. */

@@ -274,49 +274,39 @@ static edit_file *take(void) {
     return edit_load(file_data, file_size);
 }
 
-static void refused(edit_file *file, const char *text) {
-    refused_as(file, BTF_ERROR_BAD_FILE, text);
-}
-
-static void set_text(edit_file *file, const char *name, const char *text) {
-    edit_attribute *a = edit_find_attribute(file, name);
-    free(a->text);
-    a->text = strdup(text);
-}
-
 static void test_file(void **state) {
     (void)state;
     edit_file *e = take();
     edit_remove_part(e, "points");
-    refused(e, "part points: missing");
+    file_refused(e, "part points: missing");
     e = take();
     edit_remove_part(e, "level1.points");
-    refused(e, "part level1.points: missing");
+    file_refused(e, "part level1.points: missing");
     e = take();
     edit_copy_part(e, "points", "shift");
-    refused(e, "part shift: unknown");
+    file_refused(e, "part shift: unknown");
     e = take();
     edit_remove_channel(edit_find_part(e, "points"), "G");
-    refused(e, "part points: channel G is missing");
+    file_refused(e, "part points: channel G is missing");
     e = take();
     const uint16_t half = 0x5C00; /* 256 */
     memcpy(edit_find_channel(e, "points", "R")->data, &half, 2);
-    refused(e, "part points: channel R at (0, 0) holds half 0x5c00, not an integer of its range");
+    file_refused(e, "part points: channel R at (0, 0) holds half 0x5c00, not an integer of its range");
     e = take();
     edit_remove_attribute(e, "openbtf.pointStore"); /* separate then */
-    refused(e, "unknown, or not in a material of these effects");
+    file_refused(e, "unknown, or not in a material of these effects");
     e = take();
-    set_text(e, "openbtf.pointStore", "dense");
-    refused(e, "attribute openbtf.pointStore is \"dense\", which is unknown");
+    edit_set_text(e, "openbtf.pointStore", "dense");
+    file_refused(e, "attribute openbtf.pointStore is \"dense\", which is unknown");
     e = take();
     edit_find_attribute(e, "openbtf.pointStore")->type = EXR_ATTR_DOUBLE;
-    refused(e, "attribute openbtf.pointStore is of type double");
+    file_refused(e, "attribute openbtf.pointStore is of type double");
     e = take();
-    set_text(e, "openbtf.effects", "shift");
-    refused(e, "packed points need the effects shift and gain");
+    edit_set_text(e, "openbtf.effects", "shift");
+    file_refused(e, "packed points need the effects shift and gain");
     e = take();
     edit_find_attribute(e, "openbtf.version")->i = 1; /* which knows no such attribute */
-    refused(e, "unknown, or not in a material of these effects");
+    file_refused(e, "unknown, or not in a material of these effects");
 }
 
 static edit_file *take_lists(void) {
@@ -338,41 +328,41 @@ static void test_file_of_lists(void **state) {
         edit_file *e = take_lists();
         edit_remove_part(e, names[i]);
         snprintf(text, sizeof text, "part %s: missing", names[i]);
-        refused(e, text);
+        file_refused(e, text);
     }
     edit_file *e = take_lists();
     edit_copy_part(e, "point_lists", "points");
-    refused(e, "part points: unknown");
+    file_refused(e, "part points: unknown");
     e = take_lists();
     edit_remove_channel(edit_find_part(e, "point_lists"), "G");
-    refused(e, "part point_lists: channel G is missing");
+    file_refused(e, "part point_lists: channel G is missing");
     e = take_lists();
     edit_remove_attribute(e, "openbtf.pointEntries");
-    refused(e, "attribute openbtf.pointEntries is missing");
+    file_refused(e, "attribute openbtf.pointEntries is missing");
     static const int bad[] = {0, 17, -1};
     for (int i = 0; i < 3; i++) {
         e = take_lists();
         edit_find_attribute(e, "openbtf.pointEntries")->i = bad[i];
-        refused(e, "openbtf.pointEntries");
+        file_refused(e, "openbtf.pointEntries");
     }
     e = take_lists();
     edit_find_attribute(e, "openbtf.pointEntries")->i = 4; /* of six layers */
-    refused(e, "part point_lists: data window");
+    file_refused(e, "part point_lists: data window");
     e = take_lists();
-    set_text(e, "openbtf.pointStore", "packed");
-    refused(e, "unknown, or not in a material of these effects");
+    edit_set_text(e, "openbtf.pointStore", "packed");
+    file_refused(e, "unknown, or not in a material of these effects");
     e = take_lists();
     set_indices(e, 3, 2, 1, 0x4600); /* 6 */
-    refused(e, "point_indices: view 6, texel (2, 1): entry 6 of 6");
+    file_refused(e, "point_indices: view 6, texel (2, 1): entry 6 of 6");
     e = take_lists();
     set_indices(e, 3, 2, 1, 0x5600); /* 96 */
-    refused(e, "point_indices: view 7, texel (2, 1): entry 6 of 6");
+    file_refused(e, "point_indices: view 7, texel (2, 1): entry 6 of 6");
     e = take_lists();
     set_indices(e, 9, 8, 5, 0x4C00); /* 16 */
-    refused(e, "point_indices: texel (8, 5): the high bits of the last layer hold 1, not 0");
+    file_refused(e, "point_indices: texel (8, 5): the high bits of the last layer hold 1, not 0");
     e = take_lists();
     set_indices(e, 10, 0, 0, 0x3C00); /* 1 */
-    refused(e, "part point_indices: channel R at (18, 12) holds half 0x3c00");
+    file_refused(e, "part point_indices: channel R at (18, 12) holds half 0x3c00");
 }
 
 static void test_file_gains(void **state) {
@@ -383,13 +373,13 @@ static void test_file_gains(void **state) {
         edit_file *e = take();
         edit_remove_attribute(e, names[i]);
         snprintf(text, sizeof text, "attribute %s is missing", names[i]);
-        refused(e, text);
+        file_refused(e, text);
         e = take();
         edit_find_attribute(e, names[i])->f = 0x1p25f;
-        refused(e, names[i] + strlen("openbtf."));
+        file_refused(e, names[i] + strlen("openbtf."));
         e = take();
         edit_find_attribute(e, names[i])->f = NAN;
-        refused(e, names[i] + strlen("openbtf."));
+        file_refused(e, names[i] + strlen("openbtf."));
         e = take();
         edit_find_attribute(e, names[i])->f = -0.0f;
         btf_material *m;

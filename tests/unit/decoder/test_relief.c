@@ -341,16 +341,6 @@ static edit_file *take(void) {
     return edit_load(file_data, file_size);
 }
 
-static void refused(edit_file *file, const char *text) {
-    refused_as(file, BTF_ERROR_BAD_FILE, text);
-}
-
-static void set_text(edit_file *file, const char *name, const char *text) {
-    edit_attribute *a = edit_find_attribute(file, name);
-    free(a->text);
-    a->text = strdup(text);
-}
-
 static void accepted(edit_file *file) {
     btf_material *m;
     if (open_edited(file, &m))
@@ -363,31 +353,31 @@ static void test_file_parts(void **state) {
     accepted(take());
     edit_file *e = take();
     edit_remove_part(e, "heights");
-    refused(e, "part heights: missing");
+    file_refused(e, "part heights: missing");
     e = take();
     edit_remove_part(e, "level1.heights");
-    refused(e, "part level1.heights: missing");
+    file_refused(e, "part level1.heights: missing");
     e = take();
     edit_copy_part(e, "heights", "view_vectors");
-    refused(e, "part view_vectors: unknown");
+    file_refused(e, "part view_vectors: unknown");
     e = take();
     edit_add_channel(edit_find_part(e, "heights"), "A", EXR_PIXEL_HALF);
-    refused(e, "part heights: unknown channel A");
+    file_refused(e, "part heights: unknown channel A");
     e = take();
     edit_resize(edit_find_part(e, "heights"), WIDTH, HEIGHT + 1);
-    refused(e, "part heights: data window (0,0)-(8,6), not (0,0)-(8,5)");
+    file_refused(e, "part heights: data window (0,0)-(8,6), not (0,0)-(8,5)");
     static const uint16_t bad[] = {0x5C00, 0x3800, 0xBC00, 0x7E00}; /* 256, a half, -1, no number */
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         char text[100];
         e = take();
         memcpy(edit_find_channel(e, "level1.heights", "Y")->data + 2, &bad[i], 2);
         snprintf(text, sizeof text, "part level1.heights: channel Y at (1, 0) holds half 0x%04x", bad[i]);
-        refused(e, text);
+        file_refused(e, text);
     }
     e = take();
     edit_find_attribute(e, "openbtf.reliefStep")->i = 0;
     edit_find_attribute(e, "openbtf.reliefSteps")->i = 1;
-    refused(e, "heights: unknown, or not in a material of these effects");
+    file_refused(e, "heights: unknown, or not in a material of these effects");
 }
 
 static void test_file_attributes(void **state) {
@@ -414,7 +404,7 @@ static void test_file_attributes(void **state) {
         edit_file *e = take();
         snprintf(name, sizeof name, "openbtf.%s", cases[i].name);
         edit_find_attribute(e, name)->i = cases[i].value;
-        refused(e, cases[i].text);
+        file_refused(e, cases[i].text);
     }
     static const char *const words[] = {"reliefBase", "reliefStep", "reliefSteps", "reliefViews",
                                         "glossShare"};
@@ -423,13 +413,13 @@ static void test_file_attributes(void **state) {
         snprintf(name, sizeof name, "openbtf.%s", words[i]);
         edit_remove_attribute(e, name);
         snprintf(text, sizeof text, "attribute %s is missing", name);
-        refused(e, text);
+        file_refused(e, text);
         e = take();
         edit_find_attribute(e, name)->type = EXR_ATTR_DOUBLE;
         snprintf(text, sizeof text, "attribute %s is of type double", name);
-        refused(e, text);
+        file_refused(e, text);
         e = take();
-        set_text(e, "openbtf.effects", i < 4 ? "gloss" : "relief");
+        edit_set_text(e, "openbtf.effects", i < 4 ? "gloss" : "relief");
         for (size_t k = 0; k < i && i < 4; k++) { /* those before would be refused first */
             snprintf(text, sizeof text, "openbtf.%s", words[k]);
             edit_remove_attribute(e, text);
@@ -439,11 +429,11 @@ static void test_file_attributes(void **state) {
             edit_remove_part(e, "level1.heights");
         }
         if (i == 3)
-            refused(e, "attribute openbtf.reliefViews without views of relief");
+            file_refused(e, "attribute openbtf.reliefViews without views of relief");
         else {
             snprintf(text, sizeof text, "attribute %s without the effect %s", name,
                      i < 3 ? "relief" : "gloss");
-            refused(e, text);
+            file_refused(e, text);
         }
     }
 }
@@ -455,23 +445,23 @@ static void test_file_views(void **state) {
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         edit_file *e = take();
         edit_find_attribute(e, "openbtf.reliefViews")->values[5] = bad[i];
-        refused(e, "attribute openbtf.reliefViews: number 5 is");
+        file_refused(e, "attribute openbtf.reliefViews: number 5 is");
     }
     edit_file *e = take();
     edit_find_attribute(e, "openbtf.reliefViews")->count = VIEWS - 1;
-    refused(e, "attribute openbtf.reliefViews holds 18 numbers for 19 views of relief");
+    file_refused(e, "attribute openbtf.reliefViews holds 18 numbers for 19 views of relief");
     e = take();
     edit_find_attribute(e, "openbtf.reliefViews")->values[5] = -0.0f;
     accepted(e);
     e = take();
-    set_text(e, "openbtf.effects", "gloss,relief");
-    refused(e, "attribute openbtf.effects is \"gloss,relief\": unknown, repeated or out of order");
+    edit_set_text(e, "openbtf.effects", "gloss,relief");
+    file_refused(e, "attribute openbtf.effects is \"gloss,relief\": unknown, repeated or out of order");
     e = take();
     edit_find_attribute(e, "openbtf.version")->i = 1;
-    refused(e, "attribute openbtf.effects is \"relief,gloss\": unknown, repeated or out of order");
+    file_refused(e, "attribute openbtf.effects is \"relief,gloss\": unknown, repeated or out of order");
     e = take();
-    set_text(e, "openbtf.layout", "paper");
-    refused(e, "attribute openbtf.atlasWidth is missing");
+    edit_set_text(e, "openbtf.layout", "paper");
+    file_refused(e, "attribute openbtf.atlasWidth is missing");
     static const struct {
         int level;
         const char *text;
@@ -486,7 +476,7 @@ static void test_file_views(void **state) {
         *added =
             (edit_attribute){.name = "openbtf.reliefLevel", .type = EXR_ATTR_INT, .i = levels[i].level};
         if (levels[i].text)
-            refused(e, levels[i].text);
+            file_refused(e, levels[i].text);
         else
             accepted(e);
     }
