@@ -43,31 +43,13 @@ while read -r view_theta view_phi light_theta light_phi; do
             --light "$light_theta,$light_phi" -q
     done
 done <pairs.txt
-python3 - "$here/between.png" <<'P'
-import math, struct, sys, zlib
+python3 - "$here/between.png" "$here" <<'P'
+import math
+import sys
+sys.path.insert(0, sys.argv[2])
+sys.dont_write_bytecode = True
+import png
 SCALE, GAP, COLUMNS = 2, 4, 5
-def read(path):
-    data, at, body = open(path, "rb").read(), 8, b""
-    while at < len(data):
-        size, kind = struct.unpack(">I4s", data[at:at + 8])
-        if kind == b"IHDR":
-            width, height, depth, colour = struct.unpack(">IIBB", data[at + 8:at + 18])
-            assert (depth, colour) == (8, 2), path
-        elif kind == b"IDAT":
-            body += data[at + 8:at + 8 + size]
-        at += size + 12
-    raw, rows, last = zlib.decompress(body), [], bytearray(3 * width)
-    for y in range(height):
-        line = bytearray(raw[y * (3 * width + 1):(y + 1) * (3 * width + 1)])
-        how, line = line[0], line[1:]
-        for x in range(3 * width):
-            a, b, c = line[x - 3] if x > 2 else 0, last[x], last[x - 3] if x > 2 else 0
-            p = a + b - c
-            paeth = min((abs(p - a), 0, a), (abs(p - b), 1, b), (abs(p - c), 2, c))[2]
-            line[x] = (line[x] + (0, a, b, (a + b) // 2, paeth)[how]) & 255
-        rows.append(bytes(line))
-        last = line
-    return rows
 def error(a, b):
     return [bytes(min(4 * abs(i - j), 255) for i, j in zip(p, q)) for p, q in zip(a, b)]
 def decibels(a, b):
@@ -80,7 +62,7 @@ def enlarged(rows):
             yield line
 columns = []
 for column in range(1, COLUMNS + 1):
-    truth, on, off = (read(f"{name}-{column}.png") for name in ("truth", "on", "off"))
+    truth, on, off = (png.read(f"{name}-{column}.png")[1] for name in ("truth", "on", "off"))
     print(f"column {column}: {decibels(on, truth):.2f} dB, without relief and gloss {decibels(off, truth):.2f} dB")
     columns.append([truth, on, off, error(on, truth), error(off, truth)])
 out = []
@@ -88,9 +70,5 @@ for pictures in zip(*columns):
     out += [(b"\xff" * 3 * GAP).join(lines) for lines in zip(*map(enlarged, pictures))]
     out += [b"\xff" * len(out[0])] * GAP
 out = out[:-GAP]
-def chunk(kind, data):
-    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-with open(sys.argv[1], "wb") as file:
-    file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", len(out[0]) // 3, len(out), 8, 2, 0, 0, 0)) +
-               chunk(b"IDAT", zlib.compress(b"".join(b"\0" + row for row in out), 9)) + chunk(b"IEND", b""))
+png.write(sys.argv[1], out)
 P
