@@ -325,7 +325,7 @@ static btf_result check_triangles(const btfi_check *check, const char *name, con
         const uint16_t *i = d->triangles + 3 * (size_t)t;
         for (int k = 0; k < 3; k++)
             if (i[k] >= d->count)
-                return btfi_fail(check->log, check->code, "%s: triangle %u has vertex %u of %u", name,
+                return btfi_fail(check->log, check->code, "%s: triangle %u names direction %u of %u", name,
                                  (unsigned)t, (unsigned)i[k], (unsigned)d->count);
         point a = vertex(d, i[0]);
         if (cross(minus(vertex(d, i[1]), a), minus(vertex(d, i[2]), a)) <= 0)
@@ -338,11 +338,12 @@ static btf_result check_triangles(const btfi_check *check, const char *name, con
 /* Every vertex lies to the left of every hull edge or on it, and no edge has length 0. */
 static btf_result check_hull(const btfi_check *check, const char *name, const btfi_directions *d) {
     if ((d->hull_count == 0) != (d->count == 1) || d->hull_count == 1)
-        return btfi_fail(check->log, check->code, "%s: a hull of %u vertices for %u directions", name,
+        return btfi_fail(check->log, check->code,
+                         "%s: the hull has %u vertices, which %u directions cannot have", name,
                          (unsigned)d->hull_count, (unsigned)d->count);
     for (uint32_t h = 0; h < d->hull_count; h++)
         if (d->hull[h] >= d->count)
-            return btfi_fail(check->log, check->code, "%s: the hull has vertex %u of %u", name,
+            return btfi_fail(check->log, check->code, "%s: the hull names direction %u of %u", name,
                              (unsigned)d->hull[h], (unsigned)d->count);
     for (uint32_t h = 0; h < d->hull_count; h++) {
         uint32_t index[3];
@@ -382,11 +383,11 @@ static btf_result check_cells(const btfi_check *check, const char *name, const b
         records += count;
     }
     if (at != d->cells_length)
-        return btfi_fail(check->log, check->code, "%s: %zu numbers after the last cell", name,
+        return btfi_fail(check->log, check->code, "%s: %zu numbers follow the last cell", name,
                          d->cells_length - at);
     if (records > BTFI_MAX_RECORDS)
-        return btfi_fail(check->log, check->code, "%s: %zu records exceed %d", name, records,
-                         BTFI_MAX_RECORDS);
+        return btfi_fail(check->log, check->code, "%s: the cells list %zu records, more than %d", name,
+                         records, BTFI_MAX_RECORDS);
     return BTF_OK;
 }
 

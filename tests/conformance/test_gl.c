@@ -172,11 +172,11 @@ static void old_and_partial_contexts_are_refused(void **state) {
     fake.missing = NULL;
     fake.version = "OpenGL ES 2.0 old";
     fake.major = 2;
-    expect_refusal(tight, BTF_ERROR_UNSUPPORTED, "needed is OpenGL ES 3.0");
+    expect_refusal(tight, BTF_ERROR_UNSUPPORTED, "but OpenGL ES 3.0 or later is needed");
     fake.version = "3.2 old";
     fake.major = 3;
     fake.minor = 2;
-    expect_refusal(tight, BTF_ERROR_UNSUPPORTED, "needed is OpenGL 3.3");
+    expect_refusal(tight, BTF_ERROR_UNSUPPORTED, "but OpenGL 3.3 or later is needed");
     memset(&fake, 0, sizeof fake);
     btf_gl *gl;
     btf_gl_options none = {.struct_size = sizeof none};

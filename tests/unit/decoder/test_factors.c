@@ -113,7 +113,7 @@ static void test_create_classes(void **state) {
 
     btf_material_info info = good;
     info.factor_classes[2][0] = 2;
-    refused_info(&info, "factorClasses: 8 units in all, not 9");
+    refused_info(&info, "factorClasses: the classes have 8 units in all, the residual has 9");
     info = good;
     info.factor_classes[4][0] = 257;
     refused_info(&info, "factorClasses: class 4 has 257 units (at most 256)");
@@ -138,7 +138,7 @@ static void test_create_classes(void **state) {
     info = good;
     info.store = BTF_STORE_COMPONENTS;
     info.horizon_scale = 1;
-    refused_info(&info, "factorClasses: 9 units in all, not 0");
+    refused_info(&info, "factorClasses: the classes have 9 units in all, the residual has 0");
     info = good;
     info.store = (btf_store)2;
     refused_info(&info, "unknown store 2 of the residual");
@@ -187,7 +187,7 @@ static void test_create_numbers(void **state) {
     m = create_accepted(&desc);
     btf_material_close(&m);
     desc.info.blend = BTF_BLEND_ROOTS;
-    create_refused(&desc, "blend roots without the domain sqrt");
+    create_refused(&desc, "blend roots needs domain sqrt");
     desc.info.domain = BTF_DOMAIN_SQRT;
     desc.info.blend = (btf_blend)2;
     create_refused(&desc, "unknown blend 2");
@@ -197,7 +197,7 @@ static void test_create_numbers(void **state) {
     random_state r = {5};
     random_material_fill(&r, &desc);
     desc.info.horizon_scale = 2;
-    create_refused(&desc, "horizonScale 2 without factors");
+    create_refused(&desc, "horizonScale is 2; without factors it must be 1");
     random_material_free(&desc);
 }
 
@@ -558,7 +558,8 @@ static void test_preview(void **state) {
     random_material_fill(&r, &desc);
     uint16_t *preview = make_preview(2, 2);
     desc.preview = preview;
-    create_refused(&desc, "preview: the material needs version 1 only, which has none");
+    create_refused(&desc, "preview: given, but nothing else of the material needs version 2, and files of "
+                          "version 1 have no preview");
     free(preview);
     random_material_free(&desc);
 }
@@ -607,7 +608,7 @@ static void test_file_attributes(void **state) {
     file_refused(e, "attribute openbtf.residualScales without components of the residual");
     e = take(&factor_file);
     edit_find_attribute(e, "openbtf.residual")->i = 8;
-    file_refused(e, "factorClasses: 9 units in all, not 8");
+    file_refused(e, "factorClasses: the classes have 9 units in all, the residual has 8");
     e = take(&factor_file);
     edit_find_attribute(e, "openbtf.version")->i = 1; /* nine components then */
     file_refused(e, "attribute openbtf.residualScales is missing");
@@ -647,7 +648,8 @@ static void refused_count(const char *name, int count, const char *text) {
 
 static void test_file_numbers(void **state) {
     (void)state;
-    refused_number("factorClasses", 6, 2, "factorClasses: 8 units in all, not 9");
+    refused_number("factorClasses", 6, 2,
+                   "factorClasses: the classes have 8 units in all, the residual has 9");
     refused_number("factorClasses", 0, 2.5f, "openbtf.factorClasses: number 0 is 2.5");
     refused_number("factorClasses", 4, -1, "openbtf.factorClasses: number 4 is -1");
     refused_number("factorClasses", 14, NAN, "openbtf.factorClasses: number 14 is ");
@@ -672,9 +674,11 @@ static void test_file_counts(void **state) {
     refused_count("factorClasses", 14, "openbtf.factorClasses holds 14 numbers");
     refused_count("factorClasses", 30, "openbtf.factorClasses holds 30 numbers");
     refused_count("factorScales", 35, "openbtf.factorScales holds 35 numbers");
-    refused_count("factorScales", 40, "openbtf.factorScales holds 40 numbers for 9 units of factors");
+    refused_count("factorScales", 40,
+                  "openbtf.factorScales holds 40 numbers, which do not fit the 9 units of factors");
     refused_count("factorViews", 9 * VIEWS - 1, "openbtf.factorViews holds 71 numbers");
-    refused_count("factorViews", 9 * VIEWS + 9, "openbtf.factorViews holds 81 numbers for 8 views");
+    refused_count("factorViews", 9 * VIEWS + 9,
+                  "openbtf.factorViews holds 81 numbers, which do not fit the 8 views");
     refused_number("factorScales", 3, NAN, "factorScales: number 3 is nan");
     refused_number("factorScales", 30, 0x1p25f, "factorScales: number 30 is ");
     refused_number("factorScales", 15, 0.5f, "factorScales: unit 3, all of Y, has the scales");
@@ -694,7 +698,7 @@ static void test_file_counts(void **state) {
     edit_attribute *domain = edit_find_attribute(e, "openbtf.domain");
     free(domain->text);
     domain->text = strdup("linear");
-    file_refused(e, "blend roots without the domain sqrt");
+    file_refused(e, "blend roots needs domain sqrt");
     e = take(&factor_file);
     edit_remove_attribute(e, "openbtf.blend");
     btf_material *m = accepted(e);
@@ -959,7 +963,7 @@ static void test_many_directions(void **state) {
     edit_file *e = take(&s);
     assert_int_equal(edit_find_attribute(e, "openbtf.version")->i, 2);
     edit_find_attribute(e, "openbtf.version")->i = 1;
-    file_refused(e, "attribute openbtf.views holds 12288 numbers, not 1 to 256 times 3");
+    file_refused(e, "attribute openbtf.views holds 12288 numbers, which are not 1 to 256 groups of 3");
     btf_free(s.data);
     btf_material_close(&m);
     static const uint32_t layered[] = {BTF_EFFECT_SHIFT, BTF_EFFECT_HIDDEN, BTF_EFFECT_GAIN};

@@ -207,7 +207,7 @@ static void test_create_refuses(void **state) {
     gain[3] = 0;
     shift[6] = 7; /* texel 1 of 2, view 1 */
     shift[7] = 0;
-    create_refused(&good, "level1.gain: view 1, texel (1, 0): centre 7 of 7");
+    create_refused(&good, "level1.gain: view 1, texel (1, 0) names centre 7 of 7");
     gain[3] = 128;
     float *sbrdf = (float *)(uintptr_t)good.level_texture[2][BTF_TEXTURE_SBRDF];
     const float kept = sbrdf[3];
@@ -222,7 +222,7 @@ static void test_create_refuses(void **state) {
     good = random_material_desc(5, 3, 9, 7, BTF_LAYOUT_PAPER, 0);
     random_material_fill(&r, &good);
     good.info.levels = 2;
-    create_refused(&good, "levels 2 with layout paper");
+    create_refused(&good, "levels is 2; layout paper has one");
     random_material_free(&good);
 }
 
