@@ -240,7 +240,7 @@ static void test_sampling_out_of_spec(void **state) {
             expect_refused(&p, 1, "EXR");
         }
     bytes_part p = chroma_part(false, BYTES_HALF, 4, 4, 16, 16);
-    expect_refused(&p, 1, "BY is sampled 4 x 4");
+    expect_refused(&p, 1, "BY is subsampled 4 x 4");
     p = chroma_part(false, BYTES_HALF, 2, 2, 7, 4); /* does not divide the window */
     expect_refused(&p, 1, "EXR");
     p = chroma_part(false, BYTES_HALF, 2, 2, 8, 4);
@@ -248,7 +248,7 @@ static void test_sampling_out_of_spec(void **state) {
     expect_refused(&p, 1, "EXR");
     p = chroma_part(false, BYTES_HALF, 2, 2, 8, 4); /* the two of another sampling */
     p.channels[0].xs = 1;
-    expect_refused(&p, 1, "is sampled");
+    expect_refused(&p, 1, "is subsampled");
 }
 
 /* 1 + c / 8: the channel's number in its part, exact in a half. */
@@ -320,7 +320,7 @@ static void test_layer_option(void **state) {
     expect_channels(parts, 1, "b.c", 3, (const int[]){5, 4, 3}, NULL);
     expect_channels(parts, 1, "b.c.G", 1, (const int[]){4}, NULL);
     layer = "c";
-    expect_refused(parts, 1, "--layer c names no layer, part or channel");
+    expect_refused(parts, 1, "--layer c does not name exactly one layer, part or channel");
     layer = NULL;
     parts[0] = part_of("grey", "Y");
     parts[1] = part_of("one", "B/G/R");
@@ -601,9 +601,9 @@ static void test_spectrum(void **state) {
     assert_non_null(strstr(info.notes.texts[IMAGE_NOTE_SPECTRUM], "4 bands"));
     layer = NULL;
     p = part_of(NULL, "400.0nm/400nm/500nm/600nm");
-    expect_refused(&p, 1, "two channels of 400 nm");
+    expect_refused(&p, 1, "two channels have the wavelength of 400 nm");
     p = part_of(NULL, "1000nm/1100nm/1200nm/1300nm");
-    expect_refused(&p, 1, "nothing is seen");
+    expect_refused(&p, 1, "lies outside of what is visible");
 }
 
 int main(void) {
