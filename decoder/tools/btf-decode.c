@@ -234,7 +234,7 @@ static btf_result decode_view(const decoder *d, const btf_directions *views, con
         snprintf(path, sizeof path, "%s/tv%s_pv%s/%05u tl%s pl%s tv%s pv%s.%s", options.out, tv, pv,
                  (unsigned)(views->count * l + v), tl, pl, tv, pv, d->format == FORMAT_EXR ? "exr" : "png");
     if (length >= (int)sizeof path)
-        return cli_error(&program, BTF_ERROR_USAGE, "%s: the name is too long", options.out);
+        return cli_error(&program, BTF_ERROR_USAGE, "%s: the file name is too long", options.out);
     return decode_image(d, path, light, view, rgb, codes);
 }
 
@@ -244,7 +244,7 @@ static btf_result decode_all(const decoder *d, const btf_directions *views, cons
         char path[4096], tv[16], pv[16];
         direction_text(views->xyz + 3 * (size_t)v, tv, pv);
         if (snprintf(path, sizeof path, "%s/tv%s_pv%s", options.out, tv, pv) >= (int)sizeof path)
-            return cli_error(&program, BTF_ERROR_USAGE, "%s: the name is too long", options.out);
+            return cli_error(&program, BTF_ERROR_USAGE, "%s: the file name is too long", options.out);
         result = make_directory(path);
     }
     progress *p = result ? NULL : progress_create(options.quiet);
@@ -303,7 +303,7 @@ static btf_result choose_format(void) {
     const char *other = options.format == FORMAT_EXR ? ".png" : ".exr";
     if (options.format_given && !options.all && file_ends_in(options.out, other))
         return cli_error(&program, BTF_ERROR_USAGE,
-                         "option --format: '%s' has the ending of another format", options.out);
+                         "option --format: the ending of '%s' is that of another format", options.out);
     if (options.format_given || options.all)
         return BTF_OK;
     if (file_ends_in(options.out, ".exr"))
@@ -340,7 +340,8 @@ static btf_result run(const char *path) {
         return cli_error(&program, BTF_ERROR_USAGE, "option --output: %s is the input", options.out);
     if (!btf_ref_self_test())
         return cli_error(&program, BTF_ERROR_UNSUPPORTED,
-                         "this build does not round floats as FORMAT.md demands");
+                         "this build of the reference decoder does not round floats as FORMAT.md section 8 "
+                         "demands, so that it cannot decode exactly");
     decoder d = {.format = options.format, .log = cli_log(&program, options.quiet)};
     btf_material *material = NULL;
     if ((result = btf_material_open(path, &d.log, &material)))

@@ -35,15 +35,16 @@ static const cli_program program = {
     .name = "btf-info",
     .usage = "FILE [--json] [--plan SCENE]",
     .summary =
-        "Shows what a material file (*.btf.exr) holds: its sizes, directions, effects, what each effect\n"
-        "buys (measured by the encoder), bytes by texture and how it was made.",
+        "Shows the contents of a material file (*.btf.exr): its sizes, directions, effects, how much\n"
+        "accuracy each effect adds (measured by the encoder), bytes by texture and how it was made.",
     .details =
         "Bytes 'gpu' are those of all textures that a decoder uploads, of all levels of detail; direction\n"
-        "tables and scales of the residual stand apart. The textures listed are those of level 0, with their\n"
+        "tables and scales of the residual are counted apart. The list of textures is that of level 0, "
+        "with\n"
         "bytes divided by the texels of the material.\n"
-        "Factors, the residual of format version 2, come in units: as --components of btf-decode and\n"
-        "btf-render, and plans, count them. A unit has four words, each of Y, C1 or C2, separated colour.\n"
-        "Memory: the file once, then the textures.",
+        "Factors, the residual of format version 2, come in units; --components of btf-decode and\n"
+        "btf-render, and plans, count units too. A unit has four words, each of one channel: Y, C1 or C2.\n"
+        "Memory needed: the size of the file, and that of the textures.",
     .example = "btf-info bricks.btf.exr\nbtf-info bricks.btf.exr --plan views=0:30,lights=0:75,pixels=1.5",
     .options = option_table,
     .min_arguments = 1,
@@ -232,9 +233,11 @@ static void print_between(const btf_material *material) {
     const btf_between_errors e = btf_material_between_errors(material);
     if (e.row_count == 0)
         return;
-    printf("\nBetween the samples, estimated by leaving samples out, at double the gap (which overstates the\n"
-           "error; PSNR in dB, linear / sRGB):\n  %-16s%14s%22s\n",
-           "left out", "material", "data, interpolated");
+    printf(
+        "\nBetween the samples, estimated by leaving samples out, at double the gap (which overstates the\n"
+        "error; PSNR in dB, linear / sRGB):\n"
+        "  %-16s%14s%22s\n",
+        "left out", "material", "data, interpolated");
     for (uint32_t i = 0; i < e.row_count; i++) {
         const float *row = e.rows + (size_t)i * e.row_stride;
         printf("  %-16s%7.2f / %6.2f%13.2f / %6.2f\n", left_out_names[(int)row[0]], decibels(row[1]),
@@ -301,7 +304,7 @@ static void print_points(const btf_material_info *info) {
         return;
     printf("  %-14s", "points");
     if (info->point_store == BTF_POINTS_LISTS)
-        printf("lists of %u a texel", (unsigned)info->point_entries);
+        printf("lists of %u points a texel", (unsigned)info->point_entries);
     else
         printf("packed");
     printf(": shifts within -32..31, gain %g + %g * 0..15\n", (double)info->gain_base, (double)info->gain_step);
@@ -690,7 +693,7 @@ static btf_result print_plan(const char *path, const btf_material *material) {
     btf_plan plan;
     btf_result result = btf_plan_effects(material, &options.scene.scene, options.scene.tolerance, &plan);
     if (result)
-        return cli_error(&program, result, "--plan: no such scene");
+        return cli_error(&program, result, "option --plan: the scene cannot be planned");
     if (options.json)
         return print_json_plan(path, &plan);
     scene_plan_print(stdout, "", material, &plan);

@@ -19,12 +19,14 @@ typedef struct reference {
 
 static void *create(const shader_request *request, const btf_log *log, btf_result *out_result) {
     if (request->math == BTF_MATH_FAST) {
-        file_say(log, "option --math fast: the reference is exact; take a device with GL");
+        file_say(log,
+                 "option --math fast: device reference knows exact math only; choose a device with GL");
         *out_result = BTF_ERROR_USAGE;
         return NULL;
     }
     if (!btf_ref_self_test()) {
-        file_say(log, "this build does not round floats as FORMAT.md demands");
+        file_say(log, "this build of the reference decoder does not round floats as FORMAT.md section 8 "
+                      "demands, so that it cannot decode exactly");
         *out_result = BTF_ERROR_UNSUPPORTED;
         return NULL;
     }
