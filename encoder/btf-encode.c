@@ -35,12 +35,13 @@ static btf_result run(const enc_context *context, const enc_options *options) {
     enc_batch batch;
     if (options->predict) {
         return enc_batch_is(job->input) ? cli_error(&enc_program, BTF_ERROR_USAGE,
-                                                    "option --predict: for one input, not for a list")
+                                                    "option --predict: works on one input, not on a list")
                                         : enc_predict(context, job, options->predict, stdout);
     }
     if (!enc_batch_is(job->input)) {
         if (options->item > 0) {
-            return cli_error(&enc_program, BTF_ERROR_USAGE, "option --item: %s is not a list", job->input);
+            return cli_error(&enc_program, BTF_ERROR_USAGE,
+                             "option --item: picks an input of a list, and %s is not a list", job->input);
         }
         const btf_result ending = check_ending(context, job->output);
         return ending == BTF_OK ? enc_job_run(context, job) : ending;

@@ -175,11 +175,10 @@ btf_result enc_pairs_open(const enc_context *context, const char *path, const en
     }
     if (result == BTF_OK && options->components > 0)
         result = enc_fail(context, BTF_ERROR_USAGE,
-                          "%s: components are those of a Bonn .btf file, and this is none", path);
+                          "%s: --components is only for a Bonn .btf file, which this is not", path);
     if (result == BTF_OK && options->coincident)
-        result =
-            enc_fail(context, BTF_ERROR_USAGE,
-                     "%s: coincident lights are those of a data set, and these are single images", path);
+        result = enc_fail(context, BTF_ERROR_USAGE,
+                          "%s: --coincident is only for a data set, and these are single images", path);
     if (result == BTF_OK)
         result = enc_read_source(context, path, &pairs->source->source);
     if (result == BTF_OK)

@@ -145,8 +145,8 @@ static btf_result expand_all(const enc_context *context, enc_bonn_decoder *d) {
     const size_t stored = (size_t)f->width * f->height - f->n_missing;
     d->expanded = malloc(stored * abrdf);
     if (!d->expanded)
-        return enc_fail(context, BTF_ERROR_MEMORY, "%s: no memory for %.2f GB of unpacked samples", f->path,
-                        (double)(stored * abrdf) * 1e-9);
+        return enc_fail(context, BTF_ERROR_MEMORY, "%s: out of memory for %.2f GB of unpacked samples",
+                        f->path, (double)(stored * abrdf) * 1e-9);
     btf_result result = BTF_OK;
     for (uint32_t i = 0; i < f->n_chunks && result == BTF_OK; i++) {
         const size_t first = i * per_chunk, left = stored - first;

@@ -374,7 +374,8 @@ static btf_result parse(const enc_context *context, enc_bonn_file *f) {
     cursor c = {.context = context, .file = f};
     const int i = find_signature(f->bytes, (size_t)f->size);
     if (i < 0)
-        return enc_fail(context, BTF_ERROR_BAD_FILE, "%s: no signature of a Bonn file", f->path);
+        return enc_fail(context, BTF_ERROR_BAD_FILE, "%s: not a Bonn .btf file: it has no signature of one",
+                        f->path);
     strcpy(f->signature, signatures[i].text);
     f->kind = signatures[i].kind;
     c.at = strlen(f->signature);

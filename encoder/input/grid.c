@@ -185,11 +185,10 @@ static btf_result judge_names(const enc_context *context, const enc_source *sour
                 "is %s",
                 source->location, list->n_incomplete, source->paths[list->incomplete]);
     if (list->n_counters > 0)
-        enc_log(
-            context, BTF_LOG_WARNING,
-            "%s: %zu images have digits behind their last angle, which are taken for a counter, not for "
-            "decimals: first is %s",
-            source->location, list->n_counters, source->paths[list->counter]);
+        enc_log(context, BTF_LOG_WARNING,
+                "%s: %zu images have digits behind their last angle, which are taken as a counter, not as "
+                "decimals: first is %s",
+                source->location, list->n_counters, source->paths[list->counter]);
     if (list->n_frames == list->n_read && list->n_read > 1)
         enc_log(context, BTF_LOG_WARNING,
                 "%s: of each of the %zu images the last angle alone has decimals: are they a frame number? "
@@ -256,12 +255,12 @@ static void doubt_units(const enc_context *context, const enc_source *source, co
     const enc_radians radians = enc_angles_look_like_radians(range);
     if (radians != ENC_RADIANS_NONE)
         enc_log(context, BTF_LOG_WARNING,
-                "%s: no %s and few but 0 are whole: they look like radians, and are read as degrees: first "
-                "is %s",
+                "%s: no %s and few apart from 0 are whole: they look like radians, but are read as "
+                "degrees: first is %s",
                 source->location, seen[radians], source->paths[example[0]]);
     if (enc_angles_look_like_indices(range))
         enc_log(context, BTF_LOG_WARNING,
-                "%s: all thetas are whole and below 10: they look like numbers of directions, and are read "
+                "%s: all thetas are whole and below 10: they look like numbers of directions, but are read "
                 "as degrees: first is %s",
                 source->location, source->paths[example[0]]);
     if (range->beyond > 0)
@@ -484,11 +483,11 @@ btf_result enc_grid_create(const enc_context *context, const enc_source *source,
     if (result == BTF_OK)
         result = collect(context, source, images, count, true, &lights, &n_lights);
     if (result == BTF_OK && views[0].theta > ENC_GRID_POLE_DISTANCE)
-        result = enc_fail(
-            context, BTF_ERROR_BAD_FILE,
-            "%s: no top view: the view nearest to the pole is (%g,%g), more than %g degrees off: %s",
-            source->location, views[0].theta, views[0].given_phi, ENC_GRID_POLE_DISTANCE,
-            source->paths[views[0].source]);
+        result = enc_fail(context, BTF_ERROR_BAD_FILE,
+                          "%s: no top view: the view nearest to the surface normal is (%g,%g), more than "
+                          "%g degrees from it: %s",
+                          source->location, views[0].theta, views[0].given_phi, ENC_GRID_POLE_DISTANCE,
+                          source->paths[views[0].source]);
     if (result == BTF_OK && !(owner = calloc(n_views * n_lights, sizeof *owner)))
         result = BTF_ERROR_MEMORY;
     if (result == BTF_OK)

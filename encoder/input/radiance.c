@@ -85,7 +85,7 @@ static btf_result decode_area(const enc_radiance *r, enc_image *image, float *pi
     double gamma;
     const enc_transfer transfer = transfer_of(r, image, &gamma);
     if (r->options->transfer == ENC_TRANSFER_AUTO && image->info.transfer == IMAGE_TRANSFER_OTHER) {
-        snprintf(message, message_size, "%s is not read: --transfer says how values are coded",
+        snprintf(message, message_size, "%s cannot be decoded: give the coding of values with --transfer",
                  image->info.transfer_name);
         return BTF_ERROR_UNSUPPORTED;
     }
@@ -99,7 +99,7 @@ static btf_result decode_area(const enc_radiance *r, enc_image *image, float *pi
         enc_decoder_destroy(&own);
     }
     if (r->options->transfer == ENC_TRANSFER_AUTO && image->info.transfer_name[0])
-        image_note(&image->info, IMAGE_NOTE_TRANSFER, "%s is followed", image->info.transfer_name);
+        image_note(&image->info, IMAGE_NOTE_TRANSFER, "%s is applied", image->info.transfer_name);
     if (r->options->colour == ENC_COLOUR_AUTO && image->info.converts && image->channels == 3) {
         primaries_apply(image->info.to_rec709, (size_t)r->area.width * (size_t)r->area.height, pixels);
         image_note(&image->info, IMAGE_NOTE_PRIMARIES, "%s: converted to Rec. 709",

@@ -287,7 +287,7 @@ static btf_result read_mine(reader *r) {
     r->block = block_size(r);
     r->planes = malloc(r->block * plane * sizeof *r->planes);
     if (!r->planes)
-        return enc_fail(r->context, BTF_ERROR_MEMORY, "no memory for %zu images of %dx%d", r->block,
+        return enc_fail(r->context, BTF_ERROR_MEMORY, "out of memory for %zu images of %dx%d", r->block,
                         r->radiance.width, r->radiance.height);
     btf_result result = BTF_OK;
     for (size_t first = 0; first < r->n_mine && result == BTF_OK; first += r->block) {
@@ -374,7 +374,7 @@ static btf_result read_set(const enc_context *context, const char *input, const 
     btf_result result = BTF_OK;
     if (options->components > 0)
         result = enc_fail(context, BTF_ERROR_USAGE,
-                          "%s: components are those of a Bonn .btf file, and this is none", input);
+                          "%s: --components is only for a Bonn .btf file, which this is not", input);
     if (result == BTF_OK)
         result = enc_read_source(context, input, &r.source);
     if (result == BTF_OK)
