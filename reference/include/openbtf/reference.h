@@ -154,7 +154,6 @@ void btf_ref_centre(const btf_ref_material *material, uint32_t centre, uint32_t 
 /** @return (position + shift) modulo size, of a position below size. */
 uint32_t btf_ref_wrap(uint32_t position, int32_t shift, uint32_t size);
 
-/* clang-format off */
 /* Exact arithmetic: the same bits everywhere. How far they are from the truth, at most (libm in double;
  * every float of the domain, of pow 2.5e8 random pairs; tests/unit/reference/test_reference.c):
  *
@@ -168,7 +167,6 @@ uint32_t btf_ref_wrap(uint32_t position, int32_t shift, uint32_t size);
  *
  * with t = exponent * log2(base).
  */
-/* clang-format on */
 
 /** Section 8: @return the logarithm to base 2 of a normal and positive @p x. */
 float btf_ref_log2(float x);
