@@ -177,7 +177,8 @@ static void record_span(const btfi_directions *d, uint32_t record, uint32_t grid
     cell_span(grid, min3(a.y, b.y, c.y), max3(a.y, b.y, c.y), y);
 }
 
-/* Writes who lists what, by rising record. Returns how many there are, BTFI_MAX_RECORDS + 1 when more. */
+/* Writes the pairs of a record and a cell that lists it, by rising record. Returns their number, BTFI_MAX_RECORDS +
+ * 1 when there are more. */
 static uint32_t list_records(const btfi_directions *d, uint32_t grid, listing *out) {
     uint32_t count = 0;
     for (uint32_t r = 0; r < d->triangle_count + d->hull_count; r++) {

@@ -1,4 +1,4 @@
-/* Loads the functions of OpenGL that the library uses, and what its files do alike with them.
+/* Loads the functions of OpenGL that the library uses, and holds the steps with them that several of its files take.
  *
  * SPDX-License-Identifier: MIT
  */

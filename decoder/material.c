@@ -264,7 +264,7 @@ static btf_result copy_provenance(const btf_material_desc *desc, const btf_log *
     return BTF_OK;
 }
 
-/* Which views relief acts on: 0 or 1 each. */
+/* Checks the list of views that relief acts on: 0 or 1 each, and only with the effect. */
 static btf_result check_relief_views(const btf_material_desc *desc, const btf_log *log) {
     if (!desc->relief_views)
         return BTF_OK;

@@ -1,4 +1,4 @@
-/* OpenBTF reference decoder: what its own files share. Not installed.
+/* OpenBTF reference decoder: declarations that its own files share. Not installed.
  *
  * The build. Every float operation must be one IEEE-754 binary32 operation, in the order of the source.
  * Where the compiler says that it computes in a wider type (FLT_EVAL_METHOD > 0: the x87 of 32-bit x86) the

@@ -3,8 +3,8 @@
  * SPDX-License-Identifier: MIT
  */
 
-/* Position in 2^-18 of a texel, 0 .. size * 2^18 - 1, of a coordinate that repeats with period 1. What is
- * not finite, beyond +-4096 or not normal counts as 0. */
+/* Position in 2^-18 of a texel, 0 .. size * 2^18 - 1, of a coordinate that repeats with period 1. A coordinate that
+ * is not finite, beyond +-4096 or not normal counts as 0. */
 uint btf_coordinate(float c, uint size) {
     uint magnitude = floatBitsToUint(c) & 0x7FFFFFFFu;
     bool usable = magnitude >= 0x00800000u && magnitude <= 0x45800000u;
@@ -27,7 +27,8 @@ uvec3 btf_bilinear(uint t, uint size) {
     return uvec3(c0, c1 == size ? 0u : c1, (s >> 10u) & 255u);
 }
 
-/* The weight of the latter in 256ths as the filter says: its own of a texel's middle half, in between twice as steep. */
+/* The weight of the latter in 256ths as the filter says: its own of a texel's middle half, in between twice as
+ * steep. */
 uint btf_share(uint weight) {
 #if BTF_STEEP
     return uint(clamp(2 * int(weight) - 128, 0, 256));

@@ -77,7 +77,7 @@ btf_neighbours btf_lookup(highp usampler2D table, uint grid, ivec2 q) {
 }
 
 #if BTF_RELIEF || BTF_GLOSS
-/* Element a, 0 to 2, of a list of three: some drivers mistake what an index that varies reads or writes. */
+/* Element a, 0 to 2, of a list of three: some drivers read or write the wrong element by an index that varies. */
 #define BTF_ELEMENT(list, a) ((a) == 0 ? list[0] : ((a) == 1 ? list[1] : list[2]))
 
 /* A sampled view, and in w 1 where relief acts on it, else 0. */

@@ -1,4 +1,4 @@
-/* OpenBTF shaders: the macros that choose a variant, and what each is when nobody says.
+/* OpenBTF shaders: the macros that choose a variant, and their defaults.
  *
  * btf_shader_source() writes these lines for a material; by hand, define them before this text. Other macros of
  * yours go behind the whole text: one that is named like a parameter or a variable here would rewrite it.

@@ -1,4 +1,4 @@
-/* OpenBTF: what a header may say (FORMAT.md sections 2 to 5, 7).
+/* OpenBTF: checks that a header keeps the rules of FORMAT.md sections 2 to 5 and 7.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -1,4 +1,4 @@
-/* OpenBTF: what the values of the textures may be (FORMAT.md sections 2 to 5).
+/* OpenBTF: checks that the values of textures keep the rules of FORMAT.md sections 2 to 5.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -53,7 +53,7 @@ typedef struct gpu {
     VkDescriptorSet set;
     VkPipelineLayout layout;
     VkPipeline pipeline;
-    /* what has to go before the device: see close_device */
+    /* these are destroyed before the device: see close_device */
     VkBuffer buffers[MOST];
     VkImage images[MOST];
     VkImageView views[MOST];

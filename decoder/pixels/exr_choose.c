@@ -1,4 +1,4 @@
-/* Which part and which channels of an OpenEXR file make the picture.
+/* Chooses the part and the channels of an OpenEXR file that make the picture.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -59,7 +59,7 @@ typedef struct image_info {
     char transfer_name[80]; /* as in "gAMA 1"; set where the file says anything */
     bool converts;          /* samples, made linear, are to be multiplied by to_rec709 */
     float to_rec709[9];
-    char primaries_name[200]; /* what is converted from */
+    char primaries_name[200]; /* the primaries that pixels are converted from */
     image_notes notes;
 } image_info;
 

@@ -69,7 +69,7 @@ typedef struct cli_option {
 
 typedef struct cli_program {
     const char *name;    /* "btf-info" */
-    const char *usage;   /* what follows the name in the usage line: "FILE [--json]" */
+    const char *usage;   /* the arguments in the usage line: "FILE [--json]" */
     const char *summary; /* a sentence or two */
     const char *details; /* paragraphs after the options; may be NULL */
     const char *example; /* one command a line */

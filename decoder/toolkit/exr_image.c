@@ -252,7 +252,7 @@ static btf_result read_samples(reading *r) {
     return result;
 }
 
-/* Refuses what cannot be undone, by name. */
+/* Refuses features of a file that cannot be undone, naming each. */
 static btf_result check_compression(const reading *r, exr_compression_t compression) {
     static const char *const unread[] = {[EXR_COMPRESSION_B44] = "B44",
                                          [EXR_COMPRESSION_B44A] = "B44A",

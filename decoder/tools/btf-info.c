@@ -1,4 +1,4 @@
-/* btf-info: what a material file holds: sizes, directions, effects and what each one buys.
+/* btf-info: the contents of a material file: sizes, directions, effects and the accuracy that each adds.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -160,7 +160,7 @@ static btf_result make_file(const enc_context *context, const char *what, uint64
     return result;
 }
 
-/* Opens what rank 0 made; it has the wrong size where another folder has the same name. */
+/* Opens the file that rank 0 made; it has the wrong size where another folder has the same name. */
 static btf_result open_file(const enc_context *context, const char *path, int flags, uint64_t size,
                             int *out_fd) {
     struct stat status;

@@ -110,7 +110,7 @@ static btf_result list_pairs(const enc_context *context, const char *path, enc_p
     enc_grid_image *images = NULL;
     size_t count = 0;
     list_silently(context, path, s->source, &s->options, s->table, &images, &count);
-    free(images); /* again, and this time with what there is to tell */
+    free(images); /* listed again, now with its messages */
     btf_result result = enc_grid_list(context, s->source, &s->options, &images, &count);
     if (result == BTF_OK) {
         pairs->pair = malloc(count * sizeof *pairs->pair);
@@ -149,7 +149,7 @@ static btf_result report(const enc_context *context, const enc_pairs *pairs, siz
                     message[0] ? message : btf_result_text(result));
 }
 
-/* Reads the first image to learn what all are like. */
+/* Reads the first image, whose size all others must have. */
 static btf_result settle_size(const enc_context *context, enc_pairs *pairs) {
     enc_pairs_source *s = pairs->source;
     char message[MESSAGE_SIZE] = "";
@@ -209,7 +209,7 @@ void enc_pairs_close(enc_pairs **pairs) {
     *pairs = NULL;
 }
 
-/* Tells what an image says of its pixels, unless another did before. */
+/* Logs the notes of an image about its pixels, unless another image had them before. */
 static void tell(const enc_context *context, const enc_pairs *pairs, size_t i, const image_notes *notes) {
     image_notes *reported = &pairs->source->reported;
     for (int k = 0; k < IMAGE_NOTE_KINDS; k++) {

@@ -44,7 +44,7 @@ static uint64_t least_memory(const enc_context *context, int width, int height, 
                                  : 0;
 }
 
-/* Refuses data of which the allowed memory does not hold what an encode takes at the least. */
+/* Refuses data for which the allowed memory is less than the least that an encode takes. */
 static btf_result check_memory(const enc_context *context, int width, int height, int n_views,
                                int n_lights) {
     if (!context || context->memory == 0)
@@ -178,7 +178,7 @@ static btf_result keep_samples(const enc_context *context, enc_data *data) {
     return result;
 }
 
-/* The samples of a scratch file as memory, where there is room for them. What cannot be mapped is read. */
+/* The samples of a scratch file as memory, where there is room for them. Samples that cannot be mapped are read. */
 static void map_samples(const enc_context *context, enc_data *data) {
     const size_t bytes = enc_data_texel_count(data) * enc_data_texel_stride(data) * sizeof(float);
     if (!enc_data_fits(context, data->width, data->height, data->n_views, data->n_lights))

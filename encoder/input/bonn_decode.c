@@ -259,7 +259,7 @@ static void fetch(const enc_bonn_decoder *d, size_t count, const size_t *texels,
     }
 }
 
-/* From what the file codes to radiance. */
+/* Turns values as the file codes them into radiance. */
 static btf_result finish(const enc_context *context, const enc_bonn_decoder *d, size_t texel, size_t view,
                          float *profile) {
     const enc_bonn_file *f = d->file;

@@ -308,7 +308,7 @@ static void read_pvf(cursor *c, enc_bonn_file *f, bool legacy) {
     }
 }
 
-/* Which ABRDFs are there, in the order of their storage. */
+/* Lists the ABRDFs that the file holds, in the order of their storage. */
 static void read_mask(cursor *c, enc_bonn_file *f) {
     const size_t texels = (size_t)f->width * f->height;
     const unsigned char *mask = take(c, texels, "mask");

@@ -15,7 +15,7 @@
 
 enum { SOURCES = 16 /* texels of the file that are decoded together for one resized texel */ };
 
-/* The origin of the samples: the file, and what of it becomes which texel. */
+/* The origin of the samples: the file, and the part of it that each texel shows. */
 typedef struct bonn_origin {
     enc_data_origin base;
     enc_bonn_file *file;

@@ -43,7 +43,7 @@ static int compare_directions(const void *a, const void *b) {
     return (x->source > y->source) - (x->source < y->source);
 }
 
-/* Sorts a list and drops what occurs again (the earliest file stays). Returns the new length. */
+/* Sorts a list and drops repeated directions (the earliest file stays). Returns the new length. */
 static size_t sort_unique(named_direction *list, size_t count) {
     size_t kept = 0;
     qsort(list, count, sizeof *list, compare_directions);
@@ -164,7 +164,7 @@ static btf_result list_names(const enc_source *source, name_list *out) {
     return BTF_OK;
 }
 
-/* Refuses what cannot be read for sure, and tells what was left aside. */
+/* Refuses names that cannot be read for sure, and warns of images that were left out. */
 static btf_result judge_names(const enc_context *context, const enc_source *source, const name_list *list) {
     if (list->n_bad > 0)
         return enc_fail(
@@ -279,7 +279,7 @@ static void survey(enc_angle_range *range, const enc_angles *a, size_t index, si
         example[1] = index;
 }
 
-/* Images by what their names say. */
+/* Lists images by the angles in their names. */
 static btf_result take_names(const enc_context *context, const enc_source *source,
                              const enc_read_options *options, named_image *images, size_t *out_count) {
     name_list list;

@@ -276,7 +276,7 @@ static void note_bad(enc_name *name, text where, const char *why) {
     name->why = why;
 }
 
-/* Takes what is not known yet, and compares the rest. */
+/* Takes the angles that are not known yet, and compares the others. */
 static void take(collected *c, const part *from) {
     for (int key = 0; key < KEYS; key++) {
         const angle *a = &from->angles[key];

@@ -31,7 +31,7 @@ typedef struct enc_name {
     bool counter;        /* digits that follow the last angle were left aside: "pv7_5", "pv7 (1)" */
     bool like_frame;     /* the last angle alone has decimals, which look like a frame: "pv7.0105" */
     bool folders_differ; /* a folder gives a key another value than what counts */
-    char bad[32];        /* what could not be read: "tl22x5" */
+    char bad[32];        /* the part of the name that could not be read: "tl22x5" */
     const char *why;     /* and why not; static */
 } enc_name;
 

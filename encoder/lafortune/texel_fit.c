@@ -435,7 +435,7 @@ btf_result enc_fit_texel(enc_fit_workspace *workspace, const enc_fit_samples *sa
         }
         best = p.best;
         if (store(&p, &best, out_parameters)) {
-            /* Out of the file's range: what is left of the lobes has to pay all the same. */
+            /* Parameters were cut to the range of the file: the lobes as cut must still be better than none. */
             best.cost = stored_cost(&p, out_parameters);
             float plain[3 + 7 * ENC_MAX_LOBES];
             const enc_fit_solution without = diffuse_solution(&p);

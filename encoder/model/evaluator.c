@@ -18,7 +18,7 @@ enum { BETWEEN = BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS };
 
 struct enc_evaluator {
     btf_ref_material reference;
-    bool fast; /* nothing but factors, shift and gain, and what acts between the samples */
+    bool fast; /* only factors, shift and gain, and the effects that act between the samples */
     bool roots;
     float horizon_scale;
     enc_factor_unit *units;
@@ -261,7 +261,7 @@ static void residual_of(const sums *s, const float *views, int tier, float r[3])
     r[2] = (y[0] - y[1]) + y[2];
 }
 
-/* Adds to acc what a view of this weight gives. */
+/* Adds to acc the value of a view of this weight. */
 static void add_view(const enc_evaluator *e, const float r[3], float m, float gain, uint32_t weight,
                      float acc[3]) {
     for (int c = 0; c < 3; c++) {

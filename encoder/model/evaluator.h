@@ -32,7 +32,7 @@ enc_evaluated_texel *enc_evaluated_texel_create(const enc_evaluator *evaluator, 
 void enc_evaluated_texel_move(enc_evaluated_texel *evaluated, size_t texel);
 void enc_evaluated_texel_destroy(enc_evaluated_texel **texel);
 
-/* Two directions, and what stands around them. */
+/* Two directions, and their neighbours. */
 typedef struct enc_evaluated_at {
     const btf_ref_neighbours *lights, *views;
     const float *light, *view; /* [3] */

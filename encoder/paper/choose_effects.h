@@ -1,4 +1,4 @@
-/* `--effects auto` of method paper: what each effect removes of the error, on a sample of texels.
+/* `--effects auto` of method paper: the error that each effect removes, on a sample of texels.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -1,4 +1,4 @@
-/* The diffuse fit in place of what is worse (see diffuse_fallback.h).
+/* The diffuse fit in place of a worse model (see diffuse_fallback.h).
  *
  * SPDX-License-Identifier: MIT
  */

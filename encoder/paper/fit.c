@@ -1,4 +1,4 @@
-/* The iterative fit of every texel: solve, leave out what looks shadowed, solve again (paper 2.1).
+/* The iterative fit of every texel: solve, leave out samples that look shadowed, solve again (paper 2.1).
  *
  * SPDX-License-Identifier: MIT
  */

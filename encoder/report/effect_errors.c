@@ -170,7 +170,7 @@ static float clip(float x) {
     return x > 0 ? (x < 1 ? x : 1.0f) : 0.0f;
 }
 
-/* Two directions and what is known of them. */
+/* Two directions, their neighbours, and the truth of the data there. */
 typedef struct pair {
     float light[3], view[3];
     enc_evaluated_neighbours around;

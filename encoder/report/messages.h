@@ -1,4 +1,4 @@
-/* Messages of a part of the work that the report keeps: what reading said of the data.
+/* Messages of a part of the work that the report keeps, such as those of reading the data.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -216,7 +216,7 @@ static void test_create_codes(void **state) {
     *word = (*word & 0x00FFFFFFu) | 0x80000000u;
     create_refused(&desc, "factor_directions: unit 0 at (6, 7): byte 3 of channel A is -128");
     *word = kept;
-    /* what is not of class 0 may hold any byte */
+    /* units of other classes than 0 may hold any byte */
     word = factor_words(&desc, BTF_TEXTURE_FACTOR_TEXELS) + 4 * (2 * HEIGHT * WIDTH);
     *word = 0x80808080u;
     word = factor_words(&desc, BTF_TEXTURE_FACTOR_DIRECTIONS) + 4 * (2 * VIEWS * LIGHTS);

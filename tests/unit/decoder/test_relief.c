@@ -99,7 +99,7 @@ static void test_shapes(void **state) {
     random_material_free(&desc);
 }
 
-/* Which of the textures there are, and on which views relief acts. */
+/* With relief, gloss, both or neither: the textures that there are, and the views that relief acts on. */
 static void test_either(void **state) {
     (void)state;
     for (int i = 0; i < 5; i++) {
@@ -273,7 +273,7 @@ static void assert_same(const btf_material *a, const btf_material *b) {
         }
 }
 
-/* What is written is read, and written again byte for byte. */
+/* A material that was written is read, and written again byte for byte. */
 static btf_material *through_a_file(const btf_material *m) {
     void *data, *again;
     size_t size, again_size;

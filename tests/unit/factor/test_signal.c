@@ -1,5 +1,5 @@
-/* Which components are signal, and where bytes stop: of data whose signal and noise are known, against the
- * truth without the noise, which the encoder never sees.
+/* The count of components that are signal, and the bytes that are worth spending: of data whose signal
+ * and noise are known, against the truth without the noise, which the encoder never sees.
  *
  * SPDX-License-Identifier: MIT
  */
