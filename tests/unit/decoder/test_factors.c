@@ -605,7 +605,7 @@ static void test_file_attributes(void **state) {
     file_refused(e, "attribute openbtf.residualScales is missing");
     e = take(&factor_file);
     add_floats(e, "openbtf.residualScales", FACTOR_UNITS);
-    file_refused(e, "attribute openbtf.residualScales without components of the residual");
+    file_refused(e, "attribute openbtf.residualScales is there, but there are no components of the residual");
     e = take(&factor_file);
     edit_find_attribute(e, "openbtf.residual")->i = 8;
     file_refused(e, "factorClasses: the classes have 9 units in all, the residual has 8");
@@ -744,7 +744,7 @@ static void test_versions(void **state) {
     e = take(&plain_file); /* the store is that of version 1 */
     edit_find_attribute(e, "openbtf.version")->i = 2;
     add_floats(e, "openbtf.factorScales", 4);
-    file_refused(e, "attribute openbtf.factorScales without units of factors");
+    file_refused(e, "attribute openbtf.factorScales is there, but there are no units of factors");
     e = take(&plain_file);
     edit_find_attribute(e, "openbtf.version")->i = 2;
     add_attribute(e, "openbtf.blend", EXR_ATTR_STRING)->text = strdup("roots");
@@ -951,7 +951,7 @@ static void test_many_directions(void **state) {
     btf_material_close(&small);
     btf_material_close(&whole);
     desc.info.effects |= BTF_EFFECT_SHADOW;
-    create_refused(&desc, "1000 lights with the effect shadow, not 1 to 256");
+    create_refused(&desc, "1000 lights; with the effect shadow there are 1 to 256");
     random_material_free(&desc);
 
     desc = random_material_desc(2, 2, BTF_MAX_DIRECTIONS, 2, BTF_LAYOUT_PAPER, 0);
@@ -969,7 +969,7 @@ static void test_many_directions(void **state) {
     static const uint32_t layered[] = {BTF_EFFECT_SHIFT, BTF_EFFECT_HIDDEN, BTF_EFFECT_GAIN};
     for (size_t i = 0; i < sizeof layered / sizeof *layered; i++) {
         desc.info.effects = layered[i];
-        create_refused(&desc, "4096 views with the effect shift, hidden or gain, not 1 to 256");
+        create_refused(&desc, "4096 views; with the effect shift, hidden or gain there are 1 to 256");
     }
     desc.info.effects = 0;
     desc.info.n_views++;

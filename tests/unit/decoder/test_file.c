@@ -448,7 +448,7 @@ static void test_directions(void **state) {
     refused_count("views", 21, "viewVertices holds 16 numbers");
     refused_count("viewVertices", 14, "viewVertices holds 14 numbers");
     refused_count("viewTriangles", 4, "viewTriangles holds 4 numbers");
-    refused_count("viewHull", 1, "views: a hull of 1");
+    refused_count("viewHull", 1, "views: the hull has 1 vertices");
     refused_count("viewHull", 17, "viewHull holds 17 numbers");
     refused_count("viewCells", 3, "ends early");
     refused_count("lightCells", 70000, "openbtf.lightCells holds 70000");

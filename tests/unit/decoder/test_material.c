@@ -515,7 +515,7 @@ static void test_create_refuses_maps(void **state) {
     assert_int_equal(d.info.atlas_width,
                      16); /* 4 columns: tile 4 stands at (0, 4), centres from row 4 on */
     const size_t row = 4 * 16;
-    refused_u8(&d, BTF_TEXTURE_MAPS, 4 * 12 + 1, 3, "maps: texel (12, 0) holds 3 where"); /* no view 3 */
+    refused_u8(&d, BTF_TEXTURE_MAPS, 4 * 12 + 1, 3, "maps: texel (12, 0) holds 3; it has no meaning"); /* no view 3 */
     refused_u8(&d, BTF_TEXTURE_MAPS, 4 * row + 4 * 9 + 3, 2,
                "maps: texel (9, 4) holds"); /* alpha of a centre */
     size_t last = (size_t)d.info.atlas_width * d.info.atlas_height * 4 - 4;

@@ -214,10 +214,10 @@ static void test_create_refuses_others(void **state) {
     create_refused(&bad, "view_vectors: given, but the material has no such texture");
     bad = good;
     bad.texture[BTF_TEXTURE_HEIGHTS] = NULL;
-    create_refused(&bad, "heights: missing, 54 bytes");
+    create_refused(&bad, "heights: missing; the material needs its 54 bytes");
     bad = good;
     bad.level_texture[1][BTF_TEXTURE_HEIGHTS] = NULL;
-    create_refused(&bad, "level1.heights: missing, 12 bytes");
+    create_refused(&bad, "level1.heights: missing; the material needs its 12 bytes");
     bad = good;
     bad.info.relief_step = 0;
     bad.info.relief_steps = 1;
@@ -429,7 +429,7 @@ static void test_file_attributes(void **state) {
             edit_remove_part(e, "level1.heights");
         }
         if (i == 3)
-            file_refused(e, "attribute openbtf.reliefViews without views of relief");
+            file_refused(e, "attribute openbtf.reliefViews is there, but there are no views of relief");
         else {
             snprintf(text, sizeof text, "attribute %s without the effect %s", name,
                      i < 3 ? "relief" : "gloss");

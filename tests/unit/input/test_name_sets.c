@@ -391,7 +391,7 @@ static void test_bad_tables(void **state) {
     set_expect_refused(set_folder, by_table(), BTF_ERROR_UNSUPPORTED, "table.csv: the text is UTF-16",
                        NULL);
     write_whole_file(path_in("table.csv"), "000.png,0,0,0,0\0", 16);
-    set_expect_refused(set_folder, by_table(), BTF_ERROR_BAD_FILE, "table.csv: is not a text file", NULL);
+    set_expect_refused(set_folder, by_table(), BTF_ERROR_BAD_FILE, "table.csv: not a text file", NULL);
     unlink(path_in("table.csv"));
     set_expect_refused(set_folder, by_table(), BTF_ERROR_IO, "table.csv", NULL);
 }

@@ -331,7 +331,7 @@ static void test_layer_option(void **state) {
     expect_channels(parts, 3, "two", 3, bgr, NULL);
     expect_channels(parts, 3, "two.x", 3, (const int[]){5, 4, 3}, NULL);
     layer = "G";
-    expect_refused(parts, 3, "or several");
+    expect_refused(parts, 3, "does not name exactly one layer, part or channel");
     layer = NULL;
     parts[0] = part_of(NULL, "Normal.X/Normal.Y/Normal.Z/u/v"); /* not colours */
     expect_refused(parts, 1, "Normal.X, Normal.Y, Normal.Z, u, v");
