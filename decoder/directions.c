@@ -146,8 +146,7 @@ static bool edge_meets(const btfi_directions *d, uint32_t h, const cell *cell) {
     bool cone = reaches(cell, ab, b) && reaches(cell, cb, b);
     if (strip || !cone || d->triangle_count == 0)
         return strip || cone;
-    /* Inside the hull, directions belong to triangles; outside, a corner's cone is beyond one of its edges.
-     */
+    /* Inside the hull, directions belong to triangles; outside, a corner's cone is beyond one of its edges. */
     point bc = minus(c, b);
     return reaches(cell, (point){ab.y, -ab.x}, b) || reaches(cell, (point){bc.y, -bc.x}, b);
 }

@@ -182,8 +182,7 @@ static btf_result check_part(exr_const_context_t context, const btf_log *log, in
     return BTF_OK;
 }
 
-/* Stores one row of one channel into the texture. Returns false, with the place, at a value that cannot be.
- */
+/* Stores one row of one channel into the texture. Returns false, with the place, at a value that cannot be. */
 static bool store_row(const btfi_part *part, void *texture, int channel, uint32_t y, const void *row,
                       uint32_t *out_x) {
     for (uint32_t x = 0; x < part->width;) {

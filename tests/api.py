@@ -21,8 +21,8 @@ import textwrap
 
 PAGE = 'decoder/API.md'
 FOLDER = 'decoder/include/openbtf'
-HEADERS = [f'{FOLDER}/{name}.h' for name in ('material', 'shader', 'gl', 'plan', 'result')]
-HEADERS.append('reference/include/openbtf/reference.h')
+FIRST = ('material', 'shader', 'gl', 'plan') # then the others by name
+REFERENCE = 'reference/include/openbtf/reference.h'
 COMMENT = re.compile(r'/\*.*?\*/', re.S)
 
 
@@ -30,6 +30,12 @@ def words(comment):
     """The lines of a comment without its stars."""
     text = re.sub(r'^/\*+<?|\*/$', '', comment)
     return '\n'.join(re.sub(r'^\s*\* ?', '', line).rstrip() for line in text.split('\n')).strip()
+
+
+def headers_of(root):
+    names = sorted(name[:-2] for name in os.listdir(os.path.join(root, FOLDER)) if name.endswith('.h'))
+    names.sort(key=lambda name: FIRST.index(name) if name in FIRST else len(FIRST))
+    return [f'{FOLDER}/{name}.h' for name in names] + [REFERENCE]
 
 
 class Symbol:
@@ -151,7 +157,7 @@ def row_of(cells):
 
 
 def page(root):
-    headers = [(path, *parse(open(os.path.join(root, path), encoding='utf-8').read())) for path in HEADERS]
+    headers = [(path, *parse(open(os.path.join(root, path), encoding='utf-8').read())) for path in headers_of(root)]
     names = {s.name for _, _, found in headers for s in found}
     out = ['# The API, by header', '',
            'Made from the headers by `tests/api.py . --write`, and held to them by the tests; change the headers, not this',
@@ -183,7 +189,7 @@ def exported(library):
 
 def complaints(root, libraries=()):
     found, functions = [], set()
-    for path in HEADERS:
+    for path in headers_of(root):
         with open(os.path.join(root, path), encoding='utf-8') as file:
             symbols = parse(file.read())[1]
         for s in symbols:
@@ -205,7 +211,7 @@ def complaints(root, libraries=()):
 
 def self_test(root):
     """(what is broken, file, text, its replacement)"""
-    material, reference = HEADERS[0], HEADERS[-1]
+    material, reference = headers_of(root)[0], REFERENCE
     breaks = [('a function without a comment', material, 'void btf_free(', 'void btf_other(void);\nvoid btf_free('),
               ('a type without a comment', material, '/** A material in memory.', '/* A material in memory.'),
               ('a member without a comment', material, '/**< of the SBRDF, J */', '/* of the SBRDF, J */'),
@@ -219,7 +225,7 @@ def self_test(root):
     unnoticed = 0
     for what, path, old, new in breaks:
         with tempfile.TemporaryDirectory() as folder:
-            for copied in (*HEADERS, PAGE):
+            for copied in (*headers_of(root), PAGE):
                 os.makedirs(os.path.join(folder, os.path.dirname(copied)), exist_ok=True)
                 shutil.copy(os.path.join(root, copied), os.path.join(folder, copied))
             with open(os.path.join(folder, path), encoding='utf-8') as file:

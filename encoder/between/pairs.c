@@ -59,8 +59,7 @@ static btf_result count_directions(const enc_grid_image *images, size_t count, b
     return BTF_OK;
 }
 
-/* Lists the images, without a word: where names say nothing and the folder has a directions.csv, by that.
- */
+/* Lists the images, without a word: where names say nothing and the folder has a directions.csv, by that. */
 static btf_result list_silently(const enc_context *context, const char *path, const enc_source *source,
                                 enc_read_options *options, char table[PATH_MAX],
                                 enc_grid_image **out_images, size_t *out_count) {

@@ -89,8 +89,7 @@ static inline size_t enc_data_texel_stride(const enc_data *data) {
 btf_result enc_data_create(const enc_context *context, int width, int height, int n_views,
                            const enc_direction *views, int n_lights, const enc_direction *lights,
                            enc_data **out_data);
-/* The same with an origin that makes the samples, which then belongs to the BTF (also on error: it is
- * closed). Where all samples fit half of context->memory (0: always) they are made here, once, with all
+/* Makes a BTF whose samples come from an origin, which then belongs to the BTF (also on error: it is closed). Where all samples fit half of context->memory (0: always) they are made here, once, with all
  * threads, and kept, by the ranks in a scratch file that they share; else they are made whenever
  * they are asked for, and no scratch file is written. */
 btf_result enc_data_create_from(const enc_context *context, int width, int height, int n_views,
@@ -100,7 +99,7 @@ btf_result enc_data_create_from(const enc_context *context, int width, int heigh
  * Samples that fit half of context->memory are then in memory for all ranks of a machine together. Errors:
  * `result`, BTF_ERROR_IO. */
 btf_result enc_data_complete(const enc_context *context, enc_data *data, btf_result result);
-/* Gives `to`, of the same directions, the moved lights of `from`. Errors: BTF_ERROR_MEMORY. */
+/* Copies the moved lights of `from` to `to`, which has the same directions. Errors: BTF_ERROR_MEMORY. */
 btf_result enc_data_copy_lights(const enc_data *from, enc_data *to);
 void enc_data_destroy(enc_data **data);
 

@@ -74,8 +74,7 @@ typedef enum enc_radians {
     ENC_RADIANS_NONE,
     ENC_RADIANS_ALL,   /* no angle reaches 6.3, and few but 0 are whole */
     ENC_RADIANS_PHI,   /* the same of the azimuths alone */
-    ENC_RADIANS_THETA, /* no theta reaches 1.58, and few but 0 are whole; azimuths do not look like radians
-                        */
+    ENC_RADIANS_THETA, /* no theta reaches 1.58, and few but 0 are whole; azimuths do not look like radians */
 } enc_radians;
 
 void enc_angles_survey(enc_angle_range *range, const enc_angles *angles);

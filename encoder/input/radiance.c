@@ -61,8 +61,7 @@ void enc_radiance_clear(enc_radiance *radiance) {
     enc_decoder_destroy(&radiance->decoder);
 }
 
-/* Names the first sample that is no number, or below 0 when that is refused; names[channel] in the message.
- */
+/* Names the first sample that is no number, or below 0 when that is refused; names[channel] in the message. */
 static btf_result check_values(const enc_radiance *r, const float *pixels, const char *names,
                                bool refuse_negative, char *message, size_t message_size) {
     const size_t count = (size_t)r->area.width * (size_t)r->area.height * 3;

@@ -296,8 +296,7 @@ static btf_result descend_from(enc_fit_problem *p, const enc_fit_options *option
     return result;
 }
 
-/* A parameter as the file may hold it: 0, or of magnitude 2^-24 .. 2^24; *cut is set where that changes it.
- */
+/* A parameter as the file may hold it: 0, or of magnitude 2^-24 .. 2^24; *cut is set where that changes it. */
 static float storable(double value, bool *cut) {
     const double magnitude = fabs(value);
     if (!(magnitude >= 0x1p-24)) {

@@ -36,8 +36,8 @@ void enc_evaluated_texel_destroy(enc_evaluated_texel **texel);
 typedef struct enc_evaluated_at {
     const btf_ref_neighbours *lights, *views;
     const float *light, *view; /* [3] */
-    bool looked_up; /* `lights` are what stands around the light, so that gloss may look around other directions; else
-                       every view takes them (FORMAT.md section 9) */
+    bool looked_up; /* `lights` are the neighbours of the light, so that gloss may look around other directions;
+                       else every view takes them as they are (FORMAT.md section 9) */
 } enc_evaluated_at;
 
 /* The neighbours of a light and of a view of unit length. */

@@ -22,8 +22,7 @@ typedef void (*enc_paper_texel_fn)(const void *user, size_t texel, const float *
                                    double *out);
 
 /* Means a sample and channel of `numbers` sums that fn finds at each of up to ENC_PAPER_SAMPLE texels
- * evenly spaced; the same bits for any number of threads and ranks. Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO.
- */
+ * evenly spaced; the same bits for any number of threads and ranks. Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO. */
 btf_result enc_paper_sample(const enc_context *context, const enc_data *data, enc_paper_texel_fn fn,
                             const void *user, size_t numbers, double *out);
 

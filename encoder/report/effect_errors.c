@@ -256,8 +256,7 @@ static void choose_samples(job *j, size_t evaluations, int halvings) {
     }
 }
 
-/* Mean squared errors of some variants: out[row][cell][2]. Errors: BTF_ERROR_MEMORY, those of the data.
- */
+/* Mean squared errors of some variants: out[row][cell][2]. Errors: BTF_ERROR_MEMORY, those of the data. */
 static btf_result measure_means(const job *j, double **out) {
     const size_t length = 2 * j->n_rows * j->cells;
     *out = calloc(length, sizeof **out);

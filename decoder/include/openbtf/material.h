@@ -184,8 +184,7 @@ typedef struct btf_material_info {
     /** Factors of FORMAT.md section 9, each within 2^-24..2^24. */
     float radiance_scale, shadow_scale, gain_scale, centre_scale;
     size_t gpu_bytes; /**< of all textures of all levels but those that table_bytes counts */
-    size_t
-        table_bytes; /**< of direction tables, scales and view factors of the residual, and view_vectors */
+    size_t table_bytes; /**< of direction tables, view_vectors, and scales and view factors of the residual */
     const char *method;  /**< provenance: the encoder's method; "" when not given */
     const char *options; /**< provenance: the encoder's options and thresholds; "" when not given */
     const char *source;  /**< provenance: the data set; "" when not given */
@@ -214,8 +213,8 @@ typedef struct btf_material_info {
     /** With BTF_EFFECT_RELIEF: which level of detail of the material that the heights were made for is level 0
      * here. 0, but in restrictions that begin at a coarser level. With levels at most BTF_MAX_LEVELS in all. */
     uint32_t relief_level;
-    uint32_t
-        gloss_share; /**< with BTF_EFFECT_GLOSS: share of the half vector in quarters, 1 or 2; else 0 */
+    /** With BTF_EFFECT_GLOSS: share of the half vector in quarters, 1 or 2; else 0. */
+    uint32_t gloss_share;
 } btf_material_info;
 
 /** One row of the errors that the encoder measured. */

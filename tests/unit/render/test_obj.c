@@ -55,8 +55,7 @@ static void test_quad(void **state) {
     mesh_destroy(&m);
 }
 
-/* Lines that end in CR alone, a line that goes on right behind a word, and surfaces, which are told once.
- */
+/* Lines that end in CR alone, a line that goes on right behind a word, and surfaces, which are told once. */
 static void test_lines(void **state) {
     (void)state;
     static const char mac[] = "v 0 0 0\rv 1 0 0\rv 0 1 0\r# x\rvt 0 0\rf 1/1\\\r2/1 \\\r 3/1\r";

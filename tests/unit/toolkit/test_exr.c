@@ -224,8 +224,7 @@ static void test_chroma_sizes(void **state) {
         }
 }
 
-/* Sampling that is not of the format, or that chroma is not read with: refused, whichever channel has it.
- */
+/* Sampling that is not of the format, or that chroma is not read with: refused, whichever channel has it. */
 static void test_sampling_out_of_spec(void **state) {
     (void)state;
     static const int32_t bad[][2] = {{0, 1},         {1, 0},         {-1, 1},
