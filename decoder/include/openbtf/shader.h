@@ -19,7 +19,7 @@
  * with, say, int(btf_level(dFdx(uv), dFdy(uv)) + 0.5) for the level: 0 is the finest, and a number beyond
  * the last is the last.
  *
- * It works in GLSL 330 core to 460, ESSL 300 (WebGL2) to 320, and Vulkan GLSL. What a compiler finds unused
+ * It works in GLSL 330 core to 460, ESSL 300 (WebGL2) to 320, and Vulkan GLSL. Code that a compiler finds unused
  * costs nothing: an effect that is left out leaves no code and no fetch behind.
  *
  * No function here makes a GL call or compiles anything (gl.h uploads the textures).
