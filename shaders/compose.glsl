@@ -221,7 +221,7 @@ void btf_show_view(out vec3 radiance[BTF_TEXELS], uvec2 x[BTF_TEXELS], uint view
     }
 }
 
-#if BTF_BILINEAR
+#if BTF_BILINEAR && BTF_STOCHASTIC < 3
 /* Four texels as the filter blends them, of weights in 65536ths. */
 vec3 btf_filter(vec3 radiance[BTF_TEXELS], uvec4 weight) {
     vec3 sum = btf_mul(radiance[0], btf_mul(float(weight[0]), uintBitsToFloat(0x37800000u)));
@@ -246,6 +246,7 @@ float btf_view_weight(uint weight) {
     return btf_mul(float(weight), uintBitsToFloat(0x39800000u));
 }
 
+#if !BTF_STOCHASTIC
 #if BTF_RELIEF
 
 /* The texels around a position at which a view shows something, or the one that holds it; and their weights. */
@@ -354,4 +355,5 @@ void btf_texels(inout vec3 sum[BTF_TEXELS], uvec2 x[BTF_TEXELS], btf_setting s) 
     }
 }
 
+#endif
 #endif
