@@ -3,8 +3,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "check.h"
-#include "synthetic.h"
+#include "tests/conformance/check.h"
+#include "tests/conformance/synthetic.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
