@@ -15,6 +15,8 @@ typedef struct reference {
     int levels;
     btf_ref_options options[SHADER_VARIANTS];
     int threads;
+    int picks, picked;
+    uint32_t drawn; /* random numbers of each place in a list */
 } reference;
 
 static void *create(const shader_request *request, const btf_log *log, btf_result *out_result) {
@@ -42,6 +44,8 @@ static void *create(const shader_request *request, const btf_log *log, btf_resul
     for (uint32_t i = 0; i < info.levels; i++)
         reference_view(request->material, i, &self->level[i]);
     self->threads = request->threads;
+    self->picks = (int)request->picks;
+    self->picked = request->picks ? request->picked : 1;
     for (int i = 0; i < request->variants; i++)
         self->options[i] = (btf_ref_options){
             .effects = request->effects[i],
@@ -62,18 +66,39 @@ static int max_width(const void *self) {
     return 1 << 20;
 }
 
+/* The sum of picks of one sample, at a place in the list. */
+static void pick(const reference *r, int variant, const btf_ref_material *level, uint32_t column, uint32_t row,
+                 const float *in, float *out) {
+    out[0] = out[1] = out[2] = 0;
+    for (uint32_t i = 0; i < (uint32_t)r->picked; i++) {
+        const uint32_t counter[3] = {column, row, r->drawn + i};
+        uint32_t random[3];
+        float rgb[3];
+        btf_ref_random(counter, random);
+        btf_ref_evaluate_stochastic(level, &r->options[variant], r->picks, in[0], in[1], in + 5, in + 2, random, rgb);
+        for (int c = 0; c < 3; c++)
+            out[c] = out[c] + rgb[c];
+    }
+    for (int c = 0; c < 3; c++)
+        out[c] = out[c] / (float)r->picked;
+}
+
 static btf_result run(void *self, int variant, int width, int rows, const float *inputs, float *out,
                       const btf_log *log) {
-    const reference *r = self;
+    reference *r = self;
     const int count = width * rows;
     (void)log;
 #pragma omp parallel for schedule(dynamic, 256) num_threads(r->threads)
     for (int i = 0; i < count; i++) {
         const float *in = inputs + TABLE_INPUTS * (size_t)i;
         const int level = (int)in[8] < r->levels ? (int)in[8] : r->levels - 1;
-        btf_ref_evaluate(&r->level[level], &r->options[variant], in[0], in[1], in + 5, in + 2,
-                         out + 3 * (size_t)i);
+        if (r->picks)
+            pick(r, variant, &r->level[level], (uint32_t)(i % width), (uint32_t)(i / width), in, out + 3 * (size_t)i);
+        else
+            btf_ref_evaluate(&r->level[level], &r->options[variant], in[0], in[1], in + 5, in + 2,
+                             out + 3 * (size_t)i);
     }
+    r->drawn += (uint32_t)r->picked;
     return BTF_OK;
 }
 
