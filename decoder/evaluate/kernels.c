@@ -14,11 +14,16 @@
 enum { UNIT = BTFI_UNIT_BYTES, MOST_CODES = 4 * UNIT, WORDS = 4, LIGHTS = 3 };
 
 typedef float four_floats __attribute__((vector_size(16)));
+typedef uint8_t bytes __attribute__((vector_size(16)));
+typedef int8_t signed_bytes __attribute__((vector_size(16)));
+typedef uint16_t halves __attribute__((vector_size(32)));
+typedef int16_t signed_halves __attribute__((vector_size(32), may_alias));
+typedef int32_t words __attribute__((vector_size(64)));
 
 /* Codes of a unit under the lights of a view, weighted. */
 typedef struct lit_unit {
-    int16_t codes[MOST_CODES]; /* half of what stands above: classes 1 to 4 */
-    int32_t bytes[UNIT];       /* class 0 */
+    signed_halves codes[MOST_CODES / UNIT]; /* half of what stands above: classes 1 to 4 */
+    words bytes;                            /* class 0 */
 } lit_unit;
 
 /* Where the lights' codes are, and their weights. */
@@ -27,53 +32,66 @@ typedef struct lit {
     uint16_t weight[LIGHTS];
 } lit;
 
-/* Codes of `bits` bits, the lowest of each byte first. */
-BTFI_INLINE void light_codes(const lit *at, size_t unit, int bits, int16_t *out) {
-    const uint8_t *a = at->w[0] + UNIT * unit, *b = at->w[1] + UNIT * unit, *c = at->w[2] + UNIT * unit;
-    const uint16_t wa = at->weight[0], wb = at->weight[1], wc = at->weight[2];
-    const uint16_t mask = (uint16_t)((1 << bits) - 1), middle = (uint16_t)(2048 * mask);
-    for (int part = 0; part < 8 / bits; part++)
-        for (int j = 0; j < UNIT; j++) {
-            const uint16_t from_a = (uint16_t)(wa * (uint16_t)(a[j] >> bits * part & mask));
-            const uint16_t from_b = (uint16_t)(wb * (uint16_t)(b[j] >> bits * part & mask));
-            const uint16_t from_c = (uint16_t)(wc * (uint16_t)(c[j] >> bits * part & mask));
-            out[UNIT * part + j] = (int16_t)(uint16_t)(from_a + from_b + from_c - middle);
-        }
+BTFI_INLINE void load(const uint8_t *from, bytes *out) {
+    memcpy(out, from, sizeof *out);
 }
 
-BTFI_INLINE void light_bytes(const lit *at, size_t unit, int32_t *out) {
-    const int8_t *a = (const int8_t *)at->w[0] + UNIT * unit, *b = (const int8_t *)at->w[1] + UNIT * unit,
-                 *c = (const int8_t *)at->w[2] + UNIT * unit;
-    const int32_t wa = at->weight[0], wb = at->weight[1], wc = at->weight[2];
-    for (int j = 0; j < UNIT; j++)
-        out[j] = wa * a[j] + wb * b[j] + wc * c[j];
+/* Codes of `bits` bits, the lowest of each byte first. */
+BTFI_INLINE void light_codes(const lit *at, size_t unit, int bits, signed_halves *out) {
+    const uint8_t mask = (uint8_t)((1 << bits) - 1);
+    const uint16_t middle = (uint16_t)(2048 * mask);
+    bytes from[LIGHTS];
+    for (int b = 0; b < LIGHTS; b++)
+        load(at->w[b] + UNIT * unit, &from[b]);
+    for (int part = 0; part < 8 / bits; part++) {
+        const bytes a = from[0] >> bits * part & mask, b = from[1] >> bits * part & mask,
+                    c = from[2] >> bits * part & mask;
+        out[part] = (signed_halves)(__builtin_convertvector(a, halves) * at->weight[0] +
+                                    __builtin_convertvector(b, halves) * at->weight[1] +
+                                    __builtin_convertvector(c, halves) * at->weight[2] - middle);
+    }
+}
+
+BTFI_INLINE void light_bytes(const lit *at, size_t unit, words *out) {
+    bytes from[LIGHTS];
+    for (int b = 0; b < LIGHTS; b++)
+        load(at->w[b] + UNIT * unit, &from[b]);
+    *out = __builtin_convertvector((signed_bytes)from[0], words) * (int32_t)at->weight[0] +
+           __builtin_convertvector((signed_bytes)from[1], words) * (int32_t)at->weight[1] +
+           __builtin_convertvector((signed_bytes)from[2], words) * (int32_t)at->weight[2];
+}
+
+/* 2 code - most, of codes of 4 or 2 bits. */
+BTFI_INLINE void few_levels(const bytes *from, int down, int bits, signed_halves *out) {
+    const uint8_t mask = (uint8_t)((1 << bits) - 1);
+    const signed_bytes level = (signed_bytes)(2 * (*from >> down & mask) - mask);
+    *out = __builtin_convertvector(level, signed_halves);
 }
 
 /* Levels of u of a unit, in the order of light_codes(). */
-BTFI_INLINE void texel_levels(int class_index, const uint8_t *u, int16_t *out) {
-    for (int j = 0; j < UNIT; j++)
-        switch (class_index) {
-        case 1:
-            out[j] = (int16_t)(2 * u[j] - 255);
-            out[UNIT + j] = (int16_t)(2 * u[UNIT + j] - 255);
-            break;
-        case 2:
-            out[j] = (int16_t)(2 * (u[j] & 15) - 15);
-            out[UNIT + j] = (int16_t)(2 * (u[j] >> 4) - 15);
-            break;
-        case 3:
-            out[j] = (int16_t)(2 * (u[j] & 15) - 15);
-            out[UNIT + j] = (int16_t)(2 * (u[j] >> 4) - 15);
-            out[2 * UNIT + j] = (int16_t)(2 * (u[UNIT + j] & 15) - 15);
-            out[3 * UNIT + j] = (int16_t)(2 * (u[UNIT + j] >> 4) - 15);
-            break;
-        default:
-            out[j] = (int16_t)(2 * (u[j] & 3) - 3);
-            out[UNIT + j] = (int16_t)(2 * (u[j] >> 2 & 3) - 3);
-            out[2 * UNIT + j] = (int16_t)(2 * (u[j] >> 4 & 3) - 3);
-            out[3 * UNIT + j] = (int16_t)(2 * (u[j] >> 6) - 3);
-            break;
-        }
+BTFI_INLINE void texel_levels(int class_index, const uint8_t *u, signed_halves *out) {
+    bytes from[2];
+    load(u, &from[0]);
+    if (class_index == 1 || class_index == 3)
+        load(u + UNIT, &from[1]);
+    switch (class_index) {
+    case 1:
+        out[0] = (signed_halves)(2 * __builtin_convertvector(from[0], halves) - 255);
+        out[1] = (signed_halves)(2 * __builtin_convertvector(from[1], halves) - 255);
+        break;
+    case 2:
+        few_levels(&from[0], 0, 4, &out[0]);
+        few_levels(&from[0], 4, 4, &out[1]);
+        break;
+    case 3:
+        for (int part = 0; part < 4; part++)
+            few_levels(&from[part / 2], 4 * (part % 2), 4, &out[part]);
+        break;
+    default:
+        for (int part = 0; part < 4; part++)
+            few_levels(&from[0], 2 * part, 2, &out[part]);
+        break;
+    }
 }
 
 /* e >> s of a class, of half of e. */
@@ -82,12 +100,13 @@ BTFI_INLINE int32_t scaled_down(int class_index, int32_t half) {
 }
 
 /* A unit of class 1 to 4 with one texel: adds to the sums of its tier. */
-BTFI_INLINE void add_codes(const btfi_unit *unit, int class_index, const int16_t *codes, const uint8_t *u,
+BTFI_INLINE void add_codes(const btfi_unit *unit, int class_index, const signed_halves *of_light, const uint8_t *u,
                            float sums[3]) {
     enum { PARTS_4 = 2, PARTS_2 = 4 };
-    int16_t levels[MOST_CODES];
+    signed_halves of_texel[MOST_CODES / UNIT];
+    const int16_t *codes = (const int16_t *)of_light, *levels = (const int16_t *)of_texel;
     const int count = (class_index < 3 ? PARTS_4 : PARTS_2) * UNIT;
-    texel_levels(class_index, u, levels);
+    texel_levels(class_index, u, of_texel);
     if (unit->whole) {
         int32_t sum = 0;
         for (int i = 0; i < count; i++)
@@ -109,12 +128,12 @@ BTFI_INLINE void add_codes(const btfi_unit *unit, int class_index, const int16_t
 }
 
 /* A unit of class 0. */
-BTFI_INLINE void add_bytes(const btfi_unit *unit, const int32_t *codes, const int8_t *u, float sums[3]) {
-    int32_t products[UNIT];
-    for (int j = 0; j < UNIT; j++)
-        products[j] = codes[j] * u[j];
+BTFI_INLINE void add_bytes(const btfi_unit *unit, const words *codes, const uint8_t *u, float sums[3]) {
+    bytes from;
+    load(u, &from);
+    const words products = *codes * __builtin_convertvector((signed_bytes)from, words);
     for (int k = 0; k < WORDS; k++) {
-        const int32_t *p = products + 4 * k, e = p[0] + p[1] + p[2] + p[3];
+        const int32_t e = products[4 * k] + products[4 * k + 1] + products[4 * k + 2] + products[4 * k + 3];
         float *channel = &sums[unit->channel[k]];
         *channel = *channel + (float)(e >> 4) * unit->scale[k];
     }
@@ -126,13 +145,13 @@ BTFI_INLINE void add_unit(const btf_evaluator *e, const btfi_level *level, size_
     const btfi_unit *unit = &e->units[index];
     lit_unit codes;
     if (class_index == 0)
-        light_bytes(at, index, codes.bytes);
+        light_bytes(at, index, &codes.bytes);
     else
         light_codes(at, index, class_index < 3 ? 4 : 2, codes.codes);
     for (int i = 0; i < seen->count; i++) {
         const uint8_t *u = level->u + seen->texel[i] * e->u_bytes + unit->u;
         if (class_index == 0)
-            add_bytes(unit, codes.bytes, (const int8_t *)u, sums[i]);
+            add_bytes(unit, &codes.bytes, u, sums[i]);
         else
             add_codes(unit, class_index, codes.codes, u, sums[i]);
     }

@@ -19,13 +19,19 @@ typedef struct footprint {
 
 /* Evaluations that share light, view and level. */
 typedef struct group {
-    const btf_evaluator *e;
     const btfi_level *level;
-    const btfi_way *way;
-    const btfi_situation *situation;
+    size_t first;
     int count;
-    uint32_t tu[BTFI_MOST_POINTS], tv[BTFI_MOST_POINTS]; /* t of section 9, 18 bits below the texel */
+    btfi_situation situation;
+    int lists;                  /* of points: one for all views, or with relief one a view */
+    btfi_points points[3];
+    footprint prints[3][BTFI_MOST_POINTS];
+    int32_t weights[BTFI_MOST_POINTS][3]; /* of views; with relief */
+    btfi_sources sources[3];
 } group;
+
+/* Groups that are at work at a time, so that the memory brings what one needs while others are worked at. */
+enum { GROUPS = 4 };
 
 /* Section 9, Texture coordinates. */
 static uint32_t coordinate(float c, uint32_t size) {
@@ -91,60 +97,6 @@ static void blend_views(const btf_evaluator *e, int count, const int32_t weights
     }
 }
 
-/* Without relief: decoded texels, blended. */
-static void evaluate_in_place(const group *g, float (*rgb)[3]) {
-    const btfi_neighbours *views = &g->situation->views;
-    btfi_points points = {.count = 0};
-    footprint prints[BTFI_MOST_POINTS];
-    float values[3][BTFI_MOST_POINTS][3];
-    for (int i = 0; i < g->count; i++)
-        add_footprint(g->level, g->way->filter, g->tu[i], g->tv[i], &points, &prints[i]);
-    btfi_view_values(g->e, g->level, g->way, g->situation, (const btfi_points *const[3]){&points, &points, &points},
-                     values);
-    for (int i = 0; i < g->count; i++) {
-        const footprint *print = &prints[i];
-        float sum[3] = {0.0f, 0.0f, 0.0f};
-        for (int p = 0; p < print->count; p++) {
-            const int at = print->first + p;
-            float radiance[3];
-            blend_views(g->e, views->count, views->weight,
-                        (const float *const[3]){values[0][at], values[1][at], values[2][at]}, radiance);
-            for (int c = 0; c < 3; c++)
-                sum[c] = sum[c] + radiance[c] * print->weight[p];
-        }
-        memcpy(rgb[i], sum, sizeof sum);
-    }
-}
-
-/* With relief: each view's texels are blended around a position of its own, then views. */
-static void evaluate_along_relief(const group *g, float (*rgb)[3]) {
-    const int n_views = g->situation->views.count;
-    btfi_points points[3] = {{.count = 0}, {.count = 0}, {.count = 0}};
-    footprint prints[3][BTFI_MOST_POINTS];
-    int32_t weights[BTFI_MOST_POINTS][3];
-    float values[3][BTFI_MOST_POINTS][3];
-    btfi_slopes slopes;
-    btfi_relief_slopes(g->e, g->situation, &slopes);
-    for (int i = 0; i < g->count; i++) {
-        const int32_t position[2] = {(int32_t)(g->tu[i] >> 10), (int32_t)(g->tv[i] >> 10)};
-        int32_t positions[3][2];
-        btfi_relief(g->e, g->level, g->situation, &slopes, g->way->linear, position, positions, weights[i]);
-        for (int a = 0; a < n_views; a++)
-            add_footprint(g->level, g->way->filter, (uint32_t)positions[a][0] << 10, (uint32_t)positions[a][1] << 10,
-                          &points[a], &prints[a][i]);
-    }
-    btfi_view_values(g->e, g->level, g->way, g->situation,
-                     (const btfi_points *const[3]){&points[0], &points[1], &points[2]}, values);
-    for (int i = 0; i < g->count; i++) {
-        float sums[3][3] = {{0.0f}};
-        for (int a = 0; a < n_views; a++)
-            for (int p = 0; p < prints[a][i].count; p++)
-                for (int c = 0; c < 3; c++)
-                    sums[a][c] = sums[a][c] + values[a][prints[a][i].first + p][c] * prints[a][i].weight[p];
-        blend_views(g->e, n_views, weights[i], (const float *const[3]){sums[0], sums[1], sums[2]}, rgb[i]);
-    }
-}
-
 /* The arguments of an evaluation. */
 typedef struct arguments {
     const btf_evaluations *of;
@@ -173,41 +125,125 @@ static int find_group(const btf_evaluator *e, const btfi_way *way, const argumen
     return count;
 }
 
-static void read_positions(const arguments *in, size_t first, group *g) {
-    for (int i = 0; i < g->count; i++) {
-        const size_t at = first + (size_t)i;
-        if (in->of->uv) {
-            const float *uv = in->of->uv + at * in->uv_step;
-            g->tu[i] = coordinate(uv[0], g->level->width);
-            g->tv[i] = coordinate(uv[1], g->level->height);
-        } else {
-            const uint32_t half = 1u << 17, *texel = in->of->texels + 2 * at;
-            g->tu[i] = ((texel[0] % g->level->width) << 18) + half;
-            g->tv[i] = ((g->level->height - 1 - texel[1] % g->level->height) << 18) + half;
-        }
+/* t of section 9, 18 bits below the texel. */
+static void read_position(const arguments *in, size_t i, const btfi_level *l, uint32_t *out_tu, uint32_t *out_tv) {
+    if (in->of->uv) {
+        const float *uv = in->of->uv + i * in->uv_step;
+        *out_tu = coordinate(uv[0], l->width);
+        *out_tv = coordinate(uv[1], l->height);
+    } else {
+        const uint32_t half = 1u << 17, *texel = in->of->texels + 2 * i;
+        *out_tu = ((texel[0] % l->width) << 18) + half;
+        *out_tv = ((l->height - 1 - texel[1] % l->height) << 18) + half;
     }
 }
 
-static void evaluate_group(const btf_evaluator *e, const btfi_way *way, const arguments *in, size_t first,
-                           int count) {
-    const btf_evaluations *of = in->of;
-    float(*rgb)[3] = (float(*)[3])(of->rgb + 3 * first);
-    btfi_situation situation;
-    if (!btfi_look_up(e, way, of->lights + first * in->light_step, of->views + first * in->view_step,
-                      &situation)) {
-        memset(rgb, 0, (size_t)count * sizeof *rgb);
-        return;
+/* The points of a group; with relief each view's own. */
+static void find_points(const btf_evaluator *e, const btfi_way *way, const arguments *in, group *g) {
+    const bool relief = way->effects & BTF_EFFECT_RELIEF;
+    btfi_slopes slopes;
+    g->lists = relief ? g->situation.views.count : 1;
+    for (int a = 0; a < g->lists; a++)
+        g->points[a].count = 0;
+    if (relief)
+        btfi_relief_slopes(e, &g->situation, &slopes);
+    for (int i = 0; i < g->count; i++) {
+        uint32_t tu, tv;
+        read_position(in, g->first + (size_t)i, g->level, &tu, &tv);
+        if (!relief) {
+            add_footprint(g->level, way->filter, tu, tv, &g->points[0], &g->prints[0][i]);
+            continue;
+        }
+        const int32_t position[2] = {(int32_t)(tu >> 10), (int32_t)(tv >> 10)};
+        int32_t positions[3][2];
+        btfi_relief(e, g->level, &g->situation, &slopes, way->linear, position, positions, g->weights[i]);
+        for (int a = 0; a < g->lists; a++)
+            add_footprint(g->level, way->filter, (uint32_t)positions[a][0] << 10, (uint32_t)positions[a][1] << 10,
+                          &g->points[a], &g->prints[a][i]);
     }
-    group g = {.e = e,
-               .level = &e->levels[level_of(e, in, first)],
-               .way = way,
-               .situation = &situation,
-               .count = count};
-    read_positions(in, first, &g);
+}
+
+static void lists_of(const group *g, const btfi_points *out[3]) {
+    for (int a = 0; a < 3; a++)
+        out[a] = &g->points[a < g->lists ? a : 0];
+}
+
+/* Texels first, then views: without relief. */
+static void blend_texels(const btf_evaluator *e, const group *g, float values[3][BTFI_MOST_POINTS][3],
+                         float (*rgb)[3]) {
+    for (int i = 0; i < g->count; i++) {
+        const footprint *print = &g->prints[0][i];
+        float sum[3] = {0.0f, 0.0f, 0.0f};
+        for (int p = 0; p < print->count; p++) {
+            const int at = print->first + p;
+            float radiance[3];
+            blend_views(e, g->situation.views.count, g->situation.views.weight,
+                        (const float *const[3]){values[0][at], values[1][at], values[2][at]}, radiance);
+            for (int c = 0; c < 3; c++)
+                sum[c] = sum[c] + radiance[c] * print->weight[p];
+        }
+        memcpy(rgb[i], sum, sizeof sum);
+    }
+}
+
+/* The texels of each view first, then views: with relief. */
+static void blend_shifted(const btf_evaluator *e, const group *g, float values[3][BTFI_MOST_POINTS][3],
+                          float (*rgb)[3]) {
+    for (int i = 0; i < g->count; i++) {
+        float sums[3][3] = {{0.0f}};
+        for (int a = 0; a < g->lists; a++) {
+            const footprint *print = &g->prints[a][i];
+            for (int p = 0; p < print->count; p++)
+                for (int c = 0; c < 3; c++)
+                    sums[a][c] = sums[a][c] + values[a][print->first + p][c] * print->weight[p];
+        }
+        blend_views(e, g->lists, g->weights[i], (const float *const[3]){sums[0], sums[1], sums[2]}, rgb[i]);
+    }
+}
+
+/* Begins the group from evaluation `first` on; false, its output written, where nothing is to be seen. */
+static bool begin_group(const btf_evaluator *e, const btfi_way *way, const arguments *in, size_t first, group *g) {
+    g->first = first;
+    g->count = find_group(e, way, in, first);
+    g->level = &e->levels[level_of(e, in, first)];
+    if (!btfi_look_up(e, way, in->of->lights + first * in->light_step, in->of->views + first * in->view_step,
+                      &g->situation)) {
+        memset(in->of->rgb + 3 * first, 0, (size_t)g->count * 3 * sizeof(float));
+        return false;
+    }
+    const btfi_points *points[3];
+    find_points(e, way, in, g);
+    lists_of(g, points);
+    btfi_await_points(e, g->level, &g->situation, points);
+    return true;
+}
+
+static void end_group(const btf_evaluator *e, const btfi_way *way, const arguments *in, const group *g) {
+    float values[3][BTFI_MOST_POINTS][3], (*rgb)[3] = (float(*)[3])(in->of->rgb + 3 * g->first);
+    btfi_view_values(e, g->level, way, &g->situation, g->sources, values);
     if (way->effects & BTF_EFFECT_RELIEF)
-        evaluate_along_relief(&g, rgb);
+        blend_shifted(e, g, values, rgb);
     else
-        evaluate_in_place(&g, rgb);
+        blend_texels(e, g, values, rgb);
+}
+
+static void evaluate(const btf_evaluator *e, const btfi_way *way, const arguments *in) {
+    group groups[GROUPS];
+    for (size_t first = 0; first < in->of->count;) {
+        int begun = 0;
+        while (begun < GROUPS && first < in->of->count) {
+            group *g = &groups[begun];
+            begun += begin_group(e, way, in, first, g);
+            first += (size_t)g->count;
+        }
+        for (int i = 0; i < begun; i++) {
+            const btfi_points *points[3];
+            lists_of(&groups[i], points);
+            btfi_find_sources(e, groups[i].level, way, &groups[i].situation, points, groups[i].sources);
+        }
+        for (int i = 0; i < begun; i++)
+            end_group(e, way, in, &groups[i]);
+    }
 }
 
 static bool choose_way(const btf_evaluator *e, const btf_evaluate_options *options, btfi_way *out) {
@@ -245,10 +281,6 @@ btf_result btf_evaluate_many(const btf_evaluator *e, const btf_evaluate_options 
                                                      : 3};
     if (!of->uv)
         way.filter = BTF_FILTER_TEXEL;
-    for (size_t first = 0; first < of->count;) {
-        const int count = find_group(e, &way, &in, first);
-        evaluate_group(e, &way, &in, first, count);
-        first += (size_t)count;
-    }
+    evaluate(e, &way, &in);
     return BTF_OK;
 }

@@ -23,16 +23,6 @@ typedef struct appearance {
     float gain;
 } appearance;
 
-/* The points of a view. */
-typedef struct seen_points {
-    const btfi_neighbours *lights;
-    btfi_seen sources; /* of those that are not hidden, and any texel for those that are */
-    uint32_t column[BTFI_MOST_POINTS], row[BTFI_MOST_POINTS]; /* of the sources */
-    bool hidden[BTFI_MOST_POINTS];
-    uint32_t centre[BTFI_MOST_POINTS];
-    float gain[BTFI_MOST_POINTS];
-} seen_points;
-
 /* A tile of the atlas of layout paper, from a channel on. */
 static plane tile(const btf_evaluator *e, uint32_t index, size_t channel) {
     const uint32_t columns = e->info.atlas_width / e->info.width;
@@ -44,6 +34,10 @@ static plane tile(const btf_evaluator *e, uint32_t index, size_t channel) {
 
 static plane layer(const btfi_level *l, const uint8_t *texture, uint32_t index, size_t step) {
     return (plane){texture + (size_t)index * l->width * l->height * step, l->width * step, step};
+}
+
+static plane shadow_plane(const btf_evaluator *e, const btfi_level *l, uint32_t light) {
+    return e->info.layout == BTF_LAYOUT_TIGHT ? layer(l, l->shadow, light, 1) : tile(e, light, 0);
 }
 
 static const uint8_t *at(const plane *of, uint32_t column, uint32_t row) {
@@ -88,49 +82,110 @@ static appearance separate(const btf_evaluator *e, const btfi_way *way, uint32_t
     return seen;
 }
 
-/* Finds the source of each point in a view. */
-static void find_sources(const btf_evaluator *e, const btfi_level *l, const btfi_way *way, uint32_t view,
-                         const btfi_points *points, seen_points *out) {
+/* Textures that say how a view shows the texels. */
+typedef struct point_planes {
+    plane gain, shift; /* of packed points in `shift`, of lists the indices */
+    bool codes, shifts;
+} point_planes;
+
+static point_planes planes_of(const btf_evaluator *e, const btfi_level *l, uint32_t view) {
     const bool tight = e->info.layout == BTF_LAYOUT_TIGHT;
-    const bool codes = e->info.effects & (BTF_EFFECT_GAIN | BTF_EFFECT_HIDDEN),
-               shifts = e->info.effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN);
-    const btf_point_store store = e->info.point_store;
-    plane gain = {0}, shift = {0}, packed_points = {0}, indices = {0};
-    if (store == BTF_POINTS_PACKED)
-        packed_points = layer(l, l->points, view, 2);
-    else if (store == BTF_POINTS_LISTS)
-        indices = layer(l, l->point_indices, view / 2, 1);
+    point_planes out = {.codes = e->info.effects & (BTF_EFFECT_GAIN | BTF_EFFECT_HIDDEN),
+                        .shifts = e->info.effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN)};
+    if (e->info.point_store == BTF_POINTS_PACKED)
+        out.shift = layer(l, l->points, view, 2);
+    else if (e->info.point_store == BTF_POINTS_LISTS)
+        out.shift = layer(l, l->point_indices, view / 2, 1);
     else if (tight) {
-        if (codes)
-            gain = layer(l, l->gain, view, 1);
-        if (shifts)
-            shift = layer(l, l->shifts, view, 2);
-    } else if (codes || shifts) {
-        gain = tile(e, view, 1);
-        shift = tile(e, view, 2);
+        if (out.codes)
+            out.gain = layer(l, l->gain, view, 1);
+        if (out.shifts)
+            out.shift = layer(l, l->shifts, view, 2);
+    } else if (out.codes || out.shifts) {
+        out.gain = tile(e, view, 1);
+        out.shift = tile(e, view, 2);
     }
-    out->sources.view = view;
-    out->sources.lights = out->lights;
-    out->sources.count = points->count;
-    for (int i = 0; i < points->count; i++) {
-        const uint32_t column = points->column[i], row = points->row[i];
-        appearance seen;
-        if (store == BTF_POINTS_PACKED) {
-            seen = packed(e, way, at(&packed_points, column, row));
-        } else if (store == BTF_POINTS_LISTS) {
-            const uint32_t entry = *at(&indices, column, row) >> view % 2 * 4 & 15;
-            const plane entries = layer(l, l->point_lists, entry, 2);
-            seen = packed(e, way, at(&entries, column, row));
-        } else {
-            const uint8_t *bytes = shifts ? at(&shift, column, row) : (const uint8_t[2]){0, 0};
-            seen = separate(e, way, codes ? *at(&gain, column, row) : BTF_GAIN_ONE, bytes[0], bytes[1]);
+    return out;
+}
+
+static appearance look_at(const btf_evaluator *e, const btfi_level *l, const btfi_way *way, uint32_t view,
+                          const point_planes *planes, uint32_t column, uint32_t row) {
+    if (e->info.point_store == BTF_POINTS_PACKED)
+        return packed(e, way, at(&planes->shift, column, row));
+    if (e->info.point_store == BTF_POINTS_LISTS) {
+        const uint32_t entry = *at(&planes->shift, column, row) >> view % 2 * 4 & 15;
+        const plane entries = layer(l, l->point_lists, entry, 2);
+        return packed(e, way, at(&entries, column, row));
+    }
+    const uint8_t *bytes = planes->shifts ? at(&planes->shift, column, row) : (const uint8_t[2]){0, 0};
+    return separate(e, way, planes->codes ? *at(&planes->gain, column, row) : BTF_GAIN_ONE, bytes[0], bytes[1]);
+}
+
+/* Lines of memory that a row of so many bytes is awaited in, at most: the machine brings the rest by itself. */
+static void await(const void *row, size_t bytes) {
+    enum { LINE = 64, MOST_LINES = 8 };
+    for (size_t i = 0; i < bytes && i < LINE * MOST_LINES; i += LINE)
+        __builtin_prefetch((const char *)row + i);
+}
+
+void btfi_await_points(const btf_evaluator *e, const btfi_level *l, const btfi_situation *s,
+                       const btfi_points *const points[3]) {
+    const size_t row = e->factors_stored ? (size_t)BTFI_UNIT_BYTES * e->info.components : 4 * (size_t)e->info.components;
+    const void *first = e->factors_stored ? (const void *)e->w : e->v;
+    for (int a = 0; a < s->views.count; a++) {
+        const point_planes planes = planes_of(e, l, s->views.index[a]);
+        for (int i = 0; i < points[a]->count; i++) {
+            if (planes.shifts)
+                await(at(&planes.shift, points[a]->column[i], points[a]->row[i]), 1);
+            if (planes.codes && planes.gain.first)
+                await(at(&planes.gain, points[a]->column[i], points[a]->row[i]), 1);
         }
-        out->hidden[i] = seen.hidden;
-        out->centre[i] = seen.centre;
-        out->gain[i] = seen.gain;
-        out->column[i] = wrap(column, seen.columns, l->width);
-        out->row[i] = wrap(row, seen.rows, l->height);
-        out->sources.texel[i] = (size_t)out->row[i] * l->width + out->column[i];
+        for (int b = 0; b < s->lights[a].count && first; b++)
+            await((const char *)first +
+                      ((size_t)s->views.index[a] * e->info.n_lights + s->lights[a].index[b]) * row,
+                  row);
+    }
+}
+
+/* Asks for the parameters of a source. */
+static void await_source(const btf_evaluator *e, const btfi_level *l, const btfi_sources *sources, int i) {
+    const size_t texel = sources->seen.texel[i], texels = (size_t)l->width * l->height;
+    if (l->u)
+        await(l->u + texel * e->u_bytes, e->u_bytes);
+    if (l->components)
+        await(l->components + texel * e->info.components, e->info.components);
+    if (l->sbrdf) {
+        const size_t size = e->info.half_float ? 8 : 16;
+        const uint32_t layers = (e->info.colour == BTF_COLOUR_MONO ? 1 : (3 * (1 + e->info.lobes) + 3) / 4) + e->info.lobes;
+        for (uint32_t j = 0; j < layers; j++)
+            await((const char *)l->sbrdf + (j * texels + texel) * size, 1);
+    }
+    if (e->info.effects & BTF_EFFECT_SHADOW)
+        for (int b = 0; b < sources->seen.lights->count; b++) {
+            const plane codes = shadow_plane(e, l, sources->seen.lights->index[b]);
+            await(at(&codes, sources->column[i], sources->row[i]), 1);
+        }
+}
+
+void btfi_find_sources(const btf_evaluator *e, const btfi_level *l, const btfi_way *way, const btfi_situation *s,
+                       const btfi_points *const points[3], btfi_sources sources[3]) {
+    for (int a = 0; a < s->views.count; a++) {
+        btfi_sources *out = &sources[a];
+        const uint32_t view = s->views.index[a];
+        const point_planes planes = planes_of(e, l, view);
+        out->seen.view = view;
+        out->seen.lights = &s->lights[a];
+        out->seen.count = points[a]->count;
+        for (int i = 0; i < points[a]->count; i++) {
+            const uint32_t column = points[a]->column[i], row = points[a]->row[i];
+            const appearance seen = look_at(e, l, way, view, &planes, column, row);
+            out->centre[i] = seen.hidden ? (int32_t)seen.centre : -1;
+            out->gain[i] = seen.gain;
+            out->column[i] = wrap(column, seen.columns, l->width);
+            out->row[i] = wrap(row, seen.rows, l->height);
+            out->seen.texel[i] = (size_t)out->row[i] * l->width + out->column[i];
+            await_source(e, l, out, i);
+        }
     }
 }
 
@@ -145,7 +200,7 @@ static void read_parameters(const btf_evaluator *e, const btfi_level *l, uint32_
 }
 
 /* Section 9, SBRDF(x', P), of the sources of all views: values [view][point]. */
-static void sbrdf(const btf_evaluator *e, const btfi_level *l, const btfi_situation *s, const seen_points *seen,
+static void sbrdf(const btf_evaluator *e, const btfi_level *l, const btfi_situation *s, const btfi_sources *sources,
                   float out[3][BTFI_MOST_POINTS][3]) {
     float exponents[BTFI_MOST_POWERS], q[BTFI_MOST_POWERS];
     const float *product = s->product;
@@ -153,10 +208,10 @@ static void sbrdf(const btf_evaluator *e, const btfi_level *l, const btfi_situat
     const uint32_t lobes = e->info.lobes, weights = mono ? 4 : 3 * (1 + lobes);
     int count = 0;
     for (int a = 0; a < s->views.count; a++)
-        for (int i = 0; i < seen[a].sources.count; i++)
+        for (int i = 0; i < sources[a].seen.count; i++)
             for (uint32_t j = 0; j < lobes; j++, count++) {
                 float c[4];
-                read_parameters(e, l, (weights + 3) / 4 + j, seen[a].sources.texel[i], 4, c);
+                read_parameters(e, l, (weights + 3) / 4 + j, sources[a].seen.texel[i], 4, c);
                 q[count] = c[0] * product[0] + c[1] * product[1] + c[2] * product[2];
                 exponents[count] = c[3];
             }
@@ -165,9 +220,9 @@ static void sbrdf(const btf_evaluator *e, const btfi_level *l, const btfi_situat
     e->kernels->powers(count, exponents, q);
     const float *power = q;
     for (int a = 0; a < s->views.count; a++)
-        for (int i = 0; i < seen[a].sources.count; i++, power += lobes) {
+        for (int i = 0; i < sources[a].seen.count; i++, power += lobes) {
             float of[MOST_PARAMETERS], *f = out[a][i];
-            read_parameters(e, l, 0, seen[a].sources.texel[i], weights, of);
+            read_parameters(e, l, 0, sources[a].seen.texel[i], weights, of);
             if (mono) {
                 float sum = of[3];
                 for (uint32_t j = 0; j < lobes; j++)
@@ -185,17 +240,16 @@ static void sbrdf(const btf_evaluator *e, const btfi_level *l, const btfi_situat
 }
 
 /* Weakens h by the shadow of each point. */
-static void shade(const btf_evaluator *e, const btfi_level *l, const seen_points *seen, float h[][3]) {
-    const btfi_neighbours *lights = seen->lights;
+static void shade(const btf_evaluator *e, const btfi_level *l, const btfi_sources *sources, float h[][3]) {
+    const btfi_neighbours *lights = sources->seen.lights;
     const float scale = e->info.shadow_scale * 0x1p-12f;
-    plane codes[3];
+    plane codes[3] = {{0}};
     for (int b = 0; b < lights->count; b++)
-        codes[b] = e->info.layout == BTF_LAYOUT_TIGHT ? layer(l, l->shadow, lights->index[b], 1)
-                                                      : tile(e, lights->index[b], 0);
-    for (int i = 0; i < seen->sources.count; i++) {
+        codes[b] = shadow_plane(e, l, lights->index[b]);
+    for (int i = 0; i < sources->seen.count; i++) {
         int32_t sum = 0;
         for (int b = 0; b < lights->count; b++)
-            sum += lights->weight[b] * *at(&codes[b], seen->column[i], seen->row[i]);
+            sum += lights->weight[b] * *at(&codes[b], sources->column[i], sources->row[i]);
         const float shadow = (float)sum * scale;
         for (int c = 0; c < 3; c++)
             h[i][c] = h[i][c] * shadow;
@@ -214,16 +268,16 @@ static void centre_value(const btf_evaluator *e, const btfi_neighbours *lights, 
 }
 
 /* From y before the gain to what is blended. */
-static void finish(const btf_evaluator *e, const seen_points *seen, int i, float y[3]) {
+static void finish(const btf_evaluator *e, const btfi_sources *sources, int i, float y[3]) {
     const bool roots = e->info.blend == BTF_BLEND_ROOTS;
-    if (seen->hidden[i]) {
-        centre_value(e, seen->lights, seen->centre[i], y);
+    if (sources->centre[i] >= 0) {
+        centre_value(e, sources->seen.lights, (uint32_t)sources->centre[i], y);
         for (int c = 0; c < 3; c++)
             y[c] = roots ? y[c] : y[c] * y[c];
         return;
     }
     for (int c = 0; c < 3; c++) {
-        const float value = y[c] * seen->gain[i];
+        const float value = y[c] * sources->gain[i];
         if (roots) {
             y[c] = value > 0x1p32f ? 0x1p32f : value < -0x1p32f ? -0x1p32f : value;
         } else {
@@ -234,24 +288,19 @@ static void finish(const btf_evaluator *e, const seen_points *seen, int i, float
 }
 
 void btfi_view_values(const btf_evaluator *e, const btfi_level *l, const btfi_way *way, const btfi_situation *s,
-                      const btfi_points *const points[3], float out[3][BTFI_MOST_POINTS][3]) {
+                      const btfi_sources sources[3], float out[3][BTFI_MOST_POINTS][3]) {
     const bool residual = way->effects & BTF_EFFECT_RESIDUAL;
-    seen_points seen[3];
-    for (int a = 0; a < s->views.count; a++) {
-        seen[a].lights = &s->lights[a];
-        find_sources(e, l, way, s->views.index[a], points[a], &seen[a]);
-    }
     if (e->modelled)
-        sbrdf(e, l, s, seen, out);
+        sbrdf(e, l, s, sources, out);
     for (int a = 0; a < s->views.count; a++) {
         float r[BTFI_MOST_POINTS][3] = {{0}};
         if (e->modelled && way->effects & BTF_EFFECT_SHADOW)
-            shade(e, l, &seen[a], out[a]);
+            shade(e, l, &sources[a], out[a]);
         if (residual && e->factors_stored)
-            e->kernels->factors(e, l, way->components, &seen[a].sources, r);
+            e->kernels->factors(e, l, way->components, &sources[a].seen, r);
         else if (residual)
-            e->kernels->components(e, l, way->components, &seen[a].sources, r);
-        for (int i = 0; i < points[a]->count; i++) {
+            e->kernels->components(e, l, way->components, &sources[a].seen, r);
+        for (int i = 0; i < sources[a].seen.count; i++) {
             float *y = out[a][i];
             for (int c = 0; c < 3; c++) {
                 const float h = e->modelled ? y[c] : 0.0f;
@@ -262,7 +311,7 @@ void btfi_view_values(const btf_evaluator *e, const btfi_level *l, const btfi_wa
                 else
                     y[c] = residual ? h * s->cosine + r[i][c] * s->horizon : h * s->cosine;
             }
-            finish(e, &seen[a], i, y);
+            finish(e, &sources[a], i, y);
         }
     }
 }

@@ -77,6 +77,8 @@ static void draw(random_state *r, const subject *s, size_t count, batch *b) {
         if (i > 0 && random_below(r, 8) > 2) {
             memcpy(b->inputs[i] + 2, b->inputs[i - 1] + 2, 6 * sizeof(float));
             b->levels[i] = random_below(r, 8) ? b->levels[i - 1] : b->levels[i];
+            if (random_below(r, 8) == 0) /* but for one number */
+                b->inputs[i][2 + random_below(r, 6)] *= 0.875f;
         }
     }
 }
