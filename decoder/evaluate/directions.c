@@ -70,7 +70,8 @@ static void look_up(const uint16_t *table, uint32_t grid, bool linear, const flo
                       cy = r[5] - y;
         const uint32_t shift = r[7] / 2u;
         if (r[7] % 2 == 0) {
-            const int32_t e0 = cross(bx, by, cx, cy), e1 = cross(cx, cy, ax, ay), e2 = cross(ax, ay, bx, by);
+            const int32_t e0 = cross(bx, by, cx, cy), e1 = cross(cx, cy, ax, ay),
+                          e2 = cross(ax, ay, bx, by);
             if ((e0 | e1 | e2) < 0)
                 continue;
             const int32_t area = e0 + e1 + e2;

@@ -9,7 +9,8 @@
 
 #pragma GCC visibility push(hidden)
 
-/* Those of non-zero weight, in their order; weights sum to 4096. Behind them the first again, of weight 0. */
+/* Those of non-zero weight, in their order; weights sum to 4096. Behind them the first again, of weight 0.
+ */
 typedef struct btfi_neighbours {
     int count;
     uint32_t index[3];

@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "evaluator.h"
+#include "prepared.h"
 
 #include "arrange.h"
 #include "decoder/result.h"
@@ -78,7 +78,8 @@ btf_result btf_evaluator_create(const btf_material *material, const btf_log *log
     if (!material)
         return BTF_ERROR_USAGE;
     if (!btfi_build_is_sound())
-        return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "this build does not round floats as FORMAT.md demands");
+        return btfi_fail(log, BTF_ERROR_UNSUPPORTED,
+                         "this build does not round floats as FORMAT.md demands");
     btf_evaluator *e = calloc(1, sizeof *e);
     btf_result result = e ? BTF_OK : BTF_ERROR_MEMORY;
     if (e) {

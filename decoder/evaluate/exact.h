@@ -1,4 +1,5 @@
-/* The arithmetic of FORMAT.md section 8 for the evaluator: free of branches, so that loops over it become vectors.
+/* The arithmetic of FORMAT.md section 8 for the evaluator: free of branches, so that loops over it become
+ * vectors.
  *
  * Compiled with -ffp-contract=off: one rounding an operation, in the written order.
  *

@@ -1,9 +1,9 @@
 /* Sums over codes, and powers. See kernels.h.
  *
- * The sums over the lights of a pair of codes are made first, one for all texels: sum_b w_b (2 c_b - m), for codes c of 0
- * to m, is twice `sum_b w_b c_b - 2048 m`, since weights sum to 4096; that is within -30720 .. 30720 for 4 bits, so that
- * 16 bits hold it and one instruction multiplies and adds pairs of them with levels of u. Integers are exact in any
- * order. The rest is in the order of FORMAT.md.
+ * The sums over the lights of a pair of codes are made first, one for all texels: sum_b w_b (2 c_b - m),
+ * for codes c of 0 to m, is twice `sum_b w_b c_b - 2048 m`, since weights sum to 4096; that is within
+ * -30720 .. 30720 for 4 bits, so that 16 bits hold it and one instruction multiplies and adds pairs of them
+ * with levels of u. Integers are exact in any order. The rest is in the order of FORMAT.md.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -100,8 +100,8 @@ BTFI_INLINE int32_t scaled_down(int class_index, int32_t half) {
 }
 
 /* A unit of class 1 to 4 with one texel: adds to the sums of its tier. */
-BTFI_INLINE void add_codes(const btfi_unit *unit, int class_index, const signed_halves *of_light, const uint8_t *u,
-                           float sums[3]) {
+BTFI_INLINE void add_codes(const btfi_unit *unit, int class_index, const signed_halves *of_light,
+                           const uint8_t *u, float sums[3]) {
     enum { PARTS_4 = 2, PARTS_2 = 4 };
     signed_halves of_texel[MOST_CODES / UNIT];
     const int16_t *codes = (const int16_t *)of_light, *levels = (const int16_t *)of_texel;
@@ -119,7 +119,8 @@ BTFI_INLINE void add_codes(const btfi_unit *unit, int class_index, const signed_
         products[j] = codes[j] * levels[j] + codes[UNIT + j] * levels[UNIT + j];
     if (count > 2 * UNIT)
         for (int j = 0; j < UNIT; j++)
-            products[j] += codes[2 * UNIT + j] * levels[2 * UNIT + j] + codes[3 * UNIT + j] * levels[3 * UNIT + j];
+            products[j] +=
+                codes[2 * UNIT + j] * levels[2 * UNIT + j] + codes[3 * UNIT + j] * levels[3 * UNIT + j];
     for (int k = 0; k < WORDS; k++) {
         const int32_t *p = products + 4 * k;
         float *channel = &sums[unit->channel[k]];
@@ -157,8 +158,8 @@ BTFI_INLINE void add_unit(const btf_evaluator *e, const btfi_level *level, size_
     }
 }
 
-BTFI_INLINE void factors(const btf_evaluator *e, const btfi_level *level, uint32_t units, const btfi_seen *seen,
-                         float out_r[][3]) {
+BTFI_INLINE void factors(const btf_evaluator *e, const btfi_level *level, uint32_t units,
+                         const btfi_seen *seen, float out_r[][3]) {
     float total[BTFI_MOST_POINTS][3] = {{0}};
     const size_t row = UNIT * (size_t)e->info.components;
     const uint8_t *w = e->w + (size_t)seen->view * e->info.n_lights * row;
@@ -201,8 +202,8 @@ BTFI_INLINE void factors(const btf_evaluator *e, const btfi_level *level, uint32
     }
 }
 
-BTFI_INLINE void components(const btf_evaluator *e, const btfi_level *level, uint32_t k, const btfi_seen *seen,
-                            float out_r[][3]) {
+BTFI_INLINE void components(const btf_evaluator *e, const btfi_level *level, uint32_t k,
+                            const btfi_seen *seen, float out_r[][3]) {
     enum { BLOCK = 64 };
     const size_t stored = e->info.components, view = (size_t)seen->view * e->info.n_lights;
     const btfi_neighbours *lights = seen->lights;
@@ -254,9 +255,11 @@ BTFI_INLINE void powers(int count, const float *exponents, float *values) {
     }                                                                                                      \
     static const btfi_kernels kernels_##name = {factors_##name, components_##name, powers_##name};
 
-KERNELS(base, )
+#define EVERY_MACHINE
+KERNELS(base, EVERY_MACHINE)
 #if defined __x86_64__ && defined __GNUC__
-KERNELS(avx2, __attribute__((target("avx2"))))
+#define WITH_AVX2 __attribute__((target("avx2")))
+KERNELS(avx2, WITH_AVX2)
 #endif
 
 const btfi_kernels *btfi_kernels_of(btfi_isa limit) {

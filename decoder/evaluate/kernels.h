@@ -16,7 +16,7 @@ enum { BTFI_MOST_POINTS = 16, BTFI_MOST_POWERS = 3 * BTFI_MOST_POINTS * BTF_MAX_
 typedef struct btfi_seen {
     uint32_t view;
     const btfi_neighbours *lights;
-    int count;                     /* of texels, 1 .. BTFI_MOST_POINTS */
+    int count; /* of texels, 1 .. BTFI_MOST_POINTS */
     size_t texel[BTFI_MOST_POINTS];
 } btfi_seen;
 
@@ -27,7 +27,8 @@ typedef struct btfi_kernels {
     /* Section 9, residual, of the first k components. */
     void (*components)(const btf_evaluator *evaluator, const btfi_level *level, uint32_t k,
                        const btfi_seen *seen, float out_r[][3]);
-    /* values[i] = pow(values[i], exponents[i]); count is made a multiple of 8: so long both arrays must be. */
+    /* values[i] = pow(values[i], exponents[i]); count is made a multiple of 8: so long both arrays must be.
+     */
     void (*powers)(int count, const float *exponents, float *values);
 } btfi_kernels;
 

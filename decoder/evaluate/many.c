@@ -23,14 +23,15 @@ typedef struct group {
     size_t first;
     int count;
     btfi_situation situation;
-    int lists;                  /* of points: one for all views, or with relief one a view */
+    int lists; /* of points: one for all views, or with relief one a view */
     btfi_points points[3];
     footprint prints[3][BTFI_MOST_POINTS];
     int32_t weights[BTFI_MOST_POINTS][3]; /* of views; with relief */
     btfi_sources sources[3];
 } group;
 
-/* Groups that are at work at a time, so that the memory brings what one needs while others are worked at. */
+/* Groups that are at work at a time, so that the memory brings what one needs while others are worked at.
+ */
 enum { GROUPS = 4 };
 
 /* Section 9, Texture coordinates. */
@@ -57,8 +58,8 @@ static void neighbours(btf_filter filter, uint32_t t, uint32_t size, uint32_t ou
 }
 
 /* Adds the texels that a filter blends at a point. */
-static void add_footprint(const btfi_level *l, btf_filter filter, uint32_t tu, uint32_t tv, btfi_points *points,
-                          footprint *out) {
+static void add_footprint(const btfi_level *l, btf_filter filter, uint32_t tu, uint32_t tv,
+                          btfi_points *points, footprint *out) {
     out->first = points->count;
     out->count = 0;
     if (filter == BTF_FILTER_TEXEL) {
@@ -126,7 +127,8 @@ static int find_group(const btf_evaluator *e, const btfi_way *way, const argumen
 }
 
 /* t of section 9, 18 bits below the texel. */
-static void read_position(const arguments *in, size_t i, const btfi_level *l, uint32_t *out_tu, uint32_t *out_tv) {
+static void read_position(const arguments *in, size_t i, const btfi_level *l, uint32_t *out_tu,
+                          uint32_t *out_tv) {
     if (in->of->uv) {
         const float *uv = in->of->uv + i * in->uv_step;
         *out_tu = coordinate(uv[0], l->width);
@@ -158,8 +160,8 @@ static void find_points(const btf_evaluator *e, const btfi_way *way, const argum
         int32_t positions[3][2];
         btfi_relief(e, g->level, &g->situation, &slopes, way->linear, position, positions, g->weights[i]);
         for (int a = 0; a < g->lists; a++)
-            add_footprint(g->level, way->filter, (uint32_t)positions[a][0] << 10, (uint32_t)positions[a][1] << 10,
-                          &g->points[a], &g->prints[a][i]);
+            add_footprint(g->level, way->filter, (uint32_t)positions[a][0] << 10,
+                          (uint32_t)positions[a][1] << 10, &g->points[a], &g->prints[a][i]);
     }
 }
 
@@ -202,12 +204,13 @@ static void blend_shifted(const btf_evaluator *e, const group *g, float values[3
 }
 
 /* Begins the group from evaluation `first` on; false, its output written, where nothing is to be seen. */
-static bool begin_group(const btf_evaluator *e, const btfi_way *way, const arguments *in, size_t first, group *g) {
+static bool begin_group(const btf_evaluator *e, const btfi_way *way, const arguments *in, size_t first,
+                        group *g) {
     g->first = first;
     g->count = find_group(e, way, in, first);
     g->level = &e->levels[level_of(e, in, first)];
-    if (!btfi_look_up(e, way, in->of->lights + first * in->light_step, in->of->views + first * in->view_step,
-                      &g->situation)) {
+    if (!btfi_look_up(e, way, in->of->lights + first * in->light_step,
+                      in->of->views + first * in->view_step, &g->situation)) {
         memset(in->of->rgb + 3 * first, 0, (size_t)g->count * 3 * sizeof(float));
         return false;
     }

@@ -47,7 +47,8 @@ static void move(const btfi_level *l, const int32_t position[2], int32_t height,
 
 static int32_t march(const btf_evaluator *e, const btfi_level *l, const int32_t position[2],
                      const int32_t slope[2]) {
-    const int32_t base = e->info.relief_base, step = e->info.relief_step, steps = (int32_t)e->info.relief_steps;
+    const int32_t base = e->info.relief_base, step = e->info.relief_step,
+                  steps = (int32_t)e->info.relief_steps;
     int32_t z = base + (255 * step >> 8);
     const int32_t descent = (z - base + steps - 1) / steps;
     for (int32_t n = 0; n <= steps; n++, z -= descent) {
@@ -67,9 +68,9 @@ static int32_t visible_share(const btfi_level *l, int32_t shown, int32_t seen, i
     return o < 1229 ? 1229 : o > 4096 ? 4096 : o;
 }
 
-void btfi_relief(const btf_evaluator *e, const btfi_level *l, const btfi_situation *s, const btfi_slopes *slopes,
-                 bool occlusion, const int32_t position[2], int32_t out_positions[3][2],
-                 int32_t out_weights[3]) {
+void btfi_relief(const btf_evaluator *e, const btfi_level *l, const btfi_situation *s,
+                 const btfi_slopes *slopes, bool occlusion, const int32_t position[2],
+                 int32_t out_positions[3][2], int32_t out_weights[3]) {
     static const int32_t origin[2] = {0, 0};
     const int32_t length[2] = {(int32_t)l->width * 256, (int32_t)l->height * 256};
     const bool flat = e->info.relief_step == 0;
@@ -94,6 +95,7 @@ void btfi_relief(const btf_evaluator *e, const btfi_level *l, const btfi_situati
     /* Those behind the last have none: it takes what rounding leaves. */
     out_weights[0] = s->views.count == 1 ? 4096 : ((visible[0] >> 6) << 12) / (total >> 6);
     if (s->views.count > 1)
-        out_weights[1] = s->views.count == 2 ? 4096 - out_weights[0] : ((visible[1] >> 6) << 12) / (total >> 6);
+        out_weights[1] =
+            s->views.count == 2 ? 4096 - out_weights[0] : ((visible[1] >> 6) << 12) / (total >> 6);
     out_weights[2] = 4096 - out_weights[0] - out_weights[1];
 }

@@ -8,8 +8,8 @@
 
 enum { MOST_PARAMETERS = 16 };
 
-/* Bytes of one layer of a texture with layers, or of one tile of the atlas: those of texel (column, row) begin at
- * first[row * row_step + column * step]. */
+/* Bytes of one layer of a texture with layers, or of one tile of the atlas: those of texel (column, row)
+ * begin at first[row * row_step + column * step]. */
 typedef struct plane {
     const uint8_t *first;
     size_t row_step, step;
@@ -28,8 +28,8 @@ static plane tile(const btf_evaluator *e, uint32_t index, size_t channel) {
     const uint32_t columns = e->info.atlas_width / e->info.width;
     const size_t column = (size_t)(index % columns) * e->info.width,
                  row = (size_t)(index / columns) * e->info.height;
-    return (plane){e->maps + 4 * (row * e->info.atlas_width + column) + channel, 4 * (size_t)e->info.atlas_width,
-                        4};
+    return (plane){e->maps + 4 * (row * e->info.atlas_width + column) + channel,
+                   4 * (size_t)e->info.atlas_width, 4};
 }
 
 static plane layer(const btfi_level *l, const uint8_t *texture, uint32_t index, size_t step) {
@@ -118,10 +118,12 @@ static appearance look_at(const btf_evaluator *e, const btfi_level *l, const btf
         return packed(e, way, at(&entries, column, row));
     }
     const uint8_t *bytes = planes->shifts ? at(&planes->shift, column, row) : (const uint8_t[2]){0, 0};
-    return separate(e, way, planes->codes ? *at(&planes->gain, column, row) : BTF_GAIN_ONE, bytes[0], bytes[1]);
+    return separate(e, way, planes->codes ? *at(&planes->gain, column, row) : BTF_GAIN_ONE, bytes[0],
+                    bytes[1]);
 }
 
-/* Lines of memory that a row of so many bytes is awaited in, at most: the machine brings the rest by itself. */
+/* Lines of memory that a row of so many bytes is awaited in, at most: the machine brings the rest by
+ * itself. */
 static void await(const void *row, size_t bytes) {
     enum { LINE = 64, MOST_LINES = 8 };
     for (size_t i = 0; i < bytes && i < LINE * MOST_LINES; i += LINE)
@@ -130,7 +132,8 @@ static void await(const void *row, size_t bytes) {
 
 void btfi_await_points(const btf_evaluator *e, const btfi_level *l, const btfi_situation *s,
                        const btfi_points *const points[3]) {
-    const size_t row = e->factors_stored ? (size_t)BTFI_UNIT_BYTES * e->info.components : 4 * (size_t)e->info.components;
+    const size_t row =
+        e->factors_stored ? (size_t)BTFI_UNIT_BYTES * e->info.components : 4 * (size_t)e->info.components;
     const void *first = e->factors_stored ? (const void *)e->w : e->v;
     for (int a = 0; a < s->views.count; a++) {
         const point_planes planes = planes_of(e, l, s->views.index[a]);
@@ -156,7 +159,8 @@ static void await_source(const btf_evaluator *e, const btfi_level *l, const btfi
         await(l->components + texel * e->info.components, e->info.components);
     if (l->sbrdf) {
         const size_t size = e->info.half_float ? 8 : 16;
-        const uint32_t layers = (e->info.colour == BTF_COLOUR_MONO ? 1 : (3 * (1 + e->info.lobes) + 3) / 4) + e->info.lobes;
+        const uint32_t layers =
+            (e->info.colour == BTF_COLOUR_MONO ? 1 : (3 * (1 + e->info.lobes) + 3) / 4) + e->info.lobes;
         for (uint32_t j = 0; j < layers; j++)
             await((const char *)l->sbrdf + (j * texels + texel) * size, 1);
     }
@@ -167,8 +171,9 @@ static void await_source(const btf_evaluator *e, const btfi_level *l, const btfi
         }
 }
 
-void btfi_find_sources(const btf_evaluator *e, const btfi_level *l, const btfi_way *way, const btfi_situation *s,
-                       const btfi_points *const points[3], btfi_sources sources[3]) {
+void btfi_find_sources(const btf_evaluator *e, const btfi_level *l, const btfi_way *way,
+                       const btfi_situation *s, const btfi_points *const points[3],
+                       btfi_sources sources[3]) {
     for (int a = 0; a < s->views.count; a++) {
         btfi_sources *out = &sources[a];
         const uint32_t view = s->views.index[a];
@@ -195,13 +200,14 @@ static void read_parameters(const btf_evaluator *e, const btfi_level *l, uint32_
     const size_t texels = (size_t)l->width * l->height;
     for (uint32_t i = 0; i < count; i++) {
         const size_t index = 4 * ((first_layer + i / 4) * texels + texel) + i % 4;
-        out[i] = e->info.half_float ? btfi_half(((const uint16_t *)l->sbrdf)[index]) : ((const float *)l->sbrdf)[index];
+        out[i] = e->info.half_float ? btfi_half(((const uint16_t *)l->sbrdf)[index])
+                                    : ((const float *)l->sbrdf)[index];
     }
 }
 
 /* Section 9, SBRDF(x', P), of the sources of all views: values [view][point]. */
-static void sbrdf(const btf_evaluator *e, const btfi_level *l, const btfi_situation *s, const btfi_sources *sources,
-                  float out[3][BTFI_MOST_POINTS][3]) {
+static void sbrdf(const btf_evaluator *e, const btfi_level *l, const btfi_situation *s,
+                  const btfi_sources *sources, float out[3][BTFI_MOST_POINTS][3]) {
     float exponents[BTFI_MOST_POWERS], q[BTFI_MOST_POWERS];
     const float *product = s->product;
     const bool mono = e->info.colour == BTF_COLOUR_MONO;
@@ -256,10 +262,12 @@ static void shade(const btf_evaluator *e, const btfi_level *l, const btfi_source
     }
 }
 
-static void centre_value(const btf_evaluator *e, const btfi_neighbours *lights, uint32_t centre, float out[3]) {
+static void centre_value(const btf_evaluator *e, const btfi_neighbours *lights, uint32_t centre,
+                         float out[3]) {
     int32_t sum[3] = {0, 0, 0};
     for (int b = 0; b < lights->count; b++) {
-        const uint8_t *code = e->centre_texels + 4 * (e->centre_at[centre] + lights->index[b] * e->centre_step);
+        const uint8_t *code =
+            e->centre_texels + 4 * (e->centre_at[centre] + lights->index[b] * e->centre_step);
         for (int c = 0; c < 3; c++)
             sum[c] += lights->weight[b] * code[c];
     }
@@ -287,8 +295,9 @@ static void finish(const btf_evaluator *e, const btfi_sources *sources, int i, f
     }
 }
 
-void btfi_view_values(const btf_evaluator *e, const btfi_level *l, const btfi_way *way, const btfi_situation *s,
-                      const btfi_sources sources[3], float out[3][BTFI_MOST_POINTS][3]) {
+void btfi_view_values(const btf_evaluator *e, const btfi_level *l, const btfi_way *way,
+                      const btfi_situation *s, const btfi_sources sources[3],
+                      float out[3][BTFI_MOST_POINTS][3]) {
     const bool residual = way->effects & BTF_EFFECT_RESIDUAL;
     if (e->modelled)
         sbrdf(e, l, s, sources, out);

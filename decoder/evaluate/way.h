@@ -5,7 +5,7 @@
 #ifndef OPENBTF_EVALUATE_WAY_H
 #define OPENBTF_EVALUATE_WAY_H
 
-#include "evaluator.h"
+#include "prepared.h"
 
 typedef struct btfi_way {
     uint32_t effects;    /* of the material, to be decoded */

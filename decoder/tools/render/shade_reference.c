@@ -1,31 +1,33 @@
-/* The reference decoder as a device, over all cores.
+/* The CPU as a device, over all cores: the bits of the reference decoder, by the library's evaluator.
  *
  * SPDX-License-Identifier: MIT
  */
 #include "shade_reference.h"
 
-#include "decoder/toolkit/filter.h"
-#include "decoder/toolkit/reference_view.h"
 #include "decoder/toolkit/file.h"
 #include "table.h"
+#include <openbtf/evaluate.h>
 #include <stdlib.h>
 
+enum { CHUNK = 256 }; /* evaluations that a thread takes at a time */
+
 typedef struct reference {
-    btf_ref_material level[BTF_MAX_LEVELS];
-    int levels;
-    btf_ref_options options[SHADER_VARIANTS];
+    btf_evaluator *evaluator;
+    btf_evaluate_options options[SHADER_VARIANTS];
     int threads;
 } reference;
+
+static void destroy(void *self) {
+    reference *r = self;
+    if (r)
+        btf_evaluator_destroy(&r->evaluator);
+    free(r);
+}
 
 static void *create(const shader_request *request, const btf_log *log, btf_result *out_result) {
     if (request->math == BTF_MATH_FAST) {
         file_say(log, "option --math fast: the reference is exact; take a device with GL");
         *out_result = BTF_ERROR_USAGE;
-        return NULL;
-    }
-    if (!btf_ref_self_test()) {
-        file_say(log, "this build does not round floats as FORMAT.md demands");
-        *out_result = BTF_ERROR_UNSUPPORTED;
         return NULL;
     }
     reference *self = calloc(1, sizeof *self);
@@ -34,19 +36,17 @@ static void *create(const shader_request *request, const btf_log *log, btf_resul
         *out_result = BTF_ERROR_MEMORY;
         return NULL;
     }
-    btf_material_info info = {.struct_size = sizeof info};
-    btf_material_get_info(request->material, &info);
-    self->levels = (int)info.levels;
-    for (uint32_t i = 0; i < info.levels; i++)
-        reference_view(request->material, i, &self->level[i]);
+    if ((*out_result = btf_evaluator_create(request->material, log, &self->evaluator))) {
+        destroy(self);
+        return NULL;
+    }
     self->threads = request->threads;
     for (int i = 0; i < request->variants; i++)
-        self->options[i] = (btf_ref_options){
-            .effects = request->effects[i],
-            .components = request->components,
-            .interpolation =
-                request->interpolation == BTF_INTERPOLATION_NEAREST ? BTF_REF_NEAREST : BTF_REF_LINEAR,
-            .filter = filter_of_reference(request->filter)};
+        self->options[i] = (btf_evaluate_options){.struct_size = sizeof self->options[i],
+                                                  .leave_out = ~request->effects[i],
+                                                  .components = request->components,
+                                                  .interpolation = request->interpolation,
+                                                  .filter = request->filter};
     return self;
 }
 
@@ -64,15 +64,30 @@ static btf_result run(void *self, int variant, int width, int rows, const float 
                       const btf_log *log) {
     const reference *r = self;
     const int count = width * rows;
+    btf_result result = BTF_OK;
     (void)log;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(r->threads)
-    for (int i = 0; i < count; i++) {
-        const float *in = inputs + TABLE_INPUTS * (size_t)i;
-        const int level = (int)in[8] < r->levels ? (int)in[8] : r->levels - 1;
-        btf_ref_evaluate(&r->level[level], &r->options[variant], in[0], in[1], in + 5, in + 2,
-                         out + 3 * (size_t)i);
+#pragma omp parallel for schedule(dynamic) num_threads(r->threads)
+    for (int first = 0; first < count; first += CHUNK) {
+        const float *in = inputs + TABLE_INPUTS * (size_t)first;
+        int32_t levels[CHUNK];
+        const int some = count - first < CHUNK ? count - first : CHUNK;
+        for (int i = 0; i < some; i++)
+            levels[i] = (int32_t)in[TABLE_INPUTS * i + 8];
+        const btf_evaluations evaluations = {.struct_size = sizeof evaluations,
+                                             .count = (size_t)some,
+                                             .uv = in,
+                                             .lights = in + 5,
+                                             .views = in + 2,
+                                             .levels = levels,
+                                             .stride = TABLE_INPUTS,
+                                             .rgb = out + 3 * (size_t)first};
+        const btf_result mine = btf_evaluate_many(r->evaluator, &r->options[variant], &evaluations);
+        if (mine) {
+#pragma omp atomic write
+            result = mine;
+        }
     }
-    return BTF_OK;
+    return result;
 }
 
 static btf_result no_time(void *self, int variant, int repeats, shader_times *out_times) {
@@ -83,4 +98,4 @@ static btf_result no_time(void *self, int variant, int repeats, shader_times *ou
     return BTF_ERROR_UNSUPPORTED;
 }
 
-const shader_class shader_class_reference = {create, free, name, max_width, run, no_time};
+const shader_class shader_class_reference = {create, destroy, name, max_width, run, no_time};

@@ -1,14 +1,14 @@
-/* The evaluator of the library against the reference decoder, bit for bit: every variant of the conformance, random and
- * extreme arguments, with the loops for every machine and with those for this one.
+/* The evaluator of the library against the reference decoder, bit for bit: every variant of the
+ * conformance, random and extreme arguments, with the loops for every machine and with those for this one.
  *
  * SPDX-License-Identifier: MIT
  */
-#include "cases.h"
-#include "decoder/evaluate/evaluator.h"
+#include "decoder/evaluate/prepared.h"
 #include "decoder/evaluate/kernels.h"
 #include "decoder/toolkit/reference_view.h"
-#include "synthetic.h"
-#include "variant.h"
+#include "tests/conformance/cases.h"
+#include "tests/conformance/synthetic.h"
+#include "tests/conformance/variant.h"
 
 #include <openbtf/evaluate.h>
 #include <openbtf/reference.h>
@@ -64,7 +64,8 @@ static uint32_t clamped_level(const subject *s, int32_t level) {
     return level < 0 ? 0 : (uint32_t)level < s->info.levels ? (uint32_t)level : s->info.levels - 1;
 }
 
-/* Half of the arguments share light, view and level with those before, so that groups of all sizes come up. */
+/* Half of the arguments share light, view and level with those before, so that groups of all sizes come up.
+ */
 static void draw(random_state *r, const subject *s, size_t count, batch *b) {
     b->count = count;
     for (size_t i = 0; i < count; i++) {
@@ -93,8 +94,8 @@ static void decode_by_reference(const subject *s, const btf_ref_options *options
         const btf_ref_material *m = &s->levels[clamped_level(s, b->levels[i])];
         const float *in = b->inputs[i];
         if (texels)
-            btf_ref_evaluate_texel(m, options, b->texels[i][0] % m->width, b->texels[i][1] % m->height, in + 2,
-                                   in + 5, b->expected[i]);
+            btf_ref_evaluate_texel(m, options, b->texels[i][0] % m->width, b->texels[i][1] % m->height,
+                                   in + 2, in + 5, b->expected[i]);
         else
             btf_ref_evaluate(m, options, in[0], in[1], in + 2, in + 5, b->expected[i]);
         for (int c = 0; c < 3; c++)
@@ -107,17 +108,18 @@ static void compare(const subject *s, const batch *b, const char *how) {
         if (memcmp(b->rgb[i], b->expected[i], sizeof b->rgb[i]) == 0)
             continue;
         const float *in = b->inputs[i];
-        fail_msg("%s, %s: evaluation %zu of %zu, level %d: (%a, %a, %a), the reference (%a, %a, %a), of u, v %a, %a, "
+        fail_msg("%s, %s: evaluation %zu of %zu, level %d: (%a, %a, %a), the reference (%a, %a, %a), of u, "
+                 "v %a, %a, "
                  "light %a %a %a, view %a %a %a",
                  s->name, how, i, b->count, (int)b->levels[i], (double)b->rgb[i][0], (double)b->rgb[i][1],
                  (double)b->rgb[i][2], (double)b->expected[i][0], (double)b->expected[i][1],
-                 (double)b->expected[i][2], (double)in[0], (double)in[1], (double)in[2], (double)in[3], (double)in[4],
-                 (double)in[5], (double)in[6], (double)in[7]);
+                 (double)b->expected[i][2], (double)in[0], (double)in[1], (double)in[2], (double)in[3],
+                 (double)in[4], (double)in[5], (double)in[6], (double)in[7]);
     }
 }
 
-static void check_batch(const subject *s, const btf_evaluate_options *options, const btf_ref_options *reference,
-                        batch *b) {
+static void check_batch(const subject *s, const btf_evaluate_options *options,
+                        const btf_ref_options *reference, batch *b) {
     static const char *const names[] = {"the loops for every machine", "the loops for this machine"};
     btf_evaluations of = {.struct_size = sizeof of,
                           .count = b->count,
@@ -230,12 +232,8 @@ static void test_refusals(void **state) {
     btf_evaluator_destroy(NULL);
     btf_evaluator_destroy(&none);
 
-    const btf_evaluations good = {.struct_size = sizeof good,
-                                  .count = 1,
-                                  .uv = in,
-                                  .lights = in + 2,
-                                  .views = in + 5,
-                                  .rgb = rgb};
+    const btf_evaluations good = {
+        .struct_size = sizeof good, .count = 1, .uv = in, .lights = in + 2, .views = in + 5, .rgb = rgb};
     const btf_evaluate_options way = {.struct_size = sizeof way};
     btf_evaluations bad[8];
     btf_evaluate_options bad_way[3] = {way, way, way};

@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_EVALUATE_EVALUATOR_H
-#define OPENBTF_EVALUATE_EVALUATOR_H
+#ifndef OPENBTF_EVALUATE_PREPARED_H
+#define OPENBTF_EVALUATE_PREPARED_H
 
 #include <openbtf/evaluate.h>
 
