@@ -197,6 +197,7 @@ bool btf_ref_probe_source(void);
 bool btf_ref_probe_relief(void);
 bool btf_ref_probe_gloss(void);
 bool btf_ref_probe_stochastic(void);
+bool btf_ref_probe_sampling(void);
 #if defined __GNUC__
 #pragma GCC visibility pop
 #endif

@@ -166,6 +166,22 @@ void btf_ref_evaluate_radiance_blend_between(const btf_ref_material *levels, uin
 /** Random numbers of a counter, say column, row and frame of a pixel, as btf_random of the shader gives them: PCG3D
  * (Jarzynski and Olano, Hash Functions for GPU Rendering, JCGT 9(3), 2020). */
 void btf_ref_random(const uint32_t counter[3], uint32_t out_random[3]);
+/** Tables of light sampling (decoder/SAMPLING.md); openbtf/sampling.h of the library makes them of a material. */
+typedef struct btf_ref_sampling {
+    uint32_t n_triangles;
+    const uint32_t *triangles; /**< RGBA, [n_views + 1][n_triangles] */
+    const float *densities;    /**< [n_views][n_lights + 1] */
+} btf_ref_sampling;
+
+/** Draws a direction to the light, in proportion to what the material reflects to @p view, from two numbers of 32 random
+ * bits, and its density over the solid angle. Texture coordinates are not looked at so far. A view below the horizon
+ * gets the normal and density 0. */
+void btf_ref_sample_light(const btf_ref_material *material, const btf_ref_sampling *sampling, float u, float v,
+                          const float view[3], uint32_t u1, uint32_t u2, float out_light[3], float *out_pdf);
+
+/** The density with which btf_ref_sample_light() draws @p light; 0 where light or view are below the horizon. */
+float btf_ref_pdf_light(const btf_ref_material *material, const btf_ref_sampling *sampling, float u, float v,
+                        const float view[3], const float light[3]);
 
 /* Integer steps, each as FORMAT.md says. */
 

@@ -1,0 +1,155 @@
+/* Tables of light sampling (decoder/SAMPLING.md).
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "decoder/result.h"
+
+#include <openbtf/sampling.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Texels whose mean stands for the material, and evaluations in all that they may take. */
+enum { MOST_TEXELS = 64, MOST_EVALUATIONS = 1 << 22, PLANE = 8192 };
+
+/* Of the density, what follows the cosine whatever the material does. */
+static const double cosine_share = 0.25;
+
+/* Columns and rows of texels spread over the material (the R2 sequence of M. Roberts, 2018). */
+static size_t choose_texels(const btf_material_info *info, uint32_t out[MOST_TEXELS][2]) {
+    const size_t texels = (size_t)info->width * info->height,
+                 pairs = (size_t)info->n_views * info->n_lights;
+    size_t count = MOST_EVALUATIONS / pairs < MOST_TEXELS ? MOST_EVALUATIONS / pairs : MOST_TEXELS;
+    count = count > texels ? texels : count;
+    count = count < 1 ? 1 : count;
+    for (size_t i = 0; i < count; i++) {
+        if (count == texels) {
+            out[i][0] = (uint32_t)(i % info->width);
+            out[i][1] = (uint32_t)(i / info->width);
+            continue;
+        }
+        const double x = 0.5 + 0.7548776662466927 * (double)i, y = 0.5 + 0.5698402909980532 * (double)i;
+        out[i][0] = (uint32_t)((x - floor(x)) * info->width);
+        out[i][1] = (uint32_t)((y - floor(y)) * info->height);
+    }
+    return count;
+}
+
+/* Mean luminance over the texels under each light, seen from a view. */
+static void measure(const btf_evaluator *evaluator, const btf_directions *lights, const float *view,
+                    uint32_t (*texels)[2], size_t count, double *out) {
+    float rgb[MOST_TEXELS][3];
+    btf_evaluations of = {.struct_size = sizeof of,
+                          .count = count,
+                          .texels = texels[0],
+                          .views = view,
+                          .fixed = BTF_FIXED_LIGHT | BTF_FIXED_VIEW,
+                          .rgb = rgb[0]};
+    for (uint32_t l = 0; l < lights->count; l++) {
+        double sum = 0;
+        of.lights = lights->xyz + 3 * (size_t)l;
+        btf_evaluate_many(evaluator, NULL, &of);
+        for (size_t i = 0; i < count; i++)
+            sum += 0.2126 * (double)rgb[i][0] + 0.7152 * (double)rgb[i][1] + 0.0722 * (double)rgb[i][2];
+        out[l] = sum / (double)count;
+    }
+}
+
+/* Twice the area of a triangle in the plane of radius 1. */
+static double twice_area(const btf_directions *lights, const uint16_t *triangle) {
+    const uint16_t *a = lights->vertices + 2 * triangle[0], *b = lights->vertices + 2 * triangle[1],
+                   *c = lights->vertices + 2 * triangle[2];
+    const int64_t cross = (int64_t)(b[0] - a[0]) * (c[1] - a[1]) - (int64_t)(b[1] - a[1]) * (c[0] - a[0]);
+    return (double)cross / ((double)PLANE * PLANE);
+}
+
+static uint32_t bits_of(float x) {
+    uint32_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits;
+}
+
+/* The row of a view in both tables, of luminance under each light. */
+static void fill_view(const btf_directions *lights, double *luminance, uint32_t (*row)[4],
+                      float *densities) {
+    double total = 0, sum = 0;
+    for (uint32_t l = 0; l < lights->count; l++) {
+        const double z = 1 + (double)lights->xyz[3 * (size_t)l + 2];
+        luminance[l] *= z * z; /* to the plane: see SAMPLING.md */
+    }
+    for (uint32_t t = 0; t < lights->triangle_count; t++) {
+        const uint16_t *of = lights->triangles + 3 * (size_t)t;
+        total += twice_area(lights, of) * (luminance[of[0]] + luminance[of[1]] + luminance[of[2]]) / 6;
+    }
+    const double scale = total > 0 ? (1 - cosine_share) / total : 0;
+    for (uint32_t l = 0; l < lights->count; l++)
+        densities[l] = (float)(luminance[l] * scale);
+    densities[lights->count] = total > 0 ? (float)cosine_share : 1.0f;
+    for (uint32_t t = 0; t < lights->triangle_count; t++) {
+        const uint16_t *of = lights->triangles + 3 * (size_t)t;
+        const float a = densities[of[0]], b = densities[of[1]], c = densities[of[2]];
+        sum += twice_area(lights, of) * ((double)a + (double)b + (double)c) / 6;
+        row[t][0] = (uint32_t)(fmin(sum, 1 - cosine_share) * 0x1p32);
+        row[t][1] = bits_of(a);
+        row[t][2] = bits_of(b);
+        row[t][3] = bits_of(c);
+    }
+}
+
+static void fill_corners(const btf_directions *lights, uint32_t (*row)[4]) {
+    for (uint32_t t = 0; t < lights->triangle_count; t++) {
+        for (int corner = 0; corner < 3; corner++) {
+            const uint16_t *q = lights->vertices + 2 * lights->triangles[3 * (size_t)t + (size_t)corner];
+            row[t][corner] = q[0] + ((uint32_t)q[1] << 16);
+        }
+        row[t][3] = 0;
+    }
+}
+
+btf_result btf_light_sampling_create(const btf_material *material, const btf_evaluator *evaluator,
+                                     const btf_log *log, btf_light_sampling **out_sampling) {
+    if (!out_sampling)
+        return BTF_ERROR_USAGE;
+    *out_sampling = NULL;
+    if (!material || !evaluator)
+        return BTF_ERROR_USAGE;
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_material_get_info(material, &info);
+    const btf_directions views = btf_material_views(material), lights = btf_material_lights(material);
+    const size_t triangles = lights.triangle_count;
+    btf_light_sampling *s = calloc(1, sizeof *s);
+    uint32_t(*rows)[4] = triangles ? malloc((views.count + 1) * triangles * sizeof *rows) : NULL;
+    float *densities = malloc((size_t)views.count * (lights.count + 1) * sizeof *densities);
+    double *luminance = malloc(lights.count * sizeof *luminance);
+    if (!s || (triangles && !rows) || !densities || !luminance) {
+        free(s);
+        free(rows);
+        free(densities);
+        free(luminance);
+        return btfi_fail(log, BTF_ERROR_MEMORY, "out of memory for tables of light sampling");
+    }
+    uint32_t texels[MOST_TEXELS][2];
+    const size_t count = choose_texels(&info, texels);
+    for (size_t v = 0; v < views.count; v++) {
+        measure(evaluator, &lights, views.xyz + 3 * v, texels, count, luminance);
+        fill_view(&lights, luminance, rows + v * triangles, densities + v * (lights.count + 1));
+    }
+    if (triangles)
+        fill_corners(&lights, rows + views.count * triangles);
+    free(luminance);
+    *s = (btf_light_sampling){views.count, lights.count, lights.triangle_count, rows ? rows[0] : NULL,
+                              densities};
+    *out_sampling = s;
+    return BTF_OK;
+}
+
+void btf_light_sampling_destroy(btf_light_sampling **sampling) {
+    btf_light_sampling *s = sampling ? *sampling : NULL;
+    if (!s)
+        return;
+    free((void *)s->triangles);
+    free((void *)s->densities);
+    free(s);
+    *sampling = NULL;
+}
