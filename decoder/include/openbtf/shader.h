@@ -125,17 +125,12 @@ uint32_t btf_shader_textures(const btf_material_info *info, const btf_shader_opt
 btf_result btf_shader_source(const btf_material *material, const btf_shader_options *options,
                              const btf_log *log, char **out_text);
 
-<<<<<<< HEAD
-/** @return the library text without the macros of a material, for use behind BTF_ macros of your own, which its
- * opening comments explain; static; installed as share/openbtf/openbtf.glsl. */
-=======
 /** Random numbers of a counter, say column, row and frame of a pixel, the same as btf_random of the shader: PCG3D
  * (Jarzynski and Olano, Hash Functions for GPU Rendering, JCGT 9(3), 2020). */
 void btf_random(const uint32_t counter[3], uint32_t out_random[3]);
 
-/** @return the library text, static, for use behind BTF_ macros of your own, which its opening
- * comments explain; installed as share/openbtf/openbtf.glsl. */
->>>>>>> stoch
+/** @return the library text without the macros of a material, for use behind BTF_ macros of your own, which its
+ * opening comments explain; static; installed as share/openbtf/openbtf.glsl. */
 const char *btf_shader_library(void);
 
 /** The rules of arithmetic that a device can break: identifier, bit, name, and how the device breaks it. */
