@@ -100,7 +100,7 @@ btf_neighbours btf_nearest(btf_neighbours n) {
 
 /* Finite, within -2..2, and above the horizon; tested on the bits, so that no NaN slips through. */
 bool btf_is_above(vec3 d) {
-    uvec3 magnitude = floatBitsToUint(d) & 0x7FFFFFFFu;
+    uvec3 magnitude = floatBitsToUint(d) & BTF_BITS_MAGNITUDE;
     uint most = max(magnitude.x, max(magnitude.y, magnitude.z));
-    return most <= 0x40000000u && floatBitsToInt(d.z) >= 0x33800000;
+    return most <= BTF_BITS_2 && floatBitsToInt(d.z) >= int(BTF_BITS_2_TO_MINUS_24);
 }

@@ -18,7 +18,7 @@ typedef struct enc_bonn_decoder enc_bonn_decoder;
 btf_result enc_bonn_decoder_create(const enc_context *context, const enc_bonn_file *file,
                                    const int *view_order, const int *light_order, const float *light_factor,
                                    uint32_t components, enc_bonn_decoder **out_decoder);
-/* Components of its factorisations, the most; 0: it has none. */
+/* The most components that a factorisation of the file has and that are used; 0: it has no factorisation. */
 uint32_t enc_bonn_decoder_components(const enc_bonn_decoder *decoder);
 
 void enc_bonn_decoder_destroy(enc_bonn_decoder **decoder);

@@ -8,8 +8,8 @@
 #include "encoder/model/solution.h"
 #include "options.h"
 
-enum { ENC_PAPER_PROBE_LIGHTS = 3 }; /* whose flows are the probe's */
-enum { ENC_PAPER_SAMPLE = 256 };     /* texels that are measured */
+enum { ENC_PAPER_PROBE_LIGHTS = 3 }; /* lights whose flows the probe takes */
+enum { ENC_PAPER_SAMPLE = 256 };     /* texels of the sample that errors are measured on */
 
 /* Squared errors of one texel, whose samples are given, of radiance clipped to [0, peak], added over them;
  * other arguments are those of enc_paper_error. model: 3 * n_lights floats of scratch. */

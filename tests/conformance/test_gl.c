@@ -168,7 +168,7 @@ static void old_and_partial_contexts_are_refused(void **state) {
     (void)state;
     memset(&fake, 0, sizeof fake);
     fake.missing = "glTexImage3D";
-    expect_refusal(tight, BTF_ERROR_UNSUPPORTED, "no glTexImage3D");
+    expect_refusal(tight, BTF_ERROR_UNSUPPORTED, "lacks the function glTexImage3D");
     fake.missing = NULL;
     fake.version = "OpenGL ES 2.0 old";
     fake.major = 2;

@@ -183,8 +183,8 @@ typedef struct btf_material_info {
     uint32_t atlas_width, atlas_height; /**< in texels, with layout paper; else 0 */
     /** Factors of FORMAT.md section 9, each within 2^-24..2^24. */
     float radiance_scale, shadow_scale, gain_scale, centre_scale;
-    size_t gpu_bytes; /**< of all textures of all levels but those that table_bytes counts */
-    size_t table_bytes; /**< of direction tables, view_vectors, and scales and view factors of the residual */
+    size_t gpu_bytes;    /**< of all textures of all levels but those that table_bytes counts */
+    size_t table_bytes;  /**< of direction tables, view_vectors, and scales of the residual */
     const char *method;  /**< provenance: the encoder's method; "" when not given */
     const char *options; /**< provenance: the encoder's options and thresholds; "" when not given */
     const char *source;  /**< provenance: the data set; "" when not given */

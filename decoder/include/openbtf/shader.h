@@ -27,7 +27,7 @@
  * with btf_random(uvec3(pixel, frame)) or blue noise of your own for the random numbers; the mean is
  * btf_evaluate_radiance_blend(uv, l, v). Both take a level as well, and _between takes btf_level() as it is.
  *
- * It works in GLSL 330 core to 460, ESSL 300 (WebGL2) to 320, and Vulkan GLSL. What a compiler finds unused
+ * It works in GLSL 330 core to 460, ESSL 300 (WebGL2) to 320, and Vulkan GLSL. Code that a compiler finds unused
  * costs nothing: an effect that is left out leaves no code and no fetch behind.
  *
  * No function here makes a GL call or compiles anything (gl.h uploads the textures).

@@ -1,4 +1,4 @@
-/* OpenBTF reference decoder: what a decoder must give, bit for bit (decoder/FORMAT.md, sections 5 to 9).
+/* OpenBTF reference decoder: the result that a decoder must give, bit for bit (decoder/FORMAT.md, sections 5 to 9).
  *
  * Plain C, no dependency, no thread, no allocation; clarity over speed. A program that takes the sources in
  * puts reference/include on its include path and compiles them with -ffp-contract=off and never with

@@ -26,6 +26,9 @@ typedef struct saved {
 } saved;
 extern saved factor_file, plain_file;
 
+/* A material of the desc as a file in memory, to be freed with btf_free. */
+saved save(const btf_material_desc *desc);
+
 /* Make them and free them, for cmocka's groups. */
 int setup(void **state);
 int teardown(void **state);
@@ -34,5 +37,11 @@ edit_file *take(const saved *s);
 
 /* The edited file must open; returns its material. */
 btf_material *accepted(edit_file *file);
+
+/* The members of info that version 2 added, all textures of all levels and the picture are the same. */
+void assert_same_material(const btf_material *a, const btf_material *b);
+
+/* A material of the desc, saved and opened, is the same, and saved again the same bytes. */
+void round_trip(const btf_material_desc *desc);
 
 #endif

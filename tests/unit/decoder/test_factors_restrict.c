@@ -1,4 +1,5 @@
-/* Restrictions of a material of version 2, and its other layout.
+/* Parts of a material of version 2: restrictions, the other layout, effect errors by units, more directions than
+ * layers.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -139,10 +140,105 @@ static void test_to_tight(void **state) {
     random_material_free(&desc);
 }
 
+/* Rows count units: 0 to as many as there are. */
+static void test_effect_errors(void **state) {
+    (void)state;
+    const uint32_t effects = BTF_EFFECT_SHADOW | BTF_EFFECT_RESIDUAL;
+    float table[] = {1,
+                     1,
+                     0,
+                     75,
+                     0,
+                     75,
+                     (float)effects,
+                     FACTOR_UNITS,
+                     0,
+                     0,
+                     1000,
+                     0.01f,
+                     0.02f,
+                     (float)effects,
+                     4,
+                     0,
+                     0,
+                     900,
+                     0.0101f,
+                     0.0201f};
+    btf_material_desc desc = make_desc(15, BTF_LAYOUT_TIGHT, BTF_EFFECT_SHADOW);
+    desc.effect_errors = table;
+    desc.effect_error_count = sizeof table / sizeof *table;
+    btf_material *m = create_accepted(&desc), *small;
+    btf_plan plan;
+    const btf_scene scene = {.struct_size = sizeof scene};
+    assert_int_equal(btf_plan_effects(m, &scene, 0.5f, &plan), BTF_OK);
+    assert_true(plan.measured);
+    assert_int_equal(plan.components, 4);
+    assert_int_equal(plan.shader.components, 4);
+    assert_int_equal(plan.textures >> BTF_TEXTURE_FACTOR_TEXELS, 15);
+    assert_int_equal(plan.textures >> BTF_TEXTURE_RESIDUAL_TEXELS & 7, 0);
+    assert_int_equal(btf_material_restrict(m, &plan, NULL, &small), BTF_OK);
+    assert_int_equal(info_of(small).gpu_bytes, plan.gpu_bytes);
+    const size_t layers = FACTOR_LAYERS - first_layers[4], units = FACTOR_UNITS - 4;
+    assert_int_equal(plan.gpu_bytes,
+                     plan.full_gpu_bytes - 16 * (layers * WIDTH * HEIGHT + units * VIEWS * LIGHTS));
+    btf_material_close(&small);
+    btf_material_close(&m);
+    table[7] = FACTOR_UNITS + 1;
+    create_refused(&desc, "effect errors: row 0 has 10 components");
+    random_material_free(&desc);
+}
+
+/* More directions than layers: version 2 whatever else, where no texture has a layer for each. */
+static void test_many_directions(void **state) {
+    (void)state;
+    static const uint32_t classes[BTF_FACTOR_CLASSES][3] = {{0}, {0}, {1}};
+    random_state r = {16};
+    btf_material_desc desc =
+        factor_material_desc(2, 2, 5, 1000, BTF_LAYOUT_TIGHT, BTF_EFFECT_SHIFT, classes);
+    factor_material_fill(&r, &desc);
+    round_trip(&desc);
+    btf_material *whole = create_accepted(&desc), *small;
+    const btf_plan plan = {.struct_size = sizeof plan,
+                           .scene = {.struct_size = sizeof plan.scene, .light.theta = {0, 20}},
+                           .effects = BTF_EFFECT_RESIDUAL};
+    assert_int_equal(btf_material_restrict(whole, &plan, &log_keep, &small), BTF_OK);
+    assert_in_range(info_of(small).n_lights, 20, 400);
+    assert_first_units(whole, small, 0);
+    btf_material_close(&small);
+    btf_material_close(&whole);
+    desc.info.effects |= BTF_EFFECT_SHADOW;
+    create_refused(&desc, "1000 lights; with the effect shadow there are 1 to 256");
+    random_material_free(&desc);
+
+    desc = random_material_desc(2, 2, BTF_MAX_DIRECTIONS, 2, BTF_LAYOUT_PAPER, 0);
+    random_material_fill(&r, &desc);
+    round_trip(&desc);
+    btf_material *m = create_accepted(&desc);
+    assert_int_equal(info_of(m).version, 2);
+    saved s = save(&desc);
+    edit_file *e = take(&s);
+    assert_int_equal(edit_find_attribute(e, "openbtf.version")->i, 2);
+    edit_find_attribute(e, "openbtf.version")->i = 1;
+    file_refused(e, "attribute openbtf.views holds 12288 numbers, which are not 1 to 256 groups of 3");
+    btf_free(s.data);
+    btf_material_close(&m);
+    static const uint32_t layered[] = {BTF_EFFECT_SHIFT, BTF_EFFECT_HIDDEN, BTF_EFFECT_GAIN};
+    for (size_t i = 0; i < sizeof layered / sizeof *layered; i++) {
+        desc.info.effects = layered[i];
+        create_refused(&desc, "4096 views; with the effect shift, hidden or gain there are 1 to 256");
+    }
+    desc.info.effects = 0;
+    desc.info.n_views++;
+    create_refused(&desc, "4097 views, not 1 to 4096");
+    random_material_free(&desc);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_restrict),
         cmocka_unit_test(test_to_tight),
+        cmocka_unit_test(test_effect_errors),
+        cmocka_unit_test(test_many_directions),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
