@@ -50,17 +50,17 @@ void btf_set_views(inout btf_setting s, vec3 v, bool nearest) {
 
 /* The lights around l, or the nearest of them, as view a has them. */
 void btf_set_lights(inout btf_setting s, vec3 l, vec3 v, int a, bool nearest) {
-#if BTF_FIXED_LIGHT > 0 && !BTF_GLOSS
+#if BTF_GLOSS
+    s.lights = btf_lookup(btf_light_table, BTF_LIGHT_GRID, btf_gloss(l, v, BTF_ELEMENT(s.vector, a).xyz));
+    s.n = 3;
+#else
+#if BTF_FIXED_LIGHT > 0
     s.lights = btf_neighbours(BTF_FIXED_LIGHT_INDEX, BTF_FIXED_LIGHT_WEIGHT);
     s.n = BTF_FIXED_LIGHT;
 #else
-#if BTF_GLOSS
-    ivec2 q = btf_gloss(l, v, BTF_ELEMENT(s.vector, a).xyz);
-#else
-    ivec2 q = btf_project(l);
-#endif
-    s.lights = btf_lookup(btf_light_table, BTF_LIGHT_GRID, q);
+    s.lights = btf_lookup(btf_light_table, BTF_LIGHT_GRID, btf_project(l));
     s.n = 3;
+#endif
 #endif
     if (nearest) {
         s.lights = btf_nearest(s.lights);

@@ -10,8 +10,8 @@
 #include <stdio.h>
 
 /* Columns of elements take turns: a choice, and the blend of all. CHECK_KIND is 0 for the entry points of level 0, 1 for
- * those of a level, 2 for those between two. One column in eight has all bits of a number or none, one in sixteen any
- * float for a level. */
+ * those of a level, 2 for those between two. One column in eight, of choices, has all bits of a number or none, one in
+ * eight any float for a level. */
 static const char body[] =
     "uvec4 check(uvec4 a, uvec4 b) {\n"
     "    vec2 uv = uintBitsToFloat(a.xy);\n"
@@ -19,9 +19,9 @@ static const char body[] =
     "    uvec2 at = uvec2(gl_FragCoord.xy);\n"
     "    uvec3 random = btf_random(uvec3(at, CHECK_SEED));\n"
     "    float level = float(random.y & 0xFFFu) * uintBitsToFloat(0x3B800000u) - 1.0;\n"
-    "    if ((at.x & 15u) == 3u)\n"
+    "    if ((at.x & 15u) % 9u == 3u)\n"
     "        level = uintBitsToFloat(random.y);\n"
-    "    if ((at.x & 7u) == 7u)\n"
+    "    if ((at.x & 7u) == 5u)\n"
     "        random = uvec3(0u) - (random & 1u);\n"
     "    vec3 radiance;\n"
     "#if CHECK_KIND == 0\n"
@@ -61,8 +61,8 @@ static void expect(const subject *s, uint32_t x, uint32_t y, const uint32_t *inp
     float f[CASE_WORDS], rgb[3];
     memcpy(f, input, sizeof f);
     btf_ref_random(counter, random);
-    float level = (x & 15) == 3 ? float_of_bits(random[1]) : (float)(random[1] & 0xFFF) * 0x1p-8f - 1.0f;
-    if ((x & 7) == 7)
+    float level = (x & 15) % 9 == 3 ? float_of_bits(random[1]) : (float)(random[1] & 0xFFF) * 0x1p-8f - 1.0f;
+    if ((x & 7) == 5)
         for (int i = 0; i < 3; ++i)
             random[i] = 0u - (random[i] & 1);
     uint32_t i = 0;
