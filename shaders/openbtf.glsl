@@ -25,4 +25,5 @@
 #include "gloss.glsl"
 #include "compose.glsl"
 #include "evaluate.glsl"
+#include "sampling.glsl"
 #endif

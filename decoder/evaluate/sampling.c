@@ -16,6 +16,9 @@ enum { MOST_TEXELS = 64, MOST_EVALUATIONS = 1 << 22, PLANE = 8192 };
 /* Of the density, what follows the cosine whatever the material does. */
 static const double cosine_share = 0.25;
 
+/* Of the disc of area pi: lights that lie on a line, but for rounding, are no triangles to sample. */
+static const double least_area = 1.0 / 64;
+
 /* Columns and rows of texels spread over the material (the R2 sequence of M. Roberts, 2018). */
 static size_t choose_texels(const btf_material_info *info, uint32_t out[MOST_TEXELS][2]) {
     const size_t texels = (size_t)info->width * info->height,
@@ -73,15 +76,18 @@ static uint32_t bits_of(float x) {
 /* The row of a view in both tables, of luminance under each light. */
 static void fill_view(const btf_directions *lights, double *luminance, uint32_t (*row)[4],
                       float *densities) {
-    double total = 0, sum = 0;
+    double total = 0, sum = 0, area = 0;
     for (uint32_t l = 0; l < lights->count; l++) {
         const double z = 1 + (double)lights->xyz[3 * (size_t)l + 2];
         luminance[l] *= z * z; /* to the plane: see SAMPLING.md */
     }
     for (uint32_t t = 0; t < lights->triangle_count; t++) {
         const uint16_t *of = lights->triangles + 3 * (size_t)t;
+        area += twice_area(lights, of) / 2;
         total += twice_area(lights, of) * (luminance[of[0]] + luminance[of[1]] + luminance[of[2]]) / 6;
     }
+    if (area < least_area)
+        total = 0;
     const double scale = total > 0 ? (1 - cosine_share) / total : 0;
     for (uint32_t l = 0; l < lights->count; l++)
         densities[l] = (float)(luminance[l] * scale);
@@ -117,12 +123,12 @@ btf_result btf_light_sampling_create(const btf_material *material, const btf_eva
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(material, &info);
     const btf_directions views = btf_material_views(material), lights = btf_material_lights(material);
-    const size_t triangles = lights.triangle_count;
+    const size_t triangles = lights.triangle_count ? lights.triangle_count : 1;
     btf_light_sampling *s = calloc(1, sizeof *s);
-    uint32_t(*rows)[4] = triangles ? malloc((views.count + 1) * triangles * sizeof *rows) : NULL;
+    uint32_t(*rows)[4] = calloc((views.count + 1) * triangles, sizeof *rows);
     float *densities = malloc((size_t)views.count * (lights.count + 1) * sizeof *densities);
     double *luminance = malloc(lights.count * sizeof *luminance);
-    if (!s || (triangles && !rows) || !densities || !luminance) {
+    if (!s || !rows || !densities || !luminance) {
         free(s);
         free(rows);
         free(densities);
@@ -135,11 +141,9 @@ btf_result btf_light_sampling_create(const btf_material *material, const btf_eva
         measure(evaluator, &lights, views.xyz + 3 * v, texels, count, luminance);
         fill_view(&lights, luminance, rows + v * triangles, densities + v * (lights.count + 1));
     }
-    if (triangles)
-        fill_corners(&lights, rows + views.count * triangles);
+    fill_corners(&lights, rows + views.count * triangles);
     free(luminance);
-    *s = (btf_light_sampling){views.count, lights.count, lights.triangle_count, rows ? rows[0] : NULL,
-                              densities};
+    *s = (btf_light_sampling){views.count, lights.count, (uint32_t)triangles, rows[0], densities};
     *out_sampling = s;
     return BTF_OK;
 }

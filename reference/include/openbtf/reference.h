@@ -126,7 +126,7 @@ void btf_ref_evaluate_neighbours(const btf_ref_material *material, const btf_ref
 
 /** Tables of light sampling (decoder/SAMPLING.md); openbtf/sampling.h of the library makes them of a material. */
 typedef struct btf_ref_sampling {
-    uint32_t n_triangles;
+    uint32_t n_triangles;      /**< at least 1 */
     const uint32_t *triangles; /**< RGBA, [n_views + 1][n_triangles] */
     const float *densities;    /**< [n_views][n_lights + 1] */
 } btf_ref_sampling;
