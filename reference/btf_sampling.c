@@ -184,7 +184,7 @@ void btf_ref_sample_light(const btf_ref_material *material, const btf_ref_sampli
         return;
     uint32_t count = sampling->n_triangles;
     const uint32_t *row = sampling->triangles + 4 * (size_t)count * nearest_view(material, view);
-    uint32_t end = count > 0 ? row[4 * (size_t)(count - 1)] : 0;
+    uint32_t end = row[4 * (size_t)(count - 1)];
     float second = unit_of(u2);
     if (u1 >= end) {
         cosine_direction(share_of(u1 - end, 0u - end), second, out_light);

@@ -7,14 +7,22 @@
 #include <openbtf/sampling.h>
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
+
+#define PI 3.14159265358979323846
 
 /* Texels whose mean stands for the material, and evaluations in all that they may take. */
 enum { MOST_TEXELS = 64, MOST_EVALUATIONS = 1 << 22, PLANE = 8192 };
 
-/* Of the density, what follows the cosine whatever the material does. */
-static const double cosine_share = 0.25;
+/* Shares of the cosine that are tried. The least of them bounds the harm: where a light stands in a place that the
+ * material reflects little from, the mean square is at most 1 / share times that of the cosine alone. */
+enum { SHARES = 9 };
+static const double least_share = 10.0 / 11;
+
+/* Of the disc of area pi: lights that lie on a line, but for rounding, are no triangles to sample. */
+static const double least_area = 1.0 / 64;
 
 /* Columns and rows of texels spread over the material (the R2 sequence of M. Roberts, 2018). */
 static size_t choose_texels(const btf_material_info *info, uint32_t out[MOST_TEXELS][2]) {
@@ -70,30 +78,125 @@ static uint32_t bits_of(float x) {
     return bits;
 }
 
-/* The row of a view in both tables, of luminance under each light. */
-static void fill_view(const btf_directions *lights, double *luminance, uint32_t (*row)[4],
-                      float *densities) {
-    double total = 0, sum = 0;
+/* The density of the cosine in the plane. */
+static double cosine_at(double z) {
+    return z * (1 + z) * (1 + z) / PI;
+}
+
+/* A view: densities in the plane, at each light, that it would best have; `beyond` is their ratio to the
+ * cosine's outside of the triangles, where no light is, and `outside` the part of the cosine's there. */
+typedef struct target {
+    const btf_directions *lights;
+    double *density;
+    double beyond, outside;
+} target;
+
+/* Sum over the triangles of area times the mean of the corners. */
+static double sum_over_triangles(const btf_directions *lights, const double *values) {
+    double sum = 0;
+    for (uint32_t t = 0; t < lights->triangle_count; t++) {
+        const uint16_t *of = lights->triangles + 3 * (size_t)t;
+        sum += twice_area(lights, of) * (values[of[0]] + values[of[1]] + values[of[2]]) / 6;
+    }
+    return sum;
+}
+
+/* From luminance at each light. The outermost lights say how radiance goes on beyond them. */
+static void aim(const btf_directions *lights, double *luminance, double *scratch, target *out) {
+    double rim = 0, rim_cosine = 0;
     for (uint32_t l = 0; l < lights->count; l++) {
-        const double z = 1 + (double)lights->xyz[3 * (size_t)l + 2];
-        luminance[l] *= z * z; /* to the plane: see SAMPLING.md */
+        const double z = (double)lights->xyz[3 * (size_t)l + 2];
+        luminance[l] *= (1 + z) * (1 + z); /* to the plane: see SAMPLING.md */
+        scratch[l] = cosine_at(z);
     }
-    for (uint32_t t = 0; t < lights->triangle_count; t++) {
-        const uint16_t *of = lights->triangles + 3 * (size_t)t;
-        total += twice_area(lights, of) * (luminance[of[0]] + luminance[of[1]] + luminance[of[2]]) / 6;
+    for (uint32_t i = 0; i < lights->hull_count; i++) {
+        rim += luminance[lights->hull[i]];
+        rim_cosine += scratch[lights->hull[i]];
     }
-    const double scale = total > 0 ? (1 - cosine_share) / total : 0;
+    *out = (target){lights, luminance, 0, 1 - sum_over_triangles(lights, scratch)};
+    out->outside = out->outside > 0 ? out->outside : 0;
+    out->beyond = rim_cosine > 0 ? rim / rim_cosine : 0;
+    const double total = sum_over_triangles(lights, luminance) + out->beyond * out->outside;
     for (uint32_t l = 0; l < lights->count; l++)
-        densities[l] = (float)(luminance[l] * scale);
-    densities[lights->count] = total > 0 ? (float)cosine_share : 1.0f;
-    for (uint32_t t = 0; t < lights->triangle_count; t++) {
-        const uint16_t *of = lights->triangles + 3 * (size_t)t;
+        luminance[l] = total > 0 ? luminance[l] / total : 0;
+    out->beyond = total > 0 ? out->beyond / total : 0;
+}
+
+/* Densities beside a share of the cosine: what the target exceeds it by. Returns false where that is
+ * nothing. */
+static bool exceed(const target *t, double share, double *out) {
+    for (uint32_t l = 0; l < t->lights->count; l++)
+        out[l] = fmax(t->density[l] - share * cosine_at((double)t->lights->xyz[3 * (size_t)l + 2]), 0);
+    const double total = sum_over_triangles(t->lights, out);
+    for (uint32_t l = 0; l < t->lights->count && total > 0; l++)
+        out[l] *= (1 - share) / total;
+    return total > 0;
+}
+
+/* The mean square of an estimate of what the target reflects of a white sky: the integral of its square
+ * over the density, at the middles of the triangles' edges. */
+static double noise(const target *t, double share, const double *beside) {
+    double sum = t->beyond * t->beyond * t->outside / share;
+    for (uint32_t i = 0; i < t->lights->triangle_count; i++) {
+        const uint16_t *of = t->lights->triangles + 3 * (size_t)i;
+        double cosine[3], at_edges = 0;
+        for (int c = 0; c < 3; c++)
+            cosine[c] = cosine_at((double)t->lights->xyz[3 * (size_t)of[c] + 2]);
+        for (int c = 0; c < 3; c++) {
+            const int d = (c + 1) % 3;
+            const double wanted = t->density[of[c]] + t->density[of[d]];
+            at_edges +=
+                wanted * wanted / (share * (cosine[c] + cosine[d]) + beside[of[c]] + beside[of[d]]) / 2;
+        }
+        sum += twice_area(t->lights, of) * at_edges / 6;
+    }
+    return sum;
+}
+
+/* The quietest share of those tried; its densities in `best`. */
+static double choose_share(const target *t, double *scratch, double *best) {
+    double share = 1, least = t->lights->triangle_count > 0 ? INFINITY : 0;
+    memset(best, 0, t->lights->count * sizeof *best);
+    for (int i = 0; i < SHARES; i++) {
+        const double tried = 1 - (1 - least_share) * i / (SHARES - 1);
+        const bool some = tried < 1 && exceed(t, tried, scratch);
+        if (tried < 1 && !some)
+            continue;
+        if (!some)
+            memset(scratch, 0, t->lights->count * sizeof *scratch);
+        const double mean = noise(t, tried, scratch);
+        if (mean < least) {
+            least = mean;
+            share = tried;
+            memcpy(best, scratch, t->lights->count * sizeof *best);
+        }
+    }
+    return share;
+}
+
+/* The row of a view in both tables. room: [2][lights]. */
+static void fill_view(const btf_directions *lights, double *luminance, double *room, uint32_t (*row)[4],
+                      float *densities) {
+    double area = 0, sum = 0, share = 1, *beside = room + lights->count;
+    target t;
+    for (uint32_t i = 0; i < lights->triangle_count; i++)
+        area += twice_area(lights, lights->triangles + 3 * (size_t)i) / 2;
+    memset(beside, 0, lights->count * sizeof *beside);
+    if (area >= least_area) {
+        aim(lights, luminance, room, &t);
+        share = choose_share(&t, room, beside);
+    }
+    for (uint32_t l = 0; l < lights->count; l++)
+        densities[l] = (float)beside[l];
+    densities[lights->count] = (float)share;
+    for (uint32_t i = 0; i < lights->triangle_count; i++) {
+        const uint16_t *of = lights->triangles + 3 * (size_t)i;
         const float a = densities[of[0]], b = densities[of[1]], c = densities[of[2]];
         sum += twice_area(lights, of) * ((double)a + (double)b + (double)c) / 6;
-        row[t][0] = (uint32_t)(fmin(sum, 1 - cosine_share) * 0x1p32);
-        row[t][1] = bits_of(a);
-        row[t][2] = bits_of(b);
-        row[t][3] = bits_of(c);
+        row[i][0] = (uint32_t)(fmin(sum, 1 - share) * 0x1p32);
+        row[i][1] = bits_of(a);
+        row[i][2] = bits_of(b);
+        row[i][3] = bits_of(c);
     }
 }
 
@@ -117,12 +220,12 @@ btf_result btf_light_sampling_create(const btf_material *material, const btf_eva
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(material, &info);
     const btf_directions views = btf_material_views(material), lights = btf_material_lights(material);
-    const size_t triangles = lights.triangle_count;
+    const size_t triangles = lights.triangle_count ? lights.triangle_count : 1;
     btf_light_sampling *s = calloc(1, sizeof *s);
-    uint32_t(*rows)[4] = triangles ? malloc((views.count + 1) * triangles * sizeof *rows) : NULL;
+    uint32_t(*rows)[4] = calloc((views.count + 1) * triangles, sizeof *rows);
     float *densities = malloc((size_t)views.count * (lights.count + 1) * sizeof *densities);
-    double *luminance = malloc(lights.count * sizeof *luminance);
-    if (!s || (triangles && !rows) || !densities || !luminance) {
+    double *luminance = malloc(3 * (size_t)lights.count * sizeof *luminance);
+    if (!s || !rows || !densities || !luminance) {
         free(s);
         free(rows);
         free(densities);
@@ -133,13 +236,12 @@ btf_result btf_light_sampling_create(const btf_material *material, const btf_eva
     const size_t count = choose_texels(&info, texels);
     for (size_t v = 0; v < views.count; v++) {
         measure(evaluator, &lights, views.xyz + 3 * v, texels, count, luminance);
-        fill_view(&lights, luminance, rows + v * triangles, densities + v * (lights.count + 1));
+        fill_view(&lights, luminance, luminance + lights.count, rows + v * triangles,
+                  densities + v * (lights.count + 1));
     }
-    if (triangles)
-        fill_corners(&lights, rows + views.count * triangles);
+    fill_corners(&lights, rows + views.count * triangles);
     free(luminance);
-    *s = (btf_light_sampling){views.count, lights.count, lights.triangle_count, rows ? rows[0] : NULL,
-                              densities};
+    *s = (btf_light_sampling){views.count, lights.count, (uint32_t)triangles, rows[0], densities};
     *out_sampling = s;
     return BTF_OK;
 }

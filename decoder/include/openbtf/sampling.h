@@ -19,13 +19,15 @@ extern "C" {
 
 /** Tables of light sampling, as textures. */
 typedef struct btf_light_sampling {
-    uint32_t n_views, n_lights, n_triangles; /**< triangles of the lights */
-    const uint32_t *triangles; /**< RGBA32UI, [n_views + 1][n_triangles][4]. Row of a view, for each
-                                  triangle: in R the end of its part of 2^32, then the bits of the floats at
-                                  its corners; last row: in R, G, B its corners in the plane of the
-                                  directions, x + 65536 y. NULL where there is no triangle */
-    const float *densities;    /**< R32F, [n_views][n_lights + 1] density of each light in the plane whose
-                                  horizon has    radius 1, then the share of the cosine */
+    uint32_t n_views, n_lights,
+        n_triangles; /**< triangles of the lights; 1 of no part where there are none */
+    /** RGBA32UI, [n_views + 1][n_triangles][4], texture `sampling_triangles`. Row of a view, for each
+     * triangle: in R the end of its part of 2^32, then the bits of the floats at its corners; last row: in
+     * R, G, B its corners in the plane of the directions, x + 65536 y. */
+    const uint32_t *triangles;
+    /** R32F, [n_views][n_lights + 1], texture `sampling_densities`: at each light the density in the plane
+     * whose horizon has radius 1, then the share of the cosine. */
+    const float *densities;
 } btf_light_sampling;
 
 /** Makes the tables of a material, whose evaluator is handed over. Errors: BTF_ERROR_USAGE (a null

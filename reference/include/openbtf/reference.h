@@ -168,7 +168,7 @@ void btf_ref_evaluate_radiance_blend_between(const btf_ref_material *levels, uin
 void btf_ref_random(const uint32_t counter[3], uint32_t out_random[3]);
 /** Tables of light sampling (decoder/SAMPLING.md); openbtf/sampling.h of the library makes them of a material. */
 typedef struct btf_ref_sampling {
-    uint32_t n_triangles;
+    uint32_t n_triangles;      /**< at least 1 */
     const uint32_t *triangles; /**< RGBA, [n_views + 1][n_triangles] */
     const float *densities;    /**< [n_views][n_lights + 1] */
 } btf_ref_sampling;
