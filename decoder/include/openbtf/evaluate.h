@@ -18,6 +18,7 @@
 extern "C" {
 #endif
 
+/** A material made ready for evaluation on the CPU; btf_evaluator_create makes it. */
 typedef struct btf_evaluator btf_evaluator;
 
 /** How to decode. All zeros is a good default; a null pointer means that too. */
@@ -26,15 +27,15 @@ typedef struct btf_evaluate_options {
     uint32_t leave_out;  /**< btf_effect bits not to decode; default 0: decode all that the file has */
     uint32_t components; /**< at most so many components of the residual, or units, where its store is
                               factors; default 0: all */
-    btf_interpolation interpolation;
-    btf_filter filter;
+    btf_interpolation interpolation; /**< of directions; default linear */
+    btf_filter filter;               /**< of texels; default the texel that holds uv */
 } btf_evaluate_options;
 
 /** Where to evaluate, and where radiance goes. Directions are unit vectors of the tangent frame (x along
  * +u, y along +v, z the normal). */
 typedef struct btf_evaluations {
     size_t struct_size; /**< sizeof(btf_evaluations) */
-    size_t count;
+    size_t count;       /**< evaluations: the length of each array */
     const float *uv; /**< [count][2] texture coordinates: (0, 0) is the lower left corner of the image,
                         which repeats beyond [0, 1) */
     const uint32_t *texels; /**< [count][2] column and row of the level, row 0 the top, where uv is NULL:

@@ -158,6 +158,8 @@ void btf_ref_evaluate_stochastic_between(const btf_ref_material *levels, uint32_
                                          const btf_ref_options *options, int picks, float level, float u,
                                          float v, const float light[3], const float view[3],
                                          const uint32_t random[3], float out_rgb[3]);
+
+/** btf_ref_evaluate_radiance_blend() at @p level between two of the levels of detail, which are blended in turn. */
 void btf_ref_evaluate_radiance_blend_between(const btf_ref_material *levels, uint32_t count,
                                              const btf_ref_options *options, int picks, float level, float u,
                                              float v, const float light[3], const float view[3],
