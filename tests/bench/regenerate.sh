@@ -9,7 +9,7 @@
 # while the sources stand at that commit: after a stop, the same command goes on. btf-bench goes on within a part, and
 # encodes that ended are kept. tests/data/readme/made.txt says of each name which commit it was made from.
 #
-# Parts that time (bench, growth, plan; viewer shows a time) want an idle machine, and bench, storage, growth and plan
+# Parts that time (bench, growth, plan, stochastic; viewer shows a time) want an idle machine, and bench, storage, growth and plan
 # take hours together; the others a few minutes each.
 # Samples of others are looked for in $BTF_SHARED/data (default ../shared/data), and what needs them is left as it is
 # where they are not there. Numbers in running text, tables without marks (peers and presets of README.md and
@@ -35,7 +35,8 @@ fit      fit.png
 bench    tests/bench/README.md#bench encode.png decode.png
 storage  tests/bench/README.md#between storage.png
 growth   growth-texels.png growth-directions.png
-plan     tests/bench/README.md#plan'
+plan     tests/bench/README.md#plan
+stochastic stochastic.png'
 
 if [ "${1:-}" = --list ]; then
     echo "$writes"
@@ -171,6 +172,12 @@ part_plan() {
     btf-bench --only plan --preset medium --out "$work/plan-$(commit)" --keep "$work/plan-kept-$(commit)"
     "$root/tests/bench/readme.sh" --plan "$work/plan-$(commit)"
 }
+part_stochastic() {
+    needs BRICKS64.zip || return 0
+    btf-bench --only stochastic --preset fast --input "$shared/BRICKS64.zip" --device osmesa \
+        --out "$work/stochastic-$(commit)" --keep "$work/plan-kept-$(commit)"
+    cp "$work/stochastic-$(commit)"/stochastic-BRICKS64.png "$pictures/stochastic.png"
+}
 
 targets_of() { # a part: its programs
     case $1 in
@@ -178,7 +185,7 @@ targets_of() { # a part: its programs
     example) echo tests/unit/example_file ;;
     levels) echo encoder/btf-encode decoder/tools/{btf-info,render/btf-render} tests/sample/btf-sample ;;
     viewer) echo encoder/btf-encode decoder/tools/view/btf-view tests/sample/btf-sample ;;
-    bench | storage | growth | plan) echo tests/bench/btf-bench ;;
+    bench | storage | growth | plan | stochastic) echo tests/bench/btf-bench ;;
     *) echo encoder/btf-encode decoder/tools/{btf-decode,render/btf-render} tests/sample/btf-sample ;;
     esac
 }

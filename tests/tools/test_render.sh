@@ -64,7 +64,8 @@ for made in "1 tight 1 roots" "2 paper 1 radiance"; do
 done
 render -o default.png --device reference
 for way in "--interpolation nearest" "--filter bilinear" "--samples 3 --exposure -1.5" "--point 1,1,2,3 --light 20,0,0.5,1,0,0" \
-    "--tone filmic --background 0.2" "--tone reinhard" "--fov 0 --zoom 0.5 --repeat 1.5" "--size 31x17"; do
+    "--tone filmic --background 0.2" "--tone reinhard" "--fov 0 --zoom 0.5 --repeat 1.5" "--size 31x17" "--stochastic" \
+    "--stochastic --spp 3 --filter bilinear --point 1,1,2,3 --light 20,0"; do
     render -o r.png --device reference $way
     render -o g.png --device osmesa $way
     same "$way: the reference's picture" r.png g.png
@@ -99,7 +100,7 @@ for mesh in $meshes; do
         same "paper's levels, $mesh, $effects: the reference's picture" r.png g.png
     done
 done
-for way in "--filter bilinear" "--interpolation nearest --samples 2" "--level 2" "--fov 0"; do
+for way in "--filter bilinear" "--interpolation nearest --samples 2" "--level 2" "--fov 0" "--stochastic --spp 2"; do
     lod levels.btf.exr -o r.png --device reference --mesh plane --view 60,-90 --repeat 9 $way
     lod levels.btf.exr -o g.png --device osmesa --mesh plane --view 60,-90 --repeat 9 $way
     same "levels, $way: the reference's picture" r.png g.png
@@ -205,6 +206,11 @@ expect_text "names the meshes" "'cube': expected plane, sphere, torus, drape" er
 expect "an unknown device" 1 render -o x.png --device teapot
 expect_text "names the devices" "'teapot' is not one of reference, osmesa" err
 expect "fast math on the reference" 1 render -o x.png --device reference --math fast
+expect "picks that nothing picks" 1 render -o x.png --spp 4
+expect_text "are told" 'option --spp: only together with --stochastic' err
+expect "no picks" 1 render -o x.png --stochastic --spp 0
+expect "figure 13 by picks" 1 render -o x.png --stochastic --figure13 --original data
+expect_text "is told" 'option --stochastic: not together with --figure13' err
 expect "a wrong light" 1 render -o x.png --light 10
 expect "a light behind a space" 1 render -o x.png --light " 10,20"
 expect_text "is refused with its value" "option --light: . 10,20. is not" err

@@ -1,8 +1,8 @@
 /* OpenBTF: an encoded material in memory: open, save, look inside.
  *
- * The library reads and writes the format of FORMAT.md and nothing else: it makes no GL context, window or
- * thread, and does not decode. Everything here is plain data; textures come in the layout a GPU takes, in
- * the byte order of the host. Directions are unit vectors of the tangent frame (x along +u, y along +v, z
+ * This header reads and writes the format of FORMAT.md and nothing else: it makes no GL context, window or thread, and
+ * does not decode (evaluate.h does, shader.h lets a GPU do it). Everything here is plain data; textures come in the layout
+ * a GPU takes, in the byte order of the host. Directions are unit vectors of the tangent frame (x along +u, y along +v, z
  * the normal), to the viewer and to the light. Colours are linear Rec. 709.
  *
  * A log may be NULL everywhere; other pointers only where that is said. Where a call fails, the pointer that

@@ -19,6 +19,14 @@
  * with, say, int(btf_level(dFdx(uv), dFdy(uv)) + 0.5) for the level: 0 is the finest, and a number beyond
  * the last is the last.
  *
+ * Or, where frames are accumulated (TAA, a path tracer), one of the neighbours in place of all of them, picked with its
+ * weight (btf_shader_options.picks says which are picked):
+ *
+ *     vec3 btf_evaluate_stochastic(vec2 uv, vec3 l, vec3 v, uvec3 random)
+ *
+ * with btf_random(uvec3(pixel, frame)) or blue noise of your own for the random numbers; the mean is
+ * btf_evaluate_radiance_blend(uv, l, v). Both take a level as well, and _between takes btf_level() as it is.
+ *
  * It works in GLSL 330 core to 460, ESSL 300 (WebGL2) to 320, and Vulkan GLSL. Code that a compiler finds unused
  * costs nothing: an effect that is left out leaves no code and no fetch behind.
  *
@@ -71,6 +79,16 @@ typedef enum btf_fixed {
     BTF_FIXED_LIGHT = 2, /**< the direction to the light, btf_shader_options.fixed_light */
 } btf_fixed;
 
+/** The neighbours of which a stochastic decode picks one, with its weight, in place of blending all. The mean over
+ * random numbers is btf_evaluate_radiance_blend, which decodes each neighbour to radiance before it blends: where views
+ * or lights are blended as roots, that is brighter than btf_evaluate. */
+typedef enum btf_picks {
+    BTF_PICK_NONE = 0,  /**< blend all: btf_evaluate and its kin */
+    BTF_PICK_VIEW = 1,  /**< the view: little noise */
+    BTF_PICK_LIGHT = 2, /**< the view and the light */
+    BTF_PICK_ALL = 3,   /**< the view, the light and the texel of the filter: the quickest */
+} btf_picks;
+
 /** How to decode. All zeros is a good default; a null pointer means that too. */
 typedef struct btf_shader_options {
     size_t struct_size; /**< sizeof(btf_shader_options) */
@@ -92,6 +110,9 @@ typedef struct btf_shader_options {
     uint32_t fixed;       /**< btf_fixed bits; default 0 */
     float fixed_view[3];  /**< unit, of the tangent frame; read with BTF_FIXED_VIEW */
     float fixed_light[3]; /**< unit, of the tangent frame; read with BTF_FIXED_LIGHT */
+    /** Other than none: btf_evaluate_stochastic and btf_evaluate_radiance_blend stand in place of btf_evaluate; default
+     * BTF_PICK_NONE. */
+    btf_picks picks;
 } btf_shader_options;
 
 /** @return a bit (1 << btf_texture_id) for each texture that the shader of these options reads. @p options may be
@@ -103,6 +124,10 @@ uint32_t btf_shader_textures(const btf_material_info *info, const btf_shader_opt
  * enum, a fixed direction that is not a unit vector above the horizon), BTF_ERROR_MEMORY. */
 btf_result btf_shader_source(const btf_material *material, const btf_shader_options *options,
                              const btf_log *log, char **out_text);
+
+/** Random numbers of a counter, say column, row and frame of a pixel, the same as btf_random of the shader: PCG3D
+ * (Jarzynski and Olano, Hash Functions for GPU Rendering, JCGT 9(3), 2020). */
+void btf_random(const uint32_t counter[3], uint32_t out_random[3]);
 
 /** @return the library text without the macros of a material, for use behind BTF_ macros of your own, which its
  * opening comments explain; static; installed as share/openbtf/openbtf.glsl. */

@@ -79,6 +79,8 @@ static btf_result open_shader(job *j) {
                               .interpolation = (btf_interpolation)render_options.interpolation,
                               .filter = (btf_filter)render_options.filter,
                               .math = (btf_math)render_options.math,
+                              .picks = render_options.stochastic ? BTF_PICK_ALL : BTF_PICK_NONE,
+                              .picked = render_options.spp,
                               .level = render_options.figure13 ? 0 : render_options.level,
                               .threads = render_options.threads};
     if (render_options.figure13) {

@@ -131,6 +131,60 @@ void btf_ref_evaluate_neighbours(const btf_ref_material *material, const btf_ref
                                  const btf_ref_neighbours *views, const float light[3], const float view[3],
                                  float out_rgb[3]);
 
+/** Which neighbours a stochastic decode picks; the others are blended. */
+enum {
+    BTF_REF_PICK_VIEW = 1,  /**< the view */
+    BTF_REF_PICK_LIGHT = 2, /**< the view and the light */
+    BTF_REF_PICK_ALL = 3,   /**< the view, the light and the texel of the filter */
+};
+
+/** btf_ref_evaluate() by one of the neighbours in place of all, which three @p random numbers of 32 bits pick: the
+ * first the view, the second the light, the third the texel, by their highest bits (FORMAT.md, section 9, Stochastic
+ * decode). The mean over all numbers is btf_ref_evaluate_radiance_blend(). @p picks: BTF_REF_PICK_VIEW to _ALL. */
+void btf_ref_evaluate_stochastic(const btf_ref_material *material, const btf_ref_options *options, int picks,
+                                 float u, float v, const float light[3], const float view[3],
+                                 const uint32_t random[3], float out_rgb[3]);
+
+/** Every neighbour that would be picked decoded to radiance, then blended. Where views or lights are blended as
+ * roots elsewhere, it is brighter than btf_ref_evaluate(). */
+void btf_ref_evaluate_radiance_blend(const btf_ref_material *material, const btf_ref_options *options,
+                                     int picks, float u, float v, const float light[3], const float view[3],
+                                     float out_rgb[3]);
+
+/** The same at @p level between two of the @p count levels of detail, 0 the finest, of which one is picked, too (by
+ * bits 8 to 15 of the third number): @p levels are those of one material, by rising level. A level below 0 or NaN
+ * counts as 0, one beyond the last as the last. */
+void btf_ref_evaluate_stochastic_between(const btf_ref_material *levels, uint32_t count,
+                                         const btf_ref_options *options, int picks, float level, float u,
+                                         float v, const float light[3], const float view[3],
+                                         const uint32_t random[3], float out_rgb[3]);
+
+/** btf_ref_evaluate_radiance_blend() at @p level between two of the levels of detail, which are blended in turn. */
+void btf_ref_evaluate_radiance_blend_between(const btf_ref_material *levels, uint32_t count,
+                                             const btf_ref_options *options, int picks, float level, float u,
+                                             float v, const float light[3], const float view[3],
+                                             float out_rgb[3]);
+
+/** Random numbers of a counter, say column, row and frame of a pixel, as btf_random of the shader gives them: PCG3D
+ * (Jarzynski and Olano, Hash Functions for GPU Rendering, JCGT 9(3), 2020). */
+void btf_ref_random(const uint32_t counter[3], uint32_t out_random[3]);
+/** Tables of light sampling (decoder/SAMPLING.md); openbtf/sampling.h of the library makes them of a material. */
+typedef struct btf_ref_sampling {
+    uint32_t n_triangles;      /**< at least 1 */
+    const uint32_t *triangles; /**< RGBA, [n_views + 1][n_triangles] */
+    const float *densities;    /**< [n_views][n_lights + 1] */
+} btf_ref_sampling;
+
+/** Draws a direction to the light, in proportion to what the material reflects to @p view, from two numbers of 32 random
+ * bits, and its density over the solid angle. Texture coordinates are not looked at so far. A view below the horizon
+ * gets the normal and density 0. */
+void btf_ref_sample_light(const btf_ref_material *material, const btf_ref_sampling *sampling, float u, float v,
+                          const float view[3], uint32_t u1, uint32_t u2, float out_light[3], float *out_pdf);
+
+/** The density with which btf_ref_sample_light() draws @p light; 0 where light or view are below the horizon. */
+float btf_ref_pdf_light(const btf_ref_material *material, const btf_ref_sampling *sampling, float u, float v,
+                        const float view[3], const float light[3]);
+
 /* Integer steps, each as FORMAT.md says. */
 
 /** Section 6: projects a unit vector above the horizon to the plane of the tables, 0 .. 16384 in both. */
