@@ -361,8 +361,19 @@ static btf_result make_material(const bench_run *run, btf_material **out_materia
         preset++;
     snprintf(path, sizeof path, "%s/%s-between-%s.btf.exr", run->keep ? run->keep : ".", run->name,
              bench_preset_names[preset]);
-    if (run->keep && access(path, F_OK) == 0)
-        return btf_material_open(path, &run->context->log, out_material);
+    if (run->keep && access(path, F_OK) == 0) {
+        btf_material_info info = {.struct_size = sizeof info};
+        btf_result opened = btf_material_open(path, &run->context->log, out_material);
+        if (opened == BTF_OK)
+            opened = btf_material_get_info(*out_material, &info);
+        if (opened == BTF_OK &&
+            ((int)info.width != run->data->width || (int)info.height != run->data->height ||
+             (int)info.n_views != run->data->n_views || (int)info.n_lights != run->data->n_lights)) {
+            btf_material_close(out_material);
+            return enc_fail(run->context, BTF_ERROR_USAGE, "bench: %s is not of %s", path, run->source);
+        }
+        return opened;
+    }
     const enc_relief_options options = {.relief = true, .gloss = -1};
     enc_relief_choice choice;
     enc_relief_store relief = {0};
