@@ -429,7 +429,7 @@ static enc_factors *encode_from(enc_components basis[3], const enc_data *data, u
  * components give, nearly; and match, which changes components, leaves those of the basis alone. */
 static void test_components_serve_other_budgets(void **state) {
     (void)state;
-    enc_data *data = textured(16, 13, 60, 0.3f, 0.05f);
+    enc_data *data = textured(10, 8, 30, 0.3f, 0.05f);
     enc_components basis[3] = {{0}};
     enc_factors *own = encode(&two, data, units(data, 6), 2), *less = encode(&two, data, units(data, 3), 2);
     enc_factors *first = encode_from(basis, data, units(data, 6), ENC_FACTOR_NO_MATCH),
