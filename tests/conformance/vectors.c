@@ -38,8 +38,8 @@ static void evaluate(const btf_material *material, uint32_t level, const variant
         const uint32_t counter[3] = {(uint32_t)(i % SIDE), (uint32_t)(i / SIDE), (uint32_t)number};
         uint32_t random[3];
         btf_ref_random(counter, random);
-        btf_ref_evaluate_stochastic(&reference, &options, BTF_REF_PICK_ALL, f[0], f[1], f + 2, f + 5, random,
-                                    planes[4][i]);
+        btf_ref_evaluate_stochastic(&reference, &options, BTF_REF_PICK_ALL, f[0], f[1], f + 2, f + 5,
+                                    random, planes[4][i]);
     }
 }
 
@@ -111,7 +111,8 @@ btf_result vectors_write(const char *directory, uint64_t seed, const btf_log *lo
         "`components` residual components (units, where its store is factors), "
         "`interpolation` and `filter` at each pixel's uv (R, G), light and view (xyz in RGB); all 32 bits "
         "of "
-        "each channel of `radiance` must come out, and of `picked` where view, light and texel are picked by the random "
+        "each channel of `radiance` must come out, and of `picked` where view, light and texel are picked "
+        "by the random "
         "numbers of (column, row, `number`). Float channels; arguments may be NaN or infinite.");
     json_array(&j, "vectors");
     for (size_t i = 0; i < count && result == BTF_OK; ++i)
