@@ -1,4 +1,4 @@
-/* OpenBTF reference decoder: what its own files share. Not installed.
+/* OpenBTF reference decoder: declarations that its own files share. Not installed.
  *
  * The build. Every float operation must be one IEEE-754 binary32 operation, in the order of the source.
  * Where the compiler says that it computes in a wider type (FLT_EVAL_METHOD > 0: the x87 of 32-bit x86) the
@@ -197,6 +197,7 @@ bool btf_ref_probe_source(void);
 bool btf_ref_probe_relief(void);
 bool btf_ref_probe_gloss(void);
 bool btf_ref_probe_stochastic(void);
+bool btf_ref_probe_sampling(void);
 #if defined __GNUC__
 #pragma GCC visibility pop
 #endif

@@ -26,4 +26,5 @@
 #include "compose.glsl"
 #include "evaluate.glsl"
 #include "stochastic.glsl"
+#include "sampling.glsl"
 #endif

@@ -83,7 +83,7 @@ typedef struct runner {
     int fd;
     listener listener;
     btf_log log;
-    uint32_t self_test; /* what does not hold */
+    uint32_t self_test; /* the rules that do not hold */
 } runner;
 
 /* A waiver is CASE:RENDERER:REASON, each part found anywhere in its name; an empty one matches all. */

@@ -170,7 +170,7 @@ printf '#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\n' >sky.hdr
 for i in 1 2 3 4 5 6 7 8; do printf '\x80\x80\x80\x82' >>sky.hdr; done
 expect "a Radiance map" 0 render -o e.png --environment sky.hdr --environment-lights 4
 expect "a layer of a map that lacks it" 5 render -o x.png --environment sky.exr --environment-lights 4 --layer diffuse
-expect_text "is refused by name" '--layer diffuse names no layer' err
+expect_text "is refused by name" '--layer diffuse does not name exactly one layer' err
 expect "a layer of a Radiance map" 5 render -o x.png --environment sky.hdr --environment-lights 4 --layer diffuse
 expect_text "is refused by name too" 'sky.hdr: --layer diffuse' err
 
@@ -183,7 +183,7 @@ assert psnr["SBRDF"] < psnr["full"], psnr
 P
 btf-sample -o other --relief bumps --size 16 --directions 0:1,45:4 --quiet
 expect "figure 13 with other data" 1 btf-render m.btf.exr -o x.png --figure13 --original other
-expect_text "names both counts" 'original: 5 views, the material has 7' err
+expect_text "names both counts" 'original: the images have 5 views, the material has 7' err
 expect "figure 13 with a baseline" 0 btf-render m.btf.exr -o f13b.png --size 60 --figure13 --original data --baseline m.btf.exr --mesh plane --view 40,0 --quiet
 same "which is the same when it is the material itself" f13.png f13b.png
 expect "no such baseline" 2 render -o x.png --figure13 --original data --baseline none.btf.exr

@@ -185,7 +185,7 @@ static const cli_option option_table[] = {
      .type = CLI_CHOICE,
      .value = &render_options.plan,
      .choices = "auto|none",
-     .help = "auto: decode and upload only what the pictures call for (btf-info --plan),\n"
+     .help = "auto: decode and upload only what the pictures need (btf-info --plan),\n"
              "one plan for each range of frames. On a flat mesh one directional light, and\n"
              "with --fov 0 the view, are the same in every pixel: the shader then holds\n"
              "their neighbours as constants. The picture is that of the plan without"},

@@ -24,7 +24,7 @@ typedef struct settings {
 extern settings render_options;
 extern const cli_program render_program;
 
-/* Checks what no option can check alone. Errors, told: BTF_ERROR_USAGE. */
+/* Checks the rules between options. Errors, with a message: BTF_ERROR_USAGE. */
 btf_result settings_check(void);
 
 #endif

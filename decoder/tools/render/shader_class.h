@@ -1,4 +1,4 @@
-/* The devices behind a shader: what one is asked for, and what it does.
+/* The interface of the devices behind a shader.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -196,9 +196,8 @@ static btf_result check_device(viewer *v) {
         fprintf(stderr, "btf-view: warning: this device fetches from wrong mip levels: "
                         "materials of several levels of detail will look wrong\n");
     if (failures & BTF_SELF_TEST_FACTORS)
-        fprintf(stderr,
-                "btf-view: warning: this device does not multiply or fetch packed factors as it should: "
-                "materials that hold them will look wrong\n");
+        fprintf(stderr, "btf-view: warning: this device multiplies or fetches packed factors wrongly: "
+                        "materials that hold them will look wrong\n");
     if (failures & BTF_SELF_TEST_LISTS)
         fprintf(stderr, "btf-view: warning: this device does not fetch from lists of points as it should: "
                         "materials that hold them will look wrong\n");

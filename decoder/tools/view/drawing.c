@@ -30,9 +30,9 @@ typedef struct program {
 /* The material that is drawn: the whole one (number 0) or one made for a plan (its slot + 1). */
 typedef struct source {
     const btf_material *material;
-    btf_material *apart; /* what is drawn in its place where GL's textures cannot hold its atlas */
+    btf_material *apart; /* in layout tight, drawn in its place where GL's textures cannot hold its atlas */
     btf_gl *textures;    /* NULL until it is drawn */
-    btf_plan plan;       /* of a plan's: what it decodes of the material */
+    btf_plan plan;       /* of one made for a plan: that plan */
     program programs[PROGRAMS];
     int program_count;
 } source;
@@ -246,7 +246,7 @@ static btf_result upload_images(drawing *d, const original *images, const btf_lo
     return BTF_OK;
 }
 
-/* Uploads what was not drawn before. */
+/* Uploads the textures of a source that was not drawn before. */
 static btf_result upload(drawing *d, source *s, const btf_log *log) {
     const btf_gl_options options = {sizeof options, d->get, d->user, NULL};
     btf_material_info info = {.struct_size = sizeof info};

@@ -23,13 +23,14 @@ typedef struct sabotage {
 } sabotage;
 
 static const sabotage list[] = {
-    {"one coordinate bit lost", "coordinate", "& 0x3FFFFu) * size", "& 0x3FFFEu) * size"},
+    {"one coordinate bit lost", "coordinate", "& (BTF_PERIOD - 1u)) * size", "& (BTF_PERIOD - 2u)) * size"},
     {"truncated, not floored", "coordinate", "floor(btf_mul(usable", "trunc(btf_mul(usable"},
-    {"coordinates to 8192", "coordinate", "magnitude <= 0x45800000u", "magnitude <= 0x46000000u"},
-    {"bilinear starts a quarter texel earlier", "bilinear", "t - 131072u", "t - 65536u"},
-    {"bilinear does not wrap left", "bilinear", "s += size << 18u", "s += 0u"},
+    {"coordinates to 8192", "coordinate", "magnitude <= BTF_BITS_4096", "magnitude <= 0x46000000u"},
+    {"bilinear starts a quarter texel earlier", "bilinear", "t - BTF_PERIOD / 2u", "t - BTF_PERIOD / 4u"},
+    {"bilinear does not wrap left", "bilinear", "s += size << BTF_BELOW_TEXEL", "s += 0u"},
     {"bilinear does not wrap right", "bilinear", "c1 == size ? 0u : c1", "c1"},
-    {"bilinear weight of 128ths", "bilinear", "(s >> 10u) & 255u", "(s >> 11u) & 255u"},
+    {"bilinear weight of 128ths", "bilinear", "(s >> (BTF_BELOW_TEXEL - 8u)) & 255u",
+     "(s >> (BTF_BELOW_TEXEL - 7u)) & 255u"},
     {"wrap off by one", "wrap", "p >= int(size) ? int(size) : 0", "p > int(size) ? int(size) : 0"},
     {"wrap of negatives by %", "wrap", "uint(p + int(128u * size)) % size", "uint(abs(p)) % size"},
     {"projection rounds down", "project", "btf_mul(btf_mul(d.x, k), 8192.0), 0.5)",
@@ -139,9 +140,9 @@ static const sabotage list[] = {
     {"no upper bound", "", "min(y, 4294967296.0)", "y"},
     {"view weights of 4095ths", "", "btf_mul(float(weight), uintBitsToFloat(0x39800000u))",
      "btf_mul(float(weight), uintBitsToFloat(0x39800801u))"},
-    {"light below the horizon", "", "floatBitsToInt(d.z) >= 0x33800000",
+    {"light below the horizon", "", "floatBitsToInt(d.z) >= int(BTF_BITS_2_TO_MINUS_24)",
      "floatBitsToInt(d.z) >= 0x33000000"},
-    {"long vectors accepted", "", "most <= 0x40000000u", "most <= 0x7F000000u"},
+    {"long vectors accepted", "", "most <= BTF_BITS_2", "most <= 0x7F000000u"},
 };
 
 /* The same of version 2, and the subject that shows it. */
