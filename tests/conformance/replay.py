@@ -304,6 +304,27 @@ def place_of_u(c, i):
             (0, 8 * (3 - i // 4) + 2 * (i % 4))][c]
 
 
+def random_numbers(counter):
+    """Three random numbers of a counter (section 9, Stochastic decode)."""
+    x, y, z = ((c * 1664525 + 1013904223) & 0xFFFFFFFF for c in counter)
+    for last in (False, True):
+        x = (x + y * z) & 0xFFFFFFFF
+        y = (y + z * x) & 0xFFFFFFFF
+        z = (z + x * y) & 0xFFFFFFFF
+        if not last:
+            x, y, z = x ^ (x >> 16), y ^ (y >> 16), z ^ (z >> 16)
+    return x, y, z
+
+
+def owner(weights, number):
+    """Which of some weights a number below their sum falls on."""
+    for i, weight in enumerate(weights):
+        if number < weight:
+            return i
+        number -= weight
+    raise ValueError("weights that do not reach a number")
+
+
 def kept(value):
     """Within 0 and 2^32, 0 below 2^-30."""
     return min(value, 2.0 ** 32) if value >= 2.0 ** -30 else 0.0
@@ -641,8 +662,22 @@ class Material:
             total = [add(t, mul(v, mul(float(w), 2.0 ** -12))) for t, v in zip(total, seen)]
         return self.scaled(total)
 
-    def evaluate(self, uv, light, view):
-        """Radiance (section 9); arguments are bits."""
+    def picked(self, position, views, lights, view, rest, random):
+        """Radiance of one view, light and texel, which random numbers pick."""
+        places, weights = [position] * len(views), [w for _, w in views]
+        if "relief" in self.effects:
+            places, weights = self.shifted(position, views, view)
+        a = owner(weights, random[0] >> 20)
+        light = lights[a][owner([w for _, w in lights[a]], random[1] >> 20)][0]
+        texel = []
+        for c, size, number in zip(places[a], (self.width, self.height), (random[2] >> 24, random[2] >> 16 & 255)):
+            near, *far = self.around(c, size)
+            texel.append(far[0][0] if far and number < far[0][1] else near[0])
+        values = self.view_radiance(texel[0], self.height - 1 - texel[1], views[a][0], [(light, 4096)], *rest)
+        return self.scaled(values)
+
+    def evaluate(self, uv, light, view, random=None):
+        """Radiance (section 9); arguments are bits. With random numbers, of one neighbour that they pick."""
         for direction in (light, view):
             if any((c & 0x7FFFFFFF) > 0x40000000 for c in direction):
                 return [0.0] * 3
@@ -664,6 +699,8 @@ class Material:
             magnitude = c & 0x7FFFFFFF
             value = of_bits(c) if 0x00800000 <= magnitude <= 0x45800000 else 0.0
             position.append(((math.floor(value * 2.0 ** 18) & 0x3FFFF) * size) >> 10)
+        if random:
+            return self.picked(position, views, lights, view, (product, m, horizon), random)
         if "relief" in self.effects:
             return self.shown(position, views, lights, view, (product, m, horizon))
         places = [self.around(t, size) for t, size in zip(position, (self.width, self.height))]
@@ -690,19 +727,23 @@ def main():
     for vector in manifest["vectors"]:
         material = Material(os.path.join(options.directory, vector["material"]), vector)
         images = {}
-        for plane in ("uv", "light", "view", "radiance"):
+        for plane in ("uv", "light", "view", "radiance", "picked"):
             images[plane] = next(iter(read_exr(os.path.join(options.directory, vector[plane])).values()))
         size = images["uv"].width
         for i in range(min(size * images["uv"].height, options.pixels)):
             pixel = {plane: [image.channels[c][i // size][i % size] for c in "RGB"] for plane, image in images.items()}
-            got = [to_bits(x) for x in material.evaluate(pixel["uv"][:2], pixel["light"], pixel["view"])]
-            checked += 1
-            if got != pixel["radiance"]:
+            random = random_numbers((i % size, i // size, vector["number"]))
+            for plane, numbers in (("radiance", None), ("picked", random)):
+                radiance = material.evaluate(pixel["uv"][:2], pixel["light"], pixel["view"], numbers)
+                got = [to_bits(x) for x in radiance]
+                checked += 1
+                if got == pixel[plane]:
+                    continue
                 different += 1
                 if different <= 10:
-                    print("%s (%s) pixel %d: %s, the vector has %s" % (
-                        vector["material"], vector["about"], i, " ".join("%08x" % g for g in got),
-                        " ".join("%08x" % g for g in pixel["radiance"])), file=sys.stderr)
+                    print("%s (%s) pixel %d: %s is %s, the vector has %s" % (
+                        vector["material"], vector["about"], i, plane, " ".join("%08x" % g for g in got),
+                        " ".join("%08x" % g for g in pixel[plane])), file=sys.stderr)
     print("%d vectors, %d evaluations, %d differ" % (len(manifest["vectors"]), checked, different))
     return 7 if different or not checked else 0
 

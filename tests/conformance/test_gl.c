@@ -506,6 +506,19 @@ static void two_materials_share_a_program(void **state) {
     btf_gl_destroy(&gl[1]);
 }
 
+/* The library's are the reference's, which conformance holds the shader's against. */
+static void random_numbers_of_a_counter(void **state) {
+    (void)state;
+    random_state r = {3};
+    for (int i = 0; i < 1000; ++i) {
+        const uint32_t counter[3] = {(uint32_t)random_bits(&r), (uint32_t)random_bits(&r), (uint32_t)i};
+        uint32_t of_library[3], of_reference[3];
+        btf_random(counter, of_library);
+        btf_ref_random(counter, of_reference);
+        assert_memory_equal(of_library, of_reference, sizeof of_library);
+    }
+}
+
 static void options_are_checked(void **state) {
     (void)state;
     static const char *const wrong[] = {"",
@@ -528,6 +541,14 @@ static void options_are_checked(void **state) {
     btf_shader_options o = {.struct_size = sizeof o, .filter = (btf_filter)7};
     assert_int_equal(btf_shader_source(tight, &o, &hearing, &text), BTF_ERROR_USAGE);
     assert_non_null(strstr(said, "filter 7"));
+    o = (btf_shader_options){.struct_size = sizeof o, .picks = (btf_picks)4};
+    assert_int_equal(btf_shader_source(tight, &o, &hearing, &text), BTF_ERROR_USAGE);
+    assert_non_null(strstr(said, "picks 4"));
+    o = (btf_shader_options){.struct_size = sizeof o, .picks = BTF_PICK_ALL, .prefix = "cloth"};
+    assert_int_equal(btf_shader_source(tight, &o, &hearing, &text), BTF_OK);
+    assert_non_null(strstr(text, "#define CLOTH_STOCHASTIC 3\n"));
+    assert_non_null(strstr(text, "vec3 cloth_evaluate_stochastic("));
+    btf_free(text);
     /* Options of an older, shorter kind: what it lacks is the default. */
     btf_shader_options old = {.struct_size = offsetof(btf_shader_options, filter), .filter = (btf_filter)7};
     assert_int_equal(btf_shader_source(tight, &old, &hearing, &text), BTF_OK);
@@ -585,7 +606,7 @@ static int teardown(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(options_are_checked),
+        cmocka_unit_test(random_numbers_of_a_counter), cmocka_unit_test(options_are_checked),
         cmocka_unit_test(limits_are_told_with_both_numbers),
         cmocka_unit_test(an_atlas_too_large_is_taken_apart),
         cmocka_unit_test(old_and_partial_contexts_are_refused),

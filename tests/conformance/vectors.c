@@ -15,11 +15,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { SIDE = 16, PIXELS = SIDE * SIDE, PLANES = 4, LARGEST = 400000 }; /* bytes of a material's textures */
-static const char *const plane_names[PLANES] = {"uv", "light", "view", "radiance"};
+enum { SIDE = 16, PIXELS = SIDE * SIDE, PLANES = 5, LARGEST = 400000 }; /* bytes of a material's textures */
+static const char *const plane_names[PLANES] = {"uv", "light", "view", "radiance", "picked"};
 
 /* Arguments and radiance of a vector, one RGB plane after the other. */
-static void evaluate(const btf_material *material, uint32_t level, const variant *v,
+static void evaluate(const btf_material *material, uint32_t level, const variant *v, int number,
                      float (*planes)[PIXELS][3]) {
     btf_ref_material reference;
     reference_view(material, level, &reference);
@@ -35,6 +35,11 @@ static void evaluate(const btf_material *material, uint32_t level, const variant
         memcpy(planes[1][i], f + 2, 3 * sizeof *f);
         memcpy(planes[2][i], f + 5, 3 * sizeof *f);
         btf_ref_evaluate(&reference, &options, f[0], f[1], f + 2, f + 5, planes[3][i]);
+        const uint32_t counter[3] = {(uint32_t)(i % SIDE), (uint32_t)(i / SIDE), (uint32_t)number};
+        uint32_t random[3];
+        btf_ref_random(counter, random);
+        btf_ref_evaluate_stochastic(&reference, &options, BTF_REF_PICK_ALL, f[0], f[1], f + 2, f + 5,
+                                    random, planes[4][i]);
     }
 }
 
@@ -65,7 +70,8 @@ static btf_result write_vector(const char *directory, int number, const variant 
     json_string(j, "interpolation", v->shader.interpolation ? "nearest" : "linear");
     json_string(j, "filter", filter_name(v->shader.filter));
     json_integer(j, "level", level);
-    evaluate(material, level, v, planes);
+    json_integer(j, "number", number);
+    evaluate(material, level, v, number, planes);
     for (int p = 0; p < PLANES && result == BTF_OK; ++p) {
         snprintf(name, sizeof name, "%02d-%s.exr", number, plane_names[p]);
         snprintf(path, sizeof path, "%.1000s/%s", directory, name);
@@ -105,7 +111,9 @@ btf_result vectors_write(const char *directory, uint64_t seed, const btf_log *lo
         "`components` residual components (units, where its store is factors), "
         "`interpolation` and `filter` at each pixel's uv (R, G), light and view (xyz in RGB); all 32 bits "
         "of "
-        "each channel of `radiance` must come out. Float channels; arguments may be NaN or infinite.");
+        "each channel of `radiance` must come out, and of `picked` where view, light and texel are picked "
+        "by the random "
+        "numbers of (column, row, `number`). Float channels; arguments may be NaN or infinite.");
     json_array(&j, "vectors");
     for (size_t i = 0; i < count && result == BTF_OK; ++i)
         result = write_vector(directory, (int)i, &list[i], log, &j, planes);
