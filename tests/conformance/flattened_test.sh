@@ -30,13 +30,17 @@ values='#define BTF_WIDTH 64u
 
 # fragment NAME VERSION EXTRA LAYOUT FILE: a fragment shader of a version with what file NAME holds.
 fragment() {
+    local call='btf_evaluate(l.xy, l, l)'
+    case $1 in
+    *_stochastic.glsl) call='btf_evaluate_stochastic(l.xy, l, l, uvec3(gl_FragCoord.xyz))' ;;
+    esac
     {
         echo "#version $2"
         echo "$3"
         echo "$values"
         cat "$1"
         echo "$4 in vec3 l; layout(location = 0) out vec4 colour;"
-        echo "void main() { colour = vec4(btf_evaluate(l.xy, l, l), 1.0); }"
+        echo "void main() { colour = vec4($call, 1.0); }"
     } >"$5"
     count=$((count + 1))
 }
@@ -57,7 +61,7 @@ for name in "$2"/openbtf_*.glsl; do
         echo "no flattened shader in $2"
         exit 1
     fi
-    if grep -nE '^#(el)?if .*(LAYOUT_TIGHT|COLOUR|HIDDEN|COMPONENTS|FACTOR|BLEND|POINTS|RELIEF|GLOSS|STEEP)' "$name"; then
+    if grep -nE '^#(el)?if .*(LAYOUT_TIGHT|COLOUR|HIDDEN|COMPONENTS|FACTOR|BLEND|POINTS|RELIEF|GLOSS|STEEP|STOCHASTIC)' "$name"; then
         echo "$(basename "$name") still has conditions that its variant decides"
         failures=$((failures + 1))
     fi
