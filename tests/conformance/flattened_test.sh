@@ -28,25 +28,30 @@ values='#define BTF_WIDTH 64u
 #define BTF_RELIEF_STEP 900
 #define BTF_RELIEF_STEPS 8'
 
-# compile NAME VERSION EXTRA LAYOUT OPTION...: file NAME as a fragment shader of a version.
-compile() {
-    local name=$1 version=$2 extra=$3 layout=$4 call='btf_evaluate(l.xy, l, l)'
-    shift 4
-    case $name in
+# fragment NAME VERSION EXTRA LAYOUT FILE: a fragment shader of a version with what file NAME holds.
+fragment() {
+    local call='btf_evaluate(l.xy, l, l)'
+    case $1 in
     *_stochastic.glsl) call='btf_evaluate_stochastic(l.xy, l, l, uvec3(gl_FragCoord.xyz))' ;;
     esac
     {
-        echo "#version $version"
-        echo "$extra"
+        echo "#version $2"
+        echo "$3"
         echo "$values"
-        cat "$name"
-        echo "$layout in vec3 l; layout(location = 0) out vec4 colour;"
+        cat "$1"
+        echo "$4 in vec3 l; layout(location = 0) out vec4 colour;"
         echo "void main() { colour = vec4($call, 1.0); }"
-    } >"$folder/test.frag"
+    } >"$5"
     count=$((count + 1))
-    if ! "$validator" "$@" "$folder/test.frag" >"$folder/log" 2>&1 || grep -q WARNING "$folder/log"; then
-        echo "$(basename "$name") as $version:"
-        head -5 "$folder/log"
+}
+
+# compile WORDS FILE OPTION...: WORDS say which shaders they are.
+compile() {
+    local words=$1
+    shift
+    if ! "$validator" "$@" >"$folder/log" 2>&1 || grep -q WARNING "$folder/log"; then
+        echo "$words:"
+        grep -E -B 1 -m 3 'ERROR|WARNING' "$folder/log"
         failures=$((failures + 1))
     fi
 }
@@ -60,11 +65,16 @@ for name in "$2"/openbtf_*.glsl; do
         echo "$(basename "$name") still has conditions that its variant decides"
         failures=$((failures + 1))
     fi
-    for version in '330 core' '450 core' '300 es' '310 es'; do
-        compile "$name" "$version" '' ''
+    fragment "$name" '450 core' '#define BTF_UNIFORM(n) layout(set = 0, binding = n) uniform' 'layout(location = 0)' "$folder/test.frag"
+    compile "$(basename "$name") for Vulkan" "$folder/test.frag" -V -o "$folder/test.spv"
+done
+# All shaders of a version in one process: it sets up the version's built-in functions once.
+for version in '330 core' '450 core' '300 es' '310 es'; do
+    rm -f "$folder"/*.frag
+    for name in "$2"/openbtf_*.glsl; do
+        fragment "$name" "$version" '' '' "$folder/$(basename "$name" .glsl).frag"
     done
-    compile "$name" '450 core' '#define BTF_UNIFORM(n) layout(set = 0, binding = n) uniform' 'layout(location = 0)' \
-        -V -o "$folder/test.spv"
+    compile "of version $version" "$folder"/*.frag
 done
 echo "$count shaders compiled, $failures wrong"
 [ $failures -eq 0 ]
