@@ -47,6 +47,13 @@ static btf_ref_lights some_lights(btf_ref_neighbours neighbours, bool linear) {
     return lights;
 }
 
+/** The effects that act: relief ends before a level (section 9). */
+static uint32_t acting_effects(const btf_ref_material *material, const btf_ref_options *options) {
+    uint32_t effects = material->effects & options->effects;
+    bool ended = material->relief_end > 0 && material->level >= material->relief_end;
+    return ended ? effects & ~(uint32_t)BTF_REF_RELIEF : effects;
+}
+
 /** Everything that does not depend on the texel, with the same lights for every view; `light` and `view`
  * are above the horizon. */
 static evaluation make_evaluation(const btf_ref_material *material, const btf_ref_options *options,
@@ -55,7 +62,7 @@ static evaluation make_evaluation(const btf_ref_material *material, const btf_re
     bool linear = options->interpolation != BTF_REF_NEAREST;
     evaluation e = {
         .shared = {.material = material,
-                   .effects = material->effects & options->effects,
+                   .effects = acting_effects(material, options),
                    .cosine = material->domain_sqrt ? btf_ref_pow(light[2], 0.5f) : light[2]},
         .views = linear ? *views : btf_ref_nearest(*views),
         .view = view,

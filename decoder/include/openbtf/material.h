@@ -194,6 +194,8 @@ typedef struct btf_material_info {
                               were made for, that is level 0 here: 0, but in restrictions; with levels at
                               most BTF_MAX_LEVELS */
     uint32_t gloss_share;  /**< with BTF_EFFECT_GLOSS: share of the half vector in quarters, 1 or 2; else 0 */
+    uint32_t relief_end;   /**< with BTF_EFFECT_RELIEF: the first level of detail that is decoded as if relief
+                              were left out, 1..levels, which is also what an input 0 means; else 0 */
 } btf_material_info;
 
 /** One row of the errors that the encoder measured. */

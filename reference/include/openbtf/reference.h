@@ -84,6 +84,7 @@ typedef struct btf_ref_material {
     uint32_t gloss_share;             /**< quarters */
     uint32_t level; /**< of detail that this material is, counted from that which heights were made for
                        (openbtf.reliefLevel included): moves along the relief halve with each */
+    uint32_t relief_end; /**< the first level, counted likewise, that is decoded without relief; 0: all have it */
 } btf_ref_material;
 
 enum { BTF_REF_NEAREST = 0, BTF_REF_LINEAR = 1 }; /**< directions */
