@@ -71,6 +71,8 @@ btf_result enc_evaluator_create(const enc_context *context, const btf_material *
         return enc_fail(context, BTF_ERROR_MEMORY, "decoding: out of memory");
     btf_result result = btf_material_get_info(material, &info);
     reference_view(material, level, &e->reference);
+    if (level >= info.relief_end) /* so that it is not asked for, which would be slow */
+        e->reference.effects &= ~(uint32_t)BTF_EFFECT_RELIEF;
     const uint32_t others =
         info.effects & ~(uint32_t)(BTF_EFFECT_RESIDUAL | BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BETWEEN);
     e->fast = info.store == BTF_STORE_FACTORS && others == 0 && info.colour == BTF_COLOUR_NONE &&

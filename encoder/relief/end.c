@@ -24,13 +24,14 @@ static enc_judged_error mean_of(const enc_seen *seen, const uint8_t *views, cons
 
 static btf_result judge_level(const enc_context *context, const enc_data *data, const enc_seen *seen,
                               const enc_relief_store *store, int level, enc_relief_judged_level *out) {
-    const int width = enc_level_side(data->width, level), height = enc_level_side(data->height, level);
+    const int by = level + 1, width = enc_level_side(data->width, by),
+              height = enc_level_side(data->height, by);
     enc_judged judged = {0};
     enc_warp surface = {0}, plane = {0};
     enc_judged_error *error = malloc((size_t)(seen->count + 1) * sizeof *error);
-    btf_result result = error ? enc_judged_create(context, data, level, &judged) : BTF_ERROR_MEMORY;
-    result = result == BTF_OK ? enc_relief_level(store, width, height, level, NULL, &surface) : result;
-    result = result == BTF_OK ? enc_warp_create(width, height, level, 0, &plane) : result;
+    btf_result result = error ? enc_judged_create(context, data, by, &judged) : BTF_ERROR_MEMORY;
+    result = result == BTF_OK ? enc_relief_level(store, width, height, by, NULL, &surface) : result;
+    result = result == BTF_OK ? enc_warp_create(width, height, by, 0, &plane) : result;
     if (result == BTF_OK) {
         enc_judge_surface(context, &judged, seen, &plane, error);
         out->plain = mean_of(seen, store->views, error);
@@ -64,7 +65,7 @@ btf_result enc_relief_find_end(const enc_context *context, const enc_data *data,
 }
 
 uint64_t enc_relief_end_memory(int width, int height, int n_views, int n_lights) {
-    const int wide = enc_level_side(width, 1), high = enc_level_side(height, 1);
+    const int wide = enc_level_side(width, 2), high = enc_level_side(height, 2);
     return enc_judged_bytes(wide, high, n_views) + 8 * (uint64_t)wide * (uint64_t)high +
            8 * (uint64_t)n_views * (uint64_t)n_lights;
 }

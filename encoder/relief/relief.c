@@ -413,7 +413,8 @@ btf_result enc_relief_choose(const enc_context *context, const enc_data *data,
     enc_stage_begin(context, "relief",
                     (2 + ENC_RELIEF_CANDIDATES) * texels +
                         SWEEPS * (texels >> 2 * shift_of(data->width, data->height)) +
-                        enc_level_further_texels(data->width, data->height, levels));
+                        enc_level_further_texels(data->width, data->height, levels + 1) -
+                        enc_level_further_texels(data->width, data->height, 2));
     btf_result result =
         j.seen ? enc_seen_make(context, data->views, data->n_views, 0, 90, j.seen) : BTF_ERROR_MEMORY;
     if (result == BTF_OK) {
