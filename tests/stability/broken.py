@@ -184,7 +184,7 @@ CHANGES = [
         ("decoder/checks/info.c", "info->relief_end > info->levels)", "info->relief_end > 2 * info->levels)"),
         ("decoder/header.c", "(int32_t)info->levels, &info->levels", "BTF_MAX_LEVELS, &info->levels")]),
     ("relief planned at a level that has none", "relief_end", [
-        ("decoder/plan.c", "(btfi_relief_has_ended(&material->info, level) ? BTF_EFFECT_RELIEF : 0u)", "0u")]),
+        ("decoder/plan.c", "(btfi_relief_has_ended(&material->info, level) ? BTF_EFFECT_RELIEF : 0u)", "(level > BTF_MAX_LEVELS ? BTF_EFFECT_RELIEF : 0u)")]),
     ("the end of relief written where it has none", "relief_end", [
         ("decoder/exr_write.c", "if (info->relief_end < info->levels)", "if (info->relief_end > 0)")]),
     ("textures of any size taken from a short file", "file", [
