@@ -369,8 +369,8 @@ static void get_factors(reader *r, btf_material_info *info) {
 /* Version 2: heights and the share of the half vector, once the levels are known. Those of an effect that
  * the file has not are refused. */
 static void get_relief(reader *r, btf_material_info *info) {
-    static const char *const names[] = {"openbtf.reliefBase", "openbtf.reliefStep", "openbtf.reliefSteps",
-                                        "openbtf.reliefLevel", "openbtf.reliefEnd", "openbtf.glossShare"};
+    static const char *const names[] = {"openbtf.reliefBase",  "openbtf.reliefStep", "openbtf.reliefSteps",
+                                        "openbtf.reliefLevel", "openbtf.reliefEnd",  "openbtf.glossShare"};
     enum { COUNT = sizeof names / sizeof *names, GLOSS = COUNT - 1 };
     const bool relief = info->effects & BTF_EFFECT_RELIEF, gloss = info->effects & BTF_EFFECT_GLOSS;
     if (info->version < 2)

@@ -96,9 +96,10 @@ btf_result enc_judged_create(const enc_context *context, const enc_data *data, i
         double *sums = malloc(all * sizeof *sums);
 #pragma omp for schedule(dynamic, 8)
         for (size_t t = 0; t < texels; t++) {
-            const btf_result mine = !buffer || !sums         ? BTF_ERROR_MEMORY
-                                    : enc_cancelled(context) ? BTF_ERROR_INTERRUPTED
-                                                             : keep_texel(context, data, t, buffer, sums, out);
+            const btf_result mine = !buffer || !sums ? BTF_ERROR_MEMORY
+                                    : enc_cancelled(context)
+                                        ? BTF_ERROR_INTERRUPTED
+                                        : keep_texel(context, data, t, buffer, sums, out);
             if (mine != BTF_OK) {
 #pragma omp atomic write
                 result = mine;

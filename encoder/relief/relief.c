@@ -347,7 +347,8 @@ static btf_result decide(relief_job *j, enc_relief_choice *choice, enc_relief_st
     return result;
 }
 
-static btf_result choose_relief(relief_job *j, int levels, enc_relief_choice *choice, enc_relief_store *out) {
+static btf_result choose_relief(relief_job *j, int levels, enc_relief_choice *choice,
+                                enc_relief_store *out) {
     const size_t texels = enc_data_texel_count(j->data);
     j->height = malloc(texels * sizeof *j->height);
     btf_result result = j->height ? find_heights(j, &choice->share) : BTF_ERROR_MEMORY;

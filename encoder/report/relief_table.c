@@ -36,10 +36,11 @@ const char *enc_relief_text(const enc_relief_choice *choice, char text[ENC_RELIE
 }
 
 static void print_end(const enc_relief_end *end, FILE *out) {
-    fprintf(out,
-            "Relief at levels of detail: views left out; it ends before the first that gains less than %g dB "
-            "or loses\nin linear or sRGB-coded values\n",
-            ENC_RELIEF_LEVEL_MARGIN);
+    fprintf(
+        out,
+        "Relief at levels of detail: views left out; it ends before the first that gains less than %g dB "
+        "or loses\nin linear or sRGB-coded values\n",
+        ENC_RELIEF_LEVEL_MARGIN);
     for (int i = 0; i < end->judged; i++) {
         const enc_relief_judged_level *l = &end->level[i];
         fprintf(out, "%c level %-16d %8.2f / %.2f -> %.2f / %.2f\n", l->on ? '*' : ' ', i + 1,

@@ -289,8 +289,8 @@ static void test_where_relief_ends(void **state) {
     assert_int_equal(enc_relief_choose(&two, data, &options, &b, &second), BTF_OK);
     for (int k = 0; k < a.end.judged; k++) {
         const enc_relief_judged_level *l = &a.end.level[k];
-        printf("level %d: gain %.2f dB, linear %.5f -> %.5f, sRGB %.5f -> %.5f\n", k + 1, l->gain, l->plain.linear,
-               l->moved.linear, l->plain.srgb, l->moved.srgb);
+        printf("level %d: gain %.2f dB, linear %.5f -> %.5f, sRGB %.5f -> %.5f\n", k + 1, l->gain,
+               l->plain.linear, l->moved.linear, l->plain.srgb, l->moved.srgb);
     }
     assert_int_equal(a.end.judged, 1); /* its texels are as wide as the step is deep: half of one in use */
     assert_false(a.end.level[0].on);
@@ -313,7 +313,8 @@ static void test_levels_are_judged(void **state) {
     enc_relief_end same, end;
     memset(on, 1, sizeof on);
     assert_int_equal(enc_seen_make(&one, data->views, data->n_views, 0, 90, seen), BTF_OK);
-    enc_relief_store store = {.width = SIDE, .height = SIDE, .views = on, .base = 8 * ENC_WARP_ONE, .steps = 1};
+    enc_relief_store store = {
+        .width = SIDE, .height = SIDE, .views = on, .base = 8 * ENC_WARP_ONE, .steps = 1};
     assert_int_equal(enc_relief_find_end(&one, data, seen, 5, &store, &end), BTF_OK);
     assert_int_equal(enc_relief_find_end(&two, data, seen, 5, &store, &same), BTF_OK);
     assert_memory_equal(&end, &same, sizeof end);
