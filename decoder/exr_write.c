@@ -158,6 +158,8 @@ static void put_relief(header *h, const btf_material *m) {
     put_int(h, "openbtf.reliefSteps", info->relief_steps);
     if (info->relief_level > 0)
         put_int(h, "openbtf.reliefLevel", info->relief_level);
+    if (info->relief_end < info->levels)
+        put_int(h, "openbtf.reliefEnd", info->relief_end);
     float *acts = malloc(info->n_views * sizeof *acts);
     if (!acts && !h->result)
         h->result = EXR_ERR_OUT_OF_MEMORY;

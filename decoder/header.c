@@ -371,25 +371,27 @@ static void get_factors(reader *r, btf_material_info *info) {
         info->blend = (btf_blend)get_word(r, "openbtf.blend", btfi_blend_words, 2);
 }
 
-/* Version 2: heights and the share of the half vector. Those of an effect that the file has not are
- * refused. */
+/* Version 2: heights and the share of the half vector, once the levels are known. Those of an effect that
+ * the file has not are refused. */
 static void get_relief(reader *r, btf_material_info *info) {
-    static const char *const names[] = {"openbtf.reliefBase", "openbtf.reliefStep", "openbtf.reliefSteps",
-                                        "openbtf.reliefLevel", "openbtf.glossShare"};
+    static const char *const names[] = {"openbtf.reliefBase",  "openbtf.reliefStep", "openbtf.reliefSteps",
+                                        "openbtf.reliefLevel", "openbtf.reliefEnd",  "openbtf.glossShare"};
+    enum { COUNT = sizeof names / sizeof *names, GLOSS = COUNT - 1 };
     const bool relief = info->effects & BTF_EFFECT_RELIEF, gloss = info->effects & BTF_EFFECT_GLOSS;
     if (info->version < 2)
         return;
-    for (int i = 0; i < 5; i++)
-        if (!(i < 4 ? relief : gloss) && find(r, names[i], EXR_ATTR_INT, "int", false))
-            refuse(r, "attribute %s without the effect %s", names[i], i < 4 ? "relief" : "gloss");
+    for (int i = 0; i < COUNT; i++)
+        if (!(i < GLOSS ? relief : gloss) && find(r, names[i], EXR_ATTR_INT, "int", false))
+            refuse(r, "attribute %s without the effect %s", names[i], i < GLOSS ? "relief" : "gloss");
     if (relief) {
         info->relief_base = (int32_t)get_int(r, names[0], INT16_MIN, INT16_MAX);
         info->relief_step = (int32_t)get_int(r, names[1], 0, INT16_MAX);
         info->relief_steps = get_int(r, names[2], 1, BTF_MAX_RELIEF_STEPS);
         info->relief_level = get_int_or(r, names[3], 0, BTF_MAX_LEVELS - 1, &(uint32_t){0});
+        info->relief_end = get_int_or(r, names[4], 1, (int32_t)info->levels, &info->levels);
     }
     if (gloss)
-        info->gloss_share = get_int(r, names[4], 1, 2);
+        info->gloss_share = get_int(r, names[GLOSS], 1, 2);
 }
 
 /* Version 2: which views relief acts on, 0 or 1 each. */
@@ -440,6 +442,7 @@ btf_result btfi_header_read(exr_const_context_t context, const btf_log *log, btf
     info->components = get_int(&r, "openbtf.residual", 0, BTF_MAX_COMPONENTS);
     get_factors(&r, info);
     get_points(&r, info);
+    info->levels = get_int_or(&r, "openbtf.levels", 1, BTF_MAX_LEVELS, &(uint32_t){1});
     get_relief(&r, info);
     info->radiance_scale = get_float(&r, "openbtf.radianceScale");
     info->shadow_scale = get_float(&r, "openbtf.shadowScale");
@@ -454,7 +457,6 @@ btf_result btfi_header_read(exr_const_context_t context, const btf_log *log, btf
     get_directions(&r, "lights", "light", most, &m->lights);
     info->n_views = m->views.count;
     info->n_lights = m->lights.count;
-    info->levels = get_int_or(&r, "openbtf.levels", 1, BTF_MAX_LEVELS, &(uint32_t){1});
     if (!r.result)
         r.result = btfi_check_info(&(btfi_check){log, BTF_ERROR_BAD_FILE}, info);
     get_all_scales(&r, info, out_scales);

@@ -303,6 +303,8 @@ btf_result btf_material_create(const btf_material_desc *desc, const btf_log *log
                          desc->between_error_count);
     btf_material_info info = desc->info;
     info.levels = info.levels ? info.levels : 1;
+    if (info.effects & BTF_EFFECT_RELIEF && info.relief_end == 0)
+        info.relief_end = info.levels;
     info.half_float = info.half_float && info.colour != BTF_COLOUR_NONE;
     info.horizon_scale = info.horizon_scale == 0 ? 1 : info.horizon_scale;
     info.gain_base = info.gain_base == 0 ? 0 : info.gain_base; /* -0 becomes 0 */

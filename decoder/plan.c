@@ -292,22 +292,38 @@ static bool view_is_sample(const btfi_directions *views, const btf_range *range)
                  (double)(v[2] - sample[2])) < 1e-4;
 }
 
-/* The plan that decodes everything but the effects `idle`. */
+/* The coarsest level whose texels are not larger than a pixel. */
+static uint32_t level_for(const btf_material_info *info, float pixels) {
+    uint32_t level = 0;
+    while (level + 1 < info->levels && ldexpf(pixels, (int)level + 1) <= 1)
+        level++;
+    return level;
+}
+
+/* Effects that change nothing in a scene: relief and gloss at a sample, relief at a level where it has ended.
+ * Elsewhere the table, which compares with the samples and what lies between them interpolated, cannot tell
+ * what the two are worth: they stay. */
+static uint32_t idle_effects(const btf_material *material, const btf_scene *scene, uint32_t level) {
+    return (view_is_sample(&material->views, &scene->view) ? BETWEEN : 0u) |
+           (btfi_relief_has_ended(&material->info, level) ? BTF_EFFECT_RELIEF : 0u);
+}
+
+/* The plan that decodes everything but what changes nothing. */
 static void plan_all(const btf_material *material, const btf_scene *scene, uint32_t views, uint32_t lights,
-                     uint32_t idle, btf_plan *plan) {
+                     btf_plan *plan) {
     const btf_material_info *info = &material->info;
     const float pixels = scene->pixels > 0 ? scene->pixels : 1;
+    const uint32_t level = level_for(info, pixels);
     *plan = (btf_plan){.struct_size = sizeof *plan,
                        .scene = *scene,
-                       .effects = info->effects & ~idle,
+                       .effects = info->effects & ~idle_effects(material, scene, level),
                        .components = info->components,
+                       .level = level,
                        .full_gpu_bytes = info->gpu_bytes};
     plan->shader.struct_size = sizeof plan->shader;
     plan->shader.filter = pixels > 1.5f ? BTF_FILTER_BILINEAR : BTF_FILTER_TEXEL;
     plan->full_cost =
         btf_plan_cost(material, &plan->shader, scene) * (float)(scene->lights ? scene->lights : 1);
-    while (plan->level + 1 < info->levels && ldexpf(pixels, (int)plan->level + 1) <= 1)
-        plan->level++;
     plan->shader.fixed =
         (scene->view.fixed ? BTF_FIXED_VIEW : 0u) | (scene->light.fixed ? BTF_FIXED_LIGHT : 0u);
     memcpy(plan->shader.fixed_view, scene->view.direction, sizeof plan->shader.fixed_view);
@@ -387,6 +403,8 @@ btf_result btf_plan_predict(const btf_material *material, const btf_plan *plan, 
     const error_table t = open_table(material, &plan->scene);
     candidate c;
     *out_linear = *out_srgb = 0;
+    if (btfi_relief_has_ended(&material->info, plan->level))
+        effects |= BTF_EFFECT_RELIEF; /* as rows of the table have it, which are of the whole material */
     if (!find_candidate(&t, plan->level, effects, components, plan->shader.interpolation, &c))
         return BTF_ERROR_UNSUPPORTED;
     *out_linear = (float)psnr(c.mse[0]);
@@ -406,10 +424,8 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *given
         return BTF_ERROR_USAGE;
     btfi_reach_range(&material->views, &scene.view, &views);
     btfi_reach_range(&material->lights, &scene.light, &lights);
-    /* Relief and gloss change nothing at a sample. Elsewhere the table, which compares with the samples and
-     * what lies between them interpolated, cannot tell what they are worth: they stay. */
-    const uint32_t idle = view_is_sample(&material->views, &scene.view) ? BETWEEN : 0;
-    plan_all(material, &scene, views.count, lights.count, idle, plan);
+    plan_all(material, &scene, views.count, lights.count, plan);
+    const uint32_t idle = idle_effects(material, &scene, plan->level);
 
     const error_table t = open_table(material, &scene);
     candidate full, chosen;

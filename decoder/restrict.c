@@ -38,9 +38,10 @@ static void restrict_points(const btf_material_info *info, btf_material_info *sm
  * there was. */
 static void restrict_relief(btf_material_info *small, uint32_t level) {
     small->relief_level += level;
+    small->relief_end -= level;
     if (!(small->effects & BTF_EFFECT_RELIEF)) {
         small->relief_base = small->relief_step = 0;
-        small->relief_steps = small->relief_level = 0;
+        small->relief_steps = small->relief_level = small->relief_end = 0;
     }
     if (!(small->effects & BTF_EFFECT_GLOSS))
         small->gloss_share = 0;
@@ -52,6 +53,8 @@ btf_material_info btfi_restricted_info(const btf_material_info *info, uint32_t e
     small.n_views = views;
     small.n_lights = lights;
     effects &= info->effects;
+    if (btfi_relief_has_ended(info, level))
+        effects &= ~(uint32_t)BTF_EFFECT_RELIEF;
     if (info->colour == BTF_COLOUR_NONE) {
         effects &= ~(uint32_t)BTF_EFFECT_SHADOW;
         if (!(effects &

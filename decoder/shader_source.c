@@ -282,6 +282,8 @@ static void write_macros(text *t, const btf_material *material, const btf_materi
         define_int(t, "BTF_RELIEF_STEP", info->relief_step);
         define_int(t, "BTF_RELIEF_STEPS", (int32_t)info->relief_steps);
         define_int(t, "BTF_RELIEF_LEVEL", (int32_t)info->relief_level);
+        if (info->relief_end < info->levels)
+            define_int(t, "BTF_RELIEF_END", (int32_t)info->relief_end);
     }
 }
 

@@ -55,6 +55,10 @@ static inline uint32_t btfi_version_effects(uint32_t version) {
 static inline bool btfi_shares_points(const btf_material_info *info) {
     return info->point_store == BTF_POINTS_PACKED || info->point_store == BTF_POINTS_LISTS;
 }
+/* True for a level of detail at which the relief that the material has changes nothing. */
+static inline bool btfi_relief_has_ended(const btf_material_info *info, uint32_t level) {
+    return info->effects & BTF_EFFECT_RELIEF && level >= info->relief_end;
+}
 /* Sums of the textures, as info reports them. */
 size_t btfi_gpu_bytes(const btf_material_info *info);
 

@@ -43,10 +43,17 @@ static btf_ref_lights some_lights(btf_ref_neighbours neighbours, bool linear) {
     return btf_ref_lights_of(&neighbours);
 }
 
+/** The effects that act: relief ends before a level (section 9). */
+static uint32_t acting_effects(const btf_ref_material *material, const btf_ref_options *options) {
+    uint32_t effects = material->effects & options->effects;
+    bool ended = material->relief_end > 0 && material->level >= material->relief_end;
+    return ended ? effects & ~(uint32_t)BTF_REF_RELIEF : effects;
+}
+
 btf_ref_situation btf_ref_make_situation(const btf_ref_material *material, const btf_ref_options *options,
                                          const float light[3], const float view[3]) {
     btf_ref_situation s = {.material = material,
-                           .effects = material->effects & options->effects,
+                           .effects = acting_effects(material, options),
                            .cosine = material->domain_sqrt ? btf_ref_pow(light[2], 0.5f) : light[2]};
     if (s.effects & BTF_REF_RESIDUAL)
         s.components =

@@ -278,9 +278,17 @@ void btf_shown_factors(out vec3 residual[BTF_FACTOR_SUMS], btf_setting s) {
 }
 #endif
 
-/* Radiance: the neighbouring views, each as it shows the point that is seen, blended. */
+/* Radiance: the neighbouring views, each as it shows the point that is seen, blended. At a level where relief has ended
+ * the views of each texel are blended first, then texels, as without relief; of one texel both are the same. */
 vec3 btf_shifted_views(btf_setting s) {
     vec3 sum = vec3(0.0);
+#if BTF_BILINEAR
+#ifdef BTF_RELIEF_END
+    vec3 unmoved[BTF_TEXELS];
+    for (int i = 0; i < BTF_TEXELS; ++i)
+        unmoved[i] = vec3(0.0);
+#endif
+#endif
 #if BTF_FACTORS
     vec3 all[BTF_FACTOR_SUMS];
     btf_shown_factors(all, s);
@@ -300,11 +308,30 @@ vec3 btf_shifted_views(btf_setting s) {
             btf_show_view(radiance, x, s.views.index[a], s);
 #endif
 #if BTF_BILINEAR
+#ifdef BTF_RELIEF_END
+            for (int i = 0; i < BTF_TEXELS; ++i)
+                unmoved[i] = btf_add(unmoved[i], btf_mul(radiance[i], btf_view_weight(s.views.weight[a])));
+#endif
             radiance[0] = btf_filter(radiance, weight);
 #endif
             sum = btf_add(sum, btf_mul(radiance[0], btf_view_weight(s.views.weight[a])));
         }
     }
+#if BTF_BILINEAR
+#ifdef BTF_RELIEF_END
+    if (s.level >= BTF_RELIEF_END) {
+        uvec2 x[BTF_TEXELS];
+        uvec4 weight = btf_shown_texels(x, s.shown[0], s.level);
+        for (int i = 0; i < BTF_TEXELS; ++i) {
+#if BTF_BLEND_ROOTS
+            unmoved[i] = btf_radiance(unmoved[i]);
+#endif
+            unmoved[i] = btf_mul(unmoved[i], BTF_RADIANCE_SCALE);
+        }
+        return btf_filter(unmoved, weight);
+    }
+#endif
+#endif
 #if BTF_BLEND_ROOTS
     sum = btf_radiance(sum);
 #endif

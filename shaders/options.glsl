@@ -30,6 +30,8 @@
  *     BTF_RELIEF_BASE                                int, with relief; with BTF_RELIEF 2 also
  *     BTF_RELIEF_STEP BTF_RELIEF_STEPS               int: of heights, > 0; of a march, >= 1
  *     BTF_RELIEF_LEVEL                               int: reliefLevel; default 0
+ *     BTF_RELIEF_END                                 int, >= 1: the first level without relief; not defined: none,
+ *                        and no code that asks
  *   how to decode
  *     BTF_NEAREST        1: btf_evaluate takes the nearest directions, 0: it interpolates between three
  *     BTF_BILINEAR       1: four decoded texels are blended, 0: one texel

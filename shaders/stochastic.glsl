@@ -70,6 +70,13 @@ vec3 btf_chosen_radiance(btf_setting s, int a, uvec2 x[BTF_TEXELS], uvec4 weight
     btf_show_view(value, x, btf_component(s.views.index, a), s);
 #if BTF_BILINEAR && BTF_STOCHASTIC < 3
 #if BTF_RELIEF
+#ifdef BTF_RELIEF_END
+    if (s.level >= BTF_RELIEF_END) {
+        for (int i = 0; i < BTF_TEXELS; ++i)
+            value[i] = btf_scaled(value[i]);
+        return btf_filter(value, weight);
+    }
+#endif
     return btf_scaled(btf_filter(value, weight));
 #else
     for (int i = 0; i < BTF_TEXELS; ++i)

@@ -217,6 +217,12 @@ static btf_result check_levels(const btfi_check *check, const btf_material_info 
     if (info->levels + info->relief_level > BTF_MAX_LEVELS)
         return btfi_fail(check->log, check->code, "reliefLevel %u and levels %u are more than %d in all",
                          (unsigned)info->relief_level, (unsigned)info->levels, BTF_MAX_LEVELS);
+    if (!(info->effects & BTF_EFFECT_RELIEF) && info->relief_end != 0)
+        return btfi_fail(check->log, check->code, "reliefEnd %u without the effect relief",
+                         (unsigned)info->relief_end);
+    if (info->effects & BTF_EFFECT_RELIEF && (info->relief_end < 1 || info->relief_end > info->levels))
+        return btfi_fail(check->log, check->code, "reliefEnd %u is not within 1 to %u (levels)",
+                         (unsigned)info->relief_end, (unsigned)info->levels);
     return BTF_OK;
 }
 

@@ -2,6 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "decoder/shape.h"
 #include "exact.h"
 #include "relief.h"
 #include "source.h"
@@ -20,6 +21,7 @@ typedef struct footprint {
 /* Evaluations that share light, view and level. */
 typedef struct group {
     const btfi_level *level;
+    btfi_way way; /* without relief at a level where it has ended */
     size_t first;
     int count;
     btfi_situation situation;
@@ -208,23 +210,27 @@ static bool begin_group(const btf_evaluator *e, const btfi_way *way, const argum
                         group *g) {
     g->first = first;
     g->count = find_group(e, way, in, first);
-    g->level = &e->levels[level_of(e, in, first)];
-    if (!btfi_look_up(e, way, in->of->lights + first * in->light_step,
+    const int32_t level = level_of(e, in, first);
+    g->level = &e->levels[level];
+    g->way = *way;
+    if (btfi_relief_has_ended(&e->info, (uint32_t)level))
+        g->way.effects &= ~(uint32_t)BTF_EFFECT_RELIEF;
+    if (!btfi_look_up(e, &g->way, in->of->lights + first * in->light_step,
                       in->of->views + first * in->view_step, &g->situation)) {
         memset(in->of->rgb + 3 * first, 0, (size_t)g->count * 3 * sizeof(float));
         return false;
     }
     const btfi_points *points[3];
-    find_points(e, way, in, g);
+    find_points(e, &g->way, in, g);
     lists_of(g, points);
     btfi_await_points(e, g->level, &g->situation, points);
     return true;
 }
 
-static void end_group(const btf_evaluator *e, const btfi_way *way, const arguments *in, const group *g) {
+static void end_group(const btf_evaluator *e, const arguments *in, const group *g) {
     float values[3][BTFI_MOST_POINTS][3], (*rgb)[3] = (float(*)[3])(in->of->rgb + 3 * g->first);
-    btfi_view_values(e, g->level, way, &g->situation, g->sources, values);
-    if (way->effects & BTF_EFFECT_RELIEF)
+    btfi_view_values(e, g->level, &g->way, &g->situation, g->sources, values);
+    if (g->way.effects & BTF_EFFECT_RELIEF)
         blend_shifted(e, g, values, rgb);
     else
         blend_texels(e, g, values, rgb);
@@ -242,10 +248,10 @@ static void evaluate(const btf_evaluator *e, const btfi_way *way, const argument
         for (int i = 0; i < begun; i++) {
             const btfi_points *points[3];
             lists_of(&groups[i], points);
-            btfi_find_sources(e, groups[i].level, way, &groups[i].situation, points, groups[i].sources);
+            btfi_find_sources(e, groups[i].level, &groups[i].way, &groups[i].situation, points, groups[i].sources);
         }
         for (int i = 0; i < begun; i++)
-            end_group(e, way, in, &groups[i]);
+            end_group(e, in, &groups[i]);
     }
 }
 

@@ -61,6 +61,7 @@ int reference_view(const btf_material *material, uint32_t level, btf_ref_materia
         .relief_steps = info.relief_steps,
         .gloss_share = info.gloss_share,
         .level = level + info.relief_level,
+        .relief_end = info.relief_end + info.relief_level,
     };
     for (int i = 0; i < BTF_FACTOR_CLASSES; ++i)
         for (int j = 0; j < 3; ++j)

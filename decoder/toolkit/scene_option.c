@@ -117,6 +117,10 @@ const char *scene_plan_reason(const btf_material *material, const btf_plan *plan
         snprintf(text, size, "not in the file");
         return text;
     }
+    if (bit == BTF_EFFECT_RELIEF && plan->level >= info.relief_end) {
+        snprintf(text, size, "off, ends before level %u", (unsigned)info.relief_end);
+        return text;
+    }
     if (bit & BETWEEN_EFFECTS) {
         double gain[2];
         const bool known = between_gain(material, bit, gain);

@@ -5,6 +5,7 @@
 #include "between.h"
 
 #include "encoder/base/ranks.h"
+#include "encoder/data/level_filter.h"
 #include "encoder/report/fit_table.h"
 #include "encoder/report/relief_table.h"
 #include "foresee.h"
@@ -29,9 +30,11 @@ static btf_result find_relief(const enc_context *context, const enc_job *job, co
         return BTF_OK;
     }
     bool taken = false;
+    enc_relief_options options = job->relief;
+    options.levels = job->levels > 0 ? job->levels : enc_level_count(data->width, data->height);
     btf_result result = enc_relief_step_take(context, data, &taken, &s->relief, s->reason, &s->store);
     if (result == BTF_OK && !taken) {
-        result = enc_relief_choose(context, data, &job->relief, &s->relief, &s->store);
+        result = enc_relief_choose(context, data, &options, &s->relief, &s->store);
         result = result == BTF_OK ? enc_relief_step_keep(context, data, &s->relief, &s->store) : result;
         result = enc_ranks_agree(context, result);
     }

@@ -108,7 +108,7 @@ static double foresee_cost(const counts *c, double fetch) {
 
 /* Heights are found on images of a bounded size, and judged at a bounded number of texels. */
 static void add_relief(list *l, const enc_context *context, const enc_job *job, const enc_extent *e, const counts *c,
-                       double fetch) {
+                       int levels, double fetch) {
     const bool held = enc_data_fits(context, e->width, e->height, e->n_views, e->n_lights);
     if (!enc_settings_try_relief(job)) {
         return;
@@ -121,6 +121,7 @@ static void add_relief(list *l, const enc_context *context, const enc_job *job, 
         cost += c->samples * (per_number + 2 * fetch) + work.texels * c->views * work.heights * per_swept * 0.7 +
                 work.texels * c->views * work.sweeps * per_descent * 0.7 +
                 work.judged * c->views * ENC_RELIEF_CANDIDATES * per_surface;
+        cost += levels > 1 ? c->samples * per_filtered / 8 + work.judged / 4 * c->views * 2 * per_surface : 0;
     }
     add(l, "relief", cost);
 }
@@ -250,7 +251,7 @@ size_t enc_cost_parts(const enc_context *context, const enc_job *job, const enc_
     const int levels = levels_of(job, e);
     list l = {out_parts, 0};
     add_reading(&l, context, e, &c);
-    add_relief(&l, context, job, e, &c, fetch);
+    add_relief(&l, context, job, e, &c, levels, fetch);
     add_fit(&l, job, &c, fetch);
     const size_t first = l.count;
     const enc_factors_settings settings =

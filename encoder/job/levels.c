@@ -83,15 +83,17 @@ static btf_result fit_paper(fit_pass *pass, const enc_data *data, int level, enc
     return result;
 }
 
-/* Values at the nodes of a level, where there are any, and the codes of its heights. */
+/* Values at the nodes of a level, where there are any, along its surface unless relief has ended; and the codes of
+ * its heights, which the file has all the same. */
 static btf_result prepare_level(const fit_pass *pass, int level, const enc_data *samples, uint8_t **out_codes,
                                 enc_data **out_fitted) {
     const enc_relief_store *relief = &pass->base->relief;
     enc_warp surface = {0};
     const enc_node_relief along = {&surface, relief->views};
-    const bool moves = relief->effects & BTF_EFFECT_RELIEF;
+    const bool heights = relief->effects & BTF_EFFECT_RELIEF,
+               moves = heights && (relief->end == 0 || level < (int)relief->end);
     btf_result result =
-        moves ? enc_relief_level(relief, samples->width, samples->height, level, out_codes, &surface) : BTF_OK;
+        heights ? enc_relief_level(relief, samples->width, samples->height, level, out_codes, &surface) : BTF_OK;
     if (result == BTF_ERROR_MEMORY) {
         return enc_fail(pass->context, result, "levels: out of memory");
     }

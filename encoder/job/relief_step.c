@@ -65,6 +65,17 @@ static void pass_gloss(walk *w, enc_gloss_choice *io_gloss) {
     pass_integer(w, &io_gloss->quarters, 0, 4);
 }
 
+static void pass_end(walk *w, enc_relief_end *io_end) {
+    pass_integer(w, &io_end->end, 0, BTF_MAX_LEVELS);
+    pass_integer(w, &io_end->judged, 0, BTF_MAX_LEVELS - 1);
+    for (int k = 0; k < BTF_MAX_LEVELS; k++) {
+        pass_error(w, &io_end->level[k].plain);
+        pass_error(w, &io_end->level[k].moved);
+        pass_number(w, &io_end->level[k].gain, -DBL_MAX, DBL_MAX);
+        pass_flag(w, &io_end->level[k].on);
+    }
+}
+
 static void pass_choice(walk *w, enc_relief_choice *io_choice, int n_views) {
     pass_flag(w, &io_choice->tried);
     pass_number(w, &io_choice->share, 0, DBL_MAX);
@@ -89,6 +100,7 @@ static void pass_choice(walk *w, enc_relief_choice *io_choice, int n_views) {
     }
     pass_number(w, &io_choice->least, -DBL_MAX, DBL_MAX);
     pass_number(w, &io_choice->most, -DBL_MAX, DBL_MAX);
+    pass_end(w, &io_choice->end);
     pass_gloss(w, &io_choice->gloss);
 }
 
@@ -103,6 +115,7 @@ static void pass_store(walk *w, enc_relief_store *io_store, const enc_data *data
         pass_integer(w, &io_store->base, INT16_MIN, INT16_MAX);
         pass_integer(w, &io_store->step, 0, INT16_MAX);
         pass_count(w, &io_store->steps, 1, BTF_MAX_RELIEF_STEPS);
+        pass_count(w, &io_store->end, 1, BTF_MAX_LEVELS);
         pass_flag(w, io_map);
     }
 }

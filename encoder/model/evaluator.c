@@ -73,6 +73,8 @@ btf_result enc_evaluator_create(const enc_context *context, const btf_material *
         return enc_fail(context, BTF_ERROR_MEMORY, "decoding: out of memory");
     btf_result result = btf_material_get_info(material, &info);
     reference_view(material, level, &e->reference);
+    if (level >= info.relief_end) /* so that it is not asked for, which would be slow */
+        e->reference.effects &= ~(uint32_t)BTF_EFFECT_RELIEF;
     e->level = (int32_t)level;
     if (result == BTF_OK)
         result = btf_evaluator_create(material, &context->log, &e->library);

@@ -41,6 +41,7 @@ static btf_material_info describe(const enc_data *data, const enc_solution *s, c
         info.relief_base = s->relief.base;
         info.relief_step = s->relief.step;
         info.relief_steps = s->relief.steps;
+        info.relief_end = s->relief.end;
     }
     info.gloss_share = s->effects & BTF_EFFECT_GLOSS ? s->relief.gloss_share : 0;
     info.centre_scale = info.centres > 0 ? s->centre_scale : 1.0f / 255.0f;

@@ -19,6 +19,7 @@ typedef struct enc_relief_store {
     uint8_t *views;      /* [view] 0 or 1 */
     int32_t base, step;
     uint32_t steps, gloss_share;
+    uint32_t end; /* the first level of detail without relief; 0: all have it */
 } enc_relief_store;
 
 /* Frees both arrays and zeroes the struct. */

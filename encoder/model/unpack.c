@@ -167,7 +167,8 @@ static bool unpack_relief(const btf_material *material, const btf_material_info 
                                    .base = info->relief_base,
                                    .step = info->relief_step,
                                    .steps = info->relief_steps,
-                                   .gloss_share = info->gloss_share};
+                                   .gloss_share = info->gloss_share,
+                                   .end = info->relief_end};
     for (uint32_t v = 0; v < info->n_views && s->relief.views && vectors; v++) {
         s->relief.views[v] = vectors[4 * v + 3] != 0;
     }

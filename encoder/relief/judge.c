@@ -5,10 +5,13 @@
 #include "judge.h"
 
 #include "encoder/base/stage.h"
+#include "encoder/data/level_filter.h"
+#include "encoder/math/area.h"
 #include "encoder/math/srgb.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum {
     MOST_LIGHTS = 12,
@@ -27,50 +30,84 @@ uint64_t enc_judged_bytes(int width, int height, int n_views) {
     return 3 * lights * (uint64_t)width * (uint64_t)height * (uint64_t)n_views;
 }
 
-static void keep_texel(const enc_data *data, const float *samples, size_t texel, const enc_judged *j) {
-    const size_t texels = enc_data_texel_count(data), all = (size_t)data->n_lights,
-                 lights = (size_t)j->lights;
+/* Adds the samples of a texel of the data, weighted, to sums [view][light][3]. */
+static void add_texel(const enc_data *data, const float *samples, double weight, const enc_judged *j,
+                      double *sums) {
+    const size_t all = (size_t)data->n_lights, lights = (size_t)j->lights;
     for (size_t v = 0; v < (size_t)j->n_views; v++) {
         for (size_t i = 0; i < lights; i++) {
             for (size_t c = 0; c < 3; c++) {
                 const float x = samples[(v * 3 + c) * all + (2 * i + 1) * all / (2 * lights)];
-                const float root = sqrtf(x > 0 ? x < 1 ? x : 1.0f : 0.0f);
-                j->roots[((v * texels + texel) * lights + i) * 3 + c] = (uint8_t)(root * 255 + 0.5f);
+                sums[(v * lights + i) * 3 + c] += weight * (double)x;
             }
         }
     }
 }
 
-btf_result enc_judged_create(const enc_context *context, const enc_data *data, enc_judged *out) {
-    const size_t texels = enc_data_texel_count(data);
+/* The means of what a texel of the level covers, in the order of rows, as roots. */
+static btf_result keep_texel(const enc_context *context, const enc_data *data, size_t texel, float *buffer,
+                             double *sums, const enc_judged *j) {
+    const size_t n = 3 * (size_t)j->lights, texels = (size_t)j->width * (size_t)j->height,
+                 views = (size_t)j->n_views;
+    const double area = (double)data->width * (double)data->height;
+    const int column = (int)(texel % (size_t)j->width), row = (int)(texel / (size_t)j->width);
+    int x0, x1, y0, y1;
+    enc_area_span(data->width, j->width, column, &x0, &x1);
+    enc_area_span(data->height, j->height, row, &y0, &y1);
+    memset(sums, 0, views * n * sizeof *sums);
+    for (int y = y0; y < y1; y++) {
+        for (int x = x0; x < x1; x++) {
+            const float *samples;
+            const size_t from = (size_t)y * (size_t)data->width + (size_t)x;
+            const btf_result result = enc_data_texels(context, data, from, 1, buffer, &samples);
+            if (result != BTF_OK) {
+                return result;
+            }
+            add_texel(data, samples,
+                      (double)enc_area_overlap(data->width, j->width, column, x) *
+                          (double)enc_area_overlap(data->height, j->height, row, y),
+                      j, sums);
+        }
+    }
+    for (size_t i = 0; i < views * n; i++) {
+        const float mean = (float)(sums[i] / area);
+        const float root = sqrtf(mean > 0 ? mean < 1 ? mean : 1.0f : 0.0f);
+        j->roots[(i / n * texels + texel) * n + i % n] = (uint8_t)(root * 255 + 0.5f);
+    }
+    return BTF_OK;
+}
+
+btf_result enc_judged_create(const enc_context *context, const enc_data *data, int level, enc_judged *out) {
+    const int width = enc_level_side(data->width, level), height = enc_level_side(data->height, level);
+    const size_t texels = (size_t)width * (size_t)height;
     btf_result result = BTF_OK;
-    *out = (enc_judged){.width = data->width,
-                        .height = data->height,
+    *out = (enc_judged){.width = width,
+                        .height = height,
                         .n_views = data->n_views,
-                        .lights = lights_of(data->width, data->height, data->n_views, data->n_lights)};
-    out->roots = malloc(3 * texels * (size_t)data->n_views * (size_t)out->lights);
+                        .lights = lights_of(width, height, data->n_views, data->n_lights)};
+    const size_t all = 3 * (size_t)data->n_views * (size_t)out->lights;
+    out->roots = malloc(all * texels);
     if (!out->roots) {
         return BTF_ERROR_MEMORY;
     }
 #pragma omp parallel num_threads(context->threads)
     {
         float *buffer = malloc(enc_data_texel_stride(data) * sizeof *buffer);
+        double *sums = malloc(all * sizeof *sums);
 #pragma omp for schedule(dynamic, 8)
         for (size_t t = 0; t < texels; t++) {
-            const float *samples;
-            const btf_result mine = !buffer ? BTF_ERROR_MEMORY
+            const btf_result mine = !buffer || !sums ? BTF_ERROR_MEMORY
                                     : enc_cancelled(context)
                                         ? BTF_ERROR_INTERRUPTED
-                                        : enc_data_texels(context, data, t, 1, buffer, &samples);
-            if (mine == BTF_OK) {
-                keep_texel(data, samples, t, out);
-            } else {
+                                        : keep_texel(context, data, t, buffer, sums, out);
+            if (mine != BTF_OK) {
 #pragma omp atomic write
                 result = mine;
             }
             enc_stage_step(context, 1);
         }
         free(buffer);
+        free(sums);
     }
     if (result != BTF_OK) {
         enc_judged_clear(out);

@@ -16,9 +16,11 @@ typedef struct enc_judged {
 /* Bytes that they take at most. */
 uint64_t enc_judged_bytes(int width, int height, int n_views);
 
-/* Reads every sample once. Stage steps: the data's texels. Errors: those of the data, BTF_ERROR_MEMORY (not
- * logged), BTF_ERROR_INTERRUPTED. */
-btf_result enc_judged_create(const enc_context *context, const enc_data *data, enc_judged *out_judged);
+/* Images of a level of detail, in linear radiance the means of what its texels cover; level 0: as they are.
+ * Stage steps: the level's texels. The same bits for any number of threads. Errors: those of the data,
+ * BTF_ERROR_MEMORY (not logged), BTF_ERROR_INTERRUPTED. */
+btf_result enc_judged_create(const enc_context *context, const enc_data *data, int level,
+                             enc_judged *out_judged);
 void enc_judged_clear(enc_judged *judged);
 
 /* Mean squared errors of values clipped to [0, 1]. */

@@ -7,6 +7,7 @@
 #include "descend.h"
 #include "encoder/base/ranks.h"
 #include "encoder/base/stage.h"
+#include "encoder/data/level_filter.h"
 #include "sweep.h"
 
 #include <math.h>
@@ -52,7 +53,9 @@ uint64_t enc_relief_memory(int width, int height, int n_views, int n_lights) {
     const uint64_t images = 2 * enc_relief_images_bytes(wide, high, n_views);
     const uint64_t sweep = texels * heights * 8, descent = texels * 4 * ((uint64_t)n_views + 8);
     const uint64_t estimate = images + drawn + (sweep > descent ? sweep : descent);
-    const uint64_t judged = enc_judged_bytes(width, height, n_views);
+    const uint64_t of_level = enc_relief_end_memory(width, height, n_views, n_lights);
+    const uint64_t of_images = enc_judged_bytes(width, height, n_views);
+    const uint64_t judged = of_images > of_level ? of_images : of_level;
     return (estimate > judged ? estimate : judged) + 16 * (uint64_t)width * (uint64_t)height;
 }
 
@@ -344,18 +347,23 @@ static btf_result decide(relief_job *j, enc_relief_choice *choice, enc_relief_st
     return result;
 }
 
-static btf_result choose_relief(relief_job *j, enc_relief_choice *choice, enc_relief_store *out) {
+static btf_result choose_relief(relief_job *j, int levels, enc_relief_choice *choice,
+                                enc_relief_store *out) {
     const size_t texels = enc_data_texel_count(j->data);
     j->height = malloc(texels * sizeof *j->height);
     btf_result result = j->height ? find_heights(j, &choice->share) : BTF_ERROR_MEMORY;
     result = result == BTF_OK ? find_median(j) : result;
-    result = result == BTF_OK ? enc_judged_create(j->context, j->data, &j->judged) : result;
+    result = result == BTF_OK ? enc_judged_create(j->context, j->data, 0, &j->judged) : result;
     if (result == BTF_OK) {
         choice->tried = true;
         choice->n_rings = find_rings(j);
         result = decide(j, choice, out);
     }
     enc_judged_clear(&j->judged);
+    if (result == BTF_OK && choice->chosen > 0) {
+        result = enc_relief_find_end(j->context, j->data, j->seen, levels, out, &choice->end);
+        out->end = (uint32_t)choice->end.end;
+    }
     for (int k = 0; k < ENC_RELIEF_CANDIDATES; k++) {
         free(j->error[k]);
     }
@@ -399,17 +407,20 @@ btf_result enc_relief_choose(const enc_context *context, const enc_data *data,
                              const enc_relief_options *options, enc_relief_choice *out_choice,
                              enc_relief_store *out_store) {
     const size_t texels = enc_data_texel_count(data);
+    const int levels = options->levels > 0 ? options->levels : 1;
     relief_job j = {.context = context, .data = data, .seen = malloc(sizeof *j.seen)};
     *out_choice = (enc_relief_choice){.share = 1};
     *out_store = (enc_relief_store){0};
     enc_stage_begin(context, "relief",
                     (2 + ENC_RELIEF_CANDIDATES) * texels +
-                        SWEEPS * (texels >> 2 * shift_of(data->width, data->height)));
+                        SWEEPS * (texels >> 2 * shift_of(data->width, data->height)) +
+                        enc_level_further_texels(data->width, data->height, levels + 1) -
+                        enc_level_further_texels(data->width, data->height, 2));
     btf_result result =
         j.seen ? enc_seen_make(context, data->views, data->n_views, 0, 90, j.seen) : BTF_ERROR_MEMORY;
     if (result == BTF_OK) {
         out_choice->reason = obstacle(&j, options);
-        result = out_choice->reason ? BTF_OK : choose_relief(&j, out_choice, out_store);
+        result = out_choice->reason ? BTF_OK : choose_relief(&j, levels, out_choice, out_store);
     }
     result = result == BTF_OK ? choose_gloss(&j, options, out_choice, out_store) : result;
     result = enc_ranks_agree(context, result);

@@ -5,15 +5,16 @@
  * Whether they pay is judged ring by ring of views in true values, by views left out: neighbours there lie
  * twice as far away as in use, which flatters what moves, so that a ring must gain ENC_RELIEF_MARGIN beside
  * another that does, and the outermost one, which has no neighbours beyond, follows the one before. Where
- * one height does as well, there is no map. RELIEF.md has what was measured.
+ * one height does as well, there is no map. Of further levels of detail, which are judged likewise, relief
+ * ends at the first that gains too little (end.h). RELIEF.md has what was measured.
  *
  * SPDX-License-Identifier: MIT
  */
 #ifndef OPENBTF_ENCODER_RELIEF_RELIEF_H
 #define OPENBTF_ENCODER_RELIEF_RELIEF_H
 
+#include "end.h"
 #include "gloss.h"
-#include "level.h"
 
 enum {
     ENC_RELIEF_RINGS = 16,
@@ -26,7 +27,8 @@ enum {
 
 typedef struct enc_relief_options {
     bool relief;
-    int gloss; /* 0, 1, 2: quarters; -1: chosen */
+    int gloss;  /* 0, 1, 2: quarters; -1: chosen */
+    int levels; /* of detail that the file will have; 0 means 1 */
 } enc_relief_options;
 
 /* A surface that was judged. */
@@ -54,6 +56,7 @@ typedef struct enc_relief_choice {
     int n_rings;
     enc_relief_ring ring[ENC_RELIEF_RINGS];
     double least, most; /* height in texels of the surface chosen */
+    enc_relief_end end; /* of several levels of detail: where it ends */
     enc_gloss_choice gloss;
 } enc_relief_choice;
 

@@ -23,12 +23,29 @@ static const char *kind_of(const enc_relief_candidate *c) {
 const char *enc_relief_text(const enc_relief_choice *choice, char text[ENC_RELIEF_TEXT]) {
     if (choice->chosen > 0) {
         const enc_relief_candidate *c = &choice->candidate[choice->chosen];
-        snprintf(text, ENC_RELIEF_TEXT, "relief-chosen=%s:%g,%.3f,%.3f gloss-chosen=%d", kind_of(c),
-                 c->scale, choice->least, choice->most, choice->gloss.quarters);
+        char end[24] = "";
+        if (choice->end.judged > 0) {
+            snprintf(end, sizeof end, " relief-end=%d", choice->end.end);
+        }
+        snprintf(text, ENC_RELIEF_TEXT, "relief-chosen=%s:%g,%.3f,%.3f%s gloss-chosen=%d", kind_of(c),
+                 c->scale, choice->least, choice->most, end, choice->gloss.quarters);
     } else {
         snprintf(text, ENC_RELIEF_TEXT, "relief-chosen=none gloss-chosen=%d", choice->gloss.quarters);
     }
     return text;
+}
+
+static void print_end(const enc_relief_end *end, FILE *out) {
+    fprintf(
+        out,
+        "Relief at levels of detail: views left out; it ends before the first that gains less than %g dB "
+        "or loses\nin linear or sRGB-coded values\n",
+        ENC_RELIEF_LEVEL_MARGIN);
+    for (int i = 0; i < end->judged; i++) {
+        const enc_relief_judged_level *l = &end->level[i];
+        fprintf(out, "%c level %-16d %8.2f / %.2f -> %.2f / %.2f\n", l->on ? '*' : ' ', i + 1,
+                linear(l->plain), srgb(l->plain), linear(l->moved), srgb(l->moved));
+    }
 }
 
 static void print_gloss(const enc_gloss_choice *gloss, FILE *out) {
@@ -66,6 +83,9 @@ void enc_relief_print(const enc_relief_choice *choice, FILE *out) {
                         linear(r->plain), srgb(r->plain), linear(r->moved), srgb(r->moved));
             }
         }
+    }
+    if (choice->end.judged > 0) {
+        print_end(&choice->end, out);
     }
     if (choice->reason) {
         fprintf(out, choice->tried ? "Relief: none, %s\n" : "Relief: not tried: %s\n", choice->reason);
@@ -109,6 +129,23 @@ static void rings_json(json *j, const enc_relief_choice *choice) {
     json_end(j);
 }
 
+static void end_json(json *j, const enc_relief_end *end) {
+    json_integer(j, "end", end->end);
+    json_array(j, "levels");
+    for (int i = 0; i < end->judged; i++) {
+        const enc_relief_judged_level *l = &end->level[i];
+        json_object(j, NULL);
+        json_integer(j, "level", i + 1);
+        json_integer(j, "relief", l->on);
+        json_number(j, "plain_linear", linear(l->plain));
+        json_number(j, "plain_srgb", srgb(l->plain));
+        json_number(j, "moved_linear", linear(l->moved));
+        json_number(j, "moved_srgb", srgb(l->moved));
+        json_end(j);
+    }
+    json_end(j);
+}
+
 static void gloss_json(json *j, const enc_gloss_choice *gloss) {
     json_integer(j, "gloss", gloss->quarters);
     if (gloss->judged) {
@@ -142,6 +179,9 @@ void enc_relief_json(json *j, const char *key, const enc_relief_choice *choice) 
         json_number(j, "share_of_plane", choice->share);
         candidates_json(j, choice);
         rings_json(j, choice);
+    }
+    if (choice->end.judged > 0) {
+        end_json(j, &choice->end);
     }
     gloss_json(j, &choice->gloss);
     json_end(j);

@@ -10,10 +10,10 @@
 
 #include <stdio.h>
 
-enum { ENC_RELIEF_TEXT = 96 };
+enum { ENC_RELIEF_TEXT = 120 };
 
 /* "relief-chosen=none gloss-chosen=0": for provenance and logs. Of a surface its kind, its scale and its
- * least and greatest height in texels. */
+ * least and greatest height in texels; of several levels of detail the first without it. */
 const char *enc_relief_text(const enc_relief_choice *choice, char text[ENC_RELIEF_TEXT]);
 
 void enc_relief_print(const enc_relief_choice *choice, FILE *out);

@@ -392,6 +392,8 @@ class Material:
             self.base, self.step, self.steps = (head.integer("openbtf.relief" + name) for name in ("Base", "Step", "Steps"))
             self.down = 12 + level + head.integer("openbtf.reliefLevel", 0)
             self.acts = [int(x) for x in head.floats("openbtf.reliefViews")]
+            if level >= head.integer("openbtf.reliefEnd", head.integer("openbtf.levels", 1)):
+                self.effects -= {"relief"}
 
     def tile(self, channel, i, x, y):
         """A channel of a tile of the atlas."""

@@ -350,6 +350,8 @@ static btf_result make_info(random_state *r, const synthetic_spec *s, btf_materi
     while (s->layout == BTF_LAYOUT_TIGHT && info->levels < s->levels &&
            (s->width >> info->levels || s->height >> info->levels))
         info->levels++;
+    if (s->effects & BTF_EFFECT_RELIEF)
+        info->relief_end = s->relief_end < info->levels ? s->relief_end : info->levels;
     return BTF_OK;
 }
 

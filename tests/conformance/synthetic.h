@@ -58,6 +58,7 @@ typedef struct synthetic_spec {
     uint32_t entries;    /* with packed: of a texel's list; 0: no lists */
     synthetic_relief relief; /* with the effect */
     int relief_mixed;        /* relief acts on about half of the views; else on all */
+    uint32_t relief_end;     /* the first level without it, if there are so many; 0: none */
     uint32_t gloss_share;    /* with the effect gloss: 1 or 2 */
 } synthetic_spec;
 

@@ -34,13 +34,13 @@ enum factor {
     STORE, /* components, factors of all classes, of some */
     ROOTS,
     POINTS, /* packed or in lists: layout tight, without hidden points */
-    RELIEF, /* of one height, of a map: layout tight */
+    RELIEF, /* of one height, of a map, of a map that ends before the last level: layout tight */
     GLOSS,  /* of a quarter, of a half: layout tight */
     STEEP,  /* with bilinear filtering */
     PICKS,  /* none, views, lights, all */
     FACTORS
 };
-static const uint8_t levels[FACTORS] = {2, 2, 3, 4, 2, 2, 3, 2, 4, 2, 2, 2, 3, 2, 3, 3, 3, 2, 4};
+static const uint8_t levels[FACTORS] = {2, 2, 3, 4, 2, 2, 3, 2, 4, 2, 2, 2, 3, 2, 3, 4, 3, 2, 4};
 static const int components[] = {0, 1, 6, 16};
 
 /* Of each class units, words of C1 and of C2, of the stores after the first. */
@@ -61,8 +61,8 @@ static void write_version_2(char *out, size_t size, const uint8_t *row) {
     if (row[RELIEF])
         at += (size_t)snprintf(out + at, size - at,
                                "#define BTF_RELIEF %d\n#define BTF_RELIEF_BASE (-300)\n#define BTF_RELIEF_STEP 900\n"
-                               "#define BTF_RELIEF_STEPS 8\n",
-                               row[RELIEF]);
+                               "#define BTF_RELIEF_STEPS 8\n%s",
+                               row[RELIEF] == 1 ? 1 : 2, row[RELIEF] == 3 ? "#define BTF_RELIEF_END 2\n" : "");
     if (row[GLOSS])
         at += (size_t)snprintf(out + at, size - at, "#define BTF_GLOSS %d\n", row[GLOSS]);
     if (row[STEEP])
@@ -186,7 +186,8 @@ static int check_absence(const char *preprocessed, const uint8_t *row) {
         {row[POINTS] == 1 && (row[SHIFT] || row[GAIN]), {"btf_points", NULL, NULL}},
         {row[POINTS] == 2 && (row[SHIFT] || row[GAIN]), {"btf_point_lists", "btf_point_indices", NULL}},
         {row[RELIEF], {"btf_slope", "btf_shifted_views", "s.shown"}},
-        {row[RELIEF] == 2, {"btf_heights", "btf_march", "btf_occlude"}},
+        {row[RELIEF] > 1, {"btf_heights", "btf_march", "btf_occlude"}},
+        {row[RELIEF] == 3, {"level >= 2", "unmoved", NULL}},
         {row[GLOSS], {"btf_gloss", "s.lights_of", NULL}},
         {row[RELIEF] || row[GLOSS], {"btf_view_vector", NULL, NULL}},
         {!row[POINTS], {"texelFetch(btf_shift", "texelFetch(btf_gain", NULL}},

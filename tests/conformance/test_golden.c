@@ -270,6 +270,26 @@ static const golden files[] = {
               .relief = SYNTHETIC_HIGH},
      .compression = EXR_COMPRESSION_NONE,
      .odd = 2},
+    {.name = "v2-end", /* of relief, before the second of three levels */
+     .version = 2,
+     .spec = {.seed = 114,
+              .width = 7,
+              .height = 5,
+              .n_views = 9,
+              .n_lights = 6,
+              .layout = BTF_LAYOUT_TIGHT,
+              .domain = BTF_DOMAIN_SQRT,
+              .colour = BTF_COLOUR_NONE,
+              .effects = BTF_EFFECT_RESIDUAL | BTF_EFFECT_RELIEF,
+              .components = 2,
+              .levels = 3,
+              .classes = {{0, 0, 0}, {0, 0, 0}, {2, 1, 1}},
+              .blend = BTF_BLEND_ROOTS,
+              .horizon_scale = 3.5f,
+              .relief = SYNTHETIC_GENTLE,
+              .relief_mixed = 1,
+              .relief_end = 1},
+     .compression = EXR_COMPRESSION_ZIP},
 };
 enum { FILES = sizeof files / sizeof *files };
 

@@ -77,7 +77,7 @@ static const uint8_t levels_3[FACTORS_3] = {2, 3, 3, 2, 3, 2, 4, 2, 2, 2};
 enum factor_4 {
     SIZE_4,
     DIRECTIONS_4,
-    LAYOUT_4, /* one level, all levels of detail */
+    LAYOUT_4, /* one level, all levels of detail, all and relief on the first ones alone */
     DOMAIN_4, /* linear, roots blended as radiance, as roots */
     MODEL_4,
     RELIEF_4, /* none, or a synthetic_relief */
@@ -89,7 +89,7 @@ enum factor_4 {
     FILTER_4,
     FACTORS_4
 };
-static const uint8_t levels_4[FACTORS_4] = {4, 4, 2, 3, 5, 1 + SYNTHETIC_RELIEFS, 2, 3, 2, 4, 2, 3};
+static const uint8_t levels_4[FACTORS_4] = {4, 4, 3, 3, 5, 1 + SYNTHETIC_RELIEFS, 2, 3, 2, 4, 2, 3};
 
 /* Units, words of C1 and of C2 of each class: every class alone and with others, and mixed units of 0 to 5
  * words of colour in each class. */
@@ -143,7 +143,7 @@ static void write_name(variant *v) {
              !(s->effects & BTF_EFFECT_GLOSS) ? "" : s->gloss_share > 1 ? " gloss 1/2" : " gloss 1/4",
              s->components, classes, s->codes ? " bounds" : "", s->blend ? " roots" : "",
              s->all_hidden ? " all-hidden" : "", s->values ? " extreme" : "",
-             s->levels > 1 ? " levels" : "", v->shader.leave_out, v->shader.components,
+             s->levels < 2 ? "" : s->relief_end ? " levels, relief ends" : " levels", v->shader.leave_out, v->shader.components,
              v->shader.interpolation ? "nearest" : "linear", filter_name(v->shader.filter));
 }
 
@@ -294,6 +294,7 @@ static void make_variant_4(const uint8_t row[FACTORS_4], uint64_t seed, variant 
     s->effects |= (row[RELIEF_4] ? BTF_EFFECT_RELIEF : 0u) | (row[GLOSS_4] ? BTF_EFFECT_GLOSS : 0u);
     s->relief = row[RELIEF_4] ? (synthetic_relief)(row[RELIEF_4] - 1) : SYNTHETIC_FLAT;
     s->relief_mixed = row[VIEWS_4];
+    s->relief_end = row[LAYOUT_4] == 2 ? 1 + (uint32_t)(seed % 2) : 0;
     s->gloss_share = row[GLOSS_4];
     s->values = (synthetic_values)row[VALUES_4];
     static const uint32_t left_out_4[] = {0, BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT, BTF_EFFECT_RELIEF, BTF_EFFECT_GLOSS};

@@ -91,8 +91,9 @@ static void write_material(const char *name, btf_layout layout, btf_colour colou
 
 /* One of version 2: a unit of each class, points packed where they can be, in lists of so many
  * entries where that is not 0, and a picture; or roots and no other store that is new. Relief acts on two
- * of three views, in a material cut from a finer one. */
-static void write_version_2(const char *name, btf_layout layout, uint32_t effects, bool factors, uint32_t entries) {
+ * of three views, in a material cut from a finer one, and ends before level relief_end of 2. */
+static void write_version_2(const char *name, btf_layout layout, uint32_t effects, bool factors, uint32_t entries,
+                            uint32_t relief_end) {
     static const uint32_t classes[BTF_FACTOR_CLASSES][3] = {{1, 1, 1}, {1, 2, 0}, {1}, {1, 0, 1}, {1}};
     uint16_t preview[2 * 2 * 4] = {0x3C00, 0x3800, 0x3400, 0, 0x3000};
     random_state r = {8};
@@ -108,6 +109,7 @@ static void write_version_2(const char *name, btf_layout layout, uint32_t effect
     if (effects & BTF_EFFECT_RELIEF) {
         desc.relief_views = acts;
         desc.info.relief_level = 1;
+        desc.info.relief_end = relief_end;
     }
     entries ? factor_material_list_points(&desc, entries) : factor_material_pack_points(&desc);
     factor_material_fill(&r, &desc);
@@ -123,14 +125,15 @@ static void write_materials(void) {
     write_material("tight", BTF_LAYOUT_TIGHT, BTF_COLOUR_RGB, all, true);
     write_material("residual", BTF_LAYOUT_TIGHT, BTF_COLOUR_NONE, BTF_EFFECT_RESIDUAL | BTF_EFFECT_SHIFT,
                    false);
-    write_version_2("factors", BTF_LAYOUT_TIGHT, 0, true, 0);
-    write_version_2("factors-all", BTF_LAYOUT_PAPER, all, true, 0);
-    write_version_2("points", BTF_LAYOUT_TIGHT, BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN, true, 0);
-    write_version_2("lists", BTF_LAYOUT_TIGHT, BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN, true, 3);
+    write_version_2("factors", BTF_LAYOUT_TIGHT, 0, true, 0, 0);
+    write_version_2("factors-all", BTF_LAYOUT_PAPER, all, true, 0, 0);
+    write_version_2("points", BTF_LAYOUT_TIGHT, BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN, true, 0, 0);
+    write_version_2("lists", BTF_LAYOUT_TIGHT, BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN, true, 3, 0);
     write_version_2("relief", BTF_LAYOUT_TIGHT,
-                    BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS | BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN, true, 0);
-    write_version_2("gloss", BTF_LAYOUT_TIGHT, BTF_EFFECT_SHADOW | BTF_EFFECT_GLOSS, false, 0);
-    write_version_2("roots", BTF_LAYOUT_TIGHT, BTF_EFFECT_SHADOW | BTF_EFFECT_RESIDUAL, false, 0);
+                    BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS | BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN, true, 0, 0);
+    write_version_2("relief-end", BTF_LAYOUT_TIGHT, BTF_EFFECT_RELIEF, true, 0, 1);
+    write_version_2("gloss", BTF_LAYOUT_TIGHT, BTF_EFFECT_SHADOW | BTF_EFFECT_GLOSS, false, 0, 0);
+    write_version_2("roots", BTF_LAYOUT_TIGHT, BTF_EFFECT_SHADOW | BTF_EFFECT_RESIDUAL, false, 0, 0);
 }
 
 static float slope(int c, int x, int y) {

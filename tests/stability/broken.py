@@ -197,6 +197,19 @@ CHANGES = [
         ("decoder/restrict.c", "plan->effects & material->info.effects & BTF_EFFECT_GLOSS", "plan->level > BTF_MAX_LEVELS")]),
     ("relief taken for an effect of version 1", "relief", [
         ("decoder/shape.c", " || info->effects & BTFI_VECTOR_EFFECTS", "")]),
+    ("relief at every level of detail, whatever the file says", "relief_end", [
+        ("reference/btf_evaluate.c", "material->level >= material->relief_end;", "material->level > 2 * material->relief_end;")]),
+    ("the end of relief not moved where finer levels are cut away", "relief_end", [
+        ("decoder/restrict.c", "small->relief_end -= level;", "small->relief_end -= 0 * level;")]),
+    ("relief kept where the levels that have it are cut away", "relief_end", [
+        ("decoder/restrict.c", "if (btfi_relief_has_ended(info, level))", "if (level > info->levels)")]),
+    ("an end of relief behind the last level read", "relief_end", [
+        ("decoder/checks/info.c", "info->relief_end > info->levels)", "info->relief_end > 2 * info->levels)"),
+        ("decoder/header.c", "(int32_t)info->levels, &info->levels", "BTF_MAX_LEVELS, &info->levels")]),
+    ("relief planned at a level that has none", "relief_end", [
+        ("decoder/plan.c", "(btfi_relief_has_ended(&material->info, level) ? BTF_EFFECT_RELIEF : 0u)", "(level > BTF_MAX_LEVELS ? BTF_EFFECT_RELIEF : 0u)")]),
+    ("the end of relief written where it has none", "relief_end", [
+        ("decoder/exr_write.c", "if (info->relief_end < info->levels)", "if (info->relief_end > 0)")]),
     ("textures of any size taken from a short file", "file", [
         ("decoder/exr_read.c", "if (bytes / MAX_RATIO > s->size)", "if (bytes == 1)")]),
     ("memory of a part not given back", "memory", [
@@ -268,7 +281,7 @@ def program(tree, test):
     tests = f'{tree}/tests'
     if test in ('stability_faults', 'stability_archives'):
         return TOOLS, [f'{tests}/stability/test_{test[10:]}.sh']
-    if test in ('exr', 'file', 'memory', 'names', 'output', 'points', 'relief') or test.startswith('reference_'):
+    if test in ('exr', 'file', 'memory', 'names', 'output', 'points', 'relief', 'relief_end') or test.startswith('reference_'):
         return [f'tests/unit/test_{test}'], [f'{tree}/build/tests/unit/test_{test}']
     if test in ('evaluator', 'sampling'):
         return [f'tests/conformance/test_{test}'], [f'{tree}/build/tests/conformance/test_{test}']

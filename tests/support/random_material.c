@@ -264,6 +264,7 @@ void random_material_relief(random_state *r, btf_material_desc *desc) {
         info->relief_steps = info->relief_step == 0 ? 1 : 1 + random_below(r, BTF_MAX_RELIEF_STEPS);
         const uint32_t levels = info->levels ? info->levels : 1;
         info->relief_level = random_below(r, 2) ? 0 : random_below(r, BTF_MAX_LEVELS - levels + 1);
+        info->relief_end = random_below(r, 2) ? 0 : 1 + random_below(r, levels);
         if (random_below(r, 2)) {
             uint8_t *acts = malloc(info->n_views);
             if (!acts)

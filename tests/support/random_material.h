@@ -27,7 +27,7 @@ void random_ubo2014(float out[151][3]);
 
 /* Heights, steps, level and views of the effect relief, and a share for gloss, at random where desc has
  * those effects: one height everywhere now and then, and the bounds of the format. Keeps levels and
- * relief_level within it. */
+ * relief_level and relief_end within it. */
 void random_material_relief(random_state *r, btf_material_desc *desc);
 
 /* Fills desc->texture[] and, with info.levels, level_texture[] with values that the rest of desc->info

@@ -31,6 +31,9 @@ for report, info in (fast, off):
     assert report["relief"] is None and "relief" not in info["effects"] and "gloss" not in info["effects"], info
     assert "relief=off gloss=0" in info["options"], info["options"]
 assert "gloss" in shared[1]["effects"], shared[1]
+end, judged = relief["end"], relief["levels"]
+assert [l["level"] for l in judged] == list(range(1, len(judged) + 1)) and [l["relief"] for l in judged] == [l["level"] < end for l in judged], judged
+assert end == found[1]["relief"]["end"] and 1 <= end <= 3 and f"relief-end={end} " in found[1]["options"], (end, found[1])
 P
 expect_that "files and reports say so" python3 check.py
 cat >worth.py <<'P'
@@ -50,10 +53,16 @@ P
 expect_that "a file tells what relief is worth between the samples" python3 worth.py
 expect "in words" 0 btf-info found.btf.exr
 expect_text "not by errors at the samples" "relief +between the samples only: \\+[0-9.]+ dB linear, .* where views are left out, for 256 bytes" out
+expect_text "and the levels of detail that have it" "on [0-9]+ of [0-9]+ views, below level 1\$" out
+expect_that "of the others the decoder's images are those without" sh -c 'btf-decode found.btf.exr -o on.exr --level 1 --view 40,10 --filter bilinear &&
+    btf-decode found.btf.exr -o off.exr --level 1 --view 40,10 --filter bilinear --effects residual,gloss && cmp on.exr off.exr'
+expect_that "of the first they are not" sh -c 'btf-decode found.btf.exr -o on.exr --view 40,10 && btf-decode found.btf.exr -o off.exr --view 40,10 --effects residual,gloss && ! cmp -s on.exr off.exr'
 expect "gloss" 0 btf-info shared.btf.exr
 expect_text "acts there too" "gloss +between the samples only, for 0 bytes" out
 expect "a plan" 0 btf-info found.btf.exr --plan views=0:60,lights=0:60
 expect_text "says so as well" "relief: on, worth \\+[0-9.]+/\\+[0-9.]+ dB between the samples" out
+expect "of a picture half as large" 0 btf-info found.btf.exr --plan views=0:60,lights=0:60,pixels=0.5
+expect_text "leaves it out" "relief: off, ends before level 1" out
 expect_that "off is what fast does" cmp fast.btf.exr off.btf.exr
 expect "with threads" 0 encode again --relief auto --gloss auto --levels 3 --threads 3
 expect_that "the same bytes" cmp found.btf.exr again.btf.exr

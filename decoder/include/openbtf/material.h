@@ -215,6 +215,9 @@ typedef struct btf_material_info {
     uint32_t relief_level;
     /** With BTF_EFFECT_GLOSS: share of the half vector in quarters, 1 or 2; else 0. */
     uint32_t gloss_share;
+    /** With BTF_EFFECT_RELIEF: the first level of detail that is decoded as if relief were left out, 1..levels;
+     * as an input 0 means levels. Else 0. */
+    uint32_t relief_end;
 } btf_material_info;
 
 /** One row of the errors that the encoder measured. */

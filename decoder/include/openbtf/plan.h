@@ -75,8 +75,8 @@ typedef struct btf_plan {
  * near to a sample it is, where errors are larger than between. The level is the coarsest whose texels are
  * not larger than a pixel; the filter is bilinear where a texel is larger than a pixel and a half. Relief
  * and gloss are decoded where the file has them, but where the view is fixed and a sample, where they
- * change nothing: the table compares with interpolated samples, and cannot tell what they are worth
- * between. No memory is allocated. Errors: BTF_ERROR_USAGE (a range that holds no direction, a negative or
+ * change nothing, and relief but at levels where it has ended (btf_material_info.relief_end): the table
+ * compares with interpolated samples, and cannot tell what they are worth between. No memory is allocated. Errors: BTF_ERROR_USAGE (a range that holds no direction, a negative or
  * infinite number). */
 btf_result btf_plan_effects(const btf_material *material, const btf_scene *scene, float tolerance,
                             btf_plan *out_plan);
@@ -126,7 +126,7 @@ float btf_plan_cost(const btf_material *material, const btf_shader_options *opti
  * gains; packed points of which it decodes the shift alone become the texture `shift`. Lists of points stay lists, of
  * a gain of 1 where the plan decodes the shift alone, unless so few views are kept that they take no fewer bytes than
  * packed points would. Heights are kept as they are, in texels of the material's level 0
- * (btf_material_info.relief_level). Where gloss is decoded all lights are kept, since any may be that of a neighbouring
+ * (btf_material_info.relief_level), and go where relief has ended at the plan's level. Where gloss is decoded all lights are kept, since any may be that of a neighbouring
  * view.
  *
  * Inside the ranges the new material decodes, with plan->shader, bit for bit to what the whole material decodes to;

@@ -168,6 +168,7 @@ static void json_relief(json *j, const btf_material *material, const btf_materia
         json_integer(j, "step", info->relief_step);
         json_integer(j, "steps", info->relief_steps);
         json_integer(j, "level", info->relief_level);
+        json_integer(j, "end", info->relief_end);
         json_integer(j, "views", r.views);
         json_end(j);
     }

@@ -167,7 +167,10 @@ static void print_relief(const btf_material *material, const btf_material_info *
                    info->relief_steps == 1 ? "" : "s");
         else
             printf("height %.3g texels everywhere", r.low);
-        printf(", on %u of %u views\n", (unsigned)r.views, (unsigned)info->n_views);
+        printf(", on %u of %u views", (unsigned)r.views, (unsigned)info->n_views);
+        if (info->relief_end < info->levels)
+            printf(", below level %u", (unsigned)info->relief_end);
+        printf("\n");
     }
     if (info->effects & BTF_EFFECT_GLOSS)
         printf("  %-14skeeps %g of the half vector\n", "gloss", info->gloss_share / 4.0);

@@ -32,8 +32,23 @@ static btf_result draw_model(viewer *v, const view_state *s, double *out_ms) {
     return result;
 }
 
+/* Which levels of detail are shown, and where relief, if it is on, ends before the last. */
+static void levels_text(const viewer *v, char *text, size_t size) {
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_material_get_info(v->material, &info);
+    const bool ends = effects_in_use(v) & BTF_EFFECT_RELIEF && info.relief_end < info.levels;
+    if (!v->state.has_levels)
+        text[0] = 0;
+    else if (!v->state.levels)
+        snprintf(text, size, ", level 0");
+    else if (ends)
+        snprintf(text, size, ", levels (relief below %u)", (unsigned)info.relief_end);
+    else
+        snprintf(text, size, ", levels");
+}
+
 static void panel_text(const viewer *v, char *text, size_t size) {
-    char list[800] = "", quality[80] = "not in the file", words[48], picks[60] = "";
+    char list[800] = "", quality[80] = "not in the file", words[48], levels[40], picks[60] = "";
     if (!v->material) {
         snprintf(text, size, "drop a material here: *.btf.exr\n%s", v->message);
         return;
@@ -48,16 +63,14 @@ static void panel_text(const viewer *v, char *text, size_t size) {
         viewer_plan_text(v, list, sizeof list);
     else
         costs_text(&v->costs, v->material, v->state.effects, list, sizeof list);
+    levels_text(v, levels, sizeof levels);
     snprintf(text, size,
              "%s on %s\n%s, %s, %s math%s%s, exposure %+.2f\nframe %.1f ms (%.0f a second)\nPSNR %s\n"
              "effects %s: %s\n%ssplit %s\n%s",
              v->material_name, view_mesh_name(v->state.mesh),
              v->state.interpolation == BTF_INTERPOLATION_NEAREST ? "nearest" : "linear",
              filter_name(v->state.filter), v->state.math == BTF_MATH_FAST ? "fast" : "exact",
-             !v->state.has_levels ? ""
-             : v->state.levels    ? ", levels"
-                                  : ", level 0",
-             picks, v->state.exposure, v->frame_ms, 1e3 / (v->frame_ms > 0.01 ? v->frame_ms : 0.01), quality,
+             levels, picks, v->state.exposure, v->frame_ms, 1e3 / (v->frame_ms > 0.01 ? v->frame_ms : 0.01), quality,
              cli_effects_text(v->state.effects, words),
              view_options.plan == 0 ? "what the plan makes of them" : "time and PSNR of each", list,
              view_split_name(v->state.split), v->message[0] ? v->message : "H: help");

@@ -89,6 +89,8 @@ typedef struct btf_ref_material {
     /** The level of detail that this material is, counted from the level that heights were made for
      * (openbtf.reliefLevel included): moves along the relief halve with each. */
     uint32_t level;
+    /** The first level, counted likewise, that is decoded without relief; 0: all have it. */
+    uint32_t relief_end;
 } btf_ref_material;
 
 /** Directions: the nearest sample, or three neighbours, blended. */

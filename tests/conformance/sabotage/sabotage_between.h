@@ -5,7 +5,8 @@
 #ifndef OPENBTF_CONFORMANCE_SABOTAGE_BETWEEN_H
 #define OPENBTF_CONFORMANCE_SABOTAGE_BETWEEN_H
 
-/* RELIEF decodes an SBRDF one texel at a time, STEEP factors with both effects and the steep filter, GLOSS an SBRDF. */
+/* RELIEF decodes an SBRDF one texel at a time, STEEP factors with both effects and the steep filter, GLOSS an SBRDF,
+ * ENDING factors of three levels, of which the last has no relief, with the bilinear filter. */
 static const sabotage_of list_3[] = {
     {{"slopes steeper than 4", "", "max(d.z, 0.25)", "max(d.z, 0.2)"}, RELIEF},
     {{"slopes rounded down", "", "btf_mul(btf_mul(d.x, k), 4096.0), 0.5)", "btf_mul(btf_mul(d.x, k), 4096.0), 0.0)"},
@@ -59,6 +60,19 @@ static const sabotage_of list_3[] = {
     {{"a sum of shifted views not clamped", "", "#if BTF_BLEND_ROOTS\n    sum = btf_radiance(sum);",
       "#if BTF_BLEND_ROOTS\n    sum = btf_mul(sum, sum);"},
      STEEP},
+    {{"relief that does not end", "", "if (level >= BTF_RELIEF_END)\n        return;", ""}, ENDING},
+    {{"relief that ends a level later", "", "level >= BTF_RELIEF_END", "level > BTF_RELIEF_END"}, ENDING},
+    {{"relief that ends a level earlier", "", "level >= BTF_RELIEF_END", "level + 1 >= BTF_RELIEF_END"}, ENDING},
+    {{"views not moved at their texels' corners", "", "shown[0] = shown[1] = shown[2] = x;",
+      "shown[0] = shown[1] = shown[2] = x & ~255;"},
+     ENDING},
+    {{"texels blended before views where relief has ended", "", "if (s.level >= BTF_RELIEF_END) {", "if (false) {"},
+     ENDING},
+    {{"the last view alone where relief has ended", "", "btf_add(unmoved[i], btf_mul(", "btf_add(vec3(0.0), btf_mul("},
+     ENDING},
+    {{"roots not squared where relief has ended", "", "unmoved[i] = btf_radiance(unmoved[i]);", ""}, ENDING},
+    {{"radiance not scaled where relief has ended", "", "unmoved[i] = btf_mul(unmoved[i], BTF_RADIANCE_SCALE);", ""},
+     ENDING},
     {{"another share of the half vector", "", "BTF_GLOSS == 2 ? 0.5 : 0.25", "BTF_GLOSS == 2 ? 0.25 : 0.5"}, GLOSS},
     {{"lights below the horizon", "", "c.z = max(c.z, 0.0);", ""}, GLOSS},
     {{"shorter half vectors", "", "btf_inner(h, h), 0.5)", "btf_inner(h, h), 0.7)"}, GLOSS},

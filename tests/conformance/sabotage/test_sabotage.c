@@ -146,7 +146,7 @@ static const sabotage list[] = {
 };
 
 /* The same of version 2, and the subject that shows it. */
-enum { MIXED = 4, PACKED = 5, BOUNDS = 6, POINTS = 7, LISTS = 8, RELIEF = 9, STEEP = 10, GLOSS = 11, PICK_ALL = 12, PICK_VIEWS = 13 };
+enum { MIXED = 4, PACKED = 5, BOUNDS = 6, POINTS = 7, LISTS = 8, RELIEF = 9, STEEP = 10, GLOSS = 11, PICK_ALL = 12, PICK_VIEWS = 13, ENDING = 14 };
 typedef struct sabotage_of {
     sabotage fault;
     int subject;
@@ -455,6 +455,24 @@ static const struct {
                      .centres = 9,
                      .directions = SYNTHETIC_RANDOM},
                     {.filter = BTF_FILTER_BILINEAR, .picks = BTF_PICK_VIEW}},
+    [ENDING] = {{.seed = 23,
+                 .width = 13,
+                 .height = 9,
+                 .n_views = 7,
+                 .n_lights = 9,
+                 .layout = BTF_LAYOUT_TIGHT,
+                 .domain = BTF_DOMAIN_SQRT,
+                 .colour = BTF_COLOUR_NONE,
+                 .effects = BTF_EFFECT_RESIDUAL | BTF_EFFECT_RELIEF,
+                 .components = 1,
+                 .directions = SYNTHETIC_RANDOM,
+                 .levels = 3,
+                 .classes = {{0, 0, 0}, {0, 0, 0}, {1, 1, 0}},
+                 .blend = BTF_BLEND_ROOTS,
+                 .horizon_scale = 4,
+                 .relief = SYNTHETIC_GENTLE,
+                 .relief_end = 2},
+                {.filter = BTF_FILTER_BILINEAR}},
 };
 enum { SUBJECTS = sizeof subjects / sizeof *subjects, COUNT = 6000 };
 

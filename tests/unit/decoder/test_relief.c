@@ -260,6 +260,7 @@ static void assert_same(const btf_material *a, const btf_material *b) {
     assert_int_equal(x.relief_step, y.relief_step);
     assert_int_equal(x.relief_steps, y.relief_steps);
     assert_int_equal(x.relief_level, y.relief_level);
+    assert_int_equal(x.relief_end, y.relief_end);
     assert_int_equal(x.gloss_share, y.gloss_share);
     assert_int_equal(x.gpu_bytes, y.gpu_bytes);
     assert_int_equal(x.table_bytes, y.table_bytes);
@@ -499,9 +500,11 @@ static btf_range random_range(random_state *r) {
 /* Of a restriction: the plan's effects alone, whose heights are those of the whole. */
 static void assert_restricted(const btf_material *whole, const btf_material *small, const btf_plan *plan) {
     const btf_material_info a = info_of(whole), b = info_of(small);
-    const bool relief = a.effects & plan->effects & BTF_EFFECT_RELIEF,
+    const bool ended = plan->level >= a.relief_end,
+               relief = !ended && a.effects & plan->effects & BTF_EFFECT_RELIEF,
                gloss = a.effects & plan->effects & BTF_EFFECT_GLOSS;
-    assert_int_equal(b.effects & BOTH, a.effects & plan->effects & BOTH);
+    assert_int_equal(b.effects & BOTH, a.effects & plan->effects & (ended ? BTF_EFFECT_GLOSS : BOTH));
+    assert_int_equal(b.relief_end, relief ? a.relief_end - plan->level : 0);
     assert_int_equal(b.relief_base, relief ? a.relief_base : 0);
     assert_int_equal(b.relief_step, relief ? a.relief_step : 0);
     assert_int_equal(b.relief_steps, relief ? a.relief_steps : 0);

@@ -93,6 +93,10 @@ static double raised(int column, int row) {
     return 1;
 }
 
+static double high(int column, int row) {
+    return 8 * raised(column, row);
+}
+
 static void test_a_step_is_found(void **state) {
     (void)state;
     enc_data *data = planted(more, step, 0);
@@ -272,6 +276,62 @@ static void test_levels_filter_heights(void **state) {
     free(level);
 }
 
+/* Levels are judged one by one until one does not gain, by the same bits whatever the threads; not at all
+ * where the file has one. */
+static void test_where_relief_ends(void **state) {
+    (void)state;
+    enc_data *data = planted(more, step, 0);
+    enc_relief_choice a, b;
+    enc_relief_store first, second;
+    enc_relief_options options = {.relief = true, .gloss = 0, .levels = 4};
+    assert_int_equal(enc_relief_choose(&two, data, &options, &a, &first), BTF_OK);
+    options.levels = 0;
+    assert_int_equal(enc_relief_choose(&two, data, &options, &b, &second), BTF_OK);
+    for (int k = 0; k < a.end.judged; k++) {
+        const enc_relief_judged_level *l = &a.end.level[k];
+        printf("level %d: gain %.2f dB, linear %.5f -> %.5f, sRGB %.5f -> %.5f\n", k + 1, l->gain,
+               l->plain.linear, l->moved.linear, l->plain.srgb, l->moved.srgb);
+    }
+    assert_int_equal(a.end.judged, 1); /* its texels are as wide as the step is deep: half of one in use */
+    assert_false(a.end.level[0].on);
+    assert_int_equal(a.end.end, 1);
+    assert_int_equal(first.end, 1);
+    assert_int_equal(b.end.judged, 0);
+    assert_int_equal(second.end, 1);
+    enc_relief_clear(&first);
+    enc_relief_clear(&second);
+    enc_data_destroy(&data);
+}
+
+/* Judged by itself: a surface that is true lasts while it is deep, one that is not ends at once, and views
+ * that it does not act on do not count. */
+static void test_levels_are_judged(void **state) {
+    (void)state;
+    enc_data *data = planted(rings, high, 0);
+    uint8_t on[64], off[64] = {0};
+    enc_seen *seen = malloc(sizeof *seen);
+    enc_relief_end same, end;
+    memset(on, 1, sizeof on);
+    assert_int_equal(enc_seen_make(&one, data->views, data->n_views, 0, 90, seen), BTF_OK);
+    enc_relief_store store = {
+        .width = SIDE, .height = SIDE, .views = on, .base = 8 * ENC_WARP_ONE, .steps = 1};
+    assert_int_equal(enc_relief_find_end(&one, data, seen, 5, &store, &end), BTF_OK);
+    assert_int_equal(enc_relief_find_end(&two, data, seen, 5, &store, &same), BTF_OK);
+    assert_memory_equal(&end, &same, sizeof end);
+    printf("eight texels high: level 1 gains %.2f dB, ends at %d\n", end.level[0].gain, end.end);
+    assert_true(end.level[0].on && end.end > 1);
+    store.base = -4 * ENC_WARP_ONE;
+    assert_int_equal(enc_relief_find_end(&two, data, seen, 5, &store, &end), BTF_OK);
+    printf("twelve texels too deep: level 1 gains %.2f dB\n", end.level[0].gain);
+    assert_true(end.judged == 1 && end.end == 1 && end.level[0].gain < 0);
+    store.base = 8 * ENC_WARP_ONE;
+    store.views = off;
+    assert_int_equal(enc_relief_find_end(&two, data, seen, 5, &store, &end), BTF_OK);
+    assert_true(end.end == 1 && end.level[0].plain.linear == 0);
+    free(seen);
+    enc_data_destroy(&data);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_step_is_found),
@@ -282,6 +342,8 @@ int main(void) {
         cmocka_unit_test(test_gloss_is_found_where_there_is_a_lobe),
         cmocka_unit_test(test_nodes_follow_the_surface),
         cmocka_unit_test(test_levels_filter_heights),
+        cmocka_unit_test(test_where_relief_ends),
+        cmocka_unit_test(test_levels_are_judged),
     };
     return cmocka_run_group_tests_name("relief_choice", tests, NULL, NULL);
 }
