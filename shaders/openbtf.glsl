@@ -23,6 +23,8 @@
 #include "factors.glsl"
 #include "relief.glsl"
 #include "gloss.glsl"
+#include "folded.glsl"
 #include "compose.glsl"
 #include "evaluate.glsl"
+#include "fold.glsl"
 #endif

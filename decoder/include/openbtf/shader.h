@@ -67,6 +67,13 @@ typedef enum btf_fixed {
     BTF_FIXED_LIGHT = 2,
 } btf_fixed;
 
+/** What is decoded once, into texture `folded` (openbtf/fold.h), for a shader that reads it from then on. */
+typedef enum btf_fold {
+    BTF_FOLD_NONE = 0,
+    BTF_FOLD_LIGHT = 1, /**< a light that never changes */
+    BTF_FOLD_BOTH = 2,  /**< a light and a view */
+} btf_fold;
+
 /** How to decode. All zeros is a good default; a null pointer means that too. */
 typedef struct btf_shader_options {
     size_t struct_size;  /**< sizeof(btf_shader_options) */
@@ -88,6 +95,9 @@ typedef struct btf_shader_options {
     uint32_t fixed;          /**< btf_fixed bits; default 0 */
     float fixed_view[3];     /**< unit, of the tangent frame; read where `fixed` says so */
     float fixed_light[3];
+    btf_fold fold; /**< the shader reads `folded`, bound to first_binding + BTF_TEXTURE_COUNT, and of the material's
+                        textures only those that say where: what is handed to btf_evaluate must be the directions
+                        that were folded. `fixed` says nothing of these. Default BTF_FOLD_NONE */
 } btf_shader_options;
 
 /** @return a bit (1 << btf_texture_id) for each texture that the shader of these options reads. @p options
@@ -96,8 +106,8 @@ uint32_t btf_shader_textures(const btf_material_info *info, const btf_shader_opt
 
 /** Assembles the text for a material: its macros, then the library text, 0-terminated ASCII. *out_text is
  * to be freed with btf_free; NULL on error. @p options and @p log may be NULL. Errors: BTF_ERROR_USAGE (the
- * prefix, an enum value, a fixed direction that is not a unit vector above the horizon), BTF_ERROR_MEMORY.
- */
+ * prefix, an enum value, a fixed direction that is not a unit vector above the horizon), BTF_ERROR_UNSUPPORTED (a
+ * fold that is not defined: see btf_fold_check), BTF_ERROR_MEMORY. */
 btf_result btf_shader_source(const btf_material *material, const btf_shader_options *options,
                              const btf_log *log, char **out_text);
 

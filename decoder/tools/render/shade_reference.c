@@ -7,6 +7,7 @@
 #include "decoder/toolkit/filter.h"
 #include "decoder/toolkit/reference_view.h"
 #include "decoder/toolkit/file.h"
+#include "shade_fold.h"
 #include "table.h"
 #include <stdlib.h>
 
@@ -14,8 +15,31 @@ typedef struct reference {
     btf_ref_material level[BTF_MAX_LEVELS];
     int levels;
     btf_ref_options options[SHADER_VARIANTS];
+    btf_ref_folded folded[SHADER_VARIANTS][BTF_MAX_LEVELS]; /* without values: nothing is */
     int threads;
 } reference;
+
+static void destroy(void *self) {
+    reference *r = self;
+    for (int v = 0; v < SHADER_VARIANTS; v++)
+        for (int i = 0; i < BTF_MAX_LEVELS; i++)
+            free((void *)r->folded[v][i].values);
+    free(r);
+}
+
+/* Of all levels; false when out of memory. */
+static bool fold(reference *r, const shader_request *request, int variant) {
+    const btf_shader_options options = shade_fold_options(request, variant);
+    for (int i = 0; i < r->levels && options.fold != BTF_FOLD_NONE; i++) {
+        btf_ref_folded *f = &r->folded[variant][i];
+        f->fold = options.fold == BTF_FOLD_LIGHT ? BTF_REF_FOLD_LIGHT : BTF_REF_FOLD_BOTH;
+        f->values = shade_fold_reference(&r->level[i], &r->options[variant], options.fold, options.fixed_light,
+                                         options.fixed_view, r->threads);
+        if (!f->values)
+            return false;
+    }
+    return true;
+}
 
 static void *create(const shader_request *request, const btf_log *log, btf_result *out_result) {
     if (request->math == BTF_MATH_FAST) {
@@ -47,6 +71,13 @@ static void *create(const shader_request *request, const btf_log *log, btf_resul
             .interpolation =
                 request->interpolation == BTF_INTERPOLATION_NEAREST ? BTF_REF_NEAREST : BTF_REF_LINEAR,
             .filter = filter_of_reference(request->filter)};
+    for (int i = 0; i < request->variants; i++)
+        if (!fold(self, request, i)) {
+            file_say(log, "out of memory for a fold");
+            *out_result = BTF_ERROR_MEMORY;
+            destroy(self);
+            return NULL;
+        }
     return self;
 }
 
@@ -69,8 +100,13 @@ static btf_result run(void *self, int variant, int width, int rows, const float 
     for (int i = 0; i < count; i++) {
         const float *in = inputs + TABLE_INPUTS * (size_t)i;
         const int level = (int)in[8] < r->levels ? (int)in[8] : r->levels - 1;
-        btf_ref_evaluate(&r->level[level], &r->options[variant], in[0], in[1], in + 5, in + 2,
-                         out + 3 * (size_t)i);
+        const btf_ref_folded *folded = &r->folded[variant][level];
+        if (folded->values)
+            btf_ref_evaluate_folded(&r->level[level], &r->options[variant], folded, in[0], in[1], in + 5,
+                                    in + 2, out + 3 * (size_t)i);
+        else
+            btf_ref_evaluate(&r->level[level], &r->options[variant], in[0], in[1], in + 5, in + 2,
+                             out + 3 * (size_t)i);
     }
     return BTF_OK;
 }
@@ -83,4 +119,4 @@ static btf_result no_time(void *self, int variant, int repeats, shader_times *ou
     return BTF_ERROR_UNSUPPORTED;
 }
 
-const shader_class shader_class_reference = {create, free, name, max_width, run, no_time};
+const shader_class shader_class_reference = {create, destroy, name, max_width, run, no_time};

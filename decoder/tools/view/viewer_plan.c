@@ -23,15 +23,6 @@ void viewer_forget_plans(viewer *v) {
     v->planning = (planning){.planner = planner_begin()};
 }
 
-/* One normal all over: a light far away is one direction there. */
-static bool is_flat(const mesh *m) {
-    for (uint32_t i = 1; i < m->vertex_count; i++)
-        if (memcmp(m->vertices[i].normal, m->vertices[0].normal, sizeof m->vertices[0].normal) ||
-            memcmp(m->vertices[i].tangent, m->vertices[0].tangent, sizeof m->vertices[0].tangent))
-            return false;
-    return true;
-}
-
 static bool same_camera(const view_state *a, const view_state *b) {
     return a->theta == b->theta && a->phi == b->phi && a->zoom == b->zoom && a->mesh == b->mesh &&
            a->levels == b->levels;
@@ -86,7 +77,7 @@ static btf_result note_movement(viewer *v) {
     if (!camera && !lit)
         return BTF_OK;
     if (first)
-        p->folds = is_flat(viewer_mesh(v));
+        p->folds = mesh_is_flat(viewer_mesh(v));
     p->moved = camera ? now : p->moved;
     p->light_moved = lit ? now : p->light_moved;
     p->seen = v->state;
