@@ -247,6 +247,60 @@ static void wrong_calls_are_refused(void **state) {
     btf_material_close(&material);
 }
 
+/* The state of an application changes nothing of a fold, and is as it was: a scissor, masks, another
+ * framebuffer and program; the layers are what the reference keeps. */
+static void state_is_left_alone(void **state) {
+    (void)state;
+    static const GLenum names[] = {
+        GL_VIEWPORT,       GL_CURRENT_PROGRAM,          GL_DRAW_FRAMEBUFFER_BINDING,
+        GL_SCISSOR_TEST,   GL_COLOR_WRITEMASK,          GL_VERTEX_ARRAY_BINDING,
+        GL_ACTIVE_TEXTURE, GL_READ_FRAMEBUFFER_BINDING, GL_DEPTH_TEST};
+    enum { NAMES = sizeof names / sizeof *names, MOST = 13 * 7 * 9 };
+    static uint32_t kept[MOST][4];
+    const gl_api *api = gpu_api(device);
+    const float light[3] = {0.6f, 0, 0.8f};
+    btf_material *material = make(&roots);
+    btf_shader_options shader = {
+        .struct_size = sizeof shader, .leave_out = BTF_EFFECT_GLOSS, .fold = BTF_FOLD_LIGHT};
+    btf_gl_options options = gpu_gl_options(device, NULL);
+    btf_gl_fold *fold = NULL;
+    btf_gl *textures = NULL;
+    GLint before[NAMES][4] = {{0}}, after[NAMES][4] = {{0}};
+    assert_int_equal(btf_gl_upload(material, &options, &hearing, &textures), BTF_OK);
+    options.shader = &shader;
+    assert_int_equal(btf_gl_fold_create(material, &options, 2, &hearing, &fold), BTF_OK);
+    api->Enable(GL_SCISSOR_TEST);
+    api->Enable(GL_DEPTH_TEST);
+    api->Scissor(1, 1, 1, 1);
+    api->ColorMask(1, 0, 0, 1);
+    api->Viewport(3, 4, 5, 6);
+    for (int i = 0; i < NAMES; ++i)
+        api->GetIntegerv(names[i], before[i]);
+    assert_int_equal(btf_gl_fold_run(fold, textures, GPU_FIRST_UNIT, 1, light, NULL, &hearing), BTF_OK);
+    for (int i = 0; i < NAMES; ++i)
+        api->GetIntegerv(names[i], after[i]);
+    assert_memory_equal(before, after, sizeof before);
+    api->Disable(GL_SCISSOR_TEST);
+    api->Disable(GL_DEPTH_TEST);
+    api->ColorMask(1, 1, 1, 1);
+    const btf_ref_options of = variant_reference_options(&shader);
+    for (uint32_t level = 0; level < 3; ++level) {
+        btf_ref_material m;
+        reference_view(material, level, &m);
+        const size_t words = (size_t)4 * m.width * m.height * m.n_views;
+        float *values = fold_reference(&m, &of, BTF_REF_FOLD_LIGHT, light, NULL);
+        static uint32_t both[2 * MOST][4]; /* lights */
+        api->BindTexture(GL_TEXTURE_2D_ARRAY, btf_gl_fold_texture(fold));
+        api->GetTexImage(GL_TEXTURE_2D_ARRAY, (GLint)level, GL_RGBA_INTEGER, GL_UNSIGNED_INT, both);
+        memcpy(kept, &both[0][0] + words, words * sizeof(uint32_t));
+        assert_memory_equal(kept, values, words * sizeof(uint32_t));
+        free(values);
+    }
+    btf_gl_fold_destroy(&fold);
+    btf_gl_destroy(&textures);
+    btf_material_close(&material);
+}
+
 /* A wrong shader: words of the decoder, or of what folds, and other ones in their place. */
 typedef struct sabotage {
     const char *name, *from, *to;
@@ -330,8 +384,8 @@ static const sabotage list[] = {
      "btf_setting s = btf_prepare(vec3(0.0, 0.0, 1.0), l, BTF_NEAREST != 0, level);", 1, LIGHT_OF_ROOTS},
     {"level 0 folded for all", "btf_factor_scene(texels, level,", "btf_factor_scene(texels, 0,", 1,
      LIGHT_OF_ROOTS},
-    {"factors of the first view folded for all", "(texels, level, uvec3(view)",
-     "(texels, level, uvec3(0u)", 1, LIGHT_OF_ROOTS},
+    {"factors of the first view folded for all", "(texels, level, uvec3(view)", "(texels, level, uvec3(0u)",
+     1, LIGHT_OF_ROOTS},
     {"shift and gain of the first view folded for all", "btf_show_view(value, texels, view, s);",
      "btf_show_view(value, texels, 0u, s);", 1, LIGHT_OF_RADIANCE},
     {"nearest lights folded for all", "vec3(0.0, 0.0, 1.0), BTF_NEAREST != 0, level)",
@@ -450,6 +504,7 @@ int main(void) {
         cmocka_unit_test(undefined_folds_are_refused),
         cmocka_unit_test(a_folded_shader_reads_less),
         cmocka_unit_test(wrong_calls_are_refused),
+        cmocka_unit_test(state_is_left_alone),
         cmocka_unit_test(untouched_passes),
         cmocka_unit_test(each_sabotage_is_caught),
     };
