@@ -97,7 +97,7 @@ CHANGES = [
     ("level 0 of a fold drawn alone", "fold", [
         ("decoder/fold/gl_fold.c", "level < f->levels; ++level) {", "level < 1; ++level) {")]),
     ("every light folded into the layers of the first", "fold", [
-        ("decoder/fold/gl_fold.c", "(int32_t)(number * f->views + view)", "(int32_t)view")]),
+        ("decoder/fold/gl_fold.c", "(int32_t)(number * f->views + view)", "(int32_t)(number * 0 + view)")]),
     ("a fold drawn within the caller's scissor", "fold", [
         ("decoder/fold/gl_draw.c", "    GL_SCISSOR_TEST,", "    GL_STENCIL_TEST,")]),
     ("the caller's viewport lost to a fold", "fold", [
