@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "fold.h"
+#include "decoder/restrict.h"
 #include "decoder/result.h"
 
 #include <string.h>
@@ -100,4 +101,34 @@ btf_fold_costs btf_fold_cost(const btf_material *material, const btf_shader_opti
     const double saved = (double)costs.unfolded - (double)costs.folded;
     costs.pixels = saved > 0 ? costs.pass / saved : 1e30;
     return costs;
+}
+
+void btfi_fold_plan(const btf_material *material, btf_plan *plan) {
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_material_get_info(material, &info);
+    plan->fold = BTF_FOLD_NONE;
+    plan->fold_bytes = 0;
+    plan->folded_cost = plan->cost;
+    plan->fold_pixels = 0;
+    if (!plan->scene.light.fixed)
+        return;
+    for (int fold = plan->scene.view.fixed ? BTF_FOLD_BOTH : BTF_FOLD_LIGHT; fold >= BTF_FOLD_LIGHT;
+         fold--) {
+        btf_shader_options options = plan->shader;
+        options.fold = (btf_fold)fold;
+        if (btf_fold_check(&info, &options, NULL) != BTF_OK)
+            continue;
+        const btf_material_info small = btfi_restricted_info(&info, plan->effects, plan->components,
+                                                             plan->level, plan->views, plan->lights);
+        const float lights = (float)(plan->scene.lights ? plan->scene.lights : 1);
+        const btf_fold_costs costs = btf_fold_cost(material, &options, &plan->scene);
+        /* of the restriction: fewer views, fewer texels */
+        const double share = (fold == BTF_FOLD_BOTH ? 1 : (double)small.n_views / info.n_views) *
+                             ((double)small.width * small.height) / ((double)info.width * info.height);
+        plan->fold = options.fold;
+        plan->fold_bytes = btf_fold_bytes(&small, plan->fold, 1);
+        plan->folded_cost = costs.folded * lights;
+        plan->fold_pixels = costs.pixels * share;
+        return;
+    }
 }

@@ -11,6 +11,7 @@
 
 #include <openbtf/fold.h>
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -205,6 +206,51 @@ static void a_folded_shader_reads_less(void **state) {
     const btf_fold_costs both = btf_fold_cost(material, &shader, NULL);
     assert_true(both.folded < light.folded && both.pixels < light.pixels);
     btf_material_close(&material);
+}
+
+/* A plan says what of its scene can be folded, and what that takes of the restricted material. */
+static void plans_fold(void **state) {
+    (void)state;
+    const btf_range still = {.fixed = 1, .direction = {0.6f, 0, 0.8f}}, top = {.theta = {0, 20}};
+    synthetic_spec spec = roots;
+    btf_plan plan;
+    btf_scene scene = {.struct_size = sizeof scene, .light = still};
+    btf_material *glossy = make(&spec);
+    spec.effects = BTF_EFFECT_RESIDUAL | BTF_EFFECT_RELIEF;
+    btf_material *raised = make(&spec);
+    spec.effects = BTF_EFFECT_RESIDUAL;
+    spec.n_views = 81;
+    spec.directions = SYNTHETIC_RINGS;
+    btf_material *flat = make(&spec);
+    assert_int_equal(btf_plan_effects(glossy, &scene, 0, &plan), BTF_OK);
+    assert_int_equal(plan.fold, BTF_FOLD_NONE);
+    assert_true(plan.fold_bytes == 0 && plan.folded_cost == plan.cost);
+    assert_int_equal(btf_plan_effects(raised, &scene, 0, &plan), BTF_OK);
+    assert_int_equal(plan.fold, BTF_FOLD_LIGHT);
+    assert_int_equal(plan.fold_bytes, 9 * 16 * (13 * 7 + 6 * 3 + 3 * 1));
+    assert_true(plan.folded_cost < plan.cost && plan.fold_pixels > 0);
+    const float with_relief = plan.folded_cost;
+    assert_int_equal(btf_plan_effects(flat, &scene, 0, &plan), BTF_OK);
+    assert_int_equal(plan.fold, BTF_FOLD_LIGHT);
+    assert_true(plan.folded_cost < with_relief && plan.views == 81);
+    const double pixels = plan.fold_pixels;
+    scene.view = top; /* fewer views are folded sooner */
+    assert_int_equal(btf_plan_effects(flat, &scene, 0, &plan), BTF_OK);
+    assert_true(plan.views < 40 && plan.fold_bytes == (size_t)plan.views * 16 * (13 * 7 + 6 * 3 + 3 * 1));
+    assert_true(fabs(plan.fold_pixels - pixels * plan.views / 81) < 0.01 * pixels);
+    const float light_alone = plan.folded_cost;
+    scene.view = still;
+    assert_int_equal(btf_plan_effects(flat, &scene, 0, &plan), BTF_OK);
+    assert_int_equal(plan.fold, BTF_FOLD_BOTH);
+    assert_true(plan.folded_cost < light_alone && plan.fold_bytes == 16 * (13 * 7 + 6 * 3 + 3 * 1));
+    assert_int_equal(btf_plan_effects(raised, &scene, 0, &plan), BTF_OK); /* relief: the light alone */
+    assert_int_equal(plan.fold, BTF_FOLD_LIGHT);
+    scene.light = (btf_range){0};
+    assert_int_equal(btf_plan_effects(flat, &scene, 0, &plan), BTF_OK); /* a still view alone is no fold */
+    assert_int_equal(plan.fold, BTF_FOLD_NONE);
+    btf_material_close(&glossy);
+    btf_material_close(&raised);
+    btf_material_close(&flat);
 }
 
 static void wrong_calls_are_refused(void **state) {
@@ -503,6 +549,7 @@ int main(void) {
         cmocka_unit_test(folded_reference_has_the_same_bits),
         cmocka_unit_test(undefined_folds_are_refused),
         cmocka_unit_test(a_folded_shader_reads_less),
+        cmocka_unit_test(plans_fold),
         cmocka_unit_test(wrong_calls_are_refused),
         cmocka_unit_test(state_is_left_alone),
         cmocka_unit_test(untouched_passes),
