@@ -397,7 +397,7 @@ static void errors_to_tolerate(const btf_material *material, const btf_scene *sc
 static bool is_tolerated(const candidate *c, const candidate *full, const double base[2], float tolerance) {
     const double most = pow(10, (double)tolerance / 10);
     for (int i = 0; i < 2; i++)
-        if (base[i] + fmax(c->mse[i] - full->mse[i], 0) > base[i] * most * (1 + 1e-6))
+        if (base[i] + fmax(c->mse[i] - full->mse[i], 0) > base[i] * most)
             return false;
     return true;
 }
