@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: MIT
  */
 
+#if !BTF_STOCHASTIC
 /* Radiance at texture coordinates, seen from v, of which s has all else. */
 vec3 btf_evaluate_setting(vec2 uv, vec3 v, btf_setting s) {
     int level = s.level;
@@ -54,6 +55,7 @@ vec3 btf_evaluate_nearest(vec2 uv, vec3 l, vec3 v) {
 vec3 btf_evaluate_level(vec2 uv, vec3 l, vec3 v, int level) {
     return btf_evaluate_directions(uv, l, v, BTF_NEAREST != 0, clamp(level, 0, int(BTF_LEVELS) - 1));
 }
+#endif
 
 /* The level of detail, 0 .. levels - 1, at which a texel is as wide as the longer of two steps of uv, dFdx(uv) and
  * dFdy(uv) say; round it to nearest for btf_evaluate_level. Not exact. */

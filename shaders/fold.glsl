@@ -23,7 +23,7 @@ vec3 btf_evaluate_folded(vec2 uv, vec3 v, int light, int level) {
 }
 
 #else
-#if !BTF_BILINEAR && !BTF_RELIEF
+#if !BTF_BILINEAR && !BTF_RELIEF && !BTF_STOCHASTIC
 
 #if BTF_COLOUR == 2 && !BTF_GLOSS
 /* Of texel x in a sampled view under light l: what is blended of the views, before it is weighted. An SBRDF depends on

@@ -27,4 +27,6 @@
 #include "compose.glsl"
 #include "evaluate.glsl"
 #include "fold.glsl"
+#include "stochastic.glsl"
+#include "sampling.glsl"
 #endif

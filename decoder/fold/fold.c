@@ -33,6 +33,8 @@ btf_result btf_fold_check(const btf_material_info *info, const btf_shader_option
                           const btf_log *log) {
     const btf_shader_options all = read_options(options);
     const uint32_t effects = info->effects & ~all.leave_out;
+    if (all.fold != BTF_FOLD_NONE && all.picks != BTF_PICK_NONE)
+        return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "fold: a stochastic decode is not folded");
     if (all.fold == BTF_FOLD_LIGHT && info->colour != BTF_COLOUR_NONE)
         return btfi_fail(
             log, BTF_ERROR_UNSUPPORTED,
@@ -53,6 +55,7 @@ btf_shader_options btf_fold_pass(const btf_shader_options *options) {
     all.filter = BTF_FILTER_TEXEL;
     all.fixed = 0;
     all.fold = BTF_FOLD_NONE;
+    all.picks = BTF_PICK_NONE;
     return all;
 }
 

@@ -59,6 +59,11 @@ btf_result check_folded(const check_subject *subject, uint64_t seed, uint64_t co
  * `count`, and the seed allows. */
 btf_fold check_fold_kind(const btf_material_info *info, uint64_t seed, uint64_t count);
 
+/* `count` evaluations of a stochastic decode, and of the blend that it converges to, in turn, at random and extreme
+ * arguments, random numbers and levels of detail. Picks are those of subject->shader, or where it says none, as the
+ * seed says. Adds to *outcome. */
+btf_result check_stochastic(const check_subject *subject, uint64_t seed, uint64_t count, check_outcome *outcome);
+
 /* The error of fast math. A look-up that rounds to the next step of a weight (1/4096) can show a neighbour
  * that is many times brighter, so a bound on every channel would say little. */
 #define CHECK_FAST_BOUND 0x1p-7

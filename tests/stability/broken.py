@@ -176,6 +176,29 @@ CHANGES = [
         ("reference/btf_evaluate.c", "e.lights[a] = some_lights(lights, e.linear);", "e.lights[0] = some_lights(lights, e.linear);")]),
     ("three lights with gloss in nearest mode", "reference_between", [
         ("reference/btf_evaluate.c", "e.lights[a] = some_lights(lights, e.linear);", "e.lights[a] = some_lights(lights, true);")]),
+    ("shares of views that begin one number early", "decoder_stochastic", [
+        ("reference/btf_stochastic.c", "if (number < end)", "if (number + 1 < end)")]),
+    ("views picked by other bits", "reference_stochastic", [
+        ("reference/btf_stochastic.c", "random >> (32 - WEIGHT_BITS), end = 0", "random & (FULL_WEIGHT - 1), end = 0")]),
+    ("views picked by the weights before occlusion", "reference_stochastic", [
+        ("reference/btf_stochastic.c", "s.views.weight[a] = weights[a];", "weights[a] = s.views.weight[a];")]),
+    ("lights picked by the view's number", "decoder_stochastic", [
+        ("reference/btf_stochastic.c", "pick(&around, random[1])", "pick(&around, random[0])")]),
+    ("the lights of the first view for every choice", "reference_stochastic", [
+        ("reference/btf_stochastic.c", "btf_ref_gloss(material, s->views.index[a],", "btf_ref_gloss(material, s->views.index[0 * a],")]),
+    ("columns and rows picked by the same bits", "reference_stochastic", [
+        ("reference/btf_stochastic.c", "random >> 16 & 255u", "random >> 24 & 255u")]),
+    ("the texel beside the one that is picked", "reference_stochastic", [
+        ("reference/btf_stochastic.c", "number[axis] < weight ? far : near", "number[axis] < weight ? near : far")]),
+    ("choices of directions below the horizon", "decoder_stochastic", [
+        ("reference/btf_stochastic.c", "if (!btf_ref_above_horizon(light, view))\n        return;\n    scene s = set_scene(material, options, picks, u, v, light, view);\n    int a",
+         "scene s = set_scene(material, options, picks, u, v, light, view);\n    int a")]),
+    ("levels that are no numbers taken for the last", "decoder_stochastic", [
+        ("reference/btf_stochastic.c", "if (bits > 0x7F800000u || bits == 0)", "if (bits == 0)")]),
+    ("shares of two levels swapped", "reference_stochastic", [
+        ("reference/btf_stochastic.c", "i == 0 ? 256 - share : share", "i == 0 ? share : 256 - share")]),
+    ("another constant of the random numbers", "reference_stochastic", [
+        ("reference/btf_stochastic.c", "uint32_t y = counter[1] * 1664525u", "uint32_t y = counter[1] * 1664523u")]),
     ("integers read where floats belong", "stability_files", [
         ("decoder/exr_read.c", "if (entry->pixel_type != type)", "if (entry->pixel_type != type && type == EXR_PIXEL_HALF)")]),
     ("attributes of another type read", "stability_files", [

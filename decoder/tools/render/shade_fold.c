@@ -26,10 +26,14 @@ btf_shader_options shade_fold_options(const shader_request *request, int variant
                                   .interpolation = request->interpolation,
                                   .filter = request->filter,
                                   .math = request->math,
-                                  .fixed = request->fixed};
+                                  .fixed = request->fixed,
+                                  .picks = request->picks};
     memcpy(options.fixed_view, request->fixed_view, sizeof options.fixed_view);
     memcpy(options.fixed_light, request->fixed_light, sizeof options.fixed_light);
-    if (!(request->fixed & BTF_FIXED_LIGHT) || request->fold == SHADER_FOLD_NEVER)
+    /* The evaluator on the CPU is not the shader of the model, and its folds are the reference's. */
+    const bool wanted = request->fold == SHADER_FOLD_ALWAYS ||
+                        (request->fold == SHADER_FOLD_AUTO && strcmp(request->device, "reference") != 0);
+    if (!(request->fixed & BTF_FIXED_LIGHT) || !wanted || request->picks)
         return options;
     for (int fold = BTF_FOLD_BOTH; fold >= BTF_FOLD_LIGHT; fold--) {
         options.fold = (btf_fold)fold;

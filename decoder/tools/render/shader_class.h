@@ -1,4 +1,4 @@
-/* The devices behind a shader: what one is asked for, and what it does.
+/* The interface of the devices behind a shader.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -31,6 +31,8 @@ typedef struct shader_request {
     float fixed_view[3], fixed_light[3];
     shader_fold fold;
     double samples; /* to be shaded by each variant, about */
+    btf_picks picks; /* other than none: a list is decoded stochastically, */
+    int picked;      /* so many times, 1 at least, of which the mean is taken; every list by other random numbers */
     int level;   /* the level of detail that every sample asks for; below 0: they differ */
     int threads; /* of the reference */
 } shader_request;

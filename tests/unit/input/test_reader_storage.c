@@ -178,7 +178,7 @@ static void test_archives(void **state) {
             write_whole_file(path, bytes, n);
             const btf_result result = enc_read(&set_context, path, &options, &data);
             if (result == BTF_OK) {
-                set_expect(data, 1e-7); /* what is missing at the end held no image */
+                set_expect(data, 1e-7); /* the bytes missing at the end held no image */
                 enc_data_destroy(&data);
                 whole++;
                 continue;
