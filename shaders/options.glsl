@@ -44,7 +44,8 @@
  *                        view, as btf_fold_light gives it; 2: nor does the view, and it holds their radiance, as
  *                        btf_fold_both gives it. Then the macros above stand for a file without any effect but relief
  *                        (with 2: without), of colour none and no components; neither a fixed light nor, with 2, a
- *                        fixed view is given; and with 1 BTF_N_VIEWS (uint) is the number of views. Default 0
+ *                        fixed view is given; and with 1 BTF_N_VIEWS (uint) is the number of views. Not with BTF_STOCHASTIC.
+ *                        Default 0
  *     BTF_SAMPLING       1: with btf_sample_light and btf_pdf_light, which read the tables of openbtf/sampling.h and
  *                        need both direction tables. Default 0
  *     BTF_FAST_MATH      1: the device's own log2 and exp2, and no order of operations kept
