@@ -40,6 +40,8 @@
     X(Enable, void, (uint32_t capability))                                                                 \
     X(FramebufferTexture2D, void,                                                                          \
       (uint32_t target, uint32_t attachment, uint32_t texture_target, uint32_t texture, int32_t level))    \
+    X(FramebufferTextureLayer, void,                                                                       \
+      (uint32_t target, uint32_t attachment, uint32_t texture, int32_t level, int32_t layer))              \
     X(GenFramebuffers, void, (int32_t count, uint32_t * names))                                            \
     X(GenTextures, void, (int32_t count, uint32_t * names))                                                \
     X(GenVertexArrays, void, (int32_t count, uint32_t * names))                                            \
@@ -66,6 +68,7 @@
        int32_t border, uint32_t format, uint32_t type, const void *data))                                  \
     X(TexParameteri, void, (uint32_t target, uint32_t name, int32_t value))                                \
     X(Uniform1i, void, (int32_t location, int32_t value))                                                  \
+    X(Uniform3f, void, (int32_t location, float x, float y, float z))                                      \
     X(UseProgram, void, (uint32_t program))                                                                \
     X(Viewport, void, (int32_t x, int32_t y, int32_t width, int32_t height))
 

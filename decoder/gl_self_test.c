@@ -2,6 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "decoder/fold/gl_draw.h"
 #include "gl_functions.h"
 #include "result.h"
 
@@ -9,158 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The state that drawing touches: first that of every context, then what desktop ones add, then what
- * compatibility ones add. */
-static const uint32_t capabilities[] = {
-    GL_CULL_FACE,
-    GL_DEPTH_TEST,
-    GL_STENCIL_TEST,
-    GL_SCISSOR_TEST,
-    GL_RASTERIZER_DISCARD,
-    GL_SAMPLE_ALPHA_TO_COVERAGE,
-    GL_SAMPLE_COVERAGE,
-    GL_COLOR_LOGIC_OP,
-    GL_CLIP_DISTANCE0,
-    GL_CLIP_DISTANCE0 + 1,
-    GL_CLIP_DISTANCE0 + 2,
-    GL_CLIP_DISTANCE0 + 3,
-    GL_CLIP_DISTANCE0 + 4,
-    GL_CLIP_DISTANCE0 + 5,
-    GL_CLIP_DISTANCE0 + 6,
-    GL_CLIP_DISTANCE0 + 7,
-    GL_POLYGON_STIPPLE,
-    GL_ALPHA_TEST,
-};
-enum { CAPABILITY_COUNT = sizeof capabilities / sizeof *capabilities, PACK_COUNT = 4 };
-enum { COMPATIBILITY_CAPABILITIES = 2, DESKTOP_CAPABILITIES = 9 }; /* so many of them, from the end */
 enum { SIDE = 2 }; /* of the framebuffer: pixels are drawn in such blocks */
-static const uint32_t pack_names[PACK_COUNT] = {GL_PACK_SWAP_BYTES, GL_PACK_ROW_LENGTH, GL_PACK_SKIP_ROWS,
-                                                GL_PACK_SKIP_PIXELS};
-
-typedef struct state {
-    uint8_t enabled[CAPABILITY_COUNT], mask[4];
-    int32_t polygon_mode[2]; /* front, back; core contexts have one mode, and may fill in only the first */
-    int32_t viewport[4], draw, read, array, program, texture, texture_array, unit, sampler, pack_buffer,
-        pack[PACK_COUNT];
-    btfi_gl_unpack unpack;
-} state;
-
-static int capability_count(const btfi_gl_functions *gl) {
-    return CAPABILITY_COUNT - (gl->is_compatibility ? 0 : COMPATIBILITY_CAPABILITIES) -
-           (gl->is_es ? DESKTOP_CAPABILITIES : 0);
-}
-
-static void save_polygon_mode(const btfi_gl_functions *gl, state *s) {
-    if (gl->is_es)
-        return;
-    gl->GetIntegerv(GL_POLYGON_MODE, s->polygon_mode);
-    gl->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
-}
-
-static void restore_polygon_mode(const btfi_gl_functions *gl, const state *s) {
-    if (gl->is_es)
-        return;
-    gl->PolygonMode(GL_FRONT_AND_BACK, (uint32_t)s->polygon_mode[0]);
-    if (gl->is_compatibility && s->polygon_mode[1] != s->polygon_mode[0])
-        gl->PolygonMode(GL_BACK, (uint32_t)s->polygon_mode[1]);
-}
-
-static void save_state(const btfi_gl_functions *gl, state *s) {
-    for (int i = 0; i < capability_count(gl); ++i) {
-        s->enabled[i] = gl->IsEnabled(capabilities[i]);
-        gl->Disable(capabilities[i]);
-    }
-    save_polygon_mode(gl, s);
-    gl->GetBooleanv(GL_COLOR_WRITEMASK, s->mask);
-    gl->ColorMask(1, 1, 1, 1);
-    gl->GetIntegerv(GL_VIEWPORT, s->viewport);
-    gl->GetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &s->draw);
-    gl->GetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &s->read);
-    gl->GetIntegerv(GL_VERTEX_ARRAY_BINDING, &s->array);
-    gl->GetIntegerv(GL_CURRENT_PROGRAM, &s->program);
-    gl->GetIntegerv(GL_TEXTURE_BINDING_2D, &s->texture);
-    gl->GetIntegerv(GL_TEXTURE_BINDING_2D_ARRAY, &s->texture_array);
-    gl->GetIntegerv(GL_ACTIVE_TEXTURE, &s->unit);
-    s->unit -= GL_TEXTURE0;
-    gl->GetIntegerv(GL_SAMPLER_BINDING, &s->sampler);
-    gl->BindSampler((uint32_t)s->unit, 0);
-    gl->GetIntegerv(GL_PIXEL_PACK_BUFFER_BINDING, &s->pack_buffer);
-    gl->BindBuffer(GL_PIXEL_PACK_BUFFER, 0);
-    btfi_gl_save_unpack(gl, &s->unpack);
-    for (int i = gl->is_es; i < PACK_COUNT; ++i) {
-        gl->GetIntegerv(pack_names[i], &s->pack[i]);
-        gl->PixelStorei(pack_names[i], 0);
-    }
-}
-
-static void restore_state(const btfi_gl_functions *gl, const state *s) {
-    for (int i = gl->is_es; i < PACK_COUNT; ++i)
-        gl->PixelStorei(pack_names[i], s->pack[i]);
-    btfi_gl_restore_unpack(gl, &s->unpack);
-    gl->BindBuffer(GL_PIXEL_PACK_BUFFER, (uint32_t)s->pack_buffer);
-    gl->BindTexture(GL_TEXTURE_2D, (uint32_t)s->texture);
-    gl->BindTexture(GL_TEXTURE_2D_ARRAY, (uint32_t)s->texture_array);
-    gl->BindSampler((uint32_t)s->unit, (uint32_t)s->sampler);
-    gl->UseProgram((uint32_t)s->program);
-    gl->BindVertexArray((uint32_t)s->array);
-    gl->BindFramebuffer(GL_READ_FRAMEBUFFER, (uint32_t)s->read);
-    gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, (uint32_t)s->draw);
-    gl->Viewport(s->viewport[0], s->viewport[1], s->viewport[2], s->viewport[3]);
-    gl->ColorMask(s->mask[0], s->mask[1], s->mask[2], s->mask[3]);
-    restore_polygon_mode(gl, s);
-    for (int i = 0; i < capability_count(gl); ++i)
-        if (s->enabled[i])
-            gl->Enable(capabilities[i]);
-}
-
-static uint32_t compile(const btfi_gl_functions *gl, uint32_t kind, int count, const char *const *text,
-                        const btf_log *log) {
-    uint32_t shader = gl->CreateShader(kind);
-    int32_t ok = 0;
-    gl->ShaderSource(shader, count, text, NULL);
-    gl->CompileShader(shader);
-    gl->GetShaderiv(shader, GL_COMPILE_STATUS, &ok);
-    if (!ok) {
-        char message[400] = "";
-        gl->GetShaderInfoLog(shader, (int32_t)sizeof message, NULL, message);
-        btfi_fail(log, BTF_ERROR_UNSUPPORTED, "gl: the self-test does not compile: %s", message);
-        gl->DeleteShader(shader);
-        return 0;
-    }
-    return shader;
-}
-
-/* The program of one pass, of the version and the two other pieces of its fragment shader; 0 when GL
- * refuses it. */
-static uint32_t make_program(const btfi_gl_functions *gl, const char *const fragment_parts[4],
-                             const btf_log *log) {
-    static const char vertex_text[] = "void main() {\n"
-                                      "    gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0,\n"
-                                      "                       gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0);\n"
-                                      "}\n";
-    const char *vertex_parts[] = {fragment_parts[0], vertex_text};
-    uint32_t vertex = compile(gl, GL_VERTEX_SHADER, 2, vertex_parts, log);
-    uint32_t fragment = vertex ? compile(gl, GL_FRAGMENT_SHADER, 4, fragment_parts, log) : 0;
-    uint32_t program = 0;
-    if (fragment) {
-        int32_t ok = 0;
-        program = gl->CreateProgram();
-        gl->AttachShader(program, vertex);
-        gl->AttachShader(program, fragment);
-        gl->LinkProgram(program);
-        gl->GetProgramiv(program, GL_LINK_STATUS, &ok);
-        if (!ok) {
-            btfi_fail(log, BTF_ERROR_UNSUPPORTED, "gl: the self-test does not link");
-            gl->DeleteProgram(program);
-            program = 0;
-        }
-    }
-    if (fragment)
-        gl->DeleteShader(fragment);
-    if (vertex)
-        gl->DeleteShader(vertex);
-    return program;
-}
 
 /* Draws the pixels and reads them. `unit` is that of the sampler, if there is one. */
 static btf_result run_program(const btfi_gl_functions *gl, uint32_t program, int32_t unit,
@@ -195,7 +45,7 @@ static btf_result run_arithmetic(const btfi_gl_functions *gl, const char *versio
                                     "}\n";
     const char *parts[] = {version, without_precise ? "#define BTF_HAVE_PRECISE 0\n" : "",
                            btf_shader_self_test(), main_text};
-    return run_program(gl, make_program(gl, parts, log), 0, log, failures);
+    return run_program(gl, btfi_gl_program(gl, 4, parts, "self-test", log), 0, log, failures);
 }
 
 /* Four neighbouring pixels fetch from different mip levels, together and while the first of them rests
@@ -231,7 +81,7 @@ static btf_result run_levels(const btfi_gl_functions *gl, const char *version, i
                        GL_UNSIGNED_INT, texels);
     }
     const char *parts[] = {version, head_text, "", main_text};
-    btf_result result = run_program(gl, make_program(gl, parts, log), unit, log, failures);
+    btf_result result = run_program(gl, btfi_gl_program(gl, 4, parts, "self-test", log), unit, log, failures);
     gl->DeleteTextures(1, &texture);
     return result;
 }
@@ -266,7 +116,7 @@ static btf_result run_array(const btfi_gl_functions *gl, const char *version, in
     gl->TexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RGBA32UI, SIDE, SIDE, 3, 0, GL_RGBA_INTEGER, GL_UNSIGNED_INT,
                    words);
     const char *parts[] = {version, head_text, "", main_text};
-    btf_result result = run_program(gl, make_program(gl, parts, log), unit, log, failures);
+    btf_result result = run_program(gl, btfi_gl_program(gl, 4, parts, "self-test", log), unit, log, failures);
     gl->DeleteTextures(1, &texture);
     return result;
 }
@@ -310,7 +160,7 @@ static btf_result run_lists(const btfi_gl_functions *gl, const char *version, in
     gl->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAX_LEVEL, 0);
     gl->TexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RG8UI, SIDE, SIDE, LAYERS, 0, GL_RG_INTEGER, GL_UNSIGNED_BYTE, bytes);
     const char *parts[] = {version, head_text, "", main_text};
-    btf_result result = run_program(gl, make_program(gl, parts, log), unit, log, failures);
+    btf_result result = run_program(gl, btfi_gl_program(gl, 4, parts, "self-test", log), unit, log, failures);
     gl->DeleteTextures(1, &texture);
     return result;
 }
@@ -322,8 +172,8 @@ btf_result btf_gl_self_test(const btf_gl_options *options, const btf_log *log, u
     if (result != BTF_OK)
         return result;
     btfi_gl_errors(&api);
-    state saved;
-    save_state(&api, &saved);
+    btfi_gl_state saved;
+    btfi_gl_save_state(&api, &saved);
 
     uint32_t texture = 0, framebuffer = 0, array = 0;
     api.GenTextures(1, &texture);
@@ -343,10 +193,7 @@ btf_result btf_gl_self_test(const btf_gl_options *options, const btf_log *log, u
                            "gl: the context refuses a framebuffer of format RGBA32UI");
 
     char version[32];
-    if (api.is_es)
-        snprintf(version, sizeof version, "#version 3%d0 es\n", api.minor > 2 ? 2 : api.minor);
-    else
-        snprintf(version, sizeof version, "#version %d%d0 core\n", api.major, api.minor);
+    btfi_gl_version(&api, version, sizeof version);
     int has_precise = api.is_es ? 10 * api.major + api.minor >= 32 : api.major >= 4;
     if (result == BTF_OK)
         result = run_arithmetic(&api, version, 1, log, out_failures);
@@ -361,7 +208,7 @@ btf_result btf_gl_self_test(const btf_gl_options *options, const btf_log *log, u
 
     api.DeleteVertexArrays(1, &array);
     api.DeleteFramebuffers(1, &framebuffer);
-    restore_state(&api, &saved);
+    btfi_gl_restore_state(&api, &saved);
     api.DeleteTextures(1, &texture);
     return result;
 }

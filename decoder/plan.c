@@ -2,6 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "decoder/fold/fold.h"
 #include "material.h"
 #include "reach.h"
 #include "restrict.h"
@@ -398,6 +399,25 @@ static void fill_between(const btf_material *material, const error_table *t, con
     plan->between_psnr_srgb = (float)psnr(of_plan[1]);
 }
 
+/* The errors that the tolerance is a share of: those of the full decode where the scene looks. */
+static void errors_to_tolerate(const btf_material *material, const btf_scene *scene, const error_table *t,
+                               uint32_t level, const candidate *full, double base[2]) {
+    double between[2] = {0, 0};
+    if (level > 0 || !find_between(material, scene, t, between))
+        between[0] = between[1] = 0;
+    for (int i = 0; i < 2; i++)
+        base[i] = fmax(fmax(between[i] / 2, full->mse[i]), 1e-10);
+}
+
+/* Whether a way adds at most so many dB to them. */
+static bool is_tolerated(const candidate *c, const candidate *full, const double base[2], float tolerance) {
+    const double most = pow(10, (double)tolerance / 10);
+    for (int i = 0; i < 2; i++)
+        if (base[i] + fmax(c->mse[i] - full->mse[i], 0) > base[i] * most)
+            return false;
+    return true;
+}
+
 btf_result btf_plan_predict(const btf_material *material, const btf_plan *plan, uint32_t effects,
                             uint32_t components, float *out_linear, float *out_srgb) {
     const error_table t = open_table(material, &plan->scene);
@@ -429,8 +449,12 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *given
 
     const error_table t = open_table(material, &scene);
     candidate full, chosen;
-    if (!find_candidate(&t, plan->level, info->effects, info->components, BTF_INTERPOLATION_LINEAR, &full))
+    if (!find_candidate(&t, plan->level, info->effects, info->components, BTF_INTERPOLATION_LINEAR, &full)) {
+        btfi_fold_plan(material, plan);
         return BTF_OK;
+    }
+    double base[2];
+    errors_to_tolerate(material, &scene, &t, plan->level, &full, base);
     plan->measured = 1;
     plan->psnr_linear = plan->full_psnr_linear = (float)psnr(full.mse[0]);
     plan->psnr_srgb = plan->full_psnr_srgb = (float)psnr(full.mse[1]);
@@ -442,16 +466,14 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *given
         const candidate c = read_candidate(&t, r);
         if (info->effects & BETWEEN & ~idle & ~c.effects)
             continue;
-        const float linear = (float)psnr(c.mse[0]), srgb = (float)psnr(c.mse[1]);
-        if (linear < plan->full_psnr_linear - tolerance || srgb < plan->full_psnr_srgb - tolerance ||
-            (scene.interpolate && c.interpolation == BTF_INTERPOLATION_NEAREST))
+        if (!is_tolerated(&c, &full, base, tolerance) || (scene.interpolate && c.interpolation == BTF_INTERPOLATION_NEAREST))
             continue;
         btf_plan tried = *plan;
         tried.effects = c.effects & ~idle;
         tried.components = c.components;
         tried.shader.interpolation = c.interpolation;
-        tried.psnr_linear = linear;
-        tried.psnr_srgb = srgb;
+        tried.psnr_linear = (float)psnr(c.mse[0]);
+        tried.psnr_srgb = (float)psnr(c.mse[1]);
         fill_costs(material, views.count, lights.count, &tried);
         const float bytes = (float)plan->full_gpu_bytes;
         if (tried.cost / plan->full_cost + (float)tried.gpu_bytes / bytes <
@@ -462,5 +484,6 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *given
     }
     *plan = best;
     fill_between(material, &t, &full, &chosen, plan);
+    btfi_fold_plan(material, plan);
     return BTF_OK;
 }

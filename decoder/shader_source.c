@@ -2,6 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "decoder/fold/fold.h"
 #include "material.h"
 #include "reach.h"
 #include "shape.h"
@@ -82,6 +83,8 @@ static btf_shader_options read_options(const btf_shader_options *options) {
     }
     if (!all.prefix)
         all.prefix = "btf";
+    if (all.fold != BTF_FOLD_NONE) /* there are no neighbours to look up */
+        all.fixed &= all.fold == BTF_FOLD_BOTH ? 0u : (uint32_t)BTF_FIXED_VIEW;
     return all;
 }
 
@@ -109,11 +112,14 @@ static variant choose(const btf_material_info *info, const btf_shader_options *o
     return v;
 }
 
-uint32_t btf_shader_textures(const btf_material_info *info, const btf_shader_options *options) {
+uint32_t btf_shader_textures(const btf_material_info *whole, const btf_shader_options *options) {
     btf_shader_options all = read_options(options);
+    const btf_material_info shown = btfi_folded_info(whole, all.fold), *info = &shown;
     variant v = choose(info, &all);
-    uint32_t textures = all.fixed & BTF_FIXED_VIEW ? 0 : 1u << BTF_TEXTURE_VIEW_TABLE;
-    textures |= all.fixed & BTF_FIXED_LIGHT && !v.gloss ? 0 : 1u << BTF_TEXTURE_LIGHT_TABLE;
+    const int view_known = all.fold == BTF_FOLD_BOTH || all.fixed & BTF_FIXED_VIEW;
+    const int light_known = all.fold != BTF_FOLD_NONE || (all.fixed & BTF_FIXED_LIGHT && !v.gloss);
+    uint32_t textures = view_known ? 0 : 1u << BTF_TEXTURE_VIEW_TABLE;
+    textures |= light_known ? 0 : 1u << BTF_TEXTURE_LIGHT_TABLE;
     if (v.relief == 2)
         textures |= 1u << BTF_TEXTURE_HEIGHTS;
     if (v.relief || v.gloss)
@@ -239,6 +245,8 @@ static void write_macros(text *t, const btf_material *material, const btf_materi
         text_print(t, "#define BTF_RELIEF %d\n", v.relief);
     if (v.gloss)
         text_print(t, "#define BTF_GLOSS %u\n", v.gloss);
+    if (options->fold)
+        text_print(t, "#define BTF_FOLDED %d\n", (int)options->fold);
     text_print(t, "#define BTF_NEAREST %d\n", options->interpolation == BTF_INTERPOLATION_NEAREST);
     text_print(t, "#define BTF_BILINEAR %d\n", options->filter != BTF_FILTER_TEXEL);
     if (options->filter == BTF_FILTER_STEEP)
@@ -258,6 +266,8 @@ static void write_macros(text *t, const btf_material *material, const btf_materi
     define_uint(t, "BTF_HEIGHT", info->height);
     define_uint(t, "BTF_LEVELS", info->levels);
     define_uint(t, "BTF_N_LIGHTS", info->n_lights);
+    if (options->fold)
+        define_uint(t, "BTF_N_VIEWS", info->n_views);
     define_uint(t, "BTF_VIEW_GRID", btf_material_views(material).grid);
     define_uint(t, "BTF_LIGHT_GRID", btf_material_lights(material).grid);
     if (info->layout == BTF_LAYOUT_PAPER) {
@@ -298,6 +308,8 @@ static void write_bindings(text *t, const btf_shader_options *options) {
             name[c] = lower[c] >= 'a' && lower[c] <= 'z' ? (char)(lower[c] - 'a' + 'A') : lower[c];
         text_print(t, "#define BTF_BINDING_%s %u\n", name, options->first_binding + i);
     }
+    if (options->fold)
+        text_print(t, "#define BTF_BINDING_FOLDED %u\n", options->first_binding + BTF_TEXTURE_COUNT);
     if (options->bindings == BTF_BINDINGS_VULKAN)
         text_print(t, "#define BTF_UNIFORM(n) layout(set = %u, binding = n) uniform\n",
                    options->descriptor_set);
@@ -319,11 +331,13 @@ btf_result btf_shader_source(const btf_material *material, const btf_shader_opti
     }
     if ((unsigned)all.interpolation > BTF_INTERPOLATION_NEAREST ||
         (unsigned)all.filter > BTF_FILTER_STEEP || (unsigned)all.math > BTF_MATH_FAST ||
-        (unsigned)all.bindings > BTF_BINDINGS_VULKAN || (unsigned)all.picks > BTF_PICK_ALL) {
+        (unsigned)all.bindings > BTF_BINDINGS_VULKAN || (unsigned)all.picks > BTF_PICK_ALL ||
+        (unsigned)all.fold > BTF_FOLD_BOTH) {
         char message[160];
         snprintf(message, sizeof message,
-                 "shader: interpolation %d, filter %d, math %d, bindings %d or picks %d is unknown",
-                 (int)all.interpolation, (int)all.filter, (int)all.math, (int)all.bindings, (int)all.picks);
+                 "shader: interpolation %d, filter %d, math %d, bindings %d, picks %d or fold %d is unknown",
+                 (int)all.interpolation, (int)all.filter, (int)all.math, (int)all.bindings, (int)all.picks,
+                 (int)all.fold);
         fail(log, message);
         return BTF_ERROR_USAGE;
     }
@@ -335,8 +349,11 @@ btf_result btf_shader_source(const btf_material *material, const btf_shader_opti
     }
     btf_material_info info = {.struct_size = sizeof info};
     btf_result result = btf_material_get_info(material, &info);
+    if (result == BTF_OK)
+        result = btf_fold_check(&info, &all, log);
     if (result != BTF_OK)
         return result;
+    info = btfi_folded_info(&info, all.fold);
 
     text macros = {0}, assembled = {0};
     write_macros(&macros, material, &info, &all);

@@ -5,6 +5,8 @@
  */
 #include "btf_reference_private.h"
 
+#include <stddef.h>
+
 enum { CHANNELS = 3, CORNERS = 4 };
 
 /** An evaluation: what texels and views share, and the neighbours. */
@@ -128,6 +130,13 @@ static void blend_views(const evaluation *e, const uint32_t weights[3], float va
 
 /** Section 9, one texel, without relief. */
 static void texel_radiance(const evaluation *e, uint32_t column, uint32_t row, float out_rgb[3]) {
+    const btf_ref_folded *folded = e->shared.folded;
+    if (folded && folded->fold == BTF_REF_FOLD_BOTH) {
+        const float *kept = folded->values + 4 * ((size_t)row * e->shared.material->width + column);
+        for (int c = 0; c < CHANNELS; ++c)
+            out_rgb[c] = kept[c];
+        return;
+    }
     float values[3][CHANNELS];
     for (int a = 0; a < 3; ++a) {
         if (e->views.weight[a] > 0)
@@ -250,6 +259,62 @@ void btf_ref_evaluate(const btf_ref_material *material, const btf_ref_options *o
     if (!btf_ref_above_horizon(light, view))
         return;
     evaluation e = look_up(material, options, light, view);
+    radiance_at(&e, options->filter, btf_ref_coordinate(u, material->width),
+                btf_ref_coordinate(v, material->height), out_rgb);
+}
+
+int btf_ref_can_fold(const btf_ref_material *material, const btf_ref_options *options, int fold) {
+    uint32_t effects = material->effects & options->effects;
+    if (fold == BTF_REF_FOLD_LIGHT)
+        return material->colour == BTF_REF_NONE && !(effects & BTF_REF_GLOSS);
+    return fold == BTF_REF_FOLD_BOTH && !(effects & BTF_REF_RELIEF);
+}
+
+void btf_ref_fold_light(const btf_ref_material *material, const btf_ref_options *options,
+                        const float light[3], uint32_t view, uint32_t first_row, uint32_t rows,
+                        float *out_values) {
+    static const float normal[3] = {0.0f, 0.0f, 1.0f}; /* values do not depend on the viewer */
+    bool lit = btf_ref_above_horizon(light, normal);
+    evaluation e = {0};
+    if (lit)
+        e = look_up(material, options, light, normal);
+    for (uint32_t row = first_row; row < first_row + rows; ++row) {
+        for (uint32_t column = 0; column < material->width; ++column, out_values += 4) {
+            out_values[0] = out_values[1] = out_values[2] = out_values[3] = 0.0f;
+            if (lit)
+                btf_ref_view_value(&e.shared, &e.lights[0], column, row, view, out_values);
+        }
+    }
+}
+
+void btf_ref_fold_both(const btf_ref_material *material, const btf_ref_options *options,
+                       const float light[3], const float view[3], uint32_t first_row, uint32_t rows,
+                       float *out_values) {
+    bool seen = btf_ref_above_horizon(light, view);
+    evaluation e = {0};
+    if (seen)
+        e = look_up(material, options, light, view);
+    for (uint32_t row = first_row; row < first_row + rows; ++row) {
+        for (uint32_t column = 0; column < material->width; ++column, out_values += 4) {
+            out_values[0] = out_values[1] = out_values[2] = out_values[3] = 0.0f;
+            if (seen)
+                texel_radiance(&e, column, row, out_values);
+        }
+    }
+}
+
+void btf_ref_evaluate_folded(const btf_ref_material *material, const btf_ref_options *options,
+                             const btf_ref_folded *folded, float u, float v, const float light[3],
+                             const float view[3], float out_rgb[3]) {
+    static const btf_ref_neighbours no_lights = {{0}, {4096, 0, 0}};
+    out_rgb[0] = out_rgb[1] = out_rgb[2] = 0.0f;
+    if (!btf_ref_above_horizon(light, view))
+        return;
+    int32_t q[2];
+    btf_ref_project(view, q);
+    btf_ref_neighbours views = btf_ref_lookup(material->view_table, material->view_grid, q);
+    evaluation e = make_evaluation(material, options, &no_lights, &views, light, view);
+    e.shared.folded = folded;
     radiance_at(&e, options->filter, btf_ref_coordinate(u, material->width),
                 btf_ref_coordinate(v, material->height), out_rgb);
 }

@@ -120,6 +120,7 @@ typedef struct btf_ref_situation {
     float product[3];    /**< P of section 9: l * V by component */
     float cosine;        /**< m of section 9 */
     float horizon;       /**< m_r of section 9; with factors */
+    const btf_ref_folded *folded; /**< what texels show, in place of what the material says; null: none */
 } btf_ref_situation;
 
 /** The texels that a filter blends, and their weights of 65536; one of weight 0 is left out. */

@@ -266,6 +266,12 @@ float btf_ref_keep_within(float value) {
 void btf_ref_view_value(const btf_ref_situation *s, const btf_ref_lights *lights, uint32_t column,
                         uint32_t row, uint32_t view, float out[3]) {
     const btf_ref_material *material = s->material;
+    if (s->folded) {
+        const float *kept = s->folded->values + 4 * layer_index(material, view, column, row);
+        for (int c = 0; c < CHANNELS; ++c)
+            out[c] = kept[c];
+        return;
+    }
     bool roots = material->blend == BTF_REF_BLEND_ROOTS;
     appearance seen = read_appearance(s, column, row, view);
 

@@ -24,6 +24,9 @@ struct btf_setting {
     float horizon; /* 1 down to the outermost sampled light, from there on falling to 0 with the cosine */
 #endif
     int level;    /* of detail */
+#if BTF_FOLDED
+    int layer; /* of btf_folded: the first of the light */
+#endif
 };
 
 /* The views around v, or the nearest of them, and their vectors. */
@@ -91,6 +94,9 @@ void btf_set_factors(inout btf_setting s, vec3 l, vec3 v) {
 btf_setting btf_prepare(vec3 l, vec3 v, bool nearest, int level) {
     btf_setting s;
     s.level = level;
+#if BTF_FOLDED
+    s.layer = 0;
+#endif
     btf_set_views(s, v, nearest);
 #if BTF_GLOSS
     for (int a = 0; a < s.n_views; ++a) {
@@ -187,6 +193,10 @@ void btf_show_view(out vec3 radiance[BTF_TEXELS], uvec2 x[BTF_TEXELS], uint view
                    vec3 residual[BTF_TEXELS],
 #endif
                    btf_setting s) {
+#if BTF_FOLDED
+    for (int i = 0; i < BTF_TEXELS; ++i)
+        radiance[i] = btf_folded_value(x[i], s.layer + int(view), s.level);
+#else
     uvec3 codes[BTF_TEXELS];
     uvec2 source[BTF_TEXELS];
 #if !BTF_FACTORS || BTF_FACTORS_BY_VIEW
@@ -219,6 +229,7 @@ void btf_show_view(out vec3 radiance[BTF_TEXELS], uvec2 x[BTF_TEXELS], uint view
 #endif
             radiance[i] = btf_source_radiance(source[i], residual[i], codes[i].x, s);
     }
+#endif
 }
 
 #if BTF_BILINEAR && BTF_STOCHASTIC < 3
@@ -348,6 +359,10 @@ void btf_add_view(inout vec3 sum[BTF_TEXELS], vec3 radiance[BTF_TEXELS], uint we
 
 /* Radiance of each texel x: the neighbouring views, blended. */
 void btf_texels(inout vec3 sum[BTF_TEXELS], uvec2 x[BTF_TEXELS], btf_setting s) {
+#if BTF_FOLDED == 2
+    for (int i = 0; i < BTF_TEXELS; ++i)
+        sum[i] = btf_folded_value(x[i], s.layer, s.level);
+#else
 #if BTF_FACTORS && !BTF_FACTORS_BY_VIEW
     vec3 all[BTF_FACTOR_SUMS];
 #if BTF_GLOSS
@@ -380,6 +395,7 @@ void btf_texels(inout vec3 sum[BTF_TEXELS], uvec2 x[BTF_TEXELS], btf_setting s) 
 #endif
         sum[i] = btf_mul(sum[i], BTF_RADIANCE_SCALE);
     }
+#endif
 }
 
 #endif

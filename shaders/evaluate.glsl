@@ -4,10 +4,9 @@
  */
 
 #if !BTF_STOCHASTIC
-vec3 btf_evaluate_directions(vec2 uv, vec3 l, vec3 v, bool nearest, int level) {
-    if (!btf_is_above(l) || !btf_is_above(v))
-        return vec3(0.0);
-    btf_setting s = btf_prepare(l, v, nearest, level);
+/* Radiance at texture coordinates, seen from v, of which s has all else. */
+vec3 btf_evaluate_setting(vec2 uv, vec3 v, btf_setting s) {
+    int level = s.level;
     uvec2 size = btf_size(level);
     uint tu = btf_coordinate(uv.x, size.x), tv = btf_coordinate(uv.y, size.y);
 #if BTF_RELIEF
@@ -31,6 +30,12 @@ vec3 btf_evaluate_directions(vec2 uv, vec3 l, vec3 v, bool nearest, int level) {
 #endif
 }
 
+vec3 btf_evaluate_directions(vec2 uv, vec3 l, vec3 v, bool nearest, int level) {
+    if (!btf_is_above(l) || !btf_is_above(v))
+        return vec3(0.0);
+    return btf_evaluate_setting(uv, v, btf_prepare(l, v, nearest, level));
+}
+
 /* Linear radiance (Rec. 709 primaries, cosine included) of the material at texture coordinates uv, lit from
  * l and seen from v, under a light of unit irradiance / pi at normal incidence. l and v are unit vectors of
  * the tangent frame: x along +u, y along +v, z the normal. Below the horizon (l.z or v.z <= 0, or not
@@ -39,10 +44,12 @@ vec3 btf_evaluate(vec2 uv, vec3 l, vec3 v) {
     return btf_evaluate_directions(uv, l, v, BTF_NEAREST != 0, 0);
 }
 
+#if !BTF_FOLDED
 /* The same with the nearest sampled view and light in place of interpolation between three. */
 vec3 btf_evaluate_nearest(vec2 uv, vec3 l, vec3 v) {
     return btf_evaluate_directions(uv, l, v, true, 0);
 }
+#endif
 
 /* btf_evaluate of a level of detail, 0 the finest; beyond the last it is the last. */
 vec3 btf_evaluate_level(vec2 uv, vec3 l, vec3 v, int level) {

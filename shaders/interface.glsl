@@ -35,6 +35,7 @@
 #define BTF_BINDING_VIEW_VECTORS 19
 #define BTF_BINDING_SAMPLING_TRIANGLES 20
 #define BTF_BINDING_SAMPLING_DENSITIES 21
+#define BTF_BINDING_FOLDED 22
 #endif
 
 #ifndef BTF_NO_INTERFACE
@@ -86,6 +87,9 @@ BTF_UNIFORM(BTF_BINDING_HEIGHTS) highp usampler2D btf_heights;
 #endif
 #if BTF_RELIEF || BTF_GLOSS
 BTF_UNIFORM(BTF_BINDING_VIEW_VECTORS) highp sampler2D btf_view_vectors;
+#endif
+#if BTF_FOLDED
+BTF_UNIFORM(BTF_BINDING_FOLDED) highp usampler2DArray btf_folded;
 #endif
 #if BTF_FIXED_VIEW == 0
 BTF_UNIFORM(BTF_BINDING_VIEW_TABLE) highp usampler2D btf_view_table;

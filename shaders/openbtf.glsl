@@ -23,8 +23,10 @@
 #include "factors.glsl"
 #include "relief.glsl"
 #include "gloss.glsl"
+#include "folded.glsl"
 #include "compose.glsl"
 #include "evaluate.glsl"
+#include "fold.glsl"
 #include "stochastic.glsl"
 #include "sampling.glsl"
 #endif

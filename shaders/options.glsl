@@ -42,6 +42,12 @@
  *     BTF_FIXED_VIEW     0, or how many neighbours (1 to 3) the one view has that is ever seen; then
  *                        BTF_FIXED_VIEW_INDEX and BTF_FIXED_VIEW_WEIGHT are uvec3 of them, and btf_evaluate
  *                        must be handed this view. BTF_FIXED_LIGHT... likewise, but not with BTF_GLOSS. Default 0
+ *     BTF_FOLDED         1: the light never changes, and texture `folded` holds what its texels show in each sampled
+ *                        view, as btf_fold_light gives it; 2: nor does the view, and it holds their radiance, as
+ *                        btf_fold_both gives it. Then the macros above stand for a file without any effect but relief
+ *                        (with 2: without), of colour none and no components; neither a fixed light nor, with 2, a
+ *                        fixed view is given; and with 1 BTF_N_VIEWS (uint) is the number of views. Not with BTF_STOCHASTIC.
+ *                        Default 0
  *     BTF_SAMPLING       1: with btf_sample_light and btf_pdf_light, which read the tables of openbtf/sampling.h and
  *                        need both direction tables. Default 0
  *     BTF_FAST_MATH      1: the device's own log2 and exp2, and no order of operations kept
@@ -75,6 +81,20 @@
 #endif
 #ifndef BTF_GLOSS
 #define BTF_GLOSS 0
+#endif
+#ifndef BTF_FOLDED
+#define BTF_FOLDED 0
+#endif
+#if BTF_FOLDED
+/* What was folded is not decoded again: not what the file holds for it, nor a light's neighbours. */
+#define BTF_FIXED_LIGHT 1
+#define BTF_FIXED_LIGHT_INDEX uvec3(0u)
+#define BTF_FIXED_LIGHT_WEIGHT uvec3(4096u, 0u, 0u)
+#if BTF_FOLDED == 2
+#define BTF_FIXED_VIEW 1
+#define BTF_FIXED_VIEW_INDEX uvec3(0u)
+#define BTF_FIXED_VIEW_WEIGHT uvec3(4096u, 0u, 0u)
+#endif
 #endif
 #ifndef BTF_LEVELS
 #define BTF_LEVELS 1u

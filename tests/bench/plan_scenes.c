@@ -28,6 +28,10 @@ const plan_scene plan_scenes[PLAN_SCENES] = {
      {.struct_size = sizeof(btf_scene),
       .light = {.fixed = 1, .direction = {0.61237246f, 0.35355338f, 0.70710677f}}}},
     {"still view", {.struct_size = sizeof(btf_scene), .view = {.fixed = 1, .direction = {0, 0, 1}}}},
+    {"both still",
+     {.struct_size = sizeof(btf_scene),
+      .view = {.fixed = 1, .direction = {0, 0, 1}},
+      .light = {.fixed = 1, .direction = {0.61237246f, 0.35355338f, 0.70710677f}}}},
     {"far", {.struct_size = sizeof(btf_scene), .pixels = 0.25f}},
 };
 

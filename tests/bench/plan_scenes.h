@@ -14,8 +14,9 @@ typedef struct plan_scene {
     btf_scene scene;
 } plan_scene;
 
-/* "everything", "top-down", "grazing", "frontal light", "orbit", "still light", "still view", "far". */
-enum { PLAN_SCENES = 8 };
+/* "everything", "top-down", "grazing", "frontal light", "orbit", "still light", "still view", "both
+ * still", "far". */
+enum { PLAN_SCENES = 9 };
 extern const plan_scene plan_scenes[PLAN_SCENES];
 
 /* The material of an analysis with its effect errors in it, by `solution` as enc_pack takes it; levels: of

@@ -8,36 +8,69 @@
 #include "plan_scenes.h"
 
 #include "decoder/toolkit/cli.h"
+#include <openbtf/fold.h>
 #include <math.h>
 #include <unistd.h>
 
-enum { LEVELS = 4, ROUNDS = 7 };
+enum { LEVELS = 4, ROUNDS = 7, WAYS = 3, UNIT_FOLDED = 31 };
 
 static const float tolerance = 0.5f;
+
+static const char *const fold_names[] = {"none", "light", "both"};
 
 /* Where rows go: the whole figures, the README's table. */
 typedef struct outputs {
     FILE *csv, *readme;
 } outputs;
 
-/* Nanoseconds a pixel of the plan and of everything, the medians of rounds in which they take turns. */
+/* The shader that reads a plan's fold, and the fold, which is made here; no program where there is none. */
+static rig_variant make_folded(decode_rig *rig, const btf_material *small, const btf_plan *plan,
+                               btf_gl_fold **out_fold) {
+    btf_shader_options options = plan->shader;
+    options.fold = plan->fold;
+    if (plan->fold == BTF_FOLD_NONE)
+        return (rig_variant){0};
+    btf_gl_options all = gpu_gl_options(rig->gpu, NULL);
+    btf_gl *textures = NULL;
+    btf_result result = btf_gl_upload(small, &all, rig->log, &textures);
+    all.shader = &options;
+    if (result == BTF_OK)
+        result = btf_gl_fold_create(small, &all, 1, rig->log, out_fold);
+    if (result == BTF_OK)
+        result = btf_gl_fold_run(*out_fold, textures, GPU_FIRST_UNIT + BTF_TEXTURE_COUNT / 2, 0,
+                                 options.fixed_light, options.fixed_view, rig->log);
+    btf_gl_destroy(&textures);
+    if (result != BTF_OK)
+        return (rig_variant){0};
+    const rig_variant made =
+        rig_variant_create(rig, small, &options, gpu_evaluate_body, GPU_FIRST_UNIT + BTF_TEXTURE_COUNT / 2);
+    if (made.program)
+        btf_gl_fold_bind(*out_fold, made.program, UNIT_FOLDED, NULL);
+    return made;
+}
+
+/* Nanoseconds a pixel of the plan, of everything and of the plan folded, the medians of rounds in which
+ * they take turns. */
 static void measure_times(decode_rig *rig, const btf_material *material, const btf_material *small,
-                          const btf_plan *plan, int rounds, double out_ns[2]) {
+                          const btf_plan *plan, int rounds, double out_ns[WAYS]) {
     const btf_shader_options everything = {.struct_size = sizeof everything};
-    double ns[2][ROUNDS];
-    out_ns[0] = out_ns[1] = 0;
-    rig_variant way[2] = {rig_variant_create(rig, small, &plan->shader, gpu_evaluate_body, GPU_FIRST_UNIT),
-                          rig_variant_create(rig, material, &everything, gpu_evaluate_body,
-                                             GPU_FIRST_UNIT + BTF_TEXTURE_COUNT)};
+    double ns[WAYS][ROUNDS];
+    btf_gl_fold *fold = NULL;
+    rig_variant way[WAYS] = {
+        rig_variant_create(rig, small, &plan->shader, gpu_evaluate_body, GPU_FIRST_UNIT),
+        rig_variant_create(rig, material, &everything, gpu_evaluate_body,
+                           GPU_FIRST_UNIT + BTF_TEXTURE_COUNT)};
+    way[2] = make_folded(rig, small, plan, &fold);
     for (int round = 0; round < rounds; round++)
-        for (int w = 0; w < 2; w++)
+        for (int w = 0; w < WAYS; w++)
             ns[w][round] =
                 way[w].program ? rig_measure(rig, way[w].program, rig->inputs, RIG_SIDE, NULL) : 0;
-    for (int w = 0; w < 2; w++) {
+    for (int w = 0; w < WAYS; w++) {
         double spread;
         out_ns[w] = bench_median(ns[w], rounds, &spread);
         rig_variant_destroy(rig, &way[w]);
     }
+    btf_gl_fold_destroy(&fold);
 }
 
 /* The tightest of two bounds that a prediction keeps, of the worse of linear and sRGB-coded. */
@@ -51,7 +84,7 @@ static btf_result measure_scene(const bench_run *run, decode_rig *rig, const cha
                                 const plan_scene *scene, const btf_material *material, const outputs *to) {
     btf_plan plan;
     btf_material *small = NULL;
-    double mse[2], full_mse[2], ns[2] = {0};
+    double mse[2], full_mse[2], ns[WAYS] = {0};
     char words[48], decoded[120], level[24] = "", components[24] = "";
     btf_result result = btf_plan_effects(material, &scene->scene, tolerance, &plan);
     if (result == BTF_OK)
@@ -81,22 +114,29 @@ static btf_result measure_scene(const bench_run *run, decode_rig *rig, const cha
              plan.shader.interpolation == BTF_INTERPOLATION_NEAREST ? ", nearest" : "",
              plan.shader.fixed & BTF_FIXED_VIEW ? ", view folded" : "",
              plan.shader.fixed & BTF_FIXED_LIGHT ? ", light folded" : "");
-    char row[500];
+    char row[600], folded[100] = "-";
+    const double predicted_folded = (double)(plan.folded_cost / plan.full_cost);
+    if (plan.fold != BTF_FOLD_NONE)
+        snprintf(folded, sizeof folded, "%s, %.2f MB: %.0f ns, %.0f %% / %.0f %%, after %.2f Mpixels",
+                 fold_names[plan.fold], 1e-6 * (double)plan.fold_bytes, ns[2], 100 * predicted_folded,
+                 ns[1] > 0 ? 100 * ns[2] / ns[1] : 0, 1e-6 * plan.fold_pixels);
     snprintf(row, sizeof row,
              "| %s: %s | %s | %.2f / %.2f | %.2f / %.2f | %.2f / %.2f | %+.2f / %+.2f, %s | %.2f of %.2f | "
-             "%.0f of %.0f | %.0f %% / %.0f %% | %.0f %% / %.0f %% |\n",
+             "%.0f of %.0f | %.0f %% / %.0f %% | %.0f %% / %.0f %% | %s |\n",
              method, scene->name, decoded, (double)plan.psnr_linear, (double)plan.psnr_srgb,
              plan_psnr(mse[0]), plan_psnr(mse[1]), plan_psnr(full_mse[0]), plan_psnr(full_mse[1]), off[0],
              off[1], kept(off), 1e-6 * (double)info.gpu_bytes, 1e-6 * (double)plan.full_gpu_bytes, ns[0],
-             ns[1], 100 * predicted, 100 * time, 100 * (1 - bytes), 100 * (1 - time));
+             ns[1], 100 * predicted, 100 * time, 100 * (1 - bytes), 100 * (1 - time), folded);
     fputs(row, run->summary);
     fputs(row, to->readme);
     fprintf(to->csv,
-            "%s,%s,\"%s\",%u,%u,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%zu,%zu,%.1f,%.1f,%.3f,%.3f,%.3f,%.3f\n",
+            "%s,%s,\"%s\",%u,%u,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%zu,%zu,%.1f,%.1f,%.3f,%.3f,%.3f,%.3f,%s,%zu,"
+            "%.1f,%.3f,%.0f\n",
             method, scene->name, words, (unsigned)plan.components, (unsigned)plan.level,
             (double)plan.psnr_linear, (double)plan.psnr_srgb, plan_psnr(mse[0]), plan_psnr(mse[1]),
             plan_psnr(full_mse[0]), plan_psnr(full_mse[1]), info.gpu_bytes, plan.full_gpu_bytes, ns[0],
-            ns[1], (double)plan.full_psnr_linear, (double)plan.full_psnr_srgb, predicted, time);
+            ns[1], (double)plan.full_psnr_linear, (double)plan.full_psnr_srgb, predicted, time,
+            fold_names[plan.fold], plan.fold_bytes, ns[2], predicted_folded, plan.fold_pixels);
     btf_material_close(&small);
     return BTF_OK;
 }
@@ -148,8 +188,9 @@ static void write_head(const char *device, FILE *file) {
     fprintf(file,
             "At most %.1f dB below the full decode; time on %s.\n\n"
             "| scene | decoded | dB predicted | measured | in full | off by, within | MB uploaded | ns a "
-            "pixel | time predicted / measured | saves bytes / time |\n"
-            "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
+            "pixel | time predicted / measured | saves bytes / time | folded: time predicted / measured, "
+            "pays |\n"
+            "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
             (double)tolerance, device);
 }
 
@@ -171,7 +212,8 @@ btf_result bench_section_plan(const bench_run *run) {
     write_head(drawn ? gpu_name(rig.gpu) : "no device", to.readme);
     fprintf(to.csv, "method,scene,effects,components,level,predicted_linear,predicted_srgb,measured_linear,"
                     "measured_srgb,full_linear,full_srgb,bytes,full_bytes,ns,full_ns,predicted_full_linear,"
-                    "predicted_full_srgb,predicted_time,measured_time\n");
+                    "predicted_full_srgb,predicted_time,measured_time,fold,fold_bytes,folded_ns,predicted_"
+                    "folded_time,fold_pixels\n");
     for (int joint = 1; joint >= 0 && result == BTF_OK; joint--) {
         btf_material *material = NULL;
         result = make_material(run, joint, &material);

@@ -217,11 +217,12 @@ expect_that "does not encode again" test "$(find kept -newermt 2002-01-01 -name 
 expect_that "and fills every cell alike" python3 - <<'P'
 import csv
 rows, again = (list(csv.DictReader(open(name))) for name in ("first.csv", "p2/plan-tiny.csv"))
-assert len(rows) == len(again) == 16
+assert len(rows) == len(again) == 18
+assert [row["fold"] for row in rows if "joint" in row["method"] and "still" in row["scene"]] == ["light", "none", "both"]
 for a, b in zip(rows, again):
     assert all(a.values()), a
     for key in a:
-        assert key in ("ns", "full_ns", "measured_time") or a[key] == b[key], (key, a, b)
+        assert key in ("ns", "full_ns", "folded_ns", "measured_time") or a[key] == b[key], (key, a, b)
 P
 expect "kept materials of other data" 1 btf-bench --quick --input tiny --size 4x4 --only plan --preset fast --holdout none --keep kept --out p3 -q
 expect "an unknown section" 1 btf-bench --only nothing

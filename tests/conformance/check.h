@@ -18,6 +18,7 @@ typedef struct check_subject {
     const char *preamble; /* GLSL before the decoder, e.g. other macros; NULL for none */
     const char *(*tamper)(
         char *library); /* changes the decoder's text in place or returns another; NULL: as it is */
+    btf_gl_get_proc_address find; /* GL's functions for what folds; NULL: the device's */
     const btf_log *log;
     const char *dump_dir; /* folder for pictures of the first failing batch; NULL: none */
     const char *label;    /* begins the names of pictures */
@@ -49,6 +50,14 @@ btf_result check_radiance(const check_subject *subject, uint64_t seed, uint64_t 
  * errors where there is one, else subject->shader's. Adds to *outcome. */
 btf_result check_planned(const check_subject *subject, uint64_t seed, uint64_t count,
                          check_outcome *outcome);
+
+/* `count` evaluations of a fold of two lights, or of two pairs of light and view, at random arguments, against the
+ * reference, which folds nothing; what keeps the material from being folded is left out. Adds to *outcome. */
+btf_result check_folded(const check_subject *subject, uint64_t seed, uint64_t count, check_outcome *outcome);
+
+/* The fold that check_folded makes: of a light where that is defined, takes no more than 64 evaluations for each of
+ * `count`, and the seed allows. */
+btf_fold check_fold_kind(const btf_material_info *info, uint64_t seed, uint64_t count);
 
 /* `count` evaluations of a stochastic decode, and of the blend that it converges to, in turn, at random and extreme
  * arguments, random numbers and levels of detail. Picks are those of subject->shader, or where it says none, as the

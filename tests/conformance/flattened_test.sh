@@ -11,6 +11,7 @@ count=0
 values='#define BTF_WIDTH 64u
 #define BTF_HEIGHT 48u
 #define BTF_N_LIGHTS 81u
+#define BTF_N_VIEWS 81u
 #define BTF_VIEW_GRID 16u
 #define BTF_LIGHT_GRID 8u
 #define BTF_ATLAS_WIDTH 1024u
@@ -61,7 +62,7 @@ for name in "$2"/openbtf_*.glsl; do
         echo "no flattened shader in $2"
         exit 1
     fi
-    if grep -nE '^#(el)?if .*(LAYOUT_TIGHT|COLOUR|HIDDEN|COMPONENTS|FACTOR|BLEND|POINTS|RELIEF|GLOSS|STEEP|STOCHASTIC)' "$name"; then
+    if grep -nE '^#(el)?if .*(LAYOUT_TIGHT|COLOUR|HIDDEN|COMPONENTS|FACTOR|BLEND|POINTS|RELIEF|GLOSS|STEEP|STOCHASTIC|FOLDED)' "$name"; then
         echo "$(basename "$name") still has conditions that its variant decides"
         failures=$((failures + 1))
     fi

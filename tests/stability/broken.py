@@ -81,6 +81,27 @@ CHANGES = [
         ("encoder/paper/shadow.h", "ENC_SHADOW_MIN_MODEL 1e-5f", "ENC_SHADOW_MIN_MODEL 0.05f")]),
     ("shifts along the wrong line, in the flow's first estimate", "equivariance", [
         ("encoder/paper/flow_prior.c", ".rows = across > 0 ? view->xyz[1] / across : 0}", ".rows = across > 0 ? -view->xyz[0] / across : 0}")]),
+    ("what the first view shows read from a fold for all", "fold", [
+        ("reference/btf_source.c", "s->folded->values + 4 * layer_index(material, view, column, row)",
+         "s->folded->values + 4 * layer_index(material, 0, column, row)")]),
+    ("rows of a fold counted from the first of a piece", "fold", [
+        ("reference/btf_evaluate.c", "texel_radiance(&e, column, row, out_values);", "texel_radiance(&e, column, row - first_row, out_values);")]),
+    ("a column of what was folded decoded again", "fold", [
+        ("reference/btf_evaluate.c", "if (folded && folded->fold == BTF_REF_FOLD_BOTH) {", "if (folded && folded->fold == BTF_REF_FOLD_BOTH && column > 0) {")]),
+    ("a light folded where gloss is decoded", "fold", [
+        ("decoder/fold/fold.c", "all.fold == BTF_FOLD_LIGHT && effects & BTF_EFFECT_GLOSS", "all.fold == BTF_FOLD_LIGHT && effects == 0")]),
+    ("a light folded where there is an SBRDF", "fold", [
+        ("decoder/fold/fold.c", "all.fold == BTF_FOLD_LIGHT && info->colour != BTF_COLOUR_NONE", "all.fold == BTF_FOLD_LIGHT && info->colour > BTF_COLOUR_NONE")]),
+    ("light and view folded where relief is decoded", "fold", [
+        ("decoder/fold/fold.c", "all.fold == BTF_FOLD_BOTH && effects & BTF_EFFECT_RELIEF", "all.fold == BTF_FOLD_BOTH && effects == 0")]),
+    ("level 0 of a fold drawn alone", "fold", [
+        ("decoder/fold/gl_fold.c", "level < f->levels; ++level) {", "level < 1; ++level) {")]),
+    ("every light folded into the layers of the first", "fold", [
+        ("decoder/fold/gl_fold.c", "(int32_t)(number * f->views + view)", "(int32_t)(number * 0 + view)")]),
+    ("a fold drawn within the caller's scissor", "fold", [
+        ("decoder/fold/gl_draw.c", "    GL_SCISSOR_TEST,", "    GL_STENCIL_TEST,")]),
+    ("the caller's viewport lost to a fold", "fold", [
+        ("decoder/fold/gl_draw.c", "gl->Viewport(s->viewport[0], s->viewport[1],", "gl->Viewport(0, s->viewport[1],")]),
     ("parameters beyond 2^24 read", "decoder_bits", [
         ("decoder/shape.h", "magnitude <= BTFI_PARAMETER_MAX", "magnitude <= 2 * BTFI_PARAMETER_MAX")]),
     ("NaN taken for a coordinate", "decoder_bits", [
@@ -283,7 +304,7 @@ def program(tree, test):
         return TOOLS, [f'{tests}/stability/test_{test[10:]}.sh']
     if test in ('exr', 'file', 'memory', 'names', 'output', 'points', 'relief', 'relief_end') or test.startswith('reference_'):
         return [f'tests/unit/test_{test}'], [f'{tree}/build/tests/unit/test_{test}']
-    if test in ('evaluator', 'sampling'):
+    if test in ('evaluator', 'fold', 'sampling'):
         return [f'tests/conformance/test_{test}'], [f'{tree}/build/tests/conformance/test_{test}']
     if test == 'fuzz-exr':
         return [f'tests/fuzz/{test}'], [f'{tree}/build/tests/fuzz/{test}', f'{tests}/fuzz/corpus/exr']

@@ -241,6 +241,31 @@ expect_that "no picture is left of a failure" test ! -e x.png
 expect "no display" 5 env -u DISPLAY -u WAYLAND_DISPLAY btf-render m.btf.exr -o x.png --device glfw
 expect_text "is told" 'device glfw' err
 
+# A light that is the same in every pixel, and the view, decoded once: the same picture.
+btf-encode data -o still.btf.exr --preset fast --gloss off --relief off --levels 2 -q || exit 99
+still() { btf-render still.btf.exr --size 40 --quiet --mesh plane --light 20,100 "$@"; }
+for way in "--view 30,50 --repeat 9" "--view 30,50 --filter bilinear --interpolation nearest" "--fov 0 --view 20,0" \
+    "--view 10,20 --plan auto --tolerance 3"; do
+    still -o r.png --device reference --fold never $way
+    for device in reference osmesa; do
+        expect "$device folds: $way" 0 still -o f.png --device $device --fold always --stats $way
+        expect_text "$device: says so: $way" "^folded: light$(grep -q -- '--fov 0' <<<"$way" && echo ' and view'), [0-9]+ bytes" out
+        same "$device: the same picture folded, $way" r.png f.png
+    done
+done
+still -o r.png --device reference --fold never --view 60,0 --animate view --frames 2
+for device in reference osmesa; do
+    still -o f.png --device $device --fold always --view 60,0 --animate view --frames 2
+    same "$device: folded once for all frames" r.0002.png f.0002.png
+done
+for way in "--mesh sphere" "--point 0,0,2" "--animate light --frames 2"; do
+    expect "nothing to fold: $way" 0 still -o f.png --fold always --stats --device reference $way
+    expect_text "says so: $way" '^folded: nothing' out
+done
+expect "an SBRDF" 0 render -o f.png --mesh plane --fold always --stats --device reference
+expect_text "is not folded" '^folded: nothing' out
+expect "a fold that is none" 1 render -o x.png --fold often
+
 # Plans: what is decoded of less is the same picture; tolerance 0 leaves out nothing that shows.
 for way in "--mesh plane --view 10,20 --light 15,40" "--mesh sphere" "--mesh plane --view 0,0 --animate view --frames 2"; do
     render -o whole.png --device reference $way

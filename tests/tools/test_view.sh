@@ -297,6 +297,49 @@ tour planned planned
 for i in 0 1 2 3; do
     expect_that "planned within 0 dB: picture $i is the same" cmp whole-$i.png planned-$i.png
 done
+
+# A light that rests on a flat model is folded into a texture, with a plan and without: the picture of a model that is
+# flat but for a speck that no pixel shows, where nothing can be folded.
+btf-encode data -o still.btf.exr --preset fast --gloss off --relief off -q || exit 99
+cat >quad.obj <<'O'
+v -1 -1 0
+v 1 -1 0
+v 1 1 0
+v -1 1 0
+vt 0 0
+vt 2 0
+vt 2 2
+vt 0 2
+vn 0 0 1
+f 1/1/1 2/2/1 3/3/1 4/4/1
+O
+{
+    cat quad.obj
+    printf 'v 0 0 0\nv 0.0000001 0 0\nv 0 0.0000001 0\nvn 0 1 0\nf 5/1/2 6/2/2 7/3/2\n'
+} >speck.obj
+rests() { # NAME, PATTERN OF WHAT IS FOLDED (none: nothing), OPTIONS: pictures NAME-0 and, the light moved, NAME-1
+    local name=$1 line=$2
+    shift 2
+    seen=0
+    start still.btf.exr "$@"
+    press i '^panel off'
+    [ "$line" = none ] || logged "$name: the light rests" 1 "$line"
+    shoot $name-0
+    drag 3 '^light [1-9]'
+    [ "$line" = none ] || logged "$name: the light moved, and rests again" 2 "$line"
+    shoot $name-1
+    xdotool key q
+    wait $viewer
+    expect_that "$name quits with 0" test $? = 0
+}
+rests free none --mesh speck.obj
+expect_that "a speck's normal is not folded" test "$(grep -c folded log)" = 0
+rests folded '^the light rests: folded into [0-9]+ bytes' --mesh quad.obj
+rests plan '^plan .*light folded into a texture.*fold [0-9.]+' --mesh quad.obj --plan auto --tolerance 0
+for i in 0 1; do
+    expect_that "folded by itself: picture $i is the same" cmp free-$i.png folded-$i.png
+    expect_that "folded by a plan: picture $i is the same" cmp free-$i.png plan-$i.png
+done
 seen=0
 start levels.btf.exr --plan auto --tolerance 20 --original data
 logged "a plan that leaves out" 1 '^plan 1: .*bytes of'

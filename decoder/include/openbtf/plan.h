@@ -67,10 +67,22 @@ typedef struct btf_plan {
      * level is not 0, or view and light are samples, which have nothing between them. */
     float between_psnr_linear, between_psnr_srgb;
     float full_between_psnr_linear, full_between_psnr_srgb; /**< likewise, of the full decode */
+    /** Where the light of the scene is fixed and the plan can be folded (openbtf/fold.h): how, with the view where that
+     * is fixed too; the bytes of the texture, beside gpu_bytes; the cost of a pixel that reads it; and in how many pixels
+     * the fold is paid for. Else BTF_FOLD_NONE, 0, `cost`, 0. Of one light: several are as many folds. */
+    btf_fold fold;
+    size_t fold_bytes;
+    float folded_cost;
+    double fold_pixels;
 } btf_plan;
 
-/** Finds the plan whose PSNR, linear and sRGB-coded, is at most @p tolerance dB below the full decode's and
- * whose mean of relative cost and relative bytes is least. Ways of the table of effect errors are compared
+/** Finds the plan whose PSNR, linear and sRGB-coded, is at most @p tolerance dB below the full decode's where the scene
+ * looks, and whose mean of relative cost and relative bytes is least. Where view or light lie between the samples and
+ * the file says what is lost there (btf_between_errors), that is the full decode's error: the half of it, 3 dB less,
+ * since it is of samples left out, at double the gap (BRICKS64: estimated 3.1 to 3.7 dB below what images between the
+ * samples show; no file keeps such truth). What a plan adds is measured against the samples and what lies between them
+ * interpolated, and is the same there; beside a larger error it shows less. Where view and light are samples, or the
+ * file has no such table, or at coarser levels, the error against those alone counts. Ways of the table of effect errors are compared
  * by their mean over the bands that the ranges meet; a view or light that never changes counts by how
  * near to a sample it is, where errors are larger than between. The level is the coarsest whose texels are
  * not larger than a pixel; the filter is bilinear where a texel is larger than a pixel and a half. Relief

@@ -79,6 +79,13 @@ typedef enum btf_fixed {
     BTF_FIXED_LIGHT = 2, /**< the direction to the light, btf_shader_options.fixed_light */
 } btf_fixed;
 
+/** What is decoded once, into texture `folded` (openbtf/fold.h), for a shader that reads it from then on. */
+typedef enum btf_fold {
+    BTF_FOLD_NONE = 0,  /**< nothing */
+    BTF_FOLD_LIGHT = 1, /**< a light that never changes */
+    BTF_FOLD_BOTH = 2,  /**< a light and a view */
+} btf_fold;
+
 /** The neighbours of which a stochastic decode picks one, with its weight, in place of blending all. The mean over
  * random numbers is btf_evaluate_radiance_blend, which decodes each neighbour to radiance before it blends: where views
  * or lights are blended as roots, that is brighter than btf_evaluate. */
@@ -113,6 +120,10 @@ typedef struct btf_shader_options {
     /** Other than none: btf_evaluate_stochastic and btf_evaluate_radiance_blend stand in place of btf_evaluate; default
      * BTF_PICK_NONE. */
     btf_picks picks;
+    /** What was folded: the shader reads texture `folded`, bound to first_binding + BTF_TEXTURE_COUNT, and of the
+     * material's textures only those that say where. The directions handed to btf_evaluate must be those that were
+     * folded; `fixed` says nothing of them. Not with picks. Default BTF_FOLD_NONE. */
+    btf_fold fold;
 } btf_shader_options;
 
 /** @return a bit (1 << btf_texture_id) for each texture that the shader of these options reads. @p options may be
@@ -121,7 +132,8 @@ uint32_t btf_shader_textures(const btf_material_info *info, const btf_shader_opt
 
 /** Assembles the text for a material: its macros, then the library text, 0-terminated ASCII. *out_text is freed with
  * btf_free; NULL on error. @p options and @p log may be NULL. Errors: BTF_ERROR_USAGE (the prefix, the value of an
- * enum, a fixed direction that is not a unit vector above the horizon), BTF_ERROR_MEMORY. */
+ * enum, a fixed direction that is not a unit vector above the horizon), BTF_ERROR_UNSUPPORTED (a fold that is not
+ * defined: btf_fold_check), BTF_ERROR_MEMORY. */
 btf_result btf_shader_source(const btf_material *material, const btf_shader_options *options,
                              const btf_log *log, char **out_text);
 

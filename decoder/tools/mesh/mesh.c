@@ -31,6 +31,14 @@ void mesh_destroy(mesh **m) {
     *m = NULL;
 }
 
+bool mesh_is_flat(const mesh *m) {
+    for (uint32_t i = 1; i < m->vertex_count; i++)
+        if (memcmp(m->vertices[i].normal, m->vertices[0].normal, sizeof m->vertices[0].normal) ||
+            memcmp(m->vertices[i].tangent, m->vertices[0].tangent, sizeof m->vertices[0].tangent))
+            return false;
+    return true;
+}
+
 /* A surface at (s, t) in [0, 1]^2: position, unit normal, and unit tangent in the direction in which u grows. */
 typedef struct surface_point {
     vec3 position, normal, tangent;

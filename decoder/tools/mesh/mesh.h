@@ -34,6 +34,9 @@ btf_result mesh_make(const char *name, const btf_log *log, mesh **out_mesh);
 /* True when name is one of the above. */
 bool mesh_is_built_in(const char *name);
 
+/* One normal and tangent all over: a light far away is one direction there. */
+bool mesh_is_flat(const mesh *m);
+
 /* Room for a mesh of these sizes, zeroed. NULL when out of memory. */
 mesh *mesh_allocate(uint32_t vertex_count, uint32_t triangle_count);
 

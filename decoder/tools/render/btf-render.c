@@ -32,6 +32,7 @@ typedef struct job {
     original *original;
     render_scene scene;
     light *lights; /* as given */
+    btf_shader_options still; /* without a plan: what is the same in every sample of every frame */
     /* with --plan auto */
     btf_material *whole;
     plan_range *seen; /* [frame] */
@@ -70,7 +71,13 @@ static btf_result load_mesh(job *j) {
     return j->bvh ? BTF_OK : cli_error(&render_program, BTF_ERROR_MEMORY, "out of memory for the mesh");
 }
 
-static btf_result open_shader(job *j) {
+/* Samples that the shader will evaluate, in pictures of so many frames. */
+static double count_samples(const job *j, int frames) {
+    return (double)j->scene.width * j->scene.height * j->scene.samples * j->scene.samples * frames *
+           (double)render_options.lights.count;
+}
+
+static btf_result open_shader(job *j, int frames) {
     shader_request request = {.device = render_options.device,
                               .material = j->material,
                               .variants = render_options.figure13 ? 3 : 1,
@@ -79,6 +86,8 @@ static btf_result open_shader(job *j) {
                               .interpolation = (btf_interpolation)render_options.interpolation,
                               .filter = (btf_filter)render_options.filter,
                               .math = (btf_math)render_options.math,
+                              .fold = (shader_fold)render_options.fold,
+                              .samples = count_samples(j, frames),
                               .picks = render_options.stochastic ? BTF_PICK_ALL : BTF_PICK_NONE,
                               .picked = render_options.spp,
                               .level = render_options.figure13 ? 0 : render_options.level,
@@ -101,6 +110,10 @@ static btf_result open_shader(job *j) {
         request.fixed = planned->fixed;
         memcpy(request.fixed_view, planned->fixed_view, sizeof request.fixed_view);
         memcpy(request.fixed_light, planned->fixed_light, sizeof request.fixed_light);
+    } else if (!render_options.figure13) {
+        request.fixed = j->still.fixed;
+        memcpy(request.fixed_view, j->still.fixed_view, sizeof request.fixed_view);
+        memcpy(request.fixed_light, j->still.fixed_light, sizeof request.fixed_light);
     }
     btf_result result = shader_create(&request, &j->log, &j->shader);
     if (!result && render_options.size[0] * render_options.samples > shader_max_width(j->shader))
@@ -171,6 +184,25 @@ static btf_result see_frames(job *j) {
     return result ? cli_error(&render_program, result, "out of memory for a plan") : BTF_OK;
 }
 
+/* Finds what never changes, without a plan: a light on a flat mesh, perhaps the view. */
+static btf_result find_still(job *j) {
+    const bool turns = render_options.frames > 1 && render_options.animate != 0;
+    if (render_options.fold == SHADER_FOLD_NEVER || render_options.lights.count != 1 || turns ||
+        !mesh_is_flat(j->mesh))
+        return BTF_OK;
+    btf_result result = see_frames(j);
+    for (int frame = 1; frame < render_options.frames && !result; frame++)
+        plan_range_join(&j->seen[0], &j->seen[frame]);
+    if (result)
+        return result;
+    const btf_scene scene = plan_range_scene(&j->seen[0]);
+    j->still.fixed = (scene.light.fixed ? (uint32_t)BTF_FIXED_LIGHT : 0u) |
+                     (scene.view.fixed ? (uint32_t)BTF_FIXED_VIEW : 0u);
+    memcpy(j->still.fixed_light, scene.light.direction, sizeof j->still.fixed_light);
+    memcpy(j->still.fixed_view, scene.view.direction, sizeof j->still.fixed_view);
+    return BTF_OK;
+}
+
 /* The plan for a range of frames that begins with `first`, and the material and shader that it calls for.
  */
 static btf_result plan_frames(job *j, int first) {
@@ -194,7 +226,7 @@ static btf_result plan_frames(job *j, int first) {
     j->scene.table.texels[0] = (int)j->info.width;
     j->scene.table.texels[1] = (int)j->info.height;
     j->scene.table.levels = (int)j->info.levels;
-    return open_shader(j);
+    return open_shader(j, j->planned_end - first);
 }
 
 static btf_result prepare(job *j, const char *path) {
@@ -240,8 +272,10 @@ static btf_result prepare(job *j, const char *path) {
         return cli_error(&render_program, BTF_ERROR_MEMORY, "out of memory for lights");
     if (size)
         memcpy(j->lights, render_options.lights.lights, size);
-    if (render_options.plan != 0)
-        return open_shader(j);
+    if (render_options.plan != 0) {
+        result = find_still(j);
+        return result ? result : open_shader(j, render_options.frames);
+    }
     j->whole = j->material;
     j->material = NULL;
     return see_frames(j);
@@ -263,7 +297,7 @@ static void print_times(const char *name, const shader_times *t) {
 }
 
 static void print_stats(const job *j, const render_times *t) {
-    printf("device: %s\n", shader_name(j->shader));
+    printf("device: %s\nfolded: %s\n", shader_name(j->shader), shader_folded(j->shader));
     printf("picture: %d x %d, %d samples a pixel, %zu lights, %s, %s, %s\n", j->scene.width,
            j->scene.height, j->scene.samples * j->scene.samples, render_options.lights.count,
            (j->whole && !render_options.interpolation_given

@@ -189,6 +189,15 @@ static const cli_option option_table[] = {
              "one plan for each range of frames. On a flat mesh one directional light, and\n"
              "with --fov 0 the view, are the same in every pixel: the shader then holds\n"
              "their neighbours as constants. The picture is that of the plan without"},
+    {.name = "fold",
+     .arg = "WHEN",
+     .type = CLI_CHOICE,
+     .value = &render_options.fold,
+     .choices = "auto|always|never",
+     .help = "whether a light that is the same in every pixel, and with --fov 0 the view, is\n"
+             "decoded once for all pictures: where it takes less time (default), where it is\n"
+             "defined, never. Not where the material has an SBRDF or gloss, which depend on\n"
+             "the view too, nor light and view together with relief. The picture is the same"},
     {.name = "tolerance",
      .arg = "DB",
      .type = CLI_DOUBLE,

@@ -17,7 +17,7 @@ typedef struct settings {
     light_list lights;
     uint32_t effects;
     int size[2], samples, env_lights, components, math, interpolation, filter, tone, frames, animate,
-        threads, repeats, level, plan, spp;
+        threads, repeats, level, plan, fold, spp;
 } settings;
 
 /* As given, with defaults for the rest. */

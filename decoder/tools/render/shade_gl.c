@@ -9,8 +9,10 @@
 #include "decoder/tools/context/context.h"
 #include "decoder/tools/context/gl_api.h"
 #include "decoder/toolkit/file.h"
+#include "shade_fold.h"
 #include "table.h"
 #include <omp.h>
+#include <openbtf/fold.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,6 +22,7 @@ typedef struct gl_device {
     context *context;
     gl_api gl;
     btf_gl *material;
+    btf_gl_fold *folds[SHADER_VARIANTS]; /* NULL: nothing is folded */
     GLuint programs[SHADER_VARIANTS], phong;
     GLuint inputs, levels, outputs, framebuffer, array, colour;
     int width, rows; /* of the textures */
@@ -33,7 +36,7 @@ typedef struct gl_device {
     char name[240];
 } gl_device;
 
-enum { UNIT_INPUTS = 0, UNIT_COLOUR = 1, UNIT_LEVELS = 2, UNIT_MATERIAL = 3 };
+enum { UNIT_INPUTS = 0, UNIT_COLOUR = 1, UNIT_LEVELS = 2, UNIT_FOLDED = 3, UNIT_MATERIAL = 4 };
 
 static const char vertex_text[] =
     "void main() {\n"
@@ -157,17 +160,8 @@ static GLuint make_program(gl_device *d, const context_device *device, const cha
 
 static btf_result make_variant(gl_device *d, const context_device *device, const shader_request *request,
                                int variant, const btf_log *log) {
-    btf_shader_options options = {.struct_size = sizeof options,
-                                  .leave_out = BTF_EFFECT_ALL & ~request->effects[variant],
-                                  .components = request->components,
-                                  .interpolation = request->interpolation,
-                                  .filter = request->filter,
-                                  .math = request->math,
-                                  .have_precise = device->enable_gpu_shader5,
-                                  .fixed = request->fixed,
-                                  .picks = request->picks};
-    memcpy(options.fixed_view, request->fixed_view, sizeof options.fixed_view);
-    memcpy(options.fixed_light, request->fixed_light, sizeof options.fixed_light);
+    btf_shader_options options = shade_fold_options(request, variant);
+    options.have_precise = device->enable_gpu_shader5;
     char *library = NULL;
     btf_result result = btf_shader_source(request->material, &options, log, &library);
     if (result)
@@ -181,6 +175,15 @@ static btf_result make_variant(gl_device *d, const context_device *device, const
     btf_free(library);
     if (!d->programs[variant])
         return BTF_ERROR_INTERNAL;
+    if (options.fold != BTF_FOLD_NONE) {
+        const btf_gl_options gl = {sizeof gl, context_get_proc_address, d->context, &options};
+        result = btf_gl_fold_create(request->material, &gl, 1, log, &d->folds[variant]);
+        if (!result)
+            result = btf_gl_fold_run(d->folds[variant], d->material, UNIT_MATERIAL, 0, options.fixed_light,
+                                     options.fixed_view, log);
+        if (result)
+            return result;
+    }
     return btf_gl_bind(d->material, d->programs[variant], UNIT_MATERIAL, NULL, log, NULL);
 }
 
@@ -264,6 +267,8 @@ static btf_result fill(gl_device *d, const context_device *device, const shader_
 
 static void destroy(void *self) {
     gl_device *d = self;
+    for (int i = 0; i < SHADER_VARIANTS; i++)
+        btf_gl_fold_destroy(&d->folds[i]);
     if (d->material)
         btf_gl_destroy(&d->material);
     context_destroy(&d->context); /* and all that lives in it */
@@ -367,6 +372,8 @@ static btf_result run(void *self, int variant, int width, int rows, const float 
         d->gl.TexImage2D(GL_TEXTURE_2D, 0, GL_R32UI, width, rows, 0, GL_RED_INTEGER, GL_UNSIGNED_INT,
                          d->bits);
     }
+    if (d->folds[variant])
+        btf_gl_fold_bind(d->folds[variant], d->programs[variant], UNIT_FOLDED, NULL);
     d->gl.UseProgram(d->programs[variant]);
     if (d->stochastic) {
         d->gl.Uniform1i(d->gl.GetUniformLocation(d->programs[variant], "render_picked"), d->picked);

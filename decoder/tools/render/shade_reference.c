@@ -8,6 +8,7 @@
 #include "decoder/toolkit/file.h"
 #include "decoder/toolkit/filter.h"
 #include "decoder/toolkit/reference_view.h"
+#include "shade_fold.h"
 #include "table.h"
 #include <openbtf/evaluate.h>
 #include <stdlib.h>
@@ -18,6 +19,7 @@ typedef struct reference {
     btf_evaluator *evaluator;
     btf_evaluate_options options[SHADER_VARIANTS];
     int threads;
+    btf_ref_folded folded[SHADER_VARIANTS][BTF_MAX_LEVELS]; /* without values: nothing is */
     /* Stochastic decode, where picks is not 0. */
     btf_ref_material level[BTF_MAX_LEVELS];
     btf_ref_options reference_options[SHADER_VARIANTS];
@@ -27,12 +29,17 @@ typedef struct reference {
 
 static void destroy(void *self) {
     reference *r = self;
-    if (r)
-        btf_evaluator_destroy(&r->evaluator);
+    if (!r)
+        return;
+    for (int v = 0; v < SHADER_VARIANTS; v++)
+        for (int i = 0; i < BTF_MAX_LEVELS; i++)
+            free((void *)r->folded[v][i].values);
+    btf_evaluator_destroy(&r->evaluator);
     free(r);
 }
 
-static void prepare_picks(reference *self, const shader_request *request) {
+/* What the reference takes in place of the evaluator: of a stochastic decode, and of folds. */
+static void prepare_reference(reference *self, const shader_request *request) {
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(request->material, &info);
     self->picks = (int)request->picks;
@@ -47,6 +54,20 @@ static void prepare_picks(reference *self, const shader_request *request) {
             .interpolation =
                 request->interpolation == BTF_INTERPOLATION_NEAREST ? BTF_REF_NEAREST : BTF_REF_LINEAR,
             .filter = filter_of_reference(request->filter)};
+}
+
+/* Of all levels; false when out of memory. */
+static bool fold(reference *r, const shader_request *request, int variant) {
+    const btf_shader_options options = shade_fold_options(request, variant);
+    for (int i = 0; i < r->levels && options.fold != BTF_FOLD_NONE; i++) {
+        btf_ref_folded *f = &r->folded[variant][i];
+        f->fold = options.fold == BTF_FOLD_LIGHT ? BTF_REF_FOLD_LIGHT : BTF_REF_FOLD_BOTH;
+        f->values = shade_fold_reference(&r->level[i], &r->reference_options[variant], options.fold,
+                                         options.fixed_light, options.fixed_view, r->threads);
+        if (!f->values)
+            return false;
+    }
+    return true;
 }
 
 static void *create(const shader_request *request, const btf_log *log, btf_result *out_result) {
@@ -67,14 +88,20 @@ static void *create(const shader_request *request, const btf_log *log, btf_resul
         return NULL;
     }
     self->threads = request->threads;
-    if (request->picks)
-        prepare_picks(self, request);
+    prepare_reference(self, request);
     for (int i = 0; i < request->variants; i++)
         self->options[i] = (btf_evaluate_options){.struct_size = sizeof self->options[i],
                                                   .leave_out = ~request->effects[i],
                                                   .components = request->components,
                                                   .interpolation = request->interpolation,
                                                   .filter = request->filter};
+    for (int i = 0; i < request->variants; i++)
+        if (!fold(self, request, i)) {
+            file_say(log, "out of memory for a fold");
+            *out_result = BTF_ERROR_MEMORY;
+            destroy(self);
+            return NULL;
+        }
     return self;
 }
 
@@ -146,10 +173,23 @@ static btf_result evaluate_all(const reference *r, int variant, int count, const
     return result;
 }
 
+static btf_result read_folds(const reference *r, int variant, int count, const float *inputs, float *out) {
+#pragma omp parallel for schedule(dynamic, CHUNK) num_threads(r->threads)
+    for (int i = 0; i < count; i++) {
+        const float *in = inputs + TABLE_INPUTS * (size_t)i;
+        const int level = (int)in[8] < r->levels ? (int)in[8] : r->levels - 1;
+        btf_ref_evaluate_folded(&r->level[level], &r->reference_options[variant], &r->folded[variant][level],
+                                in[0], in[1], in + 5, in + 2, out + 3 * (size_t)i);
+    }
+    return BTF_OK;
+}
+
 static btf_result run(void *self, int variant, int width, int rows, const float *inputs, float *out,
                       const btf_log *log) {
     reference *r = self;
     (void)log;
+    if (r->folded[variant][0].values)
+        return read_folds(r, variant, width * rows, inputs, out);
     return r->picks ? pick_all(r, variant, width, rows, inputs, out)
                     : evaluate_all(r, variant, width * rows, inputs, out);
 }

@@ -5,15 +5,30 @@
 #include "shader.h"
 
 #include "decoder/toolkit/file.h"
+#include "shade_fold.h"
 #include "shade_gl.h"
 #include "shade_reference.h"
+#include <openbtf/fold.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 struct shader {
     const shader_class *class;
     void *self;
+    char folded[60];
 };
+
+static void describe_fold(const shader_request *request, char *text, size_t size) {
+    const btf_fold fold = shade_fold_options(request, 0).fold;
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_material_get_info(request->material, &info);
+    if (fold == BTF_FOLD_NONE)
+        snprintf(text, size, "nothing");
+    else
+        snprintf(text, size, "%s, %zu bytes", fold == BTF_FOLD_LIGHT ? "light" : "light and view",
+                 btf_fold_bytes(&info, fold, 1));
+}
 
 btf_result shader_create(const shader_request *request, const btf_log *log, shader **out_shader) {
     btf_result result = BTF_OK;
@@ -29,6 +44,7 @@ btf_result shader_create(const shader_request *request, const btf_log *log, shad
         free(s);
         return result ? result : BTF_ERROR_MEMORY;
     }
+    describe_fold(request, s->folded, sizeof s->folded);
     *out_shader = s;
     return BTF_OK;
 }
@@ -39,6 +55,10 @@ void shader_destroy(shader **s) {
     (*s)->class->destroy((*s)->self);
     free(*s);
     *s = NULL;
+}
+
+const char *shader_folded(const shader *s) {
+    return s->folded;
 }
 
 const char *shader_name(const shader *s) {

@@ -15,6 +15,9 @@ typedef struct shader_times {
 
 enum { SHADER_VARIANTS = 4, SHADER_PHONG = -1 };
 
+/* Whether what is fixed is decoded once (shade_fold.h). */
+typedef enum shader_fold { SHADER_FOLD_AUTO, SHADER_FOLD_ALWAYS, SHADER_FOLD_NEVER } shader_fold;
+
 typedef struct shader_request {
     const char *device; /* "reference", or the name of a context_device */
     const btf_material *material;
@@ -24,8 +27,10 @@ typedef struct shader_request {
     btf_interpolation interpolation;
     btf_filter filter;
     btf_math math;  /* BTF_MATH_FAST: not of the reference */
-    uint32_t fixed; /* as in btf_shader_options: what is the same in every list; GL alone profits */
+    uint32_t fixed; /* as in btf_shader_options: what is the same in every list */
     float fixed_view[3], fixed_light[3];
+    shader_fold fold;
+    double samples; /* to be shaded by each variant, about */
     btf_picks picks; /* other than none: a list is decoded stochastically, */
     int picked;      /* so many times, 1 at least, of which the mean is taken; every list by other random numbers */
     int level;   /* the level of detail that every sample asks for; below 0: they differ */

@@ -249,6 +249,8 @@ static btf_result loop(viewer *v) {
         }
         if (view_options.plan == 0 && v->material)
             v->failed = viewer_plan(v, &wait);
+        else if (v->material)
+            v->failed = viewer_still(v, &wait);
         if (v->dirty && !v->failed) {
             v->dirty = false;
             v->failed = viewer_draw_frame(v);

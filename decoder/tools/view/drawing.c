@@ -5,13 +5,21 @@
 #include "drawing.h"
 
 #include "decoder/toolkit/file.h"
+#include "light_fold.h"
 #include "decoder/tools/render/table.h"
 #include "history.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { PROGRAMS = 32, SOURCES = 1 + DRAWING_SLOTS, UNIT_IMAGES = 0, UNIT_HISTORY = 1, UNIT_MATERIAL = 2 };
+enum {
+    PROGRAMS = 32,
+    SOURCES = 1 + DRAWING_SLOTS,
+    UNIT_IMAGES = 0,
+    UNIT_HISTORY = 1,
+    UNIT_FOLDED = 2,
+    UNIT_MATERIAL = 3
+};
 
 /* The choices that a GL program is compiled for. */
 typedef struct variant {
@@ -20,6 +28,7 @@ typedef struct variant {
     btf_filter filter;
     btf_math math;
     bool images, levels, stochastic;
+    bool folded; /* reads a fold, or would where there is one */
 } variant;
 
 typedef struct program {
@@ -32,7 +41,8 @@ typedef struct source {
     const btf_material *material;
     btf_material *apart; /* in layout tight, drawn in its place where GL's textures cannot hold its atlas */
     btf_gl *textures;    /* NULL until it is drawn */
-    btf_plan plan;       /* of one made for a plan: that plan */
+    btf_plan plan;       /* of a plan's: what it decodes of the material; of the whole, a light that rests */
+    light_fold fold;     /* of the fixed light, where that is drawn from */
     program programs[PROGRAMS];
     int program_count;
 } source;
@@ -147,6 +157,7 @@ static const char images_text[] =
 static void forget_source(drawing *d, source *s) {
     for (int i = 0; i < s->program_count; i++)
         d->gl->DeleteProgram(s->programs[i].name);
+    light_fold_clear(&s->fold);
     btf_gl_destroy(&s->textures);
     btf_material_close(&s->apart);
     *s = (source){0};
@@ -292,14 +303,17 @@ btf_result drawing_set_plan(drawing *d, int slot, const btf_material *material, 
 void drawing_use_plan(drawing *d, int slot) {
     d->used = 1 + slot;
     for (int i = 1; i < SOURCES; i++)
-        if (i != d->used)
+        if (i != d->used) {
+            light_fold_clear(&d->sources[i].fold);
             btf_gl_destroy(&d->sources[i].textures);
+        }
 }
 
 size_t drawing_bytes(const drawing *d) {
     size_t bytes = 0;
     for (int i = 0; i < SOURCES; i++)
-        bytes += d->sources[i].textures ? btf_gl_bytes(d->sources[i].textures) : 0;
+        bytes += (d->sources[i].textures ? btf_gl_bytes(d->sources[i].textures) : 0) +
+                 (d->sources[i].fold.gl ? btf_gl_fold_bytes(d->sources[i].fold.gl) : 0);
     return bytes;
 }
 
@@ -336,11 +350,11 @@ btf_result drawing_set_mesh(drawing *d, const mesh *m, double repeat, const btf_
 
 static bool same_variant(const variant *a, const variant *b) {
     return a->effects == b->effects && a->interpolation == b->interpolation && a->filter == b->filter &&
-           a->math == b->math && a->images == b->images && a->levels == b->levels && a->stochastic == b->stochastic;
+           a->math == b->math && a->images == b->images && a->levels == b->levels && a->stochastic == b->stochastic &&
+           a->folded == b->folded;
 }
 
-static btf_result compile(drawing *d, const source *s, const variant *v, const btf_log *log,
-                          GLuint *out_program) {
+static btf_shader_options options_of(const drawing *d, const source *s, const variant *v) {
     const bool planned = s != &d->sources[0];
     btf_shader_options options = {.struct_size = sizeof options,
                                   .leave_out = BTF_EFFECT_ALL & ~v->effects,
@@ -356,6 +370,26 @@ static btf_result compile(drawing *d, const source *s, const variant *v, const b
         memcpy(options.fixed_view, s->plan.shader.fixed_view, sizeof options.fixed_view);
         memcpy(options.fixed_light, s->plan.shader.fixed_light, sizeof options.fixed_light);
     }
+    return options;
+}
+
+/* Folds the light that the source's plan fixes, for this variant, where that is worth it. */
+static btf_result fold(drawing *d, source *s, const variant *v, double pixels, const btf_log *log) {
+    const btf_gl_options gl = {sizeof gl, d->get, d->user, NULL};
+    btf_shader_options options = options_of(d, s, v);
+    options.fixed = s->plan.shader.fixed; /* of the whole material, too */
+    memcpy(options.fixed_light, s->plan.shader.fixed_light, sizeof options.fixed_light);
+    if (!s->textures || !light_fold_wanted(s->material, &options, pixels)) {
+        light_fold_clear(&s->fold);
+        return BTF_OK;
+    }
+    return light_fold_make(&s->fold, s->material, s->textures, &gl, &options, UNIT_MATERIAL, log);
+}
+
+static btf_result compile(drawing *d, const source *s, const variant *v, const btf_log *log,
+                          GLuint *out_program) {
+    btf_shader_options options = options_of(d, s, v);
+    options.fold = v->folded ? BTF_FOLD_LIGHT : BTF_FOLD_NONE;
     char *library = NULL;
     btf_result result = btf_shader_source(s->material, &options, log, &library);
     if (result)
@@ -418,6 +452,12 @@ static void make_matrix(const camera_frame *f, int width, int height, float m[16
     m[15] = (float)f->distance;
 }
 
+/* A fold is made anew where effects or interpolation were switched, or textures were gone. The right half of a split
+ * screen, which shows other effects, is drawn without. */
+static btf_result fold_again(drawing *d, source *s, const variant *v, double pixels, const btf_log *log) {
+    return !v->folded || !(s->plan.shader.fixed & BTF_FIXED_LIGHT) ? BTF_OK : fold(d, s, v, pixels, log);
+}
+
 /* The images know the directions of the whole material alone. */
 static btf_result draw_side(drawing *d, int used, const view_state *s, const variant *v, int width,
                             int height, const btf_log *log) {
@@ -426,13 +466,19 @@ static btf_result draw_side(drawing *d, int used, const view_state *s, const var
     const camera_frame frame = camera_get_frame(&camera);
     const gl_api *gl = d->gl;
     GLuint name = 0;
+    variant read = *v;
     btf_result result = upload(d, from, log);
     if (!result)
-        result = find_program(d, from, v, log, &name);
+        result = fold_again(d, from, v, (double)width * height, log);
+    read.folded = v->folded && from->fold.gl;
+    if (!result)
+        result = find_program(d, from, &read, log, &name);
     if (!result)
         result = btf_gl_bind(from->textures, name, UNIT_MATERIAL, NULL, log, NULL);
     if (result)
         return result;
+    if (read.folded)
+        btf_gl_fold_bind(from->fold.gl, name, UNIT_FOLDED, NULL);
     float matrix[16], eye[3], light[3];
     make_matrix(&frame, width, height, matrix);
     vec_store(vec_mul(frame.back, frame.distance), eye);
@@ -460,12 +506,33 @@ static btf_result draw_side(drawing *d, int used, const view_state *s, const var
 }
 
 static variant variant_of(const view_state *s) {
-    return (variant){s->effects, s->interpolation,              s->filter,    s->math,
-                     false,      s->levels && s->has_levels, s->stochastic};
+    return (variant){s->effects, s->interpolation,              s->filter,     s->math,
+                     false,      s->levels && s->has_levels, s->stochastic, !s->stochastic};
+}
+
+btf_result drawing_fold_plan(drawing *d, int slot, const view_state *s, double pixels, const btf_log *log) {
+    const variant v = variant_of(s);
+    return fold(d, &d->sources[1 + slot], &v, pixels, log);
+}
+
+btf_result drawing_fold_whole(drawing *d, const float light[3], const view_state *s, double pixels, const btf_log *log) {
+    source *whole = &d->sources[0];
+    const variant v = variant_of(s);
+    btf_shader_options *still = &whole->plan.shader;
+    still->fixed = light ? BTF_FIXED_LIGHT : 0u;
+    if (light)
+        memcpy(still->fixed_light, light, sizeof still->fixed_light);
+    return fold(d, whole, &v, pixels, log);
+}
+
+size_t drawing_folded(const drawing *d) {
+    const light_fold *f = &d->sources[d->used].fold;
+    return f->gl ? btf_gl_fold_bytes(f->gl) : 0;
 }
 
 btf_result drawing_link_plan(drawing *d, int slot, const view_state *s, const btf_log *log) {
-    const variant v = variant_of(s);
+    variant v = variant_of(s);
+    v.folded = d->sources[1 + slot].fold.gl != NULL;
     GLuint name;
     return find_program(d, &d->sources[1 + slot], &v, log, &name);
 }
@@ -530,6 +597,7 @@ btf_result drawing_draw(drawing *d, const view_state *s, int width, int height, 
     right.stochastic = false;
     right.images = s->split == VIEW_SPLIT_ORIGINAL && d->images;
     right.effects = 0;
+    right.folded = false;
     gl->Enable(GL_DEPTH_TEST);
     gl->Enable(GL_SCISSOR_TEST);
     gl->Scissor(0, 0, split, height);

@@ -37,6 +37,17 @@ btf_result drawing_link_plan(drawing *d, int slot, const view_state *s, const bt
 btf_result drawing_try_plan(drawing *d, int slot, const view_state *s, int width, int height,
                             const btf_log *log);
 
+/* Folds a plan's fixed light into a texture where that pays in frames of so many pixels; then programs that are
+ * linked read it. Nothing where the plan fixes no light. Errors: those of btf_gl_fold_create and _run. */
+btf_result drawing_fold_plan(drawing *d, int slot, const view_state *s, double pixels, const btf_log *log);
+
+/* The same for the whole material: `light`, of the tangent frame, is that of every pixel until the next call; NULL: there
+ * is none. */
+btf_result drawing_fold_whole(drawing *d, const float light[3], const view_state *s, double pixels, const btf_log *log);
+
+/* Bytes of the fold that is drawn from, 0: nothing is folded. */
+size_t drawing_folded(const drawing *d);
+
 /* Draws this plan from now on. The others keep their programs; their textures go, and come back when they
  * are drawn again. */
 void drawing_use_plan(drawing *d, int slot);

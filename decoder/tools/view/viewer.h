@@ -16,7 +16,14 @@
 #include <GLFW/glfw3.h>
 
 /* The parts in which a plan is made, each between two frames. */
-typedef enum planning_stage { STAGE_MAKE, STAGE_UPLOAD, STAGE_LINK, STAGE_TRY, STAGES } planning_stage;
+typedef enum planning_stage {
+    STAGE_MAKE,
+    STAGE_UPLOAD,
+    STAGE_FOLD,
+    STAGE_LINK,
+    STAGE_TRY,
+    STAGES
+} planning_stage;
 
 typedef struct planning {
     planner planner;
@@ -27,6 +34,7 @@ typedef struct planning {
     int size[2];
     btf_scene needed;
     double moved, light_moved; /* seconds */
+    bool folded;               /* without --plan: the light that rests was looked at */
 } planning;
 
 typedef struct viewer {

@@ -7,6 +7,7 @@
 #include "decoder/toolkit/cli.h"
 #include "decoder/toolkit/scene_option.h"
 #include "decoder/tools/render/plan_range.h"
+#include "decoder/tools/mesh/vec.h"
 #include "options.h"
 #include <math.h>
 #include <stdio.h>
@@ -21,15 +22,6 @@ _Static_assert((int)PLANNER_SLOTS == (int)DRAWING_SLOTS, "a slot for each plan")
 void viewer_forget_plans(viewer *v) {
     planner_clear(&v->planning.planner);
     v->planning = (planning){.planner = planner_begin()};
-}
-
-/* One normal all over: a light far away is one direction there. */
-static bool is_flat(const mesh *m) {
-    for (uint32_t i = 1; i < m->vertex_count; i++)
-        if (memcmp(m->vertices[i].normal, m->vertices[0].normal, sizeof m->vertices[0].normal) ||
-            memcmp(m->vertices[i].tangent, m->vertices[0].tangent, sizeof m->vertices[0].tangent))
-            return false;
-    return true;
 }
 
 static bool same_camera(const view_state *a, const view_state *b) {
@@ -86,12 +78,21 @@ static btf_result note_movement(viewer *v) {
     if (!camera && !lit)
         return BTF_OK;
     if (first)
-        p->folds = is_flat(viewer_mesh(v));
+        p->folds = mesh_is_flat(viewer_mesh(v));
     p->moved = camera ? now : p->moved;
     p->light_moved = lit ? now : p->light_moved;
     p->seen = v->state;
     memcpy(p->size, size, sizeof p->size);
     return find_needed_scene(v, size[0], size[1]);
+}
+
+/* Of a light that is folded a texture holds all that it shows, or the shader its neighbours, but with gloss. */
+static const char *light_words(const viewer *v, const btf_plan *plan) {
+    if (!plan->scene.light.fixed)
+        return " free";
+    return drawing_folded(v->drawing)         ? " folded into a texture"
+           : plan->effects & BTF_EFFECT_GLOSS ? " folded no further than gloss allows"
+                                              : " folded";
 }
 
 static void report_plan(viewer *v, const char *what, const planner_plan *made, const char *times) {
@@ -101,7 +102,7 @@ static void report_plan(viewer *v, const char *what, const planner_plan *made, c
     snprintf(text, sizeof text,
              "plan %u%s: views %.1f to %.1f, light%s, level %u: %s, %s; %zu bytes of %zu, %zu uploaded%s",
              made->number, what, (double)s->view.theta[0],
-             (double)(s->view.theta[1] > 0 ? s->view.theta[1] : 90), s->light.fixed ? " folded" : " free",
+             (double)(s->view.theta[1] > 0 ? s->view.theta[1] : 90), light_words(v, plan),
              (unsigned)plan->level, cli_effects_text(plan->effects, words),
              scene_plan_amount(plan, amount, sizeof amount), plan->gpu_bytes, plan->full_gpu_bytes,
              drawing_bytes(v->drawing), times);
@@ -123,6 +124,8 @@ static btf_result do_next_part(viewer *v) {
         result = planner_make(&p->planner, v->material, (float)view_options.tolerance, &v->log);
     else if (p->stage == STAGE_UPLOAD)
         result = drawing_set_plan(v->drawing, slot, made->material, &made->plan, &v->log);
+    else if (p->stage == STAGE_FOLD)
+        result = drawing_fold_plan(v->drawing, slot, &v->state, (double)p->size[0] * p->size[1], &v->log);
     else if (p->stage == STAGE_LINK)
         result = drawing_link_plan(v->drawing, slot, &v->state, &v->log);
     else
@@ -133,8 +136,8 @@ static btf_result do_next_part(viewer *v) {
     planner_take(&p->planner);
     drawing_use_plan(v->drawing, p->planner.current);
     char times[120];
-    snprintf(times, sizeof times, "; made in %.1f ms, upload %.1f, link %.1f, first pixel %.1f",
-             p->ms[STAGE_MAKE], p->ms[STAGE_UPLOAD], p->ms[STAGE_LINK], p->ms[STAGE_TRY]);
+    snprintf(times, sizeof times, "; made in %.1f ms, upload %.1f, fold %.1f, link %.1f, first pixel %.1f",
+             p->ms[STAGE_MAKE], p->ms[STAGE_UPLOAD], p->ms[STAGE_FOLD], p->ms[STAGE_LINK], p->ms[STAGE_TRY]);
     report_plan(v, "", made, times);
     return BTF_OK;
 }
@@ -161,6 +164,52 @@ btf_result viewer_plan(viewer *v, double *out_wait) {
     return result;
 }
 
+/* Direction to the light at every point of a flat model, seen from where it is lit. */
+static void flat_light(const mesh *m, const view_state *s, float out[3]) {
+    const mesh_vertex *at = m->vertices;
+    const vec3 n = vec(at->normal[0], at->normal[1], at->normal[2]),
+               t = vec(at->tangent[0], at->tangent[1], at->tangent[2]),
+               b = vec_mul(vec_cross(n, t), at->tangent[3] < 0 ? -1 : 1),
+               light = vec_from_angles(s->light_theta, s->light_phi);
+    vec_store(vec(vec_dot(light, t), vec_dot(light, b), vec_dot(light, n)), out);
+}
+
+btf_result viewer_still(viewer *v, double *out_wait) {
+    planning *p = &v->planning;
+    const double now = glfwGetTime();
+    const bool first = p->size[0] == 0;
+    viewer_frame_size(v, &p->size[0], &p->size[1]);
+    *out_wait = -1;
+    if (first || !same_light(&p->seen, &v->state) || v->state.mesh != p->seen.mesh) {
+        p->seen = v->state;
+        p->folds = mesh_is_flat(viewer_mesh(v));
+        p->light_moved = now;
+        p->folded = false;
+        if (drawing_folded(v->drawing))
+            drawing_fold_whole(v->drawing, NULL, &v->state, 0, &v->log);
+    }
+    if (!p->folds || p->folded || v->state.animate)
+        return BTF_OK;
+    if (now - p->light_moved < rest_seconds) {
+        *out_wait = rest_seconds / 2;
+        return BTF_OK;
+    }
+    float light[3];
+    char text[120];
+    flat_light(viewer_mesh(v), &v->state, light);
+    p->folded = true;
+    const btf_result result = light[2] > 1e-6f ? drawing_fold_whole(v->drawing, light, &v->state,
+                                                                    (double)p->size[0] * p->size[1], &v->log)
+                                               : BTF_OK;
+    if (result || !drawing_folded(v->drawing))
+        return result;
+    snprintf(text, sizeof text, "the light rests: folded into %zu bytes, in %.1f ms", drawing_folded(v->drawing),
+             1e3 * (glfwGetTime() - now));
+    viewer_tell(v, text);
+    v->dirty = true;
+    return BTF_OK;
+}
+
 void viewer_plan_text(const viewer *v, char *text, size_t size) {
     const planner *p = &v->planning.planner;
     size_t length = 0;
@@ -181,7 +230,7 @@ void viewer_plan_text(const viewer *v, char *text, size_t size) {
                  "plan %u: views %.0f..%.0f, light%s, level %u, %s\n%.1f dB of %.1f, %.0f%% of bytes\n",
                  now->number, (double)s->view.theta[0],
                  (double)(s->view.theta[1] > 0 ? s->view.theta[1] : 90),
-                 s->light.fixed ? " folded" : " free", (unsigned)now->plan.level,
+                 light_words(v, &now->plan), (unsigned)now->plan.level,
                  scene_plan_amount(&now->plan, amount, sizeof amount), (double)now->plan.psnr_linear,
                  (double)now->plan.full_psnr_linear,
                  100 * (double)now->plan.gpu_bytes / (double)now->plan.full_gpu_bytes);

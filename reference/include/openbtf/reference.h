@@ -133,6 +133,39 @@ void btf_ref_evaluate_neighbours(const btf_ref_material *material, const btf_ref
                                  const btf_ref_neighbours *views, const float light[3], const float view[3],
                                  float out_rgb[3]);
 
+/* Folding: a light that never changes, or light and view, are decoded once; then a pixel reads what was kept. The
+ * radiance has the same bits (decoder/README.md, Folding). */
+
+enum { BTF_REF_FOLD_LIGHT = 1, BTF_REF_FOLD_BOTH = 2 };
+
+/** What was kept. */
+typedef struct btf_ref_folded {
+    int fold; /**< BTF_REF_FOLD_LIGHT or _BOTH */
+    const float *values; /**< [view][row][column][4], of both [row][column][4]; as the functions below make them */
+} btf_ref_folded;
+
+/** @return 1 where a fold is defined: of a light of materials without an SBRDF, which depends on the viewer between
+ * samples, if gloss, with which lights do, is not decoded; of light and view if relief, which moves texels by less
+ * than one, is not decoded. Else 0. */
+int btf_ref_can_fold(const btf_ref_material *material, const btf_ref_options *options, int fold);
+
+/** Rows first_row .. first_row + rows - 1 of what texels show in sampled view @p view under @p light: L of section 9, or
+ * y where the blend is of roots. @p options says which effects, and whether lights are interpolated. out_values
+ * [rows][column][4]; the fourth is 0. */
+void btf_ref_fold_light(const btf_ref_material *material, const btf_ref_options *options,
+                        const float light[3], uint32_t view, uint32_t first_row, uint32_t rows,
+                        float *out_values);
+
+/** The same of radiance from @p view, which need be no sample. */
+void btf_ref_fold_both(const btf_ref_material *material, const btf_ref_options *options,
+                       const float light[3], const float view[3], uint32_t first_row, uint32_t rows,
+                       float *out_values);
+
+/** btf_ref_evaluate() with the same options, under the light that was folded; from the view, where that was folded too. */
+void btf_ref_evaluate_folded(const btf_ref_material *material, const btf_ref_options *options,
+                             const btf_ref_folded *folded, float u, float v, const float light[3],
+                             const float view[3], float out_rgb[3]);
+
 /** Which neighbours a stochastic decode picks; the others are blended. */
 enum {
     BTF_REF_PICK_VIEW = 1,  /**< the view */

@@ -287,7 +287,12 @@ static void plans_tell_of_what_lies_between(void **state) {
     btf_plan plan;
     assert_int_equal(btf_plan_effects(plain, &scene, 0.7f, &plan), BTF_OK); /* a file without the table */
     assert_true(plan.measured && plan.between_psnr_linear == 0 && plan.full_between_psnr_srgb == 0);
-    assert_int_equal(btf_plan_effects(material, &scene, 0.7f, &plan), BTF_OK); /* gains, four components */
+    assert_int_equal(plan.effects, BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL);
+    assert_int_equal(btf_plan_effects(material, &scene, 0.7f, &plan), BTF_OK); /* 0.0006 beside half of 0.01 */
+    assert_int_equal(plan.effects, BTF_EFFECT_RESIDUAL);
+    assert_int_equal(btf_plan_effects(material, &scene, 0.48f, &plan), BTF_OK);
+    assert_int_equal(plan.effects, BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL);
+    assert_int_equal(btf_plan_effects(material, &scene, 0.3f, &plan), BTF_OK); /* gains, four components */
     assert_true(is_near(plan.full_between_psnr_linear, 0.01) && is_near(plan.full_between_psnr_srgb, 0.02));
     assert_true(is_near(plan.between_psnr_linear, 0.01 + 0.00015) &&
                 is_near(plan.between_psnr_srgb, 0.02 + 0.0002));

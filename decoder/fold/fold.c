@@ -1,0 +1,137 @@
+/* Which folds there are, and what they cost. See openbtf/fold.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "fold.h"
+#include "decoder/restrict.h"
+#include "decoder/result.h"
+
+#include <string.h>
+
+static btf_shader_options read_options(const btf_shader_options *options) {
+    btf_shader_options all = {.struct_size = sizeof all};
+    if (options)
+        memcpy(&all, options, options->struct_size < sizeof all ? options->struct_size : sizeof all);
+    return all;
+}
+
+btf_material_info btfi_folded_info(const btf_material_info *info, btf_fold fold) {
+    btf_material_info shown = {.struct_size = sizeof shown};
+    memcpy(&shown, info, info->struct_size < sizeof shown ? info->struct_size : sizeof shown);
+    if (fold == BTF_FOLD_NONE)
+        return shown;
+    shown.layout = BTF_LAYOUT_TIGHT;
+    shown.effects &= fold == BTF_FOLD_LIGHT ? (uint32_t)BTF_EFFECT_RELIEF : 0u;
+    shown.colour = BTF_COLOUR_NONE;
+    shown.lobes = shown.components = 0;
+    shown.store = BTF_STORE_COMPONENTS;
+    shown.point_store = BTF_POINTS_SEPARATE;
+    return shown;
+}
+
+btf_result btf_fold_check(const btf_material_info *info, const btf_shader_options *options,
+                          const btf_log *log) {
+    const btf_shader_options all = read_options(options);
+    const uint32_t effects = info->effects & ~all.leave_out;
+    if (all.fold != BTF_FOLD_NONE && all.picks != BTF_PICK_NONE)
+        return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "fold: a stochastic decode is not folded");
+    if (all.fold == BTF_FOLD_LIGHT && info->colour != BTF_COLOUR_NONE)
+        return btfi_fail(
+            log, BTF_ERROR_UNSUPPORTED,
+            "fold: the material has an SBRDF, which depends on the viewer: a light alone is not folded");
+    if (all.fold == BTF_FOLD_LIGHT && effects & BTF_EFFECT_GLOSS)
+        return btfi_fail(log, BTF_ERROR_UNSUPPORTED,
+                         "fold: with gloss lights depend on the viewer: a light alone is not folded");
+    if (all.fold == BTF_FOLD_BOTH && effects & BTF_EFFECT_RELIEF)
+        return btfi_fail(
+            log, BTF_ERROR_UNSUPPORTED,
+            "fold: with relief a pixel shows parts of texels: light and view are not folded together");
+    return BTF_OK;
+}
+
+btf_shader_options btf_fold_pass(const btf_shader_options *options) {
+    btf_shader_options all = read_options(options);
+    all.leave_out |= BTF_EFFECT_RELIEF;
+    all.filter = BTF_FILTER_TEXEL;
+    all.fixed = 0;
+    all.fold = BTF_FOLD_NONE;
+    all.picks = BTF_PICK_NONE;
+    return all;
+}
+
+uint32_t btf_fold_layers(const btf_material_info *info, btf_fold fold, uint32_t lights) {
+    return lights * (fold == BTF_FOLD_LIGHT ? info->n_views : 1);
+}
+
+size_t btf_fold_bytes(const btf_material_info *info, btf_fold fold, uint32_t lights) {
+    size_t texels = 0;
+    for (uint32_t i = 0; i < info->levels; i++)
+        texels += (size_t)btf_level_size(info->width, i) * btf_level_size(info->height, i);
+    return texels * btf_fold_layers(info, fold, lights) * btf_format_size(BTF_FORMAT_RGBA32UI);
+}
+
+/* A texel of `folded`: as one of parameters, which has as many bytes (btf_plan_cost). */
+static const float kept_texel = 4.1f;
+
+/* A pixel that reads a fold: where, by the model of a material that holds nothing else, and what. */
+static float cost_of_reading(const btf_material *material, const btf_shader_options *options,
+                             const btf_scene *scene) {
+    const float texels = options->filter == BTF_FILTER_TEXEL ? 1 : 4, once = 8.3f;
+    if (options->fold == BTF_FOLD_BOTH)
+        return once + texels * kept_texel;
+    btf_shader_options where = *options;
+    where.fold = BTF_FOLD_NONE;
+    where.leave_out |= BTF_EFFECT_ALL & ~(uint32_t)BTF_EFFECT_RELIEF;
+    const float views = options->interpolation == BTF_INTERPOLATION_NEAREST ? 1 : 3;
+    return btf_plan_cost(material, &where, scene) + views * texels * kept_texel;
+}
+
+btf_fold_costs btf_fold_cost(const btf_material *material, const btf_shader_options *options,
+                             const btf_scene *scene) {
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_material_get_info(material, &info);
+    const btf_shader_options all = read_options(options), pass = btf_fold_pass(options);
+    btf_shader_options unfolded = all;
+    unfolded.fold = BTF_FOLD_NONE;
+    /* A pass over a view does a third of what three neighbouring views take. */
+    const double views = all.fold == BTF_FOLD_BOTH
+                             ? 1
+                             : info.n_views / (all.interpolation == BTF_INTERPOLATION_NEAREST ? 1.0 : 3.0);
+    btf_fold_costs costs = {.pass = views * info.width * info.height *
+                                    (double)btf_plan_cost(material, &pass, NULL),
+                            .unfolded = btf_plan_cost(material, &unfolded, scene),
+                            .folded = cost_of_reading(material, &all, scene)};
+    const double saved = (double)costs.unfolded - (double)costs.folded;
+    costs.pixels = saved > 0 ? costs.pass / saved : 1e30;
+    return costs;
+}
+
+void btfi_fold_plan(const btf_material *material, btf_plan *plan) {
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_material_get_info(material, &info);
+    plan->fold = BTF_FOLD_NONE;
+    plan->fold_bytes = 0;
+    plan->folded_cost = plan->cost;
+    plan->fold_pixels = 0;
+    if (!plan->scene.light.fixed)
+        return;
+    for (int fold = plan->scene.view.fixed ? BTF_FOLD_BOTH : BTF_FOLD_LIGHT; fold >= BTF_FOLD_LIGHT;
+         fold--) {
+        btf_shader_options options = plan->shader;
+        options.fold = (btf_fold)fold;
+        if (btf_fold_check(&info, &options, NULL) != BTF_OK)
+            continue;
+        const btf_material_info small = btfi_restricted_info(&info, plan->effects, plan->components,
+                                                             plan->level, plan->views, plan->lights);
+        const float lights = (float)(plan->scene.lights ? plan->scene.lights : 1);
+        const btf_fold_costs costs = btf_fold_cost(material, &options, &plan->scene);
+        /* of the restriction: fewer views, fewer texels */
+        const double share = (fold == BTF_FOLD_BOTH ? 1 : (double)small.n_views / info.n_views) *
+                             ((double)small.width * small.height) / ((double)info.width * info.height);
+        plan->fold = options.fold;
+        plan->fold_bytes = btf_fold_bytes(&small, plan->fold, 1);
+        plan->folded_cost = costs.folded * lights;
+        plan->fold_pixels = costs.pixels * share;
+        return;
+    }
+}

@@ -1,0 +1,20 @@
+/* OpenBTF: what a folded shader still reads of a material.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_FOLD_INTERNAL_H
+#define OPENBTF_FOLD_INTERNAL_H
+
+#include <openbtf/fold.h>
+
+#pragma GCC visibility push(hidden)
+
+/* The material as a shader that reads a fold sees it: no effect but relief, which acts on what was kept. */
+btf_material_info btfi_folded_info(const btf_material_info *info, btf_fold fold);
+
+/* Fills in what a plan says of a fold. */
+void btfi_fold_plan(const btf_material *material, btf_plan *plan);
+
+#pragma GCC visibility pop
+
+#endif

@@ -1,0 +1,107 @@
+/* OpenBTF: folding, which decodes once what is the same in every frame.
+ *
+ * Where a light never changes, all that a pixel does with it can be done beforehand: for each sampled view
+ * and texel, the decoder's own value before views are blended is kept as three floats, with the bits that
+ * it has. A pixel then reads one texel of 16 bytes for each neighbouring view (3; 12 with a bilinear
+ * filter) in place of all that the material holds, and its radiance has the same bits. Where the view never
+ * changes either, the radiance of each texel is kept: one texel (4), as of any textured surface.
+ *
+ *     btf_shader_options options = {.struct_size = sizeof options, .fold = BTF_FOLD_LIGHT};
+ *     if (btf_fold_check(&info, &options, NULL) == BTF_OK) {
+ *         btf_gl_fold_create(material, &(btf_gl_options){..., .shader = &options}, 1, log, &fold);
+ *         btf_gl_fold_run(fold, textures, 0, 0, light, NULL, log);
+ *     }
+ *     ... btf_shader_source(material, &options, ...); btf_gl_bind(...); btf_gl_fold_bind(fold, program,
+ * unit, ...);
+ *
+ * Not every material can be folded. Of a light alone: an SBRDF depends on the viewer between the samples,
+ * and with the effect `gloss` so do the lights of a view; such materials keep nothing for a light. Of light
+ * and view: the effect `relief` reads texels from where the pixel stands between them; there the light is
+ * folded and the view is not. A view that never changes under a light that does is no fold: what is kept
+ * would have to be the integer sums of every light and unit, as the decoder rounds these after lights are
+ * blended, and that is what the material holds already; a plan (openbtf/plan.h) cuts the material down to
+ * that view's neighbours instead.
+ *
+ * Several lights are several folds in one texture: a shader adds up btf_evaluate_folded(uv, v, light,
+ * level), weighted as it likes. They are not added beforehand: views that are blended as roots are squared
+ * after they are blended, and those that are not are rounded after it.
+ *
+ * A fold takes views * texels evaluations of one view, about a third of a pixel's each (btf_fold_cost): it
+ * pays where the light stands still for more pixels than a third of that.
+ *
+ * Thread rule: those of material.h and gl.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_FOLD_H
+#define OPENBTF_FOLD_H
+
+#include <openbtf/gl.h>
+#include <openbtf/plan.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Whether options->fold is defined for a material decoded by @p options (NULL: BTF_OK). Errors, on log,
+ * which says why: BTF_ERROR_UNSUPPORTED. */
+btf_result btf_fold_check(const btf_material_info *info, const btf_shader_options *options,
+                          const btf_log *log);
+
+/** The options of the shader that makes a fold for a shader of @p options: the same effects but relief, one
+ * texel at a time, without a fold; its entry points are btf_fold_light and btf_fold_both
+ * (share/openbtf/openbtf.glsl). */
+btf_shader_options btf_fold_pass(const btf_shader_options *options);
+
+/** Layers of texture `folded` (RGBA32UI, W x H, mip levels as the material's): lights times views, or
+ * lights where the view is folded too. */
+uint32_t btf_fold_layers(const btf_material_info *info, btf_fold fold, uint32_t lights);
+
+/** @return bytes of texture `folded`, of all levels. */
+size_t btf_fold_bytes(const btf_material_info *info, btf_fold fold, uint32_t lights);
+
+/** What a fold costs and saves, in the unit of btf_plan_cost. */
+typedef struct btf_fold_costs {
+    double pass;            /**< of one light, level 0 alone where finer ones are shown */
+    float unfolded, folded; /**< of a pixel */
+    double pixels;          /**< that have to be shown before it pays: pass / (unfolded - folded) */
+} btf_fold_costs;
+
+/** Costs of options->fold for a material shown in @p scene (NULL: anything). */
+btf_fold_costs btf_fold_cost(const btf_material *material, const btf_shader_options *options,
+                             const btf_scene *scene);
+
+/** A fold in the current GL context: a texture, and the program that fills it. */
+typedef struct btf_gl_fold btf_gl_fold;
+
+/** Makes texture and program for options->shader, whose `fold` says what is folded, of 1 or more lights.
+ * Errors: BTF_ERROR_USAGE (no get_proc_address, no fold, no light), BTF_ERROR_UNSUPPORTED (btf_fold_check;
+ * a missing function; a texture beyond GL's limits; GLSL refused), BTF_ERROR_MEMORY. On error *out_fold is
+ * NULL and nothing is left behind. */
+btf_result btf_gl_fold_create(const btf_material *material, const btf_gl_options *options, uint32_t lights,
+                              const btf_log *log, btf_gl_fold **out_fold);
+
+/** Folds one light, all levels of detail. @p textures: those of the material, at least what the shader of
+ * btf_fold_pass() reads. @p number: of the light, from 0. @p light and, where it is folded too, @p view:
+ * unit vectors of the tangent frame; below the horizon the radiance is 0. Sets the texture bindings of
+ * units first_unit onwards, as btf_gl_bind does; all other state is as before. Errors: BTF_ERROR_USAGE (a
+ * light beyond those of btf_gl_fold_create; a texture that was not uploaded), BTF_ERROR_UNSUPPORTED (GL
+ * refuses the framebuffer), BTF_ERROR_MEMORY. */
+btf_result btf_gl_fold_run(btf_gl_fold *fold, btf_gl *textures, uint32_t first_unit, uint32_t number,
+                           const float light[3], const float view[3], const btf_log *log);
+
+/** Points the sampler `folded` of a linked program, if it has one, at the texture, in unit @p unit; @p
+ * prefix as in btf_gl_bind. Sets the uniform and that unit's binding. */
+void btf_gl_fold_bind(btf_gl_fold *fold, uint32_t program, uint32_t unit, const char *prefix);
+
+/** @return the GL name of the texture, and its bytes. */
+uint32_t btf_gl_fold_texture(const btf_gl_fold *fold);
+size_t btf_gl_fold_bytes(const btf_gl_fold *fold);
+
+/** Deletes texture and program and sets *fold to NULL. NULL and a pointer to NULL are accepted. */
+void btf_gl_fold_destroy(btf_gl_fold **fold);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
