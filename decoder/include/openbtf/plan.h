@@ -68,12 +68,11 @@ typedef struct btf_plan {
     float between_psnr_linear, between_psnr_srgb;
     float full_between_psnr_linear, full_between_psnr_srgb; /**< likewise, of the full decode */
     /** Where the light of the scene is fixed and the plan can be folded (openbtf/fold.h): how, with the view where that
-     * is fixed too; the bytes of the texture, beside gpu_bytes; the cost of a pixel that reads it; and in how many pixels
-     * the fold is paid for. Else BTF_FOLD_NONE, 0, `cost`, 0. Of one light: several are as many folds. */
+     * is fixed too; else BTF_FOLD_NONE. This and the next three are of one light: several are as many folds. */
     btf_fold fold;
-    size_t fold_bytes;
-    float folded_cost;
-    double fold_pixels;
+    size_t fold_bytes;  /**< of the folded texture, beside gpu_bytes; else 0 */
+    float folded_cost;  /**< of a pixel that reads the folded texture; else `cost` */
+    double fold_pixels; /**< pixels after which the fold has paid for itself; else 0 */
 } btf_plan;
 
 /** Finds the plan whose PSNR, linear and sRGB-coded, is at most @p tolerance dB below the full decode's where the scene

@@ -136,9 +136,13 @@ void btf_ref_evaluate_neighbours(const btf_ref_material *material, const btf_ref
 /* Folding: a light that never changes, or light and view, are decoded once; then a pixel reads what was kept. The
  * radiance has the same bits (decoder/README.md, Folding). */
 
-enum { BTF_REF_FOLD_LIGHT = 1, BTF_REF_FOLD_BOTH = 2 };
+/** What never changes where decoding is folded. */
+enum {
+    BTF_REF_FOLD_LIGHT = 1, /**< the light */
+    BTF_REF_FOLD_BOTH = 2,  /**< the light and the view */
+};
 
-/** What was kept. */
+/** The values that folding kept. */
 typedef struct btf_ref_folded {
     int fold; /**< BTF_REF_FOLD_LIGHT or _BOTH */
     const float *values; /**< [view][row][column][4], of both [row][column][4]; as the functions below make them */
