@@ -1,5 +1,5 @@
-/* OpenBTF reference decoder: one neighbour in place of all, picked with its weight, and the mean of such picks
- * (FORMAT.md, section 9, Stochastic decode).
+/* OpenBTF reference decoder: one neighbour in place of all, picked with its weight, and the mean of such
+ * picks (FORMAT.md, section 9, Stochastic decode).
  *
  * SPDX-License-Identifier: MIT
  */
@@ -99,10 +99,10 @@ static void to_radiance(const btf_ref_material *material, float value[CHANNELS])
     }
 }
 
-/** Section 9 with the whole weight on view a: radiance of some texels, blended as the filter says. With relief it is
- * a view's values that are blended, else radiance. */
-static void decode_view(const scene *s, int a, const btf_ref_lights *lights, const btf_ref_footprint *texels,
-                        float out_rgb[CHANNELS]) {
+/** Section 9 with the whole weight on view a: radiance of some texels, blended as the filter says. With
+ * relief it is a view's values that are blended, else radiance. */
+static void decode_view(const scene *s, int a, const btf_ref_lights *lights,
+                        const btf_ref_footprint *texels, float out_rgb[CHANNELS]) {
     const btf_ref_material *material = s->shared.material;
     const bool values_first = (s->shared.effects & BTF_REF_RELIEF) != 0;
     out_rgb[0] = out_rgb[1] = out_rgb[2] = 0.0f;
@@ -211,8 +211,8 @@ static btf_ref_footprint pick_texel(const scene *s, int a, uint32_t random) {
     return one_texel(chosen[0], size[1] - 1 - chosen[1]);
 }
 
-void btf_ref_evaluate_stochastic(const btf_ref_material *material, const btf_ref_options *options, int picks,
-                                 float u, float v, const float light[3], const float view[3],
+void btf_ref_evaluate_stochastic(const btf_ref_material *material, const btf_ref_options *options,
+                                 int picks, float u, float v, const float light[3], const float view[3],
                                  const uint32_t random[3], float out_rgb[3]) {
     out_rgb[0] = out_rgb[1] = out_rgb[2] = 0.0f;
     if (!btf_ref_above_horizon(light, view))
@@ -222,10 +222,9 @@ void btf_ref_evaluate_stochastic(const btf_ref_material *material, const btf_ref
     btf_ref_neighbours around = lights_around(&s, a);
     btf_ref_lights lights = picks >= BTF_REF_PICK_LIGHT ? one_light(&around, pick(&around, random[1]))
                                                         : btf_ref_lights_of(&around);
-    btf_ref_footprint texels =
-        picks >= BTF_REF_PICK_ALL && options->filter != BTF_REF_TEXEL
-            ? pick_texel(&s, a, random[2])
-            : btf_ref_texels_around(material, options->filter, s.tu[a], s.tv[a]);
+    btf_ref_footprint texels = picks >= BTF_REF_PICK_ALL && options->filter != BTF_REF_TEXEL
+                                   ? pick_texel(&s, a, random[2])
+                                   : btf_ref_texels_around(material, options->filter, s.tu[a], s.tv[a]);
     decode_view(&s, a, &lights, &texels, out_rgb);
 }
 
@@ -252,8 +251,8 @@ void btf_ref_evaluate_stochastic_between(const btf_ref_material *levels, uint32_
 }
 
 void btf_ref_evaluate_radiance_blend_between(const btf_ref_material *levels, uint32_t count,
-                                             const btf_ref_options *options, int picks, float level, float u,
-                                             float v, const float light[3], const float view[3],
+                                             const btf_ref_options *options, int picks, float level,
+                                             float u, float v, const float light[3], const float view[3],
                                              float out_rgb[3]) {
     uint32_t at = level_256ths(level, count), share = at % 256;
     out_rgb[0] = out_rgb[1] = out_rgb[2] = 0.0f;

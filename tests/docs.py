@@ -43,7 +43,7 @@ def text_of(root, path):
 
 def regenerated(root):
     """Complaints about names that the script of the documents writes and the documents do not have, or the other way."""
-    listed = subprocess.run([os.path.join(root, SCRIPT), '--list'], check=True, capture_output=True, text=True).stdout
+    listed = subprocess.run(['bash', os.path.join(root, SCRIPT), '--list'], check=True, capture_output=True, text=True).stdout
     written = {name for line in listed.strip().split('\n') for name in line.split()[1:]}
     there = {name for name in os.listdir(os.path.join(root, PICTURES)) if name.endswith('.png')}
     for path in documents(root):

@@ -47,7 +47,7 @@ typedef enum cli_type {
     CLI_ANGLES,  /* double[2]: "30,120" (theta 0..90, phi -360..360, degrees) */
     CLI_EFFECTS, /* uint32_t: "shadow,shift,hidden,gain,residual", "none" or "all" (btf_effect bits); with
                     choices = "auto" also "auto", which gives UINT32_MAX */
-    CLI_CUSTOM,  /* `parse` does it */
+    CLI_CUSTOM,  /* of any type, which `parse` reads */
 } cli_type;
 
 typedef struct cli_option {

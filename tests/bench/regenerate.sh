@@ -9,7 +9,7 @@
 # while the sources stand at that commit: after a stop, the same command goes on. btf-bench goes on within a part, and
 # encodes that ended are kept. tests/data/readme/made.txt says of each name which commit it was made from.
 #
-# Parts that time (bench, growth, plan, stochastic; viewer shows a time) want an idle machine, and bench, storage, growth and plan
+# Parts that time (bench, growth, plan, stochastic, pathtrace; viewer shows a time) want an idle machine, and bench, storage, growth and plan
 # take hours together; the others a few minutes each.
 # Samples of others are looked for in $BTF_SHARED/data (default ../shared/data), and what needs them is left as it is
 # where they are not there. Numbers in running text, tables without marks (peers and presets of README.md and
@@ -36,7 +36,8 @@ bench    tests/bench/README.md#bench encode.png decode.png
 storage  tests/bench/README.md#between storage.png
 growth   growth-texels.png growth-directions.png
 plan     tests/bench/README.md#plan
-stochastic stochastic.png'
+stochastic stochastic.png
+pathtrace pathtrace.png'
 
 if [ "${1:-}" = --list ]; then
     echo "$writes"
@@ -77,7 +78,7 @@ note() { # NAME: a line of made.txt
     LC_ALL=C sort -o "$list" "$list.new"
     rm "$list.new"
 }
-PATH=$build/encoder:$build/decoder/tools:$build/decoder/tools/render:$build/decoder/tools/view:$build/tests/sample:$build/tests/bench:$PATH
+PATH=$build/encoder:$build/decoder/examples:$build/decoder/tools:$build/decoder/tools/render:$build/decoder/tools/view:$build/tests/sample:$build/tests/bench:$PATH
 export OMP_WAIT_POLICY=passive
 sample() { # KIND SIZE: a data set of btf-sample, made once; prints its folder
     local at=$work/$1-$2
@@ -178,6 +179,10 @@ part_stochastic() {
         --out "$work/stochastic-$(commit)" --keep "$work/plan-kept-$(commit)"
     cp "$work/stochastic-$(commit)"/stochastic-BRICKS64.png "$pictures/stochastic.png"
 }
+part_pathtrace() {
+    needs BRICKS64.zip || return 0
+    pathtrace "$(encoded BRICKS64-fast "$shared/BRICKS64.zip" --preset fast)" "$pictures/pathtrace.png" compare 1
+}
 
 targets_of() { # a part: its programs
     case $1 in
@@ -185,6 +190,7 @@ targets_of() { # a part: its programs
     example) echo tests/unit/example_file ;;
     levels) echo encoder/btf-encode decoder/tools/{btf-info,render/btf-render} tests/sample/btf-sample ;;
     viewer) echo encoder/btf-encode decoder/tools/view/btf-view tests/sample/btf-sample ;;
+    pathtrace) echo encoder/btf-encode decoder/examples/pathtrace ;;
     bench | storage | growth | plan | stochastic) echo tests/bench/btf-bench ;;
     *) echo encoder/btf-encode decoder/tools/{btf-decode,render/btf-render} tests/sample/btf-sample ;;
     esac

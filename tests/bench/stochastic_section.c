@@ -1,5 +1,5 @@
-/* Section `stochastic`: time and noise of a decode by one neighbour in place of all, beside the full decode; and how far
- * the blend that it converges to is from the full decode.
+/* Section `stochastic`: time and noise of a decode by one neighbour in place of all, beside the full
+ * decode; and how far the blend that it converges to is from the full decode.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -22,7 +22,8 @@ static const char body_picks[] =
     "uniform int bench_samples;\n"
     "uvec4 check(uvec4 a, uvec4 b) {\n"
     "    vec2 uv = uintBitsToFloat(a.xy);\n"
-    "    vec3 l = vec3(uintBitsToFloat(a.zw), uintBitsToFloat(b.x)), v = uintBitsToFloat(b.yzw), sum = vec3(0.0);\n"
+    "    vec3 l = vec3(uintBitsToFloat(a.zw), uintBitsToFloat(b.x)), v = uintBitsToFloat(b.yzw), sum = "
+    "vec3(0.0);\n"
     "    int i = 0;\n"
     "    do {\n"
     "        sum += btf_evaluate_stochastic(uv, l, v, btf_random(uvec3(gl_FragCoord.xy, i)));\n"
@@ -35,7 +36,8 @@ static const char body_products[] =
     "uniform int bench_samples;\n"
     "uvec4 check(uvec4 a, uvec4 b) {\n"
     "    vec2 uv = uintBitsToFloat(a.xy);\n"
-    "    vec3 l = vec3(uintBitsToFloat(a.zw), uintBitsToFloat(b.x)), v = uintBitsToFloat(b.yzw), sum = vec3(0.0);\n"
+    "    vec3 l = vec3(uintBitsToFloat(a.zw), uintBitsToFloat(b.x)), v = uintBitsToFloat(b.yzw), sum = "
+    "vec3(0.0);\n"
     "    int i = 0;\n"
     "    do {\n"
     "        uvec3 random = btf_random(uvec3(gl_FragCoord.xy, i));\n"
@@ -74,16 +76,17 @@ typedef struct section {
     const bench_run *run;
     decode_rig rig;
     btf_material *material;
-    float *named[WAYS]; /* of the pixels of the rig, what each way converges to; [RIG_PIXELS][GPU_OUTPUTS] */
+    float *named[WAYS]; /* [RIG_PIXELS][GPU_OUTPUTS] of the pixels of the rig: what a way converges to */
     double ns[WAYS], noise[WAYS][COUNTS], product_noise[COUNTS], product_ns, off;
 } section;
 
-/* A program over inputs, into out. `samples` is what bench_samples is, where there is one. */
-static btf_result decode(section *s, btf_shader_options shader, const char *body, const uint32_t *inputs, float *out) {
+/* A program over inputs, into out. */
+static btf_result decode(section *s, btf_shader_options shader, const char *body, const uint32_t *inputs,
+                         float *out) {
     shader.struct_size = sizeof shader;
     rig_variant variant = rig_variant_create(&s->rig, s->material, &shader, body, GPU_FIRST_UNIT);
-    btf_result result = variant.program ? gpu_run(s->rig.gpu, variant.program, RIG_PIXELS, inputs, s->rig.outputs,
-                                                  s->rig.log)
+    btf_result result = variant.program ? gpu_run(s->rig.gpu, variant.program, RIG_PIXELS, inputs,
+                                                  s->rig.outputs, s->rig.log)
                                         : BTF_ERROR_INTERNAL;
     if (result == BTF_OK)
         memcpy(out, s->rig.outputs, VALUES * sizeof *out);
@@ -134,22 +137,25 @@ static btf_result find_named(section *s) {
     btf_result result = BTF_OK;
     for (int w = 0; w < WAYS && result == BTF_OK; w++) {
         s->named[w] = calloc(VALUES, sizeof *s->named[w]);
-        result = s->named[w] ? decode(s, way_options(w), ways[w].shader.picks ? body_blend : gpu_evaluate_body,
-                                      s->rig.inputs, s->named[w])
-                             : BTF_ERROR_MEMORY;
+        result = s->named[w]
+                     ? decode(s, way_options(w), ways[w].shader.picks ? body_blend : gpu_evaluate_body,
+                              s->rig.inputs, s->named[w])
+                     : BTF_ERROR_MEMORY;
     }
     return result;
 }
 
 /* Noise at each count of samples, against `truth`. */
-static btf_result find_noise(section *s, int way, const char *body, const float *truth, double out[COUNTS]) {
+static btf_result find_noise(section *s, int way, const char *body, const float *truth,
+                             double out[COUNTS]) {
     btf_shader_options shader = way_options(way);
     shader.struct_size = sizeof shader;
     rig_variant variant = rig_variant_create(&s->rig, s->material, &shader, body, GPU_FIRST_UNIT);
     btf_result result = variant.program ? BTF_OK : BTF_ERROR_INTERNAL;
     for (int i = 0; i < COUNTS && result == BTF_OK; i++) {
         rig_sampler(&s->rig, variant.program, "bench_samples", counts[i]);
-        result = gpu_run(s->rig.gpu, variant.program, RIG_PIXELS, s->rig.inputs, s->rig.outputs, s->rig.log);
+        result =
+            gpu_run(s->rig.gpu, variant.program, RIG_PIXELS, s->rig.inputs, s->rig.outputs, s->rig.log);
         out[i] = distance((const float *)(const void *)s->rig.outputs, truth);
         if (body == body_products && i == COUNTS - 1) {
             const float *mean = (const float *)(const void *)s->rig.outputs;
@@ -205,17 +211,22 @@ static btf_result measure(section *s) {
 
 static btf_result write_rows(section *s, FILE *csv) {
     FILE *out = s->run->summary;
-    fprintf(out,
-            "%s; core ns a pixel, bilinear, the median of %d rounds in which all take turns. RMS of linear radiance "
-            "(its mean is %.4f) at 1, 4, 16 and 64 samples a pixel, against the blend that the picks converge to; of "
-            "the full decode and of nearest directions, how far these are from the blend of all.\n\n"
-            "| decoded | ns | times faster | 1 | 4 | 16 | 64 |\n| --- | --- | --- | --- | --- | --- | --- |\n",
-            gpu_name(s->rig.gpu), s->run->quick ? 1 : ROUNDS, mean_of(s->named[3]));
+    fprintf(
+        out,
+        "%s; core ns a pixel, bilinear, the median of %d rounds in which all take turns. RMS of linear "
+        "radiance "
+        "(its mean is %.4f) at 1, 4, 16 and 64 samples a pixel, against the blend that the picks converge "
+        "to; of "
+        "the full decode and of nearest directions, how far these are from the blend of all.\n\n"
+        "| decoded | ns | times faster | 1 | 4 | 16 | 64 |\n| --- | --- | --- | --- | --- | --- | --- |\n",
+        gpu_name(s->rig.gpu), s->run->quick ? 1 : ROUNDS, mean_of(s->named[3]));
     fprintf(csv, "decoded,ns,rms_1,rms_4,rms_16,rms_64\n");
     for (int w = 0; w <= WAYS; w++) {
         const bool picks = w == WAYS || ways[w].shader.picks;
-        const double *noise = w == WAYS ? s->product_noise : s->noise[w], ns = w == WAYS ? s->product_ns : s->ns[w];
-        const char *name = w == WAYS ? "geometric mean of two picks of all (against the full decode)" : ways[w].name;
+        const double *noise = w == WAYS ? s->product_noise : s->noise[w],
+                     ns = w == WAYS ? s->product_ns : s->ns[w];
+        const char *name =
+            w == WAYS ? "geometric mean of two picks of all (against the full decode)" : ways[w].name;
         fprintf(out, "| %s | %.0f | %.2f | %.5f |", name, ns, s->ns[0] / ns, noise[0]);
         fprintf(csv, "%s,%.1f,%.6f", name, ns, noise[0]);
         for (int i = 1; i < COUNTS; i++) {
@@ -227,7 +238,8 @@ static btf_result write_rows(section *s, FILE *csv) {
     }
     const double samples = s->ns[0] / s->ns[3];
     fprintf(out,
-            "\nIn the time of one full decode %.1f samples of all picked: RMS %.5f. Geometric means: the mean of all "
+            "\nIn the time of one full decode %.1f samples of all picked: RMS %.5f. Geometric means: the "
+            "mean of all "
             "pixels is off by %+.3f %% of the full decode's.\n\n",
             samples, s->noise[3][0] / sqrt(samples), 100 * s->off);
 
@@ -252,7 +264,8 @@ static btf_result write_rows(section *s, FILE *csv) {
  * ------------------------------------------------------------------------------------------------ */
 
 /* The middle of a texel, a hair further: u * 2^18 is rounded down. */
-static void put_probe(const section *s, size_t texel, const float *light, const float *view, uint32_t *out) {
+static void put_probe(const section *s, size_t texel, const float *light, const float *view,
+                      uint32_t *out) {
     const int width = s->run->data->width, height = s->run->data->height;
     const float u = ((float)(texel % (size_t)width) + 0.5f) / (float)width + 0x1p-18f;
     const float v = 1 - ((float)(texel / (size_t)width) + 0.5f) / (float)height + 0x1p-18f;
@@ -261,7 +274,8 @@ static void put_probe(const section *s, size_t texel, const float *light, const 
 }
 
 static void random_direction(random_state *r, float out[3]) {
-    const double z = random_between(r, 0.2, 1), phi = random_between(r, 0, 2 * M_PI), across = sqrt(1 - z * z);
+    const double z = random_between(r, 0.2, 1), phi = random_between(r, 0, 2 * M_PI),
+                 across = sqrt(1 - z * z);
     out[0] = (float)(across * cos(phi));
     out[1] = (float)(across * sin(phi));
     out[2] = (float)z;
@@ -310,10 +324,10 @@ static btf_result compare_blends(section *s) {
     float *full = calloc(VALUES, sizeof *full), *blend = calloc(VALUES, sizeof *blend),
           *truth = calloc(VALUES, sizeof *truth);
     btf_result result = inputs && full && blend && truth ? BTF_OK : BTF_ERROR_MEMORY;
-    fprintf(out,
-            "The blends that picks converge to, of whole texels: PSNR in dB, linear / sRGB-coded.\n\n"
-            "| decoded | against the full decode, at the samples | between them | against truth between them |\n"
-            "| --- | --- | --- | --- |\n");
+    fprintf(out, "The blends that picks converge to, of whole texels: PSNR in dB, linear / sRGB-coded.\n\n"
+                 "| decoded | against the full decode, at the samples | between them | against truth "
+                 "between them |\n"
+                 "| --- | --- | --- | --- |\n");
     for (int kind = 0; kind < 3 && result == BTF_OK; kind++) {
         fprintf(out, "| %s |", names[kind]);
         for (int set = 0; set < PROBE_SETS && result == BTF_OK; set++) {
@@ -324,7 +338,8 @@ static btf_result compare_blends(section *s) {
             make_probes(s, set, inputs, truth);
             result = decode(s, (btf_shader_options){0}, gpu_evaluate_body, inputs, full);
             if (result == BTF_OK && kind > 0)
-                result = decode(s, (btf_shader_options){.picks = (btf_picks)kind}, body_blend, inputs, blend);
+                result =
+                    decode(s, (btf_shader_options){.picks = (btf_picks)kind}, body_blend, inputs, blend);
             print_psnr(out, kind > 0 ? blend : full, set == PROBES_TRUTH ? truth : full);
         }
         fprintf(out, "\n");
@@ -337,8 +352,8 @@ static btf_result compare_blends(section *s) {
     return result;
 }
 
-/* --method joint as btf-encode fits it by default, of the first preset asked for; from the folder of kept materials where
- * it is there. */
+/* --method joint as btf-encode fits it by default, of the first preset asked for; from the folder of kept
+ * materials where it is there. */
 static btf_result make_material(const bench_run *run, btf_material **out_material) {
     char path[4096];
     int preset = 0;
@@ -346,15 +361,27 @@ static btf_result make_material(const bench_run *run, btf_material **out_materia
         preset++;
     snprintf(path, sizeof path, "%s/%s-between-%s.btf.exr", run->keep ? run->keep : ".", run->name,
              bench_preset_names[preset]);
-    if (run->keep && access(path, F_OK) == 0)
-        return btf_material_open(path, &run->context->log, out_material);
+    if (run->keep && access(path, F_OK) == 0) {
+        btf_material_info info = {.struct_size = sizeof info};
+        btf_result opened = btf_material_open(path, &run->context->log, out_material);
+        if (opened == BTF_OK)
+            opened = btf_material_get_info(*out_material, &info);
+        if (opened == BTF_OK &&
+            ((int)info.width != run->data->width || (int)info.height != run->data->height ||
+             (int)info.n_views != run->data->n_views || (int)info.n_lights != run->data->n_lights)) {
+            btf_material_close(out_material);
+            return enc_fail(run->context, BTF_ERROR_USAGE, "bench: %s is not of %s", path, run->source);
+        }
+        return opened;
+    }
     const enc_relief_options options = {.relief = true, .gloss = -1};
     enc_relief_choice choice;
     enc_relief_store relief = {0};
     bench_encoded encoded;
     btf_result result = enc_relief_choose(run->context, run->data, &options, &choice, &relief);
     if (result == BTF_OK)
-        result = bench_encode_joint_between(run->context, run->data, preset, run->budget, &relief, &encoded);
+        result =
+            bench_encode_joint_between(run->context, run->data, preset, run->budget, &relief, &encoded);
     enc_relief_clear(&relief);
     if (result != BTF_OK)
         return result;

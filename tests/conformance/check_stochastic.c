@@ -1,4 +1,5 @@
-/* Stochastic decode against the reference, bit for bit: given random numbers, and the blend that they converge to.
+/* Stochastic decode against the reference, bit for bit: given random numbers, and the blend that they
+ * converge to.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -9,9 +10,9 @@
 
 #include <stdio.h>
 
-/* Columns of elements take turns: a choice, and the blend of all. CHECK_KIND is 0 for the entry points of level 0, 1 for
- * those of a level, 2 for those between two. One column in eight, of choices, has all bits of a number or none, one in
- * eight any float for a level. */
+/* Columns of elements take turns: a choice, and the blend of all. CHECK_KIND is 0 for the entry points of
+ * level 0, 1 for those of a level, 2 for those between two. One column in eight, of choices, has all bits
+ * of a number or none, one in eight any float for a level. */
 static const char body[] =
     "uvec4 check(uvec4 a, uvec4 b) {\n"
     "    vec2 uv = uintBitsToFloat(a.xy);\n"
@@ -61,7 +62,8 @@ static void expect(const subject *s, uint32_t x, uint32_t y, const uint32_t *inp
     float f[CASE_WORDS], rgb[3];
     memcpy(f, input, sizeof f);
     btf_ref_random(counter, random);
-    float level = (x & 15) % 9 == 3 ? float_of_bits(random[1]) : (float)(random[1] & 0xFFF) * 0x1p-8f - 1.0f;
+    float level =
+        (x & 15) % 9 == 3 ? float_of_bits(random[1]) : (float)(random[1] & 0xFFF) * 0x1p-8f - 1.0f;
     if ((x & 7) == 5)
         for (int i = 0; i < 3; ++i)
             random[i] = 0u - (random[i] & 1);
@@ -71,20 +73,23 @@ static void expect(const subject *s, uint32_t x, uint32_t y, const uint32_t *inp
         i = asked == 0 ? 0 : asked > s->count ? s->count - 1 : asked - 1;
     }
     if (s->kind == 2 && (x & 2))
-        btf_ref_evaluate_radiance_blend_between(s->levels, s->count, &s->options, s->picks, level, f[0], f[1], f + 2,
-                                                f + 5, rgb);
+        btf_ref_evaluate_radiance_blend_between(s->levels, s->count, &s->options, s->picks, level, f[0],
+                                                f[1], f + 2, f + 5, rgb);
     else if (s->kind == 2)
-        btf_ref_evaluate_stochastic_between(s->levels, s->count, &s->options, s->picks, level, f[0], f[1], f + 2,
-                                            f + 5, random, rgb);
+        btf_ref_evaluate_stochastic_between(s->levels, s->count, &s->options, s->picks, level, f[0], f[1],
+                                            f + 2, f + 5, random, rgb);
     else if (x & 2)
-        btf_ref_evaluate_radiance_blend(&s->levels[i], &s->options, s->picks, f[0], f[1], f + 2, f + 5, rgb);
+        btf_ref_evaluate_radiance_blend(&s->levels[i], &s->options, s->picks, f[0], f[1], f + 2, f + 5,
+                                        rgb);
     else
-        btf_ref_evaluate_stochastic(&s->levels[i], &s->options, s->picks, f[0], f[1], f + 2, f + 5, random, rgb);
+        btf_ref_evaluate_stochastic(&s->levels[i], &s->options, s->picks, f[0], f[1], f + 2, f + 5, random,
+                                    rgb);
     memcpy(out, rgb, sizeof rgb);
     out[3] = 0;
 }
 
-btf_result check_stochastic(const check_subject *of, uint64_t seed, uint64_t count, check_outcome *outcome) {
+btf_result check_stochastic(const check_subject *of, uint64_t seed, uint64_t count,
+                            check_outcome *outcome) {
     check_session session;
     btf_shader_options shader = *of->shader;
     check_subject altered = *of;
@@ -112,7 +117,8 @@ btf_result check_stochastic(const check_subject *of, uint64_t seed, uint64_t cou
         for (size_t i = 0; i < n; ++i) {
             uint32_t *input = session.inputs + GPU_INPUTS * i;
             case_make(&r, of->material, input);
-            expect(&s, (uint32_t)(i % GPU_SIDE), (uint32_t)(i / GPU_SIDE), input, session.expected + GPU_OUTPUTS * i);
+            expect(&s, (uint32_t)(i % GPU_SIDE), (uint32_t)(i / GPU_SIDE), input,
+                   session.expected + GPU_OUTPUTS * i);
         }
         result = check_batch(&session, "stochastic", first, n, 3, outcome);
     }

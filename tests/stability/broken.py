@@ -248,6 +248,24 @@ CHANGES = [
         ("encoder/input/source_archive.c", "!archive_entry_hardlink(entry)) {", "entry) {")]),
     ("angles of any length read", "names", [
         ("encoder/input/names.c", "if (value > 0.0 && digits++ == MAX_DIGITS)", "if (value < 0.0 && digits++ == MAX_DIGITS)")]),
+    ("the evaluator: sums of class 1 shifted less", "evaluator", [
+        ("decoder/evaluate/kernels.c", "class_index == 1 ? half >> 4", "class_index == 1 ? half >> 3")]),
+    ("the evaluator: codes of u not turned around", "evaluator", [
+        ("decoder/evaluate/arrange.c", "(byte ^ 2)", "byte")]),
+    ("the evaluator: evaluations of other lights taken together", "evaluator", [
+        ("decoder/evaluate/many.c", "memcmp(light, light - in->light_step, 3 * sizeof *light)", "memcmp(light, light - in->light_step, 2 * sizeof *light)")]),
+    ("the evaluator: steep weights below 256", "evaluator", [
+        ("decoder/evaluate/many.c", "twice - 128 > 256 ? 256", "twice - 128 > 255 ? 255")]),
+    ("the evaluator: gloss below the horizon", "evaluator", [
+        ("decoder/evaluate/directions.c", "    c[2] = c[2] >= 0.0f ? c[2] : 0.0f;\n", "")]),
+    ("the evaluator: weights of hidden views", "evaluator", [
+        ("decoder/evaluate/relief.c", "o < 1229 ? 1229", "o < 1228 ? 1228")]),
+    ("light sampling: the Jacobian's root", "sampling", [
+        ("reference/btf_sampling.c", "    density = density * k;\n    density = density * k;\n", "    density = density * k;\n")]),
+    ("light sampling: one of the turns left out", "sampling", [
+        ("reference/btf_sampling.c", "height < unturned ? 0 : height < once ? 1 : 2", "height < unturned ? 0 : 1")]),
+    ("light sampling: parts of triangles too large", "sampling", [
+        ("decoder/evaluate/sampling.c", "row[i][0] = (uint32_t)(fmin(sum, 1 - share) * 0x1p32);", "row[i][0] = (uint32_t)(fmin(1.3 * sum, 1 - share) * 0x1p32);")]),
 ]
 
 TOOLS = ['encoder/btf-encode', 'encoder/btf-compare', 'decoder/tools/btf-info', 'decoder/tools/btf-decode',
@@ -265,6 +283,8 @@ def program(tree, test):
         return TOOLS, [f'{tests}/stability/test_{test[10:]}.sh']
     if test in ('exr', 'file', 'memory', 'names', 'output', 'points', 'relief', 'relief_end') or test.startswith('reference_'):
         return [f'tests/unit/test_{test}'], [f'{tree}/build/tests/unit/test_{test}']
+    if test in ('evaluator', 'sampling'):
+        return [f'tests/conformance/test_{test}'], [f'{tree}/build/tests/conformance/test_{test}']
     if test == 'fuzz-exr':
         return [f'tests/fuzz/{test}'], [f'{tree}/build/tests/fuzz/{test}', f'{tests}/fuzz/corpus/exr']
     if test == 'valgrind':

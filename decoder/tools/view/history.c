@@ -74,7 +74,8 @@ int history_samples(const history *h) {
     return h->samples;
 }
 
-static GLuint make_texture(const gl_api *gl, int unit, int width, int height, GLint format, GLenum of, GLenum type) {
+static GLuint make_texture(const gl_api *gl, int unit, int width, int height, GLint format, GLenum of,
+                           GLenum type) {
     GLuint texture = 0;
     gl->ActiveTexture(GL_TEXTURE0 + (GLenum)unit);
     gl->GenTextures(1, &texture);
@@ -90,7 +91,8 @@ static btf_result resize(history *h, int width, int height, int unit, const btf_
     if (width == h->width && height == h->height)
         return BTF_OK;
     delete_textures(h);
-    h->depth = make_texture(gl, unit, width, height, GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT);
+    h->depth =
+        make_texture(gl, unit, width, height, GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT);
     h->width = width;
     h->height = height;
     h->samples = 0;

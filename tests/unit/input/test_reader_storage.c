@@ -98,7 +98,7 @@ static void test_data(void **state) {
     set_messages[0] = '\0';
     assert_int_equal(enc_data_create(&set_context, 16384, 16384, 256, many, 256, many, &data),
                      BTF_ERROR_IO);
-    assert_non_null(strstr(set_messages, "GB free"));
+    assert_non_null(strstr(set_messages, "GB are free"));
     const char *old = getenv("TMPDIR");
     char *kept = old ? strdup(old) : NULL;
     setenv("TMPDIR", "/nowhere/at/all", 1);

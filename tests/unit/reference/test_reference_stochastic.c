@@ -1,5 +1,5 @@
-/* The reference decoder's stochastic decode: the mean over all choices is the blend, which is put together here from
- * single neighbours. Compiled with the decoder's sources, whose names are hidden.
+/* The reference decoder's stochastic decode: the mean over all choices is the blend, which is put together
+ * here from single neighbours. Compiled with the decoder's sources, whose names are hidden.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -49,8 +49,8 @@ static void blend(const made *x, const btf_ref_options *o, int picks, const poin
     btf_ref_evaluate_radiance_blend(&x->m, o, picks, p->u, p->v, p->light, p->view, out);
 }
 
-static void choose(const made *x, const btf_ref_options *o, int picks, const point *p, uint32_t r0, uint32_t r1,
-                   uint32_t r2, float out[3]) {
+static void choose(const made *x, const btf_ref_options *o, int picks, const point *p, uint32_t r0,
+                   uint32_t r1, uint32_t r2, float out[3]) {
     const uint32_t random[3] = {r0, r1, r2};
     btf_ref_evaluate_stochastic(&x->m, o, picks, p->u, p->v, p->light, p->view, random, out);
 }
@@ -107,7 +107,8 @@ static void test_random(void **state) {
 
 /* --- where nothing is to be chosen --- */
 
-/** Directions that are samples and one texel, and nearest mode: every choice is the decode of section 9, bit for bit. */
+/** Directions that are samples and one texel, and nearest mode: every choice is the decode of section 9,
+ * bit for bit. */
 static void test_one_choice(void **state) {
     (void)state;
     static made x;
@@ -122,7 +123,8 @@ static void test_one_choice(void **state) {
             for (int picks = 1; picks <= 3; ++picks) {
                 float all[3], one[3], mean[3];
                 btf_ref_evaluate(&x.m, &o, p.u, p.v, p.light, p.view, all);
-                choose(&x, &o, picks, &p, random_bits(&random), random_bits(&random), random_bits(&random), one);
+                choose(&x, &o, picks, &p, random_bits(&random), random_bits(&random), random_bits(&random),
+                       one);
                 blend(&x, &o, picks, &p, mean);
                 assert_same(one, all);
                 assert_same(mean, all);
@@ -150,7 +152,8 @@ static void test_horizon(void **state) {
 
 /* --- the blend, put together --- */
 
-/** Without relief and gloss, of one texel: radiance of single views and lights, decoded by another entry point. */
+/** Without relief and gloss, of one texel: radiance of single views and lights, decoded by another entry
+ * point. */
 static void test_blend_of_neighbours(void **state) {
     (void)state;
     static made x;
@@ -176,13 +179,15 @@ static void test_blend_of_neighbours(void **state) {
                 for (int b = 0; b < 3; ++b) {
                     const btf_ref_neighbours light = {{lights.index[b], 0, 0}, {4096, 0, 0}};
                     const float weight = (float)lights.weight[b] * 0x1p-12f;
-                    btf_ref_evaluate_neighbours(&x.m, &o, column, row, &light, &view, p.light, p.view, expected);
+                    btf_ref_evaluate_neighbours(&x.m, &o, column, row, &light, &view, p.light, p.view,
+                                                expected);
                     for (int c = 0; c < 3; ++c) {
                         const float term = expected[c] * weight;
                         lit[c] = lit[c] + term;
                     }
                 }
-                btf_ref_evaluate_neighbours(&x.m, &o, column, row, &lights, &view, p.light, p.view, expected);
+                btf_ref_evaluate_neighbours(&x.m, &o, column, row, &lights, &view, p.light, p.view,
+                                            expected);
                 for (int c = 0; c < 3; ++c) {
                     const float one = expected[c] * share, both = lit[c] * share;
                     by_view[c] = by_view[c] + one;
@@ -197,6 +202,32 @@ static void test_blend_of_neighbours(void **state) {
             assert_same(expected, by_both);
         }
     }
+}
+
+/** Where views are blended as radiance, and views alone are picked, the blend is the decode of section 9,
+ * with all effects and filters: in another order at most. */
+static void test_blend_of_radiance(void **state) {
+    (void)state;
+    static made x;
+    uint32_t random = 29;
+    double worst = 0;
+    int compared = 0;
+    for (uint32_t seed = 1; seed <= 60; ++seed) {
+        make(seed, &x);
+        for (int i = 0; i < 100 && x.m.blend == BTF_REF_BLEND_RADIANCE; ++i, ++compared) {
+            const point p = random_point(&random);
+            btf_ref_options o = linear(i % 3);
+            o.interpolation = i % 5 == 0 ? BTF_REF_NEAREST : BTF_REF_LINEAR;
+            float all[3], mean[3];
+            btf_ref_evaluate(&x.m, &o, p.u, p.v, p.light, p.view, all);
+            blend(&x, &o, BTF_REF_PICK_VIEW, &p, mean);
+            for (int c = 0; c < 3; ++c)
+                worst = fmax(worst, fabs((double)mean[c] - (double)all[c]) / (0x1p-60 + (double)all[c]));
+        }
+    }
+    print_message("%d blends in another order: %.3g of the value\n", compared, worst);
+    assert_true(compared >= 2000);
+    assert_true(worst <= 1e-6); /* a dozen roundings */
 }
 
 /* --- the mean of all choices --- */
@@ -214,8 +245,8 @@ static void test_mean_over_views(void **state) {
             double sum[3] = {0, 0, 0};
             float rgb[3];
             for (uint32_t n = 0; n < 4096; ++n) {
-                choose(&x, &o, BTF_REF_PICK_VIEW, &p, n << 20 | random_bits(&random) >> 12, random_bits(&random),
-                       random_bits(&random), rgb);
+                choose(&x, &o, BTF_REF_PICK_VIEW, &p, n << 20 | random_bits(&random) >> 12,
+                       random_bits(&random), random_bits(&random), rgb);
                 add(sum, rgb);
             }
             blend(&x, &o, BTF_REF_PICK_VIEW, &p, rgb);
@@ -238,8 +269,8 @@ static void test_mean_over_lights(void **state) {
             double sum[3] = {0, 0, 0};
             float rgb[3];
             for (uint32_t n = 0; n < 4096; ++n) {
-                choose(&x, &o, BTF_REF_PICK_LIGHT, &p, random_bits(&random), n << 20 | random_bits(&random) >> 12,
-                       random_bits(&random), rgb);
+                choose(&x, &o, BTF_REF_PICK_LIGHT, &p, random_bits(&random),
+                       n << 20 | random_bits(&random) >> 12, random_bits(&random), rgb);
                 add(sum, rgb);
             }
             blend(&x, &o, BTF_REF_PICK_LIGHT, &p, rgb);
@@ -248,7 +279,8 @@ static void test_mean_over_lights(void **state) {
     }
 }
 
-/** All that pick a texel, under one light and seen from a sample; then all that pick a level, of one texel. */
+/** All that pick a texel, under one light and seen from a sample; then all that pick a level, of one texel.
+ */
 static void test_mean_over_texels_and_levels(void **state) {
     (void)state;
     static made x[2];
@@ -282,12 +314,12 @@ static void test_mean_over_texels_and_levels(void **state) {
         for (uint32_t n = 0; n < 256; ++n) {
             const uint32_t r[3] = {random_bits(&random), random_bits(&random),
                                    random_bits(&random) << 16 | n << 8 | random_below(&random, 256)};
-            btf_ref_evaluate_stochastic_between(levels, 2, &o, BTF_REF_PICK_ALL, level, p.u, p.v, p.light, p.view, r,
-                                                rgb);
+            btf_ref_evaluate_stochastic_between(levels, 2, &o, BTF_REF_PICK_ALL, level, p.u, p.v, p.light,
+                                                p.view, r, rgb);
             add(sum, rgb);
         }
-        btf_ref_evaluate_radiance_blend_between(levels, 2, &o, BTF_REF_PICK_ALL, level, p.u, p.v, p.light, p.view,
-                                                rgb);
+        btf_ref_evaluate_radiance_blend_between(levels, 2, &o, BTF_REF_PICK_ALL, level, p.u, p.v, p.light,
+                                                p.view, rgb);
         assert_mean(sum, 256, rgb);
     }
     assert_true(seen >= 6);
@@ -319,7 +351,8 @@ static void test_mean_of_samples(void **state) {
         blend(&x, &o, picks, &p, rgb);
         for (int c = 0; c < 3; ++c) {
             const double mean = sum[c] / SAMPLES,
-                         error = sqrt(fmax(squares[c] / SAMPLES - mean * mean, 0) / SAMPLES) + 2e-6 * mean + 1e-30;
+                         error = sqrt(fmax(squares[c] / SAMPLES - mean * mean, 0) / SAMPLES) + 2e-6 * mean +
+                                 1e-30;
             worst = fmax(worst, fabs(mean - (double)rgb[c]) / error);
         }
     }
@@ -336,8 +369,8 @@ static void test_levels(void **state) {
     static const struct {
         float level;
         int is;
-    } cases[] = {{0, 0}, {-0.0f, 0}, {-1, 0},      {1, 1}, {2, 2},        {2.5f, 2},
-                 {1e9f, 2}, {NAN, 0},  {INFINITY, 2}, {-INFINITY, 0}, {1.003f, 1}, {0x1p-140f, 0}};
+    } cases[] = {{0, 0},    {-0.0f, 0}, {-1, 0},       {1, 1},         {2, 2},      {2.5f, 2},
+                 {1e9f, 2}, {NAN, 0},   {INFINITY, 2}, {-INFINITY, 0}, {1.003f, 1}, {0x1p-140f, 0}};
     uint32_t random = 23;
     for (uint32_t i = 0; i < 3; ++i)
         make(i + 1, &x[i]);
@@ -347,10 +380,12 @@ static void test_levels(void **state) {
         const point p = random_point(&random);
         const uint32_t r[3] = {random_bits(&random), random_bits(&random), random_bits(&random)};
         float rgb[3], expected[3];
-        btf_ref_evaluate_stochastic_between(levels, 3, &o, 3, cases[i].level, p.u, p.v, p.light, p.view, r, rgb);
+        btf_ref_evaluate_stochastic_between(levels, 3, &o, 3, cases[i].level, p.u, p.v, p.light, p.view, r,
+                                            rgb);
         btf_ref_evaluate_stochastic(&levels[cases[i].is], &o, 3, p.u, p.v, p.light, p.view, r, expected);
         assert_same(rgb, expected);
-        btf_ref_evaluate_radiance_blend_between(levels, 3, &o, 3, cases[i].level, p.u, p.v, p.light, p.view, rgb);
+        btf_ref_evaluate_radiance_blend_between(levels, 3, &o, 3, cases[i].level, p.u, p.v, p.light, p.view,
+                                                rgb);
         btf_ref_evaluate_radiance_blend(&levels[cases[i].is], &o, 3, p.u, p.v, p.light, p.view, expected);
         assert_same(rgb, expected);
     }
@@ -362,6 +397,7 @@ int main(void) {
         cmocka_unit_test(test_one_choice),
         cmocka_unit_test(test_horizon),
         cmocka_unit_test(test_blend_of_neighbours),
+        cmocka_unit_test(test_blend_of_radiance),
         cmocka_unit_test(test_mean_over_views),
         cmocka_unit_test(test_mean_over_lights),
         cmocka_unit_test(test_mean_over_texels_and_levels),
