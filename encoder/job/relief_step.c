@@ -92,6 +92,14 @@ static void pass_choice(walk *w, enc_relief_choice *io_choice, int n_views) {
     pass_gloss(w, &io_choice->gloss);
 }
 
+/* Heights that a file may hold, of a map where there are steps, and a share of the half vector where there is gloss:
+ * positions of marches along others would leave the tables of wrapped texels. */
+static bool is_sound(const enc_relief_store *s, bool map) {
+    const bool gloss = s->effects & BTF_EFFECT_GLOSS, relief = s->effects & BTF_EFFECT_RELIEF;
+    return gloss == (s->gloss_share > 0) && s->gloss_share <= 2 &&
+           (!relief || (map == (s->step > 0) && s->base + ((255 * s->step) >> 8) <= INT16_MAX));
+}
+
 /* The store but for its arrays, and whether it has heights. */
 static void pass_store(walk *w, enc_relief_store *io_store, const enc_data *data, bool *io_map) {
     pass_count(w, &io_store->effects, 0, BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS);
@@ -105,6 +113,7 @@ static void pass_store(walk *w, enc_relief_store *io_store, const enc_data *data
         pass_count(w, &io_store->steps, 1, BTF_MAX_RELIEF_STEPS);
         pass_flag(w, io_map);
     }
+    w->good = w->good && is_sound(io_store, *io_map);
 }
 
 /* False where the arrays are of no encode or memory is short. */
