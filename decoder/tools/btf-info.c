@@ -195,7 +195,8 @@ static void print_between_gain(const btf_material *material, uint32_t effect) {
     double gain[2];
     printf("  %-14sbetween the samples only", cli_effects_text(effect, word));
     if (between_gain(material, effect, gain))
-        printf(": %+.2f dB linear, %+.2f dB sRGB where views are left out", gain[0], gain[1]);
+        printf(": %+.2f dB linear, %+.2f dB sRGB where views%s are left out", gain[0], gain[1],
+               effect == BTF_EFFECT_GLOSS ? " and lights" : "");
     printf(", for %zu bytes\n", between_bytes(material, effect));
 }
 
@@ -220,9 +221,16 @@ static void print_effects(const btf_material *material, const btf_material_info 
                cli_effects_text(errors[i].effects, words));
 }
 
-static const char *const left_out_names[] = {"", "view", "light", "both", "", "view, no relief", "", "both, no relief"};
-static const char *const left_out_keys[] = {"", "view", "light", "both", "", "view_without_relief", "",
-                                            "both_without_relief"};
+static const char *const left_out_names[] = {[1] = "view",           [2] = "light",          [3] = "both",
+                                             [5] = "view, no relief", [7] = "both, no relief", [9] = "view, no gloss",
+                                             [11] = "both, no gloss"};
+static const char *const left_out_keys[] = {[1] = "view",
+                                            [2] = "light",
+                                            [3] = "both",
+                                            [5] = "view_without_relief",
+                                            [7] = "both_without_relief",
+                                            [9] = "view_without_gloss",
+                                            [11] = "both_without_gloss"};
 
 static double decibels(float mse) {
     return mse > 1e-10f ? -10 * log10((double)mse) : 100;

@@ -230,14 +230,14 @@ typedef struct btf_effect_errors {
  * the decoder takes their neighbours instead: the encoder's estimate of the error between the samples (FORMAT.md
  * section 7, openbtf.betweenErrors). Neighbours are then twice as far away as for a direction between samples, so it
  * overstates the error. Row r has 5 + 2 * view_bands * light_bands numbers, mean squared errors of values clipped to
- * [0, 1]: what is left out, and 4 more (5 or 7) where the material is decoded without BTF_EFFECT_RELIEF, which it
- * holds; of the material, decoded without gloss, linear and sRGB-coded; of the data themselves, interpolated likewise;
- * then, [view band][light band], of the material, -1 where nothing can be left out. All 0 and NULL when there is
+ * [0, 1]: what is left out, and 4 more (5 or 7) where the material is decoded without BTF_EFFECT_RELIEF, 8 more (9 or
+ * 11) where it is without BTF_EFFECT_GLOSS, each of which it holds; of the material, linear and sRGB-coded; of the data
+ * themselves, interpolated likewise; then, [view band][light band], of the material, -1 where nothing can be left out. All 0 and NULL when there is
  * none. */
 typedef struct btf_between_errors {
     uint32_t view_bands, light_bands;        /**< 1 .. BTF_MAX_BANDS */
     const float *view_limits, *light_limits; /**< [bands + 1] theta in degrees, ascending */
-    uint32_t row_count;                      /**< at most 5 */
+    uint32_t row_count;                      /**< at most 7 */
     uint32_t row_stride;                     /**< floats of a row */
     const float *rows;
 } btf_between_errors;

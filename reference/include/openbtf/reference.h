@@ -124,6 +124,11 @@ void btf_ref_evaluate_neighbours(const btf_ref_material *material, const btf_ref
                                  const btf_ref_neighbours *views, const float light[3], const float view[3],
                                  float out_rgb[3]);
 
+/** The same with lights of their own for each of the three views, as gloss has them: @p lights [3], of views->index. */
+void btf_ref_evaluate_apart(const btf_ref_material *material, const btf_ref_options *options, uint32_t column,
+                            uint32_t row, const btf_ref_neighbours lights[3], const btf_ref_neighbours *views,
+                            const float light[3], const float view[3], float out_rgb[3]);
+
 /* Integer steps, each as FORMAT.md says. */
 
 /** Section 6: a direction to the plane of the tables, 0 .. 16384 in both. */
