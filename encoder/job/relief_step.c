@@ -73,6 +73,7 @@ static void pass_choice(walk *w, enc_relief_choice *io_choice, int n_views) {
         pass_number(w, &c->scale, 0, 1);
         pass_flag(w, &c->constant);
         pass_flag(w, &c->judged);
+        pass_flag(w, &c->drawn_in);
         pass_number(w, &c->gain, -DBL_MAX, DBL_MAX);
         pass_integer(w, &c->rings, 0, ENC_RELIEF_RINGS);
     }
