@@ -51,7 +51,19 @@ expect_that "a file tells what relief is worth between the samples" python3 wort
 expect "in words" 0 btf-info found.btf.exr
 expect_text "not by errors at the samples" "relief +between the samples only: \\+[0-9.]+ dB linear, .* where views are left out, for 256 bytes" out
 expect "gloss" 0 btf-info shared.btf.exr
-expect_text "acts there too" "gloss +between the samples only, for 0 bytes" out
+expect_text "acts there too" "gloss +between the samples only: [-+][0-9.]+ dB linear, .* where views and lights are left out, for 0 bytes" out
+cat >gloss.py <<'P'
+import json, subprocess
+info = json.loads(subprocess.run(["btf-info", "shared.btf.exr", "--json"], capture_output=True, check=True).stdout)
+report = json.load(open("shared.json"))["between"]
+between, buys = info["between"], info["buys"]["gloss"]
+assert set(between) == {"view", "light", "both", "view_without_gloss", "both_without_gloss"}, between
+assert buys["between_samples"] and buys["bytes"] == 0, buys
+assert abs(between["both"]["linear"] - between["both_without_gloss"]["linear"] - buys["linear"]) < 1e-9, (buys, between)
+assert abs(report["both"]["srgb_without_gloss"] - between["both_without_gloss"]["srgb"]) < 1e-3, (report, between)
+assert between["both"] != between["both_without_gloss"] and "linear_without_gloss" not in report["light"], between
+P
+expect_that "a file tells what gloss is worth between the samples" python3 gloss.py
 expect "a plan" 0 btf-info found.btf.exr --plan views=0:60,lights=0:60
 expect_text "says so as well" "relief: on, worth \\+[0-9.]+/\\+[0-9.]+ dB between the samples" out
 expect_that "off is what fast does" cmp fast.btf.exr off.btf.exr
