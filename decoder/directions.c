@@ -146,8 +146,7 @@ static bool edge_meets(const btfi_directions *d, uint32_t h, const cell *cell) {
     bool cone = reaches(cell, ab, b) && reaches(cell, cb, b);
     if (strip || !cone || d->triangle_count == 0)
         return strip || cone;
-    /* Inside the hull, directions belong to triangles; outside, a corner's cone is beyond one of its edges.
-     */
+    /* Inside the hull, directions belong to triangles; outside, a corner's cone is beyond one of its edges. */
     point bc = minus(c, b);
     return reaches(cell, (point){ab.y, -ab.x}, b) || reaches(cell, (point){bc.y, -bc.x}, b);
 }
@@ -177,7 +176,8 @@ static void record_span(const btfi_directions *d, uint32_t record, uint32_t grid
     cell_span(grid, min3(a.y, b.y, c.y), max3(a.y, b.y, c.y), y);
 }
 
-/* Writes who lists what, by rising record. Returns how many there are, BTFI_MAX_RECORDS + 1 when more. */
+/* Writes the pairs of a record and a cell that lists it, by rising record. Returns their number, BTFI_MAX_RECORDS +
+ * 1 when there are more. */
 static uint32_t list_records(const btfi_directions *d, uint32_t grid, listing *out) {
     uint32_t count = 0;
     for (uint32_t r = 0; r < d->triangle_count + d->hull_count; r++) {
@@ -325,7 +325,7 @@ static btf_result check_triangles(const btfi_check *check, const char *name, con
         const uint16_t *i = d->triangles + 3 * (size_t)t;
         for (int k = 0; k < 3; k++)
             if (i[k] >= d->count)
-                return btfi_fail(check->log, check->code, "%s: triangle %u has vertex %u of %u", name,
+                return btfi_fail(check->log, check->code, "%s: triangle %u names direction %u of %u", name,
                                  (unsigned)t, (unsigned)i[k], (unsigned)d->count);
         point a = vertex(d, i[0]);
         if (cross(minus(vertex(d, i[1]), a), minus(vertex(d, i[2]), a)) <= 0)
@@ -338,11 +338,12 @@ static btf_result check_triangles(const btfi_check *check, const char *name, con
 /* Every vertex lies to the left of every hull edge or on it, and no edge has length 0. */
 static btf_result check_hull(const btfi_check *check, const char *name, const btfi_directions *d) {
     if ((d->hull_count == 0) != (d->count == 1) || d->hull_count == 1)
-        return btfi_fail(check->log, check->code, "%s: a hull of %u vertices for %u directions", name,
+        return btfi_fail(check->log, check->code,
+                         "%s: the hull has %u vertices, which %u directions cannot have", name,
                          (unsigned)d->hull_count, (unsigned)d->count);
     for (uint32_t h = 0; h < d->hull_count; h++)
         if (d->hull[h] >= d->count)
-            return btfi_fail(check->log, check->code, "%s: the hull has vertex %u of %u", name,
+            return btfi_fail(check->log, check->code, "%s: the hull names direction %u of %u", name,
                              (unsigned)d->hull[h], (unsigned)d->count);
     for (uint32_t h = 0; h < d->hull_count; h++) {
         uint32_t index[3];
@@ -382,11 +383,11 @@ static btf_result check_cells(const btfi_check *check, const char *name, const b
         records += count;
     }
     if (at != d->cells_length)
-        return btfi_fail(check->log, check->code, "%s: %zu numbers after the last cell", name,
+        return btfi_fail(check->log, check->code, "%s: %zu numbers follow the last cell", name,
                          d->cells_length - at);
     if (records > BTFI_MAX_RECORDS)
-        return btfi_fail(check->log, check->code, "%s: %zu records exceed %d", name, records,
-                         BTFI_MAX_RECORDS);
+        return btfi_fail(check->log, check->code, "%s: the cells list %zu records, more than %d", name,
+                         records, BTFI_MAX_RECORDS);
     return BTF_OK;
 }
 

@@ -41,8 +41,7 @@ void btfi_project(const float d[3], uint16_t out_q[2]);
 /* Makes everything from count directions; `name` is "views" or "lights". */
 btf_result btfi_directions_build(const btfi_check *check, const char *name, uint32_t count,
                                  const float *xyz, btfi_directions *out);
-/* Checks what a file says of a list (FORMAT.md section 6), all fields but table set; then makes the table.
- */
+/* Checks a list as a file has it (FORMAT.md section 6), of which all fields but the table are set. */
 btf_result btfi_directions_check(const btfi_check *check, const char *name,
                                  const btfi_directions *directions);
 btf_result btfi_directions_make_table(const btf_log *log, btfi_directions *directions);

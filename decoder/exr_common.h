@@ -1,4 +1,4 @@
-/* OpenBTF: what reading and writing OpenEXR files share.
+/* OpenBTF: functions that reading and writing of OpenEXR files share.
  *
  * SPDX-License-Identifier: MIT
  */

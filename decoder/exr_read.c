@@ -161,7 +161,7 @@ static btf_result check_part(exr_const_context_t context, const btf_log *log, in
         (exr = exr_get_compression(context, index, &compression)))
         return fail_exr(log, exr, part->name.text);
     if (storage != EXR_STORAGE_SCANLINE)
-        return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: no scan-line image (storage %d)",
+        return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: not a scan-line image (storage %d)",
                          part->name.text, (int)storage);
     if (compression != EXR_COMPRESSION_NONE && compression != EXR_COMPRESSION_RLE &&
         compression != EXR_COMPRESSION_ZIPS && compression != EXR_COMPRESSION_ZIP &&
@@ -177,13 +177,12 @@ static btf_result check_part(exr_const_context_t context, const btf_log *log, in
         (exr = exr_get_scanlines_per_chunk(context, index, &lines)))
         return fail_exr(log, exr, part->name.text);
     if (lines < 1 || chunks != ((int32_t)part->height + lines - 1) / lines)
-        return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: %d chunks of %d lines for %u rows",
+        return btfi_fail(log, BTF_ERROR_BAD_FILE, "part %s: %d chunks of %d lines do not make %u rows",
                          part->name.text, (int)chunks, (int)lines, (unsigned)part->height);
     return BTF_OK;
 }
 
-/* Stores one row of one channel into the texture. Returns false, with the place, at a value that cannot be.
- */
+/* Stores one row of one channel into the texture. Returns false, with the place, at a value that cannot be. */
 static bool store_row(const btfi_part *part, void *texture, int channel, uint32_t y, const void *row,
                       uint32_t *out_x) {
     for (uint32_t x = 0; x < part->width;) {

@@ -1,4 +1,4 @@
-/* Loads the functions of OpenGL that the library uses, and what its files do alike with them.
+/* Loads the functions of OpenGL that the library uses, and holds the steps with them that several of its files take.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -10,12 +10,12 @@
 btf_result btfi_gl_load(const btf_gl_options *options, const btf_log *log, btfi_gl_functions *out_gl) {
     memset(out_gl, 0, sizeof *out_gl);
     if (!options || options->struct_size < offsetof(btf_gl_options, shader) || !options->get_proc_address)
-        return btfi_fail(log, BTF_ERROR_USAGE, "gl: options without get_proc_address");
+        return btfi_fail(log, BTF_ERROR_USAGE, "gl: the options have no get_proc_address");
 #define LOAD(name, result, parameters)                                                                     \
     {                                                                                                      \
         btf_gl_function function = options->get_proc_address(options->user, "gl" #name);                   \
         if (!function)                                                                                     \
-            return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "gl: the context has no gl" #name);               \
+            return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "gl: the context lacks the function gl" #name);   \
         out_gl->name = (result(BTFI_GL_CALL *) parameters)function;                                        \
     }
     BTFI_GL_FUNCTIONS(LOAD)
@@ -27,8 +27,8 @@ btf_result btfi_gl_load(const btf_gl_options *options, const btf_log *log, btfi_
     out_gl->GetIntegerv(GL_MINOR_VERSION, &out_gl->minor);
     int have = 10 * out_gl->major + out_gl->minor, need = out_gl->is_es ? 30 : 33;
     if (have < need)
-        return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "gl: the context is \"%s\", needed is %s", version,
-                         out_gl->is_es ? "OpenGL ES 3.0" : "OpenGL 3.3");
+        return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "gl: the context is \"%s\", but %s or later is needed",
+                         version, out_gl->is_es ? "OpenGL ES 3.0" : "OpenGL 3.3");
     if (out_gl->is_es)
         return BTF_OK;
     BTFI_GL_DESKTOP_FUNCTIONS(LOAD)

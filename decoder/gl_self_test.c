@@ -179,7 +179,7 @@ static btf_result run_program(const btfi_gl_functions *gl, uint32_t program, int
     for (int i = 0; i < SIDE * SIDE; ++i) {
         if (error != GL_NO_ERROR || pixels[i][1] != 0x42544621u)
             return btfi_fail(log, BTF_ERROR_UNSUPPORTED,
-                             "gl: the self-test was not drawn (GL error 0x%04x)", error);
+                             "gl: the context did not draw the self-test (GL error 0x%04x)", error);
         *failures |= pixels[i][0];
     }
     return BTF_OK;
@@ -339,7 +339,8 @@ btf_result btf_gl_self_test(const btf_gl_options *options, const btf_log *log, u
     api.BindVertexArray(array);
     api.Viewport(0, 0, SIDE, SIDE);
     if (api.CheckFramebufferStatus(GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-        result = btfi_fail(log, BTF_ERROR_UNSUPPORTED, "gl: an RGBA32UI framebuffer is refused");
+        result = btfi_fail(log, BTF_ERROR_UNSUPPORTED,
+                           "gl: the context refuses a framebuffer of format RGBA32UI");
 
     char version[32];
     if (api.is_es)

@@ -81,7 +81,8 @@ static const char *get_string(reader *r, const char *name, bool required, size_t
     if (!attribute || !attribute->string || !attribute->string->str || attribute->string->length < 0)
         return attribute ? "" : NULL;
     if (attribute->string->length > MAX_STRING) {
-        refuse(r, "attribute %s of %d bytes exceeds %d", name, (int)attribute->string->length, MAX_STRING);
+        refuse(r, "attribute %s has %d bytes, more than %d", name, (int)attribute->string->length,
+               MAX_STRING);
         return NULL;
     }
     *out_length = strnlen(attribute->string->str, (size_t)attribute->string->length);
@@ -145,7 +146,8 @@ static const float *get_floats(reader *r, const char *name, bool required, size_
     const exr_attr_float_vector_t *v = attribute->floatvector;
     size_t count = v && v->length > 0 && v->arr ? (size_t)v->length : 0;
     if (count == 0 || count % group != 0 || count > group * most) {
-        refuse(r, "attribute %s holds %zu numbers, not 1 to %zu times %zu", name, count, most, group);
+        refuse(r, "attribute %s holds %zu numbers, which are not 1 to %zu groups of %zu", name, count, most,
+               group);
         return NULL;
     }
     *out_count = count;
@@ -231,7 +233,8 @@ static void get_errors(reader *r, btf_material *m) {
     }
     for (size_t i = 0; i < count / 4; i++, rows += 4) {
         if (!(rows[0] >= 0 && rows[0] <= (float)known) || rows[0] != floorf(rows[0])) {
-            refuse(r, "attribute openbtf.errors: row %zu has effects %g", i, (double)rows[0]);
+            refuse(r, "attribute openbtf.errors: row %zu has the effects %g, of which bits are unknown", i,
+                   (double)rows[0]);
             return;
         }
         m->errors[i] = (btf_material_error){(uint32_t)rows[0], rows[1], rows[2], rows[3]};
@@ -254,7 +257,8 @@ static void get_level_errors(reader *r, btf_material *m) {
     }
     for (size_t i = 0; i < count / 4; i++, rows += 4) {
         if (!(rows[0] >= 0 && rows[0] < BTF_MAX_LEVELS) || rows[0] != floorf(rows[0])) {
-            refuse(r, "attribute %s: row %zu has level %g", name, i, (double)rows[0]);
+            refuse(r, "attribute %s: row %zu is of level %g, which no material has", name, i,
+                   (double)rows[0]);
             return;
         }
         m->level_errors[i] = (btf_level_error){(uint32_t)rows[0], rows[1], rows[2], rows[3]};
@@ -306,14 +310,15 @@ static void get_scales(reader *r, const char *name, size_t group, uint32_t items
     size_t count;
     if (items == 0) {
         if (!r->result && find(r, name, EXR_ATTR_FLOAT_VECTOR, "floatvector", false))
-            refuse(r, "attribute %s without %s", name, things);
+            refuse(r, "attribute %s is there, but there are no %s", name, things);
         return;
     }
     const float *scales = get_floats(r, name, true, group, 1 << 16, &count);
     if (!scales)
         return;
     if (count != group * items) {
-        refuse(r, "attribute %s holds %zu numbers for %u %s", name, count, (unsigned)items, things);
+        refuse(r, "attribute %s holds %zu numbers, which do not fit the %u %s", name, count,
+               (unsigned)items, things);
         return;
     }
     keep_floats(r, name, scales, count, out, &count);
@@ -408,11 +413,11 @@ static uint32_t get_version(reader *r) {
     const exr_attribute_t *attribute = NULL;
     if (exr_get_attribute_by_name(r->context, 0, "openbtf.version", &attribute) != EXR_ERR_SUCCESS ||
         !attribute) {
-        refuse(r, "no OpenBTF material: attribute openbtf.version is missing");
+        refuse(r, "not an OpenBTF material: the attribute openbtf.version is missing");
     } else if (attribute->type == EXR_ATTR_INT && attribute->i > BTF_FORMAT_VERSION) {
         r->result = btfi_fail(r->log, BTF_ERROR_UNSUPPORTED,
-                              "format version %d is above %d, which this library reads", (int)attribute->i,
-                              BTF_FORMAT_VERSION);
+                              "format version %d is newer than %d, the newest that this library reads",
+                              (int)attribute->i, BTF_FORMAT_VERSION);
     } else {
         return get_int(r, "openbtf.version", 1, BTF_FORMAT_VERSION);
     }

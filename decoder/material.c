@@ -214,7 +214,8 @@ static btf_result copy_textures(const btf_material_desc *desc, const btf_log *lo
                 return btfi_fail(log, BTF_ERROR_USAGE, "%s: given, but the material has no such texture",
                                  name.text);
             if (size != 0 && !data)
-                return btfi_fail(log, BTF_ERROR_USAGE, "%s: missing, %zu bytes", name.text, size);
+                return btfi_fail(log, BTF_ERROR_USAGE, "%s: missing; the material needs its %zu bytes",
+                                 name.text, size);
         }
     btf_result result = btfi_material_allocate(log, m);
     if (result)
@@ -263,7 +264,7 @@ static btf_result copy_provenance(const btf_material_desc *desc, const btf_log *
     return BTF_OK;
 }
 
-/* Which views relief acts on: 0 or 1 each. */
+/* Checks the list of views that relief acts on: 0 or 1 each, and only with the effect. */
 static btf_result check_relief_views(const btf_material_desc *desc, const btf_log *log) {
     if (!desc->relief_views)
         return BTF_OK;
@@ -281,20 +282,24 @@ btf_result btf_material_create(const btf_material_desc *desc, const btf_log *log
     const btfi_check check = {log, BTF_ERROR_USAGE};
     *out_material = NULL;
     if (desc->struct_size != sizeof *desc)
-        return btfi_fail(log, BTF_ERROR_USAGE, "struct_size is %zu, not %zu", desc->struct_size,
+        return btfi_fail(log, BTF_ERROR_USAGE,
+                         "struct_size is %zu; this library's btf_material_desc has %zu", desc->struct_size,
                          sizeof *desc);
     if (!desc->views || !desc->lights)
         return btfi_fail(log, BTF_ERROR_USAGE, "%s: missing", desc->views ? "lights" : "views");
     if (desc->error_count && !desc->errors)
-        return btfi_fail(log, BTF_ERROR_USAGE, "errors: %zu rows, but no data", desc->error_count);
+        return btfi_fail(log, BTF_ERROR_USAGE, "errors: %zu rows, but the pointer to them is NULL",
+                         desc->error_count);
     if (desc->level_error_count && !desc->level_errors)
-        return btfi_fail(log, BTF_ERROR_USAGE, "level errors: %zu rows, but no data",
+        return btfi_fail(log, BTF_ERROR_USAGE, "level errors: %zu rows, but the pointer to them is NULL",
                          desc->level_error_count);
     if (desc->effect_error_count && !desc->effect_errors)
-        return btfi_fail(log, BTF_ERROR_USAGE, "effect errors: %zu numbers, but no data",
+        return btfi_fail(log, BTF_ERROR_USAGE,
+                         "effect errors: %zu numbers, but the pointer to them is NULL",
                          desc->effect_error_count);
     if (desc->between_error_count && !desc->between_errors)
-        return btfi_fail(log, BTF_ERROR_USAGE, "between errors: %zu numbers, but no data",
+        return btfi_fail(log, BTF_ERROR_USAGE,
+                         "between errors: %zu numbers, but the pointer to them is NULL",
                          desc->between_error_count);
     btf_material_info info = desc->info;
     info.levels = info.levels ? info.levels : 1;
@@ -307,7 +312,8 @@ btf_result btf_material_create(const btf_material_desc *desc, const btf_log *log
         return result;
     if (desc->preview && btfi_version(&info) < 2)
         return btfi_fail(log, BTF_ERROR_USAGE,
-                         "preview: the material needs version 1 only, which has none");
+                         "preview: given, but nothing else of the material needs version 2, and files of "
+                         "version 1 have no preview");
 
     btf_material *m = btfi_material_new();
     if (!m)

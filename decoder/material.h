@@ -12,8 +12,8 @@
 struct btf_material {
     btf_material_info info;
     char *method, *options, *source; /* never NULL once made */
-    void *texture[BTF_MAX_LEVELS]
-                 [BTF_TEXTURE_COUNT]; /* those that have a shape; the tables live in views and lights */
+    /* Those that have a shape; direction tables are in views and lights. */
+    void *texture[BTF_MAX_LEVELS][BTF_TEXTURE_COUNT];
     btfi_directions views, lights;
     btf_material_error *errors;
     size_t error_count;

@@ -47,7 +47,7 @@ static point minus(point p, point q) {
     return (point){p.x - q.x, p.y - q.y};
 }
 
-/* Keeps what has dot(normal, p) >= least. */
+/* Keeps the part with dot(normal, p) >= least. */
 static polygon clip(const polygon *p, point normal, double least) {
     polygon out = {0};
     for (int i = 0; i < p->count; i++) {

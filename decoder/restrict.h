@@ -1,4 +1,4 @@
-/* OpenBTF: what is left of a material when a plan leaves things out.
+/* OpenBTF: the parts of a material that a plan keeps.
  *
  * SPDX-License-Identifier: MIT
  */

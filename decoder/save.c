@@ -60,7 +60,7 @@ static btf_result write_regular(const btf_log *log, const char *path, const void
         error = errno;
         unlink(temporary);
     }
-    close(fd); /* what it could say, fsync has said */
+    close(fd); /* an error here is one that fsync has reported */
     free(temporary);
     return error ? fail_io(log, path, error) : BTF_OK;
 }
@@ -72,7 +72,7 @@ static btf_result write_file(const btf_log *log, const char *path, const void *d
     if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))
         return write_special(log, path, data, size);
     char *target =
-        realpath(path, NULL); /* what a symbolic link points to; NULL when there is nothing yet */
+        realpath(path, NULL); /* the file that a symbolic link points to; NULL when there is none yet */
     btf_result result = write_regular(log, target ? target : path, data, size);
     free(target);
     return result;

@@ -246,6 +246,8 @@ static void write_macros(text *t, const btf_material *material, const btf_materi
     text_print(t, "#define BTF_FAST_MATH %d\n", options->math == BTF_MATH_FAST);
     if (options->have_precise)
         text_print(t, "#define BTF_HAVE_PRECISE 1\n");
+    if (options->picks != BTF_PICK_NONE)
+        text_print(t, "#define BTF_STOCHASTIC %d\n", (int)options->picks);
     int nearest = options->interpolation == BTF_INTERPOLATION_NEAREST;
     if (options->fixed & BTF_FIXED_VIEW)
         define_fixed(t, "VIEW", &material->views, options->fixed_view, nearest);
@@ -315,11 +317,11 @@ btf_result btf_shader_source(const btf_material *material, const btf_shader_opti
     }
     if ((unsigned)all.interpolation > BTF_INTERPOLATION_NEAREST ||
         (unsigned)all.filter > BTF_FILTER_STEEP || (unsigned)all.math > BTF_MATH_FAST ||
-        (unsigned)all.bindings > BTF_BINDINGS_VULKAN) {
+        (unsigned)all.bindings > BTF_BINDINGS_VULKAN || (unsigned)all.picks > BTF_PICK_ALL) {
         char message[160];
         snprintf(message, sizeof message,
-                 "shader: interpolation %d, filter %d, math %d or bindings %d is unknown",
-                 (int)all.interpolation, (int)all.filter, (int)all.math, (int)all.bindings);
+                 "shader: interpolation %d, filter %d, math %d, bindings %d or picks %d is unknown",
+                 (int)all.interpolation, (int)all.filter, (int)all.math, (int)all.bindings, (int)all.picks);
         fail(log, message);
         return BTF_ERROR_USAGE;
     }

@@ -108,8 +108,7 @@ static void start_fan(mesh *m, uint32_t k) {
     }
 }
 
-/* Joins p, which lies outside the hull, to every hull edge that it sees; `last` is the vertex added before.
- */
+/* Joins p, which lies outside the hull, to every hull edge that it sees; `last` is the vertex added before. */
 static void add_vertex(mesh *m, int p, int last) {
     int first = last; /* p sees an edge that begins or ends at the last vertex */
     while (area(m, m->previous[first], first, p) < 0)

@@ -94,13 +94,14 @@ static const cli_program program = {
         "the reference decoder evaluates at the directions of the other; two materials are compared at\n"
         "those of A.",
     .details =
-        "--names TABLE is of those of A and B whose images it names; of the others their names count.\n\n"
+        "--names TABLE gives the directions of the images that it lists, of A, B or both; those of other images are\n"
+        "read from their names.\n\n"
         "Between the samples: one of A and B may hold single images at any directions, which their names\n"
         "say (tl12.5_pl30_tv40.25_pv110.exr) and which need not form a grid: pairs of a view and a light,\n"
         "such as btf-sample --between writes. The other is evaluated there: a material by the reference\n"
         "decoder, a data set by interpolation of its images. Errors are then told by theta of view and\n"
         "light, and by the angle to the nearest sample.\n\n"
-        "What A and B are is told by their content: a file that begins as OpenEXR is a material; a grid of\n"
+        "btf-compare looks at the content of A and B: a file that begins as OpenEXR is a material; a grid of\n"
         "images under a view from the top, of which at most half is missing, is a data set; other images are pairs.\n\n"
         "--leave-one-out needs no truth between the samples. It predicts samples from others that lie twice as\n"
         "far away as the samples around a direction between them, so it overstates the error there: most where\n"
@@ -212,12 +213,11 @@ static btf_result check_same_grid(const enc_context *context, const side *a, con
                       p->n_lights == q->n_lights && same_directions(p->views, q->views, p->n_views) &&
                       same_directions(p->lights, q->lights, p->n_lights);
     if (!same) {
-        return enc_fail(
-            context, BTF_ERROR_BAD_FILE,
-            "%s (%d x %d, %d views, %d lights) and %s (%d x %d, %d views, %d lights) do not have the same "
-            "texels and directions",
-            a->path, p->width, p->height, p->n_views, p->n_lights, b->path, q->width, q->height, q->n_views,
-            q->n_lights);
+        return enc_fail(context, BTF_ERROR_BAD_FILE,
+                        "%s (%d x %d texels, %d views, %d lights) and %s (%d x %d texels, %d views, %d "
+                        "lights) differ in texels or directions",
+                        a->path, p->width, p->height, p->n_views, p->n_lights, b->path, q->width, q->height,
+                        q->n_views, q->n_lights);
     }
     return BTF_OK;
 }
@@ -345,9 +345,10 @@ static btf_result compare_pairs(const enc_context *context, side *a, side *b) {
     const enc_data *shape = model->data ? model->data : &material_shape;
     enc_blend *blend = NULL;
     if (model->pairs) {
-        return enc_fail(context, BTF_ERROR_USAGE,
-                        "%s and %s are both single images: one of the two has to be a data set or a material",
-                        a->path, b->path);
+        return enc_fail(
+            context, BTF_ERROR_USAGE,
+            "%s and %s both hold single images: one of the two has to be a data set or a material", a->path,
+            b->path);
     }
     if (model->material) {
         shape_of(model->material, &material_shape, views, lights);
@@ -414,7 +415,7 @@ static btf_result leave_one_out(const enc_context *context, side *a, side *b) {
     }
     if (result == BTF_OK && (!a->data || (b->path && !b->material))) {
         result = enc_fail(context, BTF_ERROR_USAGE,
-                          "--leave-one-out: needs a data set, and beside it at most its material");
+                          "option --leave-one-out: expected a data set, and after it at most its material");
     }
     if (result == BTF_OK && b->material) {
         result = check_same_samples(context, a, b);
@@ -424,8 +425,9 @@ static btf_result leave_one_out(const enc_context *context, side *a, side *b) {
     }
     if (result == BTF_OK && measured.views == 0 && measured.lights == 0) {
         result = enc_fail(context, BTF_ERROR_BAD_FILE,
-                          "%s: none of %d views and %d lights lies among others that could predict it", a->path,
-                          a->data->n_views, a->data->n_lights);
+                          "%s: none of its %d views and %d lights is surrounded by others, from which it "
+                          "could be predicted",
+                          a->path, a->data->n_views, a->data->n_lights);
     }
     return result == BTF_OK ? print_leave_one_out(a, b, &measured) : result;
 }
@@ -440,16 +442,20 @@ static btf_result compare(const enc_context *context, side *a, side *b) {
     }
     const bool pairs = a->pairs || b->pairs;
     if (o.interpolation == ENC_INTERPOLATE_SPLINE && !(pairs && (a->data || b->data))) {
-        return enc_fail(context, BTF_ERROR_USAGE,
-                        "--interpolation spline: is for a data set against pairs, see --help");
+        return enc_fail(
+            context, BTF_ERROR_USAGE,
+            "option --interpolation spline: only for a data set compared with pairs (see --help)");
     }
     if (o.filter != BTF_FILTER_TEXEL && !(pairs && (a->material || b->material))) {
-        return enc_fail(context, BTF_ERROR_USAGE, "--filter %s: is for a material against pairs, see --help",
+        return enc_fail(context, BTF_ERROR_USAGE,
+                        "option --filter %s: only for a material compared with pairs (see --help)",
                         filter_name((btf_filter)o.filter));
     }
     if (!pairs && (o.pictures || o.pairs)) {
-        return enc_fail(context, BTF_ERROR_USAGE, "--%s: neither %s nor %s holds single images",
-                        o.pictures ? "pictures" : "pairs", a->path, b->path);
+        return enc_fail(
+            context, BTF_ERROR_USAGE,
+            "option --%s: needs single images at directions of their own, which neither %s nor %s holds",
+            o.pictures ? "pictures" : "pairs", a->path, b->path);
     }
     return pairs ? compare_pairs(context, a, b) : compare_grids(context, a, b);
 }
@@ -465,9 +471,11 @@ int main(int argc, char **argv) {
     const enc_context context = {
         .log = cli_log(&program, o.quiet), .progress = shown, .threads = o.threads};
     side a = {.path = arguments.values[0]}, b = {.path = arguments.count > 1 ? arguments.values[1] : NULL};
-    const btf_result result = o.leave_one_out ? leave_one_out(&context, &a, &b)
-                              : b.path        ? compare(&context, &a, &b)
-                                              : cli_error(&program, BTF_ERROR_USAGE, "B is missing (see --help)");
+    const btf_result result =
+        o.leave_one_out ? leave_one_out(&context, &a, &b)
+        : b.path        ? compare(&context, &a, &b)
+                        : cli_error(&program, BTF_ERROR_USAGE,
+                                    "B is missing: expected two data sets or materials (see --help)");
     if (result == BTF_ERROR_INTERRUPTED) {
         cli_error(&program, result, "interrupted");
     }

@@ -35,12 +35,13 @@ static btf_result run(const enc_context *context, const enc_options *options) {
     enc_batch batch;
     if (options->predict) {
         return enc_batch_is(job->input) ? cli_error(&enc_program, BTF_ERROR_USAGE,
-                                                    "option --predict: for one input, not for a list")
+                                                    "option --predict: works on one input, not on a list")
                                         : enc_predict(context, job, options->predict, stdout);
     }
     if (!enc_batch_is(job->input)) {
         if (options->item > 0) {
-            return cli_error(&enc_program, BTF_ERROR_USAGE, "option --item: %s is not a list", job->input);
+            return cli_error(&enc_program, BTF_ERROR_USAGE,
+                             "option --item: picks an input of a list, and %s is not a list", job->input);
         }
         const btf_result ending = check_ending(context, job->output);
         return ending == BTF_OK ? enc_job_run(context, job) : ending;
@@ -53,7 +54,7 @@ static btf_result run(const enc_context *context, const enc_options *options) {
     return result;
 }
 
-/* Opens the null device in place of a stream; -1 where that fails, else what the stream was. */
+/* Opens the null device in place of a stream. Returns a copy of the stream to restore it by, -1 where that fails. */
 static int silence(int stream) {
     const int before = fcntl(stream, F_DUPFD_CLOEXEC, 3), null = open("/dev/null", O_WRONLY | O_CLOEXEC);
     if (null >= 0) {
@@ -63,7 +64,7 @@ static int silence(int stream) {
     return before;
 }
 
-/* Reads the command line; rank 0 alone tells what is wrong with it, since all ranks have the same. */
+/* Reads the command line; rank 0 alone reports errors of it, since all ranks have the same. */
 static bool parse(int argc, char **argv, const enc_mpi_share *share, bool leads,
                   const enc_options **out_options, int *out_exit_code) {
     int errors = -1;

@@ -16,15 +16,7 @@ typedef struct evaluation {
     bool linear;              /**< directions */
 } evaluation;
 
-/** The texels that a filter blends; a weight of 0 is left out. */
-typedef struct footprint {
-    uint32_t count;
-    uint32_t column[CORNERS], row[CORNERS];
-    float weight[CORNERS];
-} footprint;
-
-/** Section 9, Directions. @return whether there is anything to be seen. */
-static bool above_horizon(const float light[3], const float view[3]) {
+bool btf_ref_above_horizon(const float light[3], const float view[3]) {
     for (int i = 0; i < 3; ++i) {
         uint32_t l = btf_ref_bits(light[i]) & 0x7FFFFFFFu, v = btf_ref_bits(view[i]) & 0x7FFFFFFFu;
         if (l > 0x40000000u || v > 0x40000000u) /* beyond 2, infinite, NaN */
@@ -33,18 +25,39 @@ static bool above_horizon(const float light[3], const float view[3]) {
     return light[2] >= 0x1p-24f && view[2] >= 0x1p-24f;
 }
 
-static btf_ref_lights some_lights(btf_ref_neighbours neighbours, bool linear) {
-    if (!linear)
-        neighbours = btf_ref_nearest(neighbours);
+btf_ref_lights btf_ref_lights_of(const btf_ref_neighbours *neighbours) {
     btf_ref_lights lights = {0};
     for (int b = 0; b < 3; ++b) {
-        if (neighbours.weight[b] == 0)
+        if (neighbours->weight[b] == 0)
             continue;
-        lights.index[lights.count] = neighbours.index[b];
-        lights.weight[lights.count] = (int32_t)neighbours.weight[b];
+        lights.index[lights.count] = neighbours->index[b];
+        lights.weight[lights.count] = (int32_t)neighbours->weight[b];
         ++lights.count;
     }
     return lights;
+}
+
+static btf_ref_lights some_lights(btf_ref_neighbours neighbours, bool linear) {
+    if (!linear)
+        neighbours = btf_ref_nearest(neighbours);
+    return btf_ref_lights_of(&neighbours);
+}
+
+btf_ref_situation btf_ref_make_situation(const btf_ref_material *material, const btf_ref_options *options,
+                                         const float light[3], const float view[3]) {
+    btf_ref_situation s = {.material = material,
+                           .effects = material->effects & options->effects,
+                           .cosine = material->domain_sqrt ? btf_ref_pow(light[2], 0.5f) : light[2]};
+    if (s.effects & BTF_REF_RESIDUAL)
+        s.components =
+            options->components < material->components ? options->components : material->components;
+    if (material->store == BTF_REF_FACTORS) {
+        float q = light[2] * material->horizon_scale;
+        s.horizon = q < 1.0f ? (material->domain_sqrt ? btf_ref_pow(q, 0.5f) : q) : 1.0f;
+    }
+    for (int i = 0; i < 3; ++i)
+        s.product[i] = light[i] * view[i];
+    return s;
 }
 
 /** Everything that does not depend on the texel, with the same lights for every view; `light` and `view`
@@ -54,25 +67,13 @@ static evaluation make_evaluation(const btf_ref_material *material, const btf_re
                                   const float light[3], const float view[3]) {
     bool linear = options->interpolation != BTF_REF_NEAREST;
     evaluation e = {
-        .shared = {.material = material,
-                   .effects = material->effects & options->effects,
-                   .cosine = material->domain_sqrt ? btf_ref_pow(light[2], 0.5f) : light[2]},
+        .shared = btf_ref_make_situation(material, options, light, view),
         .views = linear ? *views : btf_ref_nearest(*views),
         .view = view,
         .linear = linear,
     };
-    btf_ref_situation *s = &e.shared;
-    if (s->effects & BTF_REF_RESIDUAL)
-        s->components =
-            options->components < material->components ? options->components : material->components;
-    if (material->store == BTF_REF_FACTORS) {
-        float q = light[2] * material->horizon_scale;
-        s->horizon = q < 1.0f ? (material->domain_sqrt ? btf_ref_pow(q, 0.5f) : q) : 1.0f;
-    }
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < 3; ++i)
         e.lights[i] = some_lights(*lights, linear);
-        s->product[i] = light[i] * view[i];
-    }
     return e;
 }
 
@@ -128,10 +129,11 @@ static void texel_radiance(const evaluation *e, uint32_t column, uint32_t row, f
     blend_views(e, e->views.weight, values, out_rgb);
 }
 
-/** Section 9, texture coordinates and Steep: `t` has 18 bits below the texel. */
-static footprint texels_around(const btf_ref_material *material, int filter, uint32_t tu, uint32_t tv) {
+btf_ref_footprint btf_ref_texels_around(const btf_ref_material *material, int filter, uint32_t tu,
+                                        uint32_t tv) {
     uint32_t width = material->width, height = material->height;
-    footprint f = {.count = 1, .column = {tu >> 18}, .row = {height - 1 - (tv >> 18)}, .weight = {1.0f}};
+    btf_ref_footprint f = {
+        .count = 1, .column = {tu >> 18}, .row = {height - 1 - (tv >> 18)}, .weight = {65536}};
     if (filter == BTF_REF_TEXEL)
         return f;
 
@@ -152,23 +154,24 @@ static footprint texels_around(const btf_ref_material *material, int filter, uin
             continue;
         f.column[f.count] = column[i];
         f.row[f.count] = height - 1 - row[j];
-        f.weight[f.count] = (float)product * 0x1p-16f;
+        f.weight[f.count] = product;
         ++f.count;
     }
     return f;
 }
 
 /** Adds a term of a filter's sum, which is taken from the left. */
-static void add_weighted(float sum[CHANNELS], const float value[CHANNELS], float weight) {
+static void add_weighted(float sum[CHANNELS], const float value[CHANNELS], uint32_t weight) {
+    float share = (float)weight * 0x1p-16f;
     for (int c = 0; c < CHANNELS; ++c) {
-        float term = value[c] * weight;
+        float term = value[c] * share;
         sum[c] = sum[c] + term;
     }
 }
 
 /** Radiance at texture coordinates without relief: of decoded texels, blended. */
 static void filtered_radiance(const evaluation *e, int filter, uint32_t tu, uint32_t tv, float out_rgb[3]) {
-    footprint f = texels_around(e->shared.material, filter, tu, tv);
+    btf_ref_footprint f = btf_ref_texels_around(e->shared.material, filter, tu, tv);
     out_rgb[0] = out_rgb[1] = out_rgb[2] = 0.0f;
     for (uint32_t i = 0; i < f.count; ++i) {
         float radiance[CHANNELS];
@@ -187,8 +190,9 @@ static void relief_radiance(const evaluation *e, int filter, uint32_t tu, uint32
     for (int a = 0; a < 3; ++a) {
         if (weights[a] == 0)
             continue;
-        footprint f = texels_around(e->shared.material, filter, (uint32_t)positions[a][0] << 10,
-                                    (uint32_t)positions[a][1] << 10);
+        btf_ref_footprint f =
+            btf_ref_texels_around(e->shared.material, filter, (uint32_t)positions[a][0] << 10,
+                                  (uint32_t)positions[a][1] << 10);
         for (uint32_t i = 0; i < f.count; ++i) {
             float value[CHANNELS];
             btf_ref_view_value(&e->shared, &e->lights[a], f.column[i], f.row[i], e->views.index[a], value);
@@ -217,7 +221,7 @@ void btf_ref_evaluate_neighbours(const btf_ref_material *material, const btf_ref
                                  const btf_ref_neighbours *views, const float light[3], const float view[3],
                                  float out_rgb[3]) {
     out_rgb[0] = out_rgb[1] = out_rgb[2] = 0.0f;
-    if (!above_horizon(light, view))
+    if (!btf_ref_above_horizon(light, view))
         return;
     evaluation e = make_evaluation(material, options, lights, views, light, view);
     radiance_of(&e, column, row, out_rgb);
@@ -227,7 +231,7 @@ void btf_ref_evaluate_apart(const btf_ref_material *material, const btf_ref_opti
                             uint32_t row, const btf_ref_neighbours lights[3], const btf_ref_neighbours *views,
                             const float light[3], const float view[3], float out_rgb[3]) {
     out_rgb[0] = out_rgb[1] = out_rgb[2] = 0.0f;
-    if (!above_horizon(light, view))
+    if (!btf_ref_above_horizon(light, view))
         return;
     evaluation e = make_evaluation(material, options, lights, views, light, view);
     for (int a = 0; a < 3; ++a) {
@@ -243,7 +247,7 @@ void btf_ref_evaluate_texel(const btf_ref_material *material, const btf_ref_opti
                             uint32_t column, uint32_t row, const float light[3], const float view[3],
                             float out_rgb[3]) {
     out_rgb[0] = out_rgb[1] = out_rgb[2] = 0.0f;
-    if (!above_horizon(light, view))
+    if (!btf_ref_above_horizon(light, view))
         return;
     evaluation e = look_up(material, options, light, view);
     radiance_of(&e, column, row, out_rgb);
@@ -252,7 +256,7 @@ void btf_ref_evaluate_texel(const btf_ref_material *material, const btf_ref_opti
 void btf_ref_evaluate(const btf_ref_material *material, const btf_ref_options *options, float u, float v,
                       const float light[3], const float view[3], float out_rgb[3]) {
     out_rgb[0] = out_rgb[1] = out_rgb[2] = 0.0f;
-    if (!above_horizon(light, view))
+    if (!btf_ref_above_horizon(light, view))
         return;
     evaluation e = look_up(material, options, light, view);
     radiance_at(&e, options->filter, btf_ref_coordinate(u, material->width),

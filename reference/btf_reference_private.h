@@ -1,4 +1,4 @@
-/* OpenBTF reference decoder: what its own files share. Not installed.
+/* OpenBTF reference decoder: declarations that its own files share. Not installed.
  *
  * The build. Every float operation must be one IEEE-754 binary32 operation, in the order of the source.
  * Where the compiler says that it computes in a wider type (FLT_EVAL_METHOD > 0: the x87 of 32-bit x86) the
@@ -122,6 +122,13 @@ typedef struct btf_ref_situation {
     float horizon;       /**< m_r of section 9; with factors */
 } btf_ref_situation;
 
+/** The texels that a filter blends, and their weights of 65536; one of weight 0 is left out. */
+typedef struct btf_ref_footprint {
+    uint32_t count;
+    uint32_t column[4], row[4];
+    uint32_t weight[4];
+} btf_ref_footprint;
+
 /** The functions below make no symbols of the library. */
 #if defined __GNUC__
 #pragma GCC visibility push(hidden)
@@ -133,6 +140,20 @@ void btf_ref_factors(const btf_ref_material *material, uint32_t units, const btf
 /** The value of a texel that is blended in one view: L of section 9, or y where the blend is of roots. */
 void btf_ref_view_value(const btf_ref_situation *s, const btf_ref_lights *lights, uint32_t column,
                         uint32_t row, uint32_t view, float out[3]);
+
+/** Section 9, Directions. @return whether there is anything to be seen. */
+bool btf_ref_above_horizon(const float light[3], const float view[3]);
+
+/** What all texels and views share, of directions above the horizon. */
+btf_ref_situation btf_ref_make_situation(const btf_ref_material *material, const btf_ref_options *options,
+                                         const float light[3], const float view[3]);
+
+/** The neighbours that weigh. */
+btf_ref_lights btf_ref_lights_of(const btf_ref_neighbours *neighbours);
+
+/** Section 9, texture coordinates and Steep: @p tu and @p tv have 18 bits below the texel. */
+btf_ref_footprint btf_ref_texels_around(const btf_ref_material *material, int filter, uint32_t tu,
+                                        uint32_t tv);
 
 /** Within 0 and 2^32; 0 below 2^-30. */
 float btf_ref_keep_within(float value);
@@ -175,6 +196,8 @@ bool btf_ref_probe_factors(void);
 bool btf_ref_probe_source(void);
 bool btf_ref_probe_relief(void);
 bool btf_ref_probe_gloss(void);
+bool btf_ref_probe_stochastic(void);
+bool btf_ref_probe_sampling(void);
 #if defined __GNUC__
 #pragma GCC visibility pop
 #endif

@@ -255,6 +255,7 @@ int btf_ref_self_test(void) {
     return btf_ref_probe() && btf_ref_probe_arithmetic() && btf_ref_probe_addressing() &&
            btf_ref_probe_directions() && btf_ref_probe_evaluate() && btf_ref_probe_factors() &&
            btf_ref_probe_source() && btf_ref_probe_relief() && btf_ref_probe_gloss() &&
-           hash_arithmetic() == ARITHMETIC_HASH && hash_evaluation() == EVALUATION_HASH &&
-           hash_factors() == FACTORS_HASH && hash_relief() == RELIEF_HASH;
+           btf_ref_probe_stochastic() && btf_ref_probe_sampling() && hash_arithmetic() == ARITHMETIC_HASH &&
+           hash_evaluation() == EVALUATION_HASH && hash_factors() == FACTORS_HASH &&
+           hash_relief() == RELIEF_HASH;
 }

@@ -3,13 +3,17 @@
  * SPDX-License-Identifier: MIT
  */
 
-/* Position in 2^-18 of a texel, 0 .. size * 2^18 - 1, of a coordinate that repeats with period 1. What is
- * not finite, beyond +-4096 or not normal counts as 0. */
+/* A texel is 2^18 positions wide, and so many steps are the period of a texture coordinate. */
+#define BTF_BELOW_TEXEL 18u
+#define BTF_PERIOD (1u << BTF_BELOW_TEXEL)
+
+/* Position in 2^-18 of a texel, 0 .. size * 2^18 - 1, of a coordinate that repeats with period 1. A coordinate that
+ * is not finite, beyond +-4096 or not normal counts as 0. */
 uint btf_coordinate(float c, uint size) {
-    uint magnitude = floatBitsToUint(c) & 0x7FFFFFFFu;
-    bool usable = magnitude >= 0x00800000u && magnitude <= 0x45800000u;
-    float scaled = floor(btf_mul(usable ? c : 0.0, 262144.0));
-    return (uint(int(scaled)) & 0x3FFFFu) * size;
+    uint magnitude = floatBitsToUint(c) & BTF_BITS_MAGNITUDE;
+    bool usable = magnitude >= BTF_BITS_LEAST_NORMAL && magnitude <= BTF_BITS_4096;
+    float scaled = floor(btf_mul(usable ? c : 0.0, float(BTF_PERIOD)));
+    return (uint(int(scaled)) & (BTF_PERIOD - 1u)) * size;
 }
 
 /* Columns and rows of a level of detail. */
@@ -19,15 +23,16 @@ uvec2 btf_size(int level) {
 
 /* Texels before and after a position, and the weight of the latter in 256ths. */
 uvec3 btf_bilinear(uint t, uint size) {
-    uint s = t - 131072u;
-    if (t < 131072u)
-        s += size << 18u;
-    uint c0 = s >> 18u;
+    uint s = t - BTF_PERIOD / 2u;
+    if (t < BTF_PERIOD / 2u)
+        s += size << BTF_BELOW_TEXEL;
+    uint c0 = s >> BTF_BELOW_TEXEL;
     uint c1 = c0 + 1u;
-    return uvec3(c0, c1 == size ? 0u : c1, (s >> 10u) & 255u);
+    return uvec3(c0, c1 == size ? 0u : c1, (s >> (BTF_BELOW_TEXEL - 8u)) & 255u);
 }
 
-/* The weight of the latter in 256ths as the filter says: its own of a texel's middle half, in between twice as steep. */
+/* The weight of the latter in 256ths as the filter says: its own of a texel's middle half, in between twice as
+ * steep. */
 uint btf_share(uint weight) {
 #if BTF_STEEP
     return uint(clamp(2 * int(weight) - 128, 0, 256));

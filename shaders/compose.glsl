@@ -26,9 +26,8 @@ struct btf_setting {
     int level;    /* of detail */
 };
 
-btf_setting btf_prepare(vec3 l, vec3 v, bool nearest, int level) {
-    btf_setting s;
-    s.level = level;
+/* The views around v, or the nearest of them, and their vectors. */
+void btf_set_views(inout btf_setting s, vec3 v, bool nearest) {
 #if BTF_FIXED_VIEW > 0
     s.views = btf_neighbours(BTF_FIXED_VIEW_INDEX, BTF_FIXED_VIEW_WEIGHT);
     s.n_views = BTF_FIXED_VIEW;
@@ -36,31 +35,24 @@ btf_setting btf_prepare(vec3 l, vec3 v, bool nearest, int level) {
     s.views = btf_lookup(btf_view_table, BTF_VIEW_GRID, btf_project(v));
     s.n_views = 3;
 #endif
-#if BTF_RELIEF || BTF_GLOSS
     if (nearest) {
         s.views = btf_nearest(s.views);
         s.n_views = 1;
     }
+#if BTF_RELIEF || BTF_GLOSS
     s.vector[0] = s.vector[1] = s.vector[2] = btf_view_vector(s.views.index.x);
     if (s.n_views > 1) {
         s.vector[1] = btf_view_vector(s.views.index.y);
         s.vector[2] = btf_view_vector(s.views.index.z);
     }
 #endif
+}
+
+/* The lights around l, or the nearest of them, as view a has them. */
+void btf_set_lights(inout btf_setting s, vec3 l, vec3 v, int a, bool nearest) {
 #if BTF_GLOSS
+    s.lights = btf_lookup(btf_light_table, BTF_LIGHT_GRID, btf_gloss(l, v, BTF_ELEMENT(s.vector, a).xyz));
     s.n = 3;
-    for (int a = 0; a < s.n_views; ++a) {
-        btf_neighbours lights = btf_lookup(btf_light_table, BTF_LIGHT_GRID, btf_gloss(l, v, BTF_ELEMENT(s.vector, a).xyz));
-        if (nearest)
-            lights = btf_nearest(lights);
-        if (a == 0)
-            s.lights_of[0] = lights;
-        else if (a == 1)
-            s.lights_of[1] = lights;
-        else
-            s.lights_of[2] = lights;
-    }
-    s.lights = s.lights_of[0];
 #else
 #if BTF_FIXED_LIGHT > 0
     s.lights = btf_neighbours(BTF_FIXED_LIGHT_INDEX, BTF_FIXED_LIGHT_WEIGHT);
@@ -71,10 +63,13 @@ btf_setting btf_prepare(vec3 l, vec3 v, bool nearest, int level) {
 #endif
 #endif
     if (nearest) {
-        s.views = btf_nearest(s.views);
         s.lights = btf_nearest(s.lights);
-        s.n = s.n_views = 1;
+        s.n = 1;
     }
+}
+
+/* What the directions themselves multiply by. */
+void btf_set_factors(inout btf_setting s, vec3 l, vec3 v) {
     s.product = btf_mul(l, v);
 #if BTF_DOMAIN_SQRT
     s.cosine = btf_pow(l.z, 0.5);
@@ -91,7 +86,40 @@ btf_setting btf_prepare(vec3 l, vec3 v, bool nearest, int level) {
         s.horizon = q;
 #endif
 #endif
+}
+
+btf_setting btf_prepare(vec3 l, vec3 v, bool nearest, int level) {
+    btf_setting s;
+    s.level = level;
+    btf_set_views(s, v, nearest);
+#if BTF_GLOSS
+    for (int a = 0; a < s.n_views; ++a) {
+        btf_set_lights(s, l, v, a, nearest);
+        if (a == 0)
+            s.lights_of[0] = s.lights;
+        else if (a == 1)
+            s.lights_of[1] = s.lights;
+        else
+            s.lights_of[2] = s.lights;
+    }
+#else
+    btf_set_lights(s, l, v, 0, nearest);
+#endif
+    btf_set_factors(s, l, v);
     return s;
+}
+
+/* The lights of view a. */
+btf_neighbours btf_lights_of(btf_setting s, int a) {
+#if BTF_GLOSS
+    if (a == 1)
+        return s.lights_of[1];
+    if (a == 2)
+        return s.lights_of[2];
+    return s.lights_of[0];
+#else
+    return s.lights;
+#endif
 }
 
 float btf_clamp(float y) {
@@ -193,7 +221,7 @@ void btf_show_view(out vec3 radiance[BTF_TEXELS], uvec2 x[BTF_TEXELS], uint view
     }
 }
 
-#if BTF_BILINEAR
+#if BTF_BILINEAR && BTF_STOCHASTIC < 3
 /* Four texels as the filter blends them, of weights in 65536ths. */
 vec3 btf_filter(vec3 radiance[BTF_TEXELS], uvec4 weight) {
     vec3 sum = btf_mul(radiance[0], btf_mul(float(weight[0]), uintBitsToFloat(0x37800000u)));
@@ -218,6 +246,7 @@ float btf_view_weight(uint weight) {
     return btf_mul(float(weight), uintBitsToFloat(0x39800000u));
 }
 
+#if !BTF_STOCHASTIC
 #if BTF_RELIEF
 
 /* The texels around a position at which a view shows something, or the one that holds it; and their weights. */
@@ -259,13 +288,7 @@ vec3 btf_shifted_views(btf_setting s) {
     for (int a = 0; a < s.n_views; ++a) {
         uvec2 x[BTF_TEXELS];
         vec3 radiance[BTF_TEXELS];
-#if BTF_GLOSS
-        s.lights = s.lights_of[0];
-        if (a == 1)
-            s.lights = s.lights_of[1];
-        if (a == 2)
-            s.lights = s.lights_of[2];
-#endif
+        s.lights = btf_lights_of(s, a);
         uvec4 weight = btf_shown_texels(x, BTF_ELEMENT(s.shown, a), s.level);
         if (s.views.weight[a] > 0u) {
 #if BTF_FACTORS
@@ -308,13 +331,7 @@ void btf_texels(inout vec3 sum[BTF_TEXELS], uvec2 x[BTF_TEXELS], btf_setting s) 
 #endif
     for (int a = 0; a < s.n_views; ++a) {
         vec3 radiance[BTF_TEXELS];
-#if BTF_GLOSS
-        s.lights = s.lights_of[0];
-        if (a == 1)
-            s.lights = s.lights_of[1];
-        if (a == 2)
-            s.lights = s.lights_of[2];
-#endif
+        s.lights = btf_lights_of(s, a);
 #if BTF_FACTORS && !BTF_FACTORS_BY_VIEW
         vec3 residual[BTF_TEXELS];
         for (int i = 0; i < BTF_TEXELS; ++i)
@@ -338,4 +355,5 @@ void btf_texels(inout vec3 sum[BTF_TEXELS], uvec2 x[BTF_TEXELS], btf_setting s) 
     }
 }
 
+#endif
 #endif

@@ -77,7 +77,7 @@ btf_neighbours btf_lookup(highp usampler2D table, uint grid, ivec2 q) {
 }
 
 #if BTF_RELIEF || BTF_GLOSS
-/* Element a, 0 to 2, of a list of three: some drivers mistake what an index that varies reads or writes. */
+/* Element a, 0 to 2, of a list of three: some drivers read or write the wrong element by an index that varies. */
 #define BTF_ELEMENT(list, a) ((a) == 0 ? list[0] : ((a) == 1 ? list[1] : list[2]))
 
 /* A sampled view, and in w 1 where relief acts on it, else 0. */
@@ -100,7 +100,7 @@ btf_neighbours btf_nearest(btf_neighbours n) {
 
 /* Finite, within -2..2, and above the horizon; tested on the bits, so that no NaN slips through. */
 bool btf_is_above(vec3 d) {
-    uvec3 magnitude = floatBitsToUint(d) & 0x7FFFFFFFu;
+    uvec3 magnitude = floatBitsToUint(d) & BTF_BITS_MAGNITUDE;
     uint most = max(magnitude.x, max(magnitude.y, magnitude.z));
-    return most <= 0x40000000u && floatBitsToInt(d.z) >= 0x33800000;
+    return most <= BTF_BITS_2 && floatBitsToInt(d.z) >= int(BTF_BITS_2_TO_MINUS_24);
 }

@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: MIT
  */
 
+#if !BTF_STOCHASTIC
 vec3 btf_evaluate_directions(vec2 uv, vec3 l, vec3 v, bool nearest, int level) {
     if (!btf_is_above(l) || !btf_is_above(v))
         return vec3(0.0);
@@ -47,6 +48,7 @@ vec3 btf_evaluate_nearest(vec2 uv, vec3 l, vec3 v) {
 vec3 btf_evaluate_level(vec2 uv, vec3 l, vec3 v, int level) {
     return btf_evaluate_directions(uv, l, v, BTF_NEAREST != 0, clamp(level, 0, int(BTF_LEVELS) - 1));
 }
+#endif
 
 /* The level of detail, 0 .. levels - 1, at which a texel is as wide as the longer of two steps of uv, dFdx(uv) and
  * dFdy(uv) say; round it to nearest for btf_evaluate_level. Not exact. */

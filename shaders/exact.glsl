@@ -19,6 +19,13 @@
 #endif
 #endif
 
+/* Floats as their bits, for comparisons that no NaN passes and no compiler removes. */
+#define BTF_BITS_MAGNITUDE 0x7FFFFFFFu    /* all bits but the sign */
+#define BTF_BITS_LEAST_NORMAL 0x00800000u /* 2^-126; below it lie denormals and 0 */
+#define BTF_BITS_2_TO_MINUS_24 0x33800000u
+#define BTF_BITS_2 0x40000000u
+#define BTF_BITS_4096 0x45800000u
+
 float btf_mul(float a, float b) {
     BTF_PRECISE float r = BTF_ROUND(a * b);
     return r;

@@ -19,7 +19,7 @@
 #if BTF_FACTORS
 
 /* Views that are evaluated at once, for which u is then fetched and expanded once. With a shift each has sources of its
- * own; with relief, too, but those of all three are known beforehand. */
+ * own; with relief, too, but those of all three are known beforehand. A stochastic decode has one view. */
 #if BTF_FACTORS_BY_VIEW
 #define BTF_FACTOR_VIEWS 1
 #else
@@ -27,7 +27,8 @@
 #endif
 #define BTF_FACTOR_SUMS (BTF_FACTOR_VIEWS * BTF_TEXELS)
 #define BTF_FACTOR_GLOSS (BTF_GLOSS && !BTF_FACTORS_BY_VIEW)
-#if BTF_RELIEF
+#define BTF_FACTOR_RELIEF (BTF_RELIEF && !BTF_FACTORS_BY_VIEW)
+#if BTF_FACTOR_RELIEF
 #define BTF_FACTOR_SOURCES BTF_FACTOR_SUMS
 #else
 #define BTF_FACTOR_SOURCES BTF_TEXELS
@@ -180,14 +181,14 @@ void btf_factor_units(inout vec3 p[BTF_FACTOR_SUMS], inout ivec2 first, int c, b
     ivec4 e[BTF_TEXELS];
     do {
         vec4 scale = btf_mul(texelFetch(btf_factor_scales, ivec2(first.x, 0), 0), power);
-#if !BTF_RELIEF
+#if !BTF_FACTOR_RELIEF
         for (int i = 0; i < BTF_TEXELS; ++i)
             u[i] = btf_factor_expand(c, whole, at.x[i], first.y, at.level);
 #endif
         uvec3 views = at.views;
         int a = 0;
         do {
-#if BTF_RELIEF
+#if BTF_FACTOR_RELIEF
             for (int i = 0; i < BTF_TEXELS; ++i)
                 u[i] = btf_factor_expand(
                     c, whole, a == 0 ? at.x[i] : (a == 1 ? at.x[BTF_TEXELS + i] : at.x[2 * BTF_TEXELS + i]), first.y,

@@ -93,7 +93,7 @@ def resolve_conditions(lines, given):
             if not entry[0] and alive():
                 out.append(line)
         elif alive():
-            definition = re.fullmatch(r"(BTF_READS_\w+|BTF_FACTORS_BY_VIEW|BTF_FACTOR_GLOSS) (.*)", word.group(2)) if kind == "define" else None
+            definition = re.fullmatch(r"(BTF_READS_\w+|BTF_FACTORS_BY_VIEW|BTF_FACTOR_GLOSS|BTF_FACTOR_RELIEF) (.*)", word.group(2)) if kind == "define" else None
             if definition:
                 macros[definition.group(1)] = definition.group(2)
             out.append(line)

@@ -33,6 +33,8 @@
 #define BTF_BINDING_POINT_INDICES 17
 #define BTF_BINDING_HEIGHTS 18
 #define BTF_BINDING_VIEW_VECTORS 19
+#define BTF_BINDING_SAMPLING_TRIANGLES 20
+#define BTF_BINDING_SAMPLING_DENSITIES 21
 #endif
 
 #ifndef BTF_NO_INTERFACE
@@ -90,6 +92,10 @@ BTF_UNIFORM(BTF_BINDING_VIEW_TABLE) highp usampler2D btf_view_table;
 #endif
 #if BTF_FIXED_LIGHT == 0
 BTF_UNIFORM(BTF_BINDING_LIGHT_TABLE) highp usampler2D btf_light_table;
+#endif
+#if BTF_SAMPLING
+BTF_UNIFORM(BTF_BINDING_SAMPLING_TRIANGLES) highp usampler2D btf_sampling_triangles;
+BTF_UNIFORM(BTF_BINDING_SAMPLING_DENSITIES) highp sampler2D btf_sampling_densities;
 #endif
 #endif
 

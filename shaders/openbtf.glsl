@@ -25,4 +25,6 @@
 #include "gloss.glsl"
 #include "compose.glsl"
 #include "evaluate.glsl"
+#include "stochastic.glsl"
+#include "sampling.glsl"
 #endif

@@ -1,4 +1,4 @@
-/* OpenBTF shaders: the macros that choose a variant, and what each is when nobody says.
+/* OpenBTF shaders: the macros that choose a variant, and their defaults.
  *
  * btf_shader_source() writes these lines for a material; by hand, define them before this text. Other macros of
  * yours go behind the whole text: one that is named like a parameter or a variable here would rewrite it.
@@ -34,9 +34,14 @@
  *     BTF_NEAREST        1: btf_evaluate takes the nearest directions, 0: it interpolates between three
  *     BTF_BILINEAR       1: four decoded texels are blended, 0: one texel
  *     BTF_STEEP          1, with BTF_BILINEAR: with weights that leave a texel's middle half to itself. Default 0
+ *     BTF_STOCHASTIC     0: btf_evaluate and its kin blend all neighbours; 1, 2, 3: in their place stand
+ *                        btf_evaluate_stochastic and btf_evaluate_radiance_blend, which pick the view; the view and
+ *                        the light; the view, the light and the texel of the filter. Default 0
  *     BTF_FIXED_VIEW     0, or how many neighbours (1 to 3) the one view has that is ever seen; then
  *                        BTF_FIXED_VIEW_INDEX and BTF_FIXED_VIEW_WEIGHT are uvec3 of them, and btf_evaluate
  *                        must be handed this view. BTF_FIXED_LIGHT... likewise, but not with BTF_GLOSS. Default 0
+ *     BTF_SAMPLING       1: with btf_sample_light and btf_pdf_light, which read the tables of openbtf/sampling.h and
+ *                        need both direction tables. Default 0
  *     BTF_FAST_MATH      1: the device's own log2 and exp2, and no order of operations kept
  *   the device
  *     BTF_HAVE_PRECISE   1: the qualifier `precise` exists. Told from the version; define it as 1 when you
@@ -81,12 +86,18 @@
 #ifndef BTF_STEEP
 #define BTF_STEEP 0
 #endif
-#if BTF_BILINEAR
+#ifndef BTF_STOCHASTIC
+#define BTF_STOCHASTIC 0
+#endif
+#ifndef BTF_SAMPLING
+#define BTF_SAMPLING 0
+#endif
+#if BTF_BILINEAR && BTF_STOCHASTIC < 3
 #define BTF_TEXELS 4
 #else
 #define BTF_TEXELS 1
 #endif
-#define BTF_FACTORS_BY_VIEW (BTF_SHIFT && !BTF_RELIEF)
+#define BTF_FACTORS_BY_VIEW ((BTF_SHIFT && !BTF_RELIEF) || BTF_STOCHASTIC > 0)
 #ifndef BTF_FAST_MATH
 #define BTF_FAST_MATH 0
 #endif

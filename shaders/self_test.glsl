@@ -132,7 +132,8 @@ uint btf_check_factors(uint zero) {
     return ok ? 0u : 256u;
 }
 
-/* The sum of the bits of what fails, 0 where exact decoding works. zero is 0, but must not be known to be. */
+/* The sum of the bits of the rules that fail, 0 where exact decoding works. zero is 0, which the compiler must not
+ * know. */
 uint btf_self_test(uint zero) {
     return btf_check_contraction(zero) | btf_check_reassociation(zero) | btf_check_rounding(zero) |
            btf_check_flush(zero) | btf_check_conversion(zero) | btf_check_integer(zero) |

@@ -1,4 +1,4 @@
-/* OpenBTF shaders: what a view knows of a texel: gain code and shift bytes (FORMAT.md section 3).
+/* OpenBTF shaders: the point of a texel in a view: gain code and shift bytes (FORMAT.md section 3).
  *
  * SPDX-License-Identifier: MIT
  */

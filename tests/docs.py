@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Holds the documents: every relative link and picture of a Markdown file leads somewhere, every picture that the
-repository has for them is shown, and the README stays short.
+repository has for them is shown, the README stays short, and what tests/bench/regenerate.sh writes is what they show:
+every picture, every part of a page between marks, each with the commit that it was made from.
 
     docs.py SOURCE_ROOT               prints what is wrong, a line each; exit code 1 when there is anything
     docs.py SOURCE_ROOT --self-test   breaks each rule in a copy, and fails where that goes unnoticed
@@ -10,10 +11,12 @@ SPDX-License-Identifier: MIT
 import os
 import re
 import shutil
+import subprocess
 import sys
 import tempfile
 
 PICTURES = 'tests/data/readme'
+SCRIPT = 'tests/bench/regenerate.sh'
 README_BYTES = 9000
 LEFT_OUT = ('.git', 'subprojects')
 
@@ -38,6 +41,22 @@ def text_of(root, path):
     return re.sub(r'^```.*?^```$', '', text, flags=re.S | re.M)
 
 
+def regenerated(root):
+    """Complaints about names that the script of the documents writes and the documents do not have, or the other way."""
+    listed = subprocess.run(['bash', os.path.join(root, SCRIPT), '--list'], check=True, capture_output=True, text=True).stdout
+    written = {name for line in listed.strip().split('\n') for name in line.split()[1:]}
+    there = {name for name in os.listdir(os.path.join(root, PICTURES)) if name.endswith('.png')}
+    for path in documents(root):
+        with open(os.path.join(root, path), encoding='utf-8') as file:
+            there |= {f'{path}#{name}' for name in re.findall(r'<!-- (\w+): written by', file.read())}
+    pages = {name for name in written if name.endswith('.md') and os.path.exists(os.path.join(root, name))}
+    found = [f'{SCRIPT}: writes {name}, which no document has' for name in sorted(written - there - pages)]
+    found += [f'{SCRIPT}: does not write {name}' for name in sorted(there - written)]
+    with open(os.path.join(root, PICTURES, 'made.txt'), encoding='utf-8') as file:
+        made = {line.split()[0] for line in file}
+    return found + [f'{PICTURES}/made.txt: one list has {name}, the other has not' for name in sorted(made ^ written)]
+
+
 def complaints(root):
     found, shown = [], set()
     for path in documents(root):
@@ -54,26 +73,43 @@ def complaints(root):
     for name in sorted(os.listdir(os.path.join(root, PICTURES))):
         if name.endswith('.png') and f'{PICTURES}/{name}' not in shown:
             found.append(f'{PICTURES}/{name}: no document shows it')
+    found += regenerated(root)
     size = os.path.getsize(os.path.join(root, 'README.md'))
     if size > README_BYTES:
         found.append(f'README.md: {size} bytes, at most {README_BYTES}')
     return found
 
 
+def edit(path, change):
+    """Adds a text at the end, or replaces one by another."""
+    text = ''
+    if os.path.exists(path):
+        with open(path, encoding='utf-8') as file:
+            text = file.read()
+    if not isinstance(change, str) and change[0] not in text:
+        sys.exit(f'docs.py: {path} does not have {change[0]}')
+    with open(path, 'w', encoding='utf-8') as file:
+        file.write(text + change if isinstance(change, str) else text.replace(*change))
+
+
 def self_test(root):
-    """(what is broken, file, what is added to it); a document that is not there is made."""
+    """(what is broken, file, what is added to it, or (text, its replacement)); a document that is not there is made."""
     breaks = [('a link', 'README.md', '\n[x](encoder/none.md)\n'),
               ('a heading', 'README.md', '\n[x](tests/bench/README.md#none)\n'),
               ('a picture', 'tests/README.md', '\n![x](none.png)\n'),
               ('a picture that nothing shows', PICTURES + '/none.png', 'x'),
+              ('a part between marks that no script writes', 'tests/README.md', '\n<!-- none: written by nobody -->\n'),
+              ('a picture that no script writes', SCRIPT, (' storage.png', '')),
+              ('a picture that the script writes for nobody', SCRIPT, (' storage.png', ' storage.png none.png')),
+              ('a part that the script writes for nobody', SCRIPT, ('README.md#plan', 'README.md#none')),
+              ('a picture without its commit', PICTURES + '/made.txt', ('storage.png', 'none.png')),
               ('the length', 'README.md', 'x' * README_BYTES)]
     unnoticed = 0
     for what, path, added in breaks:
         with tempfile.TemporaryDirectory() as folder:
             copy = os.path.join(folder, 'copy')
             shutil.copytree(root, copy, ignore=shutil.ignore_patterns('build*', *LEFT_OUT), symlinks=True)
-            with open(os.path.join(copy, path), 'a', encoding='utf-8') as file:
-                file.write(added)
+            edit(os.path.join(copy, path), added)
             if not complaints(copy):
                 print(f'docs.py: not noticed: {what}')
                 unnoticed += 1

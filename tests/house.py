@@ -40,7 +40,7 @@ HOUSE = [
       'encoder/base encoder/math'],
      ['decoder/tools/view',
       'decoder/tools/render',
-      'decoder/tools/context decoder/tools/mesh']],
+      'decoder/tools/context decoder/tools/info decoder/tools/mesh']],
     [['decoder/toolkit',
       'decoder/pixels',
       'decoder',

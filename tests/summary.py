@@ -1,5 +1,6 @@
-"""Counts test cases in meson's testlog.json files: prints why tests were skipped, which failed, and as the last line
-"N passed, N failed, N skipped". A cmocka program counts by its cases, any other by its result. Exits 1 on a failure.
+"""Counts test cases in meson's testlog.json files: prints why tests were skipped, the ten tests of each file that took the
+most core seconds (tests/cost.sh) and their sum, which failed, and as the last line "N passed, N failed, N skipped". A
+cmocka program counts by its cases, any other by its result. Exits 1 on a failure.
 
 SPDX-License-Identifier: MIT
 """
@@ -9,6 +10,20 @@ import sys
 
 CASE = re.compile(r"^\[\s*(OK|FAILED|ERROR|SKIPPED)\s*\] (\S+)$", re.M)
 
+COST = re.compile(r"^core seconds: ([0-9.]+)$", re.M)
+
+
+def print_costs(path, tests):
+    """The ten tests that took the most core seconds, and the sum of all that told theirs."""
+    costs = []
+    for test in tests:
+        told = COST.findall(test.get("stderr") or "")
+        if told:
+            costs.append((float(told[-1]), test["name"].split(" / ")[-1]))
+    if costs:
+        most = ", ".join(f"{name} {seconds:.0f}" for seconds, name in sorted(costs, reverse=True)[:10])
+        print(f"{path}: {sum(seconds for seconds, _ in costs):.0f} core seconds, most by {most}")
+
 
 def main():
     passed, failed, skipped = 0, [], []
@@ -17,6 +32,7 @@ def main():
             tests = [json.loads(line) for line in log]
         if not tests:
             failed.append(f"{path}: no test ran")
+        print_costs(path, tests)
         for test in tests:
             out = test.get("stdout") or ""
             name, result = test["name"], test["result"]

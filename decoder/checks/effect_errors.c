@@ -26,23 +26,26 @@ static btf_result check_limits(const btfi_check *check, const char *table, const
     for (size_t i = 0; i <= bands; i++)
         if (!(limits[i] >= 0 && limits[i] <= 90) || (i > 0 && !(limits[i] > limits[i - 1])))
             return btfi_fail(check->log, check->code,
-                             "%s: limit %zu of the %s bands is %g, not ascending within 0 to 90", table, i,
-                             name, (double)limits[i]);
+                             "%s: limit %zu of the %s bands is %g; limits must rise within 0 to 90 degrees",
+                             table, i, name, (double)limits[i]);
     return BTF_OK;
 }
 
 static btf_result check_effect_row(const btfi_check *check, const btf_material_info *info, const float *row,
                                    size_t index, size_t length) {
     if (!is_integer(row[0], 0, BTF_EFFECT_ALL) || ((uint32_t)row[0] & ~info->effects) != 0)
-        return btfi_fail(check->log, check->code, "effect errors: row %zu has effects %g", index,
-                         (double)row[0]);
+        return btfi_fail(check->log, check->code,
+                         "effect errors: row %zu decodes the effects %g, which the material does not have",
+                         index, (double)row[0]);
     const bool residual = ((uint32_t)row[0] & BTF_EFFECT_RESIDUAL) != 0;
     if (!is_integer(row[1], residual ? 1 : 0, residual ? info->components : 0))
         return btfi_fail(check->log, check->code, "effect errors: row %zu has %g components", index,
                          (double)row[1]);
     if (!is_integer(row[2], 0, 4) || !is_integer(row[3], 0, info->levels - 1) ||
         !(row[4] >= 0 && row[4] <= 0x1p62f))
-        return btfi_fail(check->log, check->code, "effect errors: row %zu begins (%g, %g, %g, %g, %g)",
+        return btfi_fail(check->log, check->code,
+                         "effect errors: row %zu begins (effects, components, directions, level, bytes) "
+                         "with (%g, %g, %g, %g, %g), of which a number is out of range",
                          index, (double)row[0], (double)row[1], (double)row[2], (double)row[3],
                          (double)row[4]);
     for (size_t i = ROW_HEAD; i < length; i++)
@@ -59,8 +62,8 @@ static btf_result check_between_row(const btfi_check *check, const btf_material_
     if (!is_integer(row[0], 1, 3) && !(without_relief && info->effects & BTF_EFFECT_RELIEF) &&
         !(without_gloss && info->effects & BTF_EFFECT_GLOSS))
         return btfi_fail(check->log, check->code,
-                         "between errors: row %zu leaves out %g, not 1, 2 or 3, or with relief 5 or 7, or with gloss "
-                         "9 or 11",
+                         "between errors: row %zu says that %g is left out; it must say 1 (view), 2 "
+                         "(light) or 3 (both), and with the effect relief also 5 or 7, with gloss 9 or 11",
                          index, (double)row[0]);
     for (size_t i = 1; i < length; i++)
         if (!(row[i] >= 0 && row[i] <= 1) && !(row[i] == -1 && i >= ROW_HEAD))
@@ -75,12 +78,15 @@ static btf_result check_table(const btfi_check *check, const table_kind *kind,
     if (count == 0)
         return BTF_OK;
     if (count < 6 || !is_integer(values[0], 1, BTF_MAX_BANDS) || !is_integer(values[1], 1, BTF_MAX_BANDS))
-        return btfi_fail(check->log, check->code, "%s: %zu numbers that begin with %g bands", kind->name,
-                         count, (double)values[0]);
+        return btfi_fail(check->log, check->code,
+                         "%s: of %zu numbers the first two must be the counts of view and light bands, but "
+                         "the first is %g",
+                         kind->name, count, (double)values[0]);
     const size_t views = (size_t)values[0], lights = (size_t)values[1], head = 4 + views + lights;
     const size_t length = ROW_HEAD + 2 * views * lights;
     if (count < head || (count - head) % length != 0 || (count - head) / length > kind->most)
-        return btfi_fail(check->log, check->code, "%s: %zu numbers are not %zu and up to %zu rows of %zu",
+        return btfi_fail(check->log, check->code,
+                         "%s: %zu numbers do not make a head of %zu and at most %zu rows of %zu",
                          kind->name, count, head, kind->most, length);
     btf_result result;
     if ((result = check_limits(check, kind->name, "view", values + 2, views)) ||

@@ -13,10 +13,10 @@
 /* Checks the numbers of the attribute openbtf.effectErrors against a (checked) info. */
 btf_result btfi_check_effect_errors(const btfi_check *check, const btf_material_info *info,
                                     const float *values, size_t count);
-/* The table in numbers that were checked; one without rows for NULL. */
+/* The table in numbers that btfi_check_effect_errors checked; one without rows for NULL. */
 btf_effect_errors btfi_effect_errors_of(const float *values, size_t count);
 
-/* The same of the attribute openbtf.betweenErrors. */
+/* Checks the numbers of the attribute openbtf.betweenErrors likewise. */
 btf_result btfi_check_between_errors(const btfi_check *check, const btf_material_info *info,
                                      const float *values, size_t count);
 btf_between_errors btfi_between_errors_of(const float *values, size_t count);

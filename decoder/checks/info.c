@@ -1,4 +1,4 @@
-/* OpenBTF: what a header may say (FORMAT.md sections 2 to 5, 7).
+/* OpenBTF: checks that a header keeps the rules of FORMAT.md sections 2 to 5 and 7.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -32,8 +32,9 @@ static btf_result check_classes(const btfi_check *check, const btf_material_info
         units += n[0];
     }
     if (units != (factors ? info->components : 0))
-        return btfi_fail(check->log, check->code, "factorClasses: %u units in all, not %u", (unsigned)units,
-                         factors ? (unsigned)info->components : 0);
+        return btfi_fail(check->log, check->code,
+                         "factorClasses: the classes have %u units in all, the residual has %u",
+                         (unsigned)units, factors ? (unsigned)info->components : 0);
     if (factors && btfi_factor_layers(info, units) > BTF_MAX_COMPONENTS)
         return btfi_fail(check->log, check->code, "factorClasses: %u layers of factor_texels, not 1 to %d",
                          (unsigned)btfi_factor_layers(info, units), BTF_MAX_COMPONENTS);
@@ -49,17 +50,19 @@ static btf_result check_points(const btfi_check *check, const btf_material_info 
     if (lists ? info->point_entries < 1 || info->point_entries > BTF_MAX_POINT_ENTRIES
               : info->point_entries != 0)
         return btfi_fail(check->log, check->code,
-                         lists ? "pointEntries %u is not within 1 to %d" : "pointEntries %u without lists of points",
+                         lists ? "pointEntries %u is not within 1 to %d"
+                               : "pointEntries is %u, but only lists of points have entries",
                          (unsigned)info->point_entries, BTF_MAX_POINT_ENTRIES);
     if (info->point_store == BTF_POINTS_SEPARATE) {
         if (info->gain_base != 0 || info->gain_step != 0)
-            return btfi_fail(check->log, check->code, "gainBase %g and gainStep %g without packed points",
+            return btfi_fail(check->log, check->code,
+                             "gainBase %g and gainStep %g are only for packed points",
                              (double)info->gain_base, (double)info->gain_step);
         return BTF_OK;
     }
     const uint32_t both = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN;
     if (info->layout != BTF_LAYOUT_TIGHT)
-        return btfi_fail(check->log, check->code, "packed points with layout paper");
+        return btfi_fail(check->log, check->code, "packed points need layout tight");
     if ((info->effects & (both | BTF_EFFECT_HIDDEN)) != both)
         return btfi_fail(check->log, check->code,
                          "packed points need the effects shift and gain, and no effect hidden");
@@ -97,7 +100,7 @@ static btf_result check_relief(const btfi_check *check, const btf_material_info 
         }
     }
     if ((relief || gloss) && info->layout != BTF_LAYOUT_TIGHT)
-        return btfi_fail(check->log, check->code, "effect %s with layout paper",
+        return btfi_fail(check->log, check->code, "the effect %s needs layout tight",
                          relief ? "relief" : "gloss");
     const int top = info->relief_base + (255 * info->relief_step >> 8);
     if (top > INT16_MAX)
@@ -105,7 +108,7 @@ static btf_result check_relief(const btfi_check *check, const btf_material_info 
                          "reliefBase %d and reliefStep %d: the greatest height is %d, above %d",
                          (int)info->relief_base, (int)info->relief_step, top, INT16_MAX);
     if (relief && info->relief_step == 0 && info->relief_steps != 1)
-        return btfi_fail(check->log, check->code, "reliefSteps %u where reliefStep is 0, not 1",
+        return btfi_fail(check->log, check->code, "reliefSteps is %u; it must be 1 where reliefStep is 0",
                          (unsigned)info->relief_steps);
     return BTF_OK;
 }
@@ -119,12 +122,12 @@ static btf_result check_version_2(const btfi_check *check, const btf_material_in
     if (info->blend != BTF_BLEND_RADIANCE && info->blend != BTF_BLEND_ROOTS)
         return btfi_fail(check->log, check->code, "unknown blend %d", (int)info->blend);
     if (info->blend == BTF_BLEND_ROOTS && info->domain != BTF_DOMAIN_SQRT)
-        return btfi_fail(check->log, check->code, "blend roots without the domain sqrt");
+        return btfi_fail(check->log, check->code, "blend roots needs domain sqrt");
     if (!(info->horizon_scale >= 1 && info->horizon_scale <= BTFI_PARAMETER_MAX))
         return btfi_fail(check->log, check->code, "horizonScale %g is not within 1 to 2^24",
                          (double)info->horizon_scale);
     if (info->store != BTF_STORE_FACTORS && info->horizon_scale != 1)
-        return btfi_fail(check->log, check->code, "horizonScale %g without factors",
+        return btfi_fail(check->log, check->code, "horizonScale is %g; without factors it must be 1",
                          (double)info->horizon_scale);
     btf_result result = check_points(check, info);
     result = result ? result : check_relief(check, info);
@@ -165,7 +168,8 @@ static btf_result check_model(const btfi_check *check, const btf_material_info *
         return BTF_OK;
     case BTF_COLOUR_NONE:
         if (info->lobes != 0)
-            return btfi_fail(check->log, check->code, "lobes %u with colour none", (unsigned)info->lobes);
+            return btfi_fail(check->log, check->code, "lobes is %u; colour none has no lobes",
+                             (unsigned)info->lobes);
         if (!(info->effects & BTF_EFFECT_RESIDUAL))
             return btfi_fail(check->log, check->code, "colour none without the effect residual");
         return BTF_OK;
@@ -177,8 +181,8 @@ static btf_result check_layout(const btfi_check *check, const btf_material_info 
     const uint32_t aw = info->atlas_width, ah = info->atlas_height;
     if (info->layout == BTF_LAYOUT_TIGHT) {
         if (aw != 0 || ah != 0)
-            return btfi_fail(check->log, check->code, "atlas %u x %u with layout tight", (unsigned)aw,
-                             (unsigned)ah);
+            return btfi_fail(check->log, check->code, "the atlas is %u x %u; layout tight has no atlas",
+                             (unsigned)aw, (unsigned)ah);
         return BTF_OK;
     }
     if (info->layout != BTF_LAYOUT_PAPER)
@@ -208,9 +212,10 @@ static btf_result check_levels(const btfi_check *check, const btf_material_info 
                          (unsigned)info->levels, (unsigned)most, (unsigned)info->width,
                          (unsigned)info->height);
     if (info->levels > 1 && info->layout != BTF_LAYOUT_TIGHT)
-        return btfi_fail(check->log, check->code, "levels %u with layout paper", (unsigned)info->levels);
+        return btfi_fail(check->log, check->code, "levels is %u; layout paper has one level",
+                         (unsigned)info->levels);
     if (info->levels + info->relief_level > BTF_MAX_LEVELS)
-        return btfi_fail(check->log, check->code, "reliefLevel %u with levels %u: more than %d in all",
+        return btfi_fail(check->log, check->code, "reliefLevel %u and levels %u are more than %d in all",
                          (unsigned)info->relief_level, (unsigned)info->levels, BTF_MAX_LEVELS);
     return BTF_OK;
 }
@@ -222,8 +227,8 @@ static btf_result check_directions(const btfi_check *check, const char *name, ui
         return btfi_fail(check->log, check->code, "%u %s, not 1 to %d", (unsigned)count, name,
                          BTF_MAX_DIRECTIONS);
     if (layers && count > BTF_MAX_DIRECTION_LAYERS)
-        return btfi_fail(check->log, check->code, "%u %s with the effect %s, not 1 to %d", (unsigned)count,
-                         name, effects, BTF_MAX_DIRECTION_LAYERS);
+        return btfi_fail(check->log, check->code, "%u %s; with the effect %s there are 1 to %d",
+                         (unsigned)count, name, effects, BTF_MAX_DIRECTION_LAYERS);
     return BTF_OK;
 }
 

@@ -1,4 +1,4 @@
-/* OpenBTF: what the values of the textures may be (FORMAT.md sections 2 to 5).
+/* OpenBTF: checks that the values of textures keep the rules of FORMAT.md sections 2 to 5.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -84,8 +84,8 @@ static btf_result check_point(const values *v, const char *where, uint32_t colum
                              "%s: view %u, texel (%u, %u): gain code 0 without the effect hidden", where,
                              (unsigned)view, (unsigned)column, (unsigned)row);
         if (b0 + 256 * b1 >= v->info->centres)
-            return btfi_fail(check->log, check->code, "%s: view %u, texel (%u, %u): centre %u of %u", where,
-                             (unsigned)view, (unsigned)column, (unsigned)row, b0 + 256 * b1,
+            return btfi_fail(check->log, check->code, "%s: view %u, texel (%u, %u) names centre %u of %u",
+                             where, (unsigned)view, (unsigned)column, (unsigned)row, b0 + 256 * b1,
                              (unsigned)v->info->centres);
         return BTF_OK;
     }
@@ -130,8 +130,9 @@ static btf_result check_point_indices(const values *v, const uint8_t *data) {
                                  "%s: texel (%u, %u): the high bits of the last layer hold %u, not 0", name.text,
                                  (unsigned)(t % w), (unsigned)(t / w), index);
             if (index >= entries)
-                return btfi_fail(v->check->log, v->check->code, "%s: view %u, texel (%u, %u): entry %u of %u",
-                                 name.text, (unsigned)view, (unsigned)(t % w), (unsigned)(t / w), index,
+                return btfi_fail(v->check->log, v->check->code,
+                                 "%s: view %u, texel (%u, %u) names entry %u of %u", name.text,
+                                 (unsigned)view, (unsigned)(t % w), (unsigned)(t / w), index,
                                  (unsigned)entries);
         }
     return BTF_OK;
@@ -140,7 +141,7 @@ static btf_result check_point_indices(const values *v, const uint8_t *data) {
 static btf_result refuse_meaningless(const values *v, const char *where, size_t x, size_t y,
                                      unsigned value) {
     return btfi_fail(v->check->log, v->check->code,
-                     "%s: texel (%zu, %zu) holds %u where nothing has a meaning", where, x, y, value);
+                     "%s: texel (%zu, %zu) holds %u; it has no meaning and must be 0", where, x, y, value);
 }
 
 /* Texels of `centres`: alpha is 0, and so is what lies beyond centre K. */
@@ -343,7 +344,8 @@ btf_result btfi_check_errors(const btfi_check *check, uint32_t known, const btf_
     for (size_t i = 0; i < count; i++) {
         const btf_material_error *e = &errors[i];
         if (e->effects & ~known)
-            return btfi_fail(check->log, check->code, "errors: row %zu has effects 0x%x", i,
+            return btfi_fail(check->log, check->code,
+                             "errors: row %zu has the effects 0x%x, of which bits are unknown", i,
                              (unsigned)e->effects);
         if (e->psnr_linear != e->psnr_linear || e->psnr_srgb != e->psnr_srgb || !(e->gpu_bytes >= 0))
             return btfi_fail(check->log, check->code, "errors: row %zu is (%g, %g, %g)", i,
@@ -357,7 +359,8 @@ btf_result btfi_check_level_errors(const btfi_check *check, uint32_t levels, con
     for (size_t i = 0; i < count; i++) {
         const btf_level_error *e = &errors[i];
         if (e->level >= levels || (i > 0 && e->level <= errors[i - 1].level))
-            return btfi_fail(check->log, check->code, "level errors: row %zu has level %u of %u", i,
+            return btfi_fail(check->log, check->code,
+                             "level errors: row %zu is of level %u; levels must rise and be below %u", i,
                              (unsigned)e->level, (unsigned)levels);
         if (e->psnr_linear != e->psnr_linear || e->psnr_srgb != e->psnr_srgb || !(e->gpu_bytes >= 0))
             return btfi_fail(check->log, check->code, "level errors: row %zu is (%g, %g, %g)", i,

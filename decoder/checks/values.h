@@ -11,8 +11,7 @@
 #pragma GCC visibility push(hidden)
 
 /* Checks every value of every texture of every level against FORMAT.md sections 2 to 5, and turns -0 into
- * +0.
- */
+ * +0. */
 btf_result btfi_check_values(const btfi_check *check, const btf_material_info *info,
                              void *texture[BTF_MAX_LEVELS][BTF_TEXTURE_COUNT]);
 /* `known`: effects of the file's version. */

@@ -147,7 +147,7 @@ int main(int argc, char **argv) {
     }
     OSMesaContext context = OSMesaCreateContextAttribs(attributes, NULL);
     if (!context || !OSMesaMakeCurrent(context, pixels, GL_UNSIGNED_BYTE, WIDTH, HEIGHT)) {
-        fprintf(stderr, "forward: OSMesa gives no OpenGL 4.5\n");
+        fprintf(stderr, "forward: OSMesa does not make an OpenGL 4.5 context\n");
         return 5;
     }
     board boards[2] = {{.path = argv[1], .prefix = "left"}, {.path = argv[2], .prefix = "right"}};

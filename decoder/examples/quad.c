@@ -121,7 +121,7 @@ int main(int argc, char **argv) {
         return 1;
     }
     if (!make_context()) {
-        fprintf(stderr, "quad: EGL gives no OpenGL ES 3 context without a surface\n");
+        fprintf(stderr, "quad: EGL does not make an OpenGL ES 3 context without a surface\n");
         return 5;
     }
     make_framebuffer();

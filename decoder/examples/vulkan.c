@@ -53,7 +53,7 @@ typedef struct gpu {
     VkDescriptorSet set;
     VkPipelineLayout layout;
     VkPipeline pipeline;
-    /* what has to go before the device: see close_device */
+    /* these are destroyed before the device: see close_device */
     VkBuffer buffers[MOST];
     VkImage images[MOST];
     VkImageView views[MOST];
@@ -216,8 +216,7 @@ static VkFormat format_of(btf_format format) {
     return formats[format];
 }
 
-/* The library hands textures out as plain memory: they go up as they are, levels of detail as mip levels.
- */
+/* The library hands textures out as plain memory: they go up as they are, levels of detail as mip levels. */
 static VkImageView upload(gpu *g, const btf_material *material, btf_texture_id id) {
     VkImage image;
     VkImageView view;

@@ -1,4 +1,4 @@
-/* Which part and which channels of an OpenEXR file make the picture.
+/* Chooses the part and the channels of an OpenEXR file that make the picture.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -211,7 +211,7 @@ static bool count_fits(exr_const_context_t context, char *message, size_t messag
         const exr_attr_chlist_t *list;
         if (exr_get_channels(context, p, &list) != EXR_ERR_SUCCESS || list->num_channels <= MOST_CHANNELS)
             continue;
-        snprintf(message, message_size, "EXR: %d channels in a part: at most %d are read",
+        snprintf(message, message_size, "EXR: a part has %d channels; at most %d can be read",
                  (int)list->num_channels, MOST_CHANNELS);
         return false;
     }
@@ -337,13 +337,16 @@ static void note_choice(exr_const_context_t context, const choices *all, const e
         if (other->part == c->part && c->kind == EXR_KIND_SPECTRUM)
             continue;
         if (other->part == c->part) {
-            image_note(info, IMAGE_NOTE_PARTS,
-                       "EXR: the picture of %s is read, not its spectrum (--layer spectral reads that)", part);
+            image_note(
+                info, IMAGE_NOTE_PARTS,
+                "EXR: the picture of %s is read, not its spectrum (--layer spectral reads the spectrum)",
+                part);
         } else if (rank(other) <= rank(c) && (!other->layer[0] || other->kind == EXR_KIND_SPECTRUM)) {
             char beside[80];
             exr_part_text(context, other->part, beside, sizeof beside);
-            image_note(info, IMAGE_NOTE_PARTS, "EXR: %s is read, not the %s in %s (--layer NAME picks)",
-                       part, other->kind == EXR_KIND_SPECTRUM ? "spectrum" : "picture", beside);
+            image_note(info, IMAGE_NOTE_PARTS,
+                       "EXR: %s is read, not the %s in %s (--layer NAME picks another)", part,
+                       other->kind == EXR_KIND_SPECTRUM ? "spectrum" : "picture", beside);
         }
     }
 }
@@ -368,15 +371,16 @@ btf_result exr_choose(exr_const_context_t context, const char *layer, exr_choice
         list_all(context, list, sizeof list);
         if (layer)
             snprintf(message, message_size,
-                     "EXR: --layer %.60s names no layer, part or channel, or several: %s", layer, list);
+                     "EXR: --layer %.60s does not name exactly one layer, part or channel: %s", layer,
+                     list);
         else if (all.count == 0)
             snprintf(message, message_size,
                      "EXR: no channels R, G, B, nor X, Y, Z, nor Y, RY, BY, nor Y alone, nor four of a spectrum "
                      "(such as 400nm); --layer NAME reads one as grey: %s",
                      list);
         else
-            snprintf(message, message_size, "EXR: several pictures, of which --layer NAME picks one: %s",
-                     list);
+            snprintf(message, message_size,
+                     "EXR: the file holds several pictures; --layer NAME picks one: %s", list);
     }
     free(all.of);
     return found ? BTF_OK : BTF_ERROR_UNSUPPORTED;

@@ -1,4 +1,4 @@
-/* Which part and which channels of an OpenEXR file make the picture.
+/* Chooses the part and the channels of an OpenEXR file that make the picture.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -23,7 +23,7 @@ typedef struct exr_choice {
     int part;
     exr_kind kind;
     int channel[3];
-    char layer[256]; /* what stands before the channels' names, without the last dot; may be empty */
+    char layer[256]; /* the prefix of the channels' names, without the last dot; may be empty */
 } exr_choice;
 
 /* A channel of a spectrum, "400nm", "w400.5nm", "T.400,5nm", or of a band, "390.00-410.00nm": its wavelength in

@@ -59,7 +59,7 @@ typedef struct image_info {
     char transfer_name[80]; /* as in "gAMA 1"; set where the file says anything */
     bool converts;          /* samples, made linear, are to be multiplied by to_rec709 */
     float to_rec709[9];
-    char primaries_name[200]; /* what is converted from */
+    char primaries_name[200]; /* the primaries that pixels are converted from */
     image_notes notes;
 } image_info;
 
@@ -74,8 +74,7 @@ void image_info_primaries(image_info *info, const char *source, const primaries 
 /* Takes the colour profile (ICC) that a file of `format` ("PNG") embeds: one whose description names sRGB,
  * and not linear, and whose curves and primaries are not other ones, sets that transfer function, any other
  * leaves a note that names it. data[size]: the
- * profile, which may be damaged; name: the file's own for it, for one without a description; may be NULL.
- */
+ * profile, which may be damaged; name: the file's own for it, for one without a description; may be NULL. */
 void image_info_profile(image_info *info, const char *format, const unsigned char *data, size_t size,
                         const char *name);
 

@@ -1,4 +1,4 @@
-/* What effects that act between the samples alone are worth there.
+/* The gain, in dB between the samples, of the effects that act there alone (relief and gloss).
  *
  * SPDX-License-Identifier: MIT
  */

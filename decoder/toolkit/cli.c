@@ -448,8 +448,8 @@ static bool parse_option(const cli_program *program, int argc, char **argv, int 
     return true;
 }
 
-/* A file opened later must not become a closed standard stream, or messages are written into it. What takes
- * its place fails as a closed one does. */
+/* A file opened later must not become a closed standard stream, or messages are written into it. The file that
+ * takes its place fails as a closed one does. */
 static void reserve_standard_streams(void) {
     for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++)
         if (fcntl(fd, F_GETFD) < 0)

@@ -41,14 +41,13 @@ typedef enum cli_type {
     CLI_INT,     /* int, within minimum..maximum when these differ */
     CLI_DOUBLE,  /* double, finite, within minimum..maximum when these differ */
     CLI_CHOICE,  /* int, index into `choices`, e.g. "fast|medium|thorough" */
-    CLI_SIZE,  /* int[2]: "64x48" (width, height), each within minimum..maximum when these differ, else >= 1
-                */
+    CLI_SIZE,  /* int[2]: "64x48" (width, height), each within minimum..maximum when these differ, else >= 1 */
     CLI_BYTES, /* uint64_t: "512M", "2.5GB", "2GiB", "4096": k, M, G, T are powers of 1000, Ki, Mi, Gi, Ti
                   of 1024, with a B behind or not, in any case */
     CLI_ANGLES,  /* double[2]: "30,120" (theta 0..90, phi -360..360, degrees) */
     CLI_EFFECTS, /* uint32_t: "shadow,shift,hidden,gain,residual", "none" or "all" (btf_effect bits); with
                     choices = "auto" also "auto", which gives UINT32_MAX */
-    CLI_CUSTOM,  /* `parse` does it */
+    CLI_CUSTOM,  /* of any type, which `parse` reads */
 } cli_type;
 
 typedef struct cli_option {
@@ -69,7 +68,7 @@ typedef struct cli_option {
 
 typedef struct cli_program {
     const char *name;    /* "btf-info" */
-    const char *usage;   /* what follows the name in the usage line: "FILE [--json]" */
+    const char *usage;   /* the arguments in the usage line: "FILE [--json]" */
     const char *summary; /* a sentence or two */
     const char *details; /* paragraphs after the options; may be NULL */
     const char *example; /* one command a line */

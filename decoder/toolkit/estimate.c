@@ -33,7 +33,7 @@ static void show(estimate *e) {
     e->shown = fmin(fmax(e->shown, fraction), 1);
 }
 
-/* The time left by what is known now; -1: nothing is. */
+/* The time left, from the costs and times known now; -1: not known. */
 static double raw_left(const estimate *e, double now) {
     const double here = cost_at(e), worked = e->worked + e->within * here, elapsed = now - e->began;
     if (elapsed < least_seconds || worked < least_part * e->total || worked <= 0)

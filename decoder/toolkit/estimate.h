@@ -51,8 +51,7 @@ void estimate_stage_end(estimate *e, double part, double now);
 /* Fraction of the job that is done, 0 .. 1; never less than before. */
 double estimate_fraction(const estimate *e);
 
-/* Seconds left, or -1 while nothing can be said: not before a second has passed and 1 part in 500 is done.
- */
+/* Seconds left, or -1 while nothing can be said: not before a second has passed and 1 part in 500 is done. */
 double estimate_left(const estimate *e, double now);
 
 #endif

@@ -13,8 +13,8 @@
  * gives for the main image; 1, as stored, when there is none or the block is damaged. */
 int exif_orientation(const unsigned char *data, size_t size);
 
-/* Whether it says that the colour space is something but sRGB ("uncalibrated", which is Adobe RGB by what
- * cameras do); false when it says nothing. */
+/* Whether an EXIF block says that the colour space is something but sRGB ("uncalibrated", by which cameras mean Adobe
+ * RGB); false when it says nothing. */
 bool exif_colour_is_other(const unsigned char *data, size_t size);
 
 /* The orientation, 1..8, that a text of XMP gives as tiff:Orientation; 1 when there is none. */

@@ -139,8 +139,8 @@ static btf_result check_sampling(reading *r) {
                                 channel->y_sampling == (is_chroma ? r->y_step : 1))))
             continue;
         return fail(r, BTF_ERROR_UNSUPPORTED,
-                    "subsampled channels: %.40s is sampled %d x %d, which is read for chroma (RY and BY, both "
-                    "by 2) alone: store it at full size",
+                    "channel %.40s is subsampled %d x %d; only chroma (RY and BY, both by 2) may be: store "
+                    "it at full size",
                     channel->name.str, (int)channel->x_sampling, (int)channel->y_sampling);
     }
     return BTF_OK;
@@ -150,7 +150,7 @@ static btf_result check_sampling(reading *r) {
 static btf_result finish_chroma(const reading *r) {
     double xyz[9];
     if (!primaries_to_xyz(&r->primaries, xyz) || !(fabs(xyz[4]) > 1e-6))
-        return fail(r, BTF_ERROR_BAD_FILE, "chromaticities that span no colour space");
+        return fail(r, BTF_ERROR_BAD_FILE, "the chromaticities span no colour space");
     const float weights[3] = {(float)xyz[3], (float)xyz[4], (float)xyz[5]};
     return exr_chroma_to_rgb(r->image.width, r->image.height, r->x_step, r->y_step, weights,
                              r->image.pixels);
@@ -188,10 +188,11 @@ static btf_result settle_spectrum(reading *r) {
         nm[b] = bands[b].nm;
         r->band_channel[b] = bands[b].channel;
         if (b > 0 && !(nm[b] > nm[b - 1]))
-            result = fail(r, BTF_ERROR_BAD_FILE, "two channels of %g nm", nm[b]);
+            result = fail(r, BTF_ERROR_BAD_FILE, "two channels have the wavelength of %g nm", nm[b]);
     }
     if (result == BTF_OK && (nm[0] > 780.0 || nm[r->bands - 1] < 380.0))
-        result = fail(r, BTF_ERROR_UNSUPPORTED, "a spectrum of %g to %g nm, of which nothing is seen", nm[0],
+        result = fail(r, BTF_ERROR_UNSUPPORTED,
+                      "the spectrum of %g to %g nm lies outside of what is visible, 380 to 780 nm", nm[0],
                       nm[r->bands - 1]);
     if (result == BTF_OK) {
         const bool emission = r->choice.layer[0] == 'S';
@@ -251,7 +252,7 @@ static btf_result read_samples(reading *r) {
     return result;
 }
 
-/* Refuses what cannot be undone, by name. */
+/* Refuses features of a file that cannot be undone, naming each. */
 static btf_result check_compression(const reading *r, exr_compression_t compression) {
     static const char *const unread[] = {[EXR_COMPRESSION_B44] = "B44",
                                          [EXR_COMPRESSION_B44A] = "B44A",

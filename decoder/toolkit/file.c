@@ -62,7 +62,7 @@ btf_result file_read(const char *path, size_t most, const btf_log *log, char **o
         data = grown;
         size += fread(data + size, 1, room - 1 - size, file);
         if (size > most) {
-            file_say(log, "%s: larger than %zu bytes", path, most);
+            file_say(log, "%s: the file is larger than %zu bytes, the most that is read", path, most);
             result = BTF_ERROR_UNSUPPORTED;
         }
     } while (!result && size == room - 1);

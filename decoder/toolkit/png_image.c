@@ -1,4 +1,4 @@
-/* PNG images through libpng: writing RGB, and reading what the file holds.
+/* PNG images through libpng: writing RGB, and reading every kind.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -205,7 +205,7 @@ static void heed_gamma(const unsigned char *gamma, const unsigned char *chromati
     }
     if (stands_for_srgb) {
         snprintf(info->transfer_name, sizeof info->transfer_name,
-                 "PNG: sRGB, for which gAMA %g and Rec. 709's cHRM stand,", value);
+                 "PNG: gAMA %g with Rec. 709's cHRM (an old way to say sRGB)", value);
         info->transfer = IMAGE_TRANSFER_SRGB;
         return;
     }

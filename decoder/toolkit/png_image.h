@@ -1,4 +1,4 @@
-/* PNG images through libpng: writing RGB, and reading what the file holds.
+/* PNG images through libpng: writing RGB, and reading every kind.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -18,7 +18,7 @@ static size_t number_at(const unsigned char *p) {
     return (size_t)p[0] << 24 | (size_t)p[1] << 16 | (size_t)p[2] << 8 | p[3];
 }
 
-/* The beginning of what is deflated, whatever comes behind; NULL where there is nothing. */
+/* The beginning of a deflated text, whatever comes behind it; NULL where there is none. */
 static unsigned char *inflated(const unsigned char *data, size_t size, size_t *out_size) {
     unsigned char *text = malloc(MOST);
     z_stream z = {0};

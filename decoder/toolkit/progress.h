@@ -23,7 +23,7 @@ typedef struct progress_stage {
 progress *progress_create(bool quiet);
 void progress_destroy(progress **p);
 
-/* Says what stages the job has, from here on: percent and time left are those of the whole job, weighed by
+/* Sets the stages that the job has, from here on: percent and time left are those of the whole job, weighed by
  * the predicted costs. Without it each stage is a job of its own. */
 void progress_plan(progress *p, const estimate_part *parts, size_t count);
 

@@ -17,8 +17,7 @@ static const char expected[] =
     "views=T0:T1[:P0:P1],lights=...,view=T:P,light=T:P,pixels=X,count=N,tolerance=DB,"
     "interpolate or all";
 
-/* Numbers with colons between, up to the end of the word; returns how many, 0 when there is anything else.
- */
+/* Numbers with colons between, up to the end of the word; returns how many, 0 when there is anything else. */
 static int read_numbers(const char *text, size_t length, double out[4]) {
     const char *end = text + length;
     for (int count = 1; count <= 4; count++) {

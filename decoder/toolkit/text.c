@@ -51,7 +51,8 @@ static btf_result read_all(const char *path, FILE *file, size_t most, const btf_
         text->data = grown;
         text->size += fread(grown + text->size, 1, room - 1 - text->size, file);
         if (text->size > most)
-            return refuse(log, BTF_ERROR_UNSUPPORTED, "%s: larger than %zu bytes", path, most);
+            return refuse(log, BTF_ERROR_UNSUPPORTED,
+                          "%s: the file is larger than %zu bytes, the most that is read", path, most);
     } while (text->size == room - 1);
     if (ferror(file))
         return refuse(log, BTF_ERROR_IO, "%s: %s", path, strerror(errno));
@@ -72,7 +73,8 @@ btf_result text_read(const char *path, size_t most, const btf_log *log, text_fil
             result =
                 refuse(log, BTF_ERROR_UNSUPPORTED, "%s: the text is %s: save it as UTF-8", path, encoding);
         else if (memchr(out_text->data, '\0', out_text->size))
-            result = refuse(log, BTF_ERROR_BAD_FILE, "%s: is not a text file: it holds zero bytes", path);
+            result =
+                refuse(log, BTF_ERROR_BAD_FILE, "%s: not a text file: it holds bytes of value 0", path);
     }
     if (result != BTF_OK)
         text_free(out_text);

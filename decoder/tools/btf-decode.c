@@ -1,4 +1,4 @@
-/* btf-decode: images of a material by the reference decoder: one view under one light, or all of them in
+/* btf-decode: images of a material on the CPU: one view under one light, or all of them in
  * the layout of UBO2003.
  *
  * SPDX-License-Identifier: MIT
@@ -10,11 +10,10 @@
 #include "decoder/toolkit/output.h"
 #include "decoder/toolkit/png_image.h"
 #include "decoder/toolkit/progress.h"
-#include "decoder/toolkit/reference_view.h"
 #include <errno.h>
 #include <math.h>
 #include <omp.h>
-#include <openbtf/material.h>
+#include <openbtf/evaluate.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -31,7 +30,7 @@ static struct {
     bool all, quiet;
     uint32_t effects;
     int interpolation, filter, format, threads, components, level;
-} options = {.effects = BTF_EFFECT_ALL, .interpolation = BTF_REF_LINEAR, .components = BTF_MAX_COMPONENTS};
+} options = {.effects = BTF_EFFECT_ALL, .interpolation = 1, .components = BTF_MAX_COMPONENTS};
 
 static const cli_option option_table[] = {
     {.short_name = 'o',
@@ -104,8 +103,8 @@ static const cli_program program = {
     .name = "btf-decode",
     .usage = "FILE -o OUT [--view T,P] [--light T,P] | FILE -o DIR",
     .summary =
-        "Decodes a material file (*.btf.exr) to images, texel by texel, with the reference decoder: what\n"
-        "every other decoder must give, bit for bit.",
+        "Decodes a material file (*.btf.exr) to images, texel by texel, to the bits that the reference\n"
+        "decoder gives, and every other must give.",
     .details =
         "Angles: theta from the surface normal, phi from +u (to the right) towards +v (up).\n"
         "All images are DIR/tvTTT_pvPPP/NNNNN tlTTT plPPP tvTTT pvPPP.png (.exr), the layout of UBO2003.\n"
@@ -118,8 +117,12 @@ static const cli_program program = {
 
 /* All that decoding an image takes; threads only read it. */
 typedef struct decoder {
-    btf_ref_material material;
-    btf_ref_options options;
+    btf_evaluator *evaluator;
+    btf_evaluate_options options;
+    uint32_t width, height; /* of the level */
+    uint32_t *texels;       /* [height][width][2], where whole texels are decoded; else NULL */
+    float *uv;              /* [height][width][2], of their centres; else NULL */
+    int32_t *levels;        /* [height][width] */
     int format;
     btf_log log;
     float thresholds[256]; /* code c of sRGB begins at thresholds[c] */
@@ -152,16 +155,20 @@ static unsigned char srgb_code(const float thresholds[256], float linear) {
 /* Decodes the texel grid into rgb (floats) and writes it; codes is as large as rgb. */
 static btf_result decode_image(const decoder *d, const char *path, const float light[3],
                                const float view[3], float *rgb, unsigned char *codes) {
-    const uint32_t width = d->material.width, height = d->material.height;
+    const uint32_t width = d->width, height = d->height;
     const size_t values = (size_t)width * height * 3;
-    float *out = rgb;
-    for (uint32_t row = 0; row < height; row++)
-        for (uint32_t column = 0; column < width; column++, out += 3)
-            if (d->options.filter == BTF_REF_TEXEL)
-                btf_ref_evaluate_texel(&d->material, &d->options, column, row, light, view, out);
-            else
-                btf_ref_evaluate(&d->material, &d->options, filter_centre(column, width),
-                                 filter_centre(height - 1 - row, height), light, view, out);
+    const btf_evaluations evaluations = {.struct_size = sizeof evaluations,
+                                         .count = (size_t)width * height,
+                                         .uv = d->uv,
+                                         .texels = d->texels,
+                                         .lights = light,
+                                         .views = view,
+                                         .levels = d->levels,
+                                         .fixed = BTF_FIXED_LIGHT | BTF_FIXED_VIEW,
+                                         .rgb = rgb};
+    const btf_result result = btf_evaluate_many(d->evaluator, &d->options, &evaluations);
+    if (result)
+        return cli_error(&program, result, "cannot decode an image");
     if (d->format == FORMAT_EXR)
         return exr_image_write(path, (int)width, (int)height, rgb, false, d->log);
     for (size_t i = 0; i < values; i++)
@@ -170,7 +177,7 @@ static btf_result decode_image(const decoder *d, const char *path, const float l
 }
 
 static btf_result make_buffers(const decoder *d, float **out_rgb, unsigned char **out_codes) {
-    const size_t values = (size_t)d->material.width * d->material.height * 3;
+    const size_t values = (size_t)d->width * d->height * 3;
     *out_rgb = malloc(values * sizeof **out_rgb);
     *out_codes = malloc(values);
     return *out_rgb && *out_codes ? BTF_OK : BTF_ERROR_MEMORY;
@@ -234,7 +241,7 @@ static btf_result decode_view(const decoder *d, const btf_directions *views, con
         snprintf(path, sizeof path, "%s/tv%s_pv%s/%05u tl%s pl%s tv%s pv%s.%s", options.out, tv, pv,
                  (unsigned)(views->count * l + v), tl, pl, tv, pv, d->format == FORMAT_EXR ? "exr" : "png");
     if (length >= (int)sizeof path)
-        return cli_error(&program, BTF_ERROR_USAGE, "%s: the name is too long", options.out);
+        return cli_error(&program, BTF_ERROR_USAGE, "%s: the file name is too long", options.out);
     return decode_image(d, path, light, view, rgb, codes);
 }
 
@@ -244,7 +251,7 @@ static btf_result decode_all(const decoder *d, const btf_directions *views, cons
         char path[4096], tv[16], pv[16];
         direction_text(views->xyz + 3 * (size_t)v, tv, pv);
         if (snprintf(path, sizeof path, "%s/tv%s_pv%s", options.out, tv, pv) >= (int)sizeof path)
-            return cli_error(&program, BTF_ERROR_USAGE, "%s: the name is too long", options.out);
+            return cli_error(&program, BTF_ERROR_USAGE, "%s: the file name is too long", options.out);
         result = make_directory(path);
     }
     progress *p = result ? NULL : progress_create(options.quiet);
@@ -303,7 +310,7 @@ static btf_result choose_format(void) {
     const char *other = options.format == FORMAT_EXR ? ".png" : ".exr";
     if (options.format_given && !options.all && file_ends_in(options.out, other))
         return cli_error(&program, BTF_ERROR_USAGE,
-                         "option --format: '%s' has the ending of another format", options.out);
+                         "option --format: the ending of '%s' is that of another format", options.out);
     if (options.format_given || options.all)
         return BTF_OK;
     if (file_ends_in(options.out, ".exr"))
@@ -332,39 +339,76 @@ static btf_result check_options(void) {
     return choose_format();
 }
 
+static void clear_decoder(decoder *d) {
+    btf_evaluator_destroy(&d->evaluator);
+    free(d->texels);
+    free(d->uv);
+    free(d->levels);
+}
+
+/* Where an image is decoded: whole texels, or their centres. */
+static bool make_positions(decoder *d) {
+    const size_t count = (size_t)d->width * d->height;
+    d->levels = malloc(count * sizeof *d->levels);
+    if (d->options.filter == BTF_FILTER_TEXEL)
+        d->texels = malloc(2 * count * sizeof *d->texels);
+    else
+        d->uv = malloc(2 * count * sizeof *d->uv);
+    if (!d->levels || (!d->texels && !d->uv))
+        return false;
+    for (size_t i = 0; i < count; i++) {
+        const uint32_t column = (uint32_t)(i % d->width), row = (uint32_t)(i / d->width);
+        d->levels[i] = options.level;
+        if (d->texels) {
+            d->texels[2 * i] = column;
+            d->texels[2 * i + 1] = row;
+        } else {
+            d->uv[2 * i] = filter_centre(column, d->width);
+            d->uv[2 * i + 1] = filter_centre(d->height - 1 - row, d->height);
+        }
+    }
+    return true;
+}
+
+static btf_result make_decoder(const char *path, const btf_material *material, decoder *d) {
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_material_get_info(material, &info);
+    if ((uint32_t)options.level >= info.levels)
+        return cli_error(&program, BTF_ERROR_USAGE, "option --level: %d, but %s has %u level%s",
+                         options.level, path, (unsigned)info.levels, info.levels == 1 ? "" : "s");
+    d->width = btf_level_size(info.width, (uint32_t)options.level);
+    d->height = btf_level_size(info.height, (uint32_t)options.level);
+    d->options = (btf_evaluate_options){
+        .struct_size = sizeof d->options,
+        .leave_out = ~options.effects | (options.components == 0 ? (uint32_t)BTF_EFFECT_RESIDUAL : 0),
+        .components = (uint32_t)options.components,
+        .interpolation = options.interpolation ? BTF_INTERPOLATION_LINEAR : BTF_INTERPOLATION_NEAREST,
+        .filter = (btf_filter)options.filter};
+    const btf_result result = btf_evaluator_create(material, &d->log, &d->evaluator);
+    if (result)
+        return result;
+    return make_positions(d) ? BTF_OK : cli_error(&program, BTF_ERROR_MEMORY, "out of memory for an image");
+}
+
 static btf_result run(const char *path) {
     btf_result result = check_options();
     if (result)
         return result;
     if (output_is_same(options.out, path))
         return cli_error(&program, BTF_ERROR_USAGE, "option --output: %s is the input", options.out);
-    if (!btf_ref_self_test())
-        return cli_error(&program, BTF_ERROR_UNSUPPORTED,
-                         "this build does not round floats as FORMAT.md demands");
     decoder d = {.format = options.format, .log = cli_log(&program, options.quiet)};
     btf_material *material = NULL;
     if ((result = btf_material_open(path, &d.log, &material)))
         return result;
     make_thresholds(d.thresholds);
-    btf_material_info info = {.struct_size = sizeof info};
-    btf_material_get_info(material, &info);
-    if ((uint32_t)options.level >= info.levels) {
-        result = cli_error(&program, BTF_ERROR_USAGE, "option --level: %d, but %s has %u level%s",
-                           options.level, path, (unsigned)info.levels, info.levels == 1 ? "" : "s");
-        btf_material_close(&material);
-        return result;
-    }
-    reference_view(material, (uint32_t)options.level, &d.material);
-    d.options = (btf_ref_options){.effects = options.effects,
-                                  .components = (uint32_t)options.components,
-                                  .interpolation = options.interpolation ? BTF_REF_LINEAR : BTF_REF_NEAREST,
-                                  .filter = filter_of_reference((btf_filter)options.filter)};
-    if (options.all) {
+    result = make_decoder(path, material, &d);
+    if (!result && options.all) {
         const btf_directions views = btf_material_views(material), lights = btf_material_lights(material);
         result = decode_all(&d, &views, &lights);
-    } else {
+    } else if (!result) {
         result = decode_one(&d);
     }
+    clear_decoder(&d);
     btf_material_close(&material);
     return result;
 }

@@ -24,8 +24,8 @@ typedef struct enc_context {
     struct progress *progress;                  /* may be NULL: no progress shown */
     int threads;                                /* OpenMP threads, >= 1 */
     size_t memory;                              /* bytes the working set may take, 0 = unbounded */
-    struct enc_checkpoint *checkpoint;          /* where stages keep what they found; NULL: nowhere */
-    const struct enc_extent_listener *listener; /* hears of the extent of what is read; NULL: nobody */
+    struct enc_checkpoint *checkpoint;          /* where stages keep their results; NULL: nowhere */
+    const struct enc_extent_listener *listener; /* is told the extent of the data read; NULL: none */
     enc_least_memory least_memory; /* of the method that will encode: data that take more than is allowed
                                       are refused; NULL: none are */
     struct enc_ranks *ranks;       /* the ranks that share the work; NULL: this process is alone */

@@ -15,7 +15,7 @@ enum { MOST_STAGES = 32, HELD_BYTES = 4096 };
 struct enc_ranks {
     enc_transport transport;
     btf_log log;
-    btf_result failed;     /* what the ranks left by */
+    btf_result failed;     /* the error on which the ranks stopped */
     char held[HELD_BYTES]; /* errors of a rank other than 0, a line each */
     size_t held_length;
     enc_ranks_volume volumes[MOST_STAGES];

@@ -27,7 +27,8 @@ typedef struct enc_transport {
     void (*least)(void *user, uint64_t *io_value);
     /* Every rank's part of the array to all. */
     void (*gather)(void *user, void *array, const size_t *bounds);
-    /* To rank r what lies in send at its bounds; what rank r sends comes to its bounds in receive. */
+    /* Sends to each rank r the bytes of `send` within its bounds; the bytes that r sends arrive in `receive` within
+     * its bounds there. */
     void (*exchange)(void *user, const void *send, const size_t *send_bounds, void *receive,
                      const size_t *receive_bounds);
     void (*sum)(void *user, uint64_t *values, size_t count);

@@ -55,7 +55,7 @@ static void least(void *user, uint64_t *io_value) {
     wait_for(&request);
 }
 
-/* MPI counts bytes with an int: what is larger goes piece by piece. */
+/* MPI counts bytes with an int: larger transfers go piece by piece. */
 static void broadcast_pieces(char *bytes, size_t size, int root) {
     for (size_t at = 0; at < size; at += limit) {
         const size_t piece = size - at < limit ? size - at : limit;

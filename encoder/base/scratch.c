@@ -32,10 +32,10 @@ btf_result enc_scratch_folder(const enc_context *context, uint64_t size, const c
                         strerror(errno));
     const double available = (double)space.f_bavail * (double)space.f_frsize;
     if (available < (double)size)
-        return enc_fail(
-            context, BTF_ERROR_IO,
-            "scratch file: %.2f GB needed in %s, %.2f GB free (set TMPDIR, or allow more --memory)",
-            (double)size * 1e-9, folder, available * 1e-9);
+        return enc_fail(context, BTF_ERROR_IO,
+                        "scratch file: %.2f GB are needed in %s, where %.2f GB are free (set TMPDIR to "
+                        "another folder, or allow more --memory)",
+                        (double)size * 1e-9, folder, available * 1e-9);
     *out_folder = folder;
     return BTF_OK;
 }
@@ -160,7 +160,7 @@ static btf_result make_file(const enc_context *context, const char *what, uint64
     return result;
 }
 
-/* Opens what rank 0 made; it has the wrong size where another folder has the same name. */
+/* Opens the file that rank 0 made; it has the wrong size where another folder has the same name. */
 static btf_result open_file(const enc_context *context, const char *path, int flags, uint64_t size,
                             int *out_fd) {
     struct stat status;

@@ -1,4 +1,4 @@
-/* Unlinked scratch files, for what does not fit the allowed memory.
+/* Unlinked scratch files, for data that do not fit the allowed memory.
  *
  * SPDX-License-Identifier: MIT
  */

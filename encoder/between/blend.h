@@ -1,4 +1,4 @@
-/* Images of a data set at directions between its samples: what no compression could do better by the same
+/* Images of a data set at directions between its samples: the best that any compression could reach by the same
  * interpolation.
  *
  * SPDX-License-Identifier: MIT

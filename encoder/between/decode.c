@@ -18,16 +18,48 @@ static void decode_texel(enc_evaluated_texel *texel, const btf_ref_options *opti
     }
 }
 
-/* The same at its centre by a filter between texels, which the evaluator does not have. */
-static void filter_texel(const btf_ref_material *m, const btf_ref_options *options, const enc_pair *pairs,
-                         size_t texel, size_t count, float *out) {
-    const uint32_t column = (uint32_t)(texel % m->width),
-                   below = m->height - 1 - (uint32_t)(texel / m->width);
-    const size_t texels = (size_t)m->width * m->height;
-    for (size_t p = 0; p < count; p++) {
-        btf_ref_evaluate(m, options, filter_centre(column, m->width), filter_centre(below, m->height),
-                         pairs[p].light.xyz, pairs[p].view.xyz, out + 3 * p * texels);
+/* A row of texels at their centres by a filter between texels, under one pair; uv is room for 2 numbers a
+ * texel. */
+static void filter_row(const enc_evaluator *evaluator, const btf_ref_options *options, const enc_pair *pair,
+                       uint32_t row, float *uv, float *out) {
+    const btf_ref_material *m = enc_evaluator_reference(evaluator);
+    for (uint32_t column = 0; column < m->width; column++) {
+        uv[2 * column] = filter_centre(column, m->width);
+        uv[2 * column + 1] = filter_centre(m->height - 1 - row, m->height);
     }
+    const btf_evaluations evaluations = {.struct_size = sizeof evaluations,
+                                         .count = m->width,
+                                         .uv = uv,
+                                         .lights = pair->light.xyz,
+                                         .views = pair->view.xyz,
+                                         .fixed = BTF_FIXED_LIGHT | BTF_FIXED_VIEW,
+                                         .rgb = out + 3 * (size_t)row * m->width};
+    enc_evaluator_many(evaluator, options, &evaluations);
+}
+
+static btf_result filter_pairs(const enc_context *context, const enc_evaluator *evaluator,
+                               const btf_ref_options *options, const enc_pair *pairs, size_t count,
+                               float *out) {
+    const btf_ref_material *m = enc_evaluator_reference(evaluator);
+    const size_t texels = (size_t)m->width * m->height, rows = count * m->height;
+    btf_result result = BTF_OK;
+#pragma omp parallel num_threads(context->threads)
+    {
+        float *uv = malloc(2 * (size_t)m->width * sizeof *uv);
+#pragma omp for schedule(dynamic, 8)
+        for (size_t i = 0; i < rows; i++) {
+            const bool cancelled = enc_cancelled(context);
+            if (cancelled || !uv) {
+#pragma omp atomic write
+                result = cancelled ? BTF_ERROR_INTERRUPTED : BTF_ERROR_MEMORY;
+                continue;
+            }
+            const size_t p = i / m->height;
+            filter_row(evaluator, options, &pairs[p], (uint32_t)(i % m->height), uv, out + 3 * p * texels);
+        }
+        free(uv);
+    }
+    return result;
 }
 
 btf_result enc_decode_pairs(const enc_context *context, const enc_evaluator *evaluator,
@@ -35,6 +67,8 @@ btf_result enc_decode_pairs(const enc_context *context, const enc_evaluator *eva
                             float *out) {
     const btf_ref_material *m = enc_evaluator_reference(evaluator);
     const size_t texels = (size_t)m->width * m->height;
+    if (options->filter != BTF_REF_TEXEL)
+        return filter_pairs(context, evaluator, options, pairs, count, out);
     enc_evaluated_neighbours *around = malloc(count * sizeof *around);
     btf_result result = around ? BTF_OK : BTF_ERROR_MEMORY;
     for (size_t p = 0; around && p < count; p++)
@@ -48,10 +82,6 @@ btf_result enc_decode_pairs(const enc_context *context, const enc_evaluator *eva
             if (cancelled || !texel) {
 #pragma omp atomic write
                 result = cancelled ? BTF_ERROR_INTERRUPTED : BTF_ERROR_MEMORY;
-                continue;
-            }
-            if (options->filter != BTF_REF_TEXEL) {
-                filter_texel(m, options, pairs, t, count, out + 3 * t);
                 continue;
             }
             enc_evaluated_texel_move(texel, t);

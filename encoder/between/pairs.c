@@ -59,8 +59,7 @@ static btf_result count_directions(const enc_grid_image *images, size_t count, b
     return BTF_OK;
 }
 
-/* Lists the images, without a word: where names say nothing and the folder has a directions.csv, by that.
- */
+/* Lists the images, without a word: where names say nothing and the folder has a directions.csv, by that. */
 static btf_result list_silently(const enc_context *context, const char *path, const enc_source *source,
                                 enc_read_options *options, char table[PATH_MAX],
                                 enc_grid_image **out_images, size_t *out_count) {
@@ -110,7 +109,7 @@ static btf_result list_pairs(const enc_context *context, const char *path, enc_p
     enc_grid_image *images = NULL;
     size_t count = 0;
     list_silently(context, path, s->source, &s->options, s->table, &images, &count);
-    free(images); /* again, and this time with what there is to tell */
+    free(images); /* listed again, now with its messages */
     btf_result result = enc_grid_list(context, s->source, &s->options, &images, &count);
     if (result == BTF_OK) {
         pairs->pair = malloc(count * sizeof *pairs->pair);
@@ -149,7 +148,7 @@ static btf_result report(const enc_context *context, const enc_pairs *pairs, siz
                     message[0] ? message : btf_result_text(result));
 }
 
-/* Reads the first image to learn what all are like. */
+/* Reads the first image, whose size all others must have. */
 static btf_result settle_size(const enc_context *context, enc_pairs *pairs) {
     enc_pairs_source *s = pairs->source;
     char message[MESSAGE_SIZE] = "";
@@ -175,11 +174,10 @@ btf_result enc_pairs_open(const enc_context *context, const char *path, const en
     }
     if (result == BTF_OK && options->components > 0)
         result = enc_fail(context, BTF_ERROR_USAGE,
-                          "%s: components are those of a Bonn .btf file, and this is none", path);
+                          "%s: --components is only for a Bonn .btf file, which this is not", path);
     if (result == BTF_OK && options->coincident)
-        result =
-            enc_fail(context, BTF_ERROR_USAGE,
-                     "%s: coincident lights are those of a data set, and these are single images", path);
+        result = enc_fail(context, BTF_ERROR_USAGE,
+                          "%s: --coincident is only for a data set, and these are single images", path);
     if (result == BTF_OK)
         result = enc_read_source(context, path, &pairs->source->source);
     if (result == BTF_OK)
@@ -210,7 +208,7 @@ void enc_pairs_close(enc_pairs **pairs) {
     *pairs = NULL;
 }
 
-/* Tells what an image says of its pixels, unless another did before. */
+/* Logs the notes of an image about its pixels, unless another image had them before. */
 static void tell(const enc_context *context, const enc_pairs *pairs, size_t i, const image_notes *notes) {
     image_notes *reported = &pairs->source->reported;
     for (int k = 0; k < IMAGE_NOTE_KINDS; k++) {

@@ -24,8 +24,8 @@ typedef struct enc_pairs {
 
 /* The two kinds of image sets in a folder or an archive, told by the directions that their names say. */
 typedef enum enc_image_set {
-    ENC_SET_GRID,  /* every view under every light, or more than half of these: what enc_read takes or tells
-                      what is missing of */
+    ENC_SET_GRID,  /* every view under every light, or more than half of these; enc_read reads it, or names the
+                      images that are missing */
     ENC_SET_PAIRS, /* any directions */
 } enc_image_set;
 

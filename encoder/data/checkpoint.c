@@ -111,11 +111,12 @@ static btf_result check_folder(const enc_context *context, const enc_checkpoint 
         sprintf(path, "%s/%s", c->folder, entry->d_name);
         if (!resume)
             result = enc_fail(context, BTF_ERROR_USAGE,
-                              "%s holds a checkpoint: --resume goes on from it, or remove the folder",
+                              "%s holds a checkpoint: go on from it with --resume, or remove the folder",
                               c->folder);
         else if (read_key(path, &key) && key != c->key)
             result = enc_fail(context, BTF_ERROR_USAGE,
-                              "%s holds a checkpoint of other data, options or version: remove the folder",
+                              "%s holds a checkpoint of other data, of other options or of another version "
+                              "of btf-encode: remove the folder",
                               c->folder);
         free(path);
     }

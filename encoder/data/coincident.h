@@ -8,8 +8,7 @@
 
 #include "data.h"
 
-/* Whether a direction is (theta, phi), in degrees, up to the rounding of names and tables (0.01 degrees).
- */
+/* Whether a direction is (theta, phi), in degrees, up to the rounding of names and tables (0.01 degrees). */
 bool enc_same_direction(const enc_direction *direction, double theta, double phi);
 
 /* The light of the same direction as a view, or -1. */

@@ -44,7 +44,7 @@ static uint64_t least_memory(const enc_context *context, int width, int height, 
                                  : 0;
 }
 
-/* Refuses data of which the allowed memory does not hold what an encode takes at the least. */
+/* Refuses data for which the allowed memory is less than the least that an encode takes. */
 static btf_result check_memory(const enc_context *context, int width, int height, int n_views,
                                int n_lights) {
     if (!context || context->memory == 0)
@@ -106,9 +106,10 @@ bool enc_data_fits(const enc_context *context, int width, int height, int n_view
 
 static btf_result allocate(const enc_context *context, enc_data *data, uint64_t bytes) {
     data->samples = calloc((size_t)bytes, 1);
-    return data->samples ? BTF_OK
-                         : enc_fail(context, BTF_ERROR_MEMORY,
-                                    "samples: no memory for %.2f GB (see --memory)", (double)bytes * 1e-9);
+    return data->samples
+               ? BTF_OK
+               : enc_fail(context, BTF_ERROR_MEMORY, "samples: out of memory for %.2f GB (see --memory)",
+                          (double)bytes * 1e-9);
 }
 
 btf_result enc_data_create(const enc_context *context, int width, int height, int n_views,
@@ -177,7 +178,7 @@ static btf_result keep_samples(const enc_context *context, enc_data *data) {
     return result;
 }
 
-/* The samples of a scratch file as memory, where there is room for them. What cannot be mapped is read. */
+/* The samples of a scratch file as memory, where there is room for them. Samples that cannot be mapped are read. */
 static void map_samples(const enc_context *context, enc_data *data) {
     const size_t bytes = enc_data_texel_count(data) * enc_data_texel_stride(data) * sizeof(float);
     if (!enc_data_fits(context, data->width, data->height, data->n_views, data->n_lights))
@@ -218,7 +219,8 @@ btf_result enc_data_create_from(const enc_context *context, int width, int heigh
             result = keep_samples(context, *out_data);
     } else {
         enc_log(context, BTF_LOG_INFO,
-                "samples: %.2f GB exceed half of the allowed memory, %.2f GB: decoded again when needed",
+                "samples: %.2f GB are more than half of the memory allowed, %.2f GB: they are decoded from "
+                "the input again when needed",
                 (double)bytes * 1e-9, (double)context->memory * 1e-9);
     }
     if (result != BTF_OK)

@@ -59,12 +59,12 @@ typedef struct enc_data {
     size_t mapped; /* bytes of samples that are a view of the scratch file, not to be written to; 0: none */
     int scratch_fd;               /* -1 without a scratch file */
     char *scratch_path;           /* of one that ranks share, where it has a name; else NULL */
-    enc_data_origin *origin;      /* what makes samples when asked for; NULL: they are stored */
+    enc_data_origin *origin;      /* makes samples when asked for; NULL: they are stored */
     enc_moved_light *moved_light; /* [n_views], or NULL: every light stood where it should (coincident.h) */
     uint64_t negative;            /* samples clamped to 0 on reading */
     const struct enc_data *original; /* of fitted values (nodes/apply.h): the samples that errors are
                                         measured against; NULL: these themselves */
-    char *source;                 /* what was read, for messages and reports */
+    char *source;                 /* the input, for messages and reports */
 } enc_data;
 
 static inline size_t enc_data_texel_count(const enc_data *data) {
@@ -89,18 +89,17 @@ static inline size_t enc_data_texel_stride(const enc_data *data) {
 btf_result enc_data_create(const enc_context *context, int width, int height, int n_views,
                            const enc_direction *views, int n_lights, const enc_direction *lights,
                            enc_data **out_data);
-/* The same with an origin that makes the samples, which then belongs to the BTF (also on error: it is
- * closed). Where all samples fit half of context->memory (0: always) they are made here, once, with all
+/* Makes a BTF whose samples come from an origin, which then belongs to the BTF (also on error: it is closed). Where all samples fit half of context->memory (0: always) they are made here, once, with all
  * threads, and kept, by the ranks in a scratch file that they share; else they are made whenever
  * they are asked for, and no scratch file is written. */
 btf_result enc_data_create_from(const enc_context *context, int width, int height, int n_views,
                                 const enc_direction *views, int n_lights, const enc_direction *lights,
                                 enc_data_origin *origin, enc_data **out_data);
-/* To be called once all samples are stored: `result`, or what sharing them with the other ranks gives.
+/* To be called once all samples are stored. Returns `result`, or the error of sharing them with the other ranks.
  * Samples that fit half of context->memory are then in memory for all ranks of a machine together. Errors:
  * `result`, BTF_ERROR_IO. */
 btf_result enc_data_complete(const enc_context *context, enc_data *data, btf_result result);
-/* Gives `to`, of the same directions, the moved lights of `from`. Errors: BTF_ERROR_MEMORY. */
+/* Copies the moved lights of `from` to `to`, which has the same directions. Errors: BTF_ERROR_MEMORY. */
 btf_result enc_data_copy_lights(const enc_data *from, enc_data *to);
 void enc_data_destroy(enc_data **data);
 

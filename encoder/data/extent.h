@@ -22,8 +22,7 @@ typedef struct enc_extent {
     size_t components; /* of a Bonn file's factorisations, the most; 0: it has none */
 } enc_extent;
 
-/* Called once, when a data set's extent is settled. Anything but BTF_OK ends the reading with that result.
- */
+/* Called once, when a data set's extent is settled. Anything but BTF_OK ends the reading with that result. */
 typedef struct enc_extent_listener {
     btf_result (*extent)(void *user, const enc_context *context, const enc_extent *extent);
     void *user;

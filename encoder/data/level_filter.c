@@ -100,7 +100,7 @@ btf_result enc_level_filter(const enc_context *context, const enc_data *from, in
     }
     enc_data_destroy(&to);
     return result == BTF_ERROR_MEMORY
-               ? enc_fail(context, result, "levels: no memory to filter %d x %d texels", width, height)
+               ? enc_fail(context, result, "levels: out of memory to filter %d x %d texels", width, height)
                : result;
 }
 

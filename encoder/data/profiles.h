@@ -16,8 +16,7 @@ static inline size_t enc_profile_stride(int n_lights) {
     return 3 * enc_profile_lanes(n_lights);
 }
 
-/* An array of `rows` profiles, zeroed and aligned to 64 bytes; free() releases it. NULL when out of memory.
- */
+/* An array of `rows` profiles, zeroed and aligned to 64 bytes; free() releases it. NULL when out of memory. */
 float *enc_profiles_create(size_t rows, int n_lights);
 
 /* Gathers one view: out[texel][channel][lane], lane = light, lanes from n_lights on left as they are;

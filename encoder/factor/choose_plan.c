@@ -73,14 +73,11 @@ static bool think(const enc_factor_matrix *m, const enc_components components[EN
                   const double thought[2], uint64_t budget, const enc_factor_plan *known, int n_known,
                   enc_factor_plan *out) {
     double rounding[ENC_FACTOR_CLASSES];
-    enc_factor_energies energies = {.rounding = rounding};
+    enc_factor_energies energies = enc_components_energies(components);
+    energies.rounding = rounding;
     for (int k = 0; k < ENC_FACTOR_CLASSES; k++) {
         const size_t tier = enc_factor_classes[k].tier;
         rounding[k] = enc_factor_classes[k].error * (tier > 0 ? thought[tier - 1] : 1);
-    }
-    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
-        energies.rank[c] = components[c].rank;
-        energies.energy[c] = components[c].energy;
     }
     bool found = enc_factor_allocate(&energies, m->texels, (size_t)m->data->n_views,
                                      (size_t)m->data->n_lights, budget, out);

@@ -152,6 +152,36 @@ btf_result enc_components_find(const enc_factor_matrix *m, const size_t rank[3],
     return result;
 }
 
+enc_factor_energies enc_components_energies(const enc_components components[3]) {
+    enc_factor_energies e = {.rounding = NULL};
+    for (int c = 0; c < 3; c++) {
+        e.rank[c] = components[c].rank;
+        e.energy[c] = components[c].energy;
+    }
+    return e;
+}
+
+btf_result enc_components_copy(const enc_factor_matrix *m, const enc_components from[3],
+                               enc_components out[3]) {
+    for (int c = 0; c < 3; c++) {
+        const size_t rank = from[c].rank;
+        out[c] = (enc_components){.rank = rank,
+                                  .u = enc_gemm_alloc(rank * m->texels + 1),
+                                  .w = enc_gemm_alloc(rank * m->columns + 1),
+                                  .energy = malloc((rank + 1) * sizeof *out[c].energy),
+                                  .sought = from[c].sought};
+        if (!out[c].u || !out[c].w || !out[c].energy) {
+            return no_memory(m, rank);
+        }
+        if (rank > 0) {
+            memcpy(out[c].u, from[c].u, rank * m->texels * sizeof *out[c].u);
+            memcpy(out[c].w, from[c].w, rank * m->columns * sizeof *out[c].w);
+            memcpy(out[c].energy, from[c].energy, rank * sizeof *out[c].energy);
+        }
+    }
+    return BTF_OK;
+}
+
 void enc_components_clear(enc_components *c) {
     free(c->u);
     free(c->w);

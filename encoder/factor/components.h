@@ -25,6 +25,12 @@ btf_result enc_components_find(const enc_factor_matrix *matrix, const size_t ran
                                int power_steps, enc_components io_components[ENC_FACTOR_CHANNELS]);
 /* Orthonormal rows of the span of x [rank][count]. Errors: false when out of memory. */
 bool enc_components_orthonormalise(const enc_factor_matrix *matrix, size_t rank, size_t count, float *x);
+/* The energies of all channels, for plans. */
+enc_factor_energies enc_components_energies(const enc_components components[ENC_FACTOR_CHANNELS]);
+/* Copies all channels. Errors: BTF_ERROR_MEMORY; *out is for enc_components_clear then, too. */
+btf_result enc_components_copy(const enc_factor_matrix *matrix,
+                               const enc_components from[ENC_FACTOR_CHANNELS],
+                               enc_components out[ENC_FACTOR_CHANNELS]);
 void enc_components_clear(enc_components *components);
 
 #endif

@@ -45,15 +45,6 @@ static void first_ranks(size_t texels, size_t columns, uint64_t budget, size_t o
     out[1] = out[2] = luma / CHROMA_SHARE + SPARE < side ? luma / CHROMA_SHARE + SPARE : side;
 }
 
-static enc_factor_energies energies_of(const enc_components components[ENC_FACTOR_CHANNELS]) {
-    enc_factor_energies e = {.rounding = NULL};
-    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
-        e.rank[c] = components[c].rank;
-        e.energy[c] = components[c].energy;
-    }
-    return e;
-}
-
 /* How many components a channel should have had: 0, enough; it was found short where all that were found
  * are kept, up to a word, and there are more. */
 static size_t missing(const enc_factor_matrix *m, const enc_components *components,
@@ -75,7 +66,7 @@ static btf_result make_plan(const enc_factor_matrix *m, const enc_factor_options
                             const bool asked[ENC_FACTOR_CHANNELS], enc_signal *io_signal,
                             enc_factor_plan *plan, enc_unspent *unspent) {
     const size_t views = (size_t)m->data->n_views, lights = (size_t)m->data->n_lights;
-    const enc_factor_energies energies = energies_of(components);
+    const enc_factor_energies energies = enc_components_energies(components);
     const bool stops = options->tolerance > 0;
     const btf_result result = stops ? enc_signal_find(m, components, asked, io_signal) : BTF_OK;
     if (result != BTF_OK) {
@@ -179,6 +170,7 @@ static btf_result deliver(const enc_factor_matrix *m, enc_factor_codes *codes, e
 /* One candidate: components, and the codes that they become. */
 typedef struct found {
     enc_components components[ENC_FACTOR_CHANNELS];
+    bool borrowed; /* components are those of the options' basis */
     enc_factor_plan plan;
     enc_match match; /* sources and gains, of a candidate with match */
     enc_match_bases bases;
@@ -189,7 +181,7 @@ typedef struct found {
 } found;
 
 static void clear(found *f) {
-    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
+    for (int c = 0; c < ENC_FACTOR_CHANNELS && !f->borrowed; c++) {
         enc_components_clear(&f->components[c]);
     }
     enc_match_clear(&f->match);
@@ -203,9 +195,32 @@ static uint64_t match_bytes(const enc_factor_matrix *m) {
     return enc_match_bytes(m->texels, (size_t)m->data->n_views);
 }
 
+/* Bytes of components that stay for further encodes, of which match has a copy. */
+static uint64_t basis_bytes(const enc_factor_matrix *m, const enc_factor_options *options) {
+    uint64_t components = 0;
+    for (int c = 0; c < ENC_FACTOR_CHANNELS && options->basis; c++) {
+        components += options->basis[c].sought;
+    }
+    return sizeof(float) * components * (m->texels + m->columns);
+}
+
+/* Whether match may be tried: it wants the samples in memory, and room beside them, more with the
+ * coordinates of the whole texture. */
+static bool has_room(const enc_factor_matrix *m, const enc_factor_options *options, bool whole) {
+    const enc_data *d = m->data;
+    const uint64_t budget = options->budget;
+    const uint64_t samples = 4 * (uint64_t)enc_data_texel_count(d) * enc_data_texel_stride(d);
+    const uint64_t all =
+        samples + basis_bytes(m, options) +
+        enc_factor_match_memory(d->width, d->height, d->n_views, budget, whole) +
+        enc_factor_memory(d->width, d->height, d->n_views, d->n_lights, budget, m->context->threads);
+    return d->samples && (m->context->memory == 0 || all <= m->context->memory);
+}
+
+/* Where a choice is to be made, or the error is asked for. */
 static btf_result measure(const enc_factor_matrix *m, const enc_factor_options *options, found *f) {
     btf_result result = BTF_OK;
-    if (options->measure || options->match == ENC_FACTOR_CHOOSE_MATCH) {
+    if (options->measure || (options->match == ENC_FACTOR_CHOOSE_MATCH && has_room(m, options, false))) {
         enc_stage_begin(m->context, "measure factors", m->texels);
         result = enc_factor_measure(m, &f->codes, &f->trial.error);
         enc_stage_end(m->context);
@@ -270,17 +285,6 @@ static btf_result encode_plain(const enc_factor_matrix *m, const enc_factor_opti
     return result == BTF_OK ? finish(m, options, begin, f) : result;
 }
 
-/* Whether match may be tried: it wants the samples in memory, and room beside them, more with the
- * coordinates of the whole texture. */
-static bool has_room(const enc_factor_matrix *m, uint64_t budget, bool whole) {
-    const enc_data *d = m->data;
-    const uint64_t samples = 4 * (uint64_t)enc_data_texel_count(d) * enc_data_texel_stride(d);
-    const uint64_t all =
-        samples + enc_factor_match_memory(d->width, d->height, d->n_views, budget, whole) +
-        enc_factor_memory(d->width, d->height, d->n_views, d->n_lights, budget, m->context->threads);
-    return d->samples && (m->context->memory == 0 || all <= m->context->memory);
-}
-
 /* Sources for the components, and others in their place; trial.omitted where they leave more than `most`
  * of the squared error. */
 static btf_result find_match(const enc_factor_matrix *m, const enc_factor_options *options, uint64_t budget,
@@ -289,7 +293,7 @@ static btf_result find_match(const enc_factor_matrix *m, const enc_factor_option
     enc_stage_begin(m->context, "match", 2 * ENC_MATCH_ROUNDS * m->texels);
     btf_result result = enc_match_create(m->context, m->data->width, m->data->height,
                                          (size_t)m->data->n_views, options->gain, &f->match);
-    f->match.whole = has_room(m, options->budget, true);
+    f->match.whole = has_room(m, options, true);
     result = result == BTF_OK ? enc_match_find_bases(m, &f->bases) : result;
     if (result == BTF_OK &&
         !enc_factor_take_match(m, options->number, &f->match, f->components, &f->plan, &share)) {
@@ -341,7 +345,7 @@ static double gained(enc_factor_error a, enc_factor_error b) {
  * plan that was chosen by trial it expects too little. */
 static btf_result hand_over(const enc_factor_matrix *m, uint64_t bytes, uint64_t budget, found *plain,
                             found *matched, double *out_most) {
-    const enc_factor_energies energies = energies_of(plain->components);
+    const enc_factor_energies energies = enc_components_energies(plain->components);
     const size_t views = (size_t)m->data->n_views, lights = (size_t)m->data->n_lights;
     enc_factor_plan all;
     if (!enc_factor_allocate(&energies, m->texels, views, lights, bytes, &all) ||
@@ -352,6 +356,9 @@ static btf_result hand_over(const enc_factor_matrix *m, uint64_t bytes, uint64_t
                               enc_factor_plan_error(&energies, &all, 0));
     const double rest = enc_factor_plan_error(&energies, &matched->plan, 0);
     *out_most = rest > 0 ? fmin(MAY_PAY * whole / rest, MAY_LEAVE) : 0;
+    if (plain->borrowed) {
+        return enc_components_copy(m, plain->components, matched->components);
+    }
     memcpy(matched->components, plain->components, sizeof plain->components);
     memset(plain->components, 0, sizeof plain->components);
     return BTF_OK;
@@ -371,9 +378,9 @@ static btf_result try_match(const enc_factor_matrix *m, const enc_factor_options
         return BTF_OK;
     }
     if (choose) {
-        matched->trial.omitted = bytes < lists + least               ? ENC_FACTOR_NO_BYTES
-                                 : !has_room(m, options->budget, false) ? ENC_FACTOR_NO_MEMORY
-                                                                 : ENC_FACTOR_ENCODED;
+        matched->trial.omitted = bytes < lists + least          ? ENC_FACTOR_NO_BYTES
+                                 : !has_room(m, options, false) ? ENC_FACTOR_NO_MEMORY
+                                                                : ENC_FACTOR_ENCODED;
     }
     if (matched->trial.omitted) {
         return BTF_OK;
@@ -396,14 +403,34 @@ static bool pays(const enc_factor_matrix *m, const found *plain, const found *ma
     return gain >= MUST_GAIN;
 }
 
+/* Components of the basis, with a plan for the budget. */
+static btf_result borrow_components(const enc_factor_matrix *m, const enc_factor_options *options,
+                                    found *f) {
+    const enc_factor_energies energies = enc_components_energies(options->basis);
+    memcpy(f->components, options->basis, sizeof f->components);
+    f->borrowed = true;
+    return enc_factor_allocate(&energies, m->texels, (size_t)m->data->n_views, (size_t)m->data->n_lights,
+                               options->budget, &f->plan)
+               ? enc_choose_plan(m, f->components, options->budget, options->sweeps, &f->plan)
+               : enc_fail(m->context, BTF_ERROR_MEMORY, "factors: out of memory");
+}
+
 static btf_result find_components(const enc_factor_matrix *m, const enc_factor_options *options, found *f) {
-    if (enc_factor_take_components(m, options->number, f->components, &f->plan, &f->unspent)) {
-        return BTF_OK;
+    btf_result result = BTF_OK;
+    if (options->basis && options->basis[0].sought > 0) {
+        return borrow_components(m, options, f);
     }
-    const btf_result result = factorise(m, options, f->components, &f->plan, &f->unspent);
-    return result == BTF_OK
-               ? enc_factor_keep_components(m, options->number, f->components, &f->plan, &f->unspent)
-               : result;
+    if (!enc_factor_take_components(m, options->number, f->components, &f->plan, &f->unspent)) {
+        result = factorise(m, options, f->components, &f->plan, &f->unspent);
+        result = result == BTF_OK
+                     ? enc_factor_keep_components(m, options->number, f->components, &f->plan, &f->unspent)
+                     : result;
+    }
+    if (options->basis && result == BTF_OK) {
+        memcpy(options->basis, f->components, sizeof f->components);
+        f->borrowed = true;
+    }
+    return result;
 }
 
 /* The candidates that the options call for; trial.kept of one of them. */

@@ -30,6 +30,10 @@ typedef struct enc_factor_options {
                          is filled */
     bool measure;    /* the error at the samples is wanted: one more pass over them */
     int number;      /* of the encode, where one job makes several: its steps in a checkpoint have it */
+    /* NULL, or the components of all encodes of a job, [channel]: zeroed, they are found and stay here, for
+     * the caller to clear; else they come from an encode of the same data by no smaller a budget, and are
+     * not looked for again. With a tolerance of 0. */
+    enc_components *basis;
 } enc_factor_options;
 
 /* Encodes a BTF. The same bits for any number of threads and ranks. Samples are read in passes, each of them

@@ -6,6 +6,8 @@
 
 #include "factor.h"
 
+#include "encoder/allocation/quality.h"
+
 #include <math.h>
 #include <openbtf/material.h>
 #include <stdlib.h>
@@ -122,85 +124,89 @@ static void note_trials(const enc_data *data, const enc_factors *f, bool measure
     }
 }
 
-/* One encode by a budget, noted as trials; *out_kept: the one that it kept. */
+/* One encode by a budget, noted as trials; *out_kept: the one that it kept. basis: components of all
+ * encodes for a quality. */
 static btf_result encode(const enc_context *context, const enc_data *data,
-                         const enc_factors_settings *settings, uint64_t budget, enc_factors **out,
-                         enc_factors_stats *stats, int *out_kept) {
+                         const enc_factors_settings *settings, uint64_t budget, enc_components basis[3],
+                         enc_factors **out, enc_factors_stats *stats, int *out_kept) {
     const bool match = settings->effects & BTF_EFFECT_SHIFT;
     const enc_factor_options options = {
         .budget = budget,
         .sweeps = settings->sweeps,
-        .match = settings->choose ? ENC_FACTOR_CHOOSE_MATCH : match ? ENC_FACTOR_MATCH : ENC_FACTOR_NO_MATCH,
+        .match = settings->choose ? ENC_FACTOR_CHOOSE_MATCH
+                 : match          ? ENC_FACTOR_MATCH
+                                  : ENC_FACTOR_NO_MATCH,
         .gain = settings->choose || settings->effects & BTF_EFFECT_GAIN,
         .tolerance = settings->quality > 0 ? 0 : settings->tolerance, /* a quality has a stop of its own */
         .measure = settings->quality > 0,
-        .number = stats->encodes++};
+        .number = stats->encodes++,
+        .basis = settings->quality > 0 ? basis : NULL};
     const btf_result result = enc_factor_encode(context, data, &options, out);
     if (result != BTF_OK)
         return result;
     const enc_factors *f = *out;
     stats->unspent = f->unspent;
-    note_trials(data, f, settings->quality > 0 || settings->choose, stats, out_kept);
+    const bool chosen = f->n_trials > 1 && f->trials[1].omitted != ENC_FACTOR_NO_MEMORY;
+    note_trials(data, f, settings->quality > 0 || chosen, stats, out_kept);
     enc_log(context, BTF_LOG_INFO, "factors: %zu + %zu + %zu components in %d units%s, %llu bytes",
             f->components[0], f->components[1], f->components[2], f->n_units, f->shift ? " with match" : "",
             (unsigned long long)gpu_bytes(data, f->bytes, f->n_units));
     return BTF_OK;
 }
 
-/* Between a budget that falls short of the quality and one that reaches it, by the straight line of dB over
- * the logarithm of bytes, but not at the ends. */
-static uint64_t next_budget(double low, double low_psnr, double high, double high_psnr, double quality) {
-    const double share =
-        isnan(low_psnr) || !(high_psnr > low_psnr) ? 0.5 : (quality - low_psnr) / (high_psnr - low_psnr);
-    const double inside = fmin(fmax(share + 0.05, 0.1), 0.9);
-    return (uint64_t)(low * pow(high / low, inside));
-}
-
 /* Replaces *io_best, the encode of trial `best`, by one of fewer bytes that reaches the quality, too. */
 static btf_result reduce(const enc_context *context, const enc_data *data,
-                         const enc_factors_settings *settings, enc_factors **io_best,
-                         enc_factors_stats *stats, int *io_best_trial) {
-    double low = (double)((*io_best)->match_bytes + enc_factor_least_budget(data->width, data->height,
-                                                                            data->n_views, data->n_lights));
-    double low_psnr = NAN, high = (double)(*io_best)->bytes, high_psnr = psnr((*io_best)->error.srgb);
-    for (int i = 0; i < ENC_FACTORS_TRIALS && high > 1.01 * low; i++) {
+                         const enc_factors_settings *settings, enc_components basis[3],
+                         enc_factors **io_best, enc_factors_stats *stats, int *io_best_trial) {
+    const uint64_t lists = (*io_best)->match_bytes, most = (*io_best)->bytes - lists;
+    const uint64_t least =
+        enc_factor_least_budget(data->width, data->height, data->n_views, data->n_lights);
+    const enc_factor_energies energies = enc_components_energies(basis);
+    enc_quality_search search;
+    btf_result result = enc_quality_begin(&energies, enc_data_texel_count(data), (size_t)data->n_views,
+                                          (size_t)data->n_lights, most, least, settings->quality,
+                                          psnr((*io_best)->error.srgb), &search)
+                            ? BTF_OK
+                            : enc_fail(context, BTF_ERROR_MEMORY, "factors: out of memory");
+    for (int i = 0; i < ENC_FACTORS_TRIALS && result == BTF_OK; i++) {
+        const size_t next = enc_quality_next(&search);
         enc_factors *trial = NULL;
-        const uint64_t budget = next_budget(low, low_psnr, high, high_psnr, settings->quality);
         int kept = 0;
-        const btf_result result = encode(context, data, settings, budget, &trial, stats, &kept);
-        if (result != BTF_OK)
+        if (next == search.count) {
+            break;
+        }
+        result = encode(context, data, settings, search.budget[next] + lists, basis, &trial, stats, &kept);
+        if (result != BTF_OK) {
             return result;
-        const double reached = psnr(trial->error.srgb);
-        if (reached >= settings->quality) {
-            high = fmin((double)trial->bytes, (double)budget);
-            high_psnr = reached;
+        }
+        enc_quality_note(&search, next, psnr(trial->error.srgb));
+        if (search.reaches == next) {
             enc_factors_destroy(io_best);
             *io_best = trial;
             *io_best_trial = kept;
         } else {
-            low = (double)budget;
-            low_psnr = reached;
             enc_factors_destroy(&trial);
         }
     }
-    return BTF_OK;
+    return result;
 }
 
 btf_result enc_factors_solve(const enc_context *context, const enc_data *data,
                              const enc_factors_settings *settings, enc_solution *out_solution,
                              enc_factors_stats *out_stats) {
     enc_factors_settings now = *settings;
+    enc_components basis[ENC_FACTOR_CHANNELS] = {{0}};
     enc_factors *best = NULL;
     int best_trial = 0;
     *out_solution = (enc_solution){0};
     *out_stats = (enc_factors_stats){0};
-    btf_result result = encode(context, data, &now, now.budget, &best, out_stats, &best_trial);
+    btf_result result = encode(context, data, &now, now.budget, basis, &best, out_stats, &best_trial);
     if (result == BTF_OK && settings->quality > 0) {
         const double reached = psnr(best->error.srgb);
         now.choose = false; /* a smaller budget takes what paid at the whole one */
         now.effects = settings->choose ? out_stats->trials[best_trial].effects : settings->effects;
         if (reached >= settings->quality)
-            result = reduce(context, data, &now, &best, out_stats, &best_trial);
+            result = reduce(context, data, &now, basis, &best, out_stats, &best_trial);
         else
             enc_log(context, BTF_LOG_WARNING, "factors: %.2f dB of %.2f within %llu bytes", reached,
                     settings->quality, (unsigned long long)settings->budget);
@@ -210,5 +216,8 @@ btf_result enc_factors_solve(const enc_context *context, const enc_data *data,
         result = to_solution(context, data, &best, out_solution);
     }
     enc_factors_destroy(&best);
+    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
+        enc_components_clear(&basis[c]);
+    }
     return result;
 }

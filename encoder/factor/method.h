@@ -33,10 +33,10 @@ typedef struct enc_factors_stats {
 } enc_factors_stats;
 
 /* Encodes `data`. Where the settings leave the choice, match and gain are kept where they gain at the bytes
- * that pay without them. With a quality, budgets are tried until the fewest bytes that reach it are known to a
- * hundredth, or ENC_FACTORS_TRIALS were; where the whole budget does not reach it, that stays, with a
- * warning. The same data and settings give the same solution for any number of threads and ranks. Errors: as
- * enc_factor_encode. On error *out_solution is zeroed. */
+ * that pay without them. With a quality, budgets are tried, from the components of the first encode, until the
+ * fewest bytes that reach it are known to a hundredth, or ENC_FACTORS_TRIALS were; where the whole budget does
+ * not reach it, that stays, with a warning. The same data and settings give the same solution for any number
+ * of threads and ranks. Errors: as enc_factor_encode. On error *out_solution is zeroed. */
 btf_result enc_factors_solve(const enc_context *context, const enc_data *data,
                              const enc_factors_settings *settings, enc_solution *out_solution,
                              enc_factors_stats *out_stats);

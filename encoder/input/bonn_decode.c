@@ -22,11 +22,11 @@ struct enc_bonn_decoder {
     const enc_bonn_file *file;
     int *view_order, *light_order;
     float *light_factor;
-    uint32_t *components;    /* [matrix]: of each, those that are used */
-    uint32_t most;           /* of them */
+    uint32_t *components;    /* [matrix]: the count of its components that are used */
+    uint32_t most;           /* the greatest of these counts */
     float **packed;          /* [view * 3 + channel]: direction side, as right operand of lights */
     float *means;            /* PVF with means of lights: [view][channel][light], else NULL */
-    unsigned char *expanded; /* bzipped BDI: all chunks, one after the other */
+    unsigned char *expanded; /* of a bzipped BDI: its chunks unpacked, one after the other; else NULL */
 };
 
 static const enc_bonn_matrix *matrix_of(const enc_bonn_file *f, size_t view, size_t channel,
@@ -36,7 +36,7 @@ static const enc_bonn_matrix *matrix_of(const enc_bonn_file *f, size_t view, siz
     return &f->matrices[i];
 }
 
-/* The row of the direction side, numbers of view and light being the file's. */
+/* The row of a matrix's direction side, for a view and a light as the file numbers them. */
 static size_t direction_row(const enc_bonn_file *f, const enc_bonn_matrix *m, size_t view, size_t light,
                             size_t channel) {
     const size_t direction = f->kind == ENC_BONN_PVF ? light : view * f->n_lights + light;
@@ -57,7 +57,8 @@ static btf_result check_finite(const enc_context *context, const enc_bonn_file *
     return BTF_OK;
 }
 
-/* One view and channel: rows of all lights, packed; and their means. */
+/* Packs the direction side of one view and channel, a row of components for each light, and sets the lights'
+ * means. */
 static btf_result pack_directions(const enc_context *context, enc_bonn_decoder *d, size_t view,
                                   size_t channel, float *rows) {
     const enc_bonn_file *f = d->file;
@@ -109,7 +110,7 @@ static btf_result prepare_matrices(const enc_context *context, enc_bonn_decoder 
     return result;
 }
 
-/* One bzipped chunk of exactly `size` bytes. */
+/* Unpacks a bzipped chunk, which must give exactly `size` bytes. */
 static btf_result expand_chunk(const enc_context *context, const enc_bonn_file *f, uint32_t index,
                                unsigned char *out, size_t size) {
     struct archive *reader = archive_read_new();
@@ -145,8 +146,8 @@ static btf_result expand_all(const enc_context *context, enc_bonn_decoder *d) {
     const size_t stored = (size_t)f->width * f->height - f->n_missing;
     d->expanded = malloc(stored * abrdf);
     if (!d->expanded)
-        return enc_fail(context, BTF_ERROR_MEMORY, "%s: no memory for %.2f GB of unpacked samples", f->path,
-                        (double)(stored * abrdf) * 1e-9);
+        return enc_fail(context, BTF_ERROR_MEMORY, "%s: out of memory for %.2f GB of unpacked samples",
+                        f->path, (double)(stored * abrdf) * 1e-9);
     btf_result result = BTF_OK;
     for (uint32_t i = 0; i < f->n_chunks && result == BTF_OK; i++) {
         const size_t first = i * per_chunk, left = stored - first;
@@ -212,7 +213,8 @@ void enc_bonn_decoder_destroy(enc_bonn_decoder **decoder) {
     *decoder = NULL;
 }
 
-/* Profiles of a block in the file's view `view`: out[i][channel][light], `pitch` floats a texel. */
+/* Multiplies out the light profiles of `count` texels in the file's view `view`: out[i][channel][light], `pitch`
+ * floats from one texel to the next. rows, packed: room for a block. */
 static void multiply(const enc_bonn_decoder *d, enc_gemm_tile tile, size_t count, const size_t *texels,
                      size_t view, size_t pitch, float *rows, float *packed, float *out) {
     const enc_bonn_file *f = d->file;
@@ -240,7 +242,7 @@ static void multiply(const enc_bonn_decoder *d, enc_gemm_tile tile, size_t count
     }
 }
 
-/* The same of a BDI. */
+/* Copies the light profiles of a BDI, which stores samples; 0 where the file lacks the texel. */
 static void fetch(const enc_bonn_decoder *d, size_t count, const size_t *texels, size_t view, size_t pitch,
                   float *out) {
     const enc_bonn_file *f = d->file;
@@ -259,7 +261,7 @@ static void fetch(const enc_bonn_decoder *d, size_t count, const size_t *texels,
     }
 }
 
-/* From what the file codes to radiance. */
+/* Turns values as the file codes them into radiance. */
 static btf_result finish(const enc_context *context, const enc_bonn_decoder *d, size_t texel, size_t view,
                          float *profile) {
     const enc_bonn_file *f = d->file;
@@ -283,7 +285,7 @@ btf_result enc_bonn_decode(const enc_context *context, const enc_bonn_decoder *d
     const enc_bonn_file *f = d->file;
     const size_t profile = 3 * (size_t)f->n_lights, k = d->most ? d->most : 1;
     const enc_gemm_tile tile = enc_gemm_select();
-    const size_t room = (BLOCK * k + 15) / 16 * 16; /* keeps what follows aligned */
+    const size_t room = (BLOCK * k + 15) / 16 * 16; /* `packed` stands behind, aligned to 64 bytes */
     float *rows = enc_gemm_alloc(room + BLOCK * k);
     btf_result result = rows ? BTF_OK : BTF_ERROR_MEMORY;
     for (size_t first = 0; first < count && result == BTF_OK; first += BLOCK) {

@@ -14,12 +14,11 @@ typedef struct enc_bonn_decoder enc_bonn_decoder;
 /* view_order[n_views], light_order[n_lights]: the file's number of each view and light of the output.
  * light_factor[n_lights] (of the output's lights) multiplies every sample; components: at most so many of
  * each factorisation, 0 for all. Bzipped BDI is expanded in memory here. The file must outlive the decoder.
- * Errors, on the log: BTF_ERROR_BAD_FILE (a number that is not finite, damaged chunks), BTF_ERROR_MEMORY.
- */
+ * Errors, on the log: BTF_ERROR_BAD_FILE (a number that is not finite, damaged chunks), BTF_ERROR_MEMORY. */
 btf_result enc_bonn_decoder_create(const enc_context *context, const enc_bonn_file *file,
                                    const int *view_order, const int *light_order, const float *light_factor,
                                    uint32_t components, enc_bonn_decoder **out_decoder);
-/* Components of its factorisations, the most; 0: it has none. */
+/* The most components that a factorisation of the file has and that are used; 0: it has no factorisation. */
 uint32_t enc_bonn_decoder_components(const enc_bonn_decoder *decoder);
 
 void enc_bonn_decoder_destroy(enc_bonn_decoder **decoder);
@@ -27,8 +26,7 @@ void enc_bonn_decoder_destroy(enc_bonn_decoder **decoder);
 /* Linear Rec. 709 samples of `count` texels (numbers y * width + x, in any order):
  * out[i][view][channel][light], `pitch` floats from texel to texel. first_view, n_views: these views alone,
  * the first of them at out[i][0]. Negative samples are kept. Missing ABRDFs of a sparse BDI are 0. The same
- * bits for any blocking. Errors: BTF_ERROR_BAD_FILE (a sample that is not finite: named), BTF_ERROR_MEMORY.
- */
+ * bits for any blocking. Errors: BTF_ERROR_BAD_FILE (a sample that is not finite: named), BTF_ERROR_MEMORY. */
 btf_result enc_bonn_decode(const enc_context *context, const enc_bonn_decoder *decoder, size_t count,
                            const size_t *texels, int first_view, int n_views, size_t pitch, float *out);
 

@@ -308,7 +308,7 @@ static void read_pvf(cursor *c, enc_bonn_file *f, bool legacy) {
     }
 }
 
-/* Which ABRDFs are there, in the order of their storage. */
+/* Lists the ABRDFs that the file holds, in the order of their storage. */
 static void read_mask(cursor *c, enc_bonn_file *f) {
     const size_t texels = (size_t)f->width * f->height;
     const unsigned char *mask = take(c, texels, "mask");
@@ -374,7 +374,8 @@ static btf_result parse(const enc_context *context, enc_bonn_file *f) {
     cursor c = {.context = context, .file = f};
     const int i = find_signature(f->bytes, (size_t)f->size);
     if (i < 0)
-        return enc_fail(context, BTF_ERROR_BAD_FILE, "%s: no signature of a Bonn file", f->path);
+        return enc_fail(context, BTF_ERROR_BAD_FILE, "%s: not a Bonn .btf file: it has no signature of one",
+                        f->path);
     strcpy(f->signature, signatures[i].text);
     f->kind = signatures[i].kind;
     c.at = strlen(f->signature);

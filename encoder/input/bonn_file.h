@@ -1,4 +1,4 @@
-/* Bonn's binary .btf files: what one holds, checked, and where its matrices lie.
+/* Bonn's binary .btf files: the checked contents of one, and where its matrices lie.
  *
  * All numbers are little-endian. An ABRDF is all samples of a texel; light runs faster than view, x faster
  * than y. Kinds, with channel c, light l, view v, texel xy = y * width + x:

@@ -15,7 +15,7 @@
 
 enum { SOURCES = 16 /* texels of the file that are decoded together for one resized texel */ };
 
-/* The origin of the samples: the file, and what of it becomes which texel. */
+/* The origin of the samples: the file, and the part of it that each texel shows. */
 typedef struct bonn_origin {
     enc_data_origin base;
     enc_bonn_file *file;
@@ -192,17 +192,17 @@ static btf_result prepare(const enc_context *context, bonn_origin *o, const enc_
     if (result != BTF_OK)
         return result;
     if (views[0].theta > ENC_GRID_POLE_DISTANCE)
-        return enc_fail(
-            context, BTF_ERROR_BAD_FILE,
-            "%s: no top view: the view nearest to the pole is (%g,%g), more than %g degrees off", f->path,
-            views[0].theta, views[0].phi, ENC_GRID_POLE_DISTANCE);
+        return enc_fail(context, BTF_ERROR_BAD_FILE,
+                        "%s: no top view: the view nearest to the surface normal is (%g,%g), more than %g "
+                        "degrees from it",
+                        f->path, views[0].theta, views[0].phi, ENC_GRID_POLE_DISTANCE);
     const bool missing =
         options->cosine == ENC_COSINE_MISSING || (options->cosine == ENC_COSINE_AUTO && !f->cosine);
     for (uint32_t l = 0; l < f->n_lights; l++)
         factor[l] = missing ? lights[l].xyz[2] : 1.0f;
     if (missing)
-        enc_log(context, BTF_LOG_INFO, "%s: values are without the cosine of the light: multiplied by it",
-                f->path);
+        enc_log(context, BTF_LOG_INFO,
+                "%s: values lack the cosine of the light's angle: they were multiplied by it", f->path);
     if (f->n_missing > 0)
         enc_log(context, BTF_LOG_WARNING, "%s: %u of %llu texels are missing and read as 0", f->path,
                 f->n_missing, (unsigned long long)f->width * f->height);

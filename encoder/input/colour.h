@@ -9,7 +9,7 @@
 
 /* How sample values code radiance. */
 typedef enum enc_transfer {
-    ENC_TRANSFER_AUTO = 0, /* what the file says, else sRGB for 8 and 16 bits; linear for floating point */
+    ENC_TRANSFER_AUTO = 0, /* as the file says, else sRGB for 8 and 16 bits; linear for floating point */
     ENC_TRANSFER_SRGB,     /* IEC 61966-2-1 */
     ENC_TRANSFER_LINEAR,
     ENC_TRANSFER_GAMMA, /* value^gamma */

@@ -43,7 +43,7 @@ static int compare_directions(const void *a, const void *b) {
     return (x->source > y->source) - (x->source < y->source);
 }
 
-/* Sorts a list and drops what occurs again (the earliest file stays). Returns the new length. */
+/* Sorts a list and drops repeated directions (the earliest file stays). Returns the new length. */
 static size_t sort_unique(named_direction *list, size_t count) {
     size_t kept = 0;
     qsort(list, count, sizeof *list, compare_directions);
@@ -164,7 +164,7 @@ static btf_result list_names(const enc_source *source, name_list *out) {
     return BTF_OK;
 }
 
-/* Refuses what cannot be read for sure, and tells what was left aside. */
+/* Refuses names that cannot be read for sure, and warns of images that were left out. */
 static btf_result judge_names(const enc_context *context, const enc_source *source, const name_list *list) {
     if (list->n_bad > 0)
         return enc_fail(
@@ -185,11 +185,10 @@ static btf_result judge_names(const enc_context *context, const enc_source *sour
                 "is %s",
                 source->location, list->n_incomplete, source->paths[list->incomplete]);
     if (list->n_counters > 0)
-        enc_log(
-            context, BTF_LOG_WARNING,
-            "%s: %zu images have digits behind their last angle, which are taken for a counter, not for "
-            "decimals: first is %s",
-            source->location, list->n_counters, source->paths[list->counter]);
+        enc_log(context, BTF_LOG_WARNING,
+                "%s: %zu images have digits behind their last angle, which are taken as a counter, not as "
+                "decimals: first is %s",
+                source->location, list->n_counters, source->paths[list->counter]);
     if (list->n_frames == list->n_read && list->n_read > 1)
         enc_log(context, BTF_LOG_WARNING,
                 "%s: of each of the %zu images the last angle alone has decimals: are they a frame number? "
@@ -256,12 +255,12 @@ static void doubt_units(const enc_context *context, const enc_source *source, co
     const enc_radians radians = enc_angles_look_like_radians(range);
     if (radians != ENC_RADIANS_NONE)
         enc_log(context, BTF_LOG_WARNING,
-                "%s: no %s and few but 0 are whole: they look like radians, and are read as degrees: first "
-                "is %s",
+                "%s: no %s and few apart from 0 are whole: they look like radians, but are read as "
+                "degrees: first is %s",
                 source->location, seen[radians], source->paths[example[0]]);
     if (enc_angles_look_like_indices(range))
         enc_log(context, BTF_LOG_WARNING,
-                "%s: all thetas are whole and below 10: they look like numbers of directions, and are read "
+                "%s: all thetas are whole and below 10: they look like numbers of directions, but are read "
                 "as degrees: first is %s",
                 source->location, source->paths[example[0]]);
     if (range->beyond > 0)
@@ -280,7 +279,7 @@ static void survey(enc_angle_range *range, const enc_angles *a, size_t index, si
         example[1] = index;
 }
 
-/* Images by what their names say. */
+/* Lists images by the angles in their names. */
 static btf_result take_names(const enc_context *context, const enc_source *source,
                              const enc_read_options *options, named_image *images, size_t *out_count) {
     name_list list;
@@ -484,11 +483,11 @@ btf_result enc_grid_create(const enc_context *context, const enc_source *source,
     if (result == BTF_OK)
         result = collect(context, source, images, count, true, &lights, &n_lights);
     if (result == BTF_OK && views[0].theta > ENC_GRID_POLE_DISTANCE)
-        result = enc_fail(
-            context, BTF_ERROR_BAD_FILE,
-            "%s: no top view: the view nearest to the pole is (%g,%g), more than %g degrees off: %s",
-            source->location, views[0].theta, views[0].given_phi, ENC_GRID_POLE_DISTANCE,
-            source->paths[views[0].source]);
+        result = enc_fail(context, BTF_ERROR_BAD_FILE,
+                          "%s: no top view: the view nearest to the surface normal is (%g,%g), more than "
+                          "%g degrees from it: %s",
+                          source->location, views[0].theta, views[0].given_phi, ENC_GRID_POLE_DISTANCE,
+                          source->paths[views[0].source]);
     if (result == BTF_OK && !(owner = calloc(n_views * n_lights, sizeof *owner)))
         result = BTF_ERROR_MEMORY;
     if (result == BTF_OK)

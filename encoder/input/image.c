@@ -28,7 +28,8 @@ btf_result enc_image_decode_layer(const void *data, size_t size, const char *lay
     btf_result result;
     message[0] = '\0';
     if (layer && !begins_with(data, size, "\x76\x2f\x31\x01", 4)) {
-        snprintf(message, message_size, "--layer %s: not an OpenEXR file, and no other has layers", layer);
+        snprintf(message, message_size,
+                 "--layer %s: not an OpenEXR file, and files of other formats have no layers", layer);
         return BTF_ERROR_UNSUPPORTED;
     }
     if (begins_with(data, size, "\xff\xd8", 2)) {
@@ -58,7 +59,7 @@ btf_result enc_image_decode_layer(const void *data, size_t size, const char *lay
             image_note(&image.info, IMAGE_NOTE_ENVMAP, "EXR: an environment map of six faces, taken as one picture");
     } else {
         snprintf(message, message_size,
-                 size == 0 ? "empty file" : "neither JPEG, PNG, Radiance HDR nor OpenEXR");
+                 size == 0 ? "empty file" : "not a JPEG, PNG, Radiance HDR or OpenEXR file");
         return BTF_ERROR_BAD_FILE;
     }
     if (result == BTF_OK)

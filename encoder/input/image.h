@@ -20,7 +20,7 @@ typedef struct enc_image {
     int depth;    /* 8, 16 or 32 */
     bool xyz;     /* the file itself says that its channels are X, Y, Z */
     void *pixels; /* malloc'ed */
-    image_info info; /* what the file says of its colours, and notes for the user */
+    image_info info; /* the file's statements about its colours, and notes for the user */
 } enc_image;
 
 #ifndef ENC_IMAGE_MAX_PIXELS /* fuzzers take less */

@@ -58,7 +58,7 @@ static const char *end_without_extension(const char *begin, const char *end) {
  * there is more than an angle has; t then stands anywhere. */
 static bool read_number(text *t, const char *points, double *out, const char **why) {
     double value = 0.0, scale = 1.0;
-    *why = "an angle has no ten digits";
+    *why = "ten digits before the decimal point are too many for an angle";
     for (int digits = 0; digit_at(*t, 0); t->p++) {
         value = value * 10.0 + (*t->p - '0');
         if (value > 0.0 && digits++ == MAX_DIGITS)
@@ -78,7 +78,7 @@ static bool read_number(text *t, const char *points, double *out, const char **w
         const bool small = t->p[1] == '-';
         int exponent = 0;
         if (!digit_at(*t, 2)) {
-            *why = "an exponent has digits";
+            *why = "the exponent has no digits";
             return false;
         }
         for (t->p += 2; digit_at(*t, 0); t->p++)
@@ -125,10 +125,10 @@ static bool is_over(text t, bool *counter, const char **why) {
     if (next.p == t.p) {
         *why = begins(t, "rad") || begins(t, "grad") || begins(t, "gon")
                    ? "angles are read in degrees only"
-                   : "what follows the digits may be a part of the number";
+                   : "the text behind the digits may be a part of the number";
     } else if (digit_at(next, 0)) {
         if (strspn(t.p, ".,;:+") >= (size_t)(next.p - t.p))
-            *why = "this is no one number";
+            *why = "these digits and points are not one number";
         while (digit_at(next, 0))
             next.p++;
         skip_ends(&next);
@@ -168,7 +168,7 @@ static bool is_unclear_sign(text t, const char **why) {
     if (t.p == begin)
         while (t.p < t.end && *t.p && strchr("()[]{}&@#~!$|,;:+-'*/", *t.p))
             t.p++;
-    *why = "what stands between key and digits may be a sign";
+    *why = "the text between key and digits may be a sign";
     return t.p > begin && digit_at(t, 0);
 }
 
@@ -195,7 +195,7 @@ static angle_kind read_angle(text *t, angle *out) {
     bool negative = t->p - behind_key >= 2 && t->p[-1] == '-';
     out->open_sign = t->p - behind_key == 1 && t->p[-1] == '-';
     if (is_unclear_dash(*t) && digit_at(*t, 3)) {
-        out->why = "this dash may be a minus or not: write '-' or the minus sign";
+        out->why = "this dash may be a minus or a separator: write '-' or the minus sign";
         return BAD_ANGLE;
     }
     if (begins(*t, "\xe2\x88\x92") || begins(*t, "\xef\xbc\x8d")) { /* the minus sign, the wide one */
@@ -276,7 +276,7 @@ static void note_bad(enc_name *name, text where, const char *why) {
     name->why = why;
 }
 
-/* Takes what is not known yet, and compares the rest. */
+/* Takes the angles that are not known yet, and compares the others. */
 static void take(collected *c, const part *from) {
     for (int key = 0; key < KEYS; key++) {
         const angle *a = &from->angles[key];

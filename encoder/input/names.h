@@ -31,7 +31,7 @@ typedef struct enc_name {
     bool counter;        /* digits that follow the last angle were left aside: "pv7_5", "pv7 (1)" */
     bool like_frame;     /* the last angle alone has decimals, which look like a frame: "pv7.0105" */
     bool folders_differ; /* a folder gives a key another value than what counts */
-    char bad[32];        /* what could not be read: "tl22x5" */
+    char bad[32];        /* the part of the name that could not be read: "tl22x5" */
     const char *why;     /* and why not; static */
 } enc_name;
 
@@ -74,8 +74,7 @@ typedef enum enc_radians {
     ENC_RADIANS_NONE,
     ENC_RADIANS_ALL,   /* no angle reaches 6.3, and few but 0 are whole */
     ENC_RADIANS_PHI,   /* the same of the azimuths alone */
-    ENC_RADIANS_THETA, /* no theta reaches 1.58, and few but 0 are whole; azimuths do not look like radians
-                        */
+    ENC_RADIANS_THETA, /* no theta reaches 1.58, and few but 0 are whole; azimuths do not look like radians */
 } enc_radians;
 
 void enc_angles_survey(enc_angle_range *range, const enc_angles *angles);

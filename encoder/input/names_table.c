@@ -121,7 +121,7 @@ static btf_result read_angles(const table_reader *r, enc_angles *out) {
     for (int c = 1; c < COLUMNS; c++) {
         const char *field = r->csv.fields[r->column[c]];
         if (!enc_names_number(field, enc_csv_has_decimal_commas(&r->csv), values[c]))
-            return enc_csv_fail(&r->csv, "%s: '%.60s' is no number of degrees", column_names[c], field);
+            return enc_csv_fail(&r->csv, "%s: '%.60s' is not a number of degrees", column_names[c], field);
         if (c % 2 == 1 && !(*values[c] >= 0.0 && *values[c] < 90.0))
             return enc_csv_fail(
                 &r->csv,

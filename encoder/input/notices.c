@@ -188,7 +188,7 @@ btf_result enc_notices_tell(const enc_context *context, btf_result result, enc_n
             enc_log(context, item->level, "%s: %s: %s", location, item->file, item->text);
         else if (item->file)
             enc_log(context, item->level, "%s: %llu images%s: %s: %s", location,
-                    (unsigned long long)item->files, item->differs ? ", of other values too" : "",
+                    (unsigned long long)item->files, item->differs ? ", with other values too" : "",
                     item->file, item->text);
     }
     clear(notices);

@@ -24,7 +24,7 @@ void enc_notices_add(enc_notices *notices, btf_log_level level, const char *kind
  *
  *     LOCATION: first.png: TEXT
  *     LOCATION: 81 images: first.png: TEXT
- *     LOCATION: 81 images, of other values too: first.png: TEXT
+ *     LOCATION: 81 images, with other values too: first.png: TEXT
  *
  * `first` is the file whose name comes first in the order of bytes, whatever thread or rank noted it; lines
  * come in the order of their kinds. Like the functions of ranks.h it is met by all ranks, and begins with

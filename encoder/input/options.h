@@ -8,7 +8,7 @@
 #include "decoder/toolkit/cli.h"
 #include "reader.h"
 
-/* Entries of a cli_option table that fill `r`, an enc_read_options. */
+/* Entries of a cli_option table, which fill `r`, an enc_read_options. */
 #define ENC_INPUT_OPTIONS(r)                                                                               \
     {.name = "transfer",                                                                                   \
      .arg = "CURVE",                                                                                       \

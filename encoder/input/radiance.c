@@ -61,8 +61,7 @@ void enc_radiance_clear(enc_radiance *radiance) {
     enc_decoder_destroy(&radiance->decoder);
 }
 
-/* Names the first sample that is no number, or below 0 when that is refused; names[channel] in the message.
- */
+/* Names the first sample that is no number, or below 0 when that is refused; names[channel] in the message. */
 static btf_result check_values(const enc_radiance *r, const float *pixels, const char *names,
                                bool refuse_negative, char *message, size_t message_size) {
     const size_t count = (size_t)r->area.width * (size_t)r->area.height * 3;
@@ -85,7 +84,7 @@ static btf_result decode_area(const enc_radiance *r, enc_image *image, float *pi
     double gamma;
     const enc_transfer transfer = transfer_of(r, image, &gamma);
     if (r->options->transfer == ENC_TRANSFER_AUTO && image->info.transfer == IMAGE_TRANSFER_OTHER) {
-        snprintf(message, message_size, "%s is not read: --transfer says how values are coded",
+        snprintf(message, message_size, "%s cannot be decoded: give the coding of values with --transfer",
                  image->info.transfer_name);
         return BTF_ERROR_UNSUPPORTED;
     }
@@ -99,7 +98,7 @@ static btf_result decode_area(const enc_radiance *r, enc_image *image, float *pi
         enc_decoder_destroy(&own);
     }
     if (r->options->transfer == ENC_TRANSFER_AUTO && image->info.transfer_name[0])
-        image_note(&image->info, IMAGE_NOTE_TRANSFER, "%s is followed", image->info.transfer_name);
+        image_note(&image->info, IMAGE_NOTE_TRANSFER, "%s is applied", image->info.transfer_name);
     if (r->options->colour == ENC_COLOUR_AUTO && image->info.converts && image->channels == 3) {
         primaries_apply(image->info.to_rec709, (size_t)r->area.width * (size_t)r->area.height, pixels);
         image_note(&image->info, IMAGE_NOTE_PRIMARIES, "%s: converted to Rec. 709",

@@ -17,7 +17,7 @@ typedef struct enc_radiance {
     enc_decoder *decoder;        /* of the first image, which every other one is expected to be like */
     int file_width, file_height; /* of every image, as in the files */
     enc_rectangle area;          /* the part that is used */
-    int width, height;           /* of what comes out */
+    int width, height;           /* of the decoded image */
 } enc_radiance;
 
 /* Learns from the first image's file; `options` must outlive *out. Errors, on the log with location and

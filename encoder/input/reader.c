@@ -32,7 +32,7 @@ enum {
     MESSAGE_SIZE = 480,      /* the channels of an OpenEXR file among them */
 };
 
-/* A file of a batch, and what became of it. */
+/* A file of a batch, and its result. */
 typedef struct batch_file {
     void *data;
     size_t size;
@@ -88,7 +88,7 @@ static btf_result check_options(const enc_context *context, const enc_read_optio
     return BTF_OK;
 }
 
-/* Reads the first image to learn what all are like. */
+/* Reads the first image, whose size all others must have. */
 static btf_result settle_size(reader *r) {
     char message[MESSAGE_SIZE] = "";
     const btf_result result = r->source->read(r->source, r->grid->items[0].source, &r->first_file,
@@ -146,7 +146,7 @@ static void finish(const reader *r, size_t item, batch_file *file, float *planes
     file->data = NULL;
 }
 
-/* Notes what an image says of its pixels, to be told once a data set. */
+/* Keeps the notes of an image about its pixels; each is logged once a data set. */
 static void note(reader *r, size_t item, const image_notes *notes) {
     for (int k = 0; k < IMAGE_NOTE_KINDS; k++) {
         const char kind[] = {(char)('A' + k), '\0'}; /* lines come in the order of the kinds */
@@ -287,7 +287,7 @@ static btf_result read_mine(reader *r) {
     r->block = block_size(r);
     r->planes = malloc(r->block * plane * sizeof *r->planes);
     if (!r->planes)
-        return enc_fail(r->context, BTF_ERROR_MEMORY, "no memory for %zu images of %dx%d", r->block,
+        return enc_fail(r->context, BTF_ERROR_MEMORY, "out of memory for %zu images of %dx%d", r->block,
                         r->radiance.width, r->radiance.height);
     btf_result result = BTF_OK;
     for (size_t first = 0; first < r->n_mine && result == BTF_OK; first += r->block) {
@@ -374,7 +374,7 @@ static btf_result read_set(const enc_context *context, const char *input, const 
     btf_result result = BTF_OK;
     if (options->components > 0)
         result = enc_fail(context, BTF_ERROR_USAGE,
-                          "%s: components are those of a Bonn .btf file, and this is none", input);
+                          "%s: --components is only for a Bonn .btf file, which this is not", input);
     if (result == BTF_OK)
         result = enc_read_source(context, input, &r.source);
     if (result == BTF_OK)

@@ -29,7 +29,7 @@ btf_result enc_read(const enc_context *context, const char *input, const enc_rea
 
 struct enc_source; /* source.h */
 
-/* Opens a directory or an archive by what the path is, for reading image by image. Errors, named on the log:
+/* Opens the path, a directory or an archive, for reading image by image. Errors, named on the log:
  * BTF_ERROR_IO, BTF_ERROR_BAD_FILE, BTF_ERROR_UNSUPPORTED (too many files), BTF_ERROR_MEMORY,
  * BTF_ERROR_INTERRUPTED. */
 btf_result enc_read_source(const enc_context *context, const char *path, struct enc_source **out_source);

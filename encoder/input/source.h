@@ -23,7 +23,7 @@ struct enc_source {
     size_t n_foreign;     /* images of formats that are not read, among these */
     char *first_foreign;  /* NULL: none */
     bool is_sequential;   /* read in rising order of index, from one thread; else in any order, from any */
-    const char *location; /* what paths are inside of, for messages */
+    const char *location; /* the folder or archive that holds the paths, for messages */
 
     /* Reads a whole file: *out_data is malloc'ed, the caller frees. Failures are described in
      * message[message_size], since this may run on a thread that must not log.

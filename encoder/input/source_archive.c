@@ -102,8 +102,7 @@ static btf_result read_entry(enc_source *source, size_t index, void **out_data, 
         snprintf(message, message_size, "%s", reason(a->handle));
         return BTF_ERROR_BAD_FILE;
     }
-    /* The size in the header is a hint, not to be trusted: a zip written as a stream does not know it yet.
-     */
+    /* The size in the header is a hint, not to be trusted: a zip written as a stream does not know it yet. */
     size_t allocated = 1 << 16;
     const int64_t declared = archive_entry_size_is_set(entry) ? archive_entry_size(entry) : 0;
     if (declared > (int64_t)ENC_SOURCE_MAX_FILE) {

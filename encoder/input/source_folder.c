@@ -111,7 +111,7 @@ static bool leads_back(const folder_path *above, const struct stat *status) {
 static btf_result list_folder(const enc_context *context, directory_source *source, const char *inside,
                               folder_path *above, size_t *n_allocated);
 
-/* Adds a file, or what lies in a folder. What cannot be looked at is told and left out. */
+/* Adds a file, or the files in a folder. Entries that cannot be opened are left out with a warning. */
 static btf_result add_entry(const enc_context *context, directory_source *source, const char *path,
                             const char *full, folder_path *above, size_t *n_allocated) {
     struct stat status;

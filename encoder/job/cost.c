@@ -206,7 +206,7 @@ static outcome add_factors(list *l, const counts *c, const enc_factors_settings 
     const double square = (c->texels + columns) * luma * luma;
     const double sweeps = 1 + settings->sweeps, passes = enc_factor_round_passes(settings->sweeps);
     const double times = settings->quality > 0 ? 1 + ENC_FACTORS_TRIALS / 2.0 : 1;
-    add(l, "factorise", times * (4 * pass + 6 * square * per_square));
+    add(l, "factorise", 4 * pass + 6 * square * per_square); /* once for all budgets of a quality */
     if (settings->quality == 0 && settings->tolerance > 0 &&
         c->texels * columns >= ENC_SIGNAL_LEAST_SAMPLES) /* passes over parts of texels and directions */
         add(l, "cross-validate",
@@ -218,7 +218,7 @@ static outcome add_factors(list *l, const counts *c, const enc_factors_settings 
                  fmax(1, settings->sweeps * ENC_MATCH_CODE_ROUNDS / ENC_FACTOR_SWEEPS) * round));
     if (match)
         add(l, "match", times * ENC_MATCH_ROUNDS * round);
-    if (settings->quality > 0 || settings->choose)
+    if (settings->quality > 0 || (settings->choose && held))
         add(l, "measure factors", times * (pass + c->samples * per_measured));
     return (outcome){.components = all / 5, .factors = true};
 }

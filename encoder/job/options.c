@@ -68,7 +68,8 @@ static const cli_option table[] = {
      .maximum = 0x1p62,
      .only = "joint",
      .help = "joint: bytes on the GPU at most (it may need fewer,\n--effect-tolerance); default what the "
-             "paper's layout takes\n(2.36 MB for 64x64 and 81 directions)"},
+             "paper's layout takes\n(2.36 MB for 64x64 and 81 directions), but at most 62.5 kB times\nthe root "
+             "of the number of texels (8 MB for 128x128, 16 MB for\n256x256, 25 MB for 400x400)"},
     {.name = "quality",
      .arg = "DB",
      .type = CLI_DOUBLE,

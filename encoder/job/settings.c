@@ -9,6 +9,7 @@
 
 #include <assert.h>
 #include <inttypes.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -34,6 +35,11 @@ enc_joint_options enc_joint_options_default(void) {
                                .tolerance = 0.05};
 }
 
+/* Bytes for each texel of a square's side that the default spends at most. The paper's layout takes a
+ * number of bytes a texel, and time grows with texels times bytes; what is alike in texels is not stored
+ * again. */
+static const double side_bytes = 62500;
+
 uint64_t enc_default_budget(int width, int height, int n_views, int n_lights) {
     const uint64_t texels = (uint64_t)width * (uint64_t)height,
                    tiles = (uint64_t)(n_views > n_lights ? n_views : n_lights);
@@ -49,8 +55,10 @@ uint64_t enc_default_budget(int width, int height, int n_views, int n_lights) {
     const bool has_atlas = btf_material_atlas(&info, &columns, &rows, &room) == BTF_OK;
     const uint64_t paper =
         64 * texels + (has_atlas ? 4 * (uint64_t)columns * rows : 32 * texels * tiles / 5);
+    const uint64_t most = (uint64_t)(side_bytes * sqrt((double)texels));
+    const uint64_t budget = paper < most ? paper : most;
     const uint64_t least = enc_factor_least_budget(width, height, n_views, n_lights);
-    return paper > least ? paper : least;
+    return budget > least ? budget : least;
 }
 
 enc_factors_settings enc_settings_of_factors(const enc_job *job, int width, int height, int n_views,

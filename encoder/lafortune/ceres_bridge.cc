@@ -121,7 +121,7 @@ struct AccumulatedRows {
     mutable RowMajor rows;      /* its factor */
     mutable Vector point, seen; /* the point asked for, the point evaluated last */
     mutable Vector scale;       /* TinySolver's Jacobi scaling, fixed at the first point */
-    mutable Vector low, high;   /* what is left to the bounds, over `scale` */
+    mutable Vector low, high;   /* the distance to the bounds, over `scale` */
     mutable double last = -1;   /* cost of the last point taken, -1 before the first */
     mutable int slow = 0;       /* small improvements running */
     mutable int evaluated = 0;  /* calls of evaluate */

@@ -33,8 +33,7 @@ typedef struct enc_ceres_summary {
 
 /* Minimises f^T f with ceres::TinySolver (Levenberg-Marquardt), which is handed P + 1 rows with the same
  * J^T J, J^T f and f^T f as the whole problem. Each damped step is solved within the box (active set).
- * `parameters` holds the start, then the best point found. Thread-safe. Returns false when out of memory.
- */
+ * `parameters` holds the start, then the best point found. Thread-safe. Returns false when out of memory. */
 bool enc_ceres_minimize(const enc_ceres_options *options, enc_ceres_evaluate evaluate, void *user,
                         double *parameters, enc_ceres_summary *out_summary);
 

@@ -14,8 +14,7 @@ typedef struct block_columns {
     enc_v16 column[ENC_GRAM_MAX_COLUMNS][VECTORS];
 } block_columns;
 
-/* h = multiplier * base^(n-1) and the lobe's four columns for one vector of samples; out_value = h * base.
- */
+/* h = multiplier * base^(n-1) and the lobe's four columns for one vector of samples; out_value = h * base. */
 ENC_INLINE void lobe_columns(const float shape[4], const enc_v16 *px, const enc_v16 *py, const enc_v16 *pz,
                              const enc_v16 *multiplier, enc_v16 *ex, enc_v16 *ey, enc_v16 *ez, enc_v16 *en,
                              enc_v16 *out_value) {

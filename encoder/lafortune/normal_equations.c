@@ -45,8 +45,7 @@ static void accumulate(enc_fit_problem *p, enc_fit_solution *at) {
     }
 }
 
-/* row = G v for v a lobe's value: (Cx, Cy, Cz) on its first three columns (t >= 1), or the diffuse column.
- */
+/* row = G v for v a lobe's value: (Cx, Cy, Cz) on its first three columns (t >= 1), or the diffuse column. */
 static void term_row(const enc_fit_problem *p, const enc_fit_solution *at, int t, double *row) {
     const int columns = enc_gram_columns(p->lobes);
     if (t == 0) {
@@ -86,8 +85,7 @@ static const double most_peak = 27;
 
 /* Takes lobe j's (Cx, Cy, Cz, ln n) from the solver: n is lowered where the lobe would tower over its own
  * samples elsewhere, or over the range of floats at them, and RGB lobes are scaled to a largest base of 1.
- * That scale is the weight's to say, so that derivatives need no term for it: the projection takes it out.
- */
+ * That scale is the weight's to say, so that derivatives need no term for it: the projection takes it out. */
 static void take_lobe(const enc_fit_problem *p, const double *lobe, int j, enc_fit_solution *at) {
     double *shape = at->shape[j], peak;
     memcpy(shape, lobe, 3 * sizeof *lobe);

@@ -38,8 +38,7 @@ typedef struct enc_fit_problem {
 
 /* enc_ceres_evaluate for an enc_fit_problem. Parameters: rho_d (one colour only), then (Cx, Cy, Cz, ln n) a
  * lobe. The colours, which the model is linear in, are solved for at every point and projected out of the
- * derivatives. Keeps the best point in `best`, whose colours must be set before the first call (0 will do).
- */
+ * derivatives. Keeps the best point in `best`, whose colours must be set before the first call (0 will do). */
 void enc_fit_evaluate(void *problem, const double *parameters, double *out_normal);
 
 /* ln(b / peak), at least 0: b is the largest base over all pairs of directions (the largest of |Cx|, |Cy|,

@@ -296,8 +296,7 @@ static btf_result descend_from(enc_fit_problem *p, const enc_fit_options *option
     return result;
 }
 
-/* A parameter as the file may hold it: 0, or of magnitude 2^-24 .. 2^24; *cut is set where that changes it.
- */
+/* A parameter as the file may hold it: 0, or of magnitude 2^-24 .. 2^24; *cut is set where that changes it. */
 static float storable(double value, bool *cut) {
     const double magnitude = fabs(value);
     if (!(magnitude >= 0x1p-24)) {
@@ -435,7 +434,7 @@ btf_result enc_fit_texel(enc_fit_workspace *workspace, const enc_fit_samples *sa
         }
         best = p.best;
         if (store(&p, &best, out_parameters)) {
-            /* Out of the file's range: what is left of the lobes has to pay all the same. */
+            /* Parameters were cut to the range of the file: the lobes as cut must still be better than none. */
             best.cost = stored_cost(&p, out_parameters);
             float plain[3 + 7 * ENC_MAX_LOBES];
             const enc_fit_solution without = diffuse_solution(&p);

@@ -37,7 +37,7 @@ __attribute__((target("avx512f"))) static void tile_avx512(size_t k, const float
     }
 }
 
-/* Six rows by sixteen columns: what fits 16 registers. */
+/* Six rows by sixteen columns, which fit 16 registers. */
 __attribute__((target("avx2,fma"))) static void part_avx2(size_t k, const float *a, const float *b,
                                                           float *tile) {
     __m256 sum[6][2];

@@ -1,4 +1,4 @@
-/* Which copy of the vector loops runs.
+/* Chooses the copy of the vector loops that runs.
  *
  * SPDX-License-Identifier: MIT
  */

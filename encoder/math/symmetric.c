@@ -240,7 +240,7 @@ bool enc_eigen_symmetric(size_t n, double *a, double *values) {
 
 enum { GRAM_SIDE = 4, GRAM_RUN = 1024 };
 
-/* Adds to out what `count` numbers of 4 rows a and 4 rows b give. */
+/* Adds to out the products of `count` numbers of 4 rows a and 4 rows b. */
 ENC_CLONES static void gram_tile(size_t count, size_t pitch, const float *a, const float *b, double *out) {
     lanes8 sum[GRAM_SIDE][GRAM_SIDE] = {{{0}}};
     for (size_t k = 0; k + LANES <= count; k += LANES) {

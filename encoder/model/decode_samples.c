@@ -155,8 +155,7 @@ static point point_at(const enc_solution *s, uint32_t effects, size_t view, size
     return p;
 }
 
-/* Texels first .. first + count - 1 of a view. `residual` is room for the profiles of `factors`, or NULL.
- */
+/* Texels first .. first + count - 1 of a view. `residual` is room for the profiles of `factors`, or NULL. */
 static void decode_block(const enc_decoded_samples *decoded, size_t view, size_t first, size_t count,
                          enc_factor_profiles *factors, float *residual, float *profile, float *out) {
     const enc_sample_decoder *d = decoded->decoder;

@@ -18,6 +18,8 @@ enum { BETWEEN = BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS };
 
 struct enc_evaluator {
     btf_ref_material reference;
+    btf_evaluator *library;
+    int32_t level;
     bool fast; /* nothing but factors, shift and gain, and what acts between the samples */
     bool roots;
     float horizon_scale;
@@ -71,6 +73,9 @@ btf_result enc_evaluator_create(const enc_context *context, const btf_material *
         return enc_fail(context, BTF_ERROR_MEMORY, "decoding: out of memory");
     btf_result result = btf_material_get_info(material, &info);
     reference_view(material, level, &e->reference);
+    e->level = (int32_t)level;
+    if (result == BTF_OK)
+        result = btf_evaluator_create(material, &context->log, &e->library);
     const uint32_t others =
         info.effects & ~(uint32_t)(BTF_EFFECT_RESIDUAL | BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BETWEEN);
     e->fast = info.store == BTF_STORE_FACTORS && others == 0 && info.colour == BTF_COLOUR_NONE &&
@@ -87,6 +92,7 @@ void enc_evaluator_destroy(enc_evaluator **evaluator) {
     enc_evaluator *e = evaluator ? *evaluator : NULL;
     if (!e)
         return;
+    btf_evaluator_destroy(&e->library);
     free(e->units);
     free(e->w);
     free(e);
@@ -95,6 +101,35 @@ void enc_evaluator_destroy(enc_evaluator **evaluator) {
 
 const btf_ref_material *enc_evaluator_reference(const enc_evaluator *e) {
     return &e->reference;
+}
+
+void enc_evaluator_many(const enc_evaluator *e, const btf_ref_options *options,
+                        const btf_evaluations *evaluations) {
+    enum { CHUNK = 256 };
+    int32_t levels[CHUNK];
+    const btf_evaluate_options how = {
+        .struct_size = sizeof how,
+        .leave_out = ~options->effects | (options->components == 0 ? (uint32_t)BTF_EFFECT_RESIDUAL : 0),
+        .components = options->components,
+        .interpolation = options->interpolation == BTF_REF_NEAREST ? BTF_INTERPOLATION_NEAREST
+                                                                   : BTF_INTERPOLATION_LINEAR,
+        .filter = options->filter == BTF_REF_BILINEAR ? BTF_FILTER_BILINEAR
+                  : options->filter == BTF_REF_STEEP  ? BTF_FILTER_STEEP
+                                                      : BTF_FILTER_TEXEL};
+    for (int i = 0; i < CHUNK; i++)
+        levels[i] = e->level;
+    for (size_t first = 0; first < evaluations->count; first += CHUNK) {
+        btf_evaluations part = *evaluations;
+        const size_t step = part.stride ? part.stride : 3;
+        part.count = part.count - first < CHUNK ? part.count - first : CHUNK;
+        part.uv = part.uv ? part.uv + first * (part.stride ? part.stride : 2) : NULL;
+        part.texels = part.texels ? part.texels + 2 * first : NULL;
+        part.lights += part.fixed & BTF_FIXED_LIGHT ? 0 : first * step;
+        part.views += part.fixed & BTF_FIXED_VIEW ? 0 : first * step;
+        part.levels = levels;
+        part.rgb += 3 * first;
+        btf_evaluate_many(e->library, &how, &part);
+    }
 }
 
 static btf_ref_neighbours look_up(const uint16_t *table, uint32_t grid, const float direction[3]) {
@@ -172,9 +207,8 @@ static point packed_point(const enc_evaluated_texel *t, const uint8_t bytes[2], 
     const uint32_t p = bytes[0] + 256u * bytes[1];
     const bool shift = effects & BTF_EFFECT_SHIFT;
     const float above = (float)(p >> 12) * m->gain_step;
-    return (point){
-        shifted(t, shift ? (int32_t)(p & 63) - 32 : 0, shift ? (int32_t)(p >> 6 & 63) - 32 : 0),
-        effects & BTF_EFFECT_GAIN ? m->gain_base + above : 1.0f};
+    return (point){shifted(t, shift ? (int32_t)(p & 63) - 32 : 0, shift ? (int32_t)(p >> 6 & 63) - 32 : 0),
+                   effects & BTF_EFFECT_GAIN ? m->gain_base + above : 1.0f};
 }
 
 static point point_of(const enc_evaluated_texel *t, uint32_t view, uint32_t effects) {
@@ -261,7 +295,7 @@ static void residual_of(const sums *s, const float *views, int tier, float r[3])
     r[2] = (y[0] - y[1]) + y[2];
 }
 
-/* Adds to acc what a view of this weight gives. */
+/* Adds to acc the value of a view of this weight. */
 static void add_view(const enc_evaluator *e, const float r[3], float m, float gain, uint32_t weight,
                      float acc[3]) {
     for (int c = 0; c < 3; c++) {
@@ -332,8 +366,8 @@ static void evaluate_factors(enc_evaluated_texel *t, const btf_ref_options *opti
         const btf_ref_neighbours *of_view = at->apart ? &at->lights[a] : at->lights;
         const btf_ref_neighbours lights = nearest ? btf_ref_nearest(*of_view) : *of_view;
         if (views.weight[a] > 0)
-            evaluate_view(t, options->effects, views.index[a], views.weight[a], &lights, m, components, count,
-                          out);
+            evaluate_view(t, options->effects, views.index[a], views.weight[a], &lights, m, components,
+                          count, out);
     }
     for (size_t i = 0; i < count; i++)
         for (int c = 0; c < 3; c++) {
@@ -346,8 +380,8 @@ static void evaluate_factors(enc_evaluated_texel *t, const btf_ref_options *opti
         }
 }
 
-/* Whether the view is a sampled direction to the bit: a neighbour is then shifted by nothing, weighs 4096 and has
- * the pixel's own lights. */
+/* Whether the view is a sampled direction to the bit: a neighbour is then shifted by nothing, weighs 4096
+ * and has the pixel's own lights. */
 static bool view_is_sample(const enc_evaluator *e, const enc_evaluated_at *at) {
     const float *vectors = e->reference.view_vectors;
     for (int a = 0; a < 3; a++)
@@ -357,9 +391,11 @@ static bool view_is_sample(const enc_evaluator *e, const enc_evaluated_at *at) {
 }
 
 /* Whether relief or gloss act. Without a look-up gloss does nothing that `at` does not say. */
-static bool acts_between(const enc_evaluator *e, const btf_ref_options *options, const enc_evaluated_at *at) {
+static bool acts_between(const enc_evaluator *e, const btf_ref_options *options,
+                         const enc_evaluated_at *at) {
     const uint32_t acting = at->looked_up ? BETWEEN : BTF_EFFECT_RELIEF;
-    const bool unordered = at->apart && options->interpolation == BTF_REF_NEAREST; /* left to the reference */
+    const bool unordered =
+        at->apart && options->interpolation == BTF_REF_NEAREST; /* left to the reference */
     return unordered || (options->effects & e->reference.effects & acting && !view_is_sample(e, at));
 }
 
@@ -375,8 +411,15 @@ void enc_evaluate(enc_evaluated_texel *t, const btf_ref_options *options, const 
     for (size_t i = 0; i < count; i++) {
         btf_ref_options each = *options;
         each.components = components[i];
-        if (at->looked_up && options->effects & e->reference.effects & BTF_EFFECT_GLOSS) {
-            btf_ref_evaluate_texel(&e->reference, &each, t->column, t->row, at->light, at->view, out[i]);
+        if (at->looked_up) {
+            const uint32_t texel[2] = {t->column, t->row};
+            enc_evaluator_many(e, &each,
+                               &(btf_evaluations){.struct_size = sizeof(btf_evaluations),
+                                                  .count = 1,
+                                                  .texels = texel,
+                                                  .lights = at->light,
+                                                  .views = at->view,
+                                                  .rgb = out[i]});
             continue;
         }
         (at->apart ? btf_ref_evaluate_apart : btf_ref_evaluate_neighbours)(

@@ -2,7 +2,8 @@
  *
  * The reference decoder takes the codes of factors apart one by one. For materials that have nothing but
  * factors, shift and gain, sums over the levels of all codes are made here in long vectors, and the first
- * units of several counts come from one evaluation; the rest goes to the reference.
+ * units of several counts come from one evaluation. The rest goes to the library's evaluator, and where
+ * neighbours are given that no look-up would give, to the reference.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -12,6 +13,7 @@
 #include "encoder/base/context.h"
 #include "factor_store.h"
 
+#include <openbtf/evaluate.h>
 #include <openbtf/reference.h>
 
 typedef struct enc_evaluator enc_evaluator;
@@ -23,6 +25,11 @@ void enc_evaluator_destroy(enc_evaluator **evaluator);
 
 const btf_ref_material *enc_evaluator_reference(const enc_evaluator *evaluator);
 
+/* Radiance where `evaluations` say, whose levels are not read, by the options; its bits are those of
+ * btf_ref_evaluate(), or of btf_ref_evaluate_texel() where texels are given. */
+void enc_evaluator_many(const enc_evaluator *evaluator, const btf_ref_options *options,
+                        const btf_evaluations *evaluations);
+
 /* A texel, and the levels of the codes of its sources, which evaluations share; one thread at a time. */
 typedef struct enc_evaluated_texel enc_evaluated_texel;
 
@@ -32,13 +39,13 @@ enc_evaluated_texel *enc_evaluated_texel_create(const enc_evaluator *evaluator, 
 void enc_evaluated_texel_move(enc_evaluated_texel *evaluated, size_t texel);
 void enc_evaluated_texel_destroy(enc_evaluated_texel **texel);
 
-/* Two directions, and what stands around them. */
+/* Two directions, and their neighbours. */
 typedef struct enc_evaluated_at {
     const btf_ref_neighbours *lights, *views;
     const float *light, *view; /* [3] */
-    bool looked_up; /* `lights` are what stands around the light, so that gloss may look around other directions; else
-                       every view takes them (FORMAT.md section 9) */
-    bool apart; /* lights [3], one of each of the views: no other are looked up */
+    bool looked_up; /* `lights` are the neighbours of the light, so that gloss may look around other directions;
+                       else every view takes them as they are (FORMAT.md section 9) */
+    bool apart;     /* lights [3], one of each of the views: no other are looked up */
 } enc_evaluated_at;
 
 /* The neighbours of a light and of a view of unit length. */
@@ -50,7 +57,7 @@ enc_evaluated_neighbours enc_evaluated_look_up(const enc_evaluator *evaluator, c
 
 /* Radiance with options.effects, options.interpolation, and each of components[0 .. count - 1], which fall;
  * options.components is not read. */
-void enc_evaluate(enc_evaluated_texel *texel, const btf_ref_options *options,
-                  const enc_evaluated_at *at, const uint32_t *components, size_t count, float out[][3]);
+void enc_evaluate(enc_evaluated_texel *texel, const btf_ref_options *options, const enc_evaluated_at *at,
+                  const uint32_t *components, size_t count, float out[][3]);
 
 #endif

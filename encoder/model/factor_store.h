@@ -23,7 +23,7 @@ typedef struct enc_factor_class {
     int shift;         /* of the sum over a word or a whole unit before it becomes a float */
     int top_w,
         top_u;    /* the largest level; -top .. top in steps of 2, of 1 with a zero where the class is 0 */
-    double error; /* that rounding leaves, over the energy of a component: for those who encode */
+    double error; /* squared error that rounding leaves, over the energy of a component: for encoders */
 } enc_factor_class;
 
 extern const enc_factor_class enc_factor_classes[BTF_FACTOR_CLASSES];

@@ -231,7 +231,7 @@ static void fill(const btf_material_info *info, const enc_solution *s, btf_textu
     case BTF_TEXTURE_POINT_INDICES:
         break; /* made together, see pack_level */
     default:
-        assert(!"a table is not packed here");
+        assert(!"internal error: direction tables are not packed here");
     }
 }
 
@@ -245,8 +245,8 @@ static btf_result pack_level(const enc_context *context, const btf_material_info
         }
         out[id] = calloc(1, shape.size);
         if (!out[id]) {
-            return enc_fail(context, BTF_ERROR_MEMORY, "packing: no memory for %zu bytes of %s", shape.size,
-                            btf_texture_name((btf_texture_id)id));
+            return enc_fail(context, BTF_ERROR_MEMORY, "packing: out of memory for %zu bytes of %s",
+                            shape.size, btf_texture_name((btf_texture_id)id));
         }
         fill(info, solution, (btf_texture_id)id, &shape, out[id]);
     }
@@ -284,9 +284,8 @@ btf_result enc_pack(const enc_context *context, const enc_data *data, const enc_
         result = btf_material_atlas(&desc.info, &desc.info.atlas_width, &desc.info.atlas_height, &room);
         if (result != BTF_OK) {
             enc_fail(context, result,
-                     "no atlas of up to %d texels a side holds %d x %d with %d views, %d lights and %u "
-                     "centres; layout "
-                     "tight needs none",
+                     "no atlas of up to %d texels a side holds %d x %d texels with %d views, %d lights and "
+                     "%u centres; --layout tight needs no atlas",
                      BTF_MAX_SIZE, solution->width, solution->height, solution->n_views, solution->n_lights,
                      desc.info.centres);
             goto done;
@@ -342,9 +341,10 @@ btf_result enc_pack_centre_room(const enc_context *context, int width, int heigh
     uint32_t atlas_width, atlas_height;
     const btf_result result = btf_material_atlas(&info, &atlas_width, &atlas_height, out_room);
     if (result != BTF_OK) {
-        return enc_fail(context, result,
-                        "no atlas of up to %d texels a side holds %d x %d with %d views and %d lights",
-                        BTF_MAX_SIZE, width, height, n_views, n_lights);
+        return enc_fail(
+            context, result,
+            "no atlas of up to %d texels a side holds %d x %d texels with %d views and %d lights",
+            BTF_MAX_SIZE, width, height, n_views, n_lights);
     }
     return BTF_OK;
 }

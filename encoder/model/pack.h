@@ -32,8 +32,7 @@ typedef struct enc_pack_options {
 btf_result enc_pack(const enc_context *context, const enc_data *data, const enc_solution *solution,
                     const enc_pack_options *options, btf_material **out_material);
 
-/* Centres that layout `paper` has room for with `hidden` present (paper: 1984 for 64x64 and 81 directions).
- */
+/* Centres that layout `paper` has room for with `hidden` present (paper: 1984 for 64x64 and 81 directions). */
 btf_result enc_pack_centre_room(const enc_context *context, int width, int height, int n_views,
                                 int n_lights, uint32_t *out_room);
 

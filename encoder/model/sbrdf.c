@@ -33,7 +33,7 @@ void enc_sbrdf_destroy(enc_sbrdf **sbrdf) {
     }
 }
 
-/* One texel under one view: what the lane loop needs. */
+/* One texel under one view: the inputs of the lane loop. */
 typedef struct lobe_sum {
     int lobes;
     bool rgb;

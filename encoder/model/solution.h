@@ -24,7 +24,7 @@ typedef struct enc_relief_store {
 /* Frees both arrays and zeroes the struct. */
 void enc_relief_clear(enc_relief_store *store);
 
-/* Codes and scales mean what FORMAT.md sections 3 and 4 say. Arrays that `effects` does not call for are
+/* Codes and scales have the meaning of FORMAT.md sections 3 and 4. Arrays that `effects` does not call for are
  * NULL. */
 typedef struct enc_solution {
     int width, height, n_views, n_lights;
@@ -85,7 +85,7 @@ void enc_solution_clear(enc_solution *solution);
  * residual_scales, factors but for their texels, and every scale with level 0. An empty one of `base`, with
  * pointers to what is shared: */
 enc_solution enc_level_of(const enc_solution *base, int width, int height);
-/* Frees what belongs to the level alone. */
+/* Frees the arrays that belong to the level alone. */
 void enc_level_clear(enc_solution *level);
 
 /* The levels 1 .. count - 1 that belong to a level 0. Zeros are no levels. */
@@ -96,8 +96,7 @@ typedef struct enc_levels {
 
 void enc_levels_clear(enc_levels *levels);
 
-/* IEEE half of a float: round to nearest even; magnitudes below 2^-14 become 0, above 65504 become 65504.
- */
+/* IEEE half of a float: round to nearest even; magnitudes below 2^-14 become 0, above 65504 become 65504. */
 uint16_t enc_half_from_float(float value);
 
 #endif

@@ -16,14 +16,14 @@ typedef struct enc_trial {
     int components, centres;
     uint64_t gpu_bytes;
     double psnr;         /* dB in the fitted domain: after the rounds of a trial, or on a probe's sample */
-    double core_seconds; /* what the trial took, of all threads */
+    double core_seconds; /* time of the trial, of all threads */
     const char *verdict;
 } enc_trial;
 
 /* Why a method did not fill its budget: more bytes gain too little at samples that were left out of the
  * fit. All 0 where nobody asked. */
 typedef struct enc_unspent {
-    uint64_t budget, bytes; /* what might have been used, and what pays */
+    uint64_t budget, bytes; /* bytes that were allowed, and bytes that pay */
     double more, tolerance; /* so many times the bytes would have to gain so many dB */
     double gain;            /* dB that the whole budget is foretold to gain over `bytes` */
     uint64_t signal[3];     /* components of Y, C1 and C2 that are signal */

@@ -11,7 +11,7 @@
 /* Fills a zeroed solution; half-float parameters come back as floats. Errors: BTF_ERROR_MEMORY. */
 btf_result enc_unpack(const enc_context *context, const btf_material *material, enc_solution *out_solution);
 
-/* A further level of detail; what it shares points into `base`, which enc_unpack filled. Free with
+/* A further level of detail; its shared arrays point into `base`, which enc_unpack filled. Free with
  * enc_level_clear. */
 btf_result enc_unpack_level(const enc_context *context, const btf_material *material, uint32_t level,
                             const enc_solution *base, enc_solution *out_solution);

@@ -147,7 +147,7 @@ void enc_paper_note(const enc_context *context, const enc_data *data, const enc_
             cli_effects_text(effects, text), ENC_PAPER_SAMPLE, trial.psnr, verdict);
 }
 
-/* dB that the error `without` an effect lies above that `with` it, less what its bytes have to bring. */
+/* dB that the error `without` an effect lies above that `with` it, less the dB that its bytes have to gain. */
 static double worth(const enc_paper_options *options, double with, double without, uint64_t bytes) {
     const double floor = 1e-10; /* 100 dB */
     return 10.0 * log10(fmax(without, floor) / fmax(with, floor)) -

@@ -1,4 +1,4 @@
-/* `--effects auto` of method paper: what each effect removes of the error, on a sample of texels.
+/* `--effects auto` of method paper: the error that each effect removes, on a sample of texels.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -8,8 +8,8 @@
 #include "encoder/model/solution.h"
 #include "options.h"
 
-enum { ENC_PAPER_PROBE_LIGHTS = 3 }; /* whose flows are the probe's */
-enum { ENC_PAPER_SAMPLE = 256 };     /* texels that are measured */
+enum { ENC_PAPER_PROBE_LIGHTS = 3 }; /* lights whose flows the probe takes */
+enum { ENC_PAPER_SAMPLE = 256 };     /* texels of the sample that errors are measured on */
 
 /* Squared errors of one texel, whose samples are given, of radiance clipped to [0, peak], added over them;
  * other arguments are those of enc_paper_error. model: 3 * n_lights floats of scratch. */
@@ -22,8 +22,7 @@ typedef void (*enc_paper_texel_fn)(const void *user, size_t texel, const float *
                                    double *out);
 
 /* Means a sample and channel of `numbers` sums that fn finds at each of up to ENC_PAPER_SAMPLE texels
- * evenly spaced; the same bits for any number of threads and ranks. Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO.
- */
+ * evenly spaced; the same bits for any number of threads and ranks. Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO. */
 btf_result enc_paper_sample(const enc_context *context, const enc_data *data, enc_paper_texel_fn fn,
                             const void *user, size_t numbers, double *out);
 

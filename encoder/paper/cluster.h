@@ -28,8 +28,8 @@ typedef struct enc_cluster_options {
 /* Shares k_total centres among views in proportion to hidden[n_views] by largest remainder (ties: the lower
  * view), each view with hidden points getting at least 1, and none more than distinct[n_views], its number
  * of different hidden points: out_shares adds up to min(k_total, sum of distinct) exactly. Where k_total is
- * below the number of views with hidden points, those with most of them get one each. Where a bound binds,
- * the proportion is that of what the bounds leave. */
+ * below the number of views with hidden points, those with most of them get one each. Where one of these bounds
+ * holds, the other centres are shared in proportion among the other views. */
 void enc_cluster_shares(int n_views, const size_t *hidden, const size_t *distinct, size_t k_total,
                         size_t *out_shares);
 

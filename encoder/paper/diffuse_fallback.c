@@ -1,4 +1,4 @@
-/* The diffuse fit in place of what is worse (see diffuse_fallback.h).
+/* The diffuse fit in place of a worse model (see diffuse_fallback.h).
  *
  * SPDX-License-Identifier: MIT
  */
@@ -154,10 +154,10 @@ btf_result enc_paper_fallback(const enc_context *context, const enc_data *data,
     result = fit_all(context, data, solution->sbrdf);
     if (result != BTF_OK)
         return result;
-    enc_log(
-        context, BTF_LOG_WARNING,
-        "paper: what was found has %.4g times the squared error of the diffuse fit alone, which is taken",
-        sums[FOUND] / fmax(sums[DIFFUSE], 1e-30));
+    enc_log(context, BTF_LOG_WARNING,
+            "paper: the model found has %.4g times the squared error of the diffuse fit alone, so the "
+            "diffuse fit is taken",
+            sums[FOUND] / fmax(sums[DIFFUSE], 1e-30));
     blank(solution, occlusion);
     if (options->choose)
         solution->effects = 0;

@@ -1,4 +1,4 @@
-/* The iterative fit of every texel: solve, leave out what looks shadowed, solve again (paper 2.1).
+/* The iterative fit of every texel: solve, leave out samples that look shadowed, solve again (paper 2.1).
  *
  * SPDX-License-Identifier: MIT
  */
@@ -251,7 +251,8 @@ static btf_result check_options(const enc_context *context, const enc_fit_option
                         ENC_FIT_MAX_STARTS);
     }
     if (options->rounds < 0 || options->max_evaluations < 1 || !(options->tolerance >= 0)) {
-        return enc_fail(context, BTF_ERROR_USAGE, "fit: %d rounds, %d evaluations, tolerance %g",
+        return enc_fail(context, BTF_ERROR_USAGE,
+                        "fit: %d rounds, %d evaluations and tolerance %g, expected at least 0, 1 and 0",
                         options->rounds, options->max_evaluations, options->tolerance);
     }
     if (!(options->t_error >= 0) || !(options->t_btf >= 0)) {

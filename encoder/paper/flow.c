@@ -53,7 +53,7 @@ static btf_result check_options(const enc_context *context, const enc_flow_optio
         return enc_fail(context, BTF_ERROR_USAGE, "flow: depth %g and rise %g, expected 0..16 tiles",
                         (double)o->depth, (double)o->rise);
     if (o->lights < 0)
-        return enc_fail(context, BTF_ERROR_USAGE, "flow: %d lights", o->lights);
+        return enc_fail(context, BTF_ERROR_USAGE, "flow: %d lights vote, expected at least 0", o->lights);
     return BTF_OK;
 }
 
@@ -79,7 +79,7 @@ btf_result enc_flow_pair(const enc_context *context, int width, int height, cons
     enc_flow_image_clear(&images[1]);
     enc_flow_worker_clear(&worker);
     if (result != BTF_OK)
-        return enc_fail(context, result, "flow: a pair of %dx%d images: %s", width, height,
+        return enc_fail(context, result, "flow: OpenCV failed on a pair of %dx%d images: %s", width, height,
                         btf_result_text(result));
     return BTF_OK;
 }

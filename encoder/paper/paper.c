@@ -80,7 +80,7 @@ static btf_result run_occlusion(const enc_context *context, const enc_data *data
     return result;
 }
 
-/* Frees what the effects that were left out had. */
+/* Frees the arrays of effects that were left out. */
 static void drop_unused(enc_solution *s) {
     if (!(s->effects & BTF_EFFECT_SHADOW)) {
         free(s->shadow);

@@ -27,8 +27,7 @@ enum {
     BOUNDED_WINDOW = 64, /* beyond, around the shift that was voted */
     MOST_SHIFT = 127,
 };
-/* More than float rounding can move a bound above its distance, relative to the distance and to the sums.
- */
+/* More than float rounding can move a bound above its distance, relative to the distance and to the sums. */
 static const float rounding = 1e-4f, sum_rounding = 1e-5f;
 
 /* Everything that the views share. */
@@ -49,8 +48,7 @@ typedef struct refine_stage {
     enc_norms norms;
 } refine_stage;
 
-/* Sums of a profile over GROUPS runs of consecutive lights: neighbours on a ring, so that little cancels.
- */
+/* Sums of a profile over GROUPS runs of consecutive lights: neighbours on a ring, so that little cancels. */
 static void group_sums(const refine_stage *s, const float *profile, float *out) {
     const int n = s->data->n_lights;
     for (size_t c = 0; c < 3; c++) {

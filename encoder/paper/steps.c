@@ -13,7 +13,7 @@
 static const char fit_step[] = "fit", shadow_step[] = "shadow", flow_step[] = "flow",
                   refine_step[] = "refine", cluster_step[] = "cluster";
 
-/* Magnitude of what is far from any parameter that a file may hold. */
+/* A magnitude far beyond any parameter that a file may hold. */
 static const float most = 0x1p24f;
 
 static bool is_positive(double x) {

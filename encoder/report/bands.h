@@ -1,4 +1,4 @@
-/* Bands of elevation: what tables of errors are divided into (FORMAT.md section 7).
+/* Bands of elevation, into which tables of errors are divided (FORMAT.md section 7).
  *
  * SPDX-License-Identifier: MIT
  */

@@ -381,5 +381,6 @@ btf_result enc_between_picture(const enc_context *context, const char *path_of_p
     enc_canvas_clear(&s.canvas);
     enc_pairs_close(&pairs);
     return result == BTF_OK ? BTF_OK
-                            : enc_fail(context, result, "%s: not drawn: %s", path, btf_result_text(result));
+                            : enc_fail(context, result, "%s: the picture was not drawn: %s", path,
+                                       btf_result_text(result));
 }

@@ -17,7 +17,7 @@ btf_result enc_canvas_create(const enc_context *context, int width, int height, 
     const size_t size = (size_t)width * (size_t)height * 3;
     *out = (enc_canvas){.width = width, .height = height, .rgb = malloc(size)};
     if (!out->rgb) {
-        return enc_fail(context, BTF_ERROR_MEMORY, "no memory for a picture of %d x %d", width, height);
+        return enc_fail(context, BTF_ERROR_MEMORY, "out of memory for a picture of %d x %d", width, height);
     }
     memset(out->rgb, 255, size);
     return BTF_OK;

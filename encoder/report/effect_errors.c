@@ -170,7 +170,7 @@ static float clip(float x) {
     return x > 0 ? (x < 1 ? x : 1.0f) : 0.0f;
 }
 
-/* Two directions and what is known of them. */
+/* Two directions, their neighbours, and the truth of the data there. */
 typedef struct pair {
     float light[3], view[3];
     enc_evaluated_neighbours around;
@@ -256,8 +256,7 @@ static void choose_samples(job *j, size_t evaluations, int halvings) {
     }
 }
 
-/* Mean squared errors of some variants: out[row][cell][2]. Errors: BTF_ERROR_MEMORY, those of the data.
- */
+/* Mean squared errors of some variants: out[row][cell][2]. Errors: BTF_ERROR_MEMORY, those of the data. */
 static btf_result measure_means(const job *j, double **out) {
     const size_t length = 2 * j->n_rows * j->cells;
     *out = calloc(length, sizeof **out);

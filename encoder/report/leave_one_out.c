@@ -22,7 +22,7 @@ enum { SUMS = 8, WITHOUT_RELIEF = 4, WITHOUT_GLOSS = 8 /* in the numbers of rows
  */
 typedef struct pool {
     int count, member[ENC_MAX_DIRECTIONS]; /* in the list */
-    bool can_leave;         /* `near` says what the others have in their place */
+    bool can_leave;         /* the others surround a member: `near` has its neighbours among them */
     btf_ref_neighbours near[ENC_MAX_DIRECTIONS];
 } pool;
 
@@ -41,7 +41,7 @@ typedef struct job {
 /* One pair of sampled directions. */
 typedef struct pair {
     int view, light;                  /* of the data */
-    btf_ref_neighbours views, lights; /* without what is left out */
+    btf_ref_neighbours views, lights; /* among the directions that are not left out */
 } pair;
 
 static int pick(const pool *from, uint64_t seed, btf_ref_neighbours *out_near) {
@@ -127,7 +127,7 @@ static void measure_pair(const job *j, enc_evaluated_texel *texel, const float *
         decode_pair(j, texel, p, NULL, BTF_EFFECT_ALL & ~(uint32_t)BTF_EFFECT_GLOSS, truth, sum + 6);
 }
 
-/* A pair and what the others have in its place. A light that stood elsewhere than its direction says shows
+/* A pair and its neighbours among the others. A light that stood elsewhere than its direction says shows
  * no truth of it: another is taken, unless chance will have none. */
 static pair pick_pair(const job *j, size_t cell, uint64_t seed) {
     const enc_moved_light *moved = j->data->moved_light;

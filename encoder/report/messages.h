@@ -1,4 +1,4 @@
-/* Messages of a part of the work that the report keeps: what reading said of the data.
+/* Messages of a part of the work that the report keeps, such as those of reading the data.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -31,7 +31,7 @@ btf_log enc_messages_log(enc_messages *messages);
 /* The member `key`: an array of objects of level ("warning", "information") and text. */
 void enc_messages_json(json *j, const char *key, const enc_messages *messages);
 
-/* Frees what is kept. */
+/* Frees the messages. */
 void enc_messages_clear(enc_messages *messages);
 
 #endif

@@ -119,5 +119,6 @@ btf_result enc_montage_write(const enc_context *context, const enc_data *shape, 
     free(other);
     free(original);
     return result == BTF_OK ? BTF_OK
-                            : enc_fail(context, result, "%s: not drawn: %s", path, btf_result_text(result));
+                            : enc_fail(context, result, "%s: the picture was not drawn: %s", path,
+                                       btf_result_text(result));
 }

@@ -49,8 +49,8 @@ static btf_result write_canvas(const enc_context *context, enc_canvas *canvas, b
     }
     enc_canvas_clear(canvas);
     return result == BTF_OK ? BTF_OK
-                            : enc_fail(context, result, "%s/%s: not drawn: %s", directory, name,
-                                       btf_result_text(result));
+                            : enc_fail(context, result, "%s/%s: the picture was not drawn: %s", directory,
+                                       name, btf_result_text(result));
 }
 
 static int zoom_for(const enc_data *data) {

@@ -1,4 +1,4 @@
-/* Relief and gloss as tables: what was judged, what was chosen and why.
+/* Relief and gloss as tables: the candidates, the choice, and the reason for it.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -523,7 +523,7 @@ static void write_effects(json *j, const enc_report *report) {
     json_end(j);
 }
 
-/* Which choices of effects were tried, and what became of them. */
+/* Writes the choices of effects that were tried, and the result of each. */
 static void write_trials(json *j, const enc_report *report) {
     char text[64];
     json_array(j, "trials");

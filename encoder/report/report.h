@@ -40,7 +40,7 @@ typedef struct enc_report {
     const enc_data *data;
     const btf_material *material;
     const char *input, *output, *method;
-    enc_messages reading; /* what was said of the input */
+    enc_messages reading; /* notices about the input */
     enc_report_step
         ladder[ENC_REPORT_STEPS]; /* rising: sbrdf, stvs, full; those that make sense for the material */
     int n_ladder;
@@ -52,18 +52,18 @@ typedef struct enc_report {
     enc_truncation truncations[ENC_MOST_TRUNCATIONS]; /* sampled; of a residual that has several */
     size_t n_truncations;
     enc_leave_one_out between; /* an estimate of the accuracy between the samples */
-    const enc_fit_choice *fit; /* of node values, and what it was chosen from; NULL: not asked for */
-    const enc_relief_choice *relief; /* what acts between the samples; NULL: not asked for */
+    const enc_fit_choice *fit; /* of node values, and its candidates; NULL: not asked for */
+    const enc_relief_choice *relief; /* relief, gloss and fitted nodes; NULL: not asked for */
     bool has_hidden;           /* table 1 applies */
     size_t hidden_before, hidden_after, hidden_total;
     size_t file_bytes;
     double seconds_total, core_total;    /* of the clock, and of all threads added */
     const struct progress *progress;     /* times by stage */
-    estimate_part parts[ESTIMATE_PARTS]; /* what the stages were predicted to cost (job/cost.h) */
+    estimate_part parts[ESTIMATE_PARTS]; /* predicted times of the stages (job/cost.h) */
     size_t n_parts;
     size_t peak_rss;                /* bytes */
     int ranks;                      /* that encoded together */
-    const enc_ranks_volume *volumes; /* what went between them; NULL for one */
+    const enc_ranks_volume *volumes; /* the bytes that ranks exchanged; NULL for one rank */
     size_t n_volumes;
     enc_unspent unspent;     /* bytes that the analysis might have used and did not */
     const enc_trial *trials; /* choices of effects that were tried */

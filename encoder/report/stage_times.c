@@ -85,7 +85,7 @@ static btf_result take_times(const enc_context *context, const char *path, const
         return fail_member(context, path, name, NULL, "is not an object");
     cJSON_ArrayForEach(time, times) {
         if (out->count == ENC_STAGE_TIMES)
-            return fail_member(context, path, name, NULL, "lists more stages than there are");
+            return fail_member(context, path, name, NULL, "lists more stages than an encode has");
         if (!cJSON_IsNumber(time) || !isfinite(time->valuedouble) || time->valuedouble < 0)
             return fail_member(context, path, name, time->string, "is not a number of at least 0");
         if (strlen(time->string) >= ENC_STAGE_NAME)

@@ -24,7 +24,7 @@ enum {
 typedef struct bench_run {
     const enc_context *context;
     const enc_data *data;
-    const char *source;                /* what the data are */
+    const char *source;                /* the data set */
     const char *name;                  /* the same as a part of file names */
     const char *out;                   /* existing folder for CSV files */
     int texels;                        /* texels that slow peers are run on */
@@ -33,7 +33,7 @@ typedef struct bench_run {
     uint64_t budget;                   /* GPU bytes a codec may take; 0: what layout `paper` takes */
     int rank;                          /* components of the largest PCA */
     FILE *summary;                     /* Markdown; the section's heading was written */
-    const bench_held *held;            /* what sweeps encode, and the directions left out */
+    const bench_held *held;            /* the data that sweeps encode, and the directions left out of them */
     const bench_truth *truth;          /* between the samples; count 0: not known */
     const bench_between *between;      /* of held->train */
     const bench_between *between_data; /* of data: the same where nothing was left out */
@@ -61,6 +61,7 @@ btf_result bench_section_codecs(const bench_run *run);
 btf_result bench_section_between(const bench_run *run);
 btf_result bench_section_holdout(const bench_run *run);
 btf_result bench_section_plan(const bench_run *run);
+btf_result bench_section_stochastic(const bench_run *run);
 btf_result bench_section_shaders(const bench_run *run); /* of synthetic materials, whatever the data */
 
 /* The head of bench_seen()'s column in this run: "between the samples", or the estimate that stands for

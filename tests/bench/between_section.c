@@ -23,7 +23,7 @@ typedef struct section {
     bench_held whole; /* nothing is left out: every row is of all data */
     char name[160];   /* in the journal */
     uint64_t budget;
-    enc_relief_store relief; /* what the default chooses to do between the samples */
+    enc_relief_store relief; /* the default's choice between the samples: relief, gloss, fitted nodes */
     bench_table *table;
 } section;
 

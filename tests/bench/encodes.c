@@ -49,7 +49,7 @@ static btf_result store(const enc_context *context, const enc_data *data, enc_so
     return result;
 }
 
-/* What acts between the samples becomes part of a solution. Errors: BTF_ERROR_MEMORY. */
+/* Adds relief, gloss and fitted nodes to a solution. Errors: BTF_ERROR_MEMORY. */
 static btf_result add_relief(const enc_relief_store *relief, const enc_data *data, enc_solution *found) {
     const size_t texels = enc_data_texel_count(data), views = (size_t)data->n_views;
     enc_relief_store copy = *relief;

@@ -9,7 +9,7 @@
 #include "encoder/model/solution.h"
 
 typedef struct bench_encoded {
-    enc_solution solution; /* what the material holds */
+    enc_solution solution; /* the parts of the material */
     btf_material *material;
     size_t bytes;      /* GPU bytes */
     double wall, core; /* seconds of the analysis and packing */

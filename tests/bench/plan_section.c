@@ -40,7 +40,7 @@ static void measure_times(decode_rig *rig, const btf_material *material, const b
     }
 }
 
-/* Which of the two bounds a prediction keeps, of the worse of linear and sRGB-coded. */
+/* The tightest of two bounds that a prediction keeps, of the worse of linear and sRGB-coded. */
 static const char *kept(const double off[2]) {
     const double worst = fmax(fabs(off[0]), fabs(off[1]));
     return worst <= 0.5 ? "0.5 dB" : worst <= 10 * log10(1.25) ? "25 %" : "**neither**";

@@ -175,10 +175,10 @@ ours = {row["material"] for row in rows if row["device"] == "CPU reference"}
 assert ours == {"joint", "joint; half the bytes", "paper"}, ours
 for material in ours:
     for directions in ("linear",) if "joint;" in material else ("linear", "nearest"):
-        a, b = (of(device, material, directions) for device in ("osmesa", "CPU reference"))
+        a, b, c = (of(device, material, directions) for device in ("osmesa", "CPU reference", "CPU evaluator"))
         for figure in ("psnr_linear", "psnr_srgb", "psnr_held_linear", "psnr_held_srgb", "psnr_between_linear",
                        "psnr_between_srgb", "fetches", "fetched_bytes", "integer_operations", "float_operations"):
-            assert a[figure] == b[figure] != "", (material, directions, figure, a[figure], b[figure])
+            assert a[figure] == b[figure] == c[figure] != "", (material, directions, figure, a[figure], b[figure], c[figure])
 # Every one has its fetches alone, native mathematics, and counts.
 for material in ours:
     whole, floor = of("osmesa", material), of("osmesa", material, effects="fetches only")

@@ -97,7 +97,7 @@ static void extreme_direction(random_state *r, const btf_directions *list, float
     case 6: /* the last degree, and below the horizon */
         from_angles(random_between(r, 89, 90.2) * M_PI / 180, phi, out);
         return;
-    default: /* what no caller should hand over */
+    default: /* arguments that no caller should hand over */
         for (int i = 0; i < 3; ++i)
             out[i] = random_below(r, 2) ? (float)random_between(r, -2, 2)
                                         : float_of_bits(components[random_below(r, 16)]);

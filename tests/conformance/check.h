@@ -50,6 +50,11 @@ btf_result check_radiance(const check_subject *subject, uint64_t seed, uint64_t 
 btf_result check_planned(const check_subject *subject, uint64_t seed, uint64_t count,
                          check_outcome *outcome);
 
+/* `count` evaluations of a stochastic decode, and of the blend that it converges to, in turn, at random and extreme
+ * arguments, random numbers and levels of detail. Picks are those of subject->shader, or where it says none, as the
+ * seed says. Adds to *outcome. */
+btf_result check_stochastic(const check_subject *subject, uint64_t seed, uint64_t count, check_outcome *outcome);
+
 /* The error of fast math. A look-up that rounds to the next step of a weight (1/4096) can show a neighbour
  * that is many times brighter, so a bound on every channel would say little. */
 #define CHECK_FAST_BOUND 0x1p-7

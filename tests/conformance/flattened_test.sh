@@ -30,15 +30,18 @@ values='#define BTF_WIDTH 64u
 
 # compile NAME VERSION EXTRA LAYOUT OPTION...: file NAME as a fragment shader of a version.
 compile() {
-    local name=$1 version=$2 extra=$3 layout=$4
+    local name=$1 version=$2 extra=$3 layout=$4 call='btf_evaluate(l.xy, l, l)'
     shift 4
+    case $name in
+    *_stochastic.glsl) call='btf_evaluate_stochastic(l.xy, l, l, uvec3(gl_FragCoord.xyz))' ;;
+    esac
     {
         echo "#version $version"
         echo "$extra"
         echo "$values"
         cat "$name"
         echo "$layout in vec3 l; layout(location = 0) out vec4 colour;"
-        echo "void main() { colour = vec4(btf_evaluate(l.xy, l, l), 1.0); }"
+        echo "void main() { colour = vec4($call, 1.0); }"
     } >"$folder/test.frag"
     count=$((count + 1))
     if ! "$validator" "$@" "$folder/test.frag" >"$folder/log" 2>&1 || grep -q WARNING "$folder/log"; then
@@ -53,7 +56,7 @@ for name in "$2"/openbtf_*.glsl; do
         echo "no flattened shader in $2"
         exit 1
     fi
-    if grep -nE '^#(el)?if .*(LAYOUT_TIGHT|COLOUR|HIDDEN|COMPONENTS|FACTOR|BLEND|POINTS|RELIEF|GLOSS|STEEP)' "$name"; then
+    if grep -nE '^#(el)?if .*(LAYOUT_TIGHT|COLOUR|HIDDEN|COMPONENTS|FACTOR|BLEND|POINTS|RELIEF|GLOSS|STEEP|STOCHASTIC)' "$name"; then
         echo "$(basename "$name") still has conditions that its variant decides"
         failures=$((failures + 1))
     fi

@@ -168,15 +168,15 @@ static void old_and_partial_contexts_are_refused(void **state) {
     (void)state;
     memset(&fake, 0, sizeof fake);
     fake.missing = "glTexImage3D";
-    expect_refusal(tight, BTF_ERROR_UNSUPPORTED, "no glTexImage3D");
+    expect_refusal(tight, BTF_ERROR_UNSUPPORTED, "lacks the function glTexImage3D");
     fake.missing = NULL;
     fake.version = "OpenGL ES 2.0 old";
     fake.major = 2;
-    expect_refusal(tight, BTF_ERROR_UNSUPPORTED, "needed is OpenGL ES 3.0");
+    expect_refusal(tight, BTF_ERROR_UNSUPPORTED, "but OpenGL ES 3.0 or later is needed");
     fake.version = "3.2 old";
     fake.major = 3;
     fake.minor = 2;
-    expect_refusal(tight, BTF_ERROR_UNSUPPORTED, "needed is OpenGL 3.3");
+    expect_refusal(tight, BTF_ERROR_UNSUPPORTED, "but OpenGL 3.3 or later is needed");
     memset(&fake, 0, sizeof fake);
     btf_gl *gl;
     btf_gl_options none = {.struct_size = sizeof none};

@@ -268,7 +268,7 @@ static const GLenum switches[] = {GL_CULL_FACE, GL_DEPTH_TEST, GL_STENCIL_TEST, 
                                   GL_POLYGON_STIPPLE, GL_ALPHA_TEST, GL_TEXTURE_2D, GL_LIGHTING};
 enum { SWITCHES = sizeof switches / sizeof *switches, OF_COMPATIBILITY = 4 };
 
-/* Whatever keeps a pixel from being drawn, or changes it. */
+/* Sets every state that keeps a pixel from being drawn, or changes it. */
 static void set_drawing(int compatibility, int odd) {
     static const GLubyte nothing[128] = {0};
     static const GLdouble behind[4] = {0, 0, 0, -1};

@@ -37,9 +37,10 @@ enum factor {
     RELIEF, /* of one height, of a map: layout tight */
     GLOSS,  /* of a quarter, of a half: layout tight */
     STEEP,  /* with bilinear filtering */
+    PICKS,  /* none, views, lights, all */
     FACTORS
 };
-static const uint8_t levels[FACTORS] = {2, 2, 3, 4, 2, 2, 3, 2, 4, 2, 2, 2, 3, 2, 3, 3, 3, 2};
+static const uint8_t levels[FACTORS] = {2, 2, 3, 4, 2, 2, 3, 2, 4, 2, 2, 2, 3, 2, 3, 3, 3, 2, 4};
 static const int components[] = {0, 1, 6, 16};
 
 /* Of each class units, words of C1 and of C2, of the stores after the first. */
@@ -99,7 +100,7 @@ static void write_options(char *out, size_t size, const uint8_t *row) {
         "%d\n"
         "#define BTF_SHADOW %d\n#define BTF_SHIFT %d\n#define BTF_HIDDEN %d\n#define BTF_CODE_ZERO %d\n"
         "#define BTF_GAIN %d\n#define BTF_COMPONENTS %d\n#define BTF_NEAREST %d\n#define BTF_BILINEAR %d\n"
-        "#define BTF_FAST_MATH %d\n"
+        "#define BTF_FAST_MATH %d\n#define BTF_STOCHASTIC %d\n"
         "#define BTF_WIDTH 64u\n#define BTF_HEIGHT 48u\n#define BTF_LEVELS 3u\n#define BTF_N_LIGHTS "
         "81u\n#define BTF_VIEW_GRID "
         "16u\n"
@@ -109,7 +110,7 @@ static void write_options(char *out, size_t size, const uint8_t *row) {
         "#define BTF_GAIN_SCALE 0.0078125\n#define BTF_CENTRE_SCALE uintBitsToFloat(0x35808081u)\n",
         row[LAYOUT], row[DOMAIN], colour, colour == 2 ? 0 : 1 + row[LOBES], colour == 2 ? 0 : row[SHADOW],
         row[SHIFT], row[HIDDEN] == 2, row[HIDDEN] > 0, row[GAIN], components[row[COMPONENTS]], row[NEAREST],
-        row[BILINEAR], row[FAST]);
+        row[BILINEAR], row[FAST], row[PICKS]);
 }
 
 /* The whole fragment shader; the caller frees it. */
@@ -120,12 +121,24 @@ static char *make_shader(const version *v, const uint8_t *row) {
         "    colour = vec4(btf_evaluate(uv, l, v) + btf_evaluate_nearest(uv, l, v), 1.0);\n"
         "    colour.xyz -= btf_evaluate_level(uv, l, v, int(btf_level(dFdx(uv), dFdy(uv)) + 0.5));\n"
         "}\n";
+    static const char stochastic_text[] =
+        "IN(0) in vec2 uv;\nIN(1) in vec3 l;\nIN(2) in vec3 v;\nIN(0) out vec4 colour;\n"
+        "void main() {\n"
+        "    uvec3 random = btf_random(uvec3(gl_FragCoord.xyz));\n"
+        "    float level = btf_level(dFdx(uv), dFdy(uv));\n"
+        "    colour = vec4(btf_evaluate_stochastic(uv, l, v, random) + btf_evaluate_radiance_blend(uv, l, v), 1.0);\n"
+        "    colour.xyz += btf_evaluate_stochastic_level(uv, l, v, 1, random);\n"
+        "    colour.xyz += btf_evaluate_radiance_blend_level(uv, l, v, 1);\n"
+        "    colour.xyz += btf_evaluate_stochastic_between(uv, l, v, level, random);\n"
+        "    colour.xyz += btf_evaluate_radiance_blend_between(uv, l, v, level);\n"
+        "}\n";
     char options[2000], version_2[1000];
     write_options(options, sizeof options, row);
     write_version_2(version_2, sizeof version_2, row);
     const char *library = btf_shader_library();
     const char *in = v->vulkan ? "#define IN(n) layout(location = n)\n" : "#define IN(n)\n";
-    const char *parts[] = {v->line, v->extra, options, version_2, in, library, "\n", main_text};
+    const char *parts[] = {v->line, v->extra, options, version_2, in, library, "\n",
+                           row[PICKS] ? stochastic_text : main_text};
     size_t length = 1;
     for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i)
         length += strlen(parts[i]);
@@ -172,9 +185,9 @@ static int check_absence(const char *preprocessed, const uint8_t *row) {
         {row[GAIN], {"float(gain)", "float ( gain", NULL}},
         {row[POINTS] == 1 && (row[SHIFT] || row[GAIN]), {"btf_points", NULL, NULL}},
         {row[POINTS] == 2 && (row[SHIFT] || row[GAIN]), {"btf_point_lists", "btf_point_indices", NULL}},
-        {row[RELIEF], {"btf_slope", "btf_shifted_views", NULL}},
+        {row[RELIEF], {"btf_slope", "btf_shifted_views", "s.shown"}},
         {row[RELIEF] == 2, {"btf_heights", "btf_march", "btf_occlude"}},
-        {row[GLOSS], {"btf_gloss", "lights_of", NULL}},
+        {row[GLOSS], {"btf_gloss", "s.lights_of", NULL}},
         {row[RELIEF] || row[GLOSS], {"btf_view_vector", NULL, NULL}},
         {!row[POINTS], {"texelFetch(btf_shift", "texelFetch(btf_gain", NULL}},
     };
@@ -231,8 +244,8 @@ static int check_variant(const version *v, const uint8_t *row) {
                                        glslang_program_SPIRV_get_size(program));
             /* main and btf_level, which is not exact, have some of their own; fast math may contract all.
              */
-            enum { OWN = 6 };
-            if (row[FAST] ? missing <= OWN : missing != OWN) {
+            const int own = row[PICKS] ? 8 : 6;
+            if (row[FAST] ? missing <= own : missing != own) {
                 ++wrong;
                 fprintf(stderr, "%d float operations lack NoContraction\n", missing);
             }
@@ -269,6 +282,8 @@ static int combination(uint64_t i, uint8_t *row) {
         (!row[LAYOUT] || row[POINTS] || row[HIDDEN] == 1 || row[LOBES] > 0 || row[COLOUR] == 1 || row[COMPONENTS] % 2))
         return 0;
     if (row[STEEP] && !row[BILINEAR])
+        return 0;
+    if (row[PICKS] && (row[POINTS] > 1 || row[LOBES] > 0 || row[STEEP]))
         return 0;
     return row[COLOUR] != 2 || (row[LOBES] == 0 && !row[SHADOW]);
 }

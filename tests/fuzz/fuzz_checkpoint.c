@@ -1,5 +1,5 @@
 /* Fuzz target: bytes as the result of a step that a checkpoint holds, whole and of the right data. The
- * first byte says which step. What is taken can be worked with: the target reads all of it, and the factor
+ * first byte says which step. A result that is taken can be worked with: the target reads all of it, and the factor
  * encoder goes on from its steps.
  *
  * SPDX-License-Identifier: MIT

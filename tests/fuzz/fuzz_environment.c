@@ -1,5 +1,5 @@
 /* Fuzz target: bytes as a file with an environment map, Radiance or OpenEXR, cut into as many lights as its
- * last byte says, turned and scaled. What is taken are lights that can be summed.
+ * last byte says, turned and scaled. A map that is taken gives lights that can be summed.
  *
  * SPDX-License-Identifier: MIT
  */

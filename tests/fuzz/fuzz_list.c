@@ -1,5 +1,5 @@
 /* Fuzz target: bytes as a list of inputs (encoder/job/batch.h) and as a table of lights that were moved
- * (encoder/input/light_positions.h). What is taken names inputs and outputs of their own, and directions
+ * (encoder/input/light_positions.h). A list that is taken names inputs and outputs of their own, and directions
  * above the horizon.
  *
  * SPDX-License-Identifier: MIT

@@ -1,4 +1,4 @@
-/* Fuzz target: a material from bytes. What opens must decode to finite values, and must come back from a
+/* Fuzz target: a material from bytes. A material that opens must decode to finite values, and must come back from a
  * save bit for bit.
  *
  * SPDX-License-Identifier: MIT

@@ -1,4 +1,4 @@
-/* Fuzz target: bytes as an OBJ file. What is taken is a mesh that can be drawn.
+/* Fuzz target: bytes as an OBJ file. A file that is taken gives a mesh that can be drawn.
  *
  * SPDX-License-Identifier: MIT
  */

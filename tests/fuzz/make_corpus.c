@@ -1,4 +1,4 @@
-/* Writes the small seeds of the fuzz targets: make_corpus FOLDER. What the fuzzers found was added by hand.
+/* Writes the small seeds of the fuzz targets: make_corpus FOLDER. Inputs that the fuzzers found were added by hand.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -14,8 +14,7 @@ double noise_hash(uint32_t seed, int i, int j, int k);
  * periodic with period 1 in x and y. About -0.8..0.8, mean 0. */
 double noise_gradient(uint32_t seed, double x, double y, int nx, int ny);
 
-/* Sum of `octaves` of noise_gradient, each of twice the frequency and half the amplitude of the one before.
- */
+/* Sum of `octaves` of noise_gradient, each of twice the frequency and half the amplitude of the one before. */
 double noise_fractal(uint32_t seed, double x, double y, int nx, int ny, int octaves);
 
 #endif

@@ -113,8 +113,7 @@ static btf_result check_options(sample_options *o) {
     return BTF_OK;
 }
 
-/* A copy of a list, or of the 81 directions where there is none; every direction must be above the horizon.
- */
+/* A copy of a list, or of the 81 directions where there is none; every direction must be above the horizon. */
 static btf_result copy_directions(const enc_context *context, const enc_direction *list, int count,
                                   enc_direction **out_list, int *out_count) {
     if (!list)

@@ -47,8 +47,7 @@ typedef struct sample_truth {
  * of threads may render from it. */
 typedef struct sample_scene sample_scene;
 
-/* Errors: BTF_ERROR_USAGE (with a message that holds the value), BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED.
- */
+/* Errors: BTF_ERROR_USAGE (with a message that holds the value), BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
 btf_result sample_scene_create(const sample_options *options, sample_scene **out_scene);
 void sample_scene_destroy(sample_scene **scene);
 const relief *sample_scene_relief(const sample_scene *scene);

@@ -38,8 +38,7 @@ void bits_fill(random_state *r, bits_desc *d);
 bool bits_decode(const btf_material *material, uint64_t seed, int count);
 
 /* Kinds of material that between them have every effect, layout, domain, store of the residual, blend and
- * kind of parameter. From BITS_FACTORS on the residual is factors of all classes, of codes at their bounds.
- */
+ * kind of parameter. From BITS_FACTORS on the residual is factors of all classes, of codes at their bounds. */
 enum { BITS_FACTORS = 8, BITS_SPECS = 12 };
 synthetic_spec bits_spec(int index);
 

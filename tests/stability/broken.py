@@ -155,6 +155,29 @@ CHANGES = [
         ("reference/btf_evaluate.c", "e.lights[a] = some_lights(lights, e.linear);", "e.lights[0] = some_lights(lights, e.linear);")]),
     ("three lights with gloss in nearest mode", "reference_between", [
         ("reference/btf_evaluate.c", "e.lights[a] = some_lights(lights, e.linear);", "e.lights[a] = some_lights(lights, true);")]),
+    ("shares of views that begin one number early", "decoder_stochastic", [
+        ("reference/btf_stochastic.c", "if (number < end)", "if (number + 1 < end)")]),
+    ("views picked by other bits", "reference_stochastic", [
+        ("reference/btf_stochastic.c", "random >> (32 - WEIGHT_BITS), end = 0", "random & (FULL_WEIGHT - 1), end = 0")]),
+    ("views picked by the weights before occlusion", "reference_stochastic", [
+        ("reference/btf_stochastic.c", "s.views.weight[a] = weights[a];", "weights[a] = s.views.weight[a];")]),
+    ("lights picked by the view's number", "decoder_stochastic", [
+        ("reference/btf_stochastic.c", "pick(&around, random[1])", "pick(&around, random[0])")]),
+    ("the lights of the first view for every choice", "reference_stochastic", [
+        ("reference/btf_stochastic.c", "btf_ref_gloss(material, s->views.index[a],", "btf_ref_gloss(material, s->views.index[0 * a],")]),
+    ("columns and rows picked by the same bits", "reference_stochastic", [
+        ("reference/btf_stochastic.c", "random >> 16 & 255u", "random >> 24 & 255u")]),
+    ("the texel beside the one that is picked", "reference_stochastic", [
+        ("reference/btf_stochastic.c", "number[axis] < weight ? far : near", "number[axis] < weight ? near : far")]),
+    ("choices of directions below the horizon", "decoder_stochastic", [
+        ("reference/btf_stochastic.c", "if (!btf_ref_above_horizon(light, view))\n        return;\n    scene s = set_scene(material, options, picks, u, v, light, view);\n    int a",
+         "scene s = set_scene(material, options, picks, u, v, light, view);\n    int a")]),
+    ("levels that are no numbers taken for the last", "decoder_stochastic", [
+        ("reference/btf_stochastic.c", "if (bits > 0x7F800000u || bits == 0)", "if (bits == 0)")]),
+    ("shares of two levels swapped", "reference_stochastic", [
+        ("reference/btf_stochastic.c", "i == 0 ? 256 - share : share", "i == 0 ? share : 256 - share")]),
+    ("another constant of the random numbers", "reference_stochastic", [
+        ("reference/btf_stochastic.c", "uint32_t y = counter[1] * 1664525u", "uint32_t y = counter[1] * 1664523u")]),
     ("integers read where floats belong", "stability_files", [
         ("decoder/exr_read.c", "if (entry->pixel_type != type)", "if (entry->pixel_type != type && type == EXR_PIXEL_HALF)")]),
     ("attributes of another type read", "stability_files", [
@@ -212,6 +235,24 @@ CHANGES = [
         ("encoder/input/source_archive.c", "!archive_entry_hardlink(entry)) {", "entry) {")]),
     ("angles of any length read", "names", [
         ("encoder/input/names.c", "if (value > 0.0 && digits++ == MAX_DIGITS)", "if (value < 0.0 && digits++ == MAX_DIGITS)")]),
+    ("the evaluator: sums of class 1 shifted less", "evaluator", [
+        ("decoder/evaluate/kernels.c", "class_index == 1 ? half >> 4", "class_index == 1 ? half >> 3")]),
+    ("the evaluator: codes of u not turned around", "evaluator", [
+        ("decoder/evaluate/arrange.c", "(byte ^ 2)", "byte")]),
+    ("the evaluator: evaluations of other lights taken together", "evaluator", [
+        ("decoder/evaluate/many.c", "memcmp(light, light - in->light_step, 3 * sizeof *light)", "memcmp(light, light - in->light_step, 2 * sizeof *light)")]),
+    ("the evaluator: steep weights below 256", "evaluator", [
+        ("decoder/evaluate/many.c", "twice - 128 > 256 ? 256", "twice - 128 > 255 ? 255")]),
+    ("the evaluator: gloss below the horizon", "evaluator", [
+        ("decoder/evaluate/directions.c", "    c[2] = c[2] >= 0.0f ? c[2] : 0.0f;\n", "")]),
+    ("the evaluator: weights of hidden views", "evaluator", [
+        ("decoder/evaluate/relief.c", "o < 1229 ? 1229", "o < 1228 ? 1228")]),
+    ("light sampling: the Jacobian's root", "sampling", [
+        ("reference/btf_sampling.c", "    density = density * k;\n    density = density * k;\n", "    density = density * k;\n")]),
+    ("light sampling: one of the turns left out", "sampling", [
+        ("reference/btf_sampling.c", "height < unturned ? 0 : height < once ? 1 : 2", "height < unturned ? 0 : 1")]),
+    ("light sampling: parts of triangles too large", "sampling", [
+        ("decoder/evaluate/sampling.c", "row[i][0] = (uint32_t)(fmin(sum, 1 - share) * 0x1p32);", "row[i][0] = (uint32_t)(fmin(1.3 * sum, 1 - share) * 0x1p32);")]),
 ]
 
 TOOLS = ['encoder/btf-encode', 'encoder/btf-compare', 'decoder/tools/btf-info', 'decoder/tools/btf-decode',
@@ -229,6 +270,8 @@ def program(tree, test):
         return TOOLS, [f'{tests}/stability/test_{test[10:]}.sh']
     if test in ('exr', 'file', 'memory', 'names', 'output', 'points', 'relief') or test.startswith('reference_'):
         return [f'tests/unit/test_{test}'], [f'{tree}/build/tests/unit/test_{test}']
+    if test in ('evaluator', 'sampling'):
+        return [f'tests/conformance/test_{test}'], [f'{tree}/build/tests/conformance/test_{test}']
     if test == 'fuzz-exr':
         return [f'tests/fuzz/{test}'], [f'{tree}/build/tests/fuzz/{test}', f'{tests}/fuzz/corpus/exr']
     if test == 'valgrind':

@@ -55,8 +55,7 @@ static void fill_words(const btf_material_desc *desc, btf_texture_id id, uint32_
 
 static const float pole[3] = {0, 0, 1};
 
-/* Decodes the desc in one place; false when it is no material, or a value no number, infinite or negative.
- */
+/* Decodes the desc in one place; false when it is no material, or a value no number, infinite or negative. */
 static bool decode(const btf_material_desc *desc, int interpolation, const float light[3],
                    const float view[3], float rgb[3]) {
     btf_material *material = NULL;
@@ -80,8 +79,7 @@ static void codes_at_bounds(void) {
     for (int c = 0; c < BTF_FACTOR_CLASSES; c++) {
         bool ok = true;
         float seen = 0;
-        /* Four words of Y and of C1: with a scale of 2^-20 a root of 4 to 576 times products times 2^-20.
-         */
+        /* Four words of Y and of C1: with a scale of 2^-20 a root of 4 to 576 times products times 2^-20. */
         for (int chroma = 0; chroma < 2; chroma++) {
             for (int way = 0; way < 4; way++) {
                 btf_material_desc desc = make_desc(c, 1, chroma ? 4 : 0, 1, 1);

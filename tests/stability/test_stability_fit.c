@@ -165,8 +165,7 @@ static void check_shadow(const variant *v, const enc_data *data, const enc_sbrdf
 }
 
 /* Fits by every variant, plain and with rejection, and reports. `least_db`: how far the plain fit has to be
- * below the diffuse one, in dB, over all texels and the linear-domain variants; 0 asks only for no worse.
- */
+ * below the diffuse one, in dB, over all texels and the linear-domain variants; 0 asks only for no worse. */
 static void check_fit(const char *input, enc_data *data, double least_db) {
     complaint[0] = 0;
     double least = 1e9, largest = 0;

@@ -544,8 +544,7 @@ static bool settle(int n, const float *points, size_t k, uint64_t seed, size_t *
     return finite;
 }
 
-/* k-means itself: duplicates, fewer points than centres, and clusters that lose their members on the way.
- */
+/* k-means itself: duplicates, fewer points than centres, and clusters that lose their members on the way. */
 static void empty_clusters(void) {
     enum { TRIALS = 3000 };
     int emptied = 0, unsettled = 0, empty;

@@ -19,7 +19,7 @@ void plan_angles(double theta, double phi, float out[3]) {
     out[2] = (float)cos(theta * M_PI / 180);
 }
 
-/* Borders, the samples in it and anything between. */
+/* Draws a direction of the range: on its borders, one of the samples in it, or anything between. */
 void plan_direction(random_state *r, const btf_range *range, const btf_directions *list, float out[3]) {
     if (range->fixed) {
         memcpy(out, range->direction, 3 * sizeof *out);

@@ -12,7 +12,13 @@ failures=0
 light=${BTF_TEST_LIGHT:-} # not empty: repeat less (tests/meson.build)
 starts=${light:+--starts 1} # for --method paper where fitting from several starts is not the subject
 
+# With BTF_TEST_COSTS, the core seconds so far stand before each line: the work between two lines took the difference.
 report() { # NAME VERDICT [detail]
+    if [ -n "${BTF_TEST_COSTS:-}" ]; then
+        times >times
+        awk -F '[ms ]+' '{ s += 60 * ($1 + $3) + $2 + $4 } END { printf "%.1f core seconds\n", s }' times
+        rm times
+    fi
     echo "[ RUN      ] $1"
     if [ "$2" = ok ]; then
         echo "[       OK ] $1"

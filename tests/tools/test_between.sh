@@ -145,7 +145,7 @@ expect_text "need a side to measure" "one of the two has to be a data set or a m
 expect "splines of a material" 1 btf-compare m.btf.exr pairs --interpolation spline -q
 expect "splines at samples" 1 btf-compare data data --interpolation spline -q
 expect "a filter of data" 1 btf-compare data pairs --filter steep -q
-expect_text "is told" "--filter steep: is for a material against pairs" err
+expect_text "is told" "--filter steep: only for a material compared with pairs" err
 expect "a filter at samples" 1 btf-compare data m.btf.exr --filter bilinear -q
 expect "pictures of grids" 1 btf-compare data m.btf.exr --pictures x.png -q
 btf-sample -o large --between 3 --size 24 -q

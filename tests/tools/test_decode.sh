@@ -169,7 +169,7 @@ assert r["textures"]["points"]["format"] == "RG8UI" and "shift" not in r["textur
 P
 expect "lists of points" 0 factor_file lists.btf.exr 1 tight 1 roots lists
 expect "are told" 0 btf-info lists.btf.exr
-expect_text "with their length" "^  points +lists of 4 a texel: shifts within -32..31, gain 0.3 \\+ 0.11 \\* 0..15$" out
+expect_text "with their length" "^  points +lists of 4 points a texel: shifts within -32..31, gain 0.3 \\+ 0.11 \\* 0..15$" out
 expect_text "and the bytes of the lists" "^  point_lists +RG8UI +16 x 12 x 4 +1536 bytes +8.00 a texel$" out
 expect_text "and of the indices" "^  point_indices +R8UI +16 x 12 x 10 +1920 bytes +10.00 a texel$" out
 expect "and as JSON" 0 btf-info lists.btf.exr --json

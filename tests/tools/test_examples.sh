@@ -43,6 +43,33 @@ expect_that "and not black" test "$(tr -d '\0' <da0 | head -c 1 | wc -c)" = 1
 expect "forward without arguments" 1 forward
 expect "forward without a file" 2 forward none.btf.exr a.btf.exr
 
+# mean PICTURE...: the mean of each picture's bytes
+mean() {
+    python3 - "$@" <<'P'
+import struct, sys, zlib
+for path in sys.argv[1:]:
+    with open(path, "rb") as file:
+        data, at, pixels = file.read(), 8, b""
+    while at < len(data):
+        size, kind = struct.unpack(">I4s", data[at:at + 8])
+        assert struct.unpack(">I", data[at + 8 + size:at + 12 + size])[0] == zlib.crc32(data[at + 4:at + 8 + size])
+        pixels += data[at + 8:at + 8 + size] if kind == b"IDAT" else b""
+        at += size + 12
+    pixels = zlib.decompress(pixels)
+    assert len(pixels) == 120 * (1 + 3 * 160), len(pixels)
+    print(sum(pixels) / (120 * 480))
+P
+}
+expect "pathtrace: by tables" 0 pathtrace a.btf.exr tables.png 6
+expect "pathtrace: by the cosine" 0 pathtrace a.btf.exr cosine.png 6 cosine
+expect "pathtrace: factors" 0 pathtrace d.btf.exr factors.png 1
+mean tables.png cosine.png factors.png >means
+expect_that "both ways converge to one picture, and it is not black" awk 'NR == 1 { a = $1 } NR == 2 { b = $1 } END { exit !(a > 20 && a - b < 1.5 && b - a < 1.5) }' means
+expect "pathtrace without arguments" 1 pathtrace
+expect "pathtrace: no samples" 1 pathtrace a.btf.exr none.png 0
+expect "pathtrace without a file" 2 pathtrace none.btf.exr none.png
+expect "pathtrace to nowhere" 2 pathtrace a.btf.exr none/none.png 1
+
 if command -v vulkan >/dev/null && command -v glslangValidator >/dev/null; then
     lavapipe=$(ls /usr/share/vulkan/icd.d/lvp_icd*.json 2>/dev/null | head -1)
     cp "$BTF_SOURCE_ROOT/tests/data/golden/v2-all.btf.exr" factors.btf.exr

@@ -64,7 +64,8 @@ for made in "1 tight 1 roots" "2 paper 1 radiance"; do
 done
 render -o default.png --device reference
 for way in "--interpolation nearest" "--filter bilinear" "--samples 3 --exposure -1.5" "--point 1,1,2,3 --light 20,0,0.5,1,0,0" \
-    "--tone filmic --background 0.2" "--tone reinhard" "--fov 0 --zoom 0.5 --repeat 1.5" "--size 31x17"; do
+    "--tone filmic --background 0.2" "--tone reinhard" "--fov 0 --zoom 0.5 --repeat 1.5" "--size 31x17" "--stochastic" \
+    "--stochastic --spp 3 --filter bilinear --point 1,1,2,3 --light 20,0"; do
     render -o r.png --device reference $way
     render -o g.png --device osmesa $way
     same "$way: the reference's picture" r.png g.png
@@ -99,7 +100,7 @@ for mesh in $meshes; do
         same "paper's levels, $mesh, $effects: the reference's picture" r.png g.png
     done
 done
-for way in "--filter bilinear" "--interpolation nearest --samples 2" "--level 2" "--fov 0"; do
+for way in "--filter bilinear" "--interpolation nearest --samples 2" "--level 2" "--fov 0" "--stochastic --spp 2"; do
     lod levels.btf.exr -o r.png --device reference --mesh plane --view 60,-90 --repeat 9 $way
     lod levels.btf.exr -o g.png --device osmesa --mesh plane --view 60,-90 --repeat 9 $way
     same "levels, $way: the reference's picture" r.png g.png
@@ -169,7 +170,7 @@ printf '#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\n' >sky.hdr
 for i in 1 2 3 4 5 6 7 8; do printf '\x80\x80\x80\x82' >>sky.hdr; done
 expect "a Radiance map" 0 render -o e.png --environment sky.hdr --environment-lights 4
 expect "a layer of a map that lacks it" 5 render -o x.png --environment sky.exr --environment-lights 4 --layer diffuse
-expect_text "is refused by name" '--layer diffuse names no layer' err
+expect_text "is refused by name" '--layer diffuse does not name exactly one layer' err
 expect "a layer of a Radiance map" 5 render -o x.png --environment sky.hdr --environment-lights 4 --layer diffuse
 expect_text "is refused by name too" 'sky.hdr: --layer diffuse' err
 
@@ -182,7 +183,7 @@ assert psnr["SBRDF"] < psnr["full"], psnr
 P
 btf-sample -o other --relief bumps --size 16 --directions 0:1,45:4 --quiet
 expect "figure 13 with other data" 1 btf-render m.btf.exr -o x.png --figure13 --original other
-expect_text "names both counts" 'original: 5 views, the material has 7' err
+expect_text "names both counts" 'original: the images have 5 views, the material has 7' err
 expect "figure 13 with a baseline" 0 btf-render m.btf.exr -o f13b.png --size 60 --figure13 --original data --baseline m.btf.exr --mesh plane --view 40,0 --quiet
 same "which is the same when it is the material itself" f13.png f13b.png
 expect "no such baseline" 2 render -o x.png --figure13 --original data --baseline none.btf.exr
@@ -205,6 +206,11 @@ expect_text "names the meshes" "'cube': expected plane, sphere, torus, drape" er
 expect "an unknown device" 1 render -o x.png --device teapot
 expect_text "names the devices" "'teapot' is not one of reference, osmesa" err
 expect "fast math on the reference" 1 render -o x.png --device reference --math fast
+expect "picks that nothing picks" 1 render -o x.png --spp 4
+expect_text "are told" 'option --spp: only together with --stochastic' err
+expect "no picks" 1 render -o x.png --stochastic --spp 0
+expect "figure 13 by picks" 1 render -o x.png --stochastic --figure13 --original data
+expect_text "is told" 'option --stochastic: not together with --figure13' err
 expect "a wrong light" 1 render -o x.png --light 10
 expect "a light behind a space" 1 render -o x.png --light " 10,20"
 expect_text "is refused with its value" "option --light: . 10,20. is not" err

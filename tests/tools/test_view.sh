@@ -137,6 +137,12 @@ press s '^split original'
 shoot original
 differ "the original is seen" split.png original.png
 press s '^split off'
+press t '^stochastic on'
+shoot picked
+differ "one neighbour in place of all is seen" all.png picked.png
+press t '^stochastic off'
+shoot blended
+expect_that "all of them again are the same picture" cmp all.png blended.png
 press n '^directions nearest'
 shoot nearest
 differ "nearest directions are seen" start.png nearest.png

@@ -26,18 +26,21 @@
 extern "C" {
 #endif
 
+/** A function of OpenGL, to be cast to its type. */
 typedef void (*btf_gl_function)(void);
 
 /** Finds a GL function by its name; glfwGetProcAddress, eglGetProcAddress and the like, wrapped. */
 typedef btf_gl_function (*btf_gl_get_proc_address)(void *user, const char *name);
 
+/** How to reach OpenGL, and what to upload. */
 typedef struct btf_gl_options {
-    size_t struct_size; /**< sizeof(btf_gl_options) */
-    btf_gl_get_proc_address get_proc_address;
-    void *user;                       /**< handed to get_proc_address */
-    const btf_shader_options *shader; /**< only what this variant reads is uploaded; NULL: every texture */
+    size_t struct_size;                       /**< sizeof(btf_gl_options) */
+    btf_gl_get_proc_address get_proc_address; /**< must be given */
+    void *user;                               /**< handed to get_proc_address */
+    const btf_shader_options *shader; /**< only textures that this variant reads are uploaded; NULL: all */
 } btf_gl_options;
 
+/** The textures of a material in a GL context, which one thread at a time may use. */
 typedef struct btf_gl btf_gl;
 
 /** Sets *out_fits to 1 when every texture that btf_gl_upload would make is within GL_MAX_TEXTURE_SIZE and

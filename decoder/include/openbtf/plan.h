@@ -29,16 +29,16 @@ typedef struct btf_range {
     float theta[2]; /**< least and greatest, within 0..90; both 0: 0..90 */
     float phi[2];   /**< azimuths from phi[0] counter-clockwise to phi[1], within -360..360; equal: all */
     int fixed;      /**< 1: one direction alone, `direction`; theta and phi are not read */
-    float direction[3]; /**< unit, z > 0 */
+    float direction[3]; /**< unit, z > 0; read with fixed */
 } btf_range;
 
 /** The scene that is to be shown. All zeros after struct_size: everything, one light, a texel a pixel. */
 typedef struct btf_scene {
-    size_t struct_size; /**< sizeof(btf_scene) */
-    btf_range view, light;
-    float pixels;    /**< side of a texel on the screen in pixels, where it is largest; 0: 1 */
-    uint32_t lights; /**< evaluations a pixel; 0: 1 */
-    int interpolate; /**< 1: never nearest directions, which jump when view or light move */
+    size_t struct_size;    /**< sizeof(btf_scene) */
+    btf_range view, light; /**< directions to the viewer, and to the light */
+    float pixels;          /**< side of a texel on the screen in pixels, where it is largest; 0: 1 */
+    uint32_t lights;       /**< evaluations a pixel; 0: 1 */
+    int interpolate;       /**< 1: never nearest directions, which jump when view or light move */
 } btf_scene;
 
 /** How to decode a scene, and what that costs. Cost is in nanoseconds a pixel of the machine that the model
@@ -46,26 +46,27 @@ typedef struct btf_scene {
  * the directions of the scene, uniform in solid angle. */
 typedef struct btf_plan {
     size_t struct_size; /**< sizeof(btf_plan) */
-    btf_scene scene;
-    btf_shader_options shader; /**< for the material and for its restriction, a fixed view or light
-                                  included; you may set bindings, prefix, math */
-    uint32_t effects;          /**< btf_effect bits decoded */
-    uint32_t components;       /**< of the residual decoded; units, where its store is factors */
-    uint32_t level;            /**< of detail; finer ones are not needed */
-    uint32_t textures;         /**< a bit (1 << btf_texture_id) for each texture that the shader reads */
-    uint32_t views, lights;    /**< sampled directions that the scene can reach */
-    size_t gpu_bytes;          /**< of the restricted material, as in btf_material_info */
-    size_t full_gpu_bytes;     /**< of the whole material */
-    float cost, full_cost;
+    btf_scene scene;    /**< the scene that the plan is for */
+    /** For the material and for its restriction, a fixed view or light included. You may set bindings, prefix and
+     * math. */
+    btf_shader_options shader;
+    uint32_t effects;             /**< btf_effect bits decoded */
+    uint32_t components;          /**< of the residual decoded; units, where its store is factors */
+    uint32_t level;               /**< of detail; finer ones are not needed */
+    uint32_t textures;            /**< a bit (1 << btf_texture_id) for each texture that the shader reads */
+    uint32_t views, lights;       /**< sampled directions that the scene can reach */
+    size_t gpu_bytes;             /**< of the restricted material, as in btf_material_info */
+    size_t full_gpu_bytes;        /**< of the whole material */
+    float cost, full_cost;        /**< of the plan, and of the full decode: btf_plan_cost */
     int measured;                 /**< 0: the file has no effect errors; everything is decoded, PSNR is 0 */
-    float psnr_linear, psnr_srgb; /**< predicted */
+    float psnr_linear, psnr_srgb; /**< predicted for the plan */
     float full_psnr_linear, full_psnr_srgb; /**< predicted for the full decode of the same level */
     /** Estimated against the truth between the samples, of this plan and of the full decode: what the bands of
      * btf_between_errors say that the scene meets, and what the plan adds to the full decode's error. The
      * table overstates, so that this is a bound rather than a figure. 0 where the file has no such table, the
      * level is not 0, or view and light are samples, which have nothing between them. */
     float between_psnr_linear, between_psnr_srgb;
-    float full_between_psnr_linear, full_between_psnr_srgb;
+    float full_between_psnr_linear, full_between_psnr_srgb; /**< likewise, of the full decode */
 } btf_plan;
 
 /** Finds the plan whose PSNR, linear and sRGB-coded, is at most @p tolerance dB below the full decode's and
@@ -75,58 +76,63 @@ typedef struct btf_plan {
  * not larger than a pixel; the filter is bilinear where a texel is larger than a pixel and a half. Relief
  * and gloss are decoded where the file has them, but where the view is fixed and a sample, where they
  * change nothing: the table compares with interpolated samples, and cannot tell what they are worth
- * between. No memory is allocated. Errors: BTF_ERROR_USAGE (a range that is none, a negative or infinite
- * number). */
+ * between. No memory is allocated. Errors: BTF_ERROR_USAGE (a range that holds no direction, a negative or
+ * infinite number). */
 btf_result btf_plan_effects(const btf_material *material, const btf_scene *scene, float tolerance,
                             btf_plan *out_plan);
 
-/** The error that the file's table predicts for the scene, level and directions of a plan decoded another
- * way: PSNR in dB of a set of effects with so many components or units of the residual (0 without it).
- *  Errors: BTF_ERROR_UNSUPPORTED (the encoder did not measure this way; both are 0). */
+/** Sets *out_linear and *out_srgb to the PSNR, in dB, that the file's table of effect errors predicts for the scene,
+ * level and directions of a plan decoded another way: with the btf_effect bits @p effects and so many components or
+ * units of the residual (0 without it). Errors: BTF_ERROR_UNSUPPORTED (the encoder did not measure this way; both are
+ * 0). */
 btf_result btf_plan_predict(const btf_material *material, const btf_plan *plan, uint32_t effects,
                             uint32_t components, float *out_linear, float *out_srgb);
 
-/** Cost of one evaluation by a shader of these options where @p scene is shown (NULL: anything), in
- *  nanoseconds of one core. FORMAT.md section 9 counted as fetches with what follows from each:
+/** @return the cost of one evaluation by a shader of these options where @p scene is shown (NULL: anything), in
+ * nanoseconds of one core. The model counts the fetches of FORMAT.md section 9 and adds to each the work that follows
+ * from it:
  *
- *    8.3 once, 10.7 a look-up (view; light where shadows, centres or components ask for it; none that is
- *    fixed), then for each neighbouring view (1 with nearest directions, 3 else, of a fixed view those of
- *    weight above 0) and each of 1 or 4 texels: 1.5, 1 a code (two where shifts and gains are textures of
- *    their own or lists, one where they are packed), 4.1 a texel of parameters, 3.4 a shadow and 4.8 a
- * centre for each neighbouring light; and a group of four components 3.9 a texel, and once for all
- * texels 6.9 a neighbouring light; 0.8 more a code, shadow or centre that lies in an atlas.
+ *  - 8.3 once;
+ *  - 10.7 a look-up: of the view; of the light where shadows, centres or components ask for it; of none that is fixed;
+ *  - then for each neighbouring view (1 with nearest directions, 3 else; of a fixed view those of weight above 0) and
+ *    each of 1 or 4 texels: 1.5; 1 a code (two codes where shifts and gains are textures of their own or lists, one
+ *    where they are packed); 4.1 a texel of parameters; 3.4 a shadow and 4.8 a centre for each neighbouring light; and
+ *    of components, for each group of four, 3.9 a texel, and once for all texels 6.9 a neighbouring light;
+ *  - 0.8 more for each code, shadow or centre that lies in an atlas;
+ *  - of factors, for each of 1 or 4 texels, 1.65 for a texel of u, fetched once, or once a neighbouring view where
+ *    sources shift; 2.15 a unit for each neighbouring view and light, and for each texel 1.55, 1.65, 1.65, 3.2 and 1.75
+ *    in the classes 0 to 4; 2.15 a neighbouring view and tier;
+ *  - with relief sources shift, at 2.65 a texel of u; 14 a neighbouring view; and of a height map N + 1 steps, each
+ *    1.1 for the pixel and, where there are several neighbouring views, 4.3 for each of these;
+ *  - with gloss a look-up, and 70 a neighbouring view where there are several; no light is fixed then.
  *
- *  Of factors 1.65 for a texel of u, fetched once, or once a neighbouring view where sources shift, and
- *  for each of 1 or 4 texels; 2.15 a unit for each neighbouring view and light, and for each texel 1.55,
- *  1.65, 1.65, 3.2 and 1.75 in the classes 0 to 4; 2.15 a neighbouring view and tier. These come from a
- *  prototype of the shader (three sets of units, one view and light or three of each, mean deviation 4 %),
- *  times 1.6, by which its components were cheaper than those above.
+ * A neighbour of weight 0 is passed over where a compiler branches. llvmpipe masks instead: it saves the groups of a
+ * residual that has more than six, a loop, all but one, and nothing else. A fixed view whose texels need no codes and
+ * no components is decoded once.
  *
- *  With relief sources shift, at 2.65 a texel of u; 14 a neighbouring view, and of a height map N + 1
- * steps: 1.1 each for the pixel and, where there are several neighbouring views, 4.3 for each of these.
- * With gloss a look-up, and 70 a neighbouring view where there are several; no light is fixed then. Fitted
- * by hand to one material (13 units, 8 steps; one texel, steep, nearest directions) on a loaded machine.
- *
- *  A neighbour of weight 0 is passed over where a compiler branches. llvmpipe masks instead: it saves the
- *  groups of a residual that has more than six, a loop, all but one, and nothing else. A fixed view whose
- *  texels need no codes and no components is decoded once.
- *
- *  Fitted to llvmpipe (Mesa 22.3.6, LLVM 15, 256 bits, Zen 4): 150 shaders and scenes of pictures of which
- *  neighbouring pixels look alike, mean deviation 9 %. Only ratios mean something elsewhere. */
+ * Fitted to llvmpipe (Mesa 22.3.6, LLVM 15, 256 bits, Zen 4): 150 shaders and scenes of pictures of which neighbouring
+ * pixels look alike, mean deviation 9 %. Factors come from a prototype of the shader (three sets of units, one view and
+ * light or three of each, mean deviation 4 %), times 1.6, by which its components were cheaper than those above.
+ * Relief and gloss were fitted by hand to one material (13 units, 8 steps; one texel, steep, nearest directions) on a
+ * loaded machine. Only ratios mean something elsewhere. */
 float btf_plan_cost(const btf_material *material, const btf_shader_options *options,
                     const btf_scene *scene);
 
-/** A material with what a plan reads: views and lights that its ranges reach (all where the file's
- * triangulation cannot be kept otherwise), its effects, components, its level and coarser ones, centres in
- * use; layout `tight`. Packed points of which a plan decodes the gain alone stay packed, with shifts of 0,
- * since no other store says their gains; of which it decodes the shift alone, become the texture `shift`.
- * Lists of points stay lists, of a gain of 1 where the plan decodes the shift alone, unless so few views
- * are kept that they take no fewer bytes than what packed points become. Heights are kept as they are, in
- * texels of the material's level 0 (btf_material_info.relief_level). Where gloss is decoded all lights are
- * kept, since any may be that of a neighbouring view. Inside the ranges it decodes, with plan->shader, bit
- * for bit what the material decodes with them; level plan->level of the material is level 0. Outside, a
- * direction counts as the nearest one that was kept (section 6). It can be saved and opened like any
- * material. Errors: BTF_ERROR_USAGE, BTF_ERROR_MEMORY. */
+/** Makes a material with only what a plan reads: views and lights that its ranges reach (all where the file's
+ * triangulation cannot be kept otherwise), its effects, components, its level and coarser ones, centres in use; layout
+ * `tight`. *out_material is closed with btf_material_close.
+ *
+ * Packed points of which a plan decodes the gain alone stay packed, with shifts of 0, since no other store holds their
+ * gains; packed points of which it decodes the shift alone become the texture `shift`. Lists of points stay lists, of
+ * a gain of 1 where the plan decodes the shift alone, unless so few views are kept that they take no fewer bytes than
+ * packed points would. Heights are kept as they are, in texels of the material's level 0
+ * (btf_material_info.relief_level). Where gloss is decoded all lights are kept, since any may be that of a neighbouring
+ * view.
+ *
+ * Inside the ranges the new material decodes, with plan->shader, bit for bit to what the whole material decodes to;
+ * level plan->level of the whole is level 0 of the new one. Outside, a direction counts as the nearest one that was
+ * kept (section 6). It can be saved and opened like any material. Errors: BTF_ERROR_USAGE (a plan that is not of this
+ * material), BTF_ERROR_MEMORY. */
 btf_result btf_material_restrict(const btf_material *material, const btf_plan *plan, const btf_log *log,
                                  btf_material **out_material);
 

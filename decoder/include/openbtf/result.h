@@ -21,6 +21,7 @@ extern "C" {
     X(BTF_ERROR_DIFFERENT, 7, 7, "difference found")                                                       \
     X(BTF_ERROR_INTERRUPTED, 8, 130, "interrupted")
 
+/** How a call ended: BTF_OK, or an error of BTF_RESULT_LIST. */
 typedef enum btf_result {
 #define BTF_RESULT_ENUM(name, value, exit_code, text) name = value,
     BTF_RESULT_LIST(BTF_RESULT_ENUM)
@@ -30,23 +31,25 @@ typedef enum btf_result {
 /** @return a static English text, e.g. "bad file"; "unknown result" for a value off the list. */
 const char *btf_result_text(btf_result result);
 
-/** @return the process exit code documented for @p result (see README.md, "Exit codes"). */
+/** @return the exit code of the tools for @p result, the third column of BTF_RESULT_LIST; each tool's --help lists
+ * them. */
 int btf_result_exit_code(btf_result result);
 
+/** How much a message matters. */
 typedef enum btf_log_level {
-    BTF_LOG_ERROR = 0,
-    BTF_LOG_WARNING = 1,
-    BTF_LOG_INFO = 2,
+    BTF_LOG_ERROR = 0,   /**< the reason for which the call fails */
+    BTF_LOG_WARNING = 1, /**< the call goes on, but its result may not be the one wanted */
+    BTF_LOG_INFO = 2,    /**< progress or a choice that was made */
 } btf_log_level;
 
-/** Receives one complete message without a newline; @p message is valid during the call only.
- *  May be called from the thread that called the library, never from another. */
+/** Receives one complete message, without a newline; @p message is valid during the call only. It is called from the
+ * thread that called the library, never from another. */
 typedef void (*btf_log_callback)(void *user, btf_log_level level, const char *message);
 
 /** Where messages go. A null pointer to btf_log, or a null callback, drops them. */
 typedef struct btf_log {
-    btf_log_callback callback;
-    void *user;
+    btf_log_callback callback; /**< receives each message */
+    void *user;                /**< handed to callback */
 } btf_log;
 
 #ifdef __cplusplus

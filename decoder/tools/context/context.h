@@ -13,7 +13,7 @@
 
 typedef struct context context;
 
-/* A named device: a provider, what it is asked for, and the environment it needs. */
+/* A named device: a provider, the context that it is asked for, and the environment it needs. */
 typedef struct context_device {
     const char *name;
     const context_provider *provider;
@@ -30,7 +30,7 @@ extern const context_device context_devices[];
 /* Sets the environment of a device; to be called before anything loads a GL driver. */
 void context_prepare(const context_device *device);
 
-/* NULL with the reason in why[why_size]. */
+/* Makes a context of the device, and makes it current. NULL with the reason in why[why_size]. */
 context *context_create(const context_device *device, char *why, size_t why_size);
 void context_destroy(context **c);
 

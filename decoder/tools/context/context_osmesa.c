@@ -17,7 +17,7 @@ typedef struct osmesa {
 
 static void *create(const context_request *request, char *why, size_t why_size) {
     if (request->es) {
-        snprintf(why, why_size, "OSMesa has no OpenGL ES");
+        snprintf(why, why_size, "OSMesa does not offer OpenGL ES");
         return NULL;
     }
     osmesa *self = calloc(1, sizeof *self);
@@ -36,7 +36,7 @@ static void *create(const context_request *request, char *why, size_t why_size) 
                               0};
     self->context = OSMesaCreateContextAttribs(attributes, NULL);
     if (!self->context || !OSMesaMakeCurrent(self->context, self->pixels, GL_UNSIGNED_BYTE, 16, 16)) {
-        snprintf(why, why_size, "OSMesa gives no OpenGL %d.%d core context", request->major,
+        snprintf(why, why_size, "OSMesa does not make an OpenGL %d.%d core context", request->major,
                  request->minor);
         if (self->context)
             OSMesaDestroyContext(self->context);

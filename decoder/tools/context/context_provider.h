@@ -1,4 +1,4 @@
-/* Whoever makes contexts: OSMesa, EGL, GLFW.
+/* The providers of contexts: OSMesa, EGL, GLFW.
  *
  * SPDX-License-Identifier: MIT
  */

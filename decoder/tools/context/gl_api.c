@@ -24,7 +24,7 @@ btf_result gl_api_load(gl_api *gl, btf_gl_get_proc_address get, void *user, cons
 #define GL_API_LOAD(type, function)                                                                        \
     gl->function = (type)get(user, "gl" #function);                                                        \
     if (!gl->function) {                                                                                   \
-        log_error(log, "the context has no gl" #function);                                                 \
+        log_error(log, "the context lacks the function gl" #function);                                     \
         return BTF_ERROR_UNSUPPORTED;                                                                      \
     }
     GL_API_FUNCTIONS(GL_API_LOAD)

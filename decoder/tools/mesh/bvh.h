@@ -22,8 +22,7 @@ typedef struct bvh_hit {
 bvh *bvh_create(const mesh *m);
 void bvh_destroy(bvh **b);
 
-/* The nearest hit with t in (t_min, t_max), from either side; false: none. Ties go to the lower triangle.
- */
+/* The nearest hit with t in (t_min, t_max), from either side; false: none. Ties go to the lower triangle. */
 bool bvh_trace(const bvh *b, vec3 origin, vec3 direction, double t_min, double t_max, bvh_hit *out_hit);
 
 #endif

@@ -31,7 +31,7 @@ void mesh_destroy(mesh **m) {
     *m = NULL;
 }
 
-/* Position, normal and direction of growing u at (s, t) in [0, 1]^2. */
+/* A surface at (s, t) in [0, 1]^2: position, unit normal, and unit tangent in the direction in which u grows. */
 typedef struct surface_point {
     vec3 position, normal, tangent;
 } surface_point;
@@ -39,8 +39,8 @@ typedef struct surface_point {
 typedef struct surface {
     const char *name;
     surface_point (*at)(double s, double t);
-    int columns, rows;
-    double u_scale, v_scale;
+    int columns, rows;       /* of quadrilaterals, along s and t */
+    double u_scale, v_scale; /* texture coordinates are (s * u_scale, t * v_scale) */
 } surface;
 
 static surface_point plane_at(double s, double t) {
@@ -54,7 +54,7 @@ static surface_point sphere_at(double s, double t) {
     return (surface_point){p, p, vec(cos(longitude), 0, -sin(longitude))};
 }
 
-/* Leans towards the viewer, so that the hole is seen from the front. */
+/* Leans towards the default camera on +z, so that the hole is seen. */
 static surface_point torus_at(double s, double t) {
     const double major = 0.68, minor = 0.3, lean = 0.9;
     double a = 2 * RENDER_PI * s, b = 2 * RENDER_PI * t;

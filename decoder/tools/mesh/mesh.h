@@ -13,8 +13,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Ready for a vertex buffer. tangent[3] is the handedness: bitangent = tangent[3] * cross(normal, tangent).
- */
+/* Ready for a vertex buffer. tangent[3] is the handedness: bitangent = tangent[3] * cross(normal, tangent). */
 typedef struct mesh_vertex {
     float position[3], normal[3], uv[2], tangent[4];
 } mesh_vertex;
@@ -29,8 +28,7 @@ typedef struct mesh {
 void mesh_destroy(mesh **m);
 
 /* The built-in meshes, "plane|sphere|torus|drape". uv is 0..1 over the square plane and the drape, 0..2
- * round the sphere's equator and the torus. Errors: BTF_ERROR_USAGE (name, told on log), BTF_ERROR_MEMORY.
- */
+ * round the sphere's equator and the torus. Errors: BTF_ERROR_USAGE (name, told on log), BTF_ERROR_MEMORY. */
 btf_result mesh_make(const char *name, const btf_log *log, mesh **out_mesh);
 
 /* True when name is one of the above. */

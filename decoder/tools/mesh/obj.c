@@ -131,7 +131,7 @@ static void read_vector(parser *o, list *l, int least, const char *what) {
         }
         double value = strtod(word, &end);
         if (*end || !(fabs(value) <= 1e18)) {
-            fail(o, BTF_ERROR_BAD_FILE, "%s: '%s' is no number within 1e18", what, word);
+            fail(o, BTF_ERROR_BAD_FILE, "%s: '%s' is not a number within -1e18 to 1e18", what, word);
             return;
         }
         values[i] = (float)value;
@@ -150,12 +150,13 @@ static bool read_corner(parser *o, const char *word, corner *out) {
             long index = strtol(p, &end, 10);
             const long count = (long)o->lists[k].count;
             if (end == p || (*end && *end != '/') || isspace((unsigned char)*p)) {
-                fail(o, BTF_ERROR_BAD_FILE, "face: '%s' is no reference v, v/t, v//n or v/t/n", word);
+                fail(o, BTF_ERROR_BAD_FILE, "face: '%s' is not of the form v, v/t, v//n or v/t/n", word);
                 return false;
             }
             long at = index > 0 ? index - 1 : index < 0 ? count + index : -1;
             if (at < 0 || at >= count) {
-                fail(o, BTF_ERROR_BAD_FILE, "face: %s %ld of %ld given so far", kinds[k], index, count);
+                fail(o, BTF_ERROR_BAD_FILE, "face: names %s %ld of %ld given so far", kinds[k], index,
+                     count);
                 return false;
             }
             out->at[k] = (int32_t)at;
@@ -214,7 +215,7 @@ static void read_face(parser *o) {
             return;
     }
     if (o->face.count < 3)
-        fail(o, BTF_ERROR_BAD_FILE, "face: %zu corners, expected 3 or more", o->face.count);
+        fail(o, BTF_ERROR_BAD_FILE, "face: has %zu corners, expected 3 or more", o->face.count);
     else
         add_face(o);
 }
@@ -350,7 +351,7 @@ static void average_normals(const parser *o, mesh *m) {
 
 static btf_result finish(parser *o, mesh **out_mesh) {
     if (o->corners.count == 0)
-        return fail(o, BTF_ERROR_BAD_FILE, "no face in the file");
+        return fail(o, BTF_ERROR_BAD_FILE, "the file has no face");
     mesh *m = index_corners(o);
     bool ok = m != NULL;
     if (ok)

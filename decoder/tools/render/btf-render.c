@@ -79,6 +79,8 @@ static btf_result open_shader(job *j) {
                               .interpolation = (btf_interpolation)render_options.interpolation,
                               .filter = (btf_filter)render_options.filter,
                               .math = (btf_math)render_options.math,
+                              .picks = render_options.stochastic ? BTF_PICK_ALL : BTF_PICK_NONE,
+                              .picked = render_options.spp,
                               .level = render_options.figure13 ? 0 : render_options.level,
                               .threads = render_options.threads};
     if (render_options.figure13) {
@@ -183,7 +185,7 @@ static btf_result plan_frames(job *j, int first) {
     if (!result)
         result = btf_material_restrict(j->whole, &j->plan, &j->log, &j->material);
     if (result)
-        return cli_error(&render_program, result, "no plan for these pictures");
+        return cli_error(&render_program, result, "option --plan: the pictures cannot be planned");
     if (render_options.stats) {
         printf("plan for frames %d to %d:\n", first + 1, j->planned_end);
         scene_plan_print(stdout, "  ", j->whole, &j->plan);

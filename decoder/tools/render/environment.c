@@ -148,8 +148,8 @@ static void note_contents(int width, int height, const float *pixels, image_info
             first = i;
     if (unusable > 0)
         image_note(info, IMAGE_NOTE_RANGE,
-                   "%zu samples that are below 0, infinite or no numbers are taken as 0: first %g in column %zu, "
-                   "row %zu",
+                   "%zu samples that are below 0, infinite or not a number are taken as 0: the first is %g "
+                   "in column %zu, row %zu",
                    unusable, (double)pixels[first], first / 3 % (size_t)width, first / 3 / (size_t)width);
     if (abs(width - 2 * height) > 1 + width / 50)
         image_note(info, IMAGE_NOTE_ENVMAP,

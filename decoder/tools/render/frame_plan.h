@@ -1,4 +1,4 @@
-/* Which frames of a sequence are decoded by one plan.
+/* Divides a sequence of frames into ranges that are decoded by one plan each.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -7,7 +7,7 @@
 
 #include "plan_range.h"
 
-/* Wishes that go beyond what is seen. */
+/* Wishes beyond the directions and sizes that frames show. */
 typedef struct frame_wishes {
     float tolerance; /* dB */
     int interpolate; /* as in btf_scene */

@@ -18,13 +18,14 @@ struct original {
 static btf_result same_directions(const char *what, const btf_directions *expected, int count,
                                   const original_direction *got, const btf_log *log) {
     if ((uint32_t)count != expected->count) {
-        file_say(log, "original: %d %ss, the material has %u", count, what, (unsigned)expected->count);
+        file_say(log, "original: the images have %d %ss, the material has %u", count, what,
+                 (unsigned)expected->count);
         return BTF_ERROR_USAGE;
     }
     for (int i = 0; i < count; i++)
         for (int k = 0; k < 3; k++)
             if (fabs((double)got[i].xyz[k] - (double)expected->xyz[3 * i + k]) > 1e-3) {
-                file_say(log, "original: %s %d at theta %g, phi %g is not the material's", what, i,
+                file_say(log, "original: %s %d at theta %g, phi %g is not that of the material", what, i,
                          got[i].theta, got[i].phi);
                 return BTF_ERROR_USAGE;
             }
@@ -34,8 +35,8 @@ static btf_result same_directions(const char *what, const btf_directions *expect
 static btf_result check(const original *o, const btf_material *material, const btf_log *log) {
     const btf_directions views = btf_material_views(material), lights = btf_material_lights(material);
     if ((uint32_t)o->data.width != o->material.width || (uint32_t)o->data.height != o->material.height) {
-        file_say(log, "original: %d x %d texels, the material has %u x %u", o->data.width, o->data.height,
-                 (unsigned)o->material.width, (unsigned)o->material.height);
+        file_say(log, "original: the images have %d x %d pixels, the material has %u x %u texels",
+                 o->data.width, o->data.height, (unsigned)o->material.width, (unsigned)o->material.height);
         return BTF_ERROR_USAGE;
     }
     btf_result result = same_directions("view", &views, o->data.n_views, o->data.views, log);

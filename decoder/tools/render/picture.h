@@ -1,4 +1,4 @@
-/* Pictures: linear radiance to what is seen.
+/* Pictures: from linear radiance to the values of a screen.
  *
  * SPDX-License-Identifier: MIT
  */

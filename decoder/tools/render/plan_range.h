@@ -36,8 +36,8 @@ void plan_range_join(plan_range *range, const plan_range *other);
  */
 btf_scene plan_range_scene(const plan_range *range);
 
-/* The same for what moves: elevations widened by `degrees` and then outward to multiples of them, every
- * azimuth, nothing fixed. */
+/* The range of a camera or light that moves: elevations widened by `degrees` and then outward to multiples of
+ * them, every azimuth, nothing fixed. */
 btf_range plan_range_widen(const btf_range *range, float degrees);
 
 /* Every direction of `inner` is in `outer`, and stays in it when inner grows by `slack` degrees. */

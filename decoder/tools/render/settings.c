@@ -20,6 +20,7 @@ settings render_options = {.mesh = "sphere",
                            .effects = BTF_EFFECT_ALL,
                            .size = {512, 512},
                            .samples = 1,
+                           .spp = 1,
                            .env_lights = 64,
                            .components = BTF_MAX_COMPONENTS,
                            .frames = 1,
@@ -184,7 +185,7 @@ static const cli_option option_table[] = {
      .type = CLI_CHOICE,
      .value = &render_options.plan,
      .choices = "auto|none",
-     .help = "auto: decode and upload only what the pictures call for (btf-info --plan),\n"
+     .help = "auto: decode and upload only what the pictures need (btf-info --plan),\n"
              "one plan for each range of frames. On a flat mesh one directional light, and\n"
              "with --fov 0 the view, are the same in every pixel: the shader then holds\n"
              "their neighbours as constants. The picture is that of the plan without"},
@@ -214,6 +215,17 @@ static const cli_option option_table[] = {
      .value = &render_options.filter,
      .help =
          "between texels (default texel); steep: bilinear, but a texel keeps its\nmiddle half to itself"},
+    {.name = "stochastic",
+     .type = CLI_FLAG,
+     .value = &render_options.stochastic,
+     .help = "decode one view, light and texel, picked at random with its weight, in place of\nblending all"},
+    {.name = "spp",
+     .type = CLI_INT,
+     .value = &render_options.spp,
+     .given = &render_options.spp_given,
+     .minimum = 1,
+     .maximum = 65536,
+     .help = "with --stochastic: picks a sample, of which the mean is taken (default 1)"},
     {.name = "level",
      .arg = "auto|N",
      .type = CLI_CUSTOM,
@@ -314,6 +326,10 @@ btf_result settings_check(void) {
                          render_options.original ? "original" : "baseline");
     if (render_options.figure13 && render_options.plan == 0)
         return cli_error(&render_program, BTF_ERROR_USAGE, "option --plan: not together with --figure13");
+    if (render_options.figure13 && render_options.stochastic)
+        return cli_error(&render_program, BTF_ERROR_USAGE, "option --stochastic: not together with --figure13");
+    if (render_options.spp_given && !render_options.stochastic)
+        return cli_error(&render_program, BTF_ERROR_USAGE, "option --spp: only together with --stochastic");
     if (render_options.figure13 && render_options.level > 0)
         return cli_error(&render_program, BTF_ERROR_USAGE,
                          "option --level: %d, but --figure13 compares the original with level 0",

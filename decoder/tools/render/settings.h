@@ -13,18 +13,18 @@
 typedef struct settings {
     const char *out, *mesh, *device, *environment, *environment_layer, *original, *baseline;
     double view[2], repeat, fov, zoom, exposure, background, env_rotate, env_gain, tolerance;
-    bool repeat_given, zoom_given, interpolation_given, figure13, stats, cast_shadows, quiet;
+    bool repeat_given, zoom_given, interpolation_given, figure13, stats, cast_shadows, quiet, stochastic, spp_given;
     light_list lights;
     uint32_t effects;
     int size[2], samples, env_lights, components, math, interpolation, filter, tone, frames, animate,
-        threads, repeats, level, plan;
+        threads, repeats, level, plan, spp;
 } settings;
 
 /* As given, with defaults for the rest. */
 extern settings render_options;
 extern const cli_program render_program;
 
-/* Checks what no option can check alone. Errors, told: BTF_ERROR_USAGE. */
+/* Checks the rules between options. Errors, with a message: BTF_ERROR_USAGE. */
 btf_result settings_check(void);
 
 #endif

@@ -26,6 +26,9 @@ typedef struct gl_device {
     int variants;
     int level;       /* of all samples */
     bool has_levels; /* a level a sample */
+    bool stochastic;
+    int picked;      /* times that a list is decoded */
+    uint32_t drawn;  /* random numbers of each place in a list */
     uint32_t *bits;  /* [rows][width][4] */
     char name[240];
 } gl_device;
@@ -66,6 +69,21 @@ static const char level_text[] =
     "vec3 render_evaluate(vec2 uv, vec3 l, vec3 v) {\n"
     "    uint level = texelFetch(render_levels, ivec2(gl_FragCoord.xy), 0).x;\n"
     "    return btf_evaluate_level(uv, l, v, int(level));\n"
+    "}\n";
+
+/* The sum of picks, RENDER_LEVEL a number or the texture of levels. */
+static const char stochastic_text[] =
+    "uniform int render_picked, render_drawn;\n"
+    "vec3 render_evaluate(vec2 uv, vec3 l, vec3 v) {\n"
+    "    int i = 0, level = RENDER_LEVEL;\n"
+    "    vec3 sum = vec3(0.0);\n"
+    "    if (level < 0)\n"
+    "        level = int(texelFetch(render_levels, ivec2(gl_FragCoord.xy), 0).x);\n"
+    "    do {\n"
+    "        uvec3 random = btf_random(uvec3(uvec2(gl_FragCoord.xy), uint(render_drawn + i)));\n"
+    "        sum = btf_add(sum, btf_evaluate_stochastic_level(uv, l, v, level, random));\n"
+    "    } while (++i < render_picked);\n"
+    "    return sum;\n"
     "}\n";
 
 static const char phong_text[] =
@@ -146,7 +164,8 @@ static btf_result make_variant(gl_device *d, const context_device *device, const
                                   .filter = request->filter,
                                   .math = request->math,
                                   .have_precise = device->enable_gpu_shader5,
-                                  .fixed = request->fixed};
+                                  .fixed = request->fixed,
+                                  .picks = request->picks};
     memcpy(options.fixed_view, request->fixed_view, sizeof options.fixed_view);
     memcpy(options.fixed_light, request->fixed_light, sizeof options.fixed_light);
     char *library = NULL;
@@ -154,9 +173,10 @@ static btf_result make_variant(gl_device *d, const context_device *device, const
     if (result)
         return result;
     d->programs[variant] = make_program(d, device, library,
-                                        d->has_levels  ? level_text
-                                        : d->level > 0 ? one_level_text
-                                                       : decode_text,
+                                        d->stochastic   ? stochastic_text
+                                        : d->has_levels ? level_text
+                                        : d->level > 0  ? one_level_text
+                                                        : decode_text,
                                         log);
     btf_free(library);
     if (!d->programs[variant])
@@ -227,6 +247,8 @@ static btf_result fill(gl_device *d, const context_device *device, const shader_
     d->has_levels = info.levels > 1 && request->level < 0;
     d->level = info.levels > 1 ? request->level : 0;
     d->variants = request->variants;
+    d->stochastic = request->picks != BTF_PICK_NONE;
+    d->picked = d->stochastic ? request->picked : 1;
     for (int i = 0; i < request->variants && !result; i++)
         result = make_variant(d, device, request, i, log);
     if (!result && !(d->phong = make_program(d, device, "", phong_text, log)))
@@ -346,11 +368,19 @@ static btf_result run(void *self, int variant, int width, int rows, const float 
                          d->bits);
     }
     d->gl.UseProgram(d->programs[variant]);
+    if (d->stochastic) {
+        d->gl.Uniform1i(d->gl.GetUniformLocation(d->programs[variant], "render_picked"), d->picked);
+        d->gl.Uniform1i(d->gl.GetUniformLocation(d->programs[variant], "render_drawn"), (GLint)d->drawn);
+        d->drawn += (uint32_t)d->picked;
+    }
     d->gl.Viewport(0, 0, width, rows);
     d->gl.DrawArrays(GL_TRIANGLES, 0, 3);
     d->gl.ReadPixels(0, 0, width, rows, GL_RGBA_INTEGER, GL_UNSIGNED_INT, d->bits);
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; i++) {
         memcpy(out + 3 * i, d->bits + 4 * i, 12);
+        for (size_t c = 0; c < 3 && d->stochastic; c++)
+            out[3 * i + c] = out[3 * i + c] / (float)d->picked;
+    }
     GLenum error = d->gl.GetError();
     if (error != GL_NO_ERROR) {
         file_say(log, "%s: error 0x%04x while drawing", d->name, error);

@@ -1,4 +1,4 @@
-/* The devices behind a shader: what one is asked for, and what it does.
+/* The interface of the devices behind a shader.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -26,6 +26,8 @@ typedef struct shader_request {
     btf_math math;  /* BTF_MATH_FAST: not of the reference */
     uint32_t fixed; /* as in btf_shader_options: what is the same in every list; GL alone profits */
     float fixed_view[3], fixed_light[3];
+    btf_picks picks; /* other than none: a list is decoded stochastically, */
+    int picked;      /* so many times, 1 at least, of which the mean is taken; every list by other random numbers */
     int level;   /* the level of detail that every sample asks for; below 0: they differ */
     int threads; /* of the reference */
 } shader_request;

@@ -2,6 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "history.h"
 #include "options.h"
 #include "viewer_load.h"
 #include "viewer_panel.h"
@@ -70,7 +71,7 @@ static void on_key(GLFWwindow *window, int key, int scan_code, int action, int m
         break;
     }
     if (key == GLFW_KEY_N || key == GLFW_KEY_B || key == GLFW_KEY_X || key == GLFW_KEY_L ||
-        key == GLFW_KEY_R)
+        key == GLFW_KEY_T || key == GLFW_KEY_R)
         costs_clear(&v->costs);
     if (v->state.mesh != mesh_before)
         v->failed = viewer_use_mesh(v);
@@ -195,9 +196,8 @@ static btf_result check_device(viewer *v) {
         fprintf(stderr, "btf-view: warning: this device fetches from wrong mip levels: "
                         "materials of several levels of detail will look wrong\n");
     if (failures & BTF_SELF_TEST_FACTORS)
-        fprintf(stderr,
-                "btf-view: warning: this device does not multiply or fetch packed factors as it should: "
-                "materials that hold them will look wrong\n");
+        fprintf(stderr, "btf-view: warning: this device multiplies or fetches packed factors wrongly: "
+                        "materials that hold them will look wrong\n");
     if (failures & BTF_SELF_TEST_LISTS)
         fprintf(stderr, "btf-view: warning: this device does not fetch from lists of points as it should: "
                         "materials that hold them will look wrong\n");
@@ -254,7 +254,9 @@ static btf_result loop(viewer *v) {
             v->failed = viewer_draw_frame(v);
             glfwSwapBuffers(v->window);
         }
-        if (v->state.animate || wait == 0)
+        if (v->state.stochastic && v->material && drawing_samples(v->drawing) < HISTORY_MOST)
+            v->dirty = true;
+        if (v->state.animate || wait == 0 || v->dirty)
             glfwPollEvents();
         else if (!v->failed && wait > 0)
             glfwWaitEventsTimeout(wait);

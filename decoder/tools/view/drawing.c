@@ -6,11 +6,12 @@
 
 #include "decoder/toolkit/file.h"
 #include "decoder/tools/render/table.h"
+#include "history.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { PROGRAMS = 32, SOURCES = 1 + DRAWING_SLOTS, UNIT_IMAGES = 0, UNIT_MATERIAL = 1 };
+enum { PROGRAMS = 32, SOURCES = 1 + DRAWING_SLOTS, UNIT_IMAGES = 0, UNIT_HISTORY = 1, UNIT_MATERIAL = 2 };
 
 /* The choices that a GL program is compiled for. */
 typedef struct variant {
@@ -18,7 +19,7 @@ typedef struct variant {
     btf_interpolation interpolation;
     btf_filter filter;
     btf_math math;
-    bool images, levels;
+    bool images, levels, stochastic;
 } variant;
 
 typedef struct program {
@@ -29,9 +30,9 @@ typedef struct program {
 /* The material that is drawn: the whole one (number 0) or one made for a plan (its slot + 1). */
 typedef struct source {
     const btf_material *material;
-    btf_material *apart; /* what is drawn in its place where GL's textures cannot hold its atlas */
+    btf_material *apart; /* in layout tight, drawn in its place where GL's textures cannot hold its atlas */
     btf_gl *textures;    /* NULL until it is drawn */
-    btf_plan plan;       /* of a plan's: what it decodes of the material */
+    btf_plan plan;       /* of one made for a plan: that plan */
     program programs[PROGRAMS];
     int program_count;
 } source;
@@ -47,6 +48,9 @@ struct drawing {
     double repeat;
     int image_columns; /* tiles of the images' layers: one a light */
     bool have_precise;
+    history *history;
+    view_state accumulated; /* the state that the history is of */
+    int accumulated_source;
 };
 
 static const char vertex_text[] = "layout(location = 0) in vec3 position;\n"
@@ -84,9 +88,15 @@ static const char fragment_text[] =
     "    v = normalize(vec3(v.xy, max(v.z, 0.001)));\n"
     "    vec3 c = exposure * view_radiance(fract(f_uv * repeat), vec3(dot(light, t), dot(light, b), "
     "dot(light, n)), v);\n"
+    "#ifdef VIEW_HISTORY\n"
+    "    if (view_share < 1.0)\n"
+    "        c = mix(texelFetch(view_history, ivec2(gl_FragCoord.xy), 0).rgb, c, view_share);\n"
+    "    colour = vec4(c, 1.0);\n"
+    "#else\n"
     "    c = clamp(c, 0.0, 1.0);\n"
     "    colour = vec4(mix(12.92 * c, 1.055 * pow(max(c, 0.0031308), vec3(1.0 / 2.4)) - 0.055,\n"
     "                      vec3(greaterThan(c, vec3(0.0031308)))), 1.0);\n"
+    "#endif\n"
     "}\n";
 
 /* Steps of uv to the next pixels, set by main. */
@@ -98,6 +108,18 @@ static const char material_text[] =
 static const char level_text[] =
     "vec3 view_radiance(vec2 uv, vec3 l, vec3 v) {\n"
     "    return btf_evaluate_level(uv, l, v, int(btf_level(view_steps.xy, view_steps.zw) + 0.5));\n"
+    "}\n";
+
+/* One neighbour, and one level between two. */
+static const char stochastic_text[] =
+    "#define VIEW_HISTORY\n"
+    "uniform sampler2D view_history;\n"
+    "uniform float view_share;\n"
+    "uniform int view_sample, view_levels;\n"
+    "vec3 view_radiance(vec2 uv, vec3 l, vec3 v) {\n"
+    "    float level = view_levels != 0 ? btf_level(view_steps.xy, view_steps.zw) : 0.0;\n"
+    "    uvec3 random = btf_random(uvec3(uvec2(gl_FragCoord.xy), uint(view_sample)));\n"
+    "    return btf_evaluate_stochastic_between(uv, l, v, level, random);\n"
     "}\n";
 
 /* The images: layer = view, tile = light. */
@@ -136,6 +158,8 @@ static void forget_material(drawing *d) {
     d->gl->DeleteTextures(1, &d->images);
     d->images = 0;
     d->used = 0;
+    if (d->history)
+        history_clear(d->history);
 }
 
 drawing *drawing_create(const gl_api *gl, btf_gl_get_proc_address get, void *user, const btf_log *log) {
@@ -161,6 +185,7 @@ void drawing_destroy(drawing **d) {
         return;
     const GLuint buffers[2] = {(*d)->vertices, (*d)->triangles};
     forget_material(*d);
+    history_destroy(&(*d)->history);
     (*d)->gl->DeleteBuffers(2, buffers);
     free(*d);
     *d = NULL;
@@ -221,7 +246,7 @@ static btf_result upload_images(drawing *d, const original *images, const btf_lo
     return BTF_OK;
 }
 
-/* Uploads what was not drawn before. */
+/* Uploads the textures of a source that was not drawn before. */
 static btf_result upload(drawing *d, source *s, const btf_log *log) {
     const btf_gl_options options = {sizeof options, d->get, d->user, NULL};
     btf_material_info info = {.struct_size = sizeof info};
@@ -301,6 +326,8 @@ btf_result drawing_set_mesh(drawing *d, const mesh *m, double repeat, const btf_
     }
     d->index_count = 3 * m->triangle_count;
     d->repeat = repeat;
+    if (d->history)
+        history_clear(d->history);
     if (gl->GetError() == GL_NO_ERROR)
         return BTF_OK;
     file_say(log, "the mesh does not fit into GL's memory");
@@ -309,7 +336,7 @@ btf_result drawing_set_mesh(drawing *d, const mesh *m, double repeat, const btf_
 
 static bool same_variant(const variant *a, const variant *b) {
     return a->effects == b->effects && a->interpolation == b->interpolation && a->filter == b->filter &&
-           a->math == b->math && a->images == b->images && a->levels == b->levels;
+           a->math == b->math && a->images == b->images && a->levels == b->levels && a->stochastic == b->stochastic;
 }
 
 static btf_result compile(drawing *d, const source *s, const variant *v, const btf_log *log,
@@ -320,7 +347,8 @@ static btf_result compile(drawing *d, const source *s, const variant *v, const b
                                   .interpolation = v->interpolation,
                                   .filter = v->filter,
                                   .math = v->math,
-                                  .have_precise = d->have_precise};
+                                  .have_precise = d->have_precise,
+                                  .picks = v->stochastic ? BTF_PICK_ALL : BTF_PICK_NONE};
     if (planned) {
         options.leave_out |= BTF_EFFECT_ALL & ~s->plan.effects;
         options.components = s->plan.components;
@@ -334,9 +362,10 @@ static btf_result compile(drawing *d, const source *s, const variant *v, const b
         return result;
     const char *vertex[] = {vertex_text, NULL};
     const char *fragment[] = {library, steps_text,
-                              v->images   ? images_text
-                              : v->levels ? level_text
-                                          : material_text,
+                              v->images       ? images_text
+                              : v->stochastic ? stochastic_text
+                              : v->levels     ? level_text
+                                              : material_text,
                               fragment_text, NULL};
     *out_program =
         gl_api_program(d->gl,
@@ -416,7 +445,14 @@ static btf_result draw_side(drawing *d, int used, const view_state *s, const var
     gl->UniformMatrix4fv(gl->GetUniformLocation(name, "view_to_clip"), 1, GL_FALSE, matrix);
     gl->Uniform3f(gl->GetUniformLocation(name, "eye"), eye[0], eye[1], eye[2]);
     gl->Uniform3f(gl->GetUniformLocation(name, "light"), light[0], light[1], light[2]);
-    gl->Uniform1f(gl->GetUniformLocation(name, "exposure"), (float)exp2(s->exposure));
+    gl->Uniform1f(gl->GetUniformLocation(name, "exposure"), v->stochastic ? 1 : (float)exp2(s->exposure));
+    if (v->stochastic) {
+        const int samples = history_samples(d->history);
+        gl->Uniform1i(gl->GetUniformLocation(name, "view_history"), UNIT_HISTORY);
+        gl->Uniform1i(gl->GetUniformLocation(name, "view_sample"), samples);
+        gl->Uniform1i(gl->GetUniformLocation(name, "view_levels"), v->levels);
+        gl->Uniform1f(gl->GetUniformLocation(name, "view_share"), 1.0f / (float)(samples + 1));
+    }
     gl->Uniform1f(gl->GetUniformLocation(name, "repeat"), (float)d->repeat);
     gl->BindVertexArray(d->array);
     gl->DrawElements(GL_TRIANGLES, (GLsizei)d->index_count, GL_UNSIGNED_INT, NULL);
@@ -424,7 +460,8 @@ static btf_result draw_side(drawing *d, int used, const view_state *s, const var
 }
 
 static variant variant_of(const view_state *s) {
-    return (variant){s->effects, s->interpolation, s->filter, s->math, false, s->levels && s->has_levels};
+    return (variant){s->effects, s->interpolation,              s->filter,    s->math,
+                     false,      s->levels && s->has_levels, s->stochastic};
 }
 
 btf_result drawing_link_plan(drawing *d, int slot, const view_state *s, const btf_log *log) {
@@ -437,6 +474,8 @@ btf_result drawing_try_plan(drawing *d, int slot, const view_state *s, int width
                             const btf_log *log) {
     const gl_api *gl = d->gl;
     const variant v = variant_of(s);
+    if (v.stochastic && !d->history && !(d->history = history_create(gl, log)))
+        return BTF_ERROR_INTERNAL;
     gl->Viewport(0, 0, width, height);
     gl->Enable(GL_DEPTH_TEST);
     gl->Enable(GL_SCISSOR_TEST);
@@ -446,6 +485,35 @@ btf_result drawing_try_plan(drawing *d, int slot, const view_state *s, int width
     gl->Disable(GL_SCISSOR_TEST);
     gl->Finish();
     return result;
+}
+
+/* Whether two states show the same picture before it is exposed. */
+static bool same_picture(const view_state *a, const view_state *b) {
+    return a->theta == b->theta && a->phi == b->phi && a->light_theta == b->light_theta &&
+           a->light_phi == b->light_phi && a->zoom == b->zoom && a->mesh == b->mesh && a->effects == b->effects &&
+           a->interpolation == b->interpolation && a->filter == b->filter && a->math == b->math &&
+           a->levels == b->levels;
+}
+
+/* One more sample of each pixel left of the split, then the mean of all. */
+static btf_result accumulate(drawing *d, const view_state *s, const variant *v, int width, int height,
+                             const btf_log *log) {
+    if (!d->history && !(d->history = history_create(d->gl, log)))
+        return BTF_ERROR_INTERNAL;
+    if (!same_picture(s, &d->accumulated) || d->accumulated_source != d->used)
+        history_clear(d->history);
+    d->accumulated = *s;
+    d->accumulated_source = d->used;
+    btf_result result = history_begin(d->history, width, height, UNIT_HISTORY, log);
+    if (!result)
+        result = draw_side(d, d->used, s, v, width, height, log);
+    if (!result)
+        history_end(d->history, UNIT_HISTORY, (float)exp2(s->exposure));
+    return result;
+}
+
+int drawing_samples(const drawing *d) {
+    return d->history ? history_samples(d->history) : 0;
 }
 
 btf_result drawing_draw(drawing *d, const view_state *s, int width, int height, const btf_log *log) {
@@ -459,12 +527,14 @@ btf_result drawing_draw(drawing *d, const view_state *s, int width, int height, 
     const int split = s->split == VIEW_SPLIT_OFF ? width : (int)(s->split_at * width + 0.5);
     const variant left = variant_of(s);
     variant right = left;
+    right.stochastic = false;
     right.images = s->split == VIEW_SPLIT_ORIGINAL && d->images;
     right.effects = 0;
     gl->Enable(GL_DEPTH_TEST);
     gl->Enable(GL_SCISSOR_TEST);
     gl->Scissor(0, 0, split, height);
-    btf_result result = draw_side(d, d->used, s, &left, width, height, log);
+    btf_result result = left.stochastic ? accumulate(d, s, &left, width, height, log)
+                                        : draw_side(d, d->used, s, &left, width, height, log);
     if (!result && split < width) {
         gl->Scissor(split, 0, 1, height);
         gl->ClearColor(1, 1, 1, 1);

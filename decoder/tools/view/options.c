@@ -59,9 +59,9 @@ static const cli_option option_table[] = {
      .type = CLI_CHOICE,
      .choices = "auto|none",
      .value = &view_options.plan,
-     .help = "auto: upload and decode only what the view calls for, another plan when it\n"
-             "leaves what the present one was made for; a light at rest on a flat model\n"
-             "is folded into the shader (--verbose tells); default none"},
+     .help = "auto: upload and decode only what the view needs, by another plan when the\n"
+             "view leaves the range that the present one was made for; a light at rest on\n"
+             "a flat model is folded into the shader (--verbose tells); default none"},
     {.name = "tolerance",
      .arg = "DB",
      .type = CLI_DOUBLE,

@@ -1,4 +1,4 @@
-/* Which plan the viewer draws by. See planner.h.
+/* Chooses the plan that the viewer draws by. See planner.h.
  *
  * SPDX-License-Identifier: MIT
  */

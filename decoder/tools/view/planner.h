@@ -1,4 +1,4 @@
-/* Which plan the viewer draws by, and when it makes another: no window, no GL.
+/* Chooses the plan that the viewer draws by, and when it makes another; without window or GL.
  *
  * The material that is needed changes with every step of the camera; plans are made for rings of 7.5
  * degrees around it, all azimuths. The present one is kept for as long as it holds what is needed and two

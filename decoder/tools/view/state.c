@@ -32,6 +32,7 @@ const char *view_help_text(void) {
            "B              texels: one / bilinear / steep\n"
            "X              math: exact / fast\n"
            "L              levels of detail: by pixel / the finest\n"
+           "T              stochastic: one neighbour a picture, accumulated\n"
            "S              split: off / SBRDF / original\n"
            "[ ]            move the split line\n"
            "+ -            exposure\n"
@@ -59,6 +60,7 @@ void view_state_reset(view_state *s) {
     s->math = BTF_MATH_EXACT;
     s->split = VIEW_SPLIT_OFF;
     s->levels = true;
+    s->stochastic = false;
     s->help = false;
     s->info = true;
     s->animate = false;
@@ -152,6 +154,8 @@ view_action view_state_key(view_state *s, int key, char *text, size_t size) {
         return VIEW_CHANGED;
     case 'L':
         return toggle_levels(s, text, size);
+    case 'T':
+        return flip(&s->stochastic, "stochastic", text, size);
     case 'S':
         return next_split(s, text, size);
     case '[':

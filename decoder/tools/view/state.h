@@ -29,8 +29,9 @@ typedef struct view_state {
     btf_math math;
     view_split split;
     bool levels; /* of detail, by pixel; else the finest */
+    bool stochastic; /* one neighbour a picture, accumulated */
     bool help, info, animate;
-    bool has_own_mesh, has_original, has_sbrdf, has_levels; /* what there is to choose from */
+    bool has_own_mesh, has_original, has_sbrdf, has_levels; /* the choices */
 } view_state;
 
 typedef enum view_action {

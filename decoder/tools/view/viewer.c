@@ -1,4 +1,4 @@
-/* btf-view: what its parts ask of the viewer.
+/* btf-view: functions of the viewer that its parts call.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -12,9 +12,10 @@ btf_result viewer_choose_mesh(viewer *v); /* that of the command line */
 btf_result viewer_load_mesh(viewer *v, const char *path);
 btf_result viewer_use_mesh(viewer *v); /* the one that the state names */
 btf_result viewer_open_images(viewer *v, const char *path);
-/* Another material; what is shown stays when it cannot be opened. The images belong to the old one. */
+/* Opens another material and drops the images, which belong to the old one. Where it cannot be opened, the old one
+ * stays. */
 btf_result viewer_load_material(viewer *v, const char *path);
-/* Tells the panel and the keys what they need to know of the material. */
+/* Sets the facts about the material that panel and keys use. */
 void viewer_use_material_facts(viewer *v, const char *path);
 
 #endif

@@ -1,4 +1,4 @@
-/* btf-view: pictures and what stands over them.
+/* btf-view: pictures and the text over them.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -33,11 +33,13 @@ static btf_result draw_model(viewer *v, const view_state *s, double *out_ms) {
 }
 
 static void panel_text(const viewer *v, char *text, size_t size) {
-    char list[800] = "", quality[80] = "not in the file", words[48];
+    char list[800] = "", quality[80] = "not in the file", words[48], picks[60] = "";
     if (!v->material) {
         snprintf(text, size, "drop a material here: *.btf.exr\n%s", v->message);
         return;
     }
+    if (v->state.stochastic)
+        snprintf(picks, sizeof picks, ", stochastic, %d samples a pixel", drawing_samples(v->drawing));
     const btf_material_error *error = costs_error(v->material, v->state.effects);
     if (error)
         snprintf(quality, sizeof quality, "%.1f dB linear, %.1f dB sRGB", (double)error->psnr_linear,
@@ -47,7 +49,7 @@ static void panel_text(const viewer *v, char *text, size_t size) {
     else
         costs_text(&v->costs, v->material, v->state.effects, list, sizeof list);
     snprintf(text, size,
-             "%s on %s\n%s, %s, %s math%s, exposure %+.2f\nframe %.1f ms (%.0f a second)\nPSNR %s\n"
+             "%s on %s\n%s, %s, %s math%s%s, exposure %+.2f\nframe %.1f ms (%.0f a second)\nPSNR %s\n"
              "effects %s: %s\n%ssplit %s\n%s",
              v->material_name, view_mesh_name(v->state.mesh),
              v->state.interpolation == BTF_INTERPOLATION_NEAREST ? "nearest" : "linear",
@@ -55,7 +57,7 @@ static void panel_text(const viewer *v, char *text, size_t size) {
              !v->state.has_levels ? ""
              : v->state.levels    ? ", levels"
                                   : ", level 0",
-             v->state.exposure, v->frame_ms, 1e3 / (v->frame_ms > 0.01 ? v->frame_ms : 0.01), quality,
+             picks, v->state.exposure, v->frame_ms, 1e3 / (v->frame_ms > 0.01 ? v->frame_ms : 0.01), quality,
              cli_effects_text(v->state.effects, words),
              view_options.plan == 0 ? "what the plan makes of them" : "time and PSNR of each", list,
              view_split_name(v->state.split), v->message[0] ? v->message : "H: help");

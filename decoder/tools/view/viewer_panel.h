@@ -1,4 +1,4 @@
-/* btf-view: pictures and what stands over them.
+/* btf-view: pictures and the text over them.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -1,4 +1,4 @@
-/* btf-view --plan auto: another plan when the picture leaves what the present one was made for.
+/* btf-view --plan auto: makes another plan when the picture leaves the range of the present one.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -41,7 +41,7 @@ static bool same_light(const view_state *a, const view_state *b) {
     return a->light_theta == b->light_theta && a->light_phi == b->light_phi;
 }
 
-/* Casts a coarse picture. What lies between its rays is within the margins of planner.h, or decoded by the
+/* Casts a coarse picture. The directions between its rays are within the margins of planner.h, or decoded by the
  * nearest directions that there are. */
 static btf_result find_needed_scene(viewer *v, int width, int height) {
     planning *p = &v->planning;

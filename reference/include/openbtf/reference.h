@@ -1,4 +1,4 @@
-/* OpenBTF reference decoder: what a decoder must give, bit for bit (decoder/FORMAT.md, sections 5 to 9).
+/* OpenBTF reference decoder: the result that a decoder must give, bit for bit (decoder/FORMAT.md, sections 5 to 9).
  *
  * Plain C, no dependency, no thread, no allocation; clarity over speed. A program that takes the sources in
  * puts reference/include on its include path and compiles them with -ffp-contract=off and never with
@@ -18,7 +18,7 @@
 extern "C" {
 #endif
 
-/** Bits of FORMAT.md section 3. */
+/** Effects, a bit mask: the bits of FORMAT.md section 3. */
 enum {
     BTF_REF_SHADOW = 1,
     BTF_REF_SHIFT = 2,
@@ -29,39 +29,41 @@ enum {
     BTF_REF_GLOSS = 64,
 };
 
+/** Colour of the SBRDF: one colour a texel, RGB weights of diffuse term and lobes, or no SBRDF. */
 enum { BTF_REF_MONO = 0, BTF_REF_RGB = 1, BTF_REF_NONE = 2 };
-
-enum { BTF_REF_COMPONENTS = 0, BTF_REF_FACTORS = 1 };         /**< stores of the residual */
-enum { BTF_REF_BLEND_RADIANCE = 0, BTF_REF_BLEND_ROOTS = 1 }; /**< values that views are blended in */
+/** Stores of the residual. */
+enum { BTF_REF_COMPONENTS = 0, BTF_REF_FACTORS = 1 };
+/** Values in which neighbouring views are blended: radiance, or its square roots. */
+enum { BTF_REF_BLEND_RADIANCE = 0, BTF_REF_BLEND_ROOTS = 1 };
+/** The classes of factors, each a width of codes (FORMAT.md section 3). */
 enum { BTF_REF_FACTOR_CLASSES = 5 };
 
 /** A material as plain textures, exactly as FORMAT.md section 3 has them: [layer][row][column][channel],
  * row 0 the top. Pointers of absent textures are null. The data must have passed the checks of section 2.
  * A level of detail is a material of its own: width, height and the textures with texels are the level's,
  * the rest (centre, residual_directions, residual_scales, factor_directions, factor_scales, factor_views,
- * tables, numbers) is that of level 0. A material of version 1 leaves the members of version 2 zero.
- */
+ * tables, numbers) is that of level 0. A material of version 1 leaves the members of version 2 zero. */
 typedef struct btf_ref_material {
     uint32_t width, height, n_views, n_lights; /**< texels of the level, sampled directions */
     int layout_tight; /**< 0: `maps` is used; 1: shadow, shift, gain, centres are */
-    int domain_sqrt; /**< 1: the model gives the square root of radiance */
-    int colour;     /**< BTF_REF_MONO, _RGB, _NONE */
-    int half_float; /**< sbrdf holds 16-bit halves */
+    int domain_sqrt;  /**< 1: the model gives the square root of radiance */
+    int colour;       /**< BTF_REF_MONO, _RGB, _NONE */
+    int half_float;   /**< sbrdf holds 16-bit halves */
     uint32_t lobes, effects, centres, components; /**< J, BTF_REF_ bits, K, k (units, with factors) */
     uint32_t atlas_width, atlas_height;           /**< texels; layout paper */
     float radiance_scale, shadow_scale, gain_scale, centre_scale; /**< factors of section 9 */
-    const void *sbrdf;                 /**< float or half bits */
-    const uint8_t *maps;               /**< RGBA */
-    const uint8_t *shadow;             /**< R */
-    const uint8_t *shift;              /**< RG */
-    const uint8_t *gain;               /**< R */
-    const uint8_t *centre;             /**< RGBA */
-    const int8_t *residual_texels;     /**< RGBA */
-    const int8_t *residual_directions; /**< RGBA */
-    const float *residual_scales;      /**< RGBA */
-    const uint16_t *view_table;        /**< RGBA */
-    const uint16_t *light_table;       /**< RGBA */
-    uint32_t view_grid, light_grid;    /**< G of each table */
+    const void *sbrdf;                                            /**< float or half bits */
+    const uint8_t *maps;                                          /**< RGBA */
+    const uint8_t *shadow;                                        /**< R */
+    const uint8_t *shift;                                         /**< RG */
+    const uint8_t *gain;                                          /**< R */
+    const uint8_t *centre;                                        /**< RGBA */
+    const int8_t *residual_texels;                                /**< RGBA */
+    const int8_t *residual_directions;                            /**< RGBA */
+    const float *residual_scales;                                 /**< RGBA */
+    const uint16_t *view_table;                                   /**< RGBA */
+    const uint16_t *light_table;                                  /**< RGBA */
+    uint32_t view_grid, light_grid;                               /**< G of each table */
 
     /* version 2 */
     int store;           /**< BTF_REF_COMPONENTS or BTF_REF_FACTORS */
@@ -72,22 +74,27 @@ typedef struct btf_ref_material {
     const uint32_t *factor_directions;                  /**< RGBA */
     const float *factor_scales;                         /**< RGBA */
     const float *factor_views;                          /**< RGBA */
-    int points_packed;          /**< 1: points, or lists of them, in place of shift and gain; layout_tight, no hidden */
+    int points_packed; /**< 1: points, or lists of them, in place of shift and gain; layout tight */
     float gain_base, gain_step; /**< with points_packed: gain = base + code * step */
     const uint8_t *points;      /**< RG */
-    const uint8_t *point_lists; /**< RG, entries of a texel; with point_indices in place of `points`, else null */
+    /** RG, entries of a texel; with point_indices in place of `points`, else null */
+    const uint8_t *point_lists;
     const uint8_t *point_indices; /**< R, two views each */
     const uint8_t *heights;       /**< R, with relief_step > 0 */
     const float *view_vectors;    /**< RGBA, with relief or gloss */
-    int32_t relief_base, relief_step; /**< height of code c: base + ((c * step) >> 8), 1/256 texel of level 0 */
-    uint32_t relief_steps;            /**< N of a march */
-    uint32_t gloss_share;             /**< quarters */
-    uint32_t level; /**< of detail that this material is, counted from that which heights were made for
-                       (openbtf.reliefLevel included): moves along the relief halve with each */
+    /** With relief: the height of code c is base + ((c * step) >> 8), in 1/256 texel of level 0. */
+    int32_t relief_base, relief_step;
+    uint32_t relief_steps; /**< N of a march */
+    uint32_t gloss_share;  /**< quarters */
+    /** The level of detail that this material is, counted from the level that heights were made for
+     * (openbtf.reliefLevel included): moves along the relief halve with each. */
+    uint32_t level;
 } btf_ref_material;
 
-enum { BTF_REF_NEAREST = 0, BTF_REF_LINEAR = 1 }; /**< directions */
-enum { BTF_REF_TEXEL = 0, BTF_REF_BILINEAR = 1, BTF_REF_STEEP = 2 }; /**< filter */
+/** Directions: the nearest sample, or three neighbours, blended. */
+enum { BTF_REF_NEAREST = 0, BTF_REF_LINEAR = 1 };
+/** Filter: the texel, four blended by distance, or four blended so that a texel keeps its middle half to itself. */
+enum { BTF_REF_TEXEL = 0, BTF_REF_BILINEAR = 1, BTF_REF_STEEP = 2 };
 
 /** How to decode. */
 typedef struct btf_ref_options {
@@ -99,8 +106,8 @@ typedef struct btf_ref_options {
 
 /** Three neighbours and integer weights that sum to 4096. */
 typedef struct btf_ref_neighbours {
-    uint32_t index[3];
-    uint32_t weight[3];
+    uint32_t index[3];  /**< of sampled directions */
+    uint32_t weight[3]; /**< of 4096 */
 } btf_ref_neighbours;
 
 /** Radiance of FORMAT.md section 9 at texture coordinates (u, v): (0, 0) is the lower left corner of the
@@ -129,25 +136,83 @@ void btf_ref_evaluate_apart(const btf_ref_material *material, const btf_ref_opti
                             uint32_t row, const btf_ref_neighbours lights[3], const btf_ref_neighbours *views,
                             const float light[3], const float view[3], float out_rgb[3]);
 
+/** Which neighbours a stochastic decode picks; the others are blended. */
+enum {
+    BTF_REF_PICK_VIEW = 1,  /**< the view */
+    BTF_REF_PICK_LIGHT = 2, /**< the view and the light */
+    BTF_REF_PICK_ALL = 3,   /**< the view, the light and the texel of the filter */
+};
+
+/** btf_ref_evaluate() by one of the neighbours in place of all, which three @p random numbers of 32 bits pick: the
+ * first the view, the second the light, the third the texel, by their highest bits (FORMAT.md, section 9, Stochastic
+ * decode). The mean over all numbers is btf_ref_evaluate_radiance_blend(). @p picks: BTF_REF_PICK_VIEW to _ALL. */
+void btf_ref_evaluate_stochastic(const btf_ref_material *material, const btf_ref_options *options, int picks,
+                                 float u, float v, const float light[3], const float view[3],
+                                 const uint32_t random[3], float out_rgb[3]);
+
+/** Every neighbour that would be picked decoded to radiance, then blended. Where views or lights are blended as
+ * roots elsewhere, it is brighter than btf_ref_evaluate(). */
+void btf_ref_evaluate_radiance_blend(const btf_ref_material *material, const btf_ref_options *options,
+                                     int picks, float u, float v, const float light[3], const float view[3],
+                                     float out_rgb[3]);
+
+/** The same at @p level between two of the @p count levels of detail, 0 the finest, of which one is picked, too (by
+ * bits 8 to 15 of the third number): @p levels are those of one material, by rising level. A level below 0 or NaN
+ * counts as 0, one beyond the last as the last. */
+void btf_ref_evaluate_stochastic_between(const btf_ref_material *levels, uint32_t count,
+                                         const btf_ref_options *options, int picks, float level, float u,
+                                         float v, const float light[3], const float view[3],
+                                         const uint32_t random[3], float out_rgb[3]);
+
+/** btf_ref_evaluate_radiance_blend() at @p level between two of the levels of detail, which are blended in turn. */
+void btf_ref_evaluate_radiance_blend_between(const btf_ref_material *levels, uint32_t count,
+                                             const btf_ref_options *options, int picks, float level, float u,
+                                             float v, const float light[3], const float view[3],
+                                             float out_rgb[3]);
+
+/** Random numbers of a counter, say column, row and frame of a pixel, as btf_random of the shader gives them: PCG3D
+ * (Jarzynski and Olano, Hash Functions for GPU Rendering, JCGT 9(3), 2020). */
+void btf_ref_random(const uint32_t counter[3], uint32_t out_random[3]);
+/** Tables of light sampling (decoder/SAMPLING.md); openbtf/sampling.h of the library makes them of a material. */
+typedef struct btf_ref_sampling {
+    uint32_t n_triangles;      /**< at least 1 */
+    const uint32_t *triangles; /**< RGBA, [n_views + 1][n_triangles] */
+    const float *densities;    /**< [n_views][n_lights + 1] */
+} btf_ref_sampling;
+
+/** Draws a direction to the light, in proportion to what the material reflects to @p view, from two numbers of 32 random
+ * bits, and its density over the solid angle. Texture coordinates are not looked at so far. A view below the horizon
+ * gets the normal and density 0. */
+void btf_ref_sample_light(const btf_ref_material *material, const btf_ref_sampling *sampling, float u, float v,
+                          const float view[3], uint32_t u1, uint32_t u2, float out_light[3], float *out_pdf);
+
+/** The density with which btf_ref_sample_light() draws @p light; 0 where light or view are below the horizon. */
+float btf_ref_pdf_light(const btf_ref_material *material, const btf_ref_sampling *sampling, float u, float v,
+                        const float view[3], const float light[3]);
+
 /* Integer steps, each as FORMAT.md says. */
 
-/** Section 6: a direction to the plane of the tables, 0 .. 16384 in both. */
+/** Section 6: projects a unit vector above the horizon to the plane of the tables, 0 .. 16384 in both. */
 void btf_ref_project(const float direction[3], int32_t out_q[2]);
-/** Section 6: @p table a direction table, @p grid its G. */
+/** Section 6: @return the neighbours of the projected direction @p q, by the direction table @p table, whose G is
+ * @p grid. */
 btf_ref_neighbours btf_ref_lookup(const uint16_t *table, uint32_t grid, const int32_t q[2]);
-/** The neighbour of the greatest weight, alone. */
+/** Section 6: @return the neighbour of the greatest weight, alone. */
 btf_ref_neighbours btf_ref_nearest(btf_ref_neighbours neighbours);
-uint32_t btf_ref_coordinate(float c, uint32_t size); /**< t of section 9; t >> 18 is the texel */
-/** The two texels of t and the weight of the second, 0 .. 255 of 256. */
+/** Section 9: @return t of the texture coordinate @p c on a side of @p size texels; t >> 18 is the texel. */
+uint32_t btf_ref_coordinate(float c, uint32_t size);
+/** Section 9: sets the two texels of @p t on a side of @p size texels, and the weight of the second, 0 .. 255 of
+ * 256. */
 void btf_ref_bilinear(uint32_t t, uint32_t size, uint32_t *out_c0, uint32_t *out_c1, uint32_t *out_weight1);
+/** Section 5: sets the place in the atlas of layout paper of texel (column, row) of a tile. */
 void btf_ref_tile(const btf_ref_material *material, uint32_t tile, uint32_t column, uint32_t row,
-                  uint32_t *out_x, uint32_t *out_y); /**< layout paper */
+                  uint32_t *out_x, uint32_t *out_y);
+/** Sections 3 and 5: sets the texel of a centre under a light in `maps` or `centres`. */
 void btf_ref_centre(const btf_ref_material *material, uint32_t centre, uint32_t light, uint32_t *out_x,
-                    uint32_t *out_y); /**< texel of a centre in `maps` or `centres` */
-/** (position + shift) modulo size, of a position below size. */
+                    uint32_t *out_y);
+/** @return (position + shift) modulo size, of a position below size. */
 uint32_t btf_ref_wrap(uint32_t position, int32_t shift, uint32_t size);
 
-/* clang-format off */
 /* Exact arithmetic: the same bits everywhere. How far they are from the truth, at most (libm in double;
  * every float of the domain, of pow 2.5e8 random pairs; tests/unit/reference/test_reference.c):
  *
@@ -161,24 +226,24 @@ uint32_t btf_ref_wrap(uint32_t position, int32_t shift, uint32_t size);
  *
  * with t = exponent * log2(base).
  */
-/* clang-format on */
 
-/** @p x normal and positive. */
+/** Section 8: @return the logarithm to base 2 of a normal and positive @p x. */
 float btf_ref_log2(float x);
 
-/** @p x in [-60, 40]. */
+/** Section 8: @return 2 to the power of @p x, which is in [-60, 40]. */
 float btf_ref_exp2(float x);
 
-/** 0 for a base below 2^-24 or NaN, and for a result below 2^-60; at most 2^40. */
+/** Section 8: @return base to the power of exponent; 0 for a base below 2^-24 or NaN, and for a result below 2^-60;
+ * at most 2^40. */
 float btf_ref_pow(float base, float exponent);
 
-/** @p x in [0.5, 4]. */
+/** Section 8: @return 1 / x of an @p x in [0.5, 4]. */
 float btf_ref_reciprocal(float x);
 
-/** Half to float, exact; infinities and NaN too. */
+/** @return the float of the bits of a half, exact; infinities and NaN too. */
 float btf_ref_half(uint16_t bits);
 
-/** @return 1 when this build rounds and orders as section 8 demands, else 0. */
+/** @return 1 when this build rounds float operations and keeps their order as section 8 demands, else 0. */
 int btf_ref_self_test(void);
 
 #ifdef __cplusplus

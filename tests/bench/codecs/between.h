@@ -31,8 +31,7 @@ typedef struct bench_between bench_between;
 btf_result bench_between_create(const enc_context *context, const enc_data *data, const bench_truth *truth,
                                 bench_between **out_between);
 void bench_between_destroy(bench_between **between);
-/* Whether a set can be measured: false for truth that is not known, and where no direction can be left out.
- */
+/* Whether a set can be measured: false for truth that is not known, and where no direction can be left out. */
 bool bench_between_has(const bench_between *between, bench_between_set set);
 
 /* A material of the data's directions, by the reference decoder. Errors: BTF_ERROR_MEMORY,

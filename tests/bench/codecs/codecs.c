@@ -173,8 +173,7 @@ static double own_psnr(const codec_row *row) {
     return row->srgb_coded ? row->srgb : row->linear;
 }
 
-/* The measured rows next to `target`: 8-bit components of the factorisation's coding, too few and enough.
- */
+/* The measured rows next to `target`: 8-bit components of the factorisation's coding, too few and enough. */
 static void bracket(const codec_table *table, const factors *from, double target, codec_row *low,
                     codec_row *high) {
     *low = *high = (codec_row){0};

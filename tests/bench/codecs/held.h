@@ -12,7 +12,7 @@
 enum { BENCH_HELD_SETS = 3 }; /* held view under a sampled light, sampled view under a held light, both */
 
 typedef struct bench_held {
-    const enc_data *train;           /* what is encoded */
+    const enc_data *train;           /* the samples that are encoded */
     enc_data *sets[BENCH_HELD_SETS]; /* NULL: nothing could be held out */
     enc_data *owned;                 /* train, where directions were left out */
     double theta;                    /* of the ring, degrees */

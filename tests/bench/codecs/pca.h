@@ -12,7 +12,7 @@
 typedef enum pca_coding { PCA_LINEAR = 0, PCA_SRGB = 1, PCA_SQRT = 2 } pca_coding;
 typedef enum pca_number { PCA_HALF = 0, PCA_BYTE = 1 } pca_number;
 
-/* Which columns a factorisation has: all three colour channels, or one axis of opponent colour, on which
+/* The columns of a factorisation: all three colour channels, or one axis of opponent colour, on which
  * channels are turned by the orthonormal matrix pca_axes: brightness, red against blue, green against both. */
 typedef enum pca_plane { PCA_RGB = -1, PCA_LUMA = 0, PCA_RED_BLUE = 1, PCA_GREEN = 2 } pca_plane;
 extern const float pca_axes[3][3]; /* [axis][R, G, B] */

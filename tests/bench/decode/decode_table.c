@@ -368,6 +368,7 @@ btf_result decode_table_write(const bench_run *run, const decode_table *table) {
     }
     if (run->methods & BENCH_METHOD_REFERENCE) {
         print_device(table, "CPU reference", run->system->cpu, true, run->summary);
+        print_device(table, "CPU evaluator", run->system->cpu, true, run->summary);
     }
     return result;
 }

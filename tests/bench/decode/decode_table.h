@@ -18,7 +18,7 @@ typedef struct decode_row {
     char device[24], material[40], effects[40];
     bool nearest, fast, peer;
     btf_filter filter;
-    bool estimated;            /* what stands for truth between the samples is an estimate */
+    bool estimated;            /* truth between the samples is an estimate */
     int side;                  /* of the picture, where that is what changes; else 0 */
     double gpu_bytes;          /* of the whole material */
     bool counted;              /* has a cost */
@@ -45,7 +45,7 @@ void decode_table_add(decode_table *table, const decode_row *row);
 void decode_table_add_size(decode_table *table, const decode_row *row);
 void decode_table_device(decode_table *table, const char *name, const char *renderer, bool software);
 
-/* Which of these three a renderer sees: between the samples against truth, else held out, else estimated;
+/* The one of these three that a renderer sees: between the samples against truth, else held out, else estimated;
  * 0 where there is only the first. */
 int decode_seen(const decode_row *row);
 

@@ -1,6 +1,7 @@
 #!/bin/bash
 # Makes the README's pictures of the viewer and of levels of detail, viewer.png, levels-off.png and levels-on.png, from
-# the built-in sample: make.sh BUILD [WORK]. WORK keeps sample and material for the next time. Needs Xvfb and xdotool.
+# the built-in sample: make.sh BUILD [WORK [levels|viewer]]. WORK keeps sample and material for the next time. The viewer
+# needs Xvfb and xdotool.
 #
 # SPDX-License-Identifier: MIT
 set -eu
@@ -20,12 +21,15 @@ fi
 [ -d bricks ] || btf-sample -o bricks --relief bricks --size 32 --quiet
 [ -f bricks.btf.exr ] || btf-encode bricks -o bricks.btf.exr --preset fast --levels all -q
 
+which=${3:-both}
 for level in 0 auto; do
+    [ $which != viewer ] || break
     name=$([ $level = 0 ] && echo off || echo on)
     btf-render bricks.btf.exr -o "$here/levels-$name.png" --mesh plane --view 66,-90 --fov 40 --zoom 1.55 --repeat 26 \
         --size 400x220 --light 40,150 --exposure 0.5 --background 0.9 --level $level --quiet
 done
 
+[ $which != levels ] || exit 0
 rm -f display log shot-*.png
 Xvfb -displayfd 3 -screen 0 800x600x24 3>display 2>xvfb.log &
 xvfb=$!

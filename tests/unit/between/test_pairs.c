@@ -74,8 +74,7 @@ static void test_a_grid_is_a_grid(void **state) {
     expect_set(ENC_SET_GRID);
 }
 
-/* A slow orbit of the light under one view is a grid of 1 x 4, but without a view from the top no data set.
- */
+/* A slow orbit of the light under one view is a grid of 1 x 4, but without a view from the top no data set. */
 static void test_an_orbit_is_pairs(void **state) {
     (void)state;
     for (int i = 0; i < 4; i++)

@@ -133,7 +133,7 @@ static void test_whose(void **state) {
     assert_int_equal(open_for(0.5f, "x=1", false), BTF_ERROR_USAGE);
     assert_non_null(strstr(messages, "--resume"));
     assert_int_equal(open_for(0.5f, "x=2", true), BTF_ERROR_USAGE);
-    assert_non_null(strstr(messages, "other data, options"));
+    assert_non_null(strstr(messages, "other data, of other options"));
     assert_int_equal(open_for(0.25f, "x=1", true), BTF_ERROR_USAGE);
     assert_non_null(strstr(messages, folder));
     assert_int_equal(open_for(0.5f, "x=1", true), BTF_OK);

@@ -281,8 +281,7 @@ static void check_plane(const list *l, uint32_t every, int step) {
             check_point(l, (vec){x, y});
 }
 
-/* Checks a list of directions; q on a lattice of `step`, at every vertex and its neighbourhood, on edges.
- */
+/* Checks a list of directions; q on a lattice of `step`, at every vertex and its neighbourhood, on edges. */
 static void check_list(const char *name, uint32_t count, const float *xyz, int step) {
     btf_material *material = with_views(count, xyz);
     btf_texture table = btf_material_texture(material, BTF_TEXTURE_VIEW_TABLE);
@@ -445,8 +444,7 @@ static void test_cocircular(void **state) {
     check_list("octagon", 8, octagon[0], 331);
 }
 
-/* One step of q moves the weighted point by little more than a step, also across edges and over the hull.
- */
+/* One step of q moves the weighted point by little more than a step, also across edges and over the hull. */
 static void test_continuity(void **state) {
     (void)state;
     float xyz[81][3];

@@ -295,11 +295,11 @@ static void test_values(void **state) {
     set_half(e, "maps", "G", 0, 0);
     set_half(e, "maps", "B", 0, 0x5BF8);
     set_half(e, "maps", "A", 0, 0x5BF8);
-    file_refused(e, "maps: view 0, texel (0, 0): centre 65535 of ");
+    file_refused(e, "maps: view 0, texel (0, 0) names centre 65535 of ");
     e = take(&paper_file);
     edit_part *maps = edit_find_part(e, "maps");
     set_half(e, "maps", "R", (size_t)maps->width * (size_t)maps->height - 1, 0x3C00);
-    file_refused(e, "where nothing has a meaning");
+    file_refused(e, "it has no meaning and must be 0");
 }
 
 static void test_attributes(void **state) {
@@ -324,7 +324,7 @@ static void test_attributes(void **state) {
     }
     edit_file *e = take(&paper_file);
     edit_find_attribute(e, "openbtf.version")->i = BTF_FORMAT_VERSION + 1;
-    refused_as(e, BTF_ERROR_UNSUPPORTED, "format version 3 is above 2");
+    refused_as(e, BTF_ERROR_UNSUPPORTED, "format version 3 is newer than 2");
     e = take(&paper_file);
     edit_find_attribute(e, "openbtf.version")->i = 0;
     file_refused(e, "openbtf.version is 0");
@@ -349,7 +349,7 @@ static void test_attribute_values(void **state) {
         {"centres", 65537, "openbtf.centres is 65537"},
         {"centres", 5000, "not for 5000"},
         {"residual", 257, "openbtf.residual is 257"},
-        {"residual", 4, "openbtf.residualScales holds 5 numbers for 4"},
+        {"residual", 4, "openbtf.residualScales holds 5 numbers, which do not fit the 4"},
         {"atlasWidth", 48, "atlas 48 x"},
         {"atlasHeight", 4, "cannot hold"},
         {"viewGrid", 3, "views: grid 3"},
@@ -377,7 +377,7 @@ static void test_attribute_values(void **state) {
         {"effects", "shadow, shift", "openbtf.effects is"},
         {"effects", "shadow,shift,hidden,gain", "residual of 5 components without"},
         {"effects", "shadow,shift,gain,residual", "without the effect hidden"},
-        {"effects", "shift,hidden,gain,residual", "where nothing has a meaning"},
+        {"effects", "shift,hidden,gain,residual", "it has no meaning and must be 0"},
     };
     for (size_t i = 0; i < sizeof strings / sizeof *strings; i++) {
         char name[64];
@@ -448,19 +448,19 @@ static void test_directions(void **state) {
     refused_count("views", 21, "viewVertices holds 16 numbers");
     refused_count("viewVertices", 14, "viewVertices holds 14 numbers");
     refused_count("viewTriangles", 4, "viewTriangles holds 4 numbers");
-    refused_count("viewHull", 1, "views: a hull of 1");
+    refused_count("viewHull", 1, "views: the hull has 1 vertices");
     refused_count("viewHull", 17, "viewHull holds 17 numbers");
     refused_count("viewCells", 3, "ends early");
     refused_count("lightCells", 70000, "openbtf.lightCells holds 70000");
     refused_count("errors", 3, "openbtf.errors holds 3 numbers");
-    refused_number("errors", 0, 32, "openbtf.errors: row 0 has effects 32");
+    refused_number("errors", 0, 32, "openbtf.errors: row 0 has the effects 32");
     refused_number("errors", 1, NAN, "errors: row 0");
     refused_number("residualScales", 2, 0x1p-30f, "residualScales: number 2");
     refused_number("residualScales", 0, NAN, "residualScales: number 0");
 
     edit_file *e = take(&paper_file);
     edit_remove_attribute(e, "openbtf.viewHull");
-    file_refused(e, "views: a hull of 0 vertices for 8 directions");
+    file_refused(e, "views: the hull has 0 vertices, which 8 directions cannot have");
     e = take(&paper_file); /* the hull says more cells than there are records */
     edit_remove_attribute(e, "openbtf.viewTriangles");
     file_refused(e, "views: cell");
@@ -484,7 +484,7 @@ static void test_directions(void **state) {
     cells->values = realloc(cells->values, (size_t)(cells->count + 1) * sizeof(float));
     assert_non_null(cells->values);
     cells->values[cells->count++] = 0;
-    file_refused(e, "1 numbers after the last cell");
+    file_refused(e, "1 numbers follow the last cell");
 }
 
 /* A header that promises more than a file of its size can hold is refused before anything is allocated. */

@@ -196,9 +196,9 @@ static void test_create_refuses(void **state) {
     btf_level_error errors[2] = {{1, 20, 20, 100}, {1, 20, 20, 100}};
     bad.level_errors = errors;
     bad.level_error_count = 2;
-    create_refused(&bad, "level errors: row 1 has level 1 of 3");
+    create_refused(&bad, "level errors: row 1 is of level 1; levels must rise and be below 3");
     errors[1].level = 3;
-    create_refused(&bad, "level errors: row 1 has level 3 of 3");
+    create_refused(&bad, "level errors: row 1 is of level 3; levels must rise and be below 3");
     errors[1] = (btf_level_error){2, 20, 20, -1};
     create_refused(&bad, "level errors: row 1 is");
 
@@ -207,7 +207,7 @@ static void test_create_refuses(void **state) {
     gain[3] = 0;
     shift[6] = 7; /* texel 1 of 2, view 1 */
     shift[7] = 0;
-    create_refused(&good, "level1.gain: view 1, texel (1, 0): centre 7 of 7");
+    create_refused(&good, "level1.gain: view 1, texel (1, 0) names centre 7 of 7");
     gain[3] = 128;
     float *sbrdf = (float *)(uintptr_t)good.level_texture[2][BTF_TEXTURE_SBRDF];
     const float kept = sbrdf[3];
@@ -222,7 +222,7 @@ static void test_create_refuses(void **state) {
     good = random_material_desc(5, 3, 9, 7, BTF_LAYOUT_PAPER, 0);
     random_material_fill(&r, &good);
     good.info.levels = 2;
-    create_refused(&good, "levels 2 with layout paper");
+    create_refused(&good, "levels is 2; layout paper has one");
     random_material_free(&good);
 }
 
@@ -294,7 +294,7 @@ static void test_file_attributes(void **state) {
     (void)state;
     edit_file *e = take();
     edit_remove_attribute(e, "openbtf.levels"); /* one level: the errors of level 1 are a contradiction */
-    refused_as(e, BTF_ERROR_BAD_FILE, "level errors: row 1 has level 1 of 1");
+    refused_as(e, BTF_ERROR_BAD_FILE, "level errors: row 1 is of level 1; levels must rise and be below 1");
     e = take();
     edit_remove_attribute(e, "openbtf.levels");
     edit_remove_attribute(e, "openbtf.levelErrors");
@@ -316,8 +316,8 @@ static void test_file_attributes(void **state) {
         e = take();
         edit_find_attribute(e, "openbtf.levelErrors")->values[4] = bad[i];
         refused_as(e, BTF_ERROR_BAD_FILE,
-                   i < 3 ? "attribute openbtf.levelErrors: row 1 has level"
-                         : "level errors: row 2 has level 2 of 3");
+                   i < 3 ? "attribute openbtf.levelErrors: row 1 is of level"
+                         : "level errors: row 2 is of level 2; levels must rise and be below 3");
     }
 }
 

@@ -387,7 +387,7 @@ static void test_create_refuses_info(void **state) {
     REFUSED(info.effects = 159, "effects 0x9f");
     REFUSED(info.lobes = 5, "lobes 5");
     REFUSED(info.lobes = 0, "lobes 0");
-    REFUSED(info.colour = BTF_COLOUR_NONE, "lobes 3 with colour none");
+    REFUSED(info.colour = BTF_COLOUR_NONE, "lobes is 3; colour none has no lobes");
     REFUSED(info.centres = 0, "centres 0");
     REFUSED(info.centres = 65537, "centres 65537");
     REFUSED(info.centres = 5000, "not for 5000");
@@ -424,7 +424,7 @@ static void test_create_refuses_info(void **state) {
     bad = good;
     bad.errors = errors;
     bad.error_count = 2;
-    create_refused(&bad, "row 1 has effects 0x20");
+    create_refused(&bad, "row 1 has the effects 0x20");
     errors[1] = (btf_material_error){1, NAN, 20, 100};
     create_refused(&bad, "errors: row 1");
     random_material_free(&good);
@@ -481,7 +481,7 @@ static void test_create_refuses_values(void **state) {
     gain[0] = 0;
     shift[0] = 7;
     shift[1] = 0;
-    create_refused(&d, "gain: view 0, texel (0, 0): centre 7 of 7");
+    create_refused(&d, "gain: view 0, texel (0, 0) names centre 7 of 7");
     shift[0] = 1;
     shift[1] = 1;
     create_refused(&d, "centre 257 of 7");
@@ -515,13 +515,13 @@ static void test_create_refuses_maps(void **state) {
     assert_int_equal(d.info.atlas_width,
                      16); /* 4 columns: tile 4 stands at (0, 4), centres from row 4 on */
     const size_t row = 4 * 16;
-    refused_u8(&d, BTF_TEXTURE_MAPS, 4 * 12 + 1, 3, "maps: texel (12, 0) holds 3 where"); /* no view 3 */
+    refused_u8(&d, BTF_TEXTURE_MAPS, 4 * 12 + 1, 3, "maps: texel (12, 0) holds 3; it has no meaning"); /* no view 3 */
     refused_u8(&d, BTF_TEXTURE_MAPS, 4 * row + 4 * 9 + 3, 2,
                "maps: texel (9, 4) holds"); /* alpha of a centre */
     size_t last = (size_t)d.info.atlas_width * d.info.atlas_height * 4 - 4;
-    refused_u8(&d, BTF_TEXTURE_MAPS, last, 9, "holds 9 where nothing has a meaning");
+    refused_u8(&d, BTF_TEXTURE_MAPS, last, 9, "holds 9; it has no meaning and must be 0");
     d.info.effects &= ~(uint32_t)BTF_EFFECT_SHADOW;
-    create_refused(&d, "where nothing has a meaning");
+    create_refused(&d, "it has no meaning and must be 0");
     d.info.effects |= BTF_EFFECT_SHADOW;
     random_material_free(&d);
 
@@ -537,7 +537,8 @@ static void test_create_refuses_maps(void **state) {
 
     d = random_material_desc(4, 4, 3, 3, BTF_LAYOUT_PAPER, BTF_EFFECT_SHADOW);
     random_material_fill(&r, &d);
-    refused_u8(&d, BTF_TEXTURE_MAPS, 1, 128, "maps: texel (0, 0) holds 128 where nothing has a meaning");
+    refused_u8(&d, BTF_TEXTURE_MAPS, 1, 128,
+               "maps: texel (0, 0) holds 128; it has no meaning and must be 0");
     refused_u8(&d, BTF_TEXTURE_MAPS, 3, 1, "shift bytes 0, 1 without the effect shift");
     random_material_free(&d);
 }

@@ -119,7 +119,7 @@ static void test_create_lists(void **state) {
             btf_material *m = create_accepted(&desc);
             btf_material_close(&m);
             indices[at] = (uint8_t)wrong;
-            snprintf(text, sizeof text, "%spoint_indices: view %u, texel (2, 1): entry 15 of 9",
+            snprintf(text, sizeof text, "%spoint_indices: view %u, texel (2, 1) names entry 15 of 9",
                      level ? "level1." : "", 6 + odd);
             create_refused(&desc, text);
         }
@@ -139,13 +139,13 @@ static void test_create_lists(void **state) {
     create_refused(&desc, "pointEntries 0 is not within 1 to 16");
     desc.info.point_entries = 3;
     desc.info.point_store = BTF_POINTS_PACKED;
-    create_refused(&desc, "pointEntries 3 without lists of points");
+    create_refused(&desc, "pointEntries is 3, but only lists");
     desc.info.point_store = BTF_POINTS_LISTS;
     desc.info.effects = BTF_EFFECT_SHIFT;
     create_refused(&desc, "packed points need the effects shift and gain, and no effect hidden");
     desc.info.effects = BOTH;
     desc.info.layout = BTF_LAYOUT_PAPER;
-    create_refused(&desc, "packed points with layout paper");
+    create_refused(&desc, "packed points need layout tight");
     random_material_free(&desc);
 }
 
@@ -161,12 +161,12 @@ static void test_create(void **state) {
     }
     desc.info = good;
     desc.info.layout = BTF_LAYOUT_PAPER;
-    create_refused(&desc, "packed points with layout paper");
+    create_refused(&desc, "packed points need layout tight");
     desc.info = good;
     desc.info.point_store = (btf_point_store)3;
     create_refused(&desc, "unknown store 3 of shift and gain");
     desc.info.point_store = BTF_POINTS_SEPARATE;
-    create_refused(&desc, "gainBase 0.3 and gainStep 0.11 without packed points");
+    create_refused(&desc, "gainBase 0.3 and gainStep 0.11 are only for packed points");
     static const float bad[] = {NAN, INFINITY, 0x1p-25f, -0x1p25f};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         desc.info = good;
@@ -353,10 +353,10 @@ static void test_file_of_lists(void **state) {
     file_refused(e, "unknown, or not in a material of these effects");
     e = take_lists();
     set_indices(e, 3, 2, 1, 0x4600); /* 6 */
-    file_refused(e, "point_indices: view 6, texel (2, 1): entry 6 of 6");
+    file_refused(e, "point_indices: view 6, texel (2, 1) names entry 6 of 6");
     e = take_lists();
     set_indices(e, 3, 2, 1, 0x5600); /* 96 */
-    file_refused(e, "point_indices: view 7, texel (2, 1): entry 6 of 6");
+    file_refused(e, "point_indices: view 7, texel (2, 1) names entry 6 of 6");
     e = take_lists();
     set_indices(e, 9, 8, 5, 0x4C00); /* 16 */
     file_refused(e, "point_indices: texel (8, 5): the high bits of the last layer hold 1, not 0");

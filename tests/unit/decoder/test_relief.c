@@ -99,7 +99,7 @@ static void test_shapes(void **state) {
     random_material_free(&desc);
 }
 
-/* Which of the textures there are, and on which views relief acts. */
+/* With relief, gloss, both or neither: the textures that there are, and the views that relief acts on. */
 static void test_either(void **state) {
     (void)state;
     for (int i = 0; i < 5; i++) {
@@ -171,14 +171,14 @@ static void test_create_refuses(void **state) {
         {BOTH, STEP, 32767, NULL},
         {BOTH, STEP, 32768, "reliefStep 32768 is not within"},
         {BOTH, STEP, INT32_MAX, "reliefStep 2147483647 is not within"},
-        {BOTH, STEP, 0, "reliefSteps 7 where reliefStep is 0, not 1"},
+        {BOTH, STEP, 0, "reliefSteps is 7; it must be 1 where reliefStep is 0"},
         {BOTH, STEPS, 0, "reliefSteps 0 is not within 1 to 64"},
         {BOTH, STEPS, 1, NULL},
         {BOTH, STEPS, 64, NULL},
         {BOTH, STEPS, 65, "reliefSteps 65 is not within 1 to 64"},
         {BOTH, STEPS, UINT32_MAX, "reliefSteps 4294967295 is not within"},
         {BOTH, LEVEL, 13, NULL},
-        {BOTH, LEVEL, 14, "reliefLevel 14 with levels 2: more than 15 in all"},
+        {BOTH, LEVEL, 14, "reliefLevel 14 and levels 2 are more than 15 in all"},
         {BOTH, LEVEL, 15, "reliefLevel 15 is not within 0 to 14"},
         {BOTH, SHARE, 0, "glossShare 0 is not within 1 to 2"},
         {BOTH, SHARE, 2, NULL},
@@ -214,10 +214,10 @@ static void test_create_refuses_others(void **state) {
     create_refused(&bad, "view_vectors: given, but the material has no such texture");
     bad = good;
     bad.texture[BTF_TEXTURE_HEIGHTS] = NULL;
-    create_refused(&bad, "heights: missing, 54 bytes");
+    create_refused(&bad, "heights: missing; the material needs its 54 bytes");
     bad = good;
     bad.level_texture[1][BTF_TEXTURE_HEIGHTS] = NULL;
-    create_refused(&bad, "level1.heights: missing, 12 bytes");
+    create_refused(&bad, "level1.heights: missing; the material needs its 12 bytes");
     bad = good;
     bad.info.relief_step = 0;
     bad.info.relief_steps = 1;
@@ -245,8 +245,8 @@ static void test_create_refuses_others(void **state) {
         paper.info.effects |= gloss ? BTF_EFFECT_GLOSS : BTF_EFFECT_RELIEF;
         paper.info.gloss_share = gloss ? 1 : 0;
         paper.info.relief_steps = gloss ? 0 : 1;
-        create_refused(&paper,
-                       gloss ? "effect gloss with layout paper" : "effect relief with layout paper");
+        create_refused(&paper, gloss ? "the effect gloss needs layout tight"
+                                     : "the effect relief needs layout tight");
         random_material_free(&paper);
     }
 }
@@ -273,7 +273,7 @@ static void assert_same(const btf_material *a, const btf_material *b) {
         }
 }
 
-/* What is written is read, and written again byte for byte. */
+/* A material that was written is read, and written again byte for byte. */
 static btf_material *through_a_file(const btf_material *m) {
     void *data, *again;
     size_t size, again_size;
@@ -393,7 +393,7 @@ static void test_file_attributes(void **state) {
          "reliefBase 31971 and reliefStep 801: the greatest height is 32768, above 32767"},
         {"reliefStep", -1, "attribute openbtf.reliefStep is -1, not within 0 to 32767"},
         {"reliefStep", 32768, "attribute openbtf.reliefStep is 32768, not within"},
-        {"reliefStep", 0, "reliefSteps 7 where reliefStep is 0, not 1"},
+        {"reliefStep", 0, "reliefSteps is 7; it must be 1 where reliefStep is 0"},
         {"reliefSteps", 0, "attribute openbtf.reliefSteps is 0, not within 1 to 64"},
         {"reliefSteps", 65, "attribute openbtf.reliefSteps is 65, not within"},
         {"glossShare", 0, "attribute openbtf.glossShare is 0, not within 1 to 2"},
@@ -429,7 +429,7 @@ static void test_file_attributes(void **state) {
             edit_remove_part(e, "level1.heights");
         }
         if (i == 3)
-            file_refused(e, "attribute openbtf.reliefViews without views of relief");
+            file_refused(e, "attribute openbtf.reliefViews is there, but there are no views of relief");
         else {
             snprintf(text, sizeof text, "attribute %s without the effect %s", name,
                      i < 3 ? "relief" : "gloss");
@@ -449,7 +449,8 @@ static void test_file_views(void **state) {
     }
     edit_file *e = take();
     edit_find_attribute(e, "openbtf.reliefViews")->count = VIEWS - 1;
-    file_refused(e, "attribute openbtf.reliefViews holds 18 numbers for 19 views of relief");
+    file_refused(e,
+                 "attribute openbtf.reliefViews holds 18 numbers, which do not fit the 19 views of relief");
     e = take();
     edit_find_attribute(e, "openbtf.reliefViews")->values[5] = -0.0f;
     accepted(e);
@@ -467,7 +468,7 @@ static void test_file_views(void **state) {
         const char *text;
     } levels[] = {{0, NULL},
                   {13, NULL},
-                  {14, "reliefLevel 14 with levels 2: more than 15 in all"},
+                  {14, "reliefLevel 14 and levels 2 are more than 15 in all"},
                   {15, "attribute openbtf.reliefLevel is 15, not within 0 to 14"},
                   {-1, "attribute openbtf.reliefLevel is -1, not within"}};
     for (size_t i = 0; i < sizeof levels / sizeof *levels; i++) {

@@ -416,6 +416,43 @@ static void test_threads_and_storage_do_not_matter(void **state) {
     enc_data_destroy(&stored);
 }
 
+static enc_factors *encode_from(enc_components basis[3], const enc_data *data, uint64_t budget,
+                                enc_factor_match match) {
+    const enc_factor_options options = {
+        .budget = budget, .sweeps = 2, .measure = true, .match = match, .gain = true, .basis = basis};
+    enc_factors *f = NULL;
+    assert_int_equal(enc_factor_encode(&two, data, &options, &f), BTF_OK);
+    return f;
+}
+
+/* Components of a first encode serve others: of the same budget, the same comes out; of less, what its own
+ * components give, nearly; and match, which changes components, leaves those of the basis alone. */
+static void test_components_serve_other_budgets(void **state) {
+    (void)state;
+    enc_data *data = textured(10, 8, 30, 0.3f, 0.05f);
+    enc_components basis[3] = {{0}};
+    enc_factors *own = encode(&two, data, units(data, 6), 2), *less = encode(&two, data, units(data, 3), 2);
+    enc_factors *first = encode_from(basis, data, units(data, 6), ENC_FACTOR_NO_MATCH),
+                *matched = encode_from(basis, data, units(data, 5), ENC_FACTOR_MATCH),
+                *again = encode_from(basis, data, units(data, 6), ENC_FACTOR_NO_MATCH),
+                *small = encode_from(basis, data, units(data, 3), ENC_FACTOR_NO_MATCH);
+    assert_true(matched->shift != NULL);
+    assert_same(own, first);
+    assert_same(own, again);
+    printf("own components %.2f dB, those of twice the budget %.2f dB\n", -10 * log10(less->error.srgb),
+           -10 * log10(small->error.srgb));
+    assert_true(small->bytes <= units(data, 3));
+    assert_true(log10(small->error.srgb / less->error.srgb) < 0.005); /* 0.05 dB */
+    enc_factors *all[] = {own, less, first, matched, again, small};
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
+        enc_factors_destroy(&all[i]);
+    }
+    for (int c = 0; c < 3; c++) {
+        enc_components_clear(&basis[c]);
+    }
+    enc_data_destroy(&data);
+}
+
 /* Grey data have no chroma words, and gain by it. */
 static void test_grey(void **state) {
     (void)state;
@@ -564,6 +601,7 @@ int main(void) {
         cmocka_unit_test(test_budget_is_kept_and_used),
         cmocka_unit_test(test_prefix_is_monotone),
         cmocka_unit_test(test_threads_and_storage_do_not_matter),
+        cmocka_unit_test(test_components_serve_other_budgets),
         cmocka_unit_test(test_grey),
         cmocka_unit_test(test_constant_and_black),
         cmocka_unit_test(test_small_sizes),

@@ -426,8 +426,7 @@ static double reference_error(const enc_data *data, const enc_solution *solution
     return sum / (double)(image * LIGHTS * VIEWS);
 }
 
-/* Shifts within -32 .. 31, gains of a scale of sixteen, and the reference sees what the encoder measured.
- */
+/* Shifts within -32 .. 31, gains of a scale of sixteen, and the reference sees what the encoder measured. */
 static void test_reference_decodes_what_was_measured(void **state) {
     (void)state;
     planted *p = plant(true, 0.02f);

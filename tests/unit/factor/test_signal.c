@@ -1,5 +1,5 @@
-/* Which components are signal, and where bytes stop: of data whose signal and noise are known, against the
- * truth without the noise, which the encoder never sees.
+/* The count of components that are signal, and the bytes that are worth spending: of data whose signal
+ * and noise are known, against the truth without the noise, which the encoder never sees.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -124,8 +124,7 @@ static void test_noise_is_no_signal(void **state) {
     }
 }
 
-/* Components far above the noise, and such far below the 3 from which one is worth keeping in square data.
- */
+/* Components far above the noise, and such far below the 3 from which one is worth keeping in square data. */
 static void test_counts_what_is_above_the_noise(void **state) {
     (void)state;
     static const double x2[] = {400, 200, 100, 60, 40, 25, 18, 14, 12, 10, 0.6, 0.5, 0.4, 0.3};

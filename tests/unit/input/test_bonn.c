@@ -371,8 +371,7 @@ static void test_parts(void **state) {
         for (size_t i = 0; i < stride; i++) {
             const float *w = whole->samples + i;
 #define AT(x, y) (double)w[((y)*W + (x)) * stride]
-            /* clamping comes after the filter, so only where nothing was clamped is this the expected value
-             */
+            /* clamping comes after the filter, so only where nothing was clamped is this the expected value */
             const double mean = (AT(2, 0) + AT(3, 0) + 0.5 * (AT(2, 1) + AT(3, 1))) / 3.0;
             if (AT(2, 0) > 0 && AT(3, 0) > 0 && AT(2, 1) > 0 && AT(3, 1) > 0)
                 assert_float_equal((double)samples[stride + i], mean, 1e-5);

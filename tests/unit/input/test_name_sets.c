@@ -365,10 +365,10 @@ static void test_bad_tables(void **state) {
         {"", "names no file"},
         {"000.png,0,0,0\n", "line 1: 4 fields, expected file"},
         {"000.png,0,0,0,0,0\n", "line 1: 6 fields, expected file"},
-        {"# x\n\n000.png,0,0,x,0\n", "line 3: theta_l: 'x' is no number"},
+        {"# x\n\n000.png,0,0,x,0\n", "line 3: theta_l: 'x' is not a number"},
         {"000.png,0,22,5,0,0\n", "line 1: 6 fields"},
-        {"000.png,0,0.5rad,0,0\n", "line 1: phi_v: '0.5rad' is no number"},
-        {"000.png,0,nan,0,0\n", "line 1: phi_v: 'nan' is no number"},
+        {"000.png,0,0.5rad,0,0\n", "line 1: phi_v: '0.5rad' is not a number"},
+        {"000.png,0,nan,0,0\n", "line 1: phi_v: 'nan' is not a number"},
         {"000.png,90,0,0,0\n", "line 1: theta_v: 90 is not at least 0 and below 90"},
         {"000.png,0,0,-1,0\n", "line 1: theta_l: -1 is not at least 0"},
         {"000.png,0,0,0,0\n./000.png,0,0,0,0\n", "line 2: '000.png' a second time (after line 1)"},
@@ -391,7 +391,7 @@ static void test_bad_tables(void **state) {
     set_expect_refused(set_folder, by_table(), BTF_ERROR_UNSUPPORTED, "table.csv: the text is UTF-16",
                        NULL);
     write_whole_file(path_in("table.csv"), "000.png,0,0,0,0\0", 16);
-    set_expect_refused(set_folder, by_table(), BTF_ERROR_BAD_FILE, "table.csv: is not a text file", NULL);
+    set_expect_refused(set_folder, by_table(), BTF_ERROR_BAD_FILE, "table.csv: not a text file", NULL);
     unlink(path_in("table.csv"));
     set_expect_refused(set_folder, by_table(), BTF_ERROR_IO, "table.csv", NULL);
 }

@@ -107,17 +107,17 @@ static void test_numbers(void **state) {
     expect("tl7.1234567890123 pl0 tv0 pv0.png", 7.1234567890123, 0, 0, 0);
     expect_bad("tl22_5_pl30 tv0 pv0.png", "tl22_5_pl30 tv0 pv0", "decimals");
     expect_bad("tl22-5-pl30 tv0 pv0.png", "tl22-5-pl30 tv0 pv0", "decimals");
-    expect_bad("tl1.2.3 pl0 tv0 pv0.png", "tl1.2.3 pl0 tv0 pv0", "no one number");
-    expect_bad("tl1,2,3 pl0 tv0 pv0.png", "tl1,2,3 pl0 tv0 pv0", "no one number");
-    expect_bad("tl1+2 pl0 tv0 pv0.png", "tl1+2 pl0 tv0 pv0", "no one number");
-    expect_bad("tl30:15 pl0 tv0 pv0.png", "tl30:15 pl0 tv0 pv0", "no one number");
+    expect_bad("tl1.2.3 pl0 tv0 pv0.png", "tl1.2.3 pl0 tv0 pv0", "not one number");
+    expect_bad("tl1,2,3 pl0 tv0 pv0.png", "tl1,2,3 pl0 tv0 pv0", "not one number");
+    expect_bad("tl1+2 pl0 tv0 pv0.png", "tl1+2 pl0 tv0 pv0", "not one number");
+    expect_bad("tl30:15 pl0 tv0 pv0.png", "tl30:15 pl0 tv0 pv0", "not one number");
     expect_bad("tl0x1f pl0 tv0 pv0.png", "tl0x1f pl0 tv0 pv0", "part of the number");
     expect_bad("tl22 5 pl30 tv0 pv0.png", "tl22 5 pl30 tv0 pv0", "decimals");
     expect_bad("tl22__5_pl30 tv0 pv0.png", "tl22__5_pl30 tv0 pv0", "decimals");
     expect_bad("tl22 .5 pl30 tv0 pv0.png", "tl22 .5 pl30 tv0 pv0", "decimals");
     expect_bad("tl22~5 pl30 tv0 pv0.png", "tl22~5 pl30 tv0 pv0", "decimals");
     expect_bad("tl22(5)pl30 tv0 pv0.png", "tl22(5)pl30 tv0 pv0", "decimals");
-    expect_bad("tl22.,5 pl30 tv0 pv0.png", "tl22.,5 pl30 tv0 pv0", "no one number");
+    expect_bad("tl22.,5 pl30 tv0 pv0.png", "tl22.,5 pl30 tv0 pv0", "not one number");
     expect("tl30degpl60degtv15degpv7.png", 30, 60, 15, 7);
     /* a point behind one key is decimal, behind every key it may separate */
     expect_bad("tl.30_pl.60_tv.15_pv.30.png", "tl.30_pl.60_tv.15_pv.30.png", "separators");

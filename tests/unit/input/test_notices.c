@@ -43,7 +43,7 @@ static void test_lines(void **state) {
     expect(notices, ""); /* told once */
     enc_notices_add(notices, BTF_LOG_WARNING, "gamma", "b.png", "gamma 0.5");
     enc_notices_add(notices, BTF_LOG_WARNING, "gamma", "a.png", "gamma 0.6");
-    expect(notices, "set: 2 images, of other values too: a.png: gamma 0.6\n");
+    expect(notices, "set: 2 images, with other values too: a.png: gamma 0.6\n");
     enc_notices_destroy(&notices);
     assert_null(notices);
     enc_notices_add(NULL, BTF_LOG_WARNING, "gamma", "a.png", "gamma 0.6");
@@ -61,7 +61,7 @@ static void test_threads(void **state) {
         enc_notices_add(notices, BTF_LOG_WARNING, i % 2 ? "odd" : "even", file, i % 2 ? text : "same");
     }
     expect(notices,
-           "set: 400 images: 201.png: same\nset: 400 images, of other values too: 200.png: value 1\n");
+           "set: 400 images: 201.png: same\nset: 400 images, with other values too: 200.png: value 1\n");
     enc_notices_destroy(&notices);
 }
 

@@ -386,8 +386,8 @@ static void test_notes(void **state) {
         assert_true(fabs((double)set_sample(data, 1, l, 2, 3, 1) - want) < 1e-6);
     }
     enc_data_destroy(&data);
-    assert_non_null(strstr(set_messages, "12 images, of other values too: "));
-    assert_non_null(strstr(set_messages, ".png: PNG: gAMA 1 is followed"));
+    assert_non_null(strstr(set_messages, "12 images, with other values too: "));
+    assert_non_null(strstr(set_messages, ".png: PNG: gAMA 1 is applied"));
     set_messages[0] = '\0';
     data = set_read_folder(&(enc_read_options){.transfer = ENC_TRANSFER_SRGB});
     set_expect(data, 1e-7);

@@ -98,7 +98,7 @@ static void test_data(void **state) {
     set_messages[0] = '\0';
     assert_int_equal(enc_data_create(&set_context, 16384, 16384, 256, many, 256, many, &data),
                      BTF_ERROR_IO);
-    assert_non_null(strstr(set_messages, "GB free"));
+    assert_non_null(strstr(set_messages, "GB are free"));
     const char *old = getenv("TMPDIR");
     char *kept = old ? strdup(old) : NULL;
     setenv("TMPDIR", "/nowhere/at/all", 1);
@@ -178,7 +178,7 @@ static void test_archives(void **state) {
             write_whole_file(path, bytes, n);
             const btf_result result = enc_read(&set_context, path, &options, &data);
             if (result == BTF_OK) {
-                set_expect(data, 1e-7); /* what is missing at the end held no image */
+                set_expect(data, 1e-7); /* the bytes missing at the end held no image */
                 enc_data_destroy(&data);
                 whole++;
                 continue;

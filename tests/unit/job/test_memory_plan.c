@@ -57,11 +57,14 @@ static void test_large_data(void **state) {
         const uint64_t ubo2014 = least(400, 400, 151, 151, 2);
         const uint64_t largest = least(16384, 16384, 256, 256, 1024);
         const uint64_t most = method == ENC_METHOD_JOINT ? 2000000000u : 1400000000u;
-        printf("%s: 256x256 81x81 %.0f MB, 400x400 151x151 %.0f MB\n", enc_method_name(method),
-               (double)ubo2003 * 1e-6, (double)ubo2014 * 1e-6);
+        printf("%s: 256x256 81x81 %.0f MB, 400x400 151x151 %.0f MB, 16384x16384 256x256 %.0f MB\n",
+               enc_method_name(method), (double)ubo2003 * 1e-6, (double)ubo2014 * 1e-6,
+               (double)largest * 1e-6);
         assert_true(ubo2003 < most && ubo2014 < 8000000000u);
         assert_true(least(64, 64, 81, 81, 2) < ubo2003 && ubo2003 < ubo2014);
-        assert_true(largest / ubo2014 > 1000 && largest / ubo2014 < 10000);
+        /* 4800 times the samples; the paper's method holds images alone, factors also what belongs to 1024
+         * threads */
+        assert_true(largest / ubo2014 > 1000 && largest / ubo2014 < 20000);
     }
 }
 

@@ -157,8 +157,7 @@ static enc_data *sample(relief_kind relief, int size) {
     return data;
 }
 
-/* Images of level 0 as a renderer shows them at a lower resolution without levels: one texel of each block.
- */
+/* Images of level 0 as a renderer shows them at a lower resolution without levels: one texel of each block. */
 typedef struct points {
     enc_image_source images;
     int width, height, w, h, lights;

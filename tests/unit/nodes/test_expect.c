@@ -13,8 +13,7 @@
 
 #include <math.h>
 
-/* One candidate whose error with samples left out is `error`, and whose move has the cosine `aim` with it.
- */
+/* One candidate whose error with samples left out is `error`, and whose move has the cosine `aim` with it. */
 static enc_fit_choice choice_of(double error, double aim, double move, double moves, enc_fit_error at) {
     const double product = aim * sqrt(move * error);
     const enc_fit_moved moved = {error, error - 2 * product + move, move, moves};

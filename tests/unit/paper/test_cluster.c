@@ -95,8 +95,7 @@ static void test_shares_always_add_up(void **state) {
     }
 }
 
-/* A BTF of 3 views under 5 lights with all points of views 1 and 2 hidden; profiles are set by the caller.
- */
+/* A BTF of 3 views under 5 lights with all points of views 1 and 2 hidden; profiles are set by the caller. */
 enum { VIEWS = 3, LIGHTS = 5, PROFILE = 3 * LIGHTS };
 static enc_data *make_data(const enc_context *with, int width, int height, enc_occlusion **out_occlusion) {
     enc_direction views[VIEWS], lights[LIGHTS];

@@ -20,8 +20,7 @@
 
 static const enc_context context = {.threads = 2};
 
-/* `texels` in a row, 81 directions, random lobes, a fifth of the light directions shadowed to 5 % in each.
- */
+/* `texels` in a row, 81 directions, random lobes, a fifth of the light directions shadowed to 5 % in each. */
 static enc_data *make_data(const enc_context *with, int texels, bool *out_shadow) {
     enc_direction directions[DIRECTIONS];
     fit_directions(directions);

@@ -233,8 +233,7 @@ static const int along[VIEWS][2] = {{0, 0}, {-3, 0}, {0, 2}, {2, 2}};
 
 static void test_vote_recovers_shifts(void **state) {
     (void)state;
-    /* the last one off the line of its view by a texel and a half: the flow finds what the estimate cannot
-     */
+    /* the last one off the line of its view by a texel and a half: the flow finds what the estimate cannot */
     static const int astray[VIEWS][2] = {{0, 0}, {-2, 1}, {1, 2}, {3, 1}};
     for (int plain = 0; plain < 2; plain++) {
         for (int off = 0; off < 2; off++) {

@@ -80,7 +80,8 @@ static void hash_steps(const btf_ref_material *tight, const btf_ref_material *pa
 }
 
 static void hash_evaluation(const btf_ref_material *material, uint32_t seed) {
-    int newest = (material->effects & BTF_REF_RELIEF) != 0; /* what came last must not change the older hashes */
+    /* members that came last must not change the older hashes */
+    int newest = (material->effects & BTF_REF_RELIEF) != 0;
     uint32_t state = seed * 2u + 1u;
     for (int i = 0; i < ARGUMENTS; ++i) {
         btf_ref_options options = {.effects = UINT32_MAX, .components = UINT32_MAX};

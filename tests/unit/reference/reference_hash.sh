@@ -12,8 +12,8 @@ build=$(mktemp -d) || exit 1
 trap 'rm -rf "$build"' EXIT
 sources="$root/tests/unit/reference/reference_hash.c $root/reference/btf_arithmetic.c $root/reference/btf_addressing.c
     $root/reference/btf_directions.c $root/reference/btf_evaluate.c $root/reference/btf_factors.c
-    $root/reference/btf_gloss.c $root/reference/btf_relief.c $root/reference/btf_source.c
-    $root/reference/btf_self_test.c"
+    $root/reference/btf_gloss.c $root/reference/btf_relief.c $root/reference/btf_sampling.c $root/reference/btf_source.c
+    $root/reference/btf_stochastic.c $root/reference/btf_self_test.c"
 flags="-std=c11 -Wall -Wextra -Wpedantic -Werror -ffp-contract=off -DBTF_TEST_FREESTANDING -ffreestanding
     -fno-builtin -fno-stack-protector -fno-pic -static -nostdlib -I$root -I$root/reference/include"
 passed=0

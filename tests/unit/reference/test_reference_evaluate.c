@@ -297,7 +297,7 @@ static void test_lists(void **state) {
     f->m.gain_base = 0.25f;
     f->m.gain_step = 0.125f;
     const uint32_t texel = MADE_WIDTH + 1;
-    for (int entry = 0; entry < 5; ++entry) /* what set_point calls a view is an entry here */
+    for (int entry = 0; entry < 5; ++entry) /* set_point's view is an entry here */
         set_point(f, 1, 1, (uint32_t)entry, entry - 1, entry == 4, 2 * entry);
     indices[2 * MADE_TEXELS + texel] = 0x14; /* view 4 has entry 4, view 5 entry 1 */
     evaluate_pair(f, 1, 1, 0, 4, pole, pole, rgb);

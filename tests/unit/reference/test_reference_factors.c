@@ -14,8 +14,7 @@ enum {
     PAIRS = MADE_VIEWS * MADE_LIGHTS
 };
 
-/** FORMAT.md section 3, place by place: the lowest bit of component i, of u with 100 for the second texel.
- */
+/** FORMAT.md section 3, place by place: the lowest bit of component i, of u with 100 for the second texel. */
 static const struct {
     int components, texels, tier;
     int w_bits, u_bits;

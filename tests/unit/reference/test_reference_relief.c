@@ -349,7 +349,7 @@ static void test_walls_hide(void **state) {
     assert_true(worst <= 9); /* 8 of 4096 of o_a for a unit of height, which levels round */
 }
 
-/** Whatever heights and neighbours: weights are in 0 .. 4096 and sum to 4096; none comes from nothing;
+/** For any heights and neighbours: weights are in 0 .. 4096 and sum to 4096; none comes from nothing;
  * positions are in the level; without occlusion the weights stay. */
 static void test_weights_sum(void **state) {
     (void)state;

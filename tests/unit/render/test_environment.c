@@ -155,8 +155,8 @@ static void test_contents(void **state) {
         p.channels[c].type = BYTES_FLOAT; /* as written, infinity and all */
     assert_int_equal(read_map(&p, NULL, sum), BTF_OK);
     assert_true(sum[0] < 4 && sum[0] > 3.5);
-    assert_non_null(strstr(messages, "3 samples that are below 0, infinite or no numbers"));
-    assert_non_null(strstr(messages, "first nan in column 5, row 1"));
+    assert_non_null(strstr(messages, "3 samples that are below 0, infinite or not a number"));
+    assert_non_null(strstr(messages, "the first is nan in column 5, row 1"));
     const struct {
         int width, height;
         bool told;

@@ -55,8 +55,7 @@ static void test_quad(void **state) {
     mesh_destroy(&m);
 }
 
-/* Lines that end in CR alone, a line that goes on right behind a word, and surfaces, which are told once.
- */
+/* Lines that end in CR alone, a line that goes on right behind a word, and surfaces, which are told once. */
 static void test_lines(void **state) {
     (void)state;
     static const char mac[] = "v 0 0 0\rv 1 0 0\rv 0 1 0\r# x\rvt 0 0\rf 1/1\\\r2/1 \\\r 3/1\r";
@@ -115,7 +114,7 @@ static void test_broken(void **state) {
         {"v 1 2 nan\n", "'nan'", BTF_ERROR_BAD_FILE},
         {"v 1 2 1e30\n", "'1e30'", BTF_ERROR_BAD_FILE},
         {"vt\n", "texture coordinate: 0 numbers", BTF_ERROR_BAD_FILE},
-        {"v 0 0 0\nvt 0 0\nf 1/1 1/1\n", "a.obj:3: face: 2 corners", BTF_ERROR_BAD_FILE},
+        {"v 0 0 0\nvt 0 0\nf 1/1 1/1\n", "a.obj:3: face: has 2 corners", BTF_ERROR_BAD_FILE},
         {"v 0 0 0\nf 1 1 1\n", "'1' has no texture coordinate", BTF_ERROR_BAD_FILE},
         {"v 0 0 0\nvn 0 0 1\nf 1//1 1//1 1//1\n", "no texture coordinate", BTF_ERROR_BAD_FILE},
         {"v 0 0 0\nvt 0 0\nf 1/1 2/1 1/1\n", "vertex 2 of 1", BTF_ERROR_BAD_FILE},
@@ -124,8 +123,8 @@ static void test_broken(void **state) {
         {"v 0 0 0\nvt 0 0\nf 1/1/7 1/1 1/1\n", "normal 7 of 0", BTF_ERROR_BAD_FILE},
         {"v 0 0 0\nvt 0 0\nf 1/1/1/1 1/1 1/1\n", "normal 1 of 0", BTF_ERROR_BAD_FILE},
         {"v 0 0 0\nvt 0 0\nvn 0 0 1\nf 1/1/1/1 1/1 1/1\n", "more than three", BTF_ERROR_BAD_FILE},
-        {"v 0 0 0\nvt 0 0\nf 1/1 1/1 /1\n", "'/1' is no reference", BTF_ERROR_BAD_FILE},
-        {"v 0 0 0\nvt 0 0\nf a b c\n", "'a' is no reference", BTF_ERROR_BAD_FILE},
+        {"v 0 0 0\nvt 0 0\nf 1/1 1/1 /1\n", "'/1' is not of the form v, v/t", BTF_ERROR_BAD_FILE},
+        {"v 0 0 0\nvt 0 0\nf a b c\n", "'a' is not of the form v, v/t", BTF_ERROR_BAD_FILE},
         {"v 0 0 0\nvt 0 0\nf 99999999999999999999/1 1/1 1/1\n", "of 1", BTF_ERROR_BAD_FILE},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {

@@ -1,4 +1,4 @@
-/* Which plan a viewer draws by: kept within its range, another beyond it, no flipping, folded at rest.
+/* The plan that a viewer draws by: kept within its range, another beyond it, no flipping, folded at rest.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -91,7 +91,7 @@ static void test_rows(void **state) {
     free(report);
 }
 
-/* Whatever --memory allows, the figures are the same bits. */
+/* The figures are the same bits for any --memory. */
 static void test_memory(void **state) {
     (void)state;
     enc_data *a = make_data(9, 4), *b = make_data(9, 4);

@@ -45,7 +45,7 @@ static void refused(const char *text, const char *said) {
         fail_msg("%s: '%s' does not say '%s'", text, message, said);
 }
 
-/* Whatever the order of members, the spaces and the escapes. */
+/* A report is read with its members in any order, with any spaces and escapes. */
 static void test_any_writing(void **state) {
     (void)state;
     static const char *const texts[] = {

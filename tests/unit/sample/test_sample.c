@@ -121,8 +121,7 @@ static void test_flat_has_no_shadow_and_no_shift(void **state) {
     sample_truth_destroy(&truth);
 }
 
-/* relief.h says what RELIEF_AXES shows; views and lights are 0: pole, 1..4: theta 45, phi 0, 90, 180, 270.
- */
+/* relief.h says what RELIEF_AXES shows; views and lights are 0: pole, 1..4: theta 45, phi 0, 90, 180, 270. */
 static void test_axes(void **state) {
     (void)state;
     enc_data *data = NULL;
@@ -582,8 +581,7 @@ static void test_random_pairs(void **state) {
         }
         both += pairs[i].view.theta < third && pairs[i].light.theta < third;
     }
-    /* five standard deviations and a half of 6000 draws: 200 of a third, 180 of a quarter, 135 of a ninth
-     */
+    /* five standard deviations and a half of 6000 draws: 200 of a third, 180 of a quarter, 135 of a ninth */
     for (int k = 0; k < 2; ++k)
         assert_true(abs(inner[k] - N / 3) < 200 && abs(quadrant[k] - N / 4) < 185);
     assert_true(abs(both - N / 9) < 135);

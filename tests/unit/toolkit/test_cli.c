@@ -76,7 +76,7 @@ static const cli_program program = {
     .max_arguments = 2,
 };
 
-static char printed[16384]; /* what the last call wrote on stdout and stderr */
+static char printed[16384]; /* the last call's output on stdout and stderr */
 
 /* Parses the words; returns whether to go on. */
 static bool parse(const char *const *words, cli_arguments *arguments, int *exit_code) {

@@ -161,8 +161,7 @@ static void test_equal_weights(void **state) {
     assert_true(worst > 0.35);
 }
 
-/* A stage that ends early, or is not run at all, moves the fraction forwards and does not spoil the rate.
- */
+/* A stage that ends early, or is not run at all, moves the fraction forwards and does not spoil the rate. */
 static void test_early(void **state) {
     (void)state;
     const estimate_part parts[] = {{"a", 10}, {"b", 60}, {"c", 20}, {"d", 10}};

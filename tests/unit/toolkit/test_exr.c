@@ -224,8 +224,7 @@ static void test_chroma_sizes(void **state) {
         }
 }
 
-/* Sampling that is not of the format, or that chroma is not read with: refused, whichever channel has it.
- */
+/* Sampling that is not of the format, or that chroma is not read with: refused, whichever channel has it. */
 static void test_sampling_out_of_spec(void **state) {
     (void)state;
     static const int32_t bad[][2] = {{0, 1},         {1, 0},         {-1, 1},
@@ -240,7 +239,7 @@ static void test_sampling_out_of_spec(void **state) {
             expect_refused(&p, 1, "EXR");
         }
     bytes_part p = chroma_part(false, BYTES_HALF, 4, 4, 16, 16);
-    expect_refused(&p, 1, "BY is sampled 4 x 4");
+    expect_refused(&p, 1, "BY is subsampled 4 x 4");
     p = chroma_part(false, BYTES_HALF, 2, 2, 7, 4); /* does not divide the window */
     expect_refused(&p, 1, "EXR");
     p = chroma_part(false, BYTES_HALF, 2, 2, 8, 4);
@@ -248,7 +247,7 @@ static void test_sampling_out_of_spec(void **state) {
     expect_refused(&p, 1, "EXR");
     p = chroma_part(false, BYTES_HALF, 2, 2, 8, 4); /* the two of another sampling */
     p.channels[0].xs = 1;
-    expect_refused(&p, 1, "is sampled");
+    expect_refused(&p, 1, "is subsampled");
 }
 
 /* 1 + c / 8: the channel's number in its part, exact in a half. */
@@ -320,7 +319,7 @@ static void test_layer_option(void **state) {
     expect_channels(parts, 1, "b.c", 3, (const int[]){5, 4, 3}, NULL);
     expect_channels(parts, 1, "b.c.G", 1, (const int[]){4}, NULL);
     layer = "c";
-    expect_refused(parts, 1, "--layer c names no layer, part or channel");
+    expect_refused(parts, 1, "--layer c does not name exactly one layer, part or channel");
     layer = NULL;
     parts[0] = part_of("grey", "Y");
     parts[1] = part_of("one", "B/G/R");
@@ -331,7 +330,7 @@ static void test_layer_option(void **state) {
     expect_channels(parts, 3, "two", 3, bgr, NULL);
     expect_channels(parts, 3, "two.x", 3, (const int[]){5, 4, 3}, NULL);
     layer = "G";
-    expect_refused(parts, 3, "or several");
+    expect_refused(parts, 3, "does not name exactly one layer, part or channel");
     layer = NULL;
     parts[0] = part_of(NULL, "Normal.X/Normal.Y/Normal.Z/u/v"); /* not colours */
     expect_refused(parts, 1, "Normal.X, Normal.Y, Normal.Z, u, v");
@@ -601,9 +600,9 @@ static void test_spectrum(void **state) {
     assert_non_null(strstr(info.notes.texts[IMAGE_NOTE_SPECTRUM], "4 bands"));
     layer = NULL;
     p = part_of(NULL, "400.0nm/400nm/500nm/600nm");
-    expect_refused(&p, 1, "two channels of 400 nm");
+    expect_refused(&p, 1, "two channels have the wavelength of 400 nm");
     p = part_of(NULL, "1000nm/1100nm/1200nm/1300nm");
-    expect_refused(&p, 1, "nothing is seen");
+    expect_refused(&p, 1, "lies outside of what is visible");
 }
 
 int main(void) {

@@ -416,7 +416,7 @@ static void test_no_image(void **state) {
     write_whole_file(file, "", 0);
     expect_error(BTF_ERROR_BAD_FILE, "empty");
     write_whole_file(file, "GIF89a", 6);
-    expect_error(BTF_ERROR_BAD_FILE, "neither");
+    expect_error(BTF_ERROR_BAD_FILE, "not a JPEG, PNG");
     write_whole_file(file, "\xff\xd8junk", 6);
     expect_error(BTF_ERROR_BAD_FILE, "JPEG");
 }

@@ -103,7 +103,7 @@ static void test_refused(void **state) {
         {"\0a\0b", 4, BTF_ERROR_UNSUPPORTED, "the text is UTF-16"},
         {"\xff\xfe\0\0", 4, BTF_ERROR_UNSUPPORTED, "the text is UTF-32"},
         {"\0\0\xfe\xff", 4, BTF_ERROR_UNSUPPORTED, "the text is UTF-32"},
-        {"abc\0", 4, BTF_ERROR_BAD_FILE, "zero bytes"},
+        {"abc\0", 4, BTF_ERROR_BAD_FILE, "bytes of value 0"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         text_file text;

@@ -3,8 +3,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "check.h"
-#include "synthetic.h"
+#include "tests/conformance/check.h"
+#include "tests/conformance/synthetic.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -23,13 +23,14 @@ typedef struct sabotage {
 } sabotage;
 
 static const sabotage list[] = {
-    {"one coordinate bit lost", "coordinate", "& 0x3FFFFu) * size", "& 0x3FFFEu) * size"},
+    {"one coordinate bit lost", "coordinate", "& (BTF_PERIOD - 1u)) * size", "& (BTF_PERIOD - 2u)) * size"},
     {"truncated, not floored", "coordinate", "floor(btf_mul(usable", "trunc(btf_mul(usable"},
-    {"coordinates to 8192", "coordinate", "magnitude <= 0x45800000u", "magnitude <= 0x46000000u"},
-    {"bilinear starts a quarter texel earlier", "bilinear", "t - 131072u", "t - 65536u"},
-    {"bilinear does not wrap left", "bilinear", "s += size << 18u", "s += 0u"},
+    {"coordinates to 8192", "coordinate", "magnitude <= BTF_BITS_4096", "magnitude <= 0x46000000u"},
+    {"bilinear starts a quarter texel earlier", "bilinear", "t - BTF_PERIOD / 2u", "t - BTF_PERIOD / 4u"},
+    {"bilinear does not wrap left", "bilinear", "s += size << BTF_BELOW_TEXEL", "s += 0u"},
     {"bilinear does not wrap right", "bilinear", "c1 == size ? 0u : c1", "c1"},
-    {"bilinear weight of 128ths", "bilinear", "(s >> 10u) & 255u", "(s >> 11u) & 255u"},
+    {"bilinear weight of 128ths", "bilinear", "(s >> (BTF_BELOW_TEXEL - 8u)) & 255u",
+     "(s >> (BTF_BELOW_TEXEL - 7u)) & 255u"},
     {"wrap off by one", "wrap", "p >= int(size) ? int(size) : 0", "p > int(size) ? int(size) : 0"},
     {"wrap of negatives by %", "wrap", "uint(p + int(128u * size)) % size", "uint(abs(p)) % size"},
     {"projection rounds down", "project", "btf_mul(btf_mul(d.x, k), 8192.0), 0.5)",
@@ -139,13 +140,13 @@ static const sabotage list[] = {
     {"no upper bound", "", "min(y, 4294967296.0)", "y"},
     {"view weights of 4095ths", "", "btf_mul(float(weight), uintBitsToFloat(0x39800000u))",
      "btf_mul(float(weight), uintBitsToFloat(0x39800801u))"},
-    {"light below the horizon", "", "floatBitsToInt(d.z) >= 0x33800000",
+    {"light below the horizon", "", "floatBitsToInt(d.z) >= int(BTF_BITS_2_TO_MINUS_24)",
      "floatBitsToInt(d.z) >= 0x33000000"},
-    {"long vectors accepted", "", "most <= 0x40000000u", "most <= 0x7F000000u"},
+    {"long vectors accepted", "", "most <= BTF_BITS_2", "most <= 0x7F000000u"},
 };
 
 /* The same of version 2, and the subject that shows it. */
-enum { MIXED = 4, PACKED = 5, BOUNDS = 6, POINTS = 7, LISTS = 8, RELIEF = 9, STEEP = 10, GLOSS = 11 };
+enum { MIXED = 4, PACKED = 5, BOUNDS = 6, POINTS = 7, LISTS = 8, RELIEF = 9, STEEP = 10, GLOSS = 11, PICK_ALL = 12, PICK_VIEWS = 13 };
 typedef struct sabotage_of {
     sabotage fault;
     int subject;
@@ -236,10 +237,12 @@ static const sabotage_of list_2[] = {
     {{"entries of level 0", "codes", "ivec3(x, entry), level)", "ivec3(x, entry), 0)"}, LISTS},
 };
 #include "sabotage_between.h"
+#include "sabotage_stochastic.h"
 enum {
     SABOTAGES = sizeof list / sizeof *list,
     SABOTAGES_2 = sizeof list_2 / sizeof *list_2,
-    SABOTAGES_3 = sizeof list_3 / sizeof *list_3
+    SABOTAGES_3 = sizeof list_3 / sizeof *list_3,
+    SABOTAGES_4 = sizeof list_4 / sizeof *list_4
 };
 
 /* Materials that between them use every line of the decoder. The first shows most of the faults: shaders
@@ -421,6 +424,37 @@ static const struct {
                 .directions = SYNTHETIC_RANDOM,
                 .gloss_share = 2},
                {0}},
+    [PICK_ALL] = {{.seed = 24,
+                   .width = 16,
+                   .height = 11,
+                   .n_views = 7,
+                   .n_lights = 9,
+                   .layout = BTF_LAYOUT_TIGHT,
+                   .domain = BTF_DOMAIN_SQRT,
+                   .colour = BTF_COLOUR_NONE,
+                   .effects = BTF_EFFECT_RESIDUAL | BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS,
+                   .components = 1,
+                   .directions = SYNTHETIC_RANDOM,
+                   .levels = 3,
+                   .classes = {{0, 0, 0}, {0, 0, 0}, {1, 1, 0}},
+                   .blend = BTF_BLEND_ROOTS,
+                   .horizon_scale = 4,
+                   .relief = SYNTHETIC_GENTLE,
+                   .gloss_share = 2},
+                  {.filter = BTF_FILTER_BILINEAR, .picks = BTF_PICK_ALL}},
+    [PICK_VIEWS] = {{.seed = 25,
+                     .width = 5,
+                     .height = 3,
+                     .n_views = 9,
+                     .n_lights = 11,
+                     .layout = BTF_LAYOUT_TIGHT,
+                     .domain = BTF_DOMAIN_SQRT,
+                     .colour = BTF_COLOUR_MONO,
+                     .lobes = 1,
+                     .effects = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN,
+                     .centres = 9,
+                     .directions = SYNTHETIC_RANDOM},
+                    {.filter = BTF_FILTER_BILINEAR, .picks = BTF_PICK_VIEW}},
 };
 enum { SUBJECTS = sizeof subjects / sizeof *subjects, COUNT = 6000 };
 
@@ -473,7 +507,9 @@ static uint64_t differences(int subject, const char *step) {
                        .log = &log_errors};
     check_outcome outcome = {0};
     btf_result result =
-        step ? check_steps(&s, 5, COUNT, step, &outcome) : check_radiance(&s, 6, COUNT, &outcome);
+        step           ? check_steps(&s, 5, COUNT, step, &outcome)
+        : shader.picks ? check_stochastic(&s, 7, COUNT, &outcome)
+                       : check_radiance(&s, 6, COUNT, &outcome);
     assert_int_equal(result, BTF_OK);
     return outcome.different;
 }
@@ -491,11 +527,13 @@ static void untouched_passes(void **state) {
 static void each_is_caught(void **state) {
     (void)state;
     int missed = 0;
-    for (int i = 0; i < SABOTAGES + SABOTAGES_2 + SABOTAGES_3; ++i) {
+    for (int i = 0; i < SABOTAGES + SABOTAGES_2 + SABOTAGES_3 + SABOTAGES_4; ++i) {
         const int later = i - SABOTAGES;
         const sabotage_of *new = later < 0             ? NULL
                                  : later < SABOTAGES_2 ? &list_2[later]
-                                                       : &list_3[later - SABOTAGES_2];
+                                 : later < SABOTAGES_2 + SABOTAGES_3
+                                     ? &list_3[later - SABOTAGES_2]
+                                     : &list_4[later - SABOTAGES_2 - SABOTAGES_3];
         active = new ? &new->fault : &list[i];
         const int first = new ? new->subject : 0, last = new ? first : MIXED - 1;
         found = 0;

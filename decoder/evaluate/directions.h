@@ -1,0 +1,35 @@
+/* All of an evaluation that its light and view settle, whatever the texel (FORMAT.md sections 6 and 9).
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_EVALUATE_DIRECTIONS_H
+#define OPENBTF_EVALUATE_DIRECTIONS_H
+
+#include "way.h"
+
+#pragma GCC visibility push(hidden)
+
+/* Those of non-zero weight, in their order; weights sum to 4096. Behind them the first again, of weight 0.
+ */
+typedef struct btfi_neighbours {
+    int count;
+    uint32_t index[3];
+    int32_t weight[3];
+} btfi_neighbours;
+
+typedef struct btfi_situation {
+    btfi_neighbours views;
+    btfi_neighbours lights[3]; /* of each neighbouring view */
+    float view[3];
+    float product[3]; /* P */
+    float cosine;     /* m */
+    float horizon;    /* m_r; with factors */
+} btfi_situation;
+
+/* Whether there is anything to be seen; else *out_situation stays as it is. */
+bool btfi_look_up(const btf_evaluator *evaluator, const btfi_way *way, const float light[3],
+                  const float view[3], btfi_situation *out_situation);
+
+#pragma GCC visibility pop
+
+#endif

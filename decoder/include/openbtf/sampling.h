@@ -1,0 +1,44 @@
+/* OpenBTF: tables by which renderers draw the direction to the light in proportion to the radiance that a
+ * material would reflect (decoder/SAMPLING.md).
+ *
+ * The tables are made of the material itself; no file holds them. btf_ref_sample_light() and
+ * btf_ref_pdf_light() of openbtf/reference.h read them.
+ *
+ * Thread rule: tables are immutable once made.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_SAMPLING_H
+#define OPENBTF_SAMPLING_H
+
+#include <openbtf/evaluate.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Tables of light sampling, as textures. */
+typedef struct btf_light_sampling {
+    uint32_t n_views, n_lights,
+        n_triangles; /**< triangles of the lights; 1 of no part where there are none */
+    /** RGBA32UI, [n_views + 1][n_triangles][4], texture `sampling_triangles`. Row of a view, for each
+     * triangle: in R the end of its part of 2^32, then the bits of the floats at its corners; last row: in
+     * R, G, B its corners in the plane of the directions, x + 65536 y. */
+    const uint32_t *triangles;
+    /** R32F, [n_views][n_lights + 1], texture `sampling_densities`: at each light the density in the plane
+     * whose horizon has radius 1, then the share of the cosine. */
+    const float *densities;
+} btf_light_sampling;
+
+/** Makes the tables of a material, whose evaluator is handed over. Errors: BTF_ERROR_USAGE (a null
+ * pointer), BTF_ERROR_MEMORY. *out_sampling is freed with btf_light_sampling_destroy. */
+btf_result btf_light_sampling_create(const btf_material *material, const btf_evaluator *evaluator,
+                                     const btf_log *log, btf_light_sampling **out_sampling);
+
+/** Frees *sampling and sets it to NULL. NULL and a pointer to NULL are accepted. */
+void btf_light_sampling_destroy(btf_light_sampling **sampling);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,217 @@
+#!/bin/bash
+# Makes the pictures, plots and measured tables of the documents anew from a build, part by part.
+#
+#   tests/bench/regenerate.sh BUILD [--work DIR] [PART...]   default: every part, work in BUILD/regenerate
+#   tests/bench/regenerate.sh --list                         the parts and what each writes; tests/docs.py compares it with
+#                                                            the documents
+#
+# Tools of BUILD are brought up to date first. A part that ends leaves a stamp with the commit in DIR, and is passed over
+# while the sources stand at that commit: after a stop, the same command goes on. btf-bench goes on within a part, and
+# encodes that ended are kept. tests/data/readme/made.txt says of each name which commit it was made from.
+#
+# Parts that time (bench, growth, plan, stochastic, pathtrace; viewer shows a time) want an idle machine, and bench, storage, growth and plan
+# take hours together; the others a few minutes each.
+# Samples of others are looked for in $BTF_SHARED/data (default ../shared/data), and what needs them is left as it is
+# where they are not there. Numbers in running text, tables without marks (peers and presets of README.md and
+# tests/bench/README.md, encoder/nodes/FIT.md, encoder/relief/RELIEF.md, FORMAT.md section 12) are not written by any
+# part: they say which build they come from.
+#
+# SPDX-License-Identifier: MIT
+set -euo pipefail
+root=$(cd "$(dirname "$0")/../.." && pwd)
+pictures=$root/tests/data/readme
+shared=${BTF_SHARED:-$root/../shared}/data
+
+# Part, then what it writes: pictures of tests/data/readme, FILE#NAME for what stands between the marks NAME of a page,
+# and pages that are made as a whole.
+writes='api      decoder/API.md
+example  decoder/FORMAT.md#example
+levels   decoder/README.md#levels levels-off.png levels-on.png
+viewer   viewer.png
+between  between.png
+demo     hero.png montage.png figure13.png
+planned  planned.png
+fit      fit.png
+bench    tests/bench/README.md#bench encode.png decode.png
+storage  tests/bench/README.md#between storage.png
+growth   growth-texels.png growth-directions.png
+plan     tests/bench/README.md#plan
+stochastic stochastic.png
+pathtrace pathtrace.png'
+
+if [ "${1:-}" = --list ]; then
+    echo "$writes"
+    exit
+fi
+if [ "${1:--h}" = -h ] || [ "$1" = --help ]; then
+    sed -n '2,/^$/s/^# \{0,1\}//p' "$0" | sed '/^SPDX/,$d'
+    exit
+fi
+build=$(cd "$1" && pwd)
+shift
+work=$build/regenerate
+if [ "${1:-}" = --work ]; then
+    mkdir -p "${2:?expected a folder after --work}"
+    work=$(cd "$2" && pwd)
+    shift 2
+fi
+mkdir -p "$work"
+parts=$(echo "$writes" | sed 's/ .*//')
+for part in "$@"; do
+    grep -qx -- "$part" <<<"$parts" || {
+        echo "regenerate.sh: no part $part; parts are:" $parts >&2
+        exit 1
+    }
+done
+[ $# -gt 0 ] || set -- $parts
+
+commit() { # of the sources; + where they were changed since, but for what is written here
+    local at
+    at=$(git -C "$root" rev-parse --short HEAD 2>/dev/null) || at=unknown
+    git -C "$root" diff --quiet HEAD -- '*.c' '*.cc' '*.h' '*.glsl' '*.sh' '*.py' 2>/dev/null || at=$at+
+    echo "$at"
+}
+note() { # NAME: a line of made.txt
+    local list=$pictures/made.txt
+    grep -v "^$1 " "$list" >"$list.new" || true
+    echo "$1 $(commit) $(date -u +%Y-%m-%d)" >>"$list.new"
+    LC_ALL=C sort -o "$list" "$list.new"
+    rm "$list.new"
+}
+PATH=$build/encoder:$build/decoder/examples:$build/decoder/tools:$build/decoder/tools/render:$build/decoder/tools/view:$build/tests/sample:$build/tests/bench:$PATH
+export OMP_WAIT_POLICY=passive
+sample() { # KIND SIZE: a data set of btf-sample, made once; prints its folder
+    local at=$work/$1-$2
+    if [ ! -d "$at" ]; then
+        rm -rf "$at.part"
+        btf-sample -o "$at.part" --relief "$1" --size "$2" --quiet
+        mv "$at.part" "$at"
+    fi
+    echo "$at"
+}
+encoded() { # NAME INPUT OPTION...: a material and its report, made once a commit; prints the material
+    local name=$1-$(commit)
+    shift
+    [ -f "$work/$name.btf.exr" ] || btf-encode "$@" -o "$work/$name.btf.exr" --report "$work/$name.json" -q >&2
+    echo "$work/$name.btf.exr"
+}
+needs() { # FILE...: of the samples of others; false, with a line, where one is missing
+    local file
+    for file in "$@"; do
+        if [ ! -e "$shared/$file" ]; then
+            echo "$part: left as it is, $shared/$file is missing"
+            passed_over=1
+            return 1
+        fi
+    done
+}
+
+part_api() { python3 "$root/tests/api.py" "$root" --write; }
+part_example() { "$root/tests/unit/decoder/example.py" "$build/tests/unit/example_file" "$root/decoder/FORMAT.md" --write; }
+part_levels() {
+    "$pictures/make.sh" "$build" "$work/levels" levels
+    btf-info --json "$work/levels/bricks.btf.exr" >"$work/levels.json"
+    python3 - "$work/levels.json" <<'P' | "$root/tests/bench/marks.py" "$root/decoder/README.md" levels
+import json, sys
+with open(sys.argv[1]) as file:
+    info = json.load(file)
+own = ("sbrdf", "shadow", "shift", "gain", "points", "point_lists", "point_indices", "residual_texels", "factor_texels", "heights")
+shared = sum(t["bytes"] for name, t in info["textures"].items() if name not in own and not t["table"])
+print("<!-- levels: written by tests/bench/regenerate.sh -->\n| level | texels | bytes on the GPU | "
+      "PSNR in dB against the filtered original, linear / sRGB |\n| --- | --- | --- | --- |")
+for i, level in enumerate(info["levels"]):
+    note = f" ({shared:,} of them shared)" if i == 0 else ""
+    print(f'| {i} | {level["width"]} x {level["height"]} | {level["gpu"]:,}{note} | '
+          f'{level["linear"]:.2f} / {level["srgb"]:.2f} |')
+print("<!-- /levels -->")
+P
+}
+part_viewer() { "$pictures/make.sh" "$build" "$work/levels" viewer; }
+part_between() { "$pictures/between.sh" "$build" "$work/between"; }
+part_demo() {
+    local data material paper
+    data=$(sample bricks 64)
+    material=$(encoded bricks "$data" --pictures "$work/bricks-pictures" --budget 2.36MB)
+    paper=$(encoded bricks-paper "$data" --method paper)
+    cp "$work/bricks-pictures/montage.png" "$pictures/montage.png"
+    btf-render "$material" -o "$pictures/hero.png" --mesh torus --size 640x400 --samples 3 --repeat 4 --view 50,-90 \
+        --zoom 1.35 --light 45,110 --shadows --background 0.9 --quiet
+    btf-render "$material" -o "$pictures/figure13.png" --figure13 --original "$data" --baseline "$paper" --mesh plane \
+        --view 40,-90 --repeat 2 --size 256 --quiet
+}
+part_planned() {
+    needs BRICKS64.zip UBO_IMPALLA64.zip || return 0
+    "$pictures/planned.sh" "$build" "$(encoded BRICKS64-fast "$shared/BRICKS64.zip" --preset fast)" \
+        "$(encoded IMPALLA64-paper "$shared/UBO_IMPALLA64.zip" --method paper)"
+}
+part_fit() {
+    needs BRICKS64.zip UBO_IMPALLA64.zip || return 0
+    local kind reports=()
+    for kind in BRICKS64 UBO_IMPALLA64; do
+        encoded "fit-$kind" "$shared/$kind.zip" --preset fast --budget 2.36MB --effect-tolerance 0 >/dev/null
+        reports+=("$work/fit-$kind-$(commit).json")
+    done
+    for kind in bricks bumps weave flat; do
+        encoded "fit-$kind" "$(sample $kind 64)" --preset fast --budget 2.36MB --effect-tolerance 0 >/dev/null
+        reports+=("$work/fit-$kind-$(commit).json")
+    done
+    "$root/tests/bench/fit_curve.py" "${reports[@]}"
+}
+part_bench() {
+    btf-bench --only machine,encode,decode --quick --out "$work/bench-$(commit)"
+    "$root/tests/bench/readme.sh" --from "$work/bench-$(commit)"
+}
+part_storage() {
+    btf-bench --only between,storage --quick --out "$work/storage-$(commit)"
+    "$root/tests/bench/readme.sh" --between "$work/storage-$(commit)"
+}
+part_growth() {
+    btf-bench --only growth --repeats 1 --out "$work/growth-$(commit)"
+    cp "$work/growth-$(commit)"/growth-{texels,directions}.png "$pictures/"
+}
+part_plan() {
+    btf-bench --only plan --preset medium --out "$work/plan-$(commit)" --keep "$work/plan-kept-$(commit)"
+    "$root/tests/bench/readme.sh" --plan "$work/plan-$(commit)"
+}
+part_stochastic() {
+    needs BRICKS64.zip || return 0
+    btf-bench --only stochastic --preset fast --input "$shared/BRICKS64.zip" --device osmesa \
+        --out "$work/stochastic-$(commit)" --keep "$work/plan-kept-$(commit)"
+    cp "$work/stochastic-$(commit)"/stochastic-BRICKS64.png "$pictures/stochastic.png"
+}
+part_pathtrace() {
+    needs BRICKS64.zip || return 0
+    pathtrace "$(encoded BRICKS64-fast "$shared/BRICKS64.zip" --preset fast)" "$pictures/pathtrace.png" compare 1
+}
+
+targets_of() { # a part: its programs
+    case $1 in
+    api) ;;
+    example) echo tests/unit/example_file ;;
+    levels) echo encoder/btf-encode decoder/tools/{btf-info,render/btf-render} tests/sample/btf-sample ;;
+    viewer) echo encoder/btf-encode decoder/tools/view/btf-view tests/sample/btf-sample ;;
+    pathtrace) echo encoder/btf-encode decoder/examples/pathtrace ;;
+    bench | storage | growth | plan | stochastic) echo tests/bench/btf-bench ;;
+    *) echo encoder/btf-encode decoder/tools/{btf-decode,render/btf-render} tests/sample/btf-sample ;;
+    esac
+}
+targets=$(for part in "$@"; do targets_of "$part"; done | tr ' ' '\n' | sort -u)
+[ -z "$targets" ] || ninja -C "$build" $targets >"$work/ninja.log" || {
+    tail -20 "$work/ninja.log" >&2
+    exit 1
+}
+for part in "$@"; do
+    stamp=$work/$part.stamp now=$(commit)
+    if [ -f "$stamp" ] && [ "$(cat "$stamp")" = "$now" ]; then
+        echo "$part: made from $now already"
+        continue
+    fi
+    echo "$part: from $now"
+    passed_over=
+    "part_$part"
+    [ -z "$passed_over" ] || continue
+    for name in $(sed -n "s/^$part  *//p" <<<"$writes"); do
+        note "$name"
+    done
+    echo "$now" >"$stamp"
+done
