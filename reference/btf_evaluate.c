@@ -243,6 +243,22 @@ void btf_ref_evaluate_neighbours(const btf_ref_material *material, const btf_ref
     radiance_of(&e, column, row, out_rgb);
 }
 
+void btf_ref_evaluate_apart(const btf_ref_material *material, const btf_ref_options *options, uint32_t column,
+                            uint32_t row, const btf_ref_neighbours lights[3], const btf_ref_neighbours *views,
+                            const float light[3], const float view[3], float out_rgb[3]) {
+    out_rgb[0] = out_rgb[1] = out_rgb[2] = 0.0f;
+    if (!btf_ref_above_horizon(light, view))
+        return;
+    evaluation e = make_evaluation(material, options, lights, views, light, view);
+    for (int a = 0; a < 3; ++a) {
+        int from = a;
+        while (views->index[from] != e.views.index[a]) /* the nearest view is one of the three */
+            from = (from + 1) % 3;
+        e.lights[a] = some_lights(lights[from], e.linear);
+    }
+    radiance_of(&e, column, row, out_rgb);
+}
+
 void btf_ref_evaluate_texel(const btf_ref_material *material, const btf_ref_options *options,
                             uint32_t column, uint32_t row, const float light[3], const float view[3],
                             float out_rgb[3]) {

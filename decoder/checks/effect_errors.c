@@ -58,11 +58,12 @@ static btf_result check_effect_row(const btfi_check *check, const btf_material_i
 
 static btf_result check_between_row(const btfi_check *check, const btf_material_info *info,
                                     const float *row, size_t index, size_t length) {
-    const bool without_relief = row[0] == 5 || row[0] == 7;
-    if (!is_integer(row[0], 1, 3) && !(without_relief && info->effects & BTF_EFFECT_RELIEF))
+    const bool without_relief = row[0] == 5 || row[0] == 7, without_gloss = row[0] == 9 || row[0] == 11;
+    if (!is_integer(row[0], 1, 3) && !(without_relief && info->effects & BTF_EFFECT_RELIEF) &&
+        !(without_gloss && info->effects & BTF_EFFECT_GLOSS))
         return btfi_fail(check->log, check->code,
                          "between errors: row %zu says that %g is left out; it must say 1 (view), 2 "
-                         "(light) or 3 (both), and with the effect relief also 5 or 7",
+                         "(light) or 3 (both), and with the effect relief also 5 or 7, with gloss 9 or 11",
                          index, (double)row[0]);
     for (size_t i = 1; i < length; i++)
         if (!(row[i] >= 0 && row[i] <= 1) && !(row[i] == -1 && i >= ROW_HEAD))
@@ -105,7 +106,7 @@ btf_result btfi_check_effect_errors(const btfi_check *check, const btf_material_
 
 btf_result btfi_check_between_errors(const btfi_check *check, const btf_material_info *info,
                                      const float *values, size_t count) {
-    static const table_kind kind = {"between errors", 5, check_between_row};
+    static const table_kind kind = {"between errors", 7, check_between_row};
     return check_table(check, &kind, info, values, count);
 }
 

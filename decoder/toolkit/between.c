@@ -7,7 +7,9 @@
 #include <math.h>
 #include <stddef.h>
 
-enum { VIEW = 1, VIEW_WITHOUT_RELIEF = 5 };
+/* Rows of the table. Relief shows where a view is left out. Where the light is a sample gloss only blurs it by others,
+ * so that both must be left out to tell. */
+enum { VIEW = 1, BOTH = 3, VIEW_WITHOUT_RELIEF = 5, BOTH_WITHOUT_GLOSS = 11 };
 
 static const float *find_row(const btf_between_errors *e, int left_out) {
     for (uint32_t i = 0; i < e->row_count; i++) {
@@ -21,9 +23,11 @@ static const float *find_row(const btf_between_errors *e, int left_out) {
 
 bool between_gain(const btf_material *material, uint32_t effect, double out_gain[2]) {
     const btf_between_errors e = btf_material_between_errors(material);
-    const float *with = find_row(&e, VIEW), *without = find_row(&e, VIEW_WITHOUT_RELIEF);
+    const bool gloss = effect == BTF_EFFECT_GLOSS;
+    const float *with = find_row(&e, gloss ? BOTH : VIEW),
+                *without = find_row(&e, gloss ? BOTH_WITHOUT_GLOSS : VIEW_WITHOUT_RELIEF);
     out_gain[0] = out_gain[1] = 0;
-    if (effect != BTF_EFFECT_RELIEF || !with || !without) {
+    if (!(effect & BETWEEN_EFFECTS) || !with || !without) {
         return false;
     }
     for (int i = 0; i < 2; i++) {

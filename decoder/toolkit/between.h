@@ -11,8 +11,8 @@
 /* Effects that change nothing at the samples. */
 enum { BETWEEN_EFFECTS = BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS };
 
-/* dB, linear and sRGB-coded, that an effect adds where views are left out and predicted from the others, by
- * the material's table of errors between the samples; false where that does not tell, as of gloss. */
+/* dB, linear and sRGB-coded, that an effect adds where views (of gloss: views and lights) are left out and predicted
+ * from the others, by the material's table of errors between the samples; false where that does not tell. */
 bool between_gain(const btf_material *material, uint32_t effect, double out_gain[2]);
 
 #endif

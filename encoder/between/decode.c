@@ -13,7 +13,7 @@ static void decode_texel(enc_evaluated_texel *texel, const btf_ref_options *opti
                          const enc_evaluated_neighbours *around, size_t count, size_t texels, float *out) {
     for (size_t p = 0; p < count; p++) {
         const enc_evaluated_at at = {&around[p].lights, &around[p].views, pairs[p].light.xyz,
-                                     pairs[p].view.xyz, true};
+                                     pairs[p].view.xyz, true, false};
         enc_evaluate(texel, options, &at, &options->components, 1, (float(*)[3])(out + 3 * p * texels));
     }
 }

@@ -84,6 +84,7 @@ static void pass_choice(walk *w, enc_relief_choice *io_choice, int n_views) {
         pass_number(w, &c->scale, 0, 1);
         pass_flag(w, &c->constant);
         pass_flag(w, &c->judged);
+        pass_flag(w, &c->drawn_in);
         pass_number(w, &c->gain, -DBL_MAX, DBL_MAX);
         pass_integer(w, &c->rings, 0, ENC_RELIEF_RINGS);
     }
@@ -104,6 +105,14 @@ static void pass_choice(walk *w, enc_relief_choice *io_choice, int n_views) {
     pass_gloss(w, &io_choice->gloss);
 }
 
+/* Heights that a file may hold, of a map where there are steps, and a share of the half vector where there is gloss:
+ * positions of marches along others would leave the tables of wrapped texels. */
+static bool is_sound(const enc_relief_store *s, bool map) {
+    const bool gloss = s->effects & BTF_EFFECT_GLOSS, relief = s->effects & BTF_EFFECT_RELIEF;
+    return gloss == (s->gloss_share > 0) && s->gloss_share <= 2 &&
+           (!relief || (map == (s->step > 0) && s->base + ((255 * s->step) >> 8) <= INT16_MAX));
+}
+
 /* The store but for its arrays, and whether it has heights. */
 static void pass_store(walk *w, enc_relief_store *io_store, const enc_data *data, bool *io_map) {
     pass_count(w, &io_store->effects, 0, BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS);
@@ -118,6 +127,7 @@ static void pass_store(walk *w, enc_relief_store *io_store, const enc_data *data
         pass_count(w, &io_store->end, 1, BTF_MAX_LEVELS);
         pass_flag(w, io_map);
     }
+    w->good = w->good && is_sound(io_store, *io_map);
 }
 
 /* False where the arrays are of no encode or memory is short. */

@@ -21,7 +21,7 @@ static btf_result view_images(const void *user, int view, float *out) {
         enc_evaluated_texel_move(texel, t);
         for (size_t l = 0; l < lights; l++) {
             const enc_evaluated_at at = {&around[l].lights, &around[l].views, shape->lights[l].xyz,
-                                         to_viewer, true};
+                                         to_viewer, true, false};
             enc_evaluate(texel, &images->options, &at, &images->options.components, 1,
                          (float(*)[3])(out + 3 * (l * texels + t)));
         }

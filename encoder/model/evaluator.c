@@ -362,13 +362,15 @@ static void evaluate_factors(enc_evaluated_texel *t, const btf_ref_options *opti
     const enc_evaluator *e = t->evaluator;
     const bool nearest = options->interpolation == BTF_REF_NEAREST;
     const btf_ref_neighbours views = nearest ? btf_ref_nearest(*at->views) : *at->views;
-    const btf_ref_neighbours lights = nearest ? btf_ref_nearest(*at->lights) : *at->lights;
     const float m = horizon(e, at->light[2]);
     memset(out, 0, count * sizeof *out);
-    for (int a = 0; a < 3; a++)
+    for (int a = 0; a < 3; a++) {
+        const btf_ref_neighbours *of_view = at->apart ? &at->lights[a] : at->lights;
+        const btf_ref_neighbours lights = nearest ? btf_ref_nearest(*of_view) : *of_view;
         if (views.weight[a] > 0)
             evaluate_view(t, options->effects, views.index[a], views.weight[a], &lights, m, components,
                           count, out);
+    }
     for (size_t i = 0; i < count; i++)
         for (int c = 0; c < 3; c++) {
             float x = out[i][c];
@@ -390,10 +392,13 @@ static bool view_is_sample(const enc_evaluator *e, const enc_evaluated_at *at) {
     return false;
 }
 
-/* Whether relief or gloss act. */
+/* Whether relief or gloss act. Without a look-up gloss does nothing that `at` does not say. */
 static bool acts_between(const enc_evaluator *e, const btf_ref_options *options,
                          const enc_evaluated_at *at) {
-    return options->effects & e->reference.effects & BETWEEN && !view_is_sample(e, at);
+    const uint32_t acting = at->looked_up ? BETWEEN : BTF_EFFECT_RELIEF;
+    const bool unordered =
+        at->apart && options->interpolation == BTF_REF_NEAREST; /* left to the reference */
+    return unordered || (options->effects & e->reference.effects & acting && !view_is_sample(e, at));
 }
 
 void enc_evaluate(enc_evaluated_texel *t, const btf_ref_options *options, const enc_evaluated_at *at,
@@ -419,7 +424,7 @@ void enc_evaluate(enc_evaluated_texel *t, const btf_ref_options *options, const 
                                                   .rgb = out[i]});
             continue;
         }
-        btf_ref_evaluate_neighbours(&e->reference, &each, t->column, t->row, at->lights, at->views,
-                                    at->light, at->view, out[i]);
+        (at->apart ? btf_ref_evaluate_apart : btf_ref_evaluate_neighbours)(
+            &e->reference, &each, t->column, t->row, at->lights, at->views, at->light, at->view, out[i]);
     }
 }

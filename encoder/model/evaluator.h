@@ -45,6 +45,7 @@ typedef struct enc_evaluated_at {
     const float *light, *view; /* [3] */
     bool looked_up; /* `lights` are the neighbours of the light, so that gloss may look around other directions;
                        else every view takes them as they are (FORMAT.md section 9) */
+    bool apart;     /* lights [3], one of each of the views: no other are looked up */
 } enc_evaluated_at;
 
 /* The neighbours of a light and of a view of unit length. */

@@ -47,7 +47,9 @@ static inline size_t enc_warp_texel(const enc_warp *w, int32_t u, int32_t v) {
     return (size_t)(w->row[(v >> 8) + ENC_WARP_FARTHEST] + w->column[(u >> 8) + ENC_WARP_FARTHEST]);
 }
 
-/* Height of the point that a view of this slope shows at (u, v). */
+/* Height of the point that a view of this slope shows at (u, v). The reference's march takes twice the time (33 ns
+ * for 16), since it wraps by division, and has codes, which heights that are still sought do not; that both agree is
+ * tested (tests/unit/nodes/test_warp.c). */
 static inline int32_t enc_warp_march(const enc_warp *w, int32_t u, int32_t v, const int32_t slope[2]) {
     if (!w->heights) {
         return w->base;

@@ -26,8 +26,8 @@ static const double least_theta = 10, most_theta = 65; /* of views that heights 
 static const double texels_a_step = 1.6;               /* of a march along the steepest ring */
 static const double constant_margin = 0.1; /* dB that a map must gain over the best single height */
 
-static const double scales[ENC_RELIEF_CANDIDATES] = {0, 0.25, 0.5, 0.75, 1, 0.5, 0.75, 1};
-enum { FIRST_CONSTANT = 5 };
+static const double scales[] = {0, 0.25, 0.5, 0.75, 1, 0.5, 0.75, 1};
+enum { FIRST_CONSTANT = 5, DRAWN_IN = 8 };
 
 /* By how much images are halved for the estimate: while they are large and their sides even. */
 static int shift_of(int width, int height) {
@@ -73,7 +73,7 @@ typedef struct relief_job {
     const enc_data *data;
     enc_seen *seen; /* all views that can be left out */
     float *height;  /* [texel], in texels */
-    float median;
+    float median, low, high; /* of the heights; what they are drawn in to */
     int ring_of[ENC_MAX_DIRECTIONS]; /* of a view */
     enc_judged judged;
     enc_judged_error *error[ENC_RELIEF_CANDIDATES]; /* [view left out] */
@@ -141,7 +141,7 @@ static int rising(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-static btf_result find_median(relief_job *j) {
+static btf_result order_heights(relief_job *j) {
     const size_t texels = enc_data_texel_count(j->data);
     float *sorted = malloc(texels * sizeof *sorted);
     if (!sorted) {
@@ -149,7 +149,10 @@ static btf_result find_median(relief_job *j) {
     }
     memcpy(sorted, j->height, texels * sizeof *sorted);
     qsort(sorted, texels, sizeof *sorted, rising);
+    const size_t few = (size_t)(ENC_RELIEF_DRAWN_IN * (double)texels);
     j->median = sorted[texels / 2];
+    j->low = sorted[few];
+    j->high = sorted[texels - 1 - few];
     free(sorted);
     return BTF_OK;
 }
@@ -175,19 +178,29 @@ static uint32_t steps_for(const relief_job *j, int32_t range, const uint8_t *vie
                                           : (uint32_t)steps;
 }
 
+/* The height of a texel of a map. */
+static int32_t height_of(const relief_job *j, const enc_relief_candidate *c, size_t texel) {
+    const float z = j->height[texel], drawn = fminf(fmaxf(z, j->low), j->high);
+    return bounded(c->scale * (double)(c->drawn_in ? drawn : z));
+}
+
 /* The surface of a candidate as files have it. */
 static btf_result make_store(const relief_job *j, const enc_relief_candidate *c, const uint8_t *views,
                              enc_relief_store *out) {
     const size_t texels = enc_data_texel_count(j->data);
-    int32_t low = INT32_MAX, high = INT32_MIN;
+    enc_relief_candidate whole = *c;
+    int32_t low = INT32_MAX, high = INT32_MIN, least = INT32_MAX, most = INT32_MIN;
+    whole.drawn_in = false;
     *out = (enc_relief_store){.width = j->data->width,
                               .height = j->data->height,
                               .base = bounded(c->scale * (double)j->median),
                               .steps = 1};
     for (size_t t = 0; t < texels && !c->constant; t++) {
-        const int32_t z = bounded(c->scale * (double)j->height[t]);
+        const int32_t z = height_of(j, c, t), given = height_of(j, &whole, t);
         low = z < low ? z : low;
         high = z > high ? z : high;
+        least = given < least ? given : least;
+        most = given > most ? given : most;
     }
     if (c->constant || low == high) {
         return BTF_OK;
@@ -199,10 +212,9 @@ static btf_result make_store(const relief_job *j, const enc_relief_candidate *c,
     out->base = low;
     out->step = ((high - low) * 256 + CODES - 1) / CODES;
     out->step = out->base + ((CODES * out->step) >> 8) > 32767 ? out->step - 1 : out->step;
-    out->steps = steps_for(j, (CODES * out->step) >> 8, views);
+    out->steps = steps_for(j, most - least, views); /* drawn in they are finer, not fewer */
     for (size_t t = 0; t < texels; t++) {
-        const int32_t z = bounded(c->scale * (double)j->height[t]),
-                      code = ((z - low) * 256 + out->step / 2) / out->step;
+        const int32_t code = ((height_of(j, c, t) - low) * 256 + out->step / 2) / out->step;
         out->heights[t] = (uint8_t)(code < CODES ? code : CODES);
     }
     return BTF_OK;
@@ -296,9 +308,9 @@ static btf_result judge_candidate(relief_job *j, int number, enc_relief_choice *
     return result;
 }
 
-/* The candidate that gains most; a single height where a map gains little more. */
-static int best_of(const enc_relief_choice *choice, bool only_constants) {
-    int best[2] = {0, 0};
+/* Of maps, and of single heights, that which gains most; 0: none gains. */
+static void find_best(const enc_relief_choice *choice, int best[2]) {
+    best[0] = best[1] = 0;
     for (int k = 1; k < ENC_RELIEF_CANDIDATES; k++) {
         const enc_relief_candidate *c = &choice->candidate[k];
         int *of = &best[c->constant];
@@ -306,6 +318,12 @@ static int best_of(const enc_relief_choice *choice, bool only_constants) {
             *of = k;
         }
     }
+}
+
+/* The candidate that gains most; a single height where a map gains little more. */
+static int best_of(const enc_relief_choice *choice, bool only_constants) {
+    int best[2];
+    find_best(choice, best);
     const double map = best[0] && !only_constants ? choice->candidate[best[0]].gain : 0;
     const double constant = best[1] ? choice->candidate[best[1]].gain : 0;
     return map > constant + constant_margin ? best[0] : best[1];
@@ -313,7 +331,7 @@ static int best_of(const enc_relief_choice *choice, bool only_constants) {
 
 static btf_result decide(relief_job *j, enc_relief_choice *choice, enc_relief_store *out) {
     btf_result result = BTF_OK;
-    for (int k = 0; k < ENC_RELIEF_CANDIDATES && result == BTF_OK; k++) {
+    for (int k = 0; k < DRAWN_IN && result == BTF_OK; k++) {
         choice->candidate[k] =
             (enc_relief_candidate){.scale = scales[k], .constant = k == 0 || k >= FIRST_CONSTANT};
         if (k < FIRST_CONSTANT || fabsf(j->median) >= 0.1f) {
@@ -322,6 +340,14 @@ static btf_result decide(relief_job *j, enc_relief_choice *choice, enc_relief_st
         choice->candidate[k].constant = k >= FIRST_CONSTANT;
         enc_stage_step(j->context, enc_data_texel_count(j->data));
     }
+    int best[2];
+    find_best(choice, best);
+    if (result == BTF_OK && best[0] > 0) { /* a few high and low texels are often noise, and take steps from the rest */
+        choice->candidate[DRAWN_IN] =
+            (enc_relief_candidate){.scale = choice->candidate[best[0]].scale, .drawn_in = true};
+        result = judge_candidate(j, DRAWN_IN, choice);
+    }
+    enc_stage_step(j->context, enc_data_texel_count(j->data));
     if (result != BTF_OK) {
         return result;
     }
@@ -352,7 +378,7 @@ static btf_result choose_relief(relief_job *j, int levels, enc_relief_choice *ch
     const size_t texels = enc_data_texel_count(j->data);
     j->height = malloc(texels * sizeof *j->height);
     btf_result result = j->height ? find_heights(j, &choice->share) : BTF_ERROR_MEMORY;
-    result = result == BTF_OK ? find_median(j) : result;
+    result = result == BTF_OK ? order_heights(j) : result;
     result = result == BTF_OK ? enc_judged_create(j->context, j->data, 0, &j->judged) : result;
     if (result == BTF_OK) {
         choice->tried = true;

@@ -18,11 +18,13 @@
 
 enum {
     ENC_RELIEF_RINGS = 16,
-    ENC_RELIEF_CANDIDATES = 8, /* no relief; four scales of the heights; three single heights */
+    ENC_RELIEF_CANDIDATES = 9, /* no relief; four scales of the heights; three single heights; the best scale,
+                                  drawn in */
 };
 
 #define ENC_RELIEF_MARGIN                                                                                  \
     0.7 /* dB that a ring must gain by views left out, mean of linear and sRGB-coded */
+#define ENC_RELIEF_DRAWN_IN 0.08
 #define ENC_RELIEF_SHARE 0.65 /* of a flat surface's squared error, which a map must come below */
 
 typedef struct enc_relief_options {
@@ -35,6 +37,7 @@ typedef struct enc_relief_options {
 typedef struct enc_relief_candidate {
     double scale; /* of the heights; of the median height where it is constant */
     bool constant, judged;
+    bool drawn_in; /* the lowest and the highest ENC_RELIEF_DRAWN_IN of the texels lie no further than the next */
     double gain; /* dB over all views left out, with relief on the rings where it pays */
     int rings;   /* how many these are */
 } enc_relief_candidate;

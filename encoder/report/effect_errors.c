@@ -188,7 +188,7 @@ static void measure_pair(const job *j, enc_evaluated_texel *texel, const pair pa
     for (size_t w = 0; w < j->n_variants; w++) {
         const variant *v = &j->variants[w];
         const pair *p = &pairs[v->kind];
-        const enc_evaluated_at at = {&p->around.lights, &p->around.views, p->light, p->view, true};
+        const enc_evaluated_at at = {&p->around.lights, &p->around.views, p->light, p->view, true, false};
         float rgb[MOST_COUNTS][3], truth[3];
         enc_evaluate(texel, &v->options, &at, v->components, v->count, rgb);
         for (int c = 0; c < 3; c++) {

@@ -10,12 +10,13 @@
 #include "encoder/nodes/left_out.h"
 #include "encoder/math/srgb.h"
 #include "encoder/model/evaluator.h"
+#include "left_out_lights.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { SUMS = 6, WITHOUT_RELIEF = 4 /* in the numbers of rows */ };
+enum { SUMS = 8, WITHOUT_RELIEF = 4, WITHOUT_GLOSS = 8 /* in the numbers of rows */ };
 
 /* The directions of a band that are drawn from: those that can be left out, or where there are none, all.
  */
@@ -30,6 +31,7 @@ typedef struct job {
     const enc_data *data;
     const enc_evaluator *material; /* or NULL */
     bool relief;                   /* it holds relief */
+    enc_left_out_lights *gloss;    /* or NULL: it holds no gloss */
     int view_bands, light_bands;
     size_t cells; /* pairs of bands */
     pool views[BTF_MAX_BANDS], lights[BTF_MAX_BANDS];
@@ -84,32 +86,45 @@ static void interpolate(const enc_data *data, const float *samples, const pair *
     }
 }
 
-/* One sample, predicted: sum[0..1] of the data, sum[2..3] of the material, sum[4..5] of it without
- * relief, which acts where a view is left out. */
-static void measure_pair(const job *j, enc_evaluated_texel *texel, const float *samples, const pair *p,
-                         bool view_left, double *sum) {
+/* Adds the error of the material with some effects. lights: of each of the views; NULL: no gloss. */
+static void decode_pair(const job *j, enc_evaluated_texel *texel, const pair *p, const btf_ref_neighbours *lights,
+                        uint32_t effects, const float truth[3], double sum[2]) {
     static const uint32_t all = UINT32_MAX;
-    static const btf_ref_options everything = {.effects = BTF_EFFECT_ALL,
-                                               .interpolation = BTF_REF_LINEAR,
-                                               .filter = BTF_REF_TEXEL};
+    const btf_ref_options options = {
+        .effects = effects, .interpolation = BTF_REF_LINEAR, .filter = BTF_REF_TEXEL};
+    const enc_evaluated_at directions = {.lights = lights ? lights : &p->lights,
+                                         .views = &p->views,
+                                         .light = j->data->lights[p->light].xyz,
+                                         .view = j->data->views[p->view].xyz,
+                                         .apart = lights};
+    float found[1][3];
+    enc_evaluate(texel, &options, &directions, &all, 1, found);
+    add_error(truth, found[0], sum);
+}
+
+/* One sample, predicted: sum[0..1] of the data, sum[2..3] of the material, sum[4..5] and sum[6..7] of it without
+ * relief and without gloss, which act where a view is left out. */
+static void measure_pair(const job *j, enc_evaluated_texel *texel, const float *samples, const pair *p, int left,
+                         double *sum) {
     const enc_data *data = j->data;
     const pair at = {.views = only(p->view), .lights = only(p->light)};
+    const bool view_left = left & ENC_LEFT_VIEW;
+    btf_ref_neighbours lights[3];
     float truth[3], found[1][3];
     interpolate(data, samples, &at, truth);
     interpolate(data, samples, p, found[0]);
     add_error(truth, found[0], sum);
-    if (texel) {
-        const enc_evaluated_at directions = {&p->lights, &p->views, data->lights[p->light].xyz,
-                                             data->views[p->view].xyz, false};
-        enc_evaluate(texel, &everything, &directions, &all, 1, found);
-        add_error(truth, found[0], sum + 2);
-        if (j->relief && view_left) {
-            btf_ref_options plain = everything;
-            plain.effects &= ~(uint32_t)BTF_EFFECT_RELIEF;
-            enc_evaluate(texel, &plain, &directions, &all, 1, found);
-            add_error(truth, found[0], sum + 4);
-        }
-    }
+    if (!texel)
+        return;
+    const bool shared = j->gloss && view_left;
+    if (shared)
+        enc_left_out_lights_find(j->gloss, p->view, &p->views, p->light, left & ENC_LEFT_LIGHT, lights);
+    decode_pair(j, texel, p, shared ? lights : NULL, BTF_EFFECT_ALL, truth, sum + 2);
+    if (j->relief && view_left)
+        decode_pair(j, texel, p, shared ? lights : NULL, BTF_EFFECT_ALL & ~(uint32_t)BTF_EFFECT_RELIEF, truth,
+                    sum + 4);
+    if (shared)
+        decode_pair(j, texel, p, NULL, BTF_EFFECT_ALL & ~(uint32_t)BTF_EFFECT_GLOSS, truth, sum + 6);
 }
 
 /* A pair and its neighbours among the others. A light that stood elsewhere than its direction says shows
@@ -139,7 +154,7 @@ static void measure_cell(const job *j, enc_evaluated_texel *texel, const float *
                             .views = left & ENC_LEFT_VIEW ? both.views : only(both.view),
                             .lights = left & ENC_LEFT_LIGHT ? both.lights : only(both.light)};
             if (can_leave(views, lights, left))
-                measure_pair(j, texel, samples, &p, left & ENC_LEFT_VIEW, sums + (size_t)left * stride);
+                measure_pair(j, texel, samples, &p, left, sums + (size_t)left * stride);
         }
     }
 }
@@ -166,6 +181,8 @@ static void add_mean(enc_left_out_errors *to, const enc_left_out_errors *from, d
     to->material.srgb += share * from->material.srgb;
     to->no_relief.linear += share * from->no_relief.linear;
     to->no_relief.srgb += share * from->no_relief.srgb;
+    to->no_gloss.linear += share * from->no_gloss.linear;
+    to->no_gloss.srgb += share * from->no_gloss.srgb;
 }
 
 /* Means of one cell of the sums over all texels. */
@@ -177,6 +194,8 @@ static enc_left_out_errors cell_errors(const job *j, const double *sums, int lef
         e.material = (enc_error_sum){all[2] / count, all[3] / count, 1};
     if (j->relief && left & ENC_LEFT_VIEW)
         e.no_relief = (enc_error_sum){all[4] / count, all[5] / count, 1};
+    if (j->gloss && left & ENC_LEFT_VIEW)
+        e.no_gloss = (enc_error_sum){all[6] / count, all[7] / count, 1};
     return e;
 }
 
@@ -199,6 +218,7 @@ static void sum_up(const job *j, const double *sums, enc_leave_one_out *out) {
         out->error[left].data.count = pairs > 0;
         out->error[left].material.count = pairs > 0 && j->material;
         out->error[left].no_relief.count = pairs > 0 && j->relief && left & ENC_LEFT_VIEW;
+        out->error[left].no_gloss.count = pairs > 0 && j->gloss && left & ENC_LEFT_VIEW;
     }
 }
 
@@ -262,6 +282,8 @@ btf_result enc_leave_one_out_measure(const enc_context *context, const enc_data 
     btf_result result = j ? BTF_OK : BTF_ERROR_MEMORY;
     if (j && material)
         result = enc_evaluator_create(context, material, 0, &evaluator);
+    if (result == BTF_OK && evaluator && enc_evaluator_reference(evaluator)->effects & BTF_EFFECT_GLOSS)
+        result = enc_left_out_lights_create(context, data, enc_evaluator_reference(evaluator)->gloss_share, &j->gloss);
     result = enc_ranks_agree(context, result);
     if (result == BTF_OK) {
         j->context = context;
@@ -271,6 +293,8 @@ btf_result enc_leave_one_out_measure(const enc_context *context, const enc_data 
         result = measure_all(j, out);
     }
     enc_evaluator_destroy(&evaluator);
+    if (j)
+        enc_left_out_lights_destroy(&j->gloss);
     free(j);
     return result == BTF_ERROR_MEMORY ? enc_fail(context, result, "leave one out: out of memory") : result;
 }
@@ -281,24 +305,26 @@ static float *write_error(const enc_error_sum *error, float *out) {
     return out;
 }
 
+/* The error of a row that leaves an effect out, or none. */
+static const enc_error_sum *error_of_row(const enc_left_out_errors *e, int row) {
+    return row & WITHOUT_GLOSS ? &e->no_gloss : row & WITHOUT_RELIEF ? &e->no_relief : &e->material;
+}
+
 size_t enc_leave_one_out_numbers(const enc_leave_one_out *measured, float *out) {
     const float *const begin = out;
     const int cells = measured->view_bands.count * measured->light_bands.count;
     if (measured->views == 0 && measured->lights == 0)
         return 0;
     out = enc_bands_write(&measured->view_bands, &measured->light_bands, out);
-    for (int row = ENC_LEFT_VIEW; row <= WITHOUT_RELIEF + ENC_LEFT_BOTH; row++) {
+    for (int row = ENC_LEFT_VIEW; row <= WITHOUT_GLOSS + ENC_LEFT_BOTH; row++) {
         const int left = row & ENC_LEFT_BOTH;
-        const bool plain = row > WITHOUT_RELIEF;
         const enc_left_out_errors *e = &measured->error[left];
-        if ((plain ? e->no_relief : e->material).count == 0)
+        if (left == 0 || error_of_row(e, row)->count == 0)
             continue;
         *out++ = (float)row;
-        out = write_error(&e->data, write_error(plain ? &e->no_relief : &e->material, out));
-        for (int cell = 0; cell < cells; cell++) {
-            const enc_left_out_errors *of_band = &measured->band_error[left][cell];
-            out = write_error(plain ? &of_band->no_relief : &of_band->material, out);
-        }
+        out = write_error(&e->data, write_error(error_of_row(e, row), out));
+        for (int cell = 0; cell < cells; cell++)
+            out = write_error(error_of_row(&measured->band_error[left][cell], row), out);
     }
     return (size_t)(out - begin);
 }
@@ -314,8 +340,9 @@ static const char *errors_text(const enc_error_sum *sum, char text[32]) {
 }
 
 void enc_leave_one_out_print(const enc_leave_one_out *measured, FILE *out) {
-    char first[32], second[32], third[32];
+    char first[32], second[32], third[32], fourth[32];
     const bool relief = measured->error[ENC_LEFT_VIEW].no_relief.count > 0;
+    const bool gloss = measured->error[ENC_LEFT_VIEW].no_gloss.count > 0;
     if (measured->views == 0 && measured->lights == 0)
         return;
     fprintf(
@@ -324,14 +351,15 @@ void enc_leave_one_out_print(const enc_leave_one_out *measured, FILE *out) {
         "(PSNR in dB, linear / sRGB; they lie twice as far away as for a direction between samples, which\n"
         "overstates the error, most where relief, shadows or highlights move)\n",
         measured->views, measured->lights);
-    fprintf(out, "  %-20s %18s %18s%s\n", "left out", "data, interpolated", "material",
-            relief ? "     without relief" : "");
+    fprintf(out, "  %-20s %18s %18s%s%s\n", "left out", "data, interpolated", "material",
+            relief ? "     without relief" : "", gloss ? "      without gloss" : "");
     for (int left = ENC_LEFT_VIEW; left <= ENC_LEFT_BOTH; left++) {
         const enc_left_out_errors *e = &measured->error[left];
         if (e->data.count > 0)
-            fprintf(out, "  %-20s %18s %18s%s%s\n", left_names[left], errors_text(&e->data, first),
-                    errors_text(&e->material, second), e->no_relief.count > 0 ? "      " : "",
-                    errors_text(&e->no_relief, third));
+            fprintf(out, "  %-20s %18s %18s%*s%*s\n", left_names[left], errors_text(&e->data, first),
+                    errors_text(&e->material, second), e->no_relief.count > 0 ? 19 : 0,
+                    errors_text(&e->no_relief, third), e->no_gloss.count > 0 ? 19 : 0,
+                    errors_text(&e->no_gloss, fourth));
     }
 }
 
@@ -352,6 +380,10 @@ void enc_leave_one_out_json(json *j, const char *key, const enc_leave_one_out *m
         if (e->no_relief.count > 0) {
             json_number(j, "linear_without_relief", enc_psnr_linear(&e->no_relief));
             json_number(j, "srgb_without_relief", enc_psnr_srgb(&e->no_relief));
+        }
+        if (e->no_gloss.count > 0) {
+            json_number(j, "linear_without_gloss", enc_psnr_linear(&e->no_gloss));
+            json_number(j, "srgb_without_gloss", enc_psnr_srgb(&e->no_gloss));
         }
         json_number(j, "data_linear", enc_psnr_linear(&e->data));
         json_number(j, "data_srgb", enc_psnr_srgb(&e->data));

@@ -25,8 +25,8 @@ enum { ENC_LEFT_VIEW = 1, ENC_LEFT_LIGHT = 2, ENC_LEFT_BOTH = 3 };
 /* Means of squared errors: count is 1, or 0 for what was not measured. */
 typedef struct enc_left_out_errors {
     enc_error_sum material; /* decoded without the sample; not measured without a material */
-    enc_error_sum
-        no_relief;      /* the same without relief; measured where it holds relief and a view is left out */
+    /* the same without relief, without gloss: measured where it holds the effect and a view is left out */
+    enc_error_sum no_relief, no_gloss;
     enc_error_sum data; /* the data themselves, interpolated without it */
 } enc_left_out_errors;
 
@@ -52,7 +52,7 @@ btf_result enc_leave_one_out_measure(const enc_context *context, const enc_data 
 /* Numbers of the attribute openbtf.betweenErrors (FORMAT.md section 7) in `out`, which has room for
  * ENC_BETWEEN_NUMBERS; of a measurement with a material. Returns how many: 0 where nothing could be left
  * out. */
-enum { ENC_BETWEEN_NUMBERS = 4 + 2 * BTF_MAX_BANDS + 5 * (5 + 2 * BTF_MAX_BANDS * BTF_MAX_BANDS) };
+enum { ENC_BETWEEN_NUMBERS = 4 + 2 * BTF_MAX_BANDS + 7 * (5 + 2 * BTF_MAX_BANDS * BTF_MAX_BANDS) };
 size_t enc_leave_one_out_numbers(const enc_leave_one_out *measured, float *out);
 
 /* A table for people, with what it overstates. Nothing where nothing could be left out. */
@@ -60,7 +60,7 @@ void enc_leave_one_out_print(const enc_leave_one_out *measured, FILE *out);
 
 /* {"views", "lights": how many can be left out, "view": {"linear", "srgb", "data_linear", "data_srgb"},
  * "light", "both"} under `key`, of a view "linear_without_relief" and "srgb_without_relief" where there is
- * relief; null for what is not measured. */
+ * relief, likewise "_without_gloss"; null for what is not measured. */
 void enc_leave_one_out_json(json *j, const char *key, const enc_leave_one_out *measured);
 
 #endif

@@ -17,7 +17,7 @@ static double srgb(enc_judged_error e) {
 }
 
 static const char *kind_of(const enc_relief_candidate *c) {
-    return c->constant ? "constant" : "map";
+    return c->constant ? "constant" : c->drawn_in ? "drawn-in" : "map";
 }
 
 const char *enc_relief_text(const enc_relief_choice *choice, char text[ENC_RELIEF_TEXT]) {

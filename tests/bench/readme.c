@@ -133,18 +133,26 @@ static btf_result decode_rows(const bench_run *run, const decode_table *table, c
                               const decode_row *base) {
     static const struct {
         const char *material, *effects, *name;
-        bool nearest, bilinear, fast;
+        bool nearest;
+        btf_filter filter;
+        bool fast;
     } rows[] = {
-        {DECODE_JOINT, "whole", "joint: three directions, exact", false, false, false},
-        {DECODE_JOINT, "whole", "the same, fast math", false, false, true},
-        {DECODE_JOINT, "whole", "joint: nearest directions, exact", true, false, false},
-        {DECODE_JOINT, "whole", "joint: three directions, bilinear, exact", false, true, false},
-        {DECODE_JOINT, "half the components", "joint: half of the units", false, false, false},
-        {DECODE_HALF_JOINT, "whole", "joint: half the bytes", false, false, false},
-        {DECODE_PAPER, "whole", "paper: three directions, exact", false, false, false},
-        {DECODE_PAPER, "whole", "the same, fast math", false, false, true},
-        {"Phong", "two maps", "Phong, two maps", false, false, true},
-        {"uncompressed", "3 x 3 images of 8 bits", "uncompressed, 3 x 3 images", false, false, true}};
+        {DECODE_JOINT, "whole", "joint: three directions, exact", false, BTF_FILTER_TEXEL, false},
+        {DECODE_JOINT, "whole", "the same, fast math", false, BTF_FILTER_TEXEL, true},
+        {DECODE_JOINT, "whole", "joint: nearest directions, exact", true, BTF_FILTER_TEXEL, false},
+        {DECODE_JOINT, "whole", "joint: three directions, bilinear, exact", false, BTF_FILTER_BILINEAR, false},
+        {DECODE_JOINT, "half the components", "joint: half of the units", false, BTF_FILTER_TEXEL, false},
+        {DECODE_HALF_JOINT, "whole", "joint: half the bytes", false, BTF_FILTER_TEXEL, false},
+        {DECODE_RELIEF, DECODE_NEITHER, "fit, relief and gloss left out", false, BTF_FILTER_TEXEL, false},
+        {DECODE_RELIEF, DECODE_NO_RELIEF, "fit and gloss", false, BTF_FILTER_TEXEL, false},
+        {DECODE_RELIEF, DECODE_NO_GLOSS, "fit and relief", false, BTF_FILTER_TEXEL, false},
+        {DECODE_RELIEF, "whole", "fit, relief and gloss, the default", false, BTF_FILTER_TEXEL, false},
+        {DECODE_RELIEF, "whole", "the same, bilinear", false, BTF_FILTER_BILINEAR, false},
+        {DECODE_RELIEF, "whole", "the same, steep", false, BTF_FILTER_STEEP, false},
+        {DECODE_PAPER, "whole", "paper: three directions, exact", false, BTF_FILTER_TEXEL, false},
+        {DECODE_PAPER, "whole", "the same, fast math", false, BTF_FILTER_TEXEL, true},
+        {"Phong", "two maps", "Phong, two maps", false, BTF_FILTER_TEXEL, true},
+        {"uncompressed", "3 x 3 images of 8 bits", "uncompressed, 3 x 3 images", false, BTF_FILTER_TEXEL, true}};
     FILE *out;
     const btf_result result = bench_open(run, "readme-decode", "md", &out);
     if (result != BTF_OK) {
@@ -158,7 +166,7 @@ static btf_result decode_rows(const bench_run *run, const decode_table *table, c
             table->device[0].renderer, bench_seen_words(run));
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         print_row(decode_table_find(table, device, rows[i].material, rows[i].effects, rows[i].nearest,
-                                    rows[i].bilinear, rows[i].fast),
+                                    rows[i].filter, rows[i].fast),
                   rows[i].name, base->ns, out);
     }
     for (int i = 0; i < table->count; i++) {
@@ -197,13 +205,13 @@ static void print_way(const char *text, const decode_row *r, const decode_row *b
 
 /* One way to decode a material. */
 static const decode_row *way(const decode_table *table, const char *material, const char *effects,
-                             bool nearest, bool bilinear, bool fast) {
-    return decode_table_find(table, table->device[0].name, material, effects, nearest, bilinear, fast);
+                             bool nearest, btf_filter filter, bool fast) {
+    return decode_table_find(table, table->device[0].name, material, effects, nearest, filter, fast);
 }
 
 btf_result bench_readme_decode(const bench_run *run, const decode_table *table) {
     const char *device = table->devices > 0 ? table->device[0].name : "";
-    const decode_row *base = decode_table_find(table, device, DECODE_JOINT, "whole", false, false, false);
+    const decode_row *base = decode_table_find(table, device, DECODE_JOINT, "whole", false, BTF_FILTER_TEXEL, false);
     FILE *out;
     if (!base) {
         return BTF_OK;
@@ -217,15 +225,15 @@ btf_result bench_readme_decode(const bench_run *run, const decode_table *table) 
             "pixel; a viewer's choice), on that device:\n\n",
             base->ns);
     print_way("**A game**: half of the bytes, `--budget`",
-              way(table, DECODE_HALF_JOINT, "whole", false, false, false), base, out);
+              way(table, DECODE_HALF_JOINT, "whole", false, BTF_FILTER_TEXEL, false), base, out);
     print_way("half of the units, `components` of the shader's options",
-              way(table, DECODE_JOINT, "half the components", false, false, false), base, out);
-    print_way("nearest directions", way(table, DECODE_JOINT, "whole", true, false, false), base, out);
+              way(table, DECODE_JOINT, "half the components", false, BTF_FILTER_TEXEL, false), base, out);
+    print_way("nearest directions", way(table, DECODE_JOINT, "whole", true, BTF_FILTER_TEXEL, false), base, out);
     print_way("**A still, or a close look**: bilinear texels",
-              way(table, DECODE_JOINT, "whole", false, true, false), base, out);
-    const decode_row *fast = way(table, DECODE_JOINT, "whole", false, false, true),
-                     *paper = way(table, DECODE_PAPER, "whole", false, false, false),
-                     *paper_fast = way(table, DECODE_PAPER, "whole", false, false, true);
+              way(table, DECODE_JOINT, "whole", false, BTF_FILTER_BILINEAR, false), base, out);
+    const decode_row *fast = way(table, DECODE_JOINT, "whole", false, BTF_FILTER_TEXEL, true),
+                     *paper = way(table, DECODE_PAPER, "whole", false, BTF_FILTER_TEXEL, false),
+                     *paper_fast = way(table, DECODE_PAPER, "whole", false, BTF_FILTER_TEXEL, true);
     if (fast) {
         fprintf(out, "- exactness costs %.2f times the time of native mathematics (`BTF_MATH_FAST`)",
                 base->ns / fast->ns);

@@ -7,10 +7,14 @@
 #include "fuzz.h"
 
 #include "encoder/data/checkpoint.h"
+#include "encoder/job/relief_step.h"
+#include "encoder/nodes/apply.h"
 #include "encoder/paper/steps.h"
+#include "encoder/report/relief_table.h"
 #include "step_data.h"
 
 #include <math.h>
+#include <openbtf/material.h>
 #include <string.h>
 
 static enc_context context = {.threads = 1};
@@ -88,9 +92,48 @@ static void check_factors(bool match) {
     enc_factors_destroy(&f);
 }
 
+/* Values at the nodes along the surface that was taken, which a file may hold (FORMAT.md section 7): marches along
+ * higher ones would leave the tables of wrapped texels. */
+static void bake(const enc_relief_store *store) {
+    const bool map = store->heights != NULL, rises = store->step > 0;
+    FUZZ_CHECK(store->base + ((255 * store->step) >> 8) <= INT16_MAX && map == rises);
+    float views[STEP_VIEWS * STEP_VIEWS] = {0.75f, 0.25f, -0.25f, 1.25f};
+    float lights[STEP_LIGHTS * STEP_LIGHTS] = {1, 0, 0, 1};
+    const enc_node_tables tables = {STEP_VIEWS, STEP_LIGHTS, views, lights, true};
+    enc_warp surface = {0};
+    const enc_node_relief relief = {&surface, store->views};
+    enc_data *fitted = NULL;
+    FUZZ_CHECK(enc_relief_level(store, data->width, data->height, 0, NULL, &surface) == BTF_OK);
+    FUZZ_CHECK(enc_node_apply(&context, &tables, &relief, data, &fitted) == BTF_OK);
+    for (size_t i = 0; i < STEP_TEXELS * enc_data_texel_stride(data); i++)
+        FUZZ_CHECK(isfinite(fitted->samples[i]));
+    enc_data_destroy(&fitted);
+    enc_warp_clear(&surface);
+}
+
+/* What is taken can be said, kept again, and decoded by. */
+static void check_relief(void) {
+    char reason[ENC_RELIEF_REASON], text[ENC_RELIEF_TEXT];
+    enc_relief_choice choice;
+    enc_relief_store store;
+    bool taken;
+    FUZZ_CHECK(enc_relief_step_take(&context, data, &taken, &choice, reason, &store) == BTF_OK);
+    if (!taken) {
+        FUZZ_CHECK(!store.heights && !store.views && store.effects == 0);
+        return;
+    }
+    FUZZ_CHECK(strlen(enc_relief_text(&choice, text)) < sizeof text);
+    const bool gloss = store.effects & BTF_EFFECT_GLOSS, shares = store.gloss_share > 0;
+    FUZZ_CHECK(store.gloss_share <= 2 && gloss == shares);
+    if (store.effects & BTF_EFFECT_RELIEF)
+        bake(&store);
+    FUZZ_CHECK(enc_relief_step_keep(&context, data, &choice, &store) == BTF_OK);
+    enc_relief_clear(&store);
+}
+
 /* Steps of other inputs do not stay. */
 static void forget(void) {
-    for (int i = STEP_COMPONENTS; i < STEP_COUNT; i++) {
+    for (int i = STEP_COMPONENTS; i <= STEP_MATCH; i++) {
         enc_blob empty = {0};
         FUZZ_CHECK(enc_checkpoint_put(&context, step_names[i], &empty) == BTF_OK);
     }
@@ -106,7 +149,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
     }
     const unsigned step = bytes[0] % STEP_COUNT;
     enc_blob blob = {0};
-    if (step >= STEP_COMPONENTS)
+    if (step >= STEP_COMPONENTS && step <= STEP_MATCH)
         forget();
     enc_blob_put(&blob, bytes + 1, size - 1);
     FUZZ_CHECK(enc_checkpoint_put(&context, step_names[step], &blob) == BTF_OK);
@@ -118,6 +161,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
         check_occlusion(step_names[step]);
     else if (step == STEP_CLUSTER)
         check_cluster();
+    else if (step == STEP_RELIEF)
+        check_relief();
     else
         check_factors(step == STEP_MATCHED || step == STEP_MATCH);
     return 0;

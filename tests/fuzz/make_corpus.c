@@ -12,6 +12,7 @@
 #include "decoder/toolkit/jpeg_image.h"
 #include "decoder/toolkit/png_image.h"
 #include "encoder/data/checkpoint.h"
+#include "encoder/job/relief_step.h"
 #include "encoder/paper/steps.h"
 
 #include <archive.h>
@@ -333,6 +334,11 @@ static void write_steps(void) {
         must(enc_factor_encode(&context, data, &factors, &found) == BTF_OK, "factors");
         enc_factors_destroy(&found);
     }
+    enc_relief_choice choice;
+    enc_relief_store relief;
+    step_relief(data, &choice, &relief);
+    must(relief.heights && relief.views && enc_relief_step_keep(&context, data, &choice, &relief) == BTF_OK, "relief");
+    enc_relief_clear(&relief);
     for (int step = 0; step < STEP_COUNT; step++)
         take_step(steps, step);
     enc_occlusion_destroy(&occlusion);

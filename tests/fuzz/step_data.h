@@ -7,6 +7,7 @@
 
 #include "encoder/data/data.h"
 #include "encoder/factor/factor.h"
+#include "encoder/relief/relief.h"
 
 enum {
     STEP_SIDE = 3,
@@ -27,9 +28,14 @@ enum {
     STEP_FACTORS,
     STEP_MATCHED,
     STEP_MATCH,
+    STEP_RELIEF,
     STEP_COUNT
 };
 extern const char *const step_names[STEP_COUNT];
+
+/* A choice of relief and gloss for it, as one that has gone well, with arrays of its own: *out_store is cleared by
+ * enc_relief_clear. */
+void step_relief(const enc_data *data, enc_relief_choice *out_choice, enc_relief_store *out_store);
 
 /* How the factor encoder goes over it, with match or without. */
 enc_factor_options step_factors(bool match);

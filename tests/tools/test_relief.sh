@@ -58,7 +58,19 @@ expect_that "of the others the decoder's images are those without" sh -c 'btf-de
     btf-decode found.btf.exr -o off.exr --level 1 --view 40,10 --filter bilinear --effects residual,gloss && cmp on.exr off.exr'
 expect_that "of the first they are not" sh -c 'btf-decode found.btf.exr -o on.exr --view 40,10 && btf-decode found.btf.exr -o off.exr --view 40,10 --effects residual,gloss && ! cmp -s on.exr off.exr'
 expect "gloss" 0 btf-info shared.btf.exr
-expect_text "acts there too" "gloss +between the samples only, for 0 bytes" out
+expect_text "acts there too" "gloss +between the samples only: [-+][0-9.]+ dB linear, .* where views and lights are left out, for 0 bytes" out
+cat >gloss.py <<'P'
+import json, subprocess
+info = json.loads(subprocess.run(["btf-info", "shared.btf.exr", "--json"], capture_output=True, check=True).stdout)
+report = json.load(open("shared.json"))["between"]
+between, buys = info["between"], info["buys"]["gloss"]
+assert set(between) == {"view", "light", "both", "view_without_gloss", "both_without_gloss"}, between
+assert buys["between_samples"] and buys["bytes"] == 0, buys
+assert abs(between["both"]["linear"] - between["both_without_gloss"]["linear"] - buys["linear"]) < 1e-9, (buys, between)
+assert abs(report["both"]["srgb_without_gloss"] - between["both_without_gloss"]["srgb"]) < 1e-3, (report, between)
+assert between["both"] != between["both_without_gloss"] and "linear_without_gloss" not in report["light"], between
+P
+expect_that "a file tells what gloss is worth between the samples" python3 gloss.py
 expect "a plan" 0 btf-info found.btf.exr --plan views=0:60,lights=0:60
 expect_text "says so as well" "relief: on, worth \\+[0-9.]+/\\+[0-9.]+ dB between the samples" out
 expect "of a picture half as large" 0 btf-info found.btf.exr --plan views=0:60,lights=0:60,pixels=0.5

@@ -263,9 +263,9 @@ typedef struct btf_effect_errors {
  *
  * A row has 5 + 2 * view_bands * light_bands numbers:
  *
- *  - what is left out: 1 the view, 2 the light, 3 both; 5 and 7 are 1 and 3 decoded without BTF_EFFECT_RELIEF, in a
- *    material that has it;
- *  - two mean squared errors of the material, decoded without gloss: linear, and sRGB-coded;
+ *  - what is left out: 1 the view, 2 the light, 3 both; 5 and 7 are 1 and 3 decoded without BTF_EFFECT_RELIEF, 9 and 11
+ *    without BTF_EFFECT_GLOSS, in a material that has it;
+ *  - two mean squared errors of the material: linear, and sRGB-coded;
  *  - the same two of the data themselves, interpolated by the same weights;
  *  - then, [view band][light band], the same two of the material, -1 where nothing can be left out.
  *
@@ -273,7 +273,7 @@ typedef struct btf_effect_errors {
 typedef struct btf_between_errors {
     uint32_t view_bands, light_bands;        /**< 1 .. BTF_MAX_BANDS */
     const float *view_limits, *light_limits; /**< [bands + 1] theta in degrees, ascending */
-    uint32_t row_count;                      /**< at most 5 */
+    uint32_t row_count;                      /**< at most 7 */
     uint32_t row_stride;                     /**< floats of a row */
     const float *rows;                       /**< [row_count][row_stride] */
 } btf_between_errors;

@@ -133,6 +133,11 @@ void btf_ref_evaluate_neighbours(const btf_ref_material *material, const btf_ref
                                  const btf_ref_neighbours *views, const float light[3], const float view[3],
                                  float out_rgb[3]);
 
+/** The same with lights of their own for each of the three views, as gloss has them: @p lights [3], of views->index. */
+void btf_ref_evaluate_apart(const btf_ref_material *material, const btf_ref_options *options, uint32_t column,
+                            uint32_t row, const btf_ref_neighbours lights[3], const btf_ref_neighbours *views,
+                            const float light[3], const float view[3], float out_rgb[3]);
+
 /* Folding: a light that never changes, or light and view, are decoded once; then a pixel reads what was kept. The
  * radiance has the same bits (decoder/README.md, Folding). */
 

@@ -5,6 +5,7 @@
 #include "decode_materials.h"
 
 #include "decoder/toolkit/reference_view.h"
+#include "encoder/relief/relief.h"
 
 #include <openbtf/shader.h>
 #include <string.h>
@@ -20,6 +21,17 @@ static const decode_subset paper[] = {
     {.name = "SBRDF and shadow", .leave_out = BTF_EFFECT_HIDDEN | BTF_EFFECT_SHIFT},
     {.name = "SBRDF", .leave_out = BTF_EFFECT_ALL}};
 
+static const decode_subset moved[] = {
+    {.name = "whole"},
+    {.name = DECODE_NO_RELIEF, .leave_out = BTF_EFFECT_RELIEF},
+    {.name = DECODE_NO_GLOSS, .leave_out = BTF_EFFECT_GLOSS},
+    {.name = DECODE_NEITHER, .leave_out = BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS}};
+
+static const decode_subset relief_alone[] = {{.name = "whole"},
+                                             {.name = DECODE_NEITHER, .leave_out = BTF_EFFECT_RELIEF}};
+static const decode_subset gloss_alone[] = {{.name = "whole"},
+                                            {.name = DECODE_NEITHER, .leave_out = BTF_EFFECT_GLOSS}};
+
 #define SUBSETS(of) .subsets = (of), .count = sizeof(of) / sizeof *(of)
 
 /* In the order of rows. */
@@ -31,7 +43,8 @@ static const struct {
 } kinds[DECODE_MATERIALS] = {
     {DECODE_JOINT, BENCH_METHOD_JOINT, SUBSETS(factors)},
     {DECODE_HALF_JOINT, BENCH_METHOD_JOINT, .subsets = factors, .count = 1},
-    {DECODE_PAPER, BENCH_METHOD_PAPER, SUBSETS(paper)}};
+    {DECODE_PAPER, BENCH_METHOD_PAPER, SUBSETS(paper)},
+    {DECODE_RELIEF, BENCH_METHOD_JOINT, SUBSETS(moved)}};
 
 /* DECODE_MATERIALS: not there. */
 static int index_of(const decode_material *materials, const char *name) {
@@ -68,6 +81,29 @@ static int preset_of(const bench_run *run) {
     return run->presets_given ? preset : ENC_PRESET_MEDIUM;
 }
 
+/* The default's, or none where it finds neither relief nor gloss, or the preset looks for neither. */
+static btf_result encode_relief(const bench_run *run, uint64_t budget, decode_material *m) {
+    const enc_relief_options options = {.relief = true, .gloss = -1};
+    const int preset = preset_of(run);
+    enc_relief_choice choice;
+    enc_relief_store store = {0};
+    btf_result result = preset == ENC_PRESET_FAST
+                            ? BTF_OK
+                            : enc_relief_choose(run->context, run->held->train, &options, &choice, &store);
+    if (result == BTF_OK && store.effects) {
+        result = bench_encode_joint_between(run->context, run->held->train, preset, budget, &store, &m->encoded);
+    } else {
+        m->name = NULL;
+    }
+    /* one of the two alone is left out as both are */
+    if (store.effects != (BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS) && m->name) {
+        m->subsets = store.effects & BTF_EFFECT_RELIEF ? relief_alone : gloss_alone;
+        m->count = 2;
+    }
+    enc_relief_clear(&store);
+    return result;
+}
+
 btf_result decode_materials_create(const bench_run *run, decode_material out[DECODE_MATERIALS]) {
     const uint64_t budget = bench_budget(run->budget, run->held->train);
     btf_result result = BTF_OK;
@@ -83,6 +119,9 @@ btf_result decode_materials_create(const bench_run *run, decode_material out[DEC
         result = encode_joint(run, preset_of(run), budget, joint);
         if (result == BTF_OK) {
             result = encode_joint(run, preset_of(run), joint->encoded.bytes / 2, find(out, DECODE_HALF_JOINT));
+        }
+        if (result == BTF_OK) {
+            result = encode_relief(run, budget, find(out, DECODE_RELIEF));
         }
     }
     if (result == BTF_OK && run->methods & BENCH_METHOD_PAPER) {

@@ -17,10 +17,14 @@ typedef struct decode_subset {
 } decode_subset;
 
 /* Names are those of rows. The first subset is "whole". */
-enum { DECODE_MATERIALS = 3 };
+enum { DECODE_MATERIALS = 4 };
 #define DECODE_JOINT "joint"
 #define DECODE_HALF_JOINT "joint; half the bytes"
 #define DECODE_PAPER "paper"
+#define DECODE_RELIEF "joint; relief"
+#define DECODE_NO_RELIEF "relief left out"
+#define DECODE_NO_GLOSS "gloss left out"
+#define DECODE_NEITHER "relief and gloss left out"
 
 typedef struct decode_material {
     const char *name; /* NULL: not there */
@@ -34,7 +38,8 @@ typedef struct decode_material {
 const decode_material *decode_material_find(const decode_material materials[DECODE_MATERIALS],
                                             const char *name);
 
-/* Encodes those of `run->methods`, by joint for the budget, and for half of what that took. Clear with
+/* Encodes those of `run->methods`, by joint for the budget, for half of what that took, and for the budget with what
+ * the default does between the samples where that finds relief or gloss. Clear with
  * decode_materials_clear, also on an error. Errors: those of encoding. */
 btf_result decode_materials_create(const bench_run *run, decode_material out[DECODE_MATERIALS]);
 void decode_materials_clear(decode_material materials[DECODE_MATERIALS]);

@@ -156,7 +156,7 @@ static bool estimated_before(const decoding *d, decode_row *row) {
     for (int i = 0; i < d->table->count; i++) {
         const decode_row *r = &d->table->rows[i];
         if (r->estimated && strcmp(r->material, row->material) == 0 &&
-            strcmp(r->effects, row->effects) == 0 && r->nearest == row->nearest) {
+            strcmp(r->effects, row->effects) == 0 && r->nearest == row->nearest && r->filter == row->filter) {
             row->linear[2] = r->linear[2];
             row->srgb[2] = r->srgb[2];
             row->estimated = true;
@@ -183,7 +183,7 @@ static btf_result estimate_material(const decoding *d, const decode_material *m,
     const btf_ref_options options = {.effects = BTF_EFFECT_ALL & ~s->leave_out,
                                      .components = s->part ? part_of(m, s) : UINT32_MAX,
                                      .interpolation = row->nearest ? BTF_REF_NEAREST : BTF_REF_LINEAR,
-                                     .filter = BTF_REF_TEXEL};
+                                     .filter = (int)row->filter};
     bench_between_figures figures;
     if (!estimates(d) || estimated_before(d, row)) {
         return BTF_OK;
@@ -248,7 +248,7 @@ static decode_row row_of(const char *device, const decode_material *m, const cha
                          const btf_shader_options *shader) {
     decode_row row = decode_row_named(device, m->name, effects);
     row.nearest = shader->interpolation == BTF_INTERPOLATION_NEAREST;
-    row.bilinear = shader->filter == BTF_FILTER_BILINEAR;
+    row.filter = shader->filter;
     row.fast = shader->math == BTF_MATH_FAST;
     count(m, shader, &row);
     return row;
@@ -287,19 +287,28 @@ static void run_floor(decoding *d, decode_rig *rig, const char *device, const de
     }
 }
 
+/* Bits of a way to decode: nearest directions, bilinear texels, native mathematics, steep texels. */
+enum { WAYS = 9 };
+
 /* Whether a subset is decoded in this way: all of them in every way where `all`; else the whole in both
  * interpolations of texels, and on the first device whatever is exact there. Directions that never change
  * and parts of factors are decoded in one way; so are further factors where not all is wanted, on the first
- * device natively too. */
+ * device natively too. Relief: exact, on the first device, by each filter. */
 static bool is_run(const decoding *d, const decode_material *m, int s, int way, bool all) {
     const decode_subset *of = &m->subsets[s];
     const bool first = d->table->devices == 1;
-    const bool factors = m->view.store == BTF_REF_FACTORS;
+    const bool factors = m->view.store == BTF_REF_FACTORS, relief = strcmp(m->name, DECODE_RELIEF) == 0;
+    if (relief) {
+        return first && (s == 0 ? (way & 5) == 0 : way == 0);
+    }
     if (of->fixed || (s > 0 && factors)) {
         return way == 0 && first;
     }
     if (factors && !all && m != decode_material_find(d->materials, DECODE_JOINT)) {
         return way == 0 || (first && way == 4);
+    }
+    if (way & 8) {
+        return false;
     }
     return all || (s == 0 && (way & 2) == 0) || (s == 0 && first) || (first && way < 2);
 }
@@ -308,15 +317,20 @@ static btf_result run_material(decoding *d, decode_rig *rig, const char *device,
                                bool all) {
     btf_result result = BTF_OK;
     for (int s = 0; s < m->count; s++) {
-        for (int way = 0; way < 8 && result == BTF_OK; way++) {
+        for (int way = 0; way < WAYS && result == BTF_OK; way++) {
             const btf_shader_options shader = {.interpolation = way & 1 ? BTF_INTERPOLATION_NEAREST
                                                                         : BTF_INTERPOLATION_LINEAR,
-                                               .filter = way & 2 ? BTF_FILTER_BILINEAR : BTF_FILTER_TEXEL,
+                                               .filter = way & 8   ? BTF_FILTER_STEEP
+                                                         : way & 2 ? BTF_FILTER_BILINEAR
+                                                                   : BTF_FILTER_TEXEL,
                                                .math = way & 4 ? BTF_MATH_FAST : BTF_MATH_EXACT};
             if (is_run(d, m, s, way, all)) {
                 result = run_variant(d, rig, device, m, &m->subsets[s], shader);
             }
         }
+    }
+    if (strcmp(m->name, DECODE_RELIEF) == 0) {
+        return result; /* where its fetches are depends on the heights */
     }
     rig_floor_inputs(m->encoded.material, rig->inputs, d->floor);
     run_floor(d, rig, device, m, (btf_shader_options){0});
@@ -519,11 +533,11 @@ static void cpu_pixels(const cpu_decoder *c, const decode_row *row, const uint32
     const btf_ref_options options = {.effects = BTF_EFFECT_ALL,
                                      .components = UINT32_MAX,
                                      .interpolation = row->nearest ? BTF_REF_NEAREST : BTF_REF_LINEAR,
-                                     .filter = row->bilinear ? BTF_REF_BILINEAR : BTF_REF_TEXEL};
+                                     .filter = (int)row->filter};
     const btf_evaluate_options many = {
         .struct_size = sizeof many,
         .interpolation = row->nearest ? BTF_INTERPOLATION_NEAREST : BTF_INTERPOLATION_LINEAR,
-        .filter = row->bilinear ? BTF_FILTER_BILINEAR : BTF_FILTER_TEXEL};
+        .filter = row->filter};
     enum { CHUNK = 64 };
     for (size_t first = 0; first < count; first += CHUNK) {
         const size_t some = count - first < CHUNK ? count - first : CHUNK;

@@ -11,6 +11,9 @@
 #include <math.h>
 #include <string.h>
 
+static const char *const filter_words[] = {
+    [BTF_FILTER_TEXEL] = "texel", [BTF_FILTER_BILINEAR] = "bilinear", [BTF_FILTER_STEEP] = "steep"};
+
 decode_row decode_row_named(const char *device, const char *material, const char *effects) {
     decode_row row = {.linear = {NAN, NAN, NAN}, .srgb = {NAN, NAN, NAN}};
     snprintf(row.device, sizeof row.device, "%s", device);
@@ -42,11 +45,11 @@ void decode_table_device(decode_table *table, const char *name, const char *rend
 }
 
 const decode_row *decode_table_find(const decode_table *table, const char *device, const char *material,
-                                    const char *effects, bool nearest, bool bilinear, bool fast) {
+                                    const char *effects, bool nearest, btf_filter filter, bool fast) {
     for (int i = 0; i < table->count; i++) {
         const decode_row *r = &table->rows[i];
         if (strcmp(r->device, device) == 0 && strcmp(r->material, material) == 0 &&
-            strcmp(r->effects, effects) == 0 && r->nearest == nearest && r->bilinear == bilinear &&
+            strcmp(r->effects, effects) == 0 && r->nearest == nearest && r->filter == filter &&
             r->fast == fast) {
             return r;
         }
@@ -71,7 +74,7 @@ static void write_csv(const decode_table *table, FILE *csv) {
     for (int i = 0; i < table->count + table->size_count; i++) {
         const decode_row *r = i < table->count ? &table->rows[i] : &table->sizes[i - table->count];
         fprintf(csv, "%s,%s,%s,%s,%s,%s,%d,%.2f,%.4f", r->device, r->material, r->effects,
-                r->nearest ? "nearest" : "linear", r->bilinear ? "bilinear" : "texel",
+                r->nearest ? "nearest" : "linear", filter_words[r->filter],
                 r->fast ? "fast" : "exact", r->side, r->ns, r->spread);
         for (int set = 0; set < 3; set++) {
             write_figure(csv, r->linear[set]);
@@ -110,12 +113,12 @@ static void print_cost(const decode_cost *cost, FILE *out) {
 static const decode_row *floor_of(const decode_table *table, const decode_row *r) {
     return strcmp(r->effects, "whole") != 0 ? NULL
                                             : decode_table_find(table, r->device, r->material, DECODE_FLOOR,
-                                                                r->nearest, r->bilinear, false);
+                                                                r->nearest, r->filter, false);
 }
 
 static void print_device(const decode_table *table, const char *device, const char *renderer, bool software,
                          FILE *out) {
-    const decode_row *base = decode_table_find(table, device, "joint", "whole", false, false, false);
+    const decode_row *base = decode_table_find(table, device, DECODE_JOINT, "whole", false, BTF_FILTER_TEXEL, false);
     fprintf(out,
             "### %s\n\n%s; %s a pixel.\n\n"
             "| material | effects | directions | filter | mathematics | times joint | times its fetches "
@@ -132,7 +135,7 @@ static void print_device(const decode_table *table, const char *device, const ch
         }
         const decode_row *floor = floor_of(table, r);
         fprintf(out, "| %s | %s | %s | %s | %s |", r->material, r->effects,
-                r->nearest ? "nearest" : "linear", r->bilinear ? "bilinear" : "texel",
+                r->nearest ? "nearest" : "linear", filter_words[r->filter],
                 r->fast ? "fast" : "exact");
         print_times(r, base, out);
         print_times(r, floor, out);
@@ -188,11 +191,11 @@ static void print_places(const decode_table *table, FILE *out) {
             device);
     for (int m = 0; m < MATERIALS; m++) {
         const decode_row *whole =
-                             decode_table_find(table, device, materials[m], "whole", false, false, false),
+                             decode_table_find(table, device, materials[m], "whole", false, BTF_FILTER_TEXEL, false),
                          *fast =
-                             decode_table_find(table, device, materials[m], "whole", false, false, true),
-                         *floor = decode_table_find(table, device, materials[m], DECODE_FLOOR, false, false,
-                                                    false);
+                             decode_table_find(table, device, materials[m], "whole", false, BTF_FILTER_TEXEL, true),
+                         *floor = decode_table_find(table, device, materials[m], DECODE_FLOOR, false,
+                                                    BTF_FILTER_TEXEL, false);
         if (whole && fast && floor) {
             fprintf(out, "| %s | %.0f | %.0f %% | %+.0f %% | %.0f %% |\n", materials[m], whole->ns,
                     100 * floor->ns / whole->ns, 100 * (whole->ns - fast->ns) / whole->ns,
@@ -207,11 +210,11 @@ static void print_places(const decode_table *table, FILE *out) {
 
 static void print_version(const decode_table *table, const decode_row *r, FILE *out) {
     const decode_row *paper = decode_table_find(table, r->device, DECODE_PAPER, r->effects, r->nearest,
-                                                r->bilinear, false),
+                                                r->filter, false),
                      *fast = decode_table_find(table, r->device, r->material, r->effects, r->nearest,
-                                               r->bilinear, true);
+                                               r->filter, true);
     fprintf(out, "| %s | %s, %s, %s | %.3f |", r->material, r->effects, r->nearest ? "nearest" : "linear",
-            r->bilinear ? "bilinear" : "texel", 1e-6 * r->gpu_bytes);
+            filter_words[r->filter], 1e-6 * r->gpu_bytes);
     print_pair(r->linear[0], r->srgb[0], out);
     fprintf(out, " %.0f |", r->ns);
     print_times(r, paper, out);
@@ -254,11 +257,26 @@ typedef struct shown {
 static const shown series[] = {{DECODE_JOINT, "joint, exact", 0},
                                {DECODE_JOINT, "joint, fast math", 1},
                                {DECODE_HALF_JOINT, "joint, half the bytes, exact", 0},
+                               {DECODE_RELIEF, "joint with relief and gloss, exact", 0},
                                {DECODE_PAPER, "paper, exact", 0},
                                {DECODE_PAPER, "paper, fast math", 1},
                                {"Phong", "Phong", -1},
                                {"PCA", "PCA, 8 bit", -1},
                                {"uncompressed", "uncompressed, 3 x 3 images", -1}};
+
+/* Relief and gloss, decoded or left out, and by which filter. */
+static const char *relief_label(const decode_row *r, bool whole) {
+    static const char *const with[] = {"relief", "relief; bilinear", "relief; steep"};
+    static const struct {
+        const char *effects, *label;
+    } of[] = {{DECODE_NO_RELIEF, "gloss alone"}, {DECODE_NO_GLOSS, "relief alone"}, {DECODE_NEITHER, "relief off"}};
+    for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
+        if (strcmp(r->effects, of[i].effects) == 0 && r->filter == BTF_FILTER_TEXEL) {
+            return of[i].label;
+        }
+    }
+    return whole && !r->nearest ? with[r->filter] : NULL;
+}
 
 /* The feature of a row that the mark of an exact one names. */
 static const char *label_of(const decode_row *r) {
@@ -266,7 +284,13 @@ static const char *label_of(const decode_row *r) {
     if (r->peer) {
         return strncmp(r->effects, "rank", 4) == 0 ? strchr(r->effects, ';') + 2 : NULL;
     }
-    if (r->fast || r->bilinear || strchr(r->material, ';')) {
+    if (r->fast) {
+        return NULL;
+    }
+    if (strcmp(r->material, DECODE_RELIEF) == 0) {
+        return relief_label(r, whole);
+    }
+    if (r->filter != BTF_FILTER_TEXEL || strchr(r->material, ';')) {
         return NULL;
     }
     return !whole ? NULL : r->nearest ? "nearest" : "linear";
@@ -304,7 +328,7 @@ static btf_result decode_plot(const bench_run *run, const decode_table *table, c
     for (int i = 0; i < table->count; i++) {
         const decode_row *r = &table->rows[i];
         if (strcmp(r->device, device) == 0 && strcmp(r->effects, DECODE_FLOOR) == 0 && !r->nearest &&
-            !r->bilinear && !strchr(r->material, ';')) {
+            r->filter == BTF_FILTER_TEXEL && !strchr(r->material, ';')) {
             snprintf(title, sizeof title, "fetches of %s", r->material);
             plot_vertical(p, r->ns, title);
         }
@@ -328,7 +352,7 @@ btf_result decode_table_write(const bench_run *run, const decode_table *table) {
         "/ "
         "sRGB-coded dB, between the samples, at them, and at views and lights that were left out of the "
         "encoding. At the "
-        "middle of a texel, where there is truth to compare with, bilinear filtering changes nothing.\n\n");
+        "middle of a texel, where there is truth to compare with, filters change nothing but with relief.\n\n");
     if (table->devices > 0) {
         result = decode_plot(run, table, table->device[0].name, "decode", false);
         if (result == BTF_OK) {

@@ -16,7 +16,8 @@ enum { DECODE_MOST_ROWS = 1200, DECODE_MOST_SIZES = 16, DECODE_MOST_DEVICES = 12
 
 typedef struct decode_row {
     char device[24], material[40], effects[40];
-    bool nearest, bilinear, fast, peer;
+    bool nearest, fast, peer;
+    btf_filter filter;
     bool estimated;            /* truth between the samples is an estimate */
     int side;                  /* of the picture, where that is what changes; else 0 */
     double gpu_bytes;          /* of the whole material */
@@ -50,7 +51,7 @@ int decode_seen(const decode_row *row);
 
 /* The row of those names; NULL: not measured. */
 const decode_row *decode_table_find(const decode_table *table, const char *device, const char *material,
-                                    const char *effects, bool nearest, bool bilinear, bool fast);
+                                    const char *effects, bool nearest, btf_filter filter, bool fast);
 
 /* decode-MATERIAL.csv, tables in the summary, plots. Errors: BTF_ERROR_IO, BTF_ERROR_MEMORY. */
 btf_result decode_table_write(const bench_run *run, const decode_table *table);

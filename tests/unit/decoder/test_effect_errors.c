@@ -9,6 +9,7 @@
 
 #include <cmocka.h>
 
+#include "decoder/toolkit/between.h"
 #include "decoder/toolkit/reference_view.h"
 #include "encoder/report/effect_errors.h"
 #include "encoder/report/metrics.h"
@@ -281,6 +282,41 @@ static void wrong_tables_are_refused(void **state) {
     }
 }
 
+/* Rows that leave relief or gloss out are there where the material holds it; those say what it is worth. */
+static void check_rows_without_effects(void) {
+    static const uint32_t effects[] = {0, BTF_EFFECT_RELIEF, BTF_EFFECT_GLOSS, BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS};
+    static const struct {
+        float left_out;
+        uint32_t wants;
+    } rows[] = {{5, BTF_EFFECT_RELIEF}, {7, BTF_EFFECT_RELIEF}, {9, BTF_EFFECT_GLOSS}, {11, BTF_EFFECT_GLOSS},
+                {13, UINT32_MAX},       {15, UINT32_MAX},       {8, UINT32_MAX}};
+    for (size_t e = 0; e < sizeof effects / sizeof *effects; e++) {
+        random_state random = {3};
+        btf_material_desc desc =
+            random_material_desc(3, 2, 3, 2, BTF_LAYOUT_TIGHT, BTF_EFFECT_SHADOW | effects[e]);
+        random_material_fill(&random, &desc);
+        for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+            const bool fits = rows[i].wants != UINT32_MAX && effects[e] & rows[i].wants;
+            const float base = rows[i].left_out == 5 || rows[i].left_out == 9 ? 1 : 3;
+            const float values[] = {1, 1, 0, 90, 0,    90,    base,  0.01f, 0.02f, 0,    0,    0,
+                                    0, rows[i].left_out, 0.1f, 0.04f, 0, 0, 0, 0};
+            const bool tells = rows[i].left_out == 5 || rows[i].left_out == 11;
+            btf_material *made = NULL;
+            double gain[2];
+            desc.between_errors = values;
+            desc.between_error_count = sizeof values / sizeof *values;
+            assert_int_equal(btf_material_create(&desc, NULL, &made), fits ? BTF_OK : BTF_ERROR_USAGE);
+            for (uint32_t bit = BTF_EFFECT_RELIEF; fits && bit <= BTF_EFFECT_GLOSS; bit <<= 1) {
+                const bool known = between_gain(made, bit, gain);
+                assert_int_equal(known, tells && bit == rows[i].wants);
+                assert_true(!known || (fabs(gain[0] - 10) < 1e-4 && fabs(gain[1] - 10 * log10(2)) < 1e-4));
+            }
+            btf_material_close(&made);
+        }
+        random_material_free(&desc);
+    }
+}
+
 /* The table of errors between the samples: kept by a file, and refused where it cannot be. */
 static void between_errors_are_checked(void **state) {
     (void)state;
@@ -313,6 +349,7 @@ static void between_errors_are_checked(void **state) {
         values[wrong[i].index] = wrong[i].value;
         assert_null(with_tables(NULL, 0, values, COUNT, BTF_ERROR_USAGE));
     }
+    check_rows_without_effects();
     for (size_t count = 1; count < COUNT; count++) {
         made = with_tables(NULL, 0, good, count, count == 7 || count == 16 ? BTF_OK : BTF_ERROR_USAGE);
         btf_material_close(&made);

@@ -12,14 +12,17 @@
 
 #include "decoder/toolkit/reference_view.h"
 #include "encoder/data/images.h"
+#include "encoder/factor/components.h"
 #include "encoder/factor/factor.h"
 #include "encoder/factor/level.h"
 #include "encoder/factor/match_descend.h"
+#include "encoder/factor/match_fit.h"
 #include "encoder/factor/match_search.h"
 #include "encoder/factor/method.h"
 #include "encoder/model/pack.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -497,6 +500,45 @@ static void test_says_why_it_was_not_tried(void **state) {
     }
 }
 
+static void count_searches(void *user, btf_log_level level, const char *message) {
+    int *searches = user;
+    (void)level;
+    *searches += strncmp(message, "match: the texels' own", 22) == 0;
+}
+
+/* Where the first search leaves nearly everything no descent and second search follow it; where it leaves less they
+ * do, though what pays may be far away. */
+static void test_a_survey_ends_early(void **state) {
+    (void)state;
+    static const double most = 1e-4; /* neither pays */
+    for (int moved = 0; moved < 2; moved++) {
+        planted *p = plant(moved, moved ? 0.02f : 0.3f);
+        enc_context context = two;
+        int searches = 0;
+        context.log = (btf_log){count_searches, &searches};
+        const enc_factor_matrix m = enc_factor_matrix_of(&context, p->data);
+        static const size_t ranks[3] = {16, 4, 4};
+        enc_components components[3] = {{0}};
+        enc_factor_plan plan = {{{4, 0, 0}}};
+        enc_match match;
+        enc_match_bases bases;
+        double share = 0;
+        assert_int_equal(enc_components_find(&m, ranks, 1, components), BTF_OK);
+        assert_int_equal(enc_match_create(&context, SIDE, SIDE, VIEWS, true, &match), BTF_OK);
+        assert_int_equal(enc_match_find_bases(&m, &bases), BTF_OK);
+        assert_int_equal(enc_match_fit(&m, BUDGET, &bases, most, &match, components, &plan, &share), BTF_OK);
+        printf("%s: %d searches, %.3f is left\n", moved ? "planted" : "noise", searches, share);
+        assert_int_equal(searches, moved ? 2 : 1);
+        assert_true(moved ? share < 0.9 : share > 0.97);
+        enc_match_bases_clear(&bases);
+        enc_match_clear(&match);
+        for (int c = 0; c < 3; c++) {
+            enc_components_clear(&components[c]);
+        }
+        uproot(&p);
+    }
+}
+
 /* Levels of detail decode, without match, with what they share. */
 static void test_levels_have_no_match(void **state) {
     (void)state;
@@ -531,6 +573,7 @@ int main(void) {
         cmocka_unit_test(test_reference_decodes_what_was_measured),
         cmocka_unit_test(test_is_kept_where_it_pays),
         cmocka_unit_test(test_says_why_it_was_not_tried),
+        cmocka_unit_test(test_a_survey_ends_early),
         cmocka_unit_test(test_levels_have_no_match),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

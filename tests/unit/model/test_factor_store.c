@@ -226,6 +226,23 @@ static void random_direction(float out[3]) {
     out[2] = (float)z;
 }
 
+/* Lights of their own for each view, as gloss has them. */
+static void check_apart(enc_evaluated_texel *t, const btf_ref_material *m, uint32_t texel,
+                        const btf_ref_options *options, const enc_evaluated_at *given) {
+    enc_evaluated_at at = *given;
+    btf_ref_neighbours lights[3];
+    float other[3], found[1][3], expected[3];
+    for (int a = 0; a < 3; a++) {
+        random_direction(other);
+        lights[a] = look_up(m->light_table, m->light_grid, other);
+    }
+    at.lights = lights;
+    at.apart = true;
+    enc_evaluate(t, options, &at, &options->components, 1, found);
+    btf_ref_evaluate_apart(m, options, texel % WIDTH, texel / WIDTH, lights, at.views, at.light, at.view, expected);
+    assert_memory_equal(found[0], expected, sizeof expected);
+}
+
 /* Every number of units at once, subsets of effects; lights below the outermost one as well. */
 static void check_evaluations(const btf_material *material) {
     static const uint32_t units[] = {UINT32_MAX, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1};
@@ -244,7 +261,7 @@ static void check_evaluations(const btf_material *material) {
             random_direction(view);
             const btf_ref_neighbours lights = look_up(m->light_table, m->light_grid, light),
                                      views = look_up(m->view_table, m->view_grid, view);
-            const enc_evaluated_at at = {&lights, &views, light, view, false};
+            const enc_evaluated_at at = {.lights = &lights, .views = &views, .light = light, .view = view};
             btf_ref_options options = {.effects = n % 3 == 0 ? 31 : 16 | random_bits() % 16,
                                        .interpolation = n % 4 > 0};
             enc_evaluate(t, &options, &at, units, COUNT, found);
@@ -256,6 +273,7 @@ static void check_evaluations(const btf_material *material) {
                 assert_memory_equal(found[i], expected, sizeof expected);
                 bright += expected[0] > 0;
             }
+            check_apart(t, m, (uint32_t)texel, &options, &at);
         }
     }
     enc_evaluated_texel_destroy(&t);

@@ -81,6 +81,11 @@ static double step(int column, int row) {
     return column < SIDE / 2 ? -2 : 0;
 }
 
+/* A plane with towers on a few texels. */
+static double towers(int column, int row) {
+    return column % 8 < 2 && row % 8 < 2 ? 3 : 0;
+}
+
 static double sunk(int column, int row) {
     (void)column;
     (void)row;
@@ -119,6 +124,32 @@ static void test_a_step_is_found(void **state) {
     assert_true(off < SIDE * SIDE / 6); /* a step's foot, which few views show */
     enc_relief_clear(&store);
     enc_data_destroy(&data);
+}
+
+/* One candidate more has the best map's extremes drawn in, and is taken where it gains more than that: the march has
+ * as many steps, over less. */
+static void test_extremes_are_drawn_in(void **state) {
+    (void)state;
+    for (int tall = 0; tall < 2; tall++) {
+        enc_data *data = planted(more, tall ? towers : step, 0);
+        enc_relief_choice choice;
+        enc_relief_store store;
+        int best = 0;
+        assert_int_equal(enc_relief_choose(&two, data, &both, &choice, &store), BTF_OK);
+        for (int k = 1; k < 5; k++) {
+            best = choice.candidate[k].gain > choice.candidate[best].gain ? k : best;
+        }
+        const enc_relief_candidate *drawn = &choice.candidate[ENC_RELIEF_CANDIDATES - 1];
+        printf("%s: the best map gains %.3f dB, drawn in %.3f; %.2f to %.2f, %u steps\n", tall ? "towers" : "step",
+               choice.candidate[best].gain, drawn->gain, choice.least, choice.most, store.steps);
+        assert_true(best > 0 && drawn->judged && drawn->drawn_in && drawn->scale == choice.candidate[best].scale);
+        assert_int_equal(choice.chosen, drawn->gain > choice.candidate[best].gain ? ENC_RELIEF_CANDIDATES - 1 : best);
+        /* noise around the step's two heights goes, the few towers stay */
+        assert_int_equal(choice.chosen == ENC_RELIEF_CANDIDATES - 1, !tall);
+        assert_true(tall ? choice.most > 2.5 : choice.least > -2.5 && choice.most < 0.5);
+        enc_relief_clear(&store);
+        enc_data_destroy(&data);
+    }
 }
 
 static void test_one_height_has_no_map(void **state) {
@@ -335,6 +366,7 @@ static void test_levels_are_judged(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_step_is_found),
+        cmocka_unit_test(test_extremes_are_drawn_in),
         cmocka_unit_test(test_one_height_has_no_map),
         cmocka_unit_test(test_flat_and_noise_stay_flat),
         cmocka_unit_test(test_threads_give_the_same),

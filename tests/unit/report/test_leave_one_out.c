@@ -14,6 +14,7 @@
 #include "encoder/between/blend.h"
 #include "encoder/nodes/left_out.h"
 #include "encoder/report/leave_one_out.h"
+#include "encoder/report/left_out_lights.h"
 #include "tests/sample/directions.h"
 #include "tests/sample/sample.h"
 #include "tests/support/random_material.h"
@@ -192,6 +193,107 @@ static void test_an_exact_material(void **state) {
     random_material_free(&desc);
 }
 
+/* Views and lights of a material as data of no meaning. */
+static enc_data *data_of(const btf_material_desc *desc) {
+    const int n_views = (int)desc->info.n_views, n_lights = (int)desc->info.n_lights;
+    enc_direction views[256], lights[256];
+    enc_data *data = NULL;
+    for (int i = 0; i < n_views; i++) {
+        const float *p = desc->views + 3 * i;
+        views[i] = enc_direction_from_angles(acos(p[2]) * 180 / M_PI, atan2(p[1], p[0]) * 180 / M_PI);
+    }
+    for (int i = 0; i < n_lights; i++) {
+        const float *p = desc->lights + 3 * i;
+        lights[i] = enc_direction_from_angles(acos(p[2]) * 180 / M_PI, atan2(p[1], p[0]) * 180 / M_PI);
+    }
+    assert_int_equal(enc_data_create(&context, (int)desc->info.width, (int)desc->info.height, n_views, views, n_lights,
+                                     lights, &data),
+                     BTF_OK);
+    for (size_t i = 0; i < enc_data_texel_count(data) * enc_data_texel_stride(data); i++)
+        data->samples[i] = (float)(i * 37 % 101) / 101;
+    return data;
+}
+
+/* Of a material with gloss the row without it is that of the same material that holds none. */
+static void test_without_gloss(void **state) {
+    (void)state;
+    random_state r = {6};
+    btf_material_desc desc =
+        random_material_desc(6, 5, 19, 19, BTF_LAYOUT_TIGHT, BTF_EFFECT_RESIDUAL | BTF_EFFECT_GLOSS);
+    btf_material *material = NULL;
+    enc_leave_one_out with, without;
+    float numbers[ENC_BETWEEN_NUMBERS];
+    desc.info.colour = BTF_COLOUR_NONE;
+    desc.info.lobes = 0;
+    desc.info.components = 4;
+    random_material_fill(&r, &desc);
+    enc_data *data = data_of(&desc);
+    assert_int_equal(btf_material_create(&desc, NULL, &material), BTF_OK);
+    assert_int_equal(enc_leave_one_out_measure(&context, data, material, &with), BTF_OK);
+    btf_material_close(&material);
+    desc.info.effects = BTF_EFFECT_RESIDUAL;
+    desc.info.gloss_share = 0;
+    assert_int_equal(btf_material_create(&desc, NULL, &material), BTF_OK);
+    assert_int_equal(enc_leave_one_out_measure(&context, data, material, &without), BTF_OK);
+    for (int left = ENC_LEFT_VIEW; left <= ENC_LEFT_BOTH; left++) {
+        const enc_left_out_errors *a = &with.error[left], *b = &without.error[left];
+        assert_true(b->no_gloss.count == 0 && b->material.count > 0 && a->no_relief.count == 0);
+        if (left & ENC_LEFT_VIEW) {
+            assert_true(a->no_gloss.linear == b->material.linear && a->no_gloss.srgb == b->material.srgb);
+            assert_true(a->material.linear != a->no_gloss.linear);
+        } else {
+            assert_true(a->no_gloss.count == 0 && a->material.linear == b->material.linear);
+        }
+    }
+    const size_t cells = (size_t)(with.view_bands.count * with.light_bands.count);
+    const size_t head = 4 + (size_t)(with.view_bands.count + with.light_bands.count), row = 5 + 2 * cells;
+    static const float rows[5] = {1, 2, 3, 9, 11};
+    assert_int_equal(enc_leave_one_out_numbers(&with, numbers), head + 5 * row);
+    for (size_t i = 0; i < 5; i++)
+        assert_true(numbers[head + i * row] == rows[i]);
+    assert_true(numbers[head + 4 * row + 1] == fminf((float)with.error[ENC_LEFT_BOTH].no_gloss.linear, 1));
+    enc_data_destroy(&data);
+    btf_material_close(&material);
+    random_material_free(&desc);
+}
+
+/* A light that is left out is found by the others, and what stands around it where the half vector does not move. */
+static void test_lights_of_gloss(void **state) {
+    (void)state;
+    enc_data *data = render(RELIEF_FLAT, "small", "small", 8);
+    const enc_left_out left = left_out("small");
+    enc_left_out_lights *gloss = NULL;
+    int moved = 0;
+    assert_true(left.count > 0);
+    assert_int_equal(enc_left_out_lights_create(&context, data, 2, &gloss), BTF_OK);
+    for (int i = 0; i < left.count; i++) {
+        for (int v = 0; v < data->n_views; v++) {
+            const uint32_t view = (uint32_t)v;
+            const btf_ref_neighbours views = {{view, (view + 1) % (uint32_t)data->n_views, 0}, {2048, 1024, 1024}};
+            btf_ref_neighbours lights[2][3];
+            for (int out = 0; out < 2; out++)
+                enc_left_out_lights_find(gloss, v, &views, left.index[i], out, lights[out]);
+            for (int k = 0; k < 3; k++) {
+                assert_int_equal(lights[1][0].weight[k], left.near[i].weight[k]);
+                assert_true(left.near[i].weight[k] == 0 || lights[1][0].index[k] == left.near[i].index[k]);
+            }
+            assert_true(lights[0][0].weight[0] == 4096 && lights[0][0].index[0] == (uint32_t)left.index[i]);
+            for (int a = 0; a < 3; a++) {
+                uint32_t sum = 0;
+                for (int k = 0; k < 3; k++) {
+                    sum += lights[1][a].weight[k];
+                    assert_true(lights[1][a].weight[k] == 0 || lights[1][a].index[k] != (uint32_t)left.index[i]);
+                }
+                assert_int_equal(sum, 4096);
+            }
+            moved += lights[0][1].weight[0] < 4096;
+        }
+    }
+    assert_true(moved > left.count * data->n_views / 2);
+    enc_left_out_lights_destroy(&gloss);
+    enc_data_destroy(&data);
+}
+
 static void test_threads_and_memory(void **state) {
     (void)state;
     enc_data *data = render(RELIEF_BRICKS, "small", "small", 8);
@@ -250,6 +352,8 @@ int main(void) {
         cmocka_unit_test(test_which_can_be_left_out),
         cmocka_unit_test(test_against_the_long_way),
         cmocka_unit_test(test_an_exact_material),
+        cmocka_unit_test(test_without_gloss),
+        cmocka_unit_test(test_lights_of_gloss),
         cmocka_unit_test(test_threads_and_memory),
         cmocka_unit_test(test_bands),
         cmocka_unit_test(test_one_light),
