@@ -94,8 +94,10 @@ btf_result btf_gl_fold_run(btf_gl_fold *fold, btf_gl *textures, uint32_t first_u
  * prefix as in btf_gl_bind. Sets the uniform and that unit's binding. */
 void btf_gl_fold_bind(btf_gl_fold *fold, uint32_t program, uint32_t unit, const char *prefix);
 
-/** @return the GL name of the texture, and its bytes. */
+/** @return the GL name of the texture. */
 uint32_t btf_gl_fold_texture(const btf_gl_fold *fold);
+
+/** @return the bytes of the texture, of all levels. */
 size_t btf_gl_fold_bytes(const btf_gl_fold *fold);
 
 /** Deletes texture and program and sets *fold to NULL. NULL and a pointer to NULL are accepted. */

@@ -134,7 +134,10 @@ void btf_ref_evaluate_neighbours(const btf_ref_material *material, const btf_ref
 /* Folding: a light that never changes, or light and view, are decoded once; then a pixel reads what was kept. The
  * radiance has the same bits (decoder/README.md, Folding). */
 
-enum { BTF_REF_FOLD_LIGHT = 1, BTF_REF_FOLD_BOTH = 2 };
+enum {
+    BTF_REF_FOLD_LIGHT = 1, /**< what texels show in each view under a light */
+    BTF_REF_FOLD_BOTH = 2,  /**< radiance of texels under a light from a view */
+};
 
 /** What was kept. */
 typedef struct btf_ref_folded {
