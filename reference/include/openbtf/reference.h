@@ -134,12 +134,13 @@ void btf_ref_evaluate_neighbours(const btf_ref_material *material, const btf_ref
 /* Folding: a light that never changes, or light and view, are decoded once; then a pixel reads what was kept. The
  * radiance has the same bits (decoder/README.md, Folding). */
 
+/** Kinds of folds, by the values that are kept. */
 enum {
     BTF_REF_FOLD_LIGHT = 1, /**< what texels show in each view under a light */
     BTF_REF_FOLD_BOTH = 2,  /**< radiance of texels under a light from a view */
 };
 
-/** What was kept. */
+/** A fold. */
 typedef struct btf_ref_folded {
     int fold; /**< BTF_REF_FOLD_LIGHT or _BOTH */
     const float *values; /**< [view][row][column][4], of both [row][column][4]; as the functions below make them */
