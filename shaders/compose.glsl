@@ -117,15 +117,15 @@ btf_setting btf_prepare(vec3 l, vec3 v, bool nearest, int level) {
 
 /* The lights of view a. */
 btf_neighbours btf_lights_of(btf_setting s, int a) {
+    btf_neighbours lights = s.lights;
 #if BTF_GLOSS
+    lights = s.lights_of[0];
     if (a == 1)
-        return s.lights_of[1];
+        lights = s.lights_of[1];
     if (a == 2)
-        return s.lights_of[2];
-    return s.lights_of[0];
-#else
-    return s.lights;
+        lights = s.lights_of[2];
 #endif
+    return lights;
 }
 
 float btf_clamp(float y) {
