@@ -97,11 +97,7 @@ void btf_gl_fold_bind(btf_gl_fold *fold, uint32_t program, uint32_t unit, const 
 /** @return the GL name of the texture. */
 uint32_t btf_gl_fold_texture(const btf_gl_fold *fold);
 
-<<<<<<< HEAD
 /** @return the bytes of the texture, of all levels. */
-=======
-/** @return the bytes of the texture, of all levels. */
->>>>>>> fold
 size_t btf_gl_fold_bytes(const btf_gl_fold *fold);
 
 /** Deletes texture and program and sets *fold to NULL. NULL and a pointer to NULL are accepted. */

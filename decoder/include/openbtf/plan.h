@@ -67,21 +67,12 @@ typedef struct btf_plan {
      * level is not 0, or view and light are samples, which have nothing between them. */
     float between_psnr_linear, between_psnr_srgb;
     float full_between_psnr_linear, full_between_psnr_srgb; /**< likewise, of the full decode */
-<<<<<<< HEAD
     /** Where the light of the scene is fixed and the plan can be folded (openbtf/fold.h): how, with the view where that
      * is fixed too; else BTF_FOLD_NONE. This and the next three are of one light: several are as many folds. */
     btf_fold fold;
     size_t fold_bytes;  /**< of the folded texture, beside gpu_bytes; else 0 */
     float folded_cost;  /**< of a pixel that reads the folded texture; else `cost` */
     double fold_pixels; /**< pixels after which the fold has paid for itself; else 0 */
-=======
-    /** How the plan can be folded (openbtf/fold.h) where the light of the scene is fixed, with the view where that is
-     * fixed too; else BTF_FOLD_NONE. */
-    btf_fold fold;
-    size_t fold_bytes;  /**< of the texture of one light, beside gpu_bytes; 0 without */
-    float folded_cost;  /**< of a pixel that reads it; `cost` without. Several lights are as many folds */
-    double fold_pixels; /**< in which the fold of one light is paid for; 0 without */
->>>>>>> fold
 } btf_plan;
 
 /** Finds the plan whose PSNR, linear and sRGB-coded, is at most @p tolerance dB below the full decode's where the scene

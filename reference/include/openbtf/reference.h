@@ -141,7 +141,6 @@ void btf_ref_evaluate_apart(const btf_ref_material *material, const btf_ref_opti
 /* Folding: a light that never changes, or light and view, are decoded once; then a pixel reads what was kept. The
  * radiance has the same bits (decoder/README.md, Folding). */
 
-<<<<<<< HEAD
 /** What never changes where decoding is folded. */
 enum {
     BTF_REF_FOLD_LIGHT = 1, /**< the light */
@@ -149,15 +148,6 @@ enum {
 };
 
 /** The values that folding kept. */
-=======
-/** Kinds of folds, by the values that are kept. */
-enum {
-    BTF_REF_FOLD_LIGHT = 1, /**< what texels show in each view under a light */
-    BTF_REF_FOLD_BOTH = 2,  /**< radiance of texels under a light from a view */
-};
-
-/** A fold. */
->>>>>>> fold
 typedef struct btf_ref_folded {
     int fold; /**< BTF_REF_FOLD_LIGHT or _BOTH */
     const float *values; /**< [view][row][column][4], of both [row][column][4]; as the functions below make them */
