@@ -51,24 +51,28 @@ void btf_set_views(inout btf_setting s, vec3 v, bool nearest) {
 #endif
 }
 
-/* The lights around l, or the nearest of them, as view a has them. */
-void btf_set_lights(inout btf_setting s, vec3 l, vec3 v, int a, bool nearest) {
+/* Lights in use at most. */
+int btf_light_count(bool nearest) {
+#if BTF_FIXED_LIGHT > 0 && !BTF_GLOSS
+    return nearest ? 1 : BTF_FIXED_LIGHT;
+#else
+    return nearest ? 1 : 3;
+#endif
+}
+
+/* The lights around l, or the nearest of them, as a view of this vector has them. A function of its own that changes no
+ * setting: softpipe mistakes a setting that is changed by a call in a loop. */
+btf_neighbours btf_lights_around(vec3 l, vec3 v, vec3 vector, bool nearest) {
 #if BTF_GLOSS
-    s.lights = btf_lookup(btf_light_table, BTF_LIGHT_GRID, btf_gloss(l, v, BTF_ELEMENT(s.vector, a).xyz));
-    s.n = 3;
+    btf_neighbours lights = btf_lookup(btf_light_table, BTF_LIGHT_GRID, btf_gloss(l, v, vector));
+#elif BTF_FIXED_LIGHT > 0
+    btf_neighbours lights = btf_neighbours(BTF_FIXED_LIGHT_INDEX, BTF_FIXED_LIGHT_WEIGHT);
 #else
-#if BTF_FIXED_LIGHT > 0
-    s.lights = btf_neighbours(BTF_FIXED_LIGHT_INDEX, BTF_FIXED_LIGHT_WEIGHT);
-    s.n = BTF_FIXED_LIGHT;
-#else
-    s.lights = btf_lookup(btf_light_table, BTF_LIGHT_GRID, btf_project(l));
-    s.n = 3;
+    btf_neighbours lights = btf_lookup(btf_light_table, BTF_LIGHT_GRID, btf_project(l));
 #endif
-#endif
-    if (nearest) {
-        s.lights = btf_nearest(s.lights);
-        s.n = 1;
-    }
+    if (nearest)
+        lights = btf_nearest(lights);
+    return lights;
 }
 
 /* What the directions themselves multiply by. */
@@ -98,18 +102,20 @@ btf_setting btf_prepare(vec3 l, vec3 v, bool nearest, int level) {
     s.layer = 0;
 #endif
     btf_set_views(s, v, nearest);
+    s.n = btf_light_count(nearest);
 #if BTF_GLOSS
     for (int a = 0; a < s.n_views; ++a) {
-        btf_set_lights(s, l, v, a, nearest);
+        btf_neighbours lights = btf_lights_around(l, v, BTF_ELEMENT(s.vector, a).xyz, nearest);
         if (a == 0)
-            s.lights_of[0] = s.lights;
+            s.lights_of[0] = lights;
         else if (a == 1)
-            s.lights_of[1] = s.lights;
+            s.lights_of[1] = lights;
         else
-            s.lights_of[2] = s.lights;
+            s.lights_of[2] = lights;
     }
+    s.lights = s.lights_of[0];
 #else
-    btf_set_lights(s, l, v, 0, nearest);
+    s.lights = btf_lights_around(l, v, v, nearest);
 #endif
     btf_set_factors(s, l, v);
     return s;

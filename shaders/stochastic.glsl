@@ -42,6 +42,16 @@ uvec2 btf_set_scene(out btf_setting s, vec2 uv, vec3 l, vec3 v, int level) {
     return at;
 }
 
+/* The lights of view a. */
+void btf_set_lights(inout btf_setting s, vec3 l, vec3 v, int a) {
+    s.n = btf_light_count(BTF_NEAREST != 0);
+#if BTF_GLOSS
+    s.lights = btf_lights_around(l, v, BTF_ELEMENT(s.vector, a).xyz, BTF_NEAREST != 0);
+#else
+    s.lights = btf_lights_around(l, v, v, BTF_NEAREST != 0);
+#endif
+}
+
 /* Light b alone of those of the view. */
 void btf_take_light(inout btf_setting s, int b) {
     s.lights = btf_neighbours(uvec3(btf_component(s.lights.index, b)), uvec3(4096u, 0u, 0u));
@@ -140,7 +150,7 @@ vec3 btf_choose(vec2 uv, vec3 l, vec3 v, int level, uvec3 random) {
     btf_setting s;
     uvec2 at = btf_set_scene(s, uv, l, v, level);
     int a = btf_pick(s.views.weight, random.x >> 20u);
-    btf_set_lights(s, l, v, a, BTF_NEAREST != 0);
+    btf_set_lights(s, l, v, a);
 #if BTF_STOCHASTIC > 1
     btf_take_light(s, btf_pick(s.lights.weight, random.y >> 20u));
 #endif
@@ -165,7 +175,7 @@ vec3 btf_blend_choices(vec2 uv, vec3 l, vec3 v, int level) {
     for (int a = 0; a < s.n_views; ++a) {
         uint share = btf_component(s.views.weight, a);
         if (share > 0u) {
-            btf_set_lights(s, l, v, a, BTF_NEAREST != 0);
+            btf_set_lights(s, l, v, a);
 #if BTF_STOCHASTIC > 1
             vec3 lit = vec3(0.0);
             btf_setting one = s;
