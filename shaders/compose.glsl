@@ -53,10 +53,14 @@ void btf_set_views(inout btf_setting s, vec3 v, bool nearest) {
 
 /* Lights in use at most. */
 int btf_light_count(bool nearest) {
-#if BTF_FIXED_LIGHT > 0 && !BTF_GLOSS
+#if BTF_GLOSS
+    return nearest ? 1 : 3;
+#else
+#if BTF_FIXED_LIGHT > 0
     return nearest ? 1 : BTF_FIXED_LIGHT;
 #else
     return nearest ? 1 : 3;
+#endif
 #endif
 }
 
@@ -65,10 +69,12 @@ int btf_light_count(bool nearest) {
 btf_neighbours btf_lights_around(vec3 l, vec3 v, vec3 vector, bool nearest) {
 #if BTF_GLOSS
     btf_neighbours lights = btf_lookup(btf_light_table, BTF_LIGHT_GRID, btf_gloss(l, v, vector));
-#elif BTF_FIXED_LIGHT > 0
+#else
+#if BTF_FIXED_LIGHT > 0
     btf_neighbours lights = btf_neighbours(BTF_FIXED_LIGHT_INDEX, BTF_FIXED_LIGHT_WEIGHT);
 #else
     btf_neighbours lights = btf_lookup(btf_light_table, BTF_LIGHT_GRID, btf_project(l));
+#endif
 #endif
     if (nearest)
         lights = btf_nearest(lights);

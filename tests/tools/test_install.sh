@@ -24,11 +24,13 @@ unset PKG_CONFIG_PATH
 (cd "$prefix" && find . ! -type d | sed -e "s|^\./||" -e "s|${libdir#"$prefix"/}|LIB|" | sort) >files
 {
     printf 'bin/btf-%s\n' bench compare conform decode encode info render sample view
-    printf 'include/openbtf/%s.h\n' compat/btf_reference gl material plan reference result shader
+    printf 'include/openbtf/%s.h\n' compat/btf_reference evaluate fold gl material plan reference \
+        result sampling shader
     printf 'LIB/%s\n' libopenbtf{,_reference}.so{,.0.2,.0.2.0} pkgconfig/openbtf{,-reference}.pc
     printf 'share/cmake/openbtf/%s\n' openbtfConfig{,Version}.cmake
     printf 'share/openbtf/%s\n' FORMAT.md LICENSE README.md openbtf.glsl self_test.glsl \
-        openbtf_{factors,joint,lists,paper,points,relief,residual,sbrdf}_{texel,bilinear,steep,fast}.glsl
+        openbtf_{factors,joint,lists,paper,points,relief,residual,sbrdf}_{texel,bilinear,steep,fast,stochastic}.glsl \
+        openbtf_folded_{texel,bilinear,steep,fast}.glsl
 } | sort >documented
 [ -x "$prefix/bin/btf-view" ] || sed -i '/btf-view/d' documented # built where GLFW is
 expect_that 'the documented files, and no other' diff documented files
@@ -55,7 +57,10 @@ variant() {
         echo '#version 450 core'
         sed '/\*\//q' "$1" | grep -oE 'BTF_[A-Z_]+' | sed -E 's/.*(SCALE|GAIN_BASE|GAIN_STEP)/#define & 1.0/; t; s/.*RELIEF.*/#define & 7/; t; s/.*/#define & 7u/'
         cat "$1"
-        echo 'in vec3 l; out vec4 colour; void main() { colour = vec4(btf_evaluate(l.xy, l, l), 1.0); }'
+        case $1 in
+        *_stochastic.glsl) echo 'in vec3 l; out vec4 colour; void main() { colour = vec4(btf_evaluate_stochastic(l.xy, l, l, uvec3(7u)), 1.0); }' ;;
+        *) echo 'in vec3 l; out vec4 colour; void main() { colour = vec4(btf_evaluate(l.xy, l, l), 1.0); }' ;;
+        esac
     } >variant.frag
     glslangValidator variant.frag
 }
