@@ -1,4 +1,4 @@
-/* OpenBTF: the cheapest way to decode a scene within a tolerance. See openbtf/plan.h.
+/* OpenBTF: finds the cheapest way to decode a scene within a tolerance. See openbtf/plan.h.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -14,14 +14,14 @@
 
 #define DEGREE (3.14159265358979323846 / 180)
 
-/* Effects and components that may be decoded, and what the table predicts of them for a scene. */
+/* A set of effects and components, and the errors that the table predicts for it in a scene. */
 typedef struct candidate {
     uint32_t effects, components;
     btf_interpolation interpolation;
     double mse[2]; /* linear, sRGB-coded */
 } candidate;
 
-/* The neighbouring directions that a shader goes through, on the average. */
+/* The mean number of neighbouring directions that a shader goes through. */
 typedef struct direction_count {
     float decoded, skipped; /* of weight above 0; of weight 0, which cost time all the same */
 } direction_count;
@@ -40,7 +40,7 @@ static direction_count count_directions(const btfi_directions *directions, const
     return (direction_count){decoded, 3 - decoded};
 }
 
-/* Costs of factors, see plan.h: in one place, to be fitted again when the shader changes. */
+/* Costs of factors in ns, fitted to a prototype of the shader on llvmpipe (plan.h); to be fitted again when it changes. */
 static const struct {
     float texel;                       /* a texel of u, fetched and expanded */
     float direction;                   /* a texel of w, or of the factors of a view */
@@ -65,7 +65,7 @@ static float cost_of_factors(const btf_material_info *info, uint32_t units, bool
            views * (float)__builtin_popcount(tiers_read) * factor_costs.direction;
 }
 
-/* Costs of relief and gloss, see plan.h: likewise in one place. */
+/* Costs of relief and gloss in ns, fitted by hand to one material on llvmpipe (plan.h). */
 static const struct {
     float texel;     /* more for a texel of u that each view has of its own: it is in no common pass */
     float view;      /* of relief: where a neighbouring view shows the point */
@@ -115,12 +115,12 @@ static float cost_of(const btf_material *material, const btf_material_info *stor
     const direction_count light = count_directions(&material->lights, o, gloss ? 0 : BTF_FIXED_LIGHT,
                                                    o->fixed_light, scene && !gloss ? &scene->light : NULL);
     const float lights = light.decoded + light.skipped;
-    /* The same for each view: compilers see that where the views are constants. */
+    /* The values are the same in each view: where the views are constants, compilers see that and decode once. */
     if (o->fixed & BTF_FIXED_VIEW && !(effects & codes) && !residual && !relief && !gloss)
         views = (direction_count){1, 0};
     float fetched = effects & codes ? 1 : 0, each = 0;
     if (stored->point_store == BTF_POINTS_LISTS)
-        fetched *= 2; /* the index, and what it names */
+        fetched *= 2; /* the index, and the pair that it names */
     else if (tight && stored->point_store == BTF_POINTS_SEPARATE)
         fetched = (effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN) ? 1.0f : 0.0f) +
                   (effects & (BTF_EFFECT_GAIN | BTF_EFFECT_HIDDEN) ? 1.0f : 0.0f);
@@ -222,7 +222,7 @@ static candidate read_candidate(const error_table *t, uint32_t index) {
                              (1 - t->at_view) * t->at_light, (1 - t->at_view) * (1 - t->at_light)};
     static const int kinds[3] = {2, 3, 4};
     double mse[4][2] = {{0}};
-    /* Nearest directions have no rows of their own where one is a sample: what lies between is no less. */
+    /* Nearest directions have no rows of their own where one is a sample: between the samples errors are no less. */
     for (int k = 0; k < 3; k++)
         add_errors(t, k > 0 && row[2] == 1 ? row : row_of_kind(t, index, kinds[k]), mse[k]);
     for (int i = 0; i < 2; i++) {
@@ -280,7 +280,7 @@ static bool is_within_limit(float x) {
     return x >= 0 && x <= 1e6f;
 }
 
-/* What acts between the samples alone. */
+/* Effects that change nothing at the samples. */
 enum { BETWEEN = BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS };
 
 /* Whether the view is fixed, and a sample. One beyond the outermost has the same neighbour, but is not. */
@@ -309,7 +309,7 @@ static uint32_t idle_effects(const btf_material *material, const btf_scene *scen
            (btfi_relief_has_ended(&material->info, level) ? BTF_EFFECT_RELIEF : 0u);
 }
 
-/* The plan that decodes everything but what changes nothing. */
+/* The plan that decodes everything but idle effects. */
 static void plan_all(const btf_material *material, const btf_scene *scene, uint32_t views, uint32_t lights,
                      btf_plan *plan) {
     const btf_material_info *info = &material->info;
@@ -344,7 +344,7 @@ static error_table open_table(const btf_material *material, const btf_scene *sce
     return t;
 }
 
-/* Reads what the table predicts of a level decoded so; false where it was not measured. */
+/* Reads the errors that the table predicts for a level, effects and components; false where they were not measured. */
 static bool find_candidate(const error_table *t, uint32_t level, uint32_t effects, uint32_t components,
                            btf_interpolation interpolation, candidate *out) {
     for (uint32_t r = 0; r < t->rows.row_count; r++) {
@@ -385,7 +385,7 @@ static bool find_between(const btf_material *material, const btf_scene *scene, c
     return weight > 0;
 }
 
-/* Errors of the decode and of the interpolation add up: what a plan adds to the first stays what it is. */
+/* Squared errors of decoding and of interpolation add up: a plan adds as much to the sum as to the first. */
 static void fill_between(const btf_material *material, const error_table *t, const candidate *full,
                          const candidate *chosen, btf_plan *plan) {
     double mse[2], of_plan[2];
@@ -409,7 +409,7 @@ static void errors_to_tolerate(const btf_material *material, const btf_scene *sc
         base[i] = fmax(fmax(between[i] / 2, full->mse[i]), 1e-10);
 }
 
-/* Whether a way adds at most so many dB to them. */
+/* Whether a candidate adds at most the tolerance, in dB, to these errors. */
 static bool is_tolerated(const candidate *c, const candidate *full, const double base[2], float tolerance) {
     const double most = pow(10, (double)tolerance / 10);
     for (int i = 0; i < 2; i++)

@@ -1,4 +1,4 @@
-/* OpenBTF: a material with what a plan reads and nothing else. See openbtf/plan.h.
+/* OpenBTF: makes a material with the data that a plan reads and nothing else. See openbtf/plan.h.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -12,8 +12,8 @@
 #include <string.h>
 
 /* The store of shift and gain, and its effects. Packed gains are no multiples of a scale, so that texture `gain`
- * cannot say them. A shift alone takes as many bytes in its own texture as packed. Lists are kept where they are
- * smaller than either, which they are not for few views; a shift alone has the gain 1 there. */
+ * cannot hold them. A shift alone takes as many bytes in its own texture as packed. Lists are kept where they are
+ * smaller than either, which they are not for few views; a plan with the shift alone gets lists of gain 1. */
 static void restrict_points(const btf_material_info *info, btf_material_info *small, uint32_t *effects) {
     const uint32_t both = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN;
     const bool gain = *effects & BTF_EFFECT_GAIN;
@@ -58,7 +58,7 @@ btf_material_info btfi_restricted_info(const btf_material_info *info, uint32_t e
     if (info->colour == BTF_COLOUR_NONE) {
         effects &= ~(uint32_t)BTF_EFFECT_SHADOW;
         if (!(effects &
-              BTF_EFFECT_RESIDUAL)) { /* a material without any model would be none: black, and cheap */
+              BTF_EFFECT_RESIDUAL)) { /* a material needs a model: one component is the cheapest */
             effects |= BTF_EFFECT_RESIDUAL;
             components = 1;
         }
@@ -129,7 +129,7 @@ static bool has_edge(const btfi_directions *d, const uint16_t corner[3], bool wi
     return false;
 }
 
-/* Does the triangulation of the subset hold every record that the range needs? */
+/* Whether the triangulation of the subset holds every record that the range needs. */
 static bool has_records(const btfi_directions *whole, const btfi_reach *reach, const subset *kept,
                         const btfi_directions *small) {
     uint16_t now[BTF_MAX_DIRECTIONS] = {0}, corner[3];
@@ -151,7 +151,7 @@ static bool has_records(const btfi_directions *whole, const btfi_reach *reach, c
     return true;
 }
 
-/* Is the answer for a fixed direction the same? */
+/* Whether a fixed direction has the same neighbours and weights in the subset. */
 static bool same_answer(const btfi_directions *whole, const subset *kept, const btfi_directions *small,
                         const float direction[3]) {
     const btfi_neighbours a = btfi_neighbours_of(whole, direction, false),
@@ -171,7 +171,7 @@ static void select_directions(const btfi_directions *whole, const bool *keep, su
         }
 }
 
-/* The directions that the range needs; all where another triangulation of fewer would answer otherwise. */
+/* Chooses the directions that the range needs; all where the triangulation of fewer would give other neighbours. */
 static btf_result choose_directions(const btfi_directions *whole, const btf_range *range,
                                     const btf_log *log, subset *out) {
     const btfi_check check = {log, BTF_ERROR_MEMORY};
@@ -285,7 +285,7 @@ static void read_codes(const work *w, uint32_t level, uint32_t view, size_t t, s
         out[1 + k] = !bytes ? 0 : tight ? shift[2 * at + k] : atlas_byte(w->whole, view, t, 2 + k);
 }
 
-/* The same as the restriction stores them. */
+/* Turns codes as read into those that the restriction stores. */
 static void translate_codes(const work *w, uint8_t codes[3]) {
     const uint32_t effects = w->desc.info.effects;
     const bool hidden = codes[0] == 0 && (w->whole->info.effects & BTF_EFFECT_HIDDEN);
@@ -579,7 +579,7 @@ btf_result btf_material_restrict(const btf_material *material, const btf_plan *p
     return result;
 }
 
-/* A restriction that keeps everything: all that it does is to take the atlas apart. */
+/* A restriction that keeps everything: it only takes the atlas apart. */
 btf_result btf_material_to_tight(const btf_material *material, const btf_log *log,
                                  btf_material **out_material) {
     btf_material_info info = {.struct_size = sizeof info};

@@ -29,7 +29,7 @@ void btf_ref_slope(const float direction[3], int32_t out_slope[2]) {
     out_slope[1] = slope_component(direction[1], k);
 }
 
-/** A slope, or as much of it as the relief acts. */
+/** A slope, times the share of it by which relief acts. */
 static void faded_slope(const float direction[3], int32_t share, int32_t out_slope[2]) {
     btf_ref_slope(direction, out_slope);
     for (int i = 0; i < 2; ++i)
@@ -84,7 +84,7 @@ int32_t btf_ref_march(const btf_ref_material *material, const int32_t position[2
     return material->relief_base; /* not reached: the last step is not above the lowest height */
 }
 
-/** o_a of section 9, of 4096: less, the higher what stands before the point in a view. */
+/** o_a of section 9, of 4096: the less, the higher the surface that hides the point in a view rises. */
 static int32_t visible_share(const btf_ref_material *material, int32_t shown, int32_t seen, int32_t share) {
     int32_t above =
         btf_ref_shift_down(btf_ref_shift_down((shown - seen) * share, WEIGHT_BITS), material->level);

@@ -25,8 +25,8 @@ static float unit_of(uint32_t random) {
     return (float)(random >> 8) * 0x1p-24f;
 }
 
-/** A third number, of the two that are given: their product-sum, stirred (M. O'Neill's PCG, 2014, has these
- * factors). */
+/** A third number, of the two that are given: their sum of products, hashed with the constants of PCG
+ * (M. O'Neill, 2014). */
 static uint32_t third_number(uint32_t u1, uint32_t u2) {
     uint32_t h = u1 * 747796405u + u2 * 2891336453u + 277803737u;
     h = (h >> 16 ^ h) * 277803737u;

@@ -36,7 +36,7 @@ void btf_ref_random(const uint32_t counter[3], uint32_t out_random[3]) {
     out_random[2] = z;
 }
 
-/** Of directions above the horizon. */
+/** Makes a scene of light and view above the horizon. */
 static scene set_scene(const btf_ref_material *material, const btf_ref_options *options, int picks, float u,
                        float v, const float light[3], const float view[3]) {
     scene s = {.shared = btf_ref_make_situation(material, options, light, view),

@@ -81,7 +81,7 @@ btf_neighbours btf_lights_around(vec3 l, vec3 v, vec3 vector, bool nearest) {
     return lights;
 }
 
-/* What the directions themselves multiply by. */
+/* Sets the factors that depend on the directions alone: l * v, cosine and horizon. */
 void btf_set_factors(inout btf_setting s, vec3 l, vec3 v) {
     s.product = btf_mul(l, v);
 #if BTF_DOMAIN_SQRT
@@ -144,7 +144,7 @@ float btf_clamp(float y) {
     return y >= uintBitsToFloat(0x30800000u) ? min(y, 4294967296.0) : 0.0;
 }
 
-/* Radiance, before radianceScale, of what the model gives. */
+/* Radiance, before radianceScale, of the model's value y: its square in the square-root domain. */
 vec3 btf_radiance(vec3 y) {
     y = vec3(btf_clamp(y.x), btf_clamp(y.y), btf_clamp(y.z));
 #if BTF_DOMAIN_SQRT
@@ -272,7 +272,7 @@ float btf_view_weight(uint weight) {
 #if !BTF_STOCHASTIC
 #if BTF_RELIEF
 
-/* The texels around a position at which a view shows something, or the one that holds it; and their weights. */
+/* The texels around the position where a view shows the point, or the texel that holds it; and their weights. */
 uvec4 btf_shown_texels(out uvec2 x[BTF_TEXELS], ivec2 shown, int level) {
     uvec2 at = uvec2(shown), size = btf_size(level);
 #if BTF_BILINEAR
@@ -284,7 +284,7 @@ uvec4 btf_shown_texels(out uvec2 x[BTF_TEXELS], ivec2 shown, int level) {
 }
 
 #if BTF_FACTORS
-/* The residual of what each view shows, [view][texel]. */
+/* The residual at the texels that each view shows, [view][texel]. */
 void btf_shown_factors(out vec3 residual[BTF_FACTOR_SUMS], btf_setting s) {
     uvec2 source[BTF_FACTOR_SUMS];
     for (int a = 0; a < s.n_views; ++a) {
@@ -363,7 +363,7 @@ vec3 btf_shifted_views(btf_setting s) {
 
 #else
 
-/* Adds what each texel shows in one sampled view, weighted, to its sum. */
+/* Adds the radiance of each texel in one sampled view, weighted, to its sum. */
 void btf_add_view(inout vec3 sum[BTF_TEXELS], vec3 radiance[BTF_TEXELS], uint weight) {
     for (int i = 0; i < BTF_TEXELS; ++i)
         sum[i] = btf_add(sum[i], btf_mul(radiance[i], btf_view_weight(weight)));

@@ -4,7 +4,7 @@
  */
 
 #if !BTF_STOCHASTIC
-/* Radiance at texture coordinates, seen from v, of which s has all else. */
+/* Radiance at texture coordinates uv, seen from v, with the prepared setting s of light and view. */
 vec3 btf_evaluate_setting(vec2 uv, vec3 v, btf_setting s) {
     int level = s.level;
     uvec2 size = btf_size(level);

@@ -1,8 +1,8 @@
 /* OpenBTF shaders: the values that a fold keeps (decoder/README.md, Folding), and the radiance of several lights that
  * were folded together.
  *
- * A fold is made by a variant that decodes what the folded one is to show, but without relief, which acts on what is
- * kept, and one texel at a time: texel (column, row) of `folded` holds in R, G and B the bits of these values, A is 0.
+ * A fold is made by a variant with the options of the folded one, but without relief, which acts on the folded values,
+ * and one texel at a time: texel (column, row) of `folded` holds in R, G and B the bits of these values, A is 0.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -26,8 +26,8 @@ vec3 btf_evaluate_folded(vec2 uv, vec3 v, int light, int level) {
 #if !BTF_BILINEAR && !BTF_RELIEF && !BTF_STOCHASTIC
 
 #if BTF_COLOUR == 2 && !BTF_GLOSS
-/* Of texel x in a sampled view under light l: what is blended of the views, before it is weighted. An SBRDF depends on
- * the viewer between samples, and with gloss so do a view's lights: nothing of a light alone can be kept there. */
+/* The value of texel x in a sampled view under light l, before views are weighted and blended. An SBRDF depends on the
+ * viewer between samples, and with gloss so do a view's lights: no value of a light alone can be kept there. */
 vec3 btf_fold_light(uvec2 x, vec3 l, uint view, int level) {
     if (!btf_is_above(l))
         return vec3(0.0);
@@ -47,7 +47,7 @@ vec3 btf_fold_light(uvec2 x, vec3 l, uint view, int level) {
 }
 #endif
 
-/* Radiance of texel x under light l from v: what a filter blends. */
+/* Radiance of texel x under light l from v, before filtering. */
 vec3 btf_fold_both(uvec2 x, vec3 l, vec3 v, int level) {
     if (!btf_is_above(l) || !btf_is_above(v))
         return vec3(0.0);

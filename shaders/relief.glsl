@@ -68,8 +68,8 @@ uint btf_occlude(uint weight, ivec2 x, ivec2 s, int z, int e, int level) {
 
 #endif
 
-/* Where the first n views show the point that is seen at x from v, unwrapped; what hides it there takes from their
- * weights. At a level where relief has ended each shows it at x. */
+/* Where the first n views show the point that is seen at x from v, unwrapped; lowers the weights of views that show it
+ * hidden. At a level where relief has ended each shows it at x. */
 void btf_relief(out ivec2 shown[3], inout btf_neighbours views, int n, vec4 vector[3], ivec2 x, vec3 v, int level) {
 #ifdef BTF_RELIEF_END
     shown[0] = shown[1] = shown[2] = x;

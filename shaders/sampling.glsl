@@ -9,7 +9,7 @@ float btf_unit(uint random) {
     return btf_mul(float(random >> 8u), uintBitsToFloat(0x33800000u));
 }
 
-/* A third number, of the two that are given. */
+/* A third number, hashed from the two given, with the constants of PCG (M. O'Neill, 2014). */
 uint btf_third_number(uint u1, uint u2) {
     uint h = u1 * 747796405u + u2 * 2891336453u + 277803737u;
     h = (h >> 16u ^ h) * 277803737u;
@@ -29,7 +29,7 @@ float btf_share(uint part, uint whole) {
     return min(share, uintBitsToFloat(0x3F7FFFFFu));
 }
 
-/* A direction whose density is its cosine over pi: a point of the disc, lifted. */
+/* A direction whose density is its cosine over pi: a point of the disc, lifted (N. Malley's method). */
 vec3 btf_cosine_direction(float u1, float u2) {
     float quarters = btf_mul(u2, 4.0);
     int quarter = int(quarters);
@@ -103,7 +103,7 @@ float btf_pdf_light(vec2 uv, vec3 v, vec3 l) {
 }
 
 /* A direction to the light, drawn in proportion to what the material reflects to v, from two numbers of 32 random bits,
- * and its density over the solid angle. uv is not looked at so far. A view below the horizon gets the normal and 0. */
+ * and its density over the solid angle. uv has no influence so far. A view below the horizon gets the normal and 0. */
 vec3 btf_sample_light(vec2 uv, vec3 v, uint u1, uint u2, out float pdf) {
     pdf = 0.0;
     vec3 l = vec3(0.0, 0.0, 1.0);

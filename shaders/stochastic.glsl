@@ -29,7 +29,7 @@ int btf_pick(uvec3 weight, uint number) {
     return number < weight.x ? 0 : (number < weight.x + weight.y ? 1 : 2);
 }
 
-/* All but the lights, which may depend on the view; the position in 2^-18 of a texel. */
+/* Prepares all of s but the lights, which may depend on the view; returns the position in 2^-18 of a texel. */
 uvec2 btf_set_scene(out btf_setting s, vec2 uv, vec3 l, vec3 v, int level) {
     uvec2 size = btf_size(level);
     uvec2 at = uvec2(btf_coordinate(uv.x, size.x), btf_coordinate(uv.y, size.y));
@@ -52,7 +52,7 @@ void btf_set_lights(inout btf_setting s, vec3 l, vec3 v, int a) {
 #endif
 }
 
-/* Light b alone of those of the view. */
+/* Keeps light b alone, with the whole weight, of the lights of s. */
 void btf_take_light(inout btf_setting s, int b) {
     s.lights = btf_neighbours(uvec3(btf_component(s.lights.index, b)), uvec3(4096u, 0u, 0u));
     s.n = 1;
@@ -222,7 +222,7 @@ vec3 btf_evaluate_stochastic_between(vec2 uv, vec3 l, vec3 v, float level, uvec3
     return btf_choose(uv, l, v, (at >> 8) + (int((random.z >> 8u) & 255u) < (at & 255) ? 1 : 0), random);
 }
 
-/* The mean of btf_evaluate_stochastic: neighbours decoded to radiance, then blended. As slow as that sounds. */
+/* The mean of btf_evaluate_stochastic: every neighbour decoded to radiance, then blended. Slow. */
 vec3 btf_evaluate_radiance_blend(vec2 uv, vec3 l, vec3 v) {
     return btf_blend_choices(uv, l, v, 0);
 }

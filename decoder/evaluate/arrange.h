@@ -10,7 +10,7 @@
 
 #pragma GCC visibility push(hidden)
 
-/* Fills what evaluator and levels have of the residual. Errors: BTF_ERROR_MEMORY; what was made before
+/* Fills in the members of the evaluator and its levels that describe the residual. Errors: BTF_ERROR_MEMORY; what was made before
  * stays. */
 btf_result btfi_arrange_residual(const btf_material *material, btf_evaluator *evaluator);
 

@@ -1,4 +1,4 @@
-/* All of an evaluation that its light and view settle, whatever the texel (FORMAT.md sections 6 and 9).
+/* The part of an evaluation that depends on light and view alone (FORMAT.md sections 6 and 9).
  *
  * SPDX-License-Identifier: MIT
  */

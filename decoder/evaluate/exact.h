@@ -30,13 +30,13 @@ BTFI_INLINE float btfi_float(uint32_t bits) {
     return x;
 }
 
-/* Of -2^31 <= x < 2^31. */
+/* The greatest integer <= x; -2^31 <= x < 2^31. */
 BTFI_INLINE int32_t btfi_floor(float x) {
     const int32_t truncated = (int32_t)x;
     return truncated - ((float)truncated > x);
 }
 
-/* x normal and positive. */
+/* log2 of section 8; x normal and positive. */
 BTFI_INLINE float btfi_log2(float x) {
     const int32_t i = (int32_t)(btfi_bits(x) - 0x3F3504F3u);
     const float f = btfi_float(((uint32_t)i & 0x7FFFFFu) + 0x3F3504F3u) - 1.0f;
@@ -51,7 +51,7 @@ BTFI_INLINE float btfi_log2(float x) {
     return (float)(i >> 23) + f * p;
 }
 
-/* -60 <= x <= 40. */
+/* exp2 of section 8; -60 <= x <= 40. */
 BTFI_INLINE float btfi_exp2(float x) {
     const int32_t i = btfi_floor(x + 0.5f);
     const float f = x - (float)i;
@@ -74,7 +74,7 @@ BTFI_INLINE float btfi_pow(float base, float exponent) {
     return some && !low ? r : 0.0f;
 }
 
-/* 0.5 <= x <= 4. */
+/* 1 / x by section 8's Newton steps; 0.5 <= x <= 4. */
 BTFI_INLINE float btfi_reciprocal(float x) {
     float r = btfi_float(0x7EF311C7u - btfi_bits(x));
     for (int step = 0; step < 4; step++)
@@ -82,7 +82,7 @@ BTFI_INLINE float btfi_reciprocal(float x) {
     return r;
 }
 
-/* Every half that section 2 accepts, and the rest too. */
+/* Half to float: every half that section 2 accepts, and the rest too. */
 BTFI_INLINE float btfi_half(uint16_t half) {
     const uint32_t sign = (uint32_t)(half & 0x8000u) << 16, magnitude = half & 0x7FFFu;
     if (magnitude < 0x400u) /* zero, denormal */
@@ -90,7 +90,7 @@ BTFI_INLINE float btfi_half(uint16_t half) {
     return btfi_float(sign | ((magnitude << 13) + (magnitude < 0x7C00u ? 112u << 23 : 224u << 23)));
 }
 
-/* 0 below 2^-30, at most 2^32. */
+/* The value, or 0 below 2^-30; at most 2^32. */
 BTFI_INLINE float btfi_keep_within(float value) {
     return !(value >= 0x1p-30f) ? 0.0f : value > 0x1p32f ? 0x1p32f : value;
 }

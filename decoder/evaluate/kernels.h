@@ -1,4 +1,4 @@
-/* The loops that take most of the time, once for every machine and once for AVX2; both give the same bits.
+/* The loops that take most of the time, compiled for every machine and again for AVX2; both give the same bits.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -27,7 +27,7 @@ typedef struct btfi_kernels {
     /* Section 9, residual, of the first k components. */
     void (*components)(const btf_evaluator *evaluator, const btfi_level *level, uint32_t k,
                        const btfi_seen *seen, float out_r[][3]);
-    /* values[i] = pow(values[i], exponents[i]); count is made a multiple of 8: so long both arrays must be.
+    /* values[i] = pow(values[i], exponents[i]); count is rounded up to a multiple of 8: both arrays must be that long.
      */
     void (*powers)(int count, const float *exponents, float *values);
 } btfi_kernels;

@@ -32,8 +32,7 @@ typedef struct group {
     btfi_sources sources[3];
 } group;
 
-/* Groups that are at work at a time, so that the memory brings what one needs while others are worked at.
- */
+/* Groups in progress at a time, so that the memory fetches for one while others are computed. */
 enum { GROUPS = 4 };
 
 /* Section 9, Texture coordinates. */
@@ -84,7 +83,7 @@ static void add_footprint(const btfi_level *l, btf_filter filter, uint32_t tu, u
     }
 }
 
-/* The sum over views, and what follows it; values[a] is that of view a. */
+/* The sum over views, and the steps of section 9 after it; values[a] is that of view a. */
 static void blend_views(const btf_evaluator *e, int count, const int32_t weights[3],
                         const float *const values[3], float out_rgb[3]) {
     for (int c = 0; c < 3; c++) {

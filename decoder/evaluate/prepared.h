@@ -21,7 +21,7 @@ typedef struct btfi_unit {
 } btfi_unit;
 
 typedef struct btfi_level {
-    uint32_t width, height, shift; /* shift: of detail, reliefLevel included */
+    uint32_t width, height, shift; /* shift: level of detail, reliefLevel added */
     const void *sbrdf;
     const uint8_t *shadow, *shifts, *gain, *points, *point_lists, *point_indices, *heights;
     uint8_t *u;         /* [texel][u_bytes] codes of factors, in the order of those of w */

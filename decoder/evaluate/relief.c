@@ -62,7 +62,7 @@ static int32_t march(const btf_evaluator *e, const btfi_level *l, const int32_t 
     return base;
 }
 
-/* o_a, of 4096. */
+/* o_a of section 9, of 4096: the share of a view that is left after occlusion. */
 static int32_t visible_share(const btfi_level *l, int32_t shown, int32_t seen, int32_t share) {
     const int32_t o = 6144 - 8 * ((shown - seen) * share >> 12 >> l->shift);
     return o < 1229 ? 1229 : o > 4096 ? 4096 : o;

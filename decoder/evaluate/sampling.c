@@ -13,7 +13,7 @@
 
 #define PI 3.14159265358979323846
 
-/* Texels whose mean stands for the material, and evaluations in all that they may take. */
+/* Texels whose mean stands for the material, and the most evaluations that these may take in all. */
 enum { MOST_TEXELS = 64, MOST_EVALUATIONS = 1 << 22, PLANE = 8192 };
 
 /* Shares of the cosine that are tried. The least of them bounds the harm: where a light stands in a place that the
@@ -21,7 +21,7 @@ enum { MOST_TEXELS = 64, MOST_EVALUATIONS = 1 << 22, PLANE = 8192 };
 enum { SHARES = 9 };
 static const double least_share = 10.0 / 11;
 
-/* Of the disc of area pi: lights that lie on a line, but for rounding, are no triangles to sample. */
+/* The least area of all triangles, in a disc of area pi: below it the lights lie on a line but for rounding. */
 static const double least_area = 1.0 / 64;
 
 /* Columns and rows of texels spread over the material (the R2 sequence of M. Roberts, 2018). */
@@ -83,8 +83,8 @@ static double cosine_at(double z) {
     return z * (1 + z) * (1 + z) / PI;
 }
 
-/* A view: densities in the plane, at each light, that it would best have; `beyond` is their ratio to the
- * cosine's outside of the triangles, where no light is, and `outside` the part of the cosine's there. */
+/* The densities in the plane, at each light, that suit a view best; `beyond` is their ratio to the cosine's density
+ * outside of the triangles, where no light is, and `outside` the part of the cosine's that lies there. */
 typedef struct target {
     const btf_directions *lights;
     double *density;
@@ -101,7 +101,7 @@ static double sum_over_triangles(const btf_directions *lights, const double *val
     return sum;
 }
 
-/* From luminance at each light. The outermost lights say how radiance goes on beyond them. */
+/* Makes the target from luminance at each light; beyond the outermost lights theirs is taken to go on. */
 static void aim(const btf_directions *lights, double *luminance, double *scratch, target *out) {
     double rim = 0, rim_cosine = 0;
     for (uint32_t l = 0; l < lights->count; l++) {
@@ -122,8 +122,8 @@ static void aim(const btf_directions *lights, double *luminance, double *scratch
     out->beyond = total > 0 ? out->beyond / total : 0;
 }
 
-/* Densities beside a share of the cosine: what the target exceeds it by. Returns false where that is
- * nothing. */
+/* Densities to add to a share of the cosine: the excess of the target over it. Returns false where there is
+ * none. */
 static bool exceed(const target *t, double share, double *out) {
     for (uint32_t l = 0; l < t->lights->count; l++)
         out[l] = fmax(t->density[l] - share * cosine_at((double)t->lights->xyz[3 * (size_t)l + 2]), 0);

@@ -64,7 +64,7 @@ static appearance packed(const btf_evaluator *e, const btfi_way *way, const uint
     return seen;
 }
 
-/* Of a code of the gain and bytes of the shift, as far as the file stores them: 128, 0 and 0 else. */
+/* From a code of the gain and bytes of the shift; where the file does not store them these are 128, 0 and 0. */
 static appearance separate(const btf_evaluator *e, const btfi_way *way, uint32_t code, uint32_t byte0,
                            uint32_t byte1) {
     appearance seen = {false, 0, 0, 0, 1.0f};
@@ -122,8 +122,7 @@ static appearance look_at(const btf_evaluator *e, const btfi_level *l, const btf
                     bytes[1]);
 }
 
-/* Lines of memory that a row of so many bytes is awaited in, at most: the machine brings the rest by
- * itself. */
+/* Prefetches the first cache lines of a row of so many bytes: the machine brings the rest by itself. */
 static void await(const void *row, size_t bytes) {
     enum { LINE = 64, MOST_LINES = 8 };
     for (size_t i = 0; i < bytes && i < LINE * MOST_LINES; i += LINE)
@@ -150,7 +149,7 @@ void btfi_await_points(const btf_evaluator *e, const btfi_level *l, const btfi_s
     }
 }
 
-/* Asks for the parameters of a source. */
+/* Prefetches the parameters of a source. */
 static void await_source(const btf_evaluator *e, const btfi_level *l, const btfi_sources *sources, int i) {
     const size_t texel = sources->seen.texel[i], texels = (size_t)l->width * l->height;
     if (l->u)
@@ -275,7 +274,7 @@ static void centre_value(const btf_evaluator *e, const btfi_neighbours *lights, 
         out[c] = (float)sum[c] * (e->info.centre_scale * 0x1p-12f);
 }
 
-/* From y before the gain to what is blended. */
+/* Turns y before the gain into the value that is blended, a root or radiance. */
 static void finish(const btf_evaluator *e, const btfi_sources *sources, int i, float y[3]) {
     const bool roots = e->info.blend == BTF_BLEND_ROOTS;
     if (sources->centre[i] >= 0) {

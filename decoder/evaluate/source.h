@@ -23,11 +23,11 @@ typedef struct btfi_sources {
     int32_t centre[BTFI_MOST_POINTS]; /* of a hidden point, else -1 */
 } btfi_sources;
 
-/* Asks the memory for what btfi_find_sources() will read. */
+/* Prefetches the memory that btfi_find_sources() will read. */
 void btfi_await_points(const btf_evaluator *evaluator, const btfi_level *level,
                        const btfi_situation *situation, const btfi_points *const points[3]);
 
-/* Finds the sources of points in each neighbouring view, and asks the memory for their parameters.
+/* Finds the sources of points in each neighbouring view, and prefetches their parameters.
  * points[a] may be the same for all views. */
 void btfi_find_sources(const btf_evaluator *evaluator, const btfi_level *level, const btfi_way *way,
                        const btfi_situation *situation, const btfi_points *const points[3],

@@ -1,4 +1,4 @@
-/* OpenBTF: what a folded shader still reads of a material.
+/* OpenBTF: the part of a material that a folded shader still reads.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -9,10 +9,10 @@
 
 #pragma GCC visibility push(hidden)
 
-/* The material as a shader that reads a fold sees it: no effect but relief, which acts on what was kept. */
+/* The material as a shader that reads a fold sees it: no effect but relief, which acts on the folded values. */
 btf_material_info btfi_folded_info(const btf_material_info *info, btf_fold fold);
 
-/* Fills in what a plan says of a fold. */
+/* Fills in the members of a plan that describe its fold. */
 void btfi_fold_plan(const btf_material *material, btf_plan *plan);
 
 #pragma GCC visibility pop

@@ -1,4 +1,4 @@
-/* What drawing in a GL context of the caller's takes: programs, and all state set aside and put back.
+/* Draws in a GL context of the caller's: programs, and saving and restoring all state that drawing changes.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -1,4 +1,4 @@
-/* What drawing in a GL context of the caller's takes: programs, and all state set aside and put back.
+/* Draws in a GL context of the caller's: programs, and saving and restoring all state that drawing changes.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -20,7 +20,7 @@ typedef struct btfi_gl_state {
     btfi_gl_unpack unpack;
 } btfi_gl_state;
 
-/* Keeps the state in *s and sets what drawing into integer textures wants; puts it back. */
+/* Saves the state in *s and sets that which drawing into integer textures needs; restores it. */
 void btfi_gl_save_state(const btfi_gl_functions *gl, btfi_gl_state *s);
 void btfi_gl_restore_state(const btfi_gl_functions *gl, const btfi_gl_state *s);
 
@@ -28,7 +28,7 @@ void btfi_gl_restore_state(const btfi_gl_functions *gl, const btfi_gl_state *s);
 void btfi_gl_version(const btfi_gl_functions *gl, char *out_line, size_t size);
 
 /* A program that fills the viewport from a fragment shader of `count` pieces, the first of which is its
- * version; 0 when GL refuses it, which log is told of as `what`. */
+ * version; 0 when GL refuses it, with a message on log that names it `what`. */
 uint32_t btfi_gl_program(const btfi_gl_functions *gl, int count, const char *const *fragment_parts,
                          const char *what, const btf_log *log);
 

@@ -202,7 +202,7 @@ static double best_unit_move(const search *s, const enc_factor_plan *from, doubl
     return least;
 }
 
-/* Brings a plan to so many units of one and of two texels of u, then moves what gains. */
+/* Brings a plan to so many units of one and of two texels of u, then makes the moves that gain. */
 static double fit_units(const search *s, const uint32_t units[2], enc_factor_plan *plan) {
     double error = error_of(s, plan);
     for (size_t u_texels = 1; u_texels <= 2; u_texels++) {
@@ -272,7 +272,7 @@ static enc_factor_plan rough_plan(const search *s, double budget) {
     size_t counts[ENC_FACTOR_CLASSES][ENC_FACTOR_CHANNELS];
     double high = 1e-30;
     for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
-        high += s->sums[c][s->energies->rank[c]]; /* nothing is worth that much */
+        high += s->sums[c][s->energies->rank[c]]; /* a price at which nothing is bought */
     }
     double low = 1e-18 * high;
     for (int i = 0; i < BISECTIONS; i++) {

@@ -1,7 +1,7 @@
 /* Budgets for a quality. See quality.h.
  *
- * The allocation expects of each budget an error that is too large, as descent on the codes takes part of
- * it back, and counts roots where a quality counts sRGB codes: what comes out is some dB more, by an amount
+ * The allocation expects too large an error of each budget, as descent on the codes takes part of it back,
+ * and counts roots where a quality counts sRGB codes: an encode reaches some dB more, by an amount
  * that changes little from budget to budget. Between two that were tried it is taken to change evenly with
  * the logarithm of bytes.
  *
@@ -49,7 +49,7 @@ bool enc_quality_begin(const enc_factor_energies *energies, size_t texels, size_
     return true;
 }
 
-/* What comes out of a budget over what is expected. */
+/* dB by which the quality of a budget exceeds the expected one, measured or interpolated. */
 static double above_at(const enc_quality_search *s, size_t index) {
     if (s->fails == s->count) {
         return s->above[0];

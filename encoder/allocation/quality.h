@@ -15,10 +15,9 @@ typedef struct enc_quality_search {
     double quality; /* dB */
     size_t count;
     uint64_t budget[ENC_QUALITY_BUDGETS];
-    double
-        expected[ENC_QUALITY_BUDGETS]; /* dB of roots that the allocation expects; what comes out is more */
-    size_t reaches, fails;             /* of those that were tried; fails: `count` while none has */
-    double above[2];                   /* what came out over what was expected, of these two */
+    double expected[ENC_QUALITY_BUDGETS]; /* dB of roots that the allocation expects; encodes reach more */
+    size_t reaches, fails;                /* of those that were tried; fails: `count` while none has */
+    double above[2];                      /* dB reached over those expected, of these two */
 } enc_quality_search;
 
 /* Lists budgets for components of these energies, from `most`, which reached `decibels`, down to `least`,
@@ -31,7 +30,7 @@ bool enc_quality_begin(const enc_factor_energies *energies, size_t texels, size_
  * the smallest that has; `count` where none is left between what reaches and what fails. */
 size_t enc_quality_next(const enc_quality_search *search);
 
-/* Notes what came out of a budget. */
+/* Notes the quality that the encode of a budget reached. */
 void enc_quality_note(enc_quality_search *io_search, size_t index, double decibels);
 
 #endif

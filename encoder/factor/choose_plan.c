@@ -1,8 +1,8 @@
 /* Trials of plans. See choose_plan.h.
  *
- * The allocation takes it that each component keeps what its own rounding leaves. Descent makes up for part
- * of that, so that strong components in 4 bits cost far less than they say; of one unit of UBO_IMPALLA64 all
- * in 4 bits the allocation expects 22 dB, and 30 come out. Among many units the difference is small and
+ * The allocation takes it that the rounding error of each component stays. Descent makes up for part of it, so that
+ * strong components in 4 bits lose far less than their rounding; of one unit of UBO_IMPALLA64 all in 4 bits the
+ * allocation expects 22 dB, and 30 come out. Among many units the difference is small and
  * alike for all plans; where there are few, the classes that it leaves out are rounded and compared.
  *
  * SPDX-License-Identifier: MIT
@@ -18,7 +18,7 @@
 
 enum { MOST_SWEEPS = 1, THOUGHTS = 7 };
 
-/* Parts of the errors of 4 bits, and of 2, that the allocation is to count, one trial each. */
+/* Shares of the rounding errors of 4 bits, and of 2, that the allocation counts; one trial for each pair. */
 static const double thoughts[THOUGHTS][2] = {{1, 2},      {0.5, 0.5},  {0.25, 0.5}, {0.1, 0.25},
                                              {0.03, 0.1}, {0.1, 0.03}, {0.03, 0.03}};
 
@@ -68,7 +68,7 @@ static btf_result error_of(const enc_factor_matrix *m, const enc_components comp
     return result;
 }
 
-/* The plan that a thought leads to; false where none fits, or it is not new. */
+/* The plan that the allocation makes of a pair of shares; false where none fits, or an earlier pair gave it. */
 static bool think(const enc_factor_matrix *m, const enc_components components[ENC_FACTOR_CHANNELS],
                   const double thought[2], uint64_t budget, const enc_factor_plan *known, int n_known,
                   enc_factor_plan *out) {

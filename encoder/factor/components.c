@@ -12,11 +12,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Energy over that of the first component below which products in float find only their own rounding. */
+/* Energy, as a share of the first component's, below which products in float find only their own rounding. */
 #define LEAST_ENERGY 1e-11
 
 enum { MOST_ROUNDS = 6 };
-/* From here on a round of Cholesky QR does not end at orthonormal rows in float. */
+/* From this deviation on, one round of Cholesky QR does not make rows orthonormal in float. */
 #define FAR 0.1
 
 static btf_result no_memory(const enc_factor_matrix *m, size_t rank) {
@@ -31,7 +31,7 @@ static void fill_random(size_t count, uint32_t seed, float *out) {
     }
 }
 
-/* How far rows are from orthonormal, by their Gram matrix. */
+/* How far rows are from being orthonormal, by their Gram matrix. */
 static double deviation(size_t rank, const double *gram) {
     double most = 0;
     for (size_t i = 0; i < rank * rank; i++) {
@@ -40,8 +40,8 @@ static double deviation(size_t rank, const double *gram) {
     return most;
 }
 
-/* By two rounds of Cholesky QR, whose Gram matrices are in double: the rows of a random product are almost
- * parallel. Where the data have far fewer components than rows are wanted, most rows are rounding of others, and
+/* By two rounds of Cholesky QR (Yamamoto, Nakatsukasa, Yanagisawa and Fukaya 2015), whose Gram matrices are in double:
+ * the rows of a random product are almost parallel. Where the data have far fewer components than rows are wanted, most rows are rounding of others, and
  * a round or two more are needed. */
 bool enc_components_orthonormalise(const enc_factor_matrix *m, size_t rank, size_t count, float *x) {
     double *gram = malloc(2 * rank * rank * sizeof *gram), *inverse = gram ? gram + rank * rank : NULL;

@@ -11,10 +11,9 @@
 
 typedef struct enc_components {
     size_t rank;
-    float *u, *w; /* [rank][texel], [rank][column]: of equal lengths, the root of the singular value each */
-    double
-        *energy; /* [rank]: squared singular values, falling; what is nought beside the first is left out */
-    size_t sought; /* components that were asked for, at most the smaller side of the matrix */
+    float *u, *w; /* [rank][texel], [rank][column]: u_j and w_j have equal lengths, the root of the singular value */
+    double *energy; /* [rank]: squared singular values, falling; those that are nought beside the first are left out */
+    size_t sought;  /* components that were asked for, at most the smaller side of the matrix */
 } enc_components;
 
 /* Finds rank[channel] components of each channel by a randomised range finder with `power_steps` steps of

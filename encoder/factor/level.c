@@ -1,4 +1,4 @@
-/* u of a level of detail, with w held. See level.h.
+/* Fits u of a level of detail to w, which stays as it is. See level.h.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -213,7 +213,7 @@ static btf_result fit_texels(const level_fit *fit, uint32_t *out) {
                              ENC_STORE_WORDS * sizeof *out, out);
 }
 
-/* A level has no match: every texel is its own source, with the gain that is nearest to 1. */
+/* Further levels have no match: every texel is its own source, with the gain that is nearest to 1. */
 static bool fill_points(const enc_solution *base, enc_solution *level) {
     const size_t points = enc_solution_texels(level) * (size_t)level->n_views;
     if (!base->shift)

@@ -1,4 +1,4 @@
-/* Sources, gains and who uses them. See match.h.
+/* Sources, gains, and the texels that refer to each source. See match.h.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FIRST_GAIN 0.25f /* of those that the first search may take */
+#define FIRST_GAIN 0.25f /* the least gain that the first search may take */
 #define FIRST_STEP 0.015625f
 
 btf_result enc_match_create(const enc_context *context, int width, int height, size_t views, bool gains,

@@ -17,8 +17,8 @@
 
 enum {
     ENC_MATCH_REACH = 32,  /* shifts of columns and rows are within -32 .. 31 */
-    ENC_MATCH_GAINS = 16,  /* that a point may have */
-    ENC_MATCH_TRIED = 112, /* that the first search may take, before there is a scale of so few */
+    ENC_MATCH_GAINS = 16,  /* different gains that points may have */
+    ENC_MATCH_TRIED = 112, /* gains that the first search may take, before the scale of ENC_MATCH_GAINS is fitted */
     /* A texel's list of pairs of source and gain, in which its points, (texel, view), have an index.
      * BRICKS64 at 2.36 MB: lists of 16 33.77 / 31.41 dB, of 8 33.5 / 31.2, pairs of their own for all
      * points 33.7 / 31.2, no match 33.2 / 31.1. */
@@ -37,7 +37,7 @@ typedef struct enc_match {
     enc_match_gains gains;
     uint32_t *source; /* [view][texel] */
     uint8_t *gain;    /* [view][texel]: index of a gain */
-    /* Who has a source in a view, as enc_match_count_users left it: texels user[first[i]] .. user[first[i +
+    /* The users of a source in a view, as enc_match_count_users lists them: texels user[first[i]] .. user[first[i +
      * 1] - 1], i = source * views + view, and the sum of the squares of their gains. */
     uint32_t *first, *user;
     float *weight; /* [source][view] */

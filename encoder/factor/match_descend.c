@@ -1,7 +1,6 @@
 /* Weighted coordinate descent. See match_descend.h.
  *
- * A source z has the weight h(z, v) in view v, the sum of the squares of the gains of those who refer to
- * it. So the Gram matrix that a column of w sees is one a view, U^T diag(h_v) U, and that which a texel of
+ * A source z has the weight h(z, v) in view v, the sum of the squares of its users' gains. So the Gram matrix that a column of w sees is one a view, U^T diag(h_v) U, and that which a texel of
  * u sees is one a texel, sum over v of h(z, v) W_v W_v^T: a product of all views' matrices, as rows, with
  * the weights of a few texels.
  *
@@ -40,7 +39,7 @@ typedef struct lanes {
     float views[ENC_FACTOR_TIERS]; /* factors of the view, 1 for u */
 } lanes;
 
-/* seen = sum over k of gram[k] * x[k], the Gram matrix being that of all lanes. */
+/* seen = G x: sum over k of gram[k] * x[k], with one Gram matrix for all lanes. */
 ENC_CLONES static void see_shared(size_t rank, const float *restrict gram, const float *restrict x,
                                          float *restrict seen) {
     float sum[LANES] = {0};
@@ -52,8 +51,8 @@ ENC_CLONES static void see_shared(size_t rank, const float *restrict gram, const
     memcpy(seen, sum, sizeof sum);
 }
 
-/* Adds to seen [BLOCK][LANES] what the components first .. first + n - 1 see of those behind them, every
- * lane having a Gram matrix of its own. */
+/* Adds to seen [BLOCK][LANES], for the components first .. first + n - 1, the part of G x that comes from those behind
+ * them, every lane having a Gram matrix of its own. */
 ENC_CLONES static void see_behind(size_t rank, size_t first, size_t n, const float *restrict gram,
                                   const float *restrict x, float *restrict seen) {
     for (size_t k = first + n; k < rank; k++) {
@@ -66,7 +65,7 @@ ENC_CLONES static void see_behind(size_t rank, size_t first, size_t n, const flo
     }
 }
 
-/* Adds to seen [rank][LANES] what those behind them see of the components first .. first + n - 1. */
+/* Adds to seen [rank][LANES], for those behind them, the part of G x of the components first .. first + n - 1. */
 ENC_CLONES static void tell_behind(size_t rank, size_t first, size_t n, const float *restrict gram,
                                    const float *restrict x, float *restrict seen) {
     for (size_t k = first + n; k < rank; k++) {
@@ -83,7 +82,7 @@ ENC_CLONES static void tell_behind(size_t rank, size_t first, size_t n, const fl
     }
 }
 
-/* Adds to seen [LANES] what component j sees of first .. first + n - 1, of which it is one. */
+/* Adds to seen [LANES], for component j, the part of G x of first .. first + n - 1, of which it is one. */
 ENC_CLONES static void see_beside(size_t j, size_t first, size_t n, const float *restrict gram,
                                   const float *restrict x, float *restrict seen) {
     for (size_t k = first; k < first + n; k++) {
@@ -94,7 +93,7 @@ ENC_CLONES static void see_beside(size_t j, size_t first, size_t n, const float 
     }
 }
 
-/* A component goes to its best value in all lanes. */
+/* Sets a component to its best value in all lanes. */
 ENC_CLONES static void settle(bool round, enc_factor_levels levels, float step,
                                      const float *restrict diagonal, const float *restrict product,
                                      const float *restrict seen, float *restrict x) {

@@ -170,7 +170,7 @@ typedef struct search_sums {
     double own, left, energy; /* squares: what a texel's own factors leave, sources and gains, and samples */
 } search_sums;
 
-/* How far the profiles of a block are from what their own texels' factors say. */
+/* Squared distance of a block's profiles from those that their own texels' factors give. */
 static double own_error(const enc_match *match, const enc_match_coordinates *at) {
     const size_t texels = enc_match_area_texels(&at->block), sources = enc_match_area_texels(&at->sources);
     double error = 0;
@@ -222,7 +222,7 @@ static void copy_block(const enc_match_coordinates *block, enc_match *match, uin
     }
 }
 
-/* Completes the points, of which each rank has those of some blocks. */
+/* Gives every rank all points, of which each rank has found those of some blocks. */
 static btf_result share_blocks(const enc_context *context, btf_result result, enc_match *match) {
     const size_t points = match->texels * match->views, ranks = (size_t)enc_ranks_count(context);
     const size_t blocks = (size_t)enc_match_blocks(match);
@@ -261,7 +261,7 @@ static btf_result share_blocks(const enc_context *context, btf_result result, en
     return result;
 }
 
-/* Some blocks, one after the other; sums [block]. */
+/* Searches some blocks, one after the other; sums [block]. */
 static btf_result search_some(const enc_factor_matrix *m, const enc_match_bases *bases,
                               const enc_factor_codes *codes, block_steps steps, size_t first, size_t end,
                               enc_match_coordinates *at, enc_match *match, search_sums *sums) {
@@ -310,8 +310,8 @@ static btf_result search_blocks(const enc_factor_matrix *m, const enc_match_base
     return result;
 }
 
-/* A search, and lists for what it found. The first one finds the scale of gains between the two, which takes
- * all blocks. */
+/* Searches, then restricts each texel to a list. The first search has the scale of gains fitted between the two, for
+ * which all blocks must have been searched. */
 static btf_result search(const enc_factor_matrix *m, const enc_match_bases *bases, bool first,
                          enc_match *match, const enc_factor_codes *codes, search_sums *out_sums) {
     const bool split = first && match->gains.count > 1;
@@ -361,7 +361,7 @@ static btf_result play_rounds(const enc_factor_matrix *m, const enc_match_bases 
     return result;
 }
 
-/* Factors found to components, and the plan for them. */
+/* Turns the factors found into components, and makes the plan for them. */
 static btf_result plan_anew(const enc_factor_matrix *m, uint64_t budget, enc_factor_codes *codes,
                             enc_components components[3], enc_factor_plan *plan) {
     enc_factor_energies energies = {.rounding = NULL};

@@ -59,7 +59,7 @@ typedef struct workspace {
     float *query; /* [view][k] */
     float *dot;   /* [pair][view] of profile and source */
     float *value; /* [pair][view]: how much of the energy of the view's profile the pair takes */
-    float *has;   /* [view]: that of the pair that it has */
+    float *has;   /* [view]: the value of the pair that it has been given */
 } workspace;
 
 static size_t workspace_floats(size_t views, size_t k) {
@@ -105,7 +105,7 @@ static void fill_values(const enc_match *match, const enc_match_coordinates *at,
     }
 }
 
-/* The energy that views take with a pair beside what they have. */
+/* The energy that views take if each may have this pair or the one it has. */
 ENC_CLONES static double taken_with(size_t views, const float *restrict value, const float *restrict has) {
     double sum[8] = {0};
     size_t v = 0;
@@ -120,7 +120,7 @@ ENC_CLONES static double taken_with(size_t views, const float *restrict value, c
     return ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7]));
 }
 
-/* The pair that adds most to what the views have. */
+/* The pair that adds most to the energy that the views take. */
 static size_t best_pair(size_t views, size_t count, const float *value, const float *has) {
     size_t best = 0;
     double most = -HUGE_VAL;

@@ -23,7 +23,7 @@
 #endif
 
 enum {
-    SCREEN = 16, /* coordinates that tell most sources to be too far away */
+    SCREEN = 16, /* coordinates that suffice to rule out most sources */
     SIDE = 16,   /* of a tile of texels that look at the same sources */
     EXACT = 64,  /* texels along an axis up to which all are looked at */
     SAMPLE = 512,
@@ -185,7 +185,7 @@ static void find_queries(const projector *p, float *work) {
     }
 }
 
-/* Coordinates of what the sources' factors give: u times the view's w in the basis. */
+/* Coordinates of the sources' profiles as their factors give them: u times the view's w in the basis. */
 static void find_sources(const projector *p, float *work) {
     const size_t lights = p->length / 3, k = p->at->k, panels = enc_gemm_panels(k, ENC_GEMM_N);
     const size_t sources = enc_match_area_texels(&p->at->sources);
@@ -226,7 +226,7 @@ static void pack_u(const enc_factor_matrix *m, const enc_factor_codes *codes, co
     }
 }
 
-/* Of an allocation, unless the user wants to stop. */
+/* The result of an allocation, or BTF_ERROR_INTERRUPTED where the user wants to stop. */
 static btf_result outcome(const enc_factor_matrix *m, bool room) {
     return !room ? no_memory(m) : enc_cancelled(m->context) ? BTF_ERROR_INTERRUPTED : BTF_OK;
 }
@@ -310,7 +310,7 @@ typedef struct view_search {
     size_t screen;                      /* coordinates of panels */
     float *panels;                      /* sources of a tile of texels, [panel][screen][32], as unit vectors */
     float *low, *high;                  /* their lengths times the least and the greatest gain */
-    uint32_t *list;                     /* which sources they are */
+    uint32_t *list;                     /* the sources in the panels */
     uint32_t (*screener)(const float *dot, const float *low, const float *high, float threshold);
     double energy;
 } view_search;
@@ -434,7 +434,7 @@ static void search_panel(view_search *s, size_t panels, size_t count, const uint
                          const uint32_t *place, float *left) {
     _Alignas(64) float tile[ENC_GEMM_M * ENC_GEMM_N];
     choice best[ENC_GEMM_M];
-    float margin[ENC_GEMM_M]; /* what coordinates that are not screened may add to a value */
+    float margin[ENC_GEMM_M]; /* the most that coordinates beyond `screen` add to a value */
     double energy[ENC_GEMM_M];
     memset(left, 0, s->screen * ENC_GEMM_M * sizeof *left);
     for (size_t q = 0; q < count; q++) {

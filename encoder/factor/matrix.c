@@ -41,7 +41,7 @@ static void count_highlights(const float *samples, size_t count, uint64_t bins[B
     }
 }
 
-/* The upper edge of the bin that all but `above` of what was counted keep below; 1 where it was less. */
+/* The upper edge of the bin below which all but `above` of the counted values lie; at least 1. */
 static float percentile(const uint64_t bins[BINS], uint64_t above) {
     int bin = BINS;
     for (uint64_t sum = 0; bin > 0 && sum + bins[bin - 1] <= above; bin--) {
@@ -117,7 +117,7 @@ typedef struct view_range {
     size_t first, end;
 } view_range;
 
-/* The row of a source: what the texels that refer to it hold, times their gains. */
+/* The row of a source: the sum of the samples of the texels that refer to it, times their gains. */
 static void gather_row(const enc_factor_matrix *m, size_t source, view_range views, float *const out[3]) {
     const enc_match *match = m->match;
     const size_t lights = (size_t)m->data->n_lights, stride = enc_data_texel_stride(m->data);
@@ -166,7 +166,7 @@ static btf_result load_run(const enc_factor_matrix *m, size_t first, size_t coun
     return result;
 }
 
-/* The same of rows. */
+/* The same for rows of the matrix. */
 static btf_result load(const enc_factor_matrix *m, size_t first, size_t count, view_range views,
                        float *buffer, float *const out[3]) {
     btf_result result = BTF_OK;
@@ -274,7 +274,7 @@ btf_result enc_factor_times_w(const enc_factor_matrix *m, const enc_factor_set *
     return complete(m, result, w, m->texels, ENC_GEMM_N, out);
 }
 
-/* Adds to the columns at .. at + span - 1 of the product what a block of texels gives. */
+/* Adds the contribution of a block of texels to the columns at .. at + span - 1 of the product. */
 static void multiply_columns(const enc_factor_matrix *m, const enc_factor_set *u, const float *packed,
                              size_t count, size_t at, size_t span, float *const split[3], float *panel,
                              const enc_factor_set *out) {
@@ -352,7 +352,7 @@ btf_result enc_factor_times_u(const enc_factor_matrix *m, const enc_factor_set *
     return complete(m, result, u, m->columns, SPAN, out);
 }
 
-/* Adds to sums [channel] what is left of a panel of rows; work: u, samples, their channels and the product.
+/* Adds to sums [channel] the squared residual of a panel of rows; work: u, samples, their channels and the product.
  */
 static btf_result add_residual(const enc_factor_matrix *m, const enc_factor_set *u,
                                float *const packed_w[3], const uint8_t *of_columns, size_t first,

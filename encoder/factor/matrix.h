@@ -30,20 +30,20 @@ typedef struct enc_factor_matrix {
     const enc_match *match;
     size_t texels, columns;
     const uint32_t *list; /* [texels] of the data, where the rows are some of them; NULL: all */
-    float most;           /* radiance beyond is taken as this */
+    float most;           /* radiance above is clipped to this */
     enc_gemm_tile tile;
 } enc_factor_matrix;
 
 /* Of all texels, radiance as it is up to 2^24: scales of larger roots no file holds. */
 enc_factor_matrix enc_factor_matrix_of(const enc_context *context, const enc_data *data);
 
-/* Clips what lies far beyond other highlights, which would take all components: io_matrix->most becomes
+/* Clips samples far brighter than other highlights, which would take all components: io_matrix->most becomes
  * ENC_FACTOR_HIGHLIGHTS times the radiance that all but a thousandth of the samples of up to 512 texels keep
  * below, or 1 where that is more. Every rank does the same. Errors: those of the data, BTF_ERROR_MEMORY. */
 enum { ENC_FACTOR_HIGHLIGHTS = 16 };
 btf_result enc_factor_clip(enc_factor_matrix *io_matrix);
 
-/* How much of each channel is meant: rank[channel] components at factor[channel]. */
+/* Factors of each channel: rank[channel] components at factor[channel]. */
 typedef struct enc_factor_set {
     size_t rank[ENC_FACTOR_CHANNELS];
     float *factor[ENC_FACTOR_CHANNELS];
@@ -57,7 +57,7 @@ btf_result enc_factor_times_w(const enc_factor_matrix *matrix, const enc_factor_
 btf_result enc_factor_times_u(const enc_factor_matrix *matrix, const enc_factor_set *u,
                               const enc_factor_set *out);
 
-/* Sums of squares of what u w leaves of each channel, at the columns where `of_columns` [column] is not 0.
+/* Sums of squares of the residual A - u w of each channel, at the columns where `of_columns` [column] is not 0.
  * Errors as above. */
 btf_result enc_factor_residual(const enc_factor_matrix *matrix, const enc_factor_set *u,
                                const enc_factor_set *w, const uint8_t *of_columns,

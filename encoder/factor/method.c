@@ -17,7 +17,7 @@ _Static_assert((int)ENC_FACTOR_CLASSES == (int)BTF_FACTOR_CLASSES &&
                    (int)ENC_FACTOR_TIERS == (int)ENC_STORE_TIERS,
                "two names of one number");
 
-/* 1 / l.z of the outermost light, in float as decoders read it. */
+/* 1 / l.z of the outermost light (FORMAT.md section 9, Factors), in float as decoders read it. */
 static float horizon_scale(const enc_data *data) {
     float least = 1;
     for (int l = 0; l < data->n_lights; l++)
@@ -26,11 +26,11 @@ static float horizon_scale(const enc_data *data) {
     return fminf(fmaxf(scale, 1.0f), 0x1p24f);
 }
 
-/* The views' factors are about 1, and the scales of weak components may be less than files hold: this much
- * goes from the ones to the others, which changes no bit of a decoded value. */
+/* The views' factors are about 1, and the scales of weak components may be less than files hold: scales are multiplied
+ * by this and factors divided, which changes no bit of a decoded value. */
 static const float balance = 0x1p12f;
 
-/* The number that a file holds for x: next to nothing becomes nothing. */
+/* The number that a file holds for x: 0 for magnitudes below the least it may hold. */
 static float parameter(float x) {
     return fabsf(x) >= 0x1p-24f ? x : 0;
 }
@@ -203,7 +203,7 @@ btf_result enc_factors_solve(const enc_context *context, const enc_data *data,
     btf_result result = encode(context, data, &now, now.budget, basis, &best, out_stats, &best_trial);
     if (result == BTF_OK && settings->quality > 0) {
         const double reached = psnr(best->error.srgb);
-        now.choose = false; /* a smaller budget takes what paid at the whole one */
+        now.choose = false; /* a smaller budget keeps the choice made at the whole one */
         now.effects = settings->choose ? out_stats->trials[best_trial].effects : settings->effects;
         if (reached >= settings->quality)
             result = reduce(context, data, &now, basis, &best, out_stats, &best_trial);

@@ -1,7 +1,7 @@
 /* Codes into words. See pack.h.
  *
  * The places of the codes of u in their words are those that a packed dot product with the codes of w wants
- * (FORMAT.md): the shader multiplies words, and adds what meets in one field.
+ * (FORMAT.md): the shader multiplies words, and products that fall on one field of bits add up.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -1,4 +1,4 @@
-/* Components rounded to levels, so that the error of the data is least.
+/* Rounds components to levels so that the error at the samples is least.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -16,7 +16,7 @@ btf_result enc_factor_round(const enc_factor_matrix *matrix,
                             const enc_components components[ENC_FACTOR_CHANNELS], int sweeps,
                             enc_factor_codes *io_codes);
 
-/* Passes over the samples that it takes. */
+/* Passes over the samples that enc_factor_round takes. */
 int enc_factor_round_passes(int sweeps);
 
 #endif

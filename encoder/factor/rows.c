@@ -58,7 +58,7 @@ bool enc_rows_turn(int threads, size_t n_out, size_t n, const float *turn, size_
     return room;
 }
 
-/* The columns of a rank. */
+/* The columns that a rank works out. */
 static void range_of(const enc_context *context, int rank, size_t count, size_t unit, size_t *out_first,
                      size_t *out_end) {
     enc_ranks_range_of(context, rank, (count + unit - 1) / unit, out_first, out_end);

@@ -1,4 +1,4 @@
-/* Bi-cross-validation. See signal.h.
+/* Bi-cross-validation (Owen and Perry 2009). See signal.h.
  *
  * With D the samples of the rows and columns that stay, A those that are left out of both, B the left-out
  * rows at the columns that stay, C the other way round, and D = U S V^T: A is predicted by (B V) S^-1 (U^T
@@ -22,7 +22,7 @@ static btf_result no_memory(const enc_factor_matrix *m) {
     return enc_fail(m->context, BTF_ERROR_MEMORY, "factors: out of memory for cross-validation");
 }
 
-/* The spiked model.
+/* The spiked model (Benaych-Georges and Nadakuditi 2012).
  * ------------------------------------------------------------------------------------------------ */
 
 double enc_signal_share(double x2, double rows, double columns, bool left_out) {
@@ -39,7 +39,7 @@ double enc_signal_share(double x2, double rows, double columns, bool left_out) {
     return (2 * x2 * met - (x2 * of_long + beta) * (x2 * of_short + 1) / y2) / y2;
 }
 
-/* The share at the full size of which a block shows `share` at left-out samples. */
+/* The share of a component at the full size, given that a block shows `share` at left-out samples. */
 static double full_share(double share, double rows, double columns, double all_rows, double all_columns) {
     double low = sqrt(fmin(rows, columns) / fmax(rows, columns)), high = 1e12;
     if (share >= enc_signal_share(high, rows, columns, true)) {
@@ -57,7 +57,7 @@ static double full_share(double share, double rows, double columns, double all_r
                             false);
 }
 
-/* Means of runs, so that gain over energy does not rise: pooled adjacent violators. */
+/* Averages runs so that gain over energy does not rise, by pooling adjacent violators (Ayer et al. 1955). */
 static bool pool(size_t n, const double *gain, const double *energy, double *out) {
     double *gains = malloc((2 * n + 1) * sizeof *gains), *energies = gains + n;
     size_t *sizes = malloc((n + 1) * sizeof *sizes), runs = 0, at = 0;
@@ -206,8 +206,8 @@ static bool decompose(blocks *b, int c) {
     return done;
 }
 
-/* Fits the components of what is kept. The components of all samples are where the search begins: what they
- * know of the samples left out reaches it in second order only. */
+/* Fits the components of the block that is kept. The search begins at the components of all samples; the left-out
+ * samples in these change its result in second order only. */
 static btf_result fit(blocks *b, const enc_components components[3]) {
     const enc_factor_matrix *m = &b->kept;
     for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
@@ -311,14 +311,14 @@ static btf_result judge(blocks *b, const enc_components components[3], const boo
     return result;
 }
 
-/* Whether the rest tells too little of what is left out: detail looks like noise then, and such data take
- * few bytes anyway. */
+/* Whether the data are too small to predict left-out samples: detail looks like noise then, and such data take few
+ * bytes anyway. */
 static bool is_small(const enc_factor_matrix *m) {
     return m->texels * m->columns < ENC_SIGNAL_LEAST_SAMPLES || m->texels < 4 * LEFT_OUT ||
            m->columns < 4 * LEFT_OUT;
 }
 
-/* Shares to be found, of the channels asked for. */
+/* Makes room for the shares of the channels asked for. */
 static bool begin(const enc_components components[3], const bool asked[3], enc_signal *io) {
     bool room = true;
     for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {

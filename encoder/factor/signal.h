@@ -18,7 +18,7 @@
 
 typedef struct enc_signal {
     size_t rank[ENC_FACTOR_CHANNELS];   /* components that gain at left-out samples: the first ones */
-    double *share[ENC_FACTOR_CHANNELS]; /* [components found] of a component's energy, what is gained there:
+    double *share[ENC_FACTOR_CHANNELS]; /* [components found] share of a component's energy that it gains there:
                                            1 at most, not rising, negative where noise is learnt */
     double floor[ENC_FACTOR_CHANNELS];  /* squared error that `rank` components leave at left-out samples,
                                            scaled to all samples */

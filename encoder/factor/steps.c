@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Magnitude of what no factor, scale or gain of an encode reaches. */
+/* A magnitude that no factor, scale or gain of an encode reaches. */
 static const float most = 0x1p24f;
 
 enum { NAME = 40 };
@@ -37,7 +37,7 @@ static bool is_falling(const double *energy, size_t rank) {
     return true;
 }
 
-/* One channel; false where it is of no encode or memory is short. */
+/* Takes one channel; false where no encode gives it, or memory is short. */
 static bool take_channel(const enc_factor_matrix *m, enc_blob *blob, enc_components *out) {
     const size_t side = m->texels < m->columns ? m->texels : m->columns;
     uint64_t sizes[2];
@@ -132,7 +132,7 @@ static void put_planned(const enc_factor_matrix *m, const enc_components compone
     }
 }
 
-/* Components and the plan for them; false where they are of no encode or memory is short. */
+/* Takes components and the plan for them; false where no encode gives them, or memory is short. */
 static bool take_planned(const enc_factor_matrix *m, enc_blob *blob, enc_components out[ENC_FACTOR_CHANNELS],
                          enc_factor_plan *out_plan) {
     bool good = true;
@@ -242,7 +242,7 @@ static void clear_like(enc_match *match) {
     free(match->gain);
 }
 
-/* Points that were taken to the match that they are of. */
+/* Moves the points that were taken to the match that they belong to. */
 static void replace_points(const enc_context *context, enc_match *taken, enc_match *io_match) {
     const size_t points = taken->texels * taken->views;
     io_match->gains = taken->gains;
@@ -395,7 +395,7 @@ static const char *step_of(const enc_factor_trial *trial) {
     return trial->match ? "matched" : "factors";
 }
 
-/* NULL where arrays are of no encode or memory is short. */
+/* NULL where no encode gives such arrays, or memory is short. */
 static enc_factors *take_arrays(const enc_factor_matrix *m, const head *h, enc_blob *blob) {
     const sizes n = sizes_of(m, h);
     enc_factors *f = malloc(sizeof *f);

@@ -1,12 +1,12 @@
 /* A walk over budgets. See stop.h.
  *
  * A plan costs a millisecond, so that each budget of a grid gets its own. Their bytes are whole units, and
- * two plans differ by more than a tenth of the bytes where units are few. What counts is therefore the most
- * of dB - tolerance * log(bytes) / log(1.1): beyond it no step gains the tolerance a tenth, however wide it
- * is.
+ * two plans differ by more than a tenth of the bytes where units are few. The walk therefore
+ * stops at the maximum of dB - tolerance * log(bytes) / log(1.1): beyond it no step, however wide, gains the tolerance
+ * for each tenth more bytes.
  *
- * The error of rounding to 8 bits does not count: of a strong component it may be more than all that weak ones hold,
- * but the descent lets those make up for it, so that bytes are not to stop at it.
+ * The error of rounding to 8 bits does not count: of a strong component it may be more than the energy of all weak ones,
+ * but the descent lets these make up for it, so that more bytes still pay.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -15,7 +15,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Budgets lie so far apart. */
+/* Ratio of one budget of the grid to the one before. */
 #define STEP 1.05
 
 typedef struct walk {

@@ -9,7 +9,7 @@
 #include "encoder/model/trial.h"
 #include "signal.h"
 
-#define ENC_STOP_MORE 1.1 /* so many times the bytes have to gain the tolerance */
+#define ENC_STOP_MORE 1.1 /* the bytes times this have to gain the tolerance */
 
 /* The plan of the most bytes within `budget` of which the last tenth gains `tolerance` dB at left-out
  * samples, as `signal` foretells. Its bytes are then given to components by their energies in all samples,

@@ -73,7 +73,7 @@ static char *beside(const char *list, size_t folder_length, const char *name) {
     return path;
 }
 
-/* Takes a line, without spaces at either end. */
+/* Adds the input that a line names; the line has no spaces at either end. */
 static btf_result add_input(const enc_context *context, enc_batch *batch, const char *list, size_t line,
                             const char *text) {
     const char *slash = strrchr(list, '/');

@@ -9,7 +9,7 @@
 #include <stdio.h>
 
 /* A list is a file NAME.txt or NAME.list: an input a line, relative to the list's folder; blank lines and
- * lines that begin with # count for nothing. The materials are named after the inputs: "maps/WOOL.zip"
+ * lines that begin with # are skipped. The materials are named after the inputs: "maps/WOOL.zip"
  * becomes WOOL.btf.exr. */
 typedef struct enc_batch {
     size_t count;

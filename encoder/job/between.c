@@ -1,4 +1,4 @@
-/* What acts between the samples. See between.h.
+/* The stages that improve the decode between the samples. See between.h.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -12,13 +12,13 @@
 
 #include <stdio.h>
 
-/* A fit may be no worse at the samples than the quality that is asked for, with as much room for the codec.
- */
+/* The least PSNR that a fit may leave at the samples: the quality that is asked for, with as much error left to the
+ * codec. */
 static double fit_least_psnr(const enc_job *job) {
     return job->method != ENC_METHOD_PAPER && job->joint.quality > 0 ? job->joint.quality + 3 : 0;
 }
 
-/* Chooses what acts between the samples. */
+/* Chooses relief and gloss, or takes them from the checkpoint. */
 static btf_result find_relief(const enc_context *context, const enc_job *job, const enc_data *data,
                               enc_between *s) {
     if (job->method != ENC_METHOD_JOINT) {
@@ -49,7 +49,7 @@ static btf_result find_relief(const enc_context *context, const enc_job *job, co
     return result;
 }
 
-/* The samples, or values at the nodes that follow the surface. */
+/* Puts fitted values in the place of the samples, where a fit was chosen or relief shifts the views. */
 static btf_result apply_nodes(const enc_context *context, const enc_data *data, enc_between *s) {
     enc_warp surface = {0};
     const enc_node_relief relief = {&surface, s->store.views};
@@ -64,7 +64,7 @@ static btf_result apply_nodes(const enc_context *context, const enc_data *data, 
     return result;
 }
 
-/* The error of the factors that are to come. */
+/* Predicts the error that the factors will have. */
 static btf_result foresee(const enc_context *context, const enc_job *job, const enc_data *data,
                           enc_fit_error *out) {
     const enc_factors_settings settings =

@@ -1,4 +1,4 @@
-/* The error that is to come. See foresee.h.
+/* The error that factors will have. See foresee.h.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -16,17 +16,17 @@
 enum {
     CHANNELS = ENC_FACTOR_CHANNELS,
     CHROMA_SHARE = 8,    /* luma has so many times the components of a chroma channel */
-    SPARE = 32,          /* components beyond, which make the range finder's better */
-    DECODED_TEXELS = 64, /* of which the roots' error is turned into that of radiance */
+    SPARE = 32,          /* components sought beyond those wanted, which makes the wanted ones more exact */
+    DECODED_TEXELS = 64, /* decoded, to turn the error of roots into that of radiance */
     BISECTIONS = 50,
 };
 
-/* Share of the error of components rounded one by one that descent on their codes leaves: BRICKS64 0.88,
- * IMPALLA64 0.82 of 2.36 MB. */
+/* Share of the error of components rounded one by one that descent on their codes leaves: at 2.36 MB BRICKS64 has
+ * 0.88, IMPALLA64 0.82. */
 static const double descended = 0.85;
 
-/* Of what 8 bits round off, this is left when the components after them have made up for it (stop.c):
- * btf-sample flat. */
+/* Share of the rounding error of 8-bit components that is left once weaker components have made up for it (stop.c):
+ * measured with btf-sample flat. */
 static const double strong_share = 0.15;
 
 /* The texels that were drawn, and their components. */
@@ -36,8 +36,8 @@ typedef struct survey {
     uint32_t list[ENC_FORESEE_TEXELS];
     enc_components components[CHANNELS];
     size_t wanted[CHANNELS];  /* components */
-    size_t leading[CHANNELS]; /* those that are taken as they were found */
-    double rest[CHANNELS];    /* energy beyond */
+    size_t leading[CHANNELS]; /* components whose energies are taken as found */
+    double rest[CHANNELS];    /* energy of all components after these */
 } survey;
 
 /* One of each run of texels, at another place of each run, so that rows and columns both vary. */
@@ -104,8 +104,8 @@ static double power_sum(size_t from, size_t to, double power, double *out) {
     return sum;
 }
 
-/* Energies of all components, `rank` of them, of all texels: those that were found, and a power's that
- * begins at the last of these and sums to the rest. */
+/* Energies of `rank` components of all texels: those that were found, then a power law that begins at the last of
+ * these and sums to the rest. */
 static void extend(const survey *s, int channel, double texels, size_t rank, double *out) {
     const enc_components *found = &s->components[channel];
     const size_t leading = s->leading[channel];

@@ -30,8 +30,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Whether a file can be made there, which is better known before the work than after it. Pipes and devices
- * are not opened to no purpose. */
+/* Checks before the work that a file can be made at the path. Pipes and devices are not opened for that. */
 static btf_result try_output(const enc_context *context, const char *path) {
     struct stat there;
     output *file = NULL;
@@ -151,7 +150,7 @@ static btf_result analyse(const enc_context *context, const enc_job *job, job_st
                                            : analyse_joint(context, job, s, report);
 }
 
-/* How many levels the data may have is known only now. */
+/* Refuses more levels than the data can have, which is known once they are read. */
 static btf_result check_levels(const enc_context *context, const enc_job *job, const enc_data *data,
                                int *out_count) {
     const int most = enc_level_count(data->width, data->height);
@@ -327,7 +326,7 @@ typedef struct stage_planner {
     enc_report *report;
 } stage_planner;
 
-/* More than the default budget takes more than the reader knows of. */
+/* Refuses a budget whose factors do not fit --memory: the reader has checked the default budget alone. */
 static btf_result check_budget(const enc_context *context, const enc_job *job, const enc_extent *e) {
     if (job->method != ENC_METHOD_JOINT || context->memory == 0) {
         return BTF_OK;

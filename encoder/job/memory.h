@@ -9,7 +9,7 @@
 
 /* Bytes that an encode of such data takes beside the samples, which go to a scratch file where there is no
  * room for them: the largest stage, each in its smallest blocks with one thread where a thread needs much.
- * Of the program itself only what grows with the data. Of --method joint by the default budget.
+ * Without the program itself but for what grows with the data. --method joint is taken with the default budget.
  * Each is an enc_least_memory. */
 uint64_t enc_memory_least_joint(int width, int height, int n_views, int n_lights, int threads);
 uint64_t enc_memory_least_paper(int width, int height, int n_views, int n_lights, int threads);

@@ -17,7 +17,7 @@ static struct {
     int window[2];
     double effect_tolerance[2]; /* dB; --method paper: dB for each MB */
     bool data_points;
-    const char *metric; /* an option that is no more */
+    const char *metric; /* --metric, which was removed: refused with a reason */
 } o = {.all = {.job = {.levels = 1}}, .effects = UINT32_MAX, .preset = ENC_PRESET_MEDIUM, .hidden_threshold = 0.7};
 
 /* Whether options of one method were given, in the order of the table. */
@@ -297,10 +297,10 @@ static btf_result refuse_other(const char *method) {
     return BTF_OK;
 }
 
-/* Effects of the paper's method, which may have any of them or none. */
+/* Effects that --method paper may use, any of them or none. */
 static const uint32_t paper_effects = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN;
 
-/* Effects of factors whose texels take profiles from one another. */
+/* Effects of factors with match (factor/match.h). */
 static const uint32_t matched_effects = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL;
 
 /* Effects and what their tolerance counts, by method. */

@@ -10,7 +10,7 @@
 
 typedef struct enc_options {
     enc_job job;
-    const char *predict; /* print what the job would take, by this report or "self"; NULL: encode */
+    const char *predict; /* print the time and memory of the job, scaled by this report or "self"; NULL: encode */
     int item;            /* only this input of a list, from 1; 0: all */
     int threads;
     uint64_t memory; /* bytes that a process may take */

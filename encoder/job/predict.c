@@ -18,12 +18,12 @@
 
 enum { PRODUCT = 192, ROOTS = 1 << 22 };
 
-/* Core seconds on the machine of the cost model, of which the constants of cost.c are: of a product of
- * PRODUCT^3, of ROOTS square roots in memory. Medians of four runs, idle, where encodes of 32x32 and 64x64
+/* Core seconds on the machine to which cost.c was fitted: of a matrix product of PRODUCT^3, of ROOTS square roots in
+ * memory. Medians of four runs, idle, where encodes of 32x32 and 64x64
  * texels by both methods took what the model says within a fifth. */
 static const double product_seconds = 0.0734e-3, root_seconds = 0.78e-3;
 
-/* How much more time a stage takes than the model says. */
+/* Factors from the model's times to those of this machine, stage by stage. */
 typedef struct scales {
     enc_report_times report; /* of the encode that the scales come from; empty for those of the machine */
     double all;              /* for stages that the report does not list */
@@ -36,7 +36,7 @@ static double scale_of(const scales *s, const char *stage) {
     if (predicted > 0 && isnan(took))
         return 0; /* there, it was not needed */
     const double least =
-        2e-3 * enc_stage_time(measured, "total"); /* what is too short to be measured well */
+        2e-3 * enc_stage_time(measured, "total"); /* shorter stages are not measured well */
     return took > least && predicted > 0 ? took / predicted : s->all;
 }
 
@@ -62,7 +62,7 @@ static btf_result scales_of_report(const enc_context *context, const enc_job *jo
     return BTF_OK;
 }
 
-/* The machine by a product that stays in the cache and roots that do not. */
+/* Measures this machine by a product that stays in the cache and square roots that do not. */
 static btf_result measure_machine(const enc_context *context, scales *out) {
     const enc_gemm_tile tile = enc_gemm_select();
     const size_t rows = enc_gemm_panels(PRODUCT, ENC_GEMM_M) * ENC_GEMM_M,

@@ -14,8 +14,8 @@
 static const char step[] = "relief";
 
 /* One walk over a choice, which puts its numbers into the blob or takes them out of it, so that both agree
- * about their order. Numbers that are taken must lie within what an encode gives: a file that is whole may
- * be of none. */
+ * about their order. Numbers that are taken must lie within what an encode gives: an undamaged file
+ * may still come from no encode. */
 typedef struct walk {
     enc_blob *blob;
     bool takes, good;
@@ -130,7 +130,7 @@ static void pass_store(walk *w, enc_relief_store *io_store, const enc_data *data
     w->good = w->good && is_sound(io_store, *io_map);
 }
 
-/* False where the arrays are of no encode or memory is short. */
+/* False where no encode gives such arrays, or memory is short. */
 static bool take_arrays(enc_blob *blob, const enc_data *data, bool map, enc_relief_store *out) {
     const size_t texels = enc_data_texel_count(data), views = (size_t)data->n_views;
     out->views = malloc(views);

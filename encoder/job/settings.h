@@ -19,7 +19,7 @@ typedef enum enc_method {
 /* As --method takes it. */
 const char *enc_method_name(enc_method method);
 
-/* How much time --method joint takes for the same bytes. */
+/* How much time --method joint spends on the same bytes. */
 typedef enum enc_preset {
     ENC_PRESET_FAST = 0,
     ENC_PRESET_MEDIUM = 1,
@@ -70,14 +70,12 @@ struct enc_job {
     btf_layout layout;
     int levels; /* of detail, 1 at least; 0: down to one texel */
     bool half_float;
-    const char *
-        checkpoint; /* folder where stages keep what they found until the material is written; NULL: none */
-    bool resume;    /* go on from it */
+    const char *checkpoint; /* folder where stages keep their results until the material is written; NULL: none */
+    bool resume;            /* go on from the checkpoint */
     const char *report;   /* JSON file; NULL: none */
     const char *pictures; /* folder, made when missing; NULL: none */
-    const char *const
-        *option_values; /* alternating names and values, NULL at the end: for file and report */
-    bool quiet;         /* no tables on stdout */
+    const char *const *option_values; /* alternating names and values, NULL at the end: for file and report */
+    bool quiet;                       /* no tables on stdout */
 };
 
 /* Names and values of the options that decide the result. */

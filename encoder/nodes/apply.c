@@ -45,7 +45,7 @@ static size_t up(size_t n) {
 
 static const float least_weight = 0.01f; /* of a view where views are shifted */
 
-/* out [n] += weight times what is blended of a view around a place. */
+/* out [n] += weight times the values of a view, roots or radiance, fetched around a place. */
 static void add_view(const pass *p, size_t view, const enc_warp_fetch *f, float weight, float *out) {
     const size_t n = 3 * (size_t)p->from->n_lights, views = (size_t)p->from->n_views;
     for (int c = 0; c < 4; c++) {
@@ -56,7 +56,7 @@ static void add_view(const pass *p, size_t view, const enc_warp_fetch *f, float 
     }
 }
 
-/* The node of view a at a texel, from views shifted along the surface. own: what is blended of view a there. */
+/* The node of view a at a texel, from views shifted along the surface. own: the values of view a there. */
 static void shift_row(const pass *p, size_t texel, size_t a, const float *own, float *out) {
     const size_t n = 3 * (size_t)p->from->n_lights, views = (size_t)p->from->n_views;
     const enc_warp *w = p->relief->surface;
@@ -100,7 +100,7 @@ static void apply_views(const pass *p, size_t texel, float *values, float *right
     memcpy(values, shifted, views * n * sizeof *values);
 }
 
-/* One texel. work: its values, both packed operands, the product with the lights, samples as read. */
+/* Fits one texel. work: its values, both packed operands, the product with the lights, samples as read. */
 static btf_result apply_texel(const pass *p, size_t texel, float *work) {
     const size_t views = (size_t)p->from->n_views, lights = (size_t)p->from->n_lights;
     const size_t stride = 3 * views * lights;

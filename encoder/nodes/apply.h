@@ -12,7 +12,7 @@ typedef struct enc_node_tables {
     int n_views, n_lights;
     float *views;  /* [n_views][n_views] */
     float *lights; /* [n_lights][n_lights] */
-    bool roots;    /* what decoders blend: roots of radiance, or radiance */
+    bool roots;    /* decoders blend roots of radiance; false: radiance */
 } enc_node_tables;
 
 /* A surface along which views are shifted before they are blended. */

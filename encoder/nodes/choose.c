@@ -16,19 +16,19 @@
 #include <string.h>
 
 enum {
-    DRAWN = 12,      /* views, and lights, of a texel and a place: their pairs are judged */
+    DRAWN = 12,      /* views, and as many lights, drawn for a texel and a place: all their pairs are judged */
     ACCUMULATED = 3, /* sums: barycentric and fitted error, and the square of the move */
 };
 
-/* Strengths for views and lights, rising. Lights bear more than views, since shading changes faster with
- * them than relief does with views. */
+/* Strengths for views and lights, rising. Lights take stronger fits than views, since shading changes faster
+ * with the light than parallax does with the view. */
 static const int ladder[ENC_FIT_CANDIDATES][2] = {{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 4}, {4, 5}, {4, 6}};
 
 typedef struct sums {
     double linear[ACCUMULATED], srgb[ACCUMULATED];
 } sums;
 
-/* Of one texel. */
+/* Sums of one texel. */
 typedef struct texel_sums {
     sums of[ENC_FIT_CANDIDATES][ENC_ROWS_PLACES];
 } texel_sums;
@@ -42,13 +42,13 @@ typedef struct job {
     int strength[ENC_FIT_CANDIDATES][2]; /* of views, of lights */
 } job;
 
-/* Radiance, clipped, of what is blended. */
+/* Radiance, clipped, of a blended value: a root or radiance. */
 static float shown(const job *j, float x) {
     const float positive = x > 0 ? x : 0.0f, value = j->roots ? positive * positive : positive;
     return value < 1 ? value : 1.0f;
 }
 
-/* One of three values in one pair of directions. */
+/* Adds the errors of one colour channel in one pair of directions. */
 static void add(const job *j, bool has_truth, float truth, float plain, float fitted, sums *to) {
     const double p = shown(j, plain), f = shown(j, fitted);
     const double ps = enc_srgb_encode((float)p), fs = enc_srgb_encode((float)f);

@@ -1,4 +1,4 @@
-/* How much a material's node values are smoothed: of all candidates that which is worth most (expect.h).
+/* Chooses how strongly a material's node values are fitted: the candidate of the greatest value (expect.h).
  *
  * SPDX-License-Identifier: MIT
  */
@@ -11,7 +11,7 @@
 enum { ENC_FIT_TEXELS = 256 }; /* drawn at most */
 
 /* Judges every candidate for `data`. least_psnr: dB of sRGB-coded PSNR that a fit must leave at the
- * samples, or 0. coder: the error that is expected of what will code the values, at the samples; NULL: not
+ * samples, or 0. coder: the error that the factors are expected to add, at the samples; NULL: not
  * known, and taken to be that of the blend between them. With a fit chosen *out_tables holds it, else its
  * tables are NULL; enc_node_tables_clear frees them. Every rank does all of it, a fixed number of texels;
  * the same bits for any number of threads. Stage "choose fit". Errors: those of the data, BTF_ERROR_MEMORY,

@@ -28,7 +28,7 @@ void enc_solver_destroy(enc_solver *solver) {
 }
 
 double enc_solver_rcond(const enc_solver *solver) {
-    /* A pivot of 0 would give no number. */
+    /* A pivot of 0 would give infinities or NaN. */
     const auto diagonal = solver->lu.matrixLU().diagonal();
     if (diagonal.cwiseAbs().minCoeff() == 0) {
         return 0;

@@ -6,15 +6,15 @@
 
 #include <math.h>
 
-/* Shares of a blend's squared error with samples left out that it has between them: of what a fit follows,
- * of the rest. */
+/* A blend's squared error between the samples as a share of that with samples left out: of the part that a fit
+ * follows, of the rest. These constants were set with BRICKS64, IMPALLA and btf-sample: see FIT.md. */
 static const double smooth_share = 1 / 30.0, rough_share = 0.5;
 
 /* The cosine of a fit's move with the blend's error, between the samples against left-out ones: smooth,
  * rough. */
 static const double smooth_aim = 1, rough_aim = 2 / 3.0;
 
-/* Of the coder's squared error at the samples, blends of three views and three lights keep this. */
+/* Share of the coder's squared error at the samples that a blend of three views and three lights keeps. */
 static const double blended_share = 0.25;
 
 /* dB between the samples, where a renderer looks, that a dB at them is worth. */

@@ -1,12 +1,11 @@
-/* How much a material's node values are smoothed: what a fit gains between the samples against what it
- * costs at them, both as dB of what is left once a coder has lost its part. FIT.md has the figures that the
- * constants come from.
+/* The value of a fit: its gain between the samples against its cost at them, both as dB of the error that is left with
+ * the coder's own error added. FIT.md has the figures that the constants come from.
  *
  * A fit's cost at the samples is known; a coder's error adds to it. Its gain is estimated by leaving
  * samples out: there, the fit of the others moves the blend by m, and the blend's error e is known, and so
  * are |e|, |m| and the cosine between them. Between the samples |m| is known, too, and neighbours are half
- * as far away: of |e|^2 there is a half left of what no fit follows, and a thirtieth of what the strongest
- * does, which is the square of its cosine (a parabola, cut at random places, against the middle of twice
+ * as far away: of |e|^2 a half is left of the part that no fit follows, and a thirtieth of that which the
+ * strongest follows, whose share is the square of its cosine (a parabola, cut at random places, against the middle of twice
  * its span, leaves 1/30).
  *
  * SPDX-License-Identifier: MIT
@@ -27,19 +26,19 @@ typedef struct enc_fit_error {
 typedef struct enc_fit_candidate {
     double kappa_views, kappa_lights; /* HUGE_VAL: barycentric */
     bool judged;                      /* else the directions do not have it */
-    enc_fit_error at;                 /* at the samples, of what is not compressed */
+    enc_fit_error at;                 /* at the samples, before coding */
     enc_fit_error left_out;           /* view and light left out */
     enc_fit_error gain;               /* expected between the samples, over barycentric */
-    enc_fit_error between;            /* expected there, of what is not compressed */
+    enc_fit_error between;            /* expected there, before coding */
     bool allowed;                     /* its cost at the samples is small beside the coder's error there */
-    double value;                     /* what the choice compares: dB */
+    double value;                     /* dB, by which candidates are compared */
 } enc_fit_candidate;
 
 typedef struct enc_fit_choice {
     enc_fit_candidate candidate[ENC_FIT_CANDIDATES]; /* the first: barycentric */
     int best;                                        /* worth most; 0: no fit pays, or there is none */
     int chosen;                                      /* taken: the best, or 0 where samples are asked for */
-    enc_fit_error coder; /* at the samples, that is expected of what codes them; 0: none */
+    enc_fit_error coder; /* at the samples, that the factors are expected to add; 0: none */
     size_t texels;       /* that were drawn */
 } enc_fit_choice;
 
@@ -67,8 +66,7 @@ double enc_fit_value(const enc_fit_choice *choice, const enc_fit_candidate *cand
 enc_fit_error enc_fit_coded_at(const enc_fit_candidate *candidate, enc_fit_error coder);
 enc_fit_error enc_fit_coded_between(const enc_fit_candidate *candidate, enc_fit_error coder);
 
-/* The error of the coder itself, now that what it left of the chosen candidate has been measured at the
- * samples. */
+/* The error of the coder itself, given the error measured at the samples after it coded the chosen candidate. */
 enc_fit_error enc_fit_coder_measured(const enc_fit_choice *choice, enc_fit_error measured);
 
 #endif

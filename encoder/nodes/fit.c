@@ -15,7 +15,7 @@
  * holds it: the decoder's plane has steps of 1/8192, its weights of 1/4096. */
 static const double hull_slack = 3e-4;
 
-/* Part of kappa that is always there, which keeps nodes that no point of the hull asks for. */
+/* Added to kappa, so that nodes on which no point of the hull depends keep their samples. */
 static const double least_kappa = 1e-3;
 
 struct enc_node_fit {
@@ -46,7 +46,7 @@ static bool inside(const enc_direction *directions, const enc_weights *w, const 
     return hypot(off[0], off[1]) < hull_slack;
 }
 
-/* Adds what a point's blend asks for: its B to the square, B times the spline's basis to `bases`
+/* Adds a point to the normal equations: B^T B of its weights to `square`, B^T times the spline's basis to `bases`
  * [count][count + 3]. */
 static void add_point(enc_node_fit *f, const enc_spline *spline, const enc_weights *w, const float to[3],
                       double *bases) {
@@ -228,7 +228,7 @@ btf_result enc_node_fit_weights(const enc_node_fit *f, double kappa, float *out)
     return result;
 }
 
-/* By the adjoint: b^T W = y^T (B^T R + l) with (B^T B + l) y = b. */
+/* By the adjoint, which needs no W: b^T W = y^T (B^T R + l) with (B^T B + l) y = b. */
 btf_result enc_node_fit_blend(const enc_node_fit *f, double kappa, size_t n_at, const enc_weights *at,
                               float *out) {
     const size_t n = (size_t)f->count;

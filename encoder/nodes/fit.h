@@ -1,10 +1,10 @@
-/* Values at the nodes, the directions of a list, that a decoder's blend of three between them turns into what
- * a smooth spline through the samples says.
+/* Values at the nodes, the directions of a list, chosen so that a decoder's blend of three nodes follows a smooth
+ * spline through the samples.
  *
  * A decoder blends barycentrically the values f' of three nodes. f' = W f is fitted to the samples f: W
  * minimises the squared difference between the blend of W and the weights of the cubic spline over the hull
- * of the directions, plus kappa times that at the nodes themselves. Large kappa keeps the samples (W = 1),
- * kappa 0 gives up most there. W depends on the directions alone; its rows sum to 1.
+ * of the directions, plus kappa times that at the nodes themselves. Large kappa keeps the samples
+ * (W = 1), kappa 0 departs from them most. W depends on the directions alone; its rows sum to 1.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -15,7 +15,7 @@
 
 enum { ENC_FIT_POINTS = 4000 }; /* directions of the hull, evenly spread, of which the difference is taken */
 
-/* Sums of absolute weights of a node, at most: more would raise what is noise in the samples. The rings of
+/* Sums of absolute weights of a node, at most: more would amplify noise in the samples. The rings of
  * 81 directions have 1.7. */
 #define ENC_FIT_MOST_GAIN 4.0
 

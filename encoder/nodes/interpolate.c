@@ -16,7 +16,7 @@
 struct enc_interpolator {
     enc_interpolation kind;
     int count;
-    btf_material *tables; /* of one texel: what holds the decoder's table of these directions */
+    btf_material *tables; /* of one texel: holds the decoder's table of these directions */
     const uint16_t *table;
     uint32_t grid;
     enc_spline *spline; /* NULL: not a spline, or of a single sample, which weighs 1 */

@@ -10,7 +10,7 @@
 #include "encoder/data/data.h"
 
 typedef struct enc_left_out {
-    int count;      /* directions that can be left out, of which the others have something to say */
+    int count;      /* directions that can be left out */
     int index[ENC_MAX_DIRECTIONS];               /* [count] in the list, ascending */
     btf_ref_neighbours near[ENC_MAX_DIRECTIONS]; /* [count]: indices in the list */
 } enc_left_out;

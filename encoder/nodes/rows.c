@@ -49,7 +49,7 @@ static void spread(const enc_weights *w, float *row) {
     }
 }
 
-/* The weights by which the others stand in for sample i, by every strength: rows[strength][n]; usable[strength]. */
+/* Weights of the other samples in the direction of sample i, for every strength: rows[strength][n]; usable[strength]. */
 static btf_result leave(const enc_context *context, const enc_direction *directions, int n, int i,
                         const btf_ref_neighbours *near, float *rows, bool usable[ENC_STRENGTHS]) {
     enc_direction others[ENC_MAX_DIRECTIONS];
@@ -79,7 +79,7 @@ static btf_result leave(const enc_context *context, const enc_direction *directi
     return result;
 }
 
-/* Evenly chosen ones of what can be left out. */
+/* Evenly chosen samples of those that can be left out. */
 static btf_result make_left_out(const enc_context *context, const enc_direction *directions,
                                 const enc_left_out *left, enc_node_rows *r) {
     const size_t n = (size_t)r->n, count = (size_t)r->count[ENC_ROWS_LEFT_OUT];

@@ -9,13 +9,13 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Below that, digits of the weights are lost: rings of 81 directions have 1e-5, 256 random ones 1e-9. */
+/* Reciprocal condition below which the weights lose digits: rings of 81 directions have 1e-5, 256 random ones 1e-9. */
 static const double least_rcond = 1e-12;
 
 struct enc_spline {
     enc_kernel kernel;
     int count;
-    double centre[2], scale; /* of the plane: what a spline gives does not depend on them, its digits do */
+    double centre[2], scale; /* of the plane: they change no spline, but keep its digits */
     double (*place)[2];      /* [count] */
     double rcond;
     enc_solver *system;

@@ -1,5 +1,5 @@
 /* Splines through all directions of a list, in the stereographic plane: radial kernels around the samples
- * and a polynomial of degree 1.
+ * and a polynomial of degree 1 (Duchon 1977).
  *
  * SPDX-License-Identifier: MIT
  */

@@ -30,7 +30,7 @@ typedef struct enc_warp {
 
 /* A surface of one height. Errors, not logged: BTF_ERROR_MEMORY. */
 btf_result enc_warp_create(int width, int height, int level, int32_t base, enc_warp *out_warp);
-/* Gives it a height each texel, of codes: base + ((code * step) >> 8). Errors, not logged:
+/* Gives the surface a height at each texel, from codes: base + ((code * step) >> 8). Errors, not logged:
  * BTF_ERROR_MEMORY. */
 btf_result enc_warp_set_codes(enc_warp *warp, int32_t base, int32_t step, int steps, const uint8_t *codes);
 void enc_warp_clear(enc_warp *warp);
@@ -66,8 +66,7 @@ static inline int32_t enc_warp_march(const enc_warp *w, int32_t u, int32_t v, co
     return w->base;
 }
 
-/* How much a point `above` our own, at the place where a view should show it, leaves of that view: of 4096.
- */
+/* Share of a view, of 4096, that is left where it shows a point `above` the one that it should show. */
 static inline int32_t enc_warp_visible(const enc_warp *w, int32_t above) {
     const int32_t o = 6144 - 8 * (above >> w->level);
     return o < 1229 ? 1229 : o > 4096 ? 4096 : o;

@@ -13,14 +13,14 @@
 
 enum {
     K = ENC_RELIEF_NUMBERS,
-    APART = 8, /* texels that change at the same time are so far apart, in columns and rows */
+    APART = 8, /* columns and rows between texels that change at the same time */
     CANDIDATES = 10,
     MOST_STEPS = 32,
     LEAST_STEPS = 8,
 };
 
-/* Of a texel of difference between two texels side by side, against the error of one texel of a flat
- * surface. */
+/* Penalty of the total variation: for a difference of one texel in height between neighbours, as a share of a flat
+ * surface's mean squared error at a texel. */
 static const double variation = 0.02;
 static const int32_t variation_most = 4 * ENC_WARP_ONE;
 
@@ -81,8 +81,8 @@ static float error_at(const descent *d, int i, size_t pixel, size_t changed, int
     return square_of(got, enc_relief_numbers(d->images, s->view, pixel));
 }
 
-/* The texels of a view's image whose rays pass over a texel of the surface between two heights. Calls for
- * each once or, where the way is short, twice. */
+/* The texels of a view's image whose rays pass over a texel of the surface between two heights. Each
+ * is listed once or, where the way is short, twice. */
 typedef struct rays {
     int count;
     size_t pixel[4 * 256];
@@ -130,7 +130,7 @@ static double variation_of(const enc_warp *w, const size_t around[4], int32_t he
     return variation * sum / ENC_WARP_ONE;
 }
 
-/* What another height of a texel adds to the squared errors. */
+/* The change of the squared errors if a texel had another height. */
 static double added_error(const descent *d, size_t texel, int32_t height, rays *r) {
     const int32_t before = d->warp->heights[texel], step = march_step(d->warp);
     const int32_t low = (before < height ? before : height) - step,
@@ -180,7 +180,7 @@ static int32_t try_heights(const descent *d, size_t texel, const int32_t steps[3
     return best;
 }
 
-/* Errors of all texels of all views, as the heights stand: their sum. */
+/* Fills in the errors of all texels of all views, as the heights stand; returns their sum. */
 static double measure(descent *d) {
     double total = 0;
 #pragma omp parallel for schedule(dynamic) num_threads(d->context->threads)
@@ -207,8 +207,7 @@ static size_t list_phase(const descent *d, int phase) {
     return count;
 }
 
-/* Heights that were found together are set together; errors on the rays of those that changed are taken
- * anew. */
+/* Sets the heights that were found together, and measures the errors on the rays of those that changed anew. */
 static void commit(descent *d, size_t count, rays *work) {
     const int32_t step = march_step(d->warp);
     for (size_t i = 0; i < count; i++) {

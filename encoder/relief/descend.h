@@ -1,4 +1,4 @@
-/* Heights by analysis and synthesis: coordinate descent on what the decoder gets wrong of views left out.
+/* Heights by analysis and synthesis: coordinate descent on the decoder's error at views left out.
  *
  * SPDX-License-Identifier: MIT
  */

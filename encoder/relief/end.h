@@ -10,10 +10,9 @@
 
 #define ENC_RELIEF_LEVEL_MARGIN 0.7 /* dB that a level must gain, mean of linear and sRGB-coded */
 
-/* A further level of detail: views left out that relief acts on, without it and with it, in images of the
- * next level, which stand for the level's: neighbours of a view left out lie twice as far away as those of
- * a direction between samples and show its points displaced by twice as much, which of texels of twice the
- * width are as many as in use. */
+/* A further level of detail: errors of views left out that relief acts on, without it and with it, in images of the
+ * next level. Neighbours of a view left out lie twice as far away as those of a direction between samples, so that
+ * points are displaced by twice as much: in texels of twice the width by as many as this level has in use. */
 typedef struct enc_relief_judged_level {
     enc_judged_error plain, moved;
     double gain; /* dB */
@@ -34,7 +33,7 @@ typedef struct enc_relief_end {
 btf_result enc_relief_find_end(const enc_context *context, const enc_data *data, const enc_seen *seen,
                                int levels, const enc_relief_store *store, enc_relief_end *out);
 
-/* Bytes that it takes at most. */
+/* Bytes that enc_relief_find_end takes at most. */
 uint64_t enc_relief_end_memory(int width, int height, int n_views, int n_lights);
 
 #endif

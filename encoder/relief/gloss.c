@@ -21,7 +21,7 @@ enum {
     MOST_QUARTERS = 2,
 };
 
-/* The lights of a pair of a neighbour and a light left out. */
+/* The lights that stand in for a light left out, as one neighbouring view has them. */
 typedef struct near_lights {
     int index[3];
     float weight[3];
@@ -139,7 +139,7 @@ static void judge_light(const gloss_job *g, int v, int l, const enc_seen_point *
     }
 }
 
-/* All lights at one texel of a view, read at whole texels. */
+/* Adds the errors of all lights at one texel of a view, neighbours being fetched at whole texels. */
 static btf_result judge_texel(const gloss_job *g, int v, size_t texel, float *work,
                               enc_judged_error sums[SHARES]) {
     const enc_seen_view *s = &g->seen->of[g->view[v]];

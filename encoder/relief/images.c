@@ -21,7 +21,7 @@ enum {
 /* Added to variances, so that noise in dark images counts little: the square of about a code of 255. */
 #define LEAST_VARIANCE 1e-5
 
-/* Roots of radiance as the error sees them. */
+/* Roots of radiance, clipped to 1 as for the error. */
 static void to_roots(size_t n, const float *samples, float *out) {
     for (size_t i = 0; i < n; i++) {
         const float low = samples[i] > 0 ? samples[i] : 0.0f;
@@ -40,13 +40,13 @@ ENC_CLONES static void project(size_t n, const float *basis, const float *profil
     memcpy(out, sum, sizeof sum);
 }
 
-/* What the numbers of a kind are made with: (root - mean) * scale, times the basis. */
+/* Turns roots into the numbers of a kind: (root - mean) * scale, times the basis. */
 typedef struct maker {
     float *basis;        /* [n][K], n lights and channels */
     float *mean, *scale; /* [view][n] */
 } maker;
 
-/* Values of a kind of all views of a texel. */
+/* Roots of a texel in all views, shifted and scaled as the kind is. */
 static void to_kind(size_t stride, const maker *m, const float *roots, float *out) {
     for (size_t i = 0; i < stride; i++) {
         out[i] = (roots[i] - m->mean[i]) * m->scale[i];
@@ -83,7 +83,7 @@ static btf_result draw_profiles(const enc_context *context, const enc_data *data
     return result;
 }
 
-/* Mean and scale of `count` values, which are turned by them. */
+/* Finds mean and scale of `count` values, and applies both to them. */
 static void standardise(size_t count, float *values, bool scaled, float *out_mean, float *out_scale) {
     double sum = 0, square = 0;
     for (size_t i = 0; i < count; i++) {
@@ -102,7 +102,7 @@ static void standardise(size_t count, float *values, bool scaled, float *out_mea
     *out_scale = scale;
 }
 
-/* The leading components of what was drawn, zeros beyond n; the rows are spoilt. */
+/* Finds the leading components of the profiles drawn, zeros beyond n; the rows are overwritten. */
 static btf_result make(const enc_context *context, const enc_data *data, enc_relief_kind kind,
                        size_t texels, float *rows, double *gram, maker *out) {
     const size_t n = 3 * (size_t)data->n_lights, views = (size_t)data->n_views, count = texels * views;

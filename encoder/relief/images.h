@@ -1,4 +1,4 @@
-/* The images of all views with the lights of each texel reduced to a few numbers: what the estimator of
+/* The images of all views with the lights of each texel reduced to a few numbers, which the estimator of
  * heights compares.
  *
  * A texel's profile in a view is its roots of radiance, clipped to 1, under all lights in three channels.
@@ -19,13 +19,13 @@ typedef struct enc_relief_images {
     float *of; /* [view][texel][ENC_RELIEF_NUMBERS] */
 } enc_relief_images;
 
-/* Bytes of them. */
+/* Bytes of such images. */
 uint64_t enc_relief_images_bytes(int width, int height, int n_views);
 
 /* Two sets of numbers. */
 typedef enum enc_relief_kind {
-    ENC_RELIEF_ROOTS,    /* of the roots as they are: what the decoder gets wrong */
-    ENC_RELIEF_STANDARD, /* of roots of mean 0 and variance 1 in each image: what texels look like, so that
+    ENC_RELIEF_ROOTS,    /* of the roots as they are: distances are decoding errors */
+    ENC_RELIEF_STANDARD, /* of roots of mean 0 and variance 1 in each image: for comparing views, so that
                             no image counts more for its contrast */
     ENC_RELIEF_KINDS,
 } enc_relief_kind;

@@ -44,7 +44,7 @@ static void add_texel(const enc_data *data, const float *samples, double weight,
     }
 }
 
-/* The means of what a texel of the level covers, in the order of rows, as roots. */
+/* Stores roots of the means over the texels that a texel of the level covers, summed in the order of rows. */
 static btf_result keep_texel(const enc_context *context, const enc_data *data, size_t texel, float *buffer,
                              double *sums, const enc_judged *j) {
     const size_t n = 3 * (size_t)j->lights, texels = (size_t)j->width * (size_t)j->height,

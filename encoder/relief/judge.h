@@ -1,4 +1,4 @@
-/* What a surface is worth: views left out, predicted from the others with it and without, in true values.
+/* Judges a surface: views left out are predicted from the others with it and without, in true values.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -13,7 +13,7 @@ typedef struct enc_judged {
     uint8_t *roots; /* [view][texel][light][3] */
 } enc_judged;
 
-/* Bytes that they take at most. */
+/* Bytes that such images take at most. */
 uint64_t enc_judged_bytes(int width, int height, int n_views);
 
 /* Images of a level of detail, in linear radiance the means of what its texels cover; level 0: as they are.

@@ -8,7 +8,7 @@
 
 #include <stdlib.h>
 
-/* The mean of what a texel of the level covers, rounded. */
+/* The mean height code over the texels that a texel of the level covers, rounded. */
 static uint8_t filtered(const enc_relief_store *s, int width, int height, int column, int row) {
     int first[2], end[2];
     int64_t sum = 0;

@@ -73,7 +73,7 @@ typedef struct relief_job {
     const enc_data *data;
     enc_seen *seen; /* all views that can be left out */
     float *height;  /* [texel], in texels */
-    float median, low, high; /* of the heights; what they are drawn in to */
+    float median, low, high; /* of the heights; range of the candidate drawn in */
     int ring_of[ENC_MAX_DIRECTIONS]; /* of a view */
     enc_judged judged;
     enc_judged_error *error[ENC_RELIEF_CANDIDATES]; /* [view left out] */
@@ -212,7 +212,7 @@ static btf_result make_store(const relief_job *j, const enc_relief_candidate *c,
     out->base = low;
     out->step = ((high - low) * 256 + CODES - 1) / CODES;
     out->step = out->base + ((CODES * out->step) >> 8) > 32767 ? out->step - 1 : out->step;
-    out->steps = steps_for(j, most - least, views); /* drawn in they are finer, not fewer */
+    out->steps = steps_for(j, most - least, views); /* heights drawn in get finer steps, not fewer */
     for (size_t t = 0; t < texels; t++) {
         const int32_t code = ((height_of(j, c, t) - low) * 256 + out->step / 2) / out->step;
         out->heights[t] = (uint8_t)(code < CODES ? code : CODES);
@@ -235,7 +235,7 @@ static int find_rings(relief_job *j) {
     return rings > ENC_RELIEF_RINGS ? ENC_RELIEF_RINGS : rings;
 }
 
-/* A ring that gains alone is chance, and would be left at each of its seams. The last one stays only beside
+/* A ring that gains while its neighbours do not gains by chance, and the picture would jump at both its edges. The last one stays only beside
  * one that stays: nothing lies beyond it, which makes it gain most of all when it is left out. */
 static void drop_lone_rings(int n_rings, enc_relief_ring rings[ENC_RELIEF_RINGS]) {
     bool alone[ENC_RELIEF_RINGS];
@@ -251,7 +251,7 @@ static void drop_lone_rings(int n_rings, enc_relief_ring rings[ENC_RELIEF_RINGS]
     }
 }
 
-/* What a candidate gains, ring by ring and over all. */
+/* Finds the gain of a candidate, ring by ring and over all. */
 static void weigh(const relief_job *j, int number, int n_rings, enc_relief_ring rings[ENC_RELIEF_RINGS],
                   enc_relief_candidate *c) {
     enc_judged_error plain = {0, 0}, mixed = {0, 0};
@@ -308,7 +308,7 @@ static btf_result judge_candidate(relief_job *j, int number, enc_relief_choice *
     return result;
 }
 
-/* Of maps, and of single heights, that which gains most; 0: none gains. */
+/* The map, and the single height, that gain most; 0: none gains. */
 static void find_best(const enc_relief_choice *choice, int best[2]) {
     best[0] = best[1] = 0;
     for (int k = 1; k < ENC_RELIEF_CANDIDATES; k++) {

@@ -1,9 +1,9 @@
 /* The effects that act between the sampled directions, chosen for a data set: a surface along which views
  * are shifted before they are blended, and the share of the half vector that their lights keep.
  *
- * Heights are found by a plane sweep and a descent on what the decoder gets wrong of views left out.
- * Whether they pay is judged ring by ring of views in true values, by views left out: neighbours there lie
- * twice as far away as in use, which flatters what moves, so that a ring must gain ENC_RELIEF_MARGIN beside
+ * Heights are found by a plane sweep and a descent on the decoder's error at views left out. Whether they pay is judged
+ * ring by ring of views in true values, by views left out: neighbours there lie twice as far away as in use, which
+ * flatters relief, so that a ring must gain ENC_RELIEF_MARGIN beside
  * another that does, and the outermost one, which has no neighbours beyond, follows the one before. Where
  * one height does as well, there is no map. Of further levels of detail, which are judged likewise, relief
  * ends at the first that gains too little (end.h). RELIEF.md has what was measured.
@@ -22,10 +22,10 @@ enum {
                                   drawn in */
 };
 
-#define ENC_RELIEF_MARGIN                                                                                  \
-    0.7 /* dB that a ring must gain by views left out, mean of linear and sRGB-coded */
-#define ENC_RELIEF_DRAWN_IN 0.08
-#define ENC_RELIEF_SHARE 0.65 /* of a flat surface's squared error, which a map must come below */
+/* dB that a ring must gain by views left out, mean of linear and sRGB-coded. */
+#define ENC_RELIEF_MARGIN 0.7
+#define ENC_RELIEF_DRAWN_IN 0.08 /* share of the texels at each end, see enc_relief_candidate.drawn_in */
+#define ENC_RELIEF_SHARE 0.65 /* of a flat surface's squared error: a map must leave less (measured: RELIEF.md) */
 
 typedef struct enc_relief_options {
     bool relief;
@@ -63,15 +63,15 @@ typedef struct enc_relief_choice {
     enc_gloss_choice gloss;
 } enc_relief_choice;
 
-/* Chooses for `data`, whose samples must lie in memory for relief to be tried. What is chosen goes to
- * *out_store, which is empty otherwise. Stage "relief". Every rank does all of it; the same bits for any
+/* Chooses for `data`, whose samples must lie in memory for relief to be tried. The surface chosen goes
+ * to *out_store, which is empty where none is. Stage "relief". Every rank does all of it; the same bits for any
  * number of threads. Memory beside the samples: enc_relief_memory. Errors, on the log: those of the data,
  * BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
 btf_result enc_relief_choose(const enc_context *context, const enc_data *data,
                              const enc_relief_options *options, enc_relief_choice *out_choice,
                              enc_relief_store *out_store);
 
-/* What it does, for predictions. */
+/* The amount of work of enc_relief_choose, for predictions. */
 typedef struct enc_relief_work {
     double texels, heights, sweeps,
         judged; /* of the images that heights are found on; heights of the plane sweep; sweeps
@@ -80,7 +80,7 @@ typedef struct enc_relief_work {
 
 enc_relief_work enc_relief_work_of(int width, int height);
 
-/* Bytes that it takes beside the samples. */
+/* Bytes that enc_relief_choose takes beside the samples. */
 uint64_t enc_relief_memory(int width, int height, int n_views, int n_lights);
 
 #endif

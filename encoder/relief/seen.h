@@ -7,7 +7,7 @@
 
 #include "encoder/nodes/warp.h"
 
-/* A view that is left out, and what the decoder's triangles say without it. */
+/* A view that is left out, and its neighbours in the decoder's triangulation of the others. */
 typedef struct enc_seen_view {
     int view, count; /* of the neighbours that weigh */
     int32_t slope[2];

@@ -20,7 +20,7 @@ enum {
     PATHS = 8,
 };
 
-/* Of one minus a correlation. */
+/* Penalties of semi-global matching (P1 and P2 of Hirschmüller 2008), in units of one minus a correlation. */
 static const float small_change = 0.003f, large_change = 0.03f;
 static const double least_theta = 10, most_theta = 65;
 
@@ -63,7 +63,7 @@ static void find_means(volume *s) {
     }
 }
 
-/* Correlation of the texel `own`, about the mean, with what view number i shows at a height. */
+/* Correlation of the texel `own`, about the mean, with the numbers that view number i shows at a height. */
 static float correlation(const volume *s, int i, const int32_t at[2], int32_t z, const float own[K],
                          float own_square) {
     const int v = s->view[i];
@@ -125,7 +125,7 @@ static void fill_costs(const volume *s, size_t texel) {
     }
 }
 
-/* One texel of a path: its costs on the path, given those of the texel before. */
+/* One step along a path: costs of its texel, given those of the texel before (Hirschmüller 2008). */
 static void step_path(int heights, const float *cost, const float *before, float *here, float *sum) {
     float least = before[0];
     for (int h = 1; h < heights; h++) {
