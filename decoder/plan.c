@@ -40,7 +40,8 @@ static direction_count count_directions(const btfi_directions *directions, const
     return (direction_count){decoded, 3 - decoded};
 }
 
-/* Costs of factors in ns, fitted to a prototype of the shader on llvmpipe (plan.h); to be fitted again when it changes. */
+/* Costs of factors in ns, fitted to a prototype of the shader on llvmpipe (plan.h); to be fitted again when
+ * it changes. */
 static const struct {
     float texel;                       /* a texel of u, fetched and expanded */
     float direction;                   /* a texel of w, or of the factors of a view */
@@ -344,7 +345,8 @@ static error_table open_table(const btf_material *material, const btf_scene *sce
     return t;
 }
 
-/* Reads the errors that the table predicts for a level, effects and components; false where they were not measured. */
+/* Reads the errors that the table predicts for a level, effects and components; false where they were not
+ * measured. */
 static bool find_candidate(const error_table *t, uint32_t level, uint32_t effects, uint32_t components,
                            btf_interpolation interpolation, candidate *out) {
     for (uint32_t r = 0; r < t->rows.row_count; r++) {

@@ -11,9 +11,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The store of shift and gain, and its effects. Packed gains are no multiples of a scale, so that texture `gain`
- * cannot hold them. A shift alone takes as many bytes in its own texture as packed. Lists are kept where they are
- * smaller than either, which they are not for few views; a plan with the shift alone gets lists of gain 1. */
+/* The store of shift and gain, and its effects. Packed gains are no multiples of a scale, so that texture
+ * `gain` cannot hold them. A shift alone takes as many bytes in its own texture as packed. Lists are kept
+ * where they are smaller than either, which they are not for few views; a plan with the shift alone gets
+ * lists of gain 1. */
 static void restrict_points(const btf_material_info *info, btf_material_info *small, uint32_t *effects) {
     const uint32_t both = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN;
     const bool gain = *effects & BTF_EFFECT_GAIN;
@@ -57,8 +58,8 @@ btf_material_info btfi_restricted_info(const btf_material_info *info, uint32_t e
         effects &= ~(uint32_t)BTF_EFFECT_RELIEF;
     if (info->colour == BTF_COLOUR_NONE) {
         effects &= ~(uint32_t)BTF_EFFECT_SHADOW;
-        if (!(effects &
-              BTF_EFFECT_RESIDUAL)) { /* a material needs a model: one component is the cheapest */
+        /* A material needs a model: one component is the cheapest. */
+        if (!(effects & BTF_EFFECT_RESIDUAL)) {
             effects |= BTF_EFFECT_RESIDUAL;
             components = 1;
         }
@@ -171,7 +172,8 @@ static void select_directions(const btfi_directions *whole, const bool *keep, su
         }
 }
 
-/* Chooses the directions that the range needs; all where the triangulation of fewer would give other neighbours. */
+/* Chooses the directions that the range needs; all where the triangulation of fewer would give other
+ * neighbours. */
 static btf_result choose_directions(const btfi_directions *whole, const btf_range *range,
                                     const btf_log *log, subset *out) {
     const btfi_check check = {log, BTF_ERROR_MEMORY};

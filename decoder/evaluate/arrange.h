@@ -10,8 +10,8 @@
 
 #pragma GCC visibility push(hidden)
 
-/* Fills in the members of the evaluator and its levels that describe the residual. Errors: BTF_ERROR_MEMORY; what was made before
- * stays. */
+/* Fills in the members of the evaluator and its levels that describe the residual. Errors:
+ * BTF_ERROR_MEMORY; what was made before stays. */
 btf_result btfi_arrange_residual(const btf_material *material, btf_evaluator *evaluator);
 
 #pragma GCC visibility pop

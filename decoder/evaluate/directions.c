@@ -34,7 +34,8 @@ static int32_t fraction(int32_t part, int32_t whole, uint32_t shift) {
     return (int32_t)(((uint32_t)part >> shift << 12) / ((uint32_t)whole >> shift));
 }
 
-/* Keeps those of three neighbours whose weight is not 0, or, unless `linear`, that of the greatest weight alone. */
+/* Keeps those of three neighbours whose weight is not 0, or, unless `linear`, that of the greatest weight
+ * alone. */
 static void keep(bool linear, const uint32_t index[3], const int32_t weight[3], btfi_neighbours *out) {
     if (!linear) {
         int best = 0;

@@ -1,4 +1,5 @@
-/* The loops that take most of the time, compiled for every machine and again for AVX2; both give the same bits.
+/* The loops that take most of the time, compiled for every machine and again for AVX2; both give the same
+ * bits.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -21,7 +21,8 @@ enum { MOST_TEXELS = 64, MOST_EVALUATIONS = 1 << 22, PLANE = 8192 };
 enum { SHARES = 9 };
 static const double least_share = 10.0 / 11;
 
-/* The least area of all triangles, in a disc of area pi: below it the lights lie on a line but for rounding. */
+/* The least area of all triangles, in a disc of area pi: below it the lights lie on a line but for
+ * rounding. */
 static const double least_area = 1.0 / 64;
 
 /* Columns and rows of texels spread over the material (the R2 sequence of M. Roberts, 2018). */
@@ -83,8 +84,9 @@ static double cosine_at(double z) {
     return z * (1 + z) * (1 + z) / PI;
 }
 
-/* The densities in the plane, at each light, that suit a view best; `beyond` is their ratio to the cosine's density
- * outside of the triangles, where no light is, and `outside` the part of the cosine's that lies there. */
+/* The densities in the plane, at each light, that suit a view best; `beyond` is their ratio to the cosine's
+ * density outside of the triangles, where no light is, and `outside` the part of the cosine's that lies
+ * there. */
 typedef struct target {
     const btf_directions *lights;
     double *density;

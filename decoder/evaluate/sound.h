@@ -9,8 +9,8 @@
 
 #pragma GCC visibility push(hidden)
 
-/* Whether this build of the library rounds once an operation in this thread, to nearest even, in the written
- * order. */
+/* Whether this build of the library rounds once an operation in this thread, to nearest even, in the
+ * written order. */
 bool btfi_build_is_sound(void);
 
 #pragma GCC visibility pop

@@ -64,7 +64,8 @@ static appearance packed(const btf_evaluator *e, const btfi_way *way, const uint
     return seen;
 }
 
-/* From a code of the gain and bytes of the shift; where the file does not store them these are 128, 0 and 0. */
+/* From a code of the gain and bytes of the shift; where the file does not store them these are 128, 0 and
+ * 0. */
 static appearance separate(const btf_evaluator *e, const btfi_way *way, uint32_t code, uint32_t byte0,
                            uint32_t byte1) {
     appearance seen = {false, 0, 0, 0, 1.0f};

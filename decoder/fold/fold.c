@@ -70,11 +70,12 @@ size_t btf_fold_bytes(const btf_material_info *info, btf_fold fold, uint32_t lig
     return texels * btf_fold_layers(info, fold, lights) * btf_format_size(BTF_FORMAT_RGBA32UI);
 }
 
-/* Cost of a texel of `folded`, taken to be that of a texel of parameters, which has as many bytes (btf_plan_cost). */
+/* Cost of a texel of `folded`, taken to be that of a texel of parameters, which has as many bytes
+ * (btf_plan_cost). */
 static const float kept_texel = 4.1f;
 
-/* Cost of a pixel that reads a fold: finding the place, by the model of a material that holds nothing else, and the
- * texels there. */
+/* Cost of a pixel that reads a fold: finding the place, by the model of a material that holds nothing else,
+ * and the texels there. */
 static float cost_of_reading(const btf_material *material, const btf_shader_options *options,
                              const btf_scene *scene) {
     const float texels = options->filter == BTF_FILTER_TEXEL ? 1 : 4, once = 8.3f;

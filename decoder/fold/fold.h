@@ -9,7 +9,8 @@
 
 #pragma GCC visibility push(hidden)
 
-/* The material as a shader that reads a fold sees it: no effect but relief, which acts on the folded values. */
+/* The material as a shader that reads a fold sees it: no effect but relief, which acts on the folded
+ * values. */
 btf_material_info btfi_folded_info(const btf_material_info *info, btf_fold fold);
 
 /* Fills in the members of a plan that describe its fold. */

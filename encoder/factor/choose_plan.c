@@ -1,8 +1,8 @@
 /* Trials of plans. See choose_plan.h.
  *
- * The allocation takes it that the rounding error of each component stays. Descent makes up for part of it, so that
- * strong components in 4 bits lose far less than their rounding; of one unit of UBO_IMPALLA64 all in 4 bits the
- * allocation expects 22 dB, and 30 come out. Among many units the difference is small and
+ * The allocation takes it that the rounding error of each component stays. Descent makes up for part of it,
+ * so that strong components in 4 bits lose far less than their rounding; of one unit of UBO_IMPALLA64 all
+ * in 4 bits the allocation expects 22 dB, and 30 come out. Among many units the difference is small and
  * alike for all plans; where there are few, the classes that it leaves out are rounded and compared.
  *
  * SPDX-License-Identifier: MIT
@@ -68,7 +68,8 @@ static btf_result error_of(const enc_factor_matrix *m, const enc_components comp
     return result;
 }
 
-/* The plan that the allocation makes of a pair of shares; false where none fits, or an earlier pair gave it. */
+/* The plan that the allocation makes of a pair of shares; false where none fits, or an earlier pair gave
+ * it. */
 static bool think(const enc_factor_matrix *m, const enc_components components[ENC_FACTOR_CHANNELS],
                   const double thought[2], uint64_t budget, const enc_factor_plan *known, int n_known,
                   enc_factor_plan *out) {

@@ -22,12 +22,14 @@ enum {
     SPARE = 24,       /* components beyond what the budget is thought to hold */
 };
 
-/* Match is tried to the end where a survey expects it to leave at most MAY_PAY of the squared error that the same bytes
- * leave without it, and at most MAY_LEAVE of that which its own factors leave without sources; it is kept where it
- * gains at least MUST_GAIN dB, the mean of those of linear and of sRGB-coded values. A survey expects too much error, as it follows one round of four to seven. Both figures and the gains, of 64x64 texels and 81
- * directions at 2.36 MB: bricks of btf-sample 0.91, 0.71, 0.80 dB; BRICKS64 0.99, 0.78, 0.45 dB; bumps 1.07,
- * 0.81, 0.52 dB; UBO_IMPALLA64 1.10, 0.95, -0.36 dB. Of 32x32 texels: weave 0.70, 0.57, 1.81 dB; bricks
- * 0.79, 0.68, 1.34 dB; bumps 0.85, 0.72, 0.52 dB; flat 0.99, 0.99, -0.76 dB. */
+/* Match is tried to the end where a survey expects it to leave at most MAY_PAY of the squared error that
+ * the same bytes leave without it, and at most MAY_LEAVE of that which its own factors leave without
+ * sources; it is kept where it gains at least MUST_GAIN dB, the mean of those of linear and of sRGB-coded
+ * values. A survey expects too much error, as it follows one round of four to seven. Both figures and the
+ * gains, of 64x64 texels and 81 directions at 2.36 MB: bricks of btf-sample 0.91, 0.71, 0.80 dB; BRICKS64
+ * 0.99, 0.78, 0.45 dB; bumps 1.07, 0.81, 0.52 dB; UBO_IMPALLA64 1.10, 0.95, -0.36 dB. Of 32x32 texels:
+ * weave 0.70, 0.57, 1.81 dB; bricks 0.79, 0.68, 1.34 dB; bumps 0.85, 0.72, 0.52 dB; flat 0.99, 0.99, -0.76
+ * dB. */
 #define MAY_PAY 1.12
 #define MAY_LEAVE 0.88
 #define MUST_GAIN 0.05
@@ -44,8 +46,8 @@ static void first_ranks(size_t texels, size_t columns, uint64_t budget, size_t o
     out[1] = out[2] = luma / CHROMA_SHARE + SPARE < side ? luma / CHROMA_SHARE + SPARE : side;
 }
 
-/* How many components to find anew: 0 where enough were found. Too few were where the plan keeps all of them, up to a
- * word, and the matrix has more. */
+/* How many components to find anew: 0 where enough were found. Too few were where the plan keeps all of
+ * them, up to a word, and the matrix has more. */
 static size_t missing(const enc_factor_matrix *m, const enc_components *components,
                       const enc_factor_plan *plan, int channel) {
     const size_t side = m->texels < m->columns ? m->texels : m->columns;
@@ -78,8 +80,8 @@ static btf_result make_plan(const enc_factor_matrix *m, const enc_factor_options
     return planned ? BTF_OK : enc_fail(m->context, BTF_ERROR_MEMORY, "factors: out of memory");
 }
 
-/* The bytes that each candidate may use: those that pay without match. Where less than a unit of the budget is left,
- * the budget. */
+/* The bytes that each candidate may use: those that pay without match. Where less than a unit of the budget
+ * is left, the budget. */
 static uint64_t equal_bytes(const enc_factor_matrix *m, const enc_factor_options *options,
                             const enc_unspent *unspent) {
     const uint64_t unit = 16 * (uint64_t)(m->texels + m->columns);
@@ -284,8 +286,8 @@ static btf_result encode_plain(const enc_factor_matrix *m, const enc_factor_opti
     return result == BTF_OK ? finish(m, options, begin, f) : result;
 }
 
-/* Finds sources, and components that fit them in the place of those given; sets trial.omitted where these leave more
- * than `most` of the squared error. */
+/* Finds sources, and components that fit them in the place of those given; sets trial.omitted where these
+ * leave more than `most` of the squared error. */
 static btf_result find_match(const enc_factor_matrix *m, const enc_factor_options *options, uint64_t budget,
                              double most, found *f) {
     double share = 1;
@@ -339,9 +341,9 @@ static double gained(enc_factor_error a, enc_factor_error b) {
            5 * log10(fmax(a.srgb, 1e-10) / fmax(b.srgb, 1e-10));
 }
 
-/* Gives the components of one candidate to the other, with a plan for `budget` of `bytes`. *out_most: the share of their
- * squared error that match may leave if it is to pay, by the errors that the allocation expects of both plans: too
- * large ones of a plan that was chosen by trial. */
+/* Gives the components of one candidate to the other, with a plan for `budget` of `bytes`. *out_most: the
+ * share of their squared error that match may leave if it is to pay, by the errors that the allocation
+ * expects of both plans: too large ones of a plan that was chosen by trial. */
 static btf_result hand_over(const enc_factor_matrix *m, uint64_t bytes, uint64_t budget, found *plain,
                             found *matched, double *out_most) {
     const enc_factor_energies energies = enc_components_energies(plain->components);

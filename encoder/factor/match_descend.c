@@ -1,8 +1,9 @@
 /* Weighted coordinate descent. See match_descend.h.
  *
- * A source z has the weight h(z, v) in view v, the sum of the squares of its users' gains. So the Gram matrix that a column of w sees is one a view, U^T diag(h_v) U, and that which a texel of
- * u sees is one a texel, sum over v of h(z, v) W_v W_v^T: a product of all views' matrices, as rows, with
- * the weights of a few texels.
+ * A source z has the weight h(z, v) in view v, the sum of the squares of its users' gains. So the Gram
+ * matrix that a column of w sees is one a view, U^T diag(h_v) U, and that which a texel of u sees is one a
+ * texel, sum over v of h(z, v) W_v W_v^T: a product of all views' matrices, as rows, with the weights of a
+ * few texels.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -32,8 +33,7 @@ typedef struct lanes {
     const enc_factor_channel *channel;
     bool round, is_w;
     const float *steps; /* [rank] */
-    const float
-        *gram; /* one for all lanes: [rank][rank]; one a lane: [pair j (j + 1) / 2 + k, k <= j][LANES] */
+    const float *gram; /* one for all lanes: [rank][rank]; one a lane: [j (j + 1) / 2 + k, k <= j][LANES] */
     float *x, *product;            /* [rank][LANES] */
     float *seen;                   /* [rank][LANES], where the lanes have Gram matrices of their own */
     float views[ENC_FACTOR_TIERS]; /* factors of the view, 1 for u */
@@ -51,8 +51,8 @@ ENC_CLONES static void see_shared(size_t rank, const float *restrict gram, const
     memcpy(seen, sum, sizeof sum);
 }
 
-/* Adds to seen [BLOCK][LANES], for the components first .. first + n - 1, the part of G x that comes from those behind
- * them, every lane having a Gram matrix of its own. */
+/* Adds to seen [BLOCK][LANES], for the components first .. first + n - 1, the part of G x that comes from
+ * those behind them, every lane having a Gram matrix of its own. */
 ENC_CLONES static void see_behind(size_t rank, size_t first, size_t n, const float *restrict gram,
                                   const float *restrict x, float *restrict seen) {
     for (size_t k = first + n; k < rank; k++) {
@@ -65,7 +65,8 @@ ENC_CLONES static void see_behind(size_t rank, size_t first, size_t n, const flo
     }
 }
 
-/* Adds to seen [rank][LANES], for those behind them, the part of G x of the components first .. first + n - 1. */
+/* Adds to seen [rank][LANES], for those behind them, the part of G x of the components first .. first + n -
+ * 1. */
 ENC_CLONES static void tell_behind(size_t rank, size_t first, size_t n, const float *restrict gram,
                                    const float *restrict x, float *restrict seen) {
     for (size_t k = first + n; k < rank; k++) {

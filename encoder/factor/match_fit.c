@@ -310,8 +310,8 @@ static btf_result search_blocks(const enc_factor_matrix *m, const enc_match_base
     return result;
 }
 
-/* Searches, then restricts each texel to a list. The first search has the scale of gains fitted between the two, for
- * which all blocks must have been searched. */
+/* Searches, then restricts each texel to a list. The first search has the scale of gains fitted between the
+ * two, for which all blocks must have been searched. */
 static btf_result search(const enc_factor_matrix *m, const enc_match_bases *bases, bool first,
                          enc_match *match, const enc_factor_codes *codes, search_sums *out_sums) {
     const bool split = first && match->gains.count > 1;

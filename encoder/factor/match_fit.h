@@ -11,9 +11,9 @@ enum { ENC_MATCH_ROUNDS = 3, ENC_MATCH_CODE_ROUNDS = 4 };
 
 /* Rounds of search and descent on unrounded factors, from the components of a plan. *io_components become
  * those of the factors found, by falling energy, and io_plan that of the least error within the budget,
- * which is for the factors alone. *out_share: the share of the squared error of
- * the components alone that one round and another search leave, in the leading directions of profiles; where it is
- * more than `most`, nothing follows, and components and plan stay. So it is where the first search leaves so much that `most`
+ * which is for the factors alone. *out_share: the share of the squared error of the components alone that
+ * one round and another search leave, in the leading directions of profiles; where it is more than `most`,
+ * nothing follows, and components and plan stay. So it is where the first search leaves so much that `most`
  * is out of reach: *out_share is then what that leaves. matrix has no match. The same bits for any number
  * of threads. Errors: BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
 btf_result enc_match_fit(const enc_factor_matrix *matrix, uint64_t budget, const enc_match_bases *bases,

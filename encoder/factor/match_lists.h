@@ -30,8 +30,8 @@ static inline size_t enc_match_place(const enc_match *match, const enc_match_are
            (size_t)(x < 0 ? x + match->width : x);
 }
 
-/* Coordinates of profiles in their view's leading directions: of the points of a block of texels, and of every source
- * within their reach. */
+/* Coordinates of profiles in their view's leading directions: of the points of a block of texels, and of
+ * every source within their reach. */
 typedef struct enc_match_coordinates {
     size_t k;
     enc_match_area block, sources;
@@ -56,8 +56,8 @@ float enc_match_dot(size_t k, const float *a, const float *b);
 
 /* Chooses for each texel of the block, among the pairs of source and gain that its views have, the
  * `entries` that leave the least error one after the other, and gives each view the best of them; 0: pairs
- * stay. Users are not counted. Adds to *io_error the squared error left, in the same coordinates as a search. Errors:
- * BTF_ERROR_MEMORY. */
+ * stay. Users are not counted. Adds to *io_error the squared error left, in the same coordinates as a
+ * search. Errors: BTF_ERROR_MEMORY. */
 btf_result enc_match_restrict(const enc_context *context, const enc_match_coordinates *at, size_t entries,
                               enc_match *io_match, double *io_error);
 

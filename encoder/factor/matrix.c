@@ -352,8 +352,8 @@ btf_result enc_factor_times_u(const enc_factor_matrix *m, const enc_factor_set *
     return complete(m, result, u, m->columns, SPAN, out);
 }
 
-/* Adds to sums [channel] the squared residual of a panel of rows; work: u, samples, their channels and the product.
- */
+/* Adds to sums [channel] the squared residual of a panel of rows; work: u, samples, their channels and the
+ * product. */
 static btf_result add_residual(const enc_factor_matrix *m, const enc_factor_set *u,
                                float *const packed_w[3], const uint8_t *of_columns, size_t first,
                                size_t most, float *work, double *sums) {

@@ -37,9 +37,10 @@ typedef struct enc_factor_matrix {
 /* Of all texels, radiance as it is up to 2^24: scales of larger roots no file holds. */
 enc_factor_matrix enc_factor_matrix_of(const enc_context *context, const enc_data *data);
 
-/* Clips samples far brighter than other highlights, which would take all components: io_matrix->most becomes
- * ENC_FACTOR_HIGHLIGHTS times the radiance that all but a thousandth of the samples of up to 512 texels keep
- * below, or 1 where that is more. Every rank does the same. Errors: those of the data, BTF_ERROR_MEMORY. */
+/* Clips samples far brighter than other highlights, which would take all components: io_matrix->most
+ * becomes ENC_FACTOR_HIGHLIGHTS times the radiance that all but a thousandth of the samples of up to 512
+ * texels keep below, or 1 where that is more. Every rank does the same. Errors: those of the data,
+ * BTF_ERROR_MEMORY. */
 enum { ENC_FACTOR_HIGHLIGHTS = 16 };
 btf_result enc_factor_clip(enc_factor_matrix *io_matrix);
 
@@ -57,8 +58,8 @@ btf_result enc_factor_times_w(const enc_factor_matrix *matrix, const enc_factor_
 btf_result enc_factor_times_u(const enc_factor_matrix *matrix, const enc_factor_set *u,
                               const enc_factor_set *out);
 
-/* Sums of squares of the residual A - u w of each channel, at the columns where `of_columns` [column] is not 0.
- * Errors as above. */
+/* Sums of squares of the residual A - u w of each channel, at the columns where `of_columns` [column] is
+ * not 0. Errors as above. */
 btf_result enc_factor_residual(const enc_factor_matrix *matrix, const enc_factor_set *u,
                                const enc_factor_set *w, const uint8_t *of_columns,
                                double out_sums[ENC_FACTOR_CHANNELS]);

@@ -26,8 +26,8 @@ static float horizon_scale(const enc_data *data) {
     return fminf(fmaxf(scale, 1.0f), 0x1p24f);
 }
 
-/* The views' factors are about 1, and the scales of weak components may be less than files hold: scales are multiplied
- * by this and factors divided, which changes no bit of a decoded value. */
+/* The views' factors are about 1, and the scales of weak components may be less than files hold: scales are
+ * multiplied by this and factors divided, which changes no bit of a decoded value. */
 static const float balance = 0x1p12f;
 
 /* The number that a file holds for x: 0 for magnitudes below the least it may hold. */

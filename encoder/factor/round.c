@@ -98,8 +98,8 @@ static double group_error(const factor *f, size_t first, size_t end, float step)
     return error;
 }
 
-/* The step of least error for the components first .. end - 1 of a group: that which puts the largest value at the top
- * level, or a smaller one, which clips. */
+/* The step of least error for the components first .. end - 1 of a group: that which puts the largest value
+ * at the top level, or a smaller one, which clips. */
 static float best_step(const factor *f, size_t first, size_t end) {
     float most = 0;
     for (size_t j = first; j < end; j++) {
@@ -208,8 +208,8 @@ static bool find_gram(int threads, size_t rank, size_t count, const float *f, fl
     return done;
 }
 
-/* Sets one component of a panel to its best value in all lanes, and adds the change of G x for the others of the panel
- * to `seen`. */
+/* Sets one component of a panel to its best value in all lanes, and adds the change of G x for the others
+ * of the panel to `seen`. */
 ENC_CLONES static void settle(const float *gram_row, size_t j, size_t after, bool round,
                                      enc_factor_levels levels, const float *restrict step,
                                      const float *restrict product, float *restrict seen,
@@ -317,7 +317,8 @@ static void round_w(const enc_context *context, enc_factor_codes *codes, int cha
 }
 
 /* Products of the held factor with the samples, or with the components that stand for them (NULL: the
- * samples themselves): the residual beyond the components found is small, and has little in common with the codes. */
+ * samples themselves): the residual beyond the components found is small, and has little in common with the
+ * codes. */
 static btf_result find_products(const enc_factor_matrix *m, const enc_factor_codes *codes, bool of_w,
                                 const enc_components *components, const enc_factor_set *out) {
     enc_factor_set held = {0};

@@ -206,8 +206,8 @@ static bool decompose(blocks *b, int c) {
     return done;
 }
 
-/* Fits the components of the block that is kept. The search begins at the components of all samples; the left-out
- * samples in these change its result in second order only. */
+/* Fits the components of the block that is kept. The search begins at the components of all samples; the
+ * left-out samples in these change its result in second order only. */
 static btf_result fit(blocks *b, const enc_components components[3]) {
     const enc_factor_matrix *m = &b->kept;
     for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
@@ -311,8 +311,8 @@ static btf_result judge(blocks *b, const enc_components components[3], const boo
     return result;
 }
 
-/* Whether the data are too small to predict left-out samples: detail looks like noise then, and such data take few
- * bytes anyway. */
+/* Whether the data are too small to predict left-out samples: detail looks like noise then, and such data
+ * take few bytes anyway. */
 static bool is_small(const enc_factor_matrix *m) {
     return m->texels * m->columns < ENC_SIGNAL_LEAST_SAMPLES || m->texels < 4 * LEFT_OUT ||
            m->columns < 4 * LEFT_OUT;

@@ -1,12 +1,12 @@
 /* A walk over budgets. See stop.h.
  *
  * A plan costs a millisecond, so that each budget of a grid gets its own. Their bytes are whole units, and
- * two plans differ by more than a tenth of the bytes where units are few. The walk therefore
- * stops at the maximum of dB - tolerance * log(bytes) / log(1.1): beyond it no step, however wide, gains the tolerance
+ * two plans differ by more than a tenth of the bytes where units are few. The walk therefore stops at the
+ * maximum of dB - tolerance * log(bytes) / log(1.1): beyond it no step, however wide, gains the tolerance
  * for each tenth more bytes.
  *
- * The error of rounding to 8 bits does not count: of a strong component it may be more than the energy of all weak ones,
- * but the descent lets these make up for it, so that more bytes still pay.
+ * The error of rounding to 8 bits does not count: of a strong component it may be more than the energy of
+ * all weak ones, but the descent lets these make up for it, so that more bytes still pay.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -12,8 +12,8 @@
 
 #include <stdio.h>
 
-/* The least PSNR that a fit may leave at the samples: the quality that is asked for, with as much error left to the
- * codec. */
+/* The least PSNR that a fit may leave at the samples: the quality that is asked for, with as much error
+ * left to the codec. */
 static double fit_least_psnr(const enc_job *job) {
     return job->method != ENC_METHOD_PAPER && job->joint.quality > 0 ? job->joint.quality + 3 : 0;
 }
@@ -49,7 +49,7 @@ static btf_result find_relief(const enc_context *context, const enc_job *job, co
     return result;
 }
 
-/* Puts fitted values in the place of the samples, where a fit was chosen or relief shifts the views. */
+/* Makes the values of the chosen fit; with relief they follow the surface. */
 static btf_result apply_nodes(const enc_context *context, const enc_data *data, enc_between *s) {
     enc_warp surface = {0};
     const enc_node_relief relief = {&surface, s->store.views};

@@ -1,5 +1,5 @@
-/* The stages that improve the decode between the samples: relief and gloss, and values at the nodes that a decoder
- * blends into a smooth spline.
+/* The stages that improve the decode between the samples: relief and gloss, and values at the nodes that a
+ * decoder blends into a smooth spline.
  *
  * SPDX-License-Identifier: MIT
  */

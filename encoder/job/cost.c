@@ -32,13 +32,13 @@ static const double per_file = 60e-6, per_pixel = 25e-9, per_jpeg_pixel = 12e-9,
 /* of the paper's method, */
 static const double per_fit = 110e-9, per_shadow = 20e-9, per_flow = 1.2e-6, per_flow_label = 3e-9,
                     per_refine = 0.05e-9, per_cluster = 0.1e-9, hidden_share = 0.25;
-/* of factors: a sample that a pass splits into channels; a multiplication of a pass, of a Gram matrix, of the
- * descent; */
+/* of factors: a sample that a pass splits into channels; a multiplication of a pass, of a Gram matrix, of
+ * the descent; */
 static const double per_split = 1.2e-9, per_product = 0.025e-9, per_square = 0.06e-9,
                     per_level_square = 0.25e-9;
-/* of a round of match: a sample that is added to its source's row, a multiplication of the Gram matrices of views and
- * texels, one of the descent on u, a point and a source that are compared, and two views of a list (fitted to
- * btf-sample bricks of 64x64 and 128x128 texels, 81 directions, and BRICKS64); */
+/* of a round of match: a sample that is added to its source's row, a multiplication of the Gram matrices of
+ * views and texels, one of the descent on u, a point and a source that are compared, and two views of a
+ * list (fitted to btf-sample bricks of 64x64 and 128x128 texels, 81 directions, and BRICKS64); */
 enum { ALL_IN_REACH = 4096, SOURCES_OF_TILE = 2401, PAIRS_OF_TEXEL = 40 };
 static const double per_added = 3e-9, per_gram = 0.019e-9, per_own_square = 0.1e-9, per_compared = 0.95e-9,
                     per_view_pair = 18e-9;
@@ -98,7 +98,8 @@ static void add_reading(list *l, const enc_context *context, const enc_extent *e
         add(l, "decode", c->samples * enc_bonn_sample_seconds(e->components));
 }
 
-/* Cost of "foresee error": components of some texels, by a product with u, one with w and one for the residual. */
+/* Cost of "foresee error": components of some texels, by a product with u, one with w and one for the
+ * residual. */
 static double foresee_cost(const counts *c, double fetch) {
     const double texels = fmin(c->texels, ENC_FORESEE_TEXELS), columns = c->views * c->lights;
     const double luma = ENC_FORESEE_RANK, all = 1.5 * luma; /* with spare ones */

@@ -2,8 +2,8 @@
  * large encode be judged by a smaller one.
  *
  * Costs are core seconds on one core of an AMD EPYC (Zen 4) that has nothing else to do; constants were
- * fitted to core times measured there (cost.c). They count texels, views, lights, components and rounds, as the
- * method and preset make them.
+ * fitted to core times measured there (cost.c). They count texels, views, lights, components and rounds, as
+ * the method and preset make them.
  *
  * SPDX-License-Identifier: MIT
  */

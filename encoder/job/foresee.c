@@ -21,12 +21,12 @@ enum {
     BISECTIONS = 50,
 };
 
-/* Share of the error of components rounded one by one that descent on their codes leaves: at 2.36 MB BRICKS64 has
- * 0.88, IMPALLA64 0.82. */
+/* Share of the error of components rounded one by one that descent on their codes leaves: at 2.36 MB
+ * BRICKS64 has 0.88, IMPALLA64 0.82. */
 static const double descended = 0.85;
 
-/* Share of the rounding error of 8-bit components that is left once weaker components have made up for it (stop.c):
- * measured with btf-sample flat. */
+/* Share of the rounding error of 8-bit components that is left once weaker components have made up for it
+ * (stop.c): measured with btf-sample flat. */
 static const double strong_share = 0.15;
 
 /* The texels that were drawn, and their components. */
@@ -104,8 +104,8 @@ static double power_sum(size_t from, size_t to, double power, double *out) {
     return sum;
 }
 
-/* Energies of `rank` components of all texels: those that were found, then a power law that begins at the last of
- * these and sums to the rest. */
+/* Energies of `rank` components of all texels: those that were found, then a power law that begins at the
+ * last of these and sums to the rest. */
 static void extend(const survey *s, int channel, double texels, size_t rank, double *out) {
     const enc_components *found = &s->components[channel];
     const size_t leading = s->leading[channel];

@@ -19,7 +19,8 @@ static uint64_t larger(uint64_t a, uint64_t b) {
     return a > b ? a : b;
 }
 
-/* Bytes that every method takes: reading holds one image a thread and the planes of one view, measuring two views. */
+/* Bytes that every method takes: reading holds one image a thread and the planes of one view, measuring two
+ * views. */
 static uint64_t common(const extent *e) {
     return larger(e->image_view + e->texels * 12 * (1 + 3 * e->threads),
                   2 * e->image_view + e->texels * 24);
@@ -58,8 +59,8 @@ uint64_t enc_memory_least_paper(int width, int height, int n_views, int n_lights
     return with_slack(paper(&e));
 }
 
-/* The larger of two stages of the factors: the analysis, which has few and large arrays; decoding, with the profiles of
- * a view and the maps of every point. */
+/* The larger of two stages of the factors: the analysis, which has few and large arrays; decoding, with the
+ * profiles of a view and the maps of every point. */
 static uint64_t factors(const extent *e, int width, int height, uint64_t budget, int threads) {
     const uint64_t analysis =
         enc_factor_memory(width, height, (int)e->views, (int)e->lights, budget, threads);

@@ -9,8 +9,8 @@
 
 /* Bytes that an encode of such data takes beside the samples, which go to a scratch file where there is no
  * room for them: the largest stage, each in its smallest blocks with one thread where a thread needs much.
- * Without the program itself but for what grows with the data. --method joint is taken with the default budget.
- * Each is an enc_least_memory. */
+ * Without the program itself but for what grows with the data. --method joint is taken with the default
+ * budget. Each is an enc_least_memory. */
 uint64_t enc_memory_least_joint(int width, int height, int n_views, int n_lights, int threads);
 uint64_t enc_memory_least_paper(int width, int height, int n_views, int n_lights, int threads);
 enc_least_memory enc_memory_least(enc_method method);

@@ -18,9 +18,9 @@
 
 enum { PRODUCT = 192, ROOTS = 1 << 22 };
 
-/* Core seconds on the machine to which cost.c was fitted: of a matrix product of PRODUCT^3, of ROOTS square roots in
- * memory. Medians of four runs, idle, where encodes of 32x32 and 64x64
- * texels by both methods took what the model says within a fifth. */
+/* Core seconds on the machine to which cost.c was fitted: of a matrix product of PRODUCT^3, of ROOTS square
+ * roots in memory. Medians of four runs, idle, where encodes of 32x32 and 64x64 texels by both methods took
+ * what the model says within a fifth. */
 static const double product_seconds = 0.0734e-3, root_seconds = 0.78e-3;
 
 /* Factors from the model's times to those of this machine, stage by stage. */

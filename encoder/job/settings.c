@@ -35,9 +35,9 @@ enc_joint_options enc_joint_options_default(void) {
                                .tolerance = 0.05};
 }
 
-/* The default budget is at most this times the root of the number of texels. Layout `paper` takes a constant number of
- * bytes a texel, and encoding time grows with texels times bytes; but components are shared by all texels, so that
- * larger materials need fewer bytes a texel. */
+/* The default budget is at most this times the root of the number of texels. Layout `paper` takes a
+ * constant number of bytes a texel, and encoding time grows with texels times bytes; but components are
+ * shared by all texels, so that larger materials need fewer bytes a texel. */
 static const double side_bytes = 62500;
 
 uint64_t enc_default_budget(int width, int height, int n_views, int n_lights) {

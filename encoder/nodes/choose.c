@@ -20,8 +20,8 @@ enum {
     ACCUMULATED = 3, /* sums: barycentric and fitted error, and the square of the move */
 };
 
-/* Strengths for views and lights, rising. Lights take stronger fits than views, since shading changes faster
- * with the light than parallax does with the view. */
+/* Strengths for views and lights, rising. Lights take stronger fits than views, since shading changes
+ * faster with the light than parallax does with the view. */
 static const int ladder[ENC_FIT_CANDIDATES][2] = {{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 4}, {4, 5}, {4, 6}};
 
 typedef struct sums {

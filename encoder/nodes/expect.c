@@ -6,8 +6,8 @@
 
 #include <math.h>
 
-/* A blend's squared error between the samples as a share of that with samples left out: of the part that a fit
- * follows, of the rest. These constants were set with BRICKS64, IMPALLA and btf-sample: see FIT.md. */
+/* A blend's squared error between the samples as a share of that with samples left out: of the part that a
+ * fit follows, of the rest. These constants were set with BRICKS64, IMPALLA and btf-sample: see FIT.md. */
 static const double smooth_share = 1 / 30.0, rough_share = 0.5;
 
 /* The cosine of a fit's move with the blend's error, between the samples against left-out ones: smooth,

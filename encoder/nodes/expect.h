@@ -1,12 +1,12 @@
-/* The value of a fit: its gain between the samples against its cost at them, both as dB of the error that is left with
- * the coder's own error added. FIT.md has the figures that the constants come from.
+/* The value of a fit: its gain between the samples against its cost at them, both as dB of the error that
+ * is left with the coder's own error added. FIT.md has the figures that the constants come from.
  *
  * A fit's cost at the samples is known; a coder's error adds to it. Its gain is estimated by leaving
  * samples out: there, the fit of the others moves the blend by m, and the blend's error e is known, and so
  * are |e|, |m| and the cosine between them. Between the samples |m| is known, too, and neighbours are half
  * as far away: of |e|^2 a half is left of the part that no fit follows, and a thirtieth of that which the
- * strongest follows, whose share is the square of its cosine (a parabola, cut at random places, against the middle of twice
- * its span, leaves 1/30).
+ * strongest follows, whose share is the square of its cosine (a parabola, cut at random places, against the
+ * middle of twice its span, leaves 1/30).
  *
  * SPDX-License-Identifier: MIT
  */
@@ -66,7 +66,8 @@ double enc_fit_value(const enc_fit_choice *choice, const enc_fit_candidate *cand
 enc_fit_error enc_fit_coded_at(const enc_fit_candidate *candidate, enc_fit_error coder);
 enc_fit_error enc_fit_coded_between(const enc_fit_candidate *candidate, enc_fit_error coder);
 
-/* The error of the coder itself, given the error measured at the samples after it coded the chosen candidate. */
+/* The error of the coder itself, given the error measured at the samples after it coded the chosen
+ * candidate. */
 enc_fit_error enc_fit_coder_measured(const enc_fit_choice *choice, enc_fit_error measured);
 
 #endif

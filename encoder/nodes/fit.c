@@ -46,8 +46,8 @@ static bool inside(const enc_direction *directions, const enc_weights *w, const 
     return hypot(off[0], off[1]) < hull_slack;
 }
 
-/* Adds a point to the normal equations: B^T B of its weights to `square`, B^T times the spline's basis to `bases`
- * [count][count + 3]. */
+/* Adds a point to the normal equations: B^T B of its weights to `square`, B^T times the spline's basis to
+ * `bases` [count][count + 3]. */
 static void add_point(enc_node_fit *f, const enc_spline *spline, const enc_weights *w, const float to[3],
                       double *bases) {
     const int n = f->count, length = n + 3;

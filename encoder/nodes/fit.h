@@ -1,5 +1,5 @@
-/* Values at the nodes, the directions of a list, chosen so that a decoder's blend of three nodes follows a smooth
- * spline through the samples.
+/* Values at the nodes, the directions of a list, chosen so that a decoder's blend of three nodes follows a
+ * smooth spline through the samples.
  *
  * A decoder blends barycentrically the values f' of three nodes. f' = W f is fitted to the samples f: W
  * minimises the squared difference between the blend of W and the weights of the cubic spline over the hull

@@ -49,7 +49,8 @@ static void spread(const enc_weights *w, float *row) {
     }
 }
 
-/* Weights of the other samples in the direction of sample i, for every strength: rows[strength][n]; usable[strength]. */
+/* Weights of the other samples in the direction of sample i, for every strength: rows[strength][n];
+ * usable[strength]. */
 static btf_result leave(const enc_context *context, const enc_direction *directions, int n, int i,
                         const btf_ref_neighbours *near, float *rows, bool usable[ENC_STRENGTHS]) {
     enc_direction others[ENC_MAX_DIRECTIONS];

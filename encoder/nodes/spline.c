@@ -9,7 +9,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Reciprocal condition below which the weights lose digits: rings of 81 directions have 1e-5, 256 random ones 1e-9. */
+/* Reciprocal condition below which the weights lose digits: rings of 81 directions have 1e-5, 256 random
+ * ones 1e-9. */
 static const double least_rcond = 1e-12;
 
 struct enc_spline {

@@ -19,8 +19,8 @@ enum {
     LEAST_STEPS = 8,
 };
 
-/* Penalty of the total variation: for a difference of one texel in height between neighbours, as a share of a flat
- * surface's mean squared error at a texel. */
+/* Penalty of the total variation: for a difference of one texel in height between neighbours, as a share of
+ * a flat surface's mean squared error at a texel. */
 static const double variation = 0.02;
 static const int32_t variation_most = 4 * ENC_WARP_ONE;
 
@@ -207,7 +207,8 @@ static size_t list_phase(const descent *d, int phase) {
     return count;
 }
 
-/* Sets the heights that were found together, and measures the errors on the rays of those that changed anew. */
+/* Sets the heights that were found together, and measures the errors on the rays of those that changed
+ * anew. */
 static void commit(descent *d, size_t count, rays *work) {
     const int32_t step = march_step(d->warp);
     for (size_t i = 0; i < count; i++) {

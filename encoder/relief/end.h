@@ -10,9 +10,10 @@
 
 #define ENC_RELIEF_LEVEL_MARGIN 0.7 /* dB that a level must gain, mean of linear and sRGB-coded */
 
-/* A further level of detail: errors of views left out that relief acts on, without it and with it, in images of the
- * next level. Neighbours of a view left out lie twice as far away as those of a direction between samples, so that
- * points are displaced by twice as much: in texels of twice the width by as many as this level has in use. */
+/* A further level of detail: errors of views left out that relief acts on, without it and with it, in
+ * images of the next level. Neighbours of a view left out lie twice as far away as those of a direction
+ * between samples, so that points are displaced by twice as much: in texels of twice the width by as many
+ * as this level has in use. */
 typedef struct enc_relief_judged_level {
     enc_judged_error plain, moved;
     double gain; /* dB */

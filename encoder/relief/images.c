@@ -110,8 +110,8 @@ static btf_result make(const enc_context *context, const enc_data *data, enc_rel
         for (size_t v = 0; v < views; v++) {
             float *row = rows + i * count, *values = kind == ENC_RELIEF_STANDARD ? row + v * texels : row;
             float *mean = &out->mean[v * n + i], *scale = &out->scale[v * n + i];
-            if (kind == ENC_RELIEF_STANDARD ||
-                v == 0) { /* one mean of all views leaves their differences */
+            /* Of roots, one mean of all views keeps their differences. */
+            if (kind == ENC_RELIEF_STANDARD || v == 0) {
                 standardise(kind == ENC_RELIEF_STANDARD ? texels : count, values,
                             kind == ENC_RELIEF_STANDARD, mean, scale);
             } else {

@@ -235,8 +235,9 @@ static int find_rings(relief_job *j) {
     return rings > ENC_RELIEF_RINGS ? ENC_RELIEF_RINGS : rings;
 }
 
-/* A ring that gains while its neighbours do not gains by chance, and the picture would jump at both its edges. The last one stays only beside
- * one that stays: nothing lies beyond it, which makes it gain most of all when it is left out. */
+/* A ring that gains while its neighbours do not gains by chance, and the picture would jump at both its
+ * edges. The last one stays only beside one that stays: nothing lies beyond it, which makes it gain most of
+ * all when it is left out. */
 static void drop_lone_rings(int n_rings, enc_relief_ring rings[ENC_RELIEF_RINGS]) {
     bool alone[ENC_RELIEF_RINGS];
     for (int k = 0; k < n_rings; k++) {
@@ -342,7 +343,8 @@ static btf_result decide(relief_job *j, enc_relief_choice *choice, enc_relief_st
     }
     int best[2];
     find_best(choice, best);
-    if (result == BTF_OK && best[0] > 0) { /* a few high and low texels are often noise, and take steps from the rest */
+    /* A few high and low texels are often noise, and take steps from the rest. */
+    if (result == BTF_OK && best[0] > 0) {
         choice->candidate[DRAWN_IN] =
             (enc_relief_candidate){.scale = choice->candidate[best[0]].scale, .drawn_in = true};
         result = judge_candidate(j, DRAWN_IN, choice);

@@ -1,12 +1,12 @@
 /* The effects that act between the sampled directions, chosen for a data set: a surface along which views
  * are shifted before they are blended, and the share of the half vector that their lights keep.
  *
- * Heights are found by a plane sweep and a descent on the decoder's error at views left out. Whether they pay is judged
- * ring by ring of views in true values, by views left out: neighbours there lie twice as far away as in use, which
- * flatters relief, so that a ring must gain ENC_RELIEF_MARGIN beside
- * another that does, and the outermost one, which has no neighbours beyond, follows the one before. Where
- * one height does as well, there is no map. Of further levels of detail, which are judged likewise, relief
- * ends at the first that gains too little (end.h). RELIEF.md has what was measured.
+ * Heights are found by a plane sweep and a descent on the decoder's error at views left out. Whether they
+ * pay is judged ring by ring of views in true values, by views left out: neighbours there lie twice as far
+ * away as in use, which flatters relief, so that a ring must gain ENC_RELIEF_MARGIN beside another that
+ * does, and the outermost one, which has no neighbours beyond, follows the one before. Where one height
+ * does as well, there is no map. Of further levels of detail, which are judged likewise, relief ends at the
+ * first that gains too little (end.h). RELIEF.md has what was measured.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -63,19 +63,19 @@ typedef struct enc_relief_choice {
     enc_gloss_choice gloss;
 } enc_relief_choice;
 
-/* Chooses for `data`, whose samples must lie in memory for relief to be tried. The surface chosen goes
- * to *out_store, which is empty where none is. Stage "relief". Every rank does all of it; the same bits for any
- * number of threads. Memory beside the samples: enc_relief_memory. Errors, on the log: those of the data,
- * BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
+/* Chooses for `data`, whose samples must lie in memory for relief to be tried. The surface chosen goes to
+ * *out_store, which is empty where none is. Stage "relief". Every rank does all of it; the same bits for
+ * any number of threads. Memory beside the samples: enc_relief_memory. Errors, on the log: those of the
+ * data, BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
 btf_result enc_relief_choose(const enc_context *context, const enc_data *data,
                              const enc_relief_options *options, enc_relief_choice *out_choice,
                              enc_relief_store *out_store);
 
 /* The amount of work of enc_relief_choose, for predictions. */
 typedef struct enc_relief_work {
-    double texels, heights, sweeps,
-        judged; /* of the images that heights are found on; heights of the plane sweep; sweeps
-                   of the descent; texels that surfaces are judged at */
+    /* Texels of the images that heights are found on; heights of the plane sweep; sweeps of the descent;
+     * texels that surfaces are judged at. */
+    double texels, heights, sweeps, judged;
 } enc_relief_work;
 
 enc_relief_work enc_relief_work_of(int width, int height);
