@@ -29,7 +29,7 @@ static uint32_t choose_textures(const btf_material_info *info, const btf_shader_
     return btf_shader_textures(info, shader);
 }
 
-/* Refuses what the context cannot hold. */
+/* Refuses a material whose textures exceed the limits of the context. */
 static btf_result check_limits(const btfi_gl_functions *gl, const char *name, const btf_texture *texture,
                                const btf_log *log) {
     int32_t side = 0, layers = 0;

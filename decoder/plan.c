@@ -198,7 +198,8 @@ static void add_errors(const error_table *t, const float *row, double mse[2]) {
                 mse[i] += t->view[v] * t->light[l] * (double)cell[i];
 }
 
-/* The row that measures what row `index` does where view, light or both are samples (column 3: 3, 4, 2). */
+/* The row of the effects and components of row `index`, measured where view, light or both are samples
+ * (column 3: 3, 4, 2). */
 static const float *row_of_kind(const error_table *t, uint32_t index, int kind) {
     const float *row = row_at(t, index);
     for (uint32_t r = 0; r < t->rows.row_count; r++) {
@@ -259,7 +260,7 @@ static double psnr(double mse) {
     return mse > 1e-10 ? -10 * log10(mse) : 100;
 }
 
-/* Fills in what follows from the options: textures, bytes, cost. */
+/* Fills in the members that follow from the options: textures, bytes, cost. */
 static void fill_costs(const btf_material *material, uint32_t views, uint32_t lights, btf_plan *plan) {
     const btf_material_info *info = &material->info;
     /* With gloss any light may be a neighbour's. */

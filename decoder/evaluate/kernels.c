@@ -22,7 +22,7 @@ typedef int32_t words __attribute__((vector_size(64)));
 
 /* Codes of a unit under the lights of a view, weighted. */
 typedef struct lit_unit {
-    signed_halves codes[MOST_CODES / UNIT]; /* half of what stands above: classes 1 to 4 */
+    signed_halves codes[MOST_CODES / UNIT]; /* half of the sum in the comment at the top: classes 1 to 4 */
     words bytes;                            /* class 0 */
 } lit_unit;
 

@@ -18,8 +18,8 @@ typedef struct btfi_slopes {
 void btfi_relief_slopes(const btf_evaluator *evaluator, const btfi_situation *situation,
                         btfi_slopes *out_slopes);
 
-/* x_a of each neighbouring view for what is seen at `position`, in 1/256 of a texel, v upwards, and the
- * weights; those of the situation where no occlusion is wanted. */
+/* x_a of each neighbouring view for the point that is seen at `position`, in 1/256 of a texel, v upwards,
+ * and the weights; those of the situation where no occlusion is wanted. */
 void btfi_relief(const btf_evaluator *evaluator, const btfi_level *level, const btfi_situation *situation,
                  const btfi_slopes *slopes, bool occlusion, const int32_t position[2],
                  int32_t out_positions[3][2], int32_t out_weights[3]);

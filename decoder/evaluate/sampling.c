@@ -135,8 +135,8 @@ static bool exceed(const target *t, double share, double *out) {
     return total > 0;
 }
 
-/* The mean square of an estimate of what the target reflects of a white sky: the integral of its square
- * over the density, at the middles of the triangles' edges. */
+/* The mean square of an estimate of the light that the target reflects from a white sky: the integral of
+ * its square over the density, at the middles of the triangles' edges. */
 static double noise(const target *t, double share, const double *beside) {
     double sum = t->beyond * t->beyond * t->outside / share;
     for (uint32_t i = 0; i < t->lights->triangle_count; i++) {

@@ -466,8 +466,9 @@ static enc_factors *hand_out(const enc_factor_options *options, found f[2]) {
     return out;
 }
 
-/* Says what would fit: a larger budget, fewer texels where the directions alone leave room for any, or the
- * one other material that is smaller, a reflectance of 16 bytes a texel (FORMAT.md, section 4). */
+/* Refuses a budget that holds no unit, and names what would fit: a larger budget, fewer texels where the
+ * directions alone leave room for any, or the one other material that is smaller, a reflectance of 16 bytes
+ * a texel (FORMAT.md, section 4). */
 static btf_result refuse_budget(const enc_factor_matrix *m, uint64_t budget, bool match, uint64_t least) {
     enum { PAPER_TEXEL = 16 };
     const uint64_t a_texel = 16 + (match ? enc_match_bytes(1, (size_t)m->data->n_views) : 0);

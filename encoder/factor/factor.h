@@ -36,13 +36,13 @@ typedef struct enc_factor_options {
     enc_components *basis;
 } enc_factor_options;
 
-/* Encodes a BTF. The same bits for any number of threads and ranks. Samples are read in passes, each of them
- * once a pass, and not kept; enc_factor_memory says what it takes. Ranks (encoder/base/ranks.h) share all that
- * is done with samples, the descent on codes, and the search of match; factors times factors, their Gram
- * matrices and eigenvectors, the allocation and the lists of a single block of match are done by every rank.
- * Stages "factorise",
- * "match", "round factors" and "measure factors". Errors: BTF_ERROR_USAGE (a budget that holds no unit),
- * BTF_ERROR_UNSUPPORTED (match, and samples that are not in memory), BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED; *out_factors is NULL then. */
+/* Encodes a BTF. The same bits for any number of threads and ranks. Samples are read in passes, each of
+ * them once a pass, and not kept; enc_factor_memory gives the bytes. Ranks (encoder/base/ranks.h) share all
+ * the work on samples, the descent on codes, and the search of match; factors times factors, their Gram
+ * matrices and eigenvectors, the allocation and the lists of a single block of match are done by every
+ * rank. Stages "factorise", "match", "round factors" and "measure factors". Errors: BTF_ERROR_USAGE (a
+ * budget that holds no unit), BTF_ERROR_UNSUPPORTED (match, and samples that are not in memory),
+ * BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED; *out_factors is NULL then. */
 btf_result enc_factor_encode(const enc_context *context, const enc_data *data,
                              const enc_factor_options *options, enc_factors **out_factors);
 

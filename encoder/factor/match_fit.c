@@ -167,7 +167,7 @@ static bool to_components(const enc_factor_matrix *m, enc_factor_channel *channe
 
 /* The squares that a search found and left, as far as the leading directions of the profiles tell. */
 typedef struct search_sums {
-    double own, left, energy; /* squares: what a texel's own factors leave, sources and gains, and samples */
+    double own, left, energy; /* squared errors of a texel's own factors, of sources and gains; energy of the samples */
 } search_sums;
 
 /* Squared distance of a block's profiles from those that their own texels' factors give. */

@@ -36,7 +36,7 @@ typedef struct enc_match_coordinates {
     size_t k;
     enc_match_area block, sources;
     float *query;  /* [view][place in block][k] of the samples */
-    float *source; /* [view][place in sources][k] of what the factors say */
+    float *source; /* [view][place in sources][k] of profiles as the factors give them */
     float *norm;   /* [view][place in sources] their squared lengths */
 } enc_match_coordinates;
 

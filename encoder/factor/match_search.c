@@ -299,7 +299,7 @@ btf_result enc_match_locate_sources(const enc_factor_matrix *m, const enc_factor
 /* The nearest.
  * ------------------------------------------------------------------------------------------------ */
 
-/* One search of a block in one view, with what a thread works in. */
+/* One search of a block in one view, with the memory of its thread. */
 typedef struct view_search {
     const enc_factor_matrix *m;
     enc_match *match;

@@ -25,7 +25,7 @@
 typedef struct enc_factor_matrix {
     const enc_context *context;
     const enc_data *data;
-    /* NULL, or: rows are those of sources, each the sum of what the texels that refer to it hold times their gains. It
+    /* NULL, or: rows are those of sources, each the sum of the samples of the texels that refer to it, times their gains. It
      * takes samples in memory. */
     const enc_match *match;
     size_t texels, columns;

@@ -93,7 +93,7 @@ typedef struct blocks {
     uint8_t *column_left_out;         /* [column] */
     size_t columns_left_out;
     enc_factor_set first, second, of_rows; /* [rank][column] twice, [rank][row] */
-    double *squares[ENC_FACTOR_CHANNELS];  /* [rank] of the singular values of what is kept */
+    double *squares[ENC_FACTOR_CHANNELS];  /* [rank] of the singular values of the block kept */
 } blocks;
 
 static bool is_left_out(size_t i, uint32_t seed) {

@@ -30,7 +30,7 @@ enum {
 };
 
 /* Judges components that enc_components_find found in the same matrix, of the channels that are `asked`
- * for; what is known of the others stays. *io_signal is zeroed before the first call. Stage
+ * for; results of the others stay. *io_signal is zeroed before the first call. Stage
  * "cross-validate". The same bits for any number of threads and ranks. Of small data all
  * is signal. Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED; *io_signal
  * is for enc_signal_clear then, too. */

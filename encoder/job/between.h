@@ -27,7 +27,7 @@ typedef struct enc_between {
 btf_result enc_between_find(const enc_context *context, const enc_job *job, const enc_data *data,
                             enc_checkpoint *checkpoint, enc_between *out);
 
-/* Options, and what was chosen where they leave it open; the caller frees it. Errors, on the log:
+/* The options, and the choices that they left open, as text; the caller frees it. Errors, on the log:
  * BTF_ERROR_MEMORY. */
 btf_result enc_between_provenance(const enc_context *context, const enc_job *job,
                                   const enc_between *between, const char *options, char **out_text);

@@ -197,7 +197,7 @@ static double match_round(const counts *c, const enc_factors_settings *settings)
     return descent + search + c->points * fmin(c->views, PAIRS_OF_TEXEL) * per_view_pair;
 }
 
-/* Components of luma and of all channels that a budget of factors is thought to hold (see factor.c). */
+/* Components of luma and of all channels that a budget of factors is expected to hold (see factor.c). */
 /* held: the samples lie in memory, without which no match is tried. */
 static outcome add_factors(list *l, const counts *c, const enc_factors_settings *settings, double fetch,
                            bool held) {

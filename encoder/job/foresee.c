@@ -160,7 +160,7 @@ static btf_result planned_error(const survey *s, const enc_data *data, uint64_t 
     const double weak_rounded = fits ? enc_factor_plan_error(&planned, &plan, 1) : 0;
     *out = weak_rounded + strong_share * (all_rounded - weak_rounded);
     free(energies);
-    return BTF_OK; /* the encode refuses a budget that holds no unit, and says what would fit */
+    return BTF_OK; /* the encode itself refuses a budget that holds no unit, and names one that fits */
 }
 
 static double clipped(double x) {

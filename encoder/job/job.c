@@ -101,8 +101,8 @@ static const char *base_name(const char *path) {
 typedef struct job_state {
     enc_data *data;
     enc_between between; /* its store moves to `found` */
-    char *provenance; /* options, and what was chosen */
-    enc_solution found, stored; /* what the method found; what the packed material holds */
+    char *provenance; /* options as given, and the choices that they left open */
+    enc_solution found, stored; /* as the method found it; as the packed material holds it */
     enc_levels found_levels, stored_levels;
     enc_occlusion *occlusion;
     btf_material *material;
@@ -113,7 +113,7 @@ typedef struct job_state {
     uint16_t *preview;
 } job_state;
 
-/* The values that methods analyse: the samples, or what they were fitted to. */
+/* The values that methods analyse: the samples, or those fitted to them. */
 static const enc_data *analysed(const job_state *s) {
     return s->between.fitted ? s->between.fitted : s->data;
 }

@@ -1,4 +1,4 @@
-/* Sums of what the stages allocate (see memory.h).
+/* Sums of the memory that stages allocate (see memory.h).
  *
  * SPDX-License-Identifier: MIT
  */

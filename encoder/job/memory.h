@@ -1,4 +1,4 @@
-/* The memory that an encode takes: at the least, and as expected with what it is allowed.
+/* The memory that an encode takes: at the least, and as expected with the memory allowed.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -19,7 +19,7 @@ enc_least_memory enc_memory_least(enc_method method);
 uint64_t enc_memory_of_factors(int width, int height, int n_views, int n_lights, int threads,
                                uint64_t budget);
 
-/* Bytes that an encode is expected to take at its peak with what is allowed, and those of its scratch
+/* Bytes that an encode is expected to take at its peak with the memory allowed, and those of its scratch
  * files; `budget`: of factors; `made`: samples are made again rather than kept in a file; `fitted`: as many
  * fitted values lie beside them. */
 typedef struct enc_memory_use {

@@ -303,7 +303,7 @@ static const uint32_t paper_effects = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF
 /* Effects of factors with match (factor/match.h). */
 static const uint32_t matched_effects = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL;
 
-/* Effects and what their tolerance counts, by method. */
+/* Checks effects and the unit of their tolerance, by method. */
 static btf_result check_effects(const enc_job *job) {
     const bool named = o.effects != UINT32_MAX, joint = job->method == ENC_METHOD_JOINT;
     const char *refused = NULL;

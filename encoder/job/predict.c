@@ -1,4 +1,4 @@
-/* Predicts what an encode takes. See predict.h.
+/* Predicts the time and memory of an encode. See predict.h.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -1,4 +1,4 @@
-/* Predicts what an encode takes, without encoding.
+/* Predicts the time and memory of an encode, without encoding.
  *
  * SPDX-License-Identifier: MIT
  */

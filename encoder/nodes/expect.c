@@ -82,8 +82,8 @@ enc_fit_error enc_fit_coded_between(const enc_fit_candidate *candidate, enc_fit_
                            candidate->between.srgb + blended_share * coder.srgb};
 }
 
-/* A fit takes away some of what the coder would lose, so that the difference may be too little: then the
- * coder is taken to be as much better or worse than foreseen as the whole is. */
+/* A fit may remove detail that the coder would lose, so that the difference of the errors is too small:
+ * then the coder is taken to be as much better or worse than foreseen as the whole is. */
 static double coder_of(double at, double foreseen, double measured) {
     return fmax(measured - at, foreseen + at > 0 ? foreseen * measured / (foreseen + at) : measured);
 }

@@ -67,7 +67,7 @@ enc_relief_work enc_relief_work_of(int width, int height) {
                              .judged = fmin((double)width * height, 4096)};
 }
 
-/* One of the surfaces that are judged, and what its heights are made of. */
+/* The surface that is judged, and the heights found that candidates are made of. */
 typedef struct relief_job {
     const enc_context *context;
     const enc_data *data;
@@ -79,7 +79,7 @@ typedef struct relief_job {
     enc_judged_error *error[ENC_RELIEF_CANDIDATES]; /* [view left out] */
 } relief_job;
 
-/* From the smaller images to the texels that each covers. */
+/* Copies heights of the smaller images to the texels that each covers. */
 static void enlarge(const enc_warp *found, int shift, const enc_data *data, float *out) {
     for (int row = 0; row < data->height; row++) {
         for (int column = 0; column < data->width; column++) {

@@ -26,7 +26,7 @@ typedef struct enc_seen {
 btf_result enc_seen_make(const enc_context *context, const enc_direction *views, int count,
                          double least_theta, double most_theta, enc_seen *out_seen);
 
-/* Where the neighbours show the point that one texel of the view shows, and what they weigh. */
+/* Where the neighbours show the point that one texel of the view shows, and their weights. */
 typedef struct enc_seen_point {
     int32_t at[3][2];
     int32_t weight[3]; /* sum ENC_WARP_WEIGHT */
