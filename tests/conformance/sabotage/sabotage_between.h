@@ -80,8 +80,8 @@ static const sabotage_of list_3[] = {
      GLOSS},
     {{"the half vector not doubled", "", "btf_mul(btf_add(hd, hd), r)", "btf_mul(hd, r)"}, GLOSS},
     {{"shared lights not of unit length", "", "btf_pow(btf_inner(c, c), 0.5)", "1.0"}, GLOSS},
-    {{"lights of the first view for all", "", "return s.lights_of[1];", "return s.lights_of[0];"}, GLOSS},
-    {{"lights looked up for another view", "", "btf_gloss(l, v, BTF_ELEMENT(s.vector, a).xyz)", "btf_gloss(l, v, s.vector[0].xyz)"},
+    {{"lights of the first view for all", "", "lights = s.lights_of[1];", "lights = s.lights_of[0];"}, GLOSS},
+    {{"lights looked up for another view", "", "btf_lights_around(l, v, BTF_ELEMENT(s.vector, a).xyz", "btf_lights_around(l, v, s.vector[0].xyz"},
      GLOSS},
 };
 
