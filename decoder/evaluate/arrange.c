@@ -1,7 +1,8 @@
 /* The order of the residual. See arrange.h.
  *
  * Words of w stay as they are. Byte j of a unit of w holds codes of word j div 4: one of 8 bits (class 0),
- * two of 4 bits (1, 2) or four of 2 bits (3, 4). Codes of u are put in the same places as the codes of w that they are multiplied by:
+ * two of 4 bits (1, 2) or four of 2 bits (3, 4). Codes of u are put in the same places as the codes of w
+ * that they are multiplied by:
  *   class 0, 2, 4   u is as wide as w and lies in the same bits
  *   class 1         u of the low halves of the 16 bytes of w, a byte each, then of the high halves
  *   class 3         in byte j of the first 16 the u of the lower two codes of byte j of w, 4 bits each, in

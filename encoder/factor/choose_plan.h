@@ -10,9 +10,9 @@
 
 enum { ENC_CHOOSE_MOST_UNITS = 4 }; /* plans of more units stay as they come */
 
-/* Replaces a plan of at most ENC_CHOOSE_MOST_UNITS by the one of those within `budget` that leaves the least
- * error of the components once they are rounded, `sweeps` times or once. Trials read no samples. The same plan for any number of
- * threads and ranks. Errors: BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
+/* Replaces a plan of at most ENC_CHOOSE_MOST_UNITS by the one of those within `budget` that leaves the
+ * least error of the components once they are rounded, `sweeps` times or once. Trials read no samples. The
+ * same plan for any number of threads and ranks. Errors: BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
 btf_result enc_choose_plan(const enc_factor_matrix *matrix,
                            const enc_components components[ENC_FACTOR_CHANNELS], uint64_t budget,
                            int sweeps, enc_factor_plan *io_plan);

@@ -25,8 +25,8 @@
 typedef struct enc_factor_matrix {
     const enc_context *context;
     const enc_data *data;
-    /* NULL, or: rows are those of sources, each the sum of the samples of the texels that refer to it, times their gains. It
-     * takes samples in memory. */
+    /* NULL, or: rows are those of sources, each the sum of the samples of the texels that refer to it,
+     * times their gains. It takes samples in memory. */
     const enc_match *match;
     size_t texels, columns;
     const uint32_t *list; /* [texels] of the data, where the rows are some of them; NULL: all */

@@ -44,9 +44,9 @@ static const double per_added = 3e-9, per_gram = 0.019e-9, per_own_square = 0.1e
                     per_view_pair = 18e-9;
 /* of the fit of nodes, */
 static const double per_judged = 0.15e-9, per_table = 0.3e-6, per_turned = 0.03e-9, per_fitted = 2.5e-9;
-/* of relief: a sample reduced to numbers, a height of the sweep in a view, a sweep of the descent at a texel of a view, a
- * surface judged there, a sample baked along it, a direction of a list without one of them, shares of gloss judged at a
- * texel of a pair, */
+/* of relief: a sample reduced to numbers, a height of the sweep in a view, a sweep of the descent at a
+ * texel of a view, a surface judged there, a sample baked along it, a direction of a list without one of
+ * them, shares of gloss judged at a texel of a pair, */
 static const double per_number = 24e-9, per_swept = 95e-9, per_descent = 12.6e-6, per_surface = 0.8e-6,
                     per_baked = 15e-9, per_triangle = 60e-6, per_share = 2e-6;
 /* of what comes after the analysis. */
