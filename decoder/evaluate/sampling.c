@@ -103,7 +103,7 @@ static double sum_over_triangles(const btf_directions *lights, const double *val
     return sum;
 }
 
-/* Makes the target from luminance at each light; beyond the outermost lights theirs is taken to go on. */
+/* Makes the target from luminance at each light; beyond the outermost lights their mean goes on. */
 static void aim(const btf_directions *lights, double *luminance, double *scratch, target *out) {
     double rim = 0, rim_cosine = 0;
     for (uint32_t l = 0; l < lights->count; l++) {
