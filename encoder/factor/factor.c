@@ -273,7 +273,12 @@ static btf_result finish(const enc_factor_matrix *m, const enc_factor_options *o
 static btf_result encode_plain(const enc_factor_matrix *m, const enc_factor_options *options, double begin,
                                found *f) {
     if (enc_factor_take_candidate(m, options->number, &f->trial, &f->packed)) {
-        return BTF_OK;
+        const bool compared = options->match == ENC_FACTOR_CHOOSE_MATCH && has_room(m, options, false);
+        if (!compared || f->trial.error.linear > 0) {
+            return BTF_OK;
+        }
+        enc_factors_destroy(&f->packed); /* of a run that had no room for match, and so did not measure */
+        f->trial = (enc_factor_trial){0};
     }
     btf_result result = enc_factor_codes_create(m, &f->plan, f->components, &f->codes);
     if (result == BTF_OK) {
@@ -379,9 +384,9 @@ static btf_result try_match(const enc_factor_matrix *m, const enc_factor_options
         return BTF_OK;
     }
     if (choose) {
-        matched->trial.omitted = bytes < lists + least          ? ENC_FACTOR_NO_BYTES
-                                 : !has_room(m, options, false) ? ENC_FACTOR_NO_MEMORY
-                                                                : ENC_FACTOR_ENCODED;
+        matched->trial.omitted = !has_room(m, options, false) ? ENC_FACTOR_NO_MEMORY
+                                 : bytes < lists + least      ? ENC_FACTOR_NO_BYTES
+                                                              : ENC_FACTOR_ENCODED;
     }
     if (matched->trial.omitted) {
         return BTF_OK;

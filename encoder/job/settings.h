@@ -47,7 +47,7 @@ enc_joint_options enc_joint_options_default(void);
 
 /* GPU bytes that layout `paper` takes for such data, 64 W H + 4 AW AH by the formula of FORMAT.md section
  * 5, or where it has no legal atlas 64 W H + 4 * 1.6 * T W H; at most 62,500 times the root of W H, which
- * counts from about 100x100 texels on: 8 MB of 128x128, 16 MB of 256x256, 25 MB of 400x400; of data of a
+ * counts from 109x109 texels on with 81 directions, from 70x70 on with 151: 8 MB of 128x128, 16 MB of 256x256, 25 MB of 400x400; of data of a
  * few texels what the least factors take. */
 uint64_t enc_default_budget(int width, int height, int n_views, int n_lights);
 

@@ -246,7 +246,7 @@ static const cli_option table[] = {
      .type = CLI_BYTES,
      .value = &o.budget,
      .help = "GPU bytes a codec may take; default what the paper's layout\ntakes (2.36 MB for 64x64, 81 "
-             "directions)"},
+             "directions), at most\n62.5 kB times the root of the number of texels"},
     {.name = "rank",
      .type = CLI_INT,
      .value = &o.rank,

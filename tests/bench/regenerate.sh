@@ -68,7 +68,7 @@ done
 commit() { # of the sources; + where they were changed since, but for what is written here
     local at
     at=$(git -C "$root" rev-parse --short HEAD 2>/dev/null) || at=unknown
-    git -C "$root" diff --quiet HEAD -- '*.c' '*.cc' '*.h' '*.glsl' '*.sh' '*.py' 2>/dev/null || at=$at+
+    git -C "$root" diff --quiet HEAD -- '*.c' '*.cc' '*.h' '*.glsl' '*.sh' '*.py' 2>/dev/null || at=$at+$(git -C "$root" diff HEAD -- '*.c' '*.cc' '*.h' '*.glsl' '*.sh' '*.py' | cksum | cut -d' ' -f1)
     echo "$at"
 }
 note() { # NAME: a line of made.txt
@@ -81,7 +81,7 @@ note() { # NAME: a line of made.txt
 PATH=$build/encoder:$build/decoder/examples:$build/decoder/tools:$build/decoder/tools/render:$build/decoder/tools/view:$build/tests/sample:$build/tests/bench:$PATH
 export OMP_WAIT_POLICY=passive
 sample() { # KIND SIZE: a data set of btf-sample, made once; prints its folder
-    local at=$work/$1-$2
+    local at=$work/$1-$2-$(commit)
     if [ ! -d "$at" ]; then
         rm -rf "$at.part"
         btf-sample -o "$at.part" --relief "$1" --size "$2" --quiet
@@ -109,8 +109,8 @@ needs() { # FILE...: of the samples of others; false, with a line, where one is 
 part_api() { python3 "$root/tests/api.py" "$root" --write; }
 part_example() { "$root/tests/unit/decoder/example.py" "$build/tests/unit/example_file" "$root/decoder/FORMAT.md" --write; }
 part_levels() {
-    "$pictures/make.sh" "$build" "$work/levels" levels
-    btf-info --json "$work/levels/bricks.btf.exr" >"$work/levels.json"
+    "$pictures/make.sh" "$build" "$work/levels-$(commit)" levels
+    btf-info --json "$work/levels-$(commit)/bricks.btf.exr" >"$work/levels.json"
     python3 - "$work/levels.json" <<'P' | "$root/tests/bench/marks.py" "$root/decoder/README.md" levels
 import json, sys
 with open(sys.argv[1]) as file:
@@ -126,8 +126,8 @@ for i, level in enumerate(info["levels"]):
 print("<!-- /levels -->")
 P
 }
-part_viewer() { "$pictures/make.sh" "$build" "$work/levels" viewer; }
-part_between() { "$pictures/between.sh" "$build" "$work/between"; }
+part_viewer() { "$pictures/make.sh" "$build" "$work/levels-$(commit)" viewer; }
+part_between() { "$pictures/between.sh" "$build" "$work/between-$(commit)"; }
 part_demo() {
     local data material paper
     data=$(sample bricks 64)

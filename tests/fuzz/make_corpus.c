@@ -338,6 +338,11 @@ static void write_steps(void) {
     enc_relief_store relief;
     step_relief(data, &choice, &relief);
     must(relief.heights && relief.views && enc_relief_step_keep(&context, data, &choice, &relief) == BTF_OK, "relief");
+    bool taken = false; /* a seed that is refused would show nothing of what is made of it */
+    char reason[ENC_RELIEF_REASON];
+    enc_relief_store again;
+    must(enc_relief_step_take(&context, data, &taken, &choice, reason, &again) == BTF_OK && taken, "relief");
+    enc_relief_clear(&again);
     enc_relief_clear(&relief);
     for (int step = 0; step < STEP_COUNT; step++)
         take_step(steps, step);

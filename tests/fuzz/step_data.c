@@ -44,6 +44,7 @@ void step_relief(const enc_data *data, enc_relief_choice *out_choice, enc_relief
                                     .base = -300,
                                     .step = 256,
                                     .steps = 8,
+                                    .end = 1,
                                     .gloss_share = 1};
     for (size_t t = 0; t < texels && out_store->heights; t++) {
         out_store->heights[t] = (uint8_t)(t * 31);
