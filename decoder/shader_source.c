@@ -308,8 +308,9 @@ static void write_bindings(text *t, const btf_shader_options *options) {
             name[c] = lower[c] >= 'a' && lower[c] <= 'z' ? (char)(lower[c] - 'a' + 'A') : lower[c];
         text_print(t, "#define BTF_BINDING_%s %u\n", name, options->first_binding + i);
     }
-    if (options->fold)
-        text_print(t, "#define BTF_BINDING_FOLDED %u\n", options->first_binding + BTF_TEXTURE_COUNT);
+    static const char *const more[] = {"FOLDED", "SAMPLING_TRIANGLES", "SAMPLING_DENSITIES"};
+    for (uint32_t i = 0; i < sizeof more / sizeof *more; ++i)
+        text_print(t, "#define BTF_BINDING_%s %u\n", more[i], options->first_binding + BTF_TEXTURE_COUNT + i);
     if (options->bindings == BTF_BINDINGS_VULKAN)
         text_print(t, "#define BTF_UNIFORM(n) layout(set = %u, binding = n) uniform\n",
                    options->descriptor_set);

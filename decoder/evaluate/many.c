@@ -278,7 +278,9 @@ btf_result btf_evaluate_many(const btf_evaluator *e, const btf_evaluate_options 
         return BTF_ERROR_USAGE;
     if (of->count == 0)
         return BTF_OK;
-    if ((of->uv != NULL) == (of->texels != NULL) || !of->lights || !of->views || !of->rgb)
+    const size_t least = of->fixed == (BTF_FIXED_VIEW | BTF_FIXED_LIGHT) ? 2 : 3; /* so that no two overlap */
+    if ((of->uv != NULL) == (of->texels != NULL) || !of->lights || !of->views || !of->rgb ||
+        (of->stride && of->stride < least))
         return BTF_ERROR_USAGE;
     const arguments in = {of, of->stride ? of->stride : 2,
                           of->fixed & BTF_FIXED_LIGHT ? 0

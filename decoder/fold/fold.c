@@ -33,6 +33,8 @@ btf_result btf_fold_check(const btf_material_info *info, const btf_shader_option
                           const btf_log *log) {
     const btf_shader_options all = read_options(options);
     const uint32_t effects = info->effects & ~all.leave_out;
+    if ((unsigned)all.fold > BTF_FOLD_BOTH)
+        return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "fold: fold %d is none of 0, 1 and 2", (int)all.fold);
     if (all.fold != BTF_FOLD_NONE && all.picks != BTF_PICK_NONE)
         return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "fold: a stochastic decode is not folded");
     if (all.fold == BTF_FOLD_LIGHT && info->colour != BTF_COLOUR_NONE)

@@ -101,7 +101,7 @@ btf_result btf_gl_fold_create(const btf_material *material, const btf_gl_options
     *out_fold = NULL;
     if (!options || options->struct_size < sizeof *options || !options->shader || lights < 1 ||
         (options->shader->fold != BTF_FOLD_LIGHT && options->shader->fold != BTF_FOLD_BOTH))
-        return btfi_fail(log, BTF_ERROR_USAGE, "fold: options without a shader, a fold or a light");
+        return btfi_fail(log, BTF_ERROR_USAGE, "fold: options, their shader, its fold (1 or 2) or a light is missing; lights: %u", (unsigned)lights);
     btf_material_info info = {.struct_size = sizeof info};
     btf_result result = btf_material_get_info(material, &info);
     if (result == BTF_OK)
@@ -160,8 +160,10 @@ static btf_result draw_layers(const btf_gl_fold *f, uint32_t number, const btf_l
 btf_result btf_gl_fold_run(btf_gl_fold *fold, btf_gl *textures, uint32_t first_unit, uint32_t number,
                            const float light[3], const float view[3], const btf_log *log) {
     const btfi_gl_functions *api = &fold->api;
-    if (number >= fold->lights || (fold->kind == BTF_FOLD_BOTH && !view))
-        return btfi_fail(log, BTF_ERROR_USAGE, "fold: light %u of %u, or no view", number, fold->lights);
+    if (number >= fold->lights)
+        return btfi_fail(log, BTF_ERROR_USAGE, "fold: light %u, but the fold has %u, from 0 on", number, fold->lights);
+    if (fold->kind == BTF_FOLD_BOTH && !view)
+        return btfi_fail(log, BTF_ERROR_USAGE, "fold: light and view are folded, but the view is missing");
     btfi_gl_errors(api);
     btf_result result = btf_gl_bind(textures, fold->program, first_unit, NULL, log, NULL);
     if (result != BTF_OK)

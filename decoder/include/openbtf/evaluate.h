@@ -45,8 +45,8 @@ typedef struct btf_evaluations {
     const int32_t *levels;  /**< [count] levels of detail, 0 the finest; beyond the last it is the last,
                                below 0 it is  0. NULL: 0 */
     uint32_t fixed;         /**< btf_fixed bits */
-    size_t stride; /**< floats from one uv, light or view to the next where they lie in one table; 0: 2, 3
-                      and 3 */
+    size_t stride; /**< floats from one uv, light or view to the next where they lie in one table, at
+                      least 3, or 2 where both directions are fixed; 0: 2, 3 and 3 */
     float *rgb; /**< [count][3] linear Rec. 709 radiance, cosine included, for unit irradiance / pi; 0 below
                    the horizon. Finite and >= 0 for every argument */
 } btf_evaluations;

@@ -62,7 +62,7 @@ size_t btf_fold_bytes(const btf_material_info *info, btf_fold fold, uint32_t lig
 
 /** What a fold costs and saves, in the unit of btf_plan_cost. */
 typedef struct btf_fold_costs {
-    double pass;            /**< of one light, level 0 alone where finer ones are shown */
+    double pass;            /**< of one light; of level 0 alone, so a third too low where there are levels */
     float unfolded, folded; /**< of a pixel */
     double pixels;          /**< that have to be shown before it pays: pass / (unfolded - folded) */
 } btf_fold_costs;

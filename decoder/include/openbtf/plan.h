@@ -68,10 +68,11 @@ typedef struct btf_plan {
     float between_psnr_linear, between_psnr_srgb;
     float full_between_psnr_linear, full_between_psnr_srgb; /**< likewise, of the full decode */
     /** Where the light of the scene is fixed and the plan can be folded (openbtf/fold.h): how, with the view where that
-     * is fixed too; else BTF_FOLD_NONE. This and the next three are of one light: several are as many folds. */
+     * is fixed too and relief is not decoded; else BTF_FOLD_NONE. fold_bytes and fold_pixels are of one light: several
+     * are as many folds. */
     btf_fold fold;
     size_t fold_bytes;  /**< of the folded texture, beside gpu_bytes; else 0 */
-    float folded_cost;  /**< of a pixel that reads the folded texture; else `cost` */
+    float folded_cost;  /**< of a pixel that reads folded textures, of all lights as `cost`; else `cost` */
     double fold_pixels; /**< pixels after which the fold has paid for itself; else 0 */
 } btf_plan;
 

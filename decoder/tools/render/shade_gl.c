@@ -372,6 +372,10 @@ static btf_result run(void *self, int variant, int width, int rows, const float 
         d->gl.TexImage2D(GL_TEXTURE_2D, 0, GL_R32UI, width, rows, 0, GL_RED_INTEGER, GL_UNSIGNED_INT,
                          d->bits);
     }
+    /* Variants that read other textures share the units. */
+    const btf_result bound = btf_gl_bind(d->material, d->programs[variant], UNIT_MATERIAL, NULL, log, NULL);
+    if (bound)
+        return bound;
     if (d->folds[variant])
         btf_gl_fold_bind(d->folds[variant], d->programs[variant], UNIT_FOLDED, NULL);
     d->gl.UseProgram(d->programs[variant]);

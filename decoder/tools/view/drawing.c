@@ -559,7 +559,8 @@ static bool same_picture(const view_state *a, const view_state *b) {
     return a->theta == b->theta && a->phi == b->phi && a->light_theta == b->light_theta &&
            a->light_phi == b->light_phi && a->zoom == b->zoom && a->mesh == b->mesh && a->effects == b->effects &&
            a->interpolation == b->interpolation && a->filter == b->filter && a->math == b->math &&
-           a->levels == b->levels;
+           a->levels == b->levels && a->split_at == b->split_at &&
+           (a->split == VIEW_SPLIT_OFF) == (b->split == VIEW_SPLIT_OFF);
 }
 
 /* One more sample of each pixel left of the split, then the mean of all. */

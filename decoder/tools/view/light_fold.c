@@ -21,6 +21,7 @@ bool light_fold_wanted(const btf_material *material, const btf_shader_options *o
     btf_material_get_info(material, &info);
     return options->fixed & BTF_FIXED_LIGHT && btf_fold_check(&info, &folded, NULL) == BTF_OK &&
            btf_fold_bytes(&info, BTF_FOLD_LIGHT, 1) <= most_bytes &&
+           btf_fold_layers(&info, BTF_FOLD_LIGHT, 1) <= BTF_MAX_DIRECTION_LAYERS && /* that every GL has */
            btf_fold_cost(material, &folded, NULL).pixels <= most_frames * pixels;
 }
 
