@@ -4,6 +4,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "check.h"
+#include "tests/conformance/sabotage/tamper.h"
 #include "variant.h"
 
 #include <setjmp.h>
@@ -80,14 +81,8 @@ static void names_what_breaks(void **state) {
         {BTF_SELF_TEST_FACTORS, "factors", "float(-most >> 5)", "float(-(most >> 5))"},
     };
     for (size_t i = 0; i < sizeof list / sizeof *list; ++i) {
-        const char *text = btf_shader_self_test(), *at = strstr(text, list[i].from);
-        assert_non_null(at);
-        size_t head = (size_t)(at - text), from = strlen(list[i].from), to = strlen(list[i].to);
-        char *broken = malloc(strlen(text) + to + 1);
+        char *broken = tamper_text(btf_shader_self_test(), 0, 1, list[i].from, list[i].to);
         assert_non_null(broken);
-        memcpy(broken, text, head);
-        memcpy(broken + head, list[i].to, to);
-        strcpy(broken + head + to, at + from);
         uint32_t failures = run_self_test(NULL, broken);
         free(broken);
         char names[120];

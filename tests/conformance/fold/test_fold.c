@@ -5,6 +5,7 @@
  */
 #include "tests/conformance/cases.h"
 #include "tests/conformance/check.h"
+#include "tests/conformance/sabotage/tamper.h"
 #include "tests/conformance/synthetic.h"
 #include "tests/conformance/variant.h"
 #include "decoder/toolkit/reference_view.h"
@@ -449,16 +450,11 @@ static int found;
 static char *tampered;
 
 static const char *put_in(const char *text) {
-    const char *at = active ? strstr(text, active->from) : NULL;
-    if (!at)
+    char *made = active ? tamper_text(text, 0, 1, active->from, active->to) : NULL;
+    if (!made)
         return text;
-    const size_t before = (size_t)(at - text), from = strlen(active->from), to = strlen(active->to);
     free(tampered);
-    tampered = malloc(strlen(text) + to + 1);
-    assert_non_null(tampered);
-    memcpy(tampered, text, before);
-    memcpy(tampered + before, active->to, to);
-    strcpy(tampered + before + to, at + from);
+    tampered = made;
     found = 1;
     return tampered;
 }

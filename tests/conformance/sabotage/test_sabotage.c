@@ -5,6 +5,7 @@
  */
 #include "tests/conformance/check.h"
 #include "tests/conformance/synthetic.h"
+#include "tamper.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -493,24 +494,11 @@ static const btf_log log_errors = {say_error, NULL};
 static const char *tamper(char *text) {
     if (!active)
         return text;
-    size_t from = strlen(active->from), to = strlen(active->to), places = 0;
-    for (const char *p = text; (p = strstr(p, active->from)) != NULL; p += from)
-        ++places;
     free(tampered);
-    tampered = malloc(strlen(text) + places * to + 1);
-    assert_non_null(tampered);
-    char *out = tampered;
-    for (const char *p = text; *p;) {
-        if (strncmp(p, active->from, from) == 0) {
-            memcpy(out, active->to, to);
-            out += to;
-            p += from;
-            found = 1;
-        } else {
-            *out++ = *p++;
-        }
-    }
-    *out = 0;
+    tampered = tamper_text(text, 0, SIZE_MAX, active->from, active->to);
+    if (!tampered)
+        return text;
+    found = 1;
     return tampered;
 }
 

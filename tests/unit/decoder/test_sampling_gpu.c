@@ -5,6 +5,7 @@
 #include "decoder/toolkit/reference_view.h"
 #include "tests/conformance/cases.h"
 #include "tests/conformance/gpu.h"
+#include "tests/conformance/sabotage/tamper.h"
 #include "tests/conformance/synthetic.h"
 
 #include <openbtf/sampling.h>
@@ -65,17 +66,8 @@ typedef struct subject {
 
 /* The text with `from` replaced by `to` where it stands first behind the beginning of sampling.glsl. */
 static char *replaced(const char *text, const char *from, const char *to) {
-    const char *start = strstr(text, "float btf_unit(uint random)"),
-               *at = start ? strstr(start, from) : NULL;
-    if (!at)
-        return NULL;
-    char *out = malloc(strlen(text) + strlen(to) + 1);
-    if (out) {
-        memcpy(out, text, (size_t)(at - text));
-        strcpy(out + (at - text), to);
-        strcat(out, at + strlen(from));
-    }
-    return out;
+    const char *start = strstr(text, "float btf_unit(uint random)");
+    return start ? tamper_text(text, (size_t)(start - text), 1, from, to) : NULL;
 }
 
 static void upload(const gl_api *gl, const btf_light_sampling *tables, unsigned textures[2]) {
