@@ -260,12 +260,9 @@ static bool find_candidate(const error_table *t, uint32_t level, uint32_t effect
     return false;
 }
 
-/* The error of a scene by the table of errors between the samples; false where it says nothing. View or
- * light that are samples are not left out. */
-static bool find_between(const btf_material *material, const btf_scene *scene, const error_table *t,
-                         double mse[2]) {
+/* The error of a scene by a row of the table of errors between the samples; false where it says nothing. */
+static bool find_row_between(const btf_material *material, const btf_scene *scene, float left_out, double mse[2]) {
     const btf_between_errors b = btf_material_between_errors(material);
-    const float left_out = (t->at_view < 1 ? 1.0f : 0.0f) + (t->at_light < 1 ? 2.0f : 0.0f);
     double view[BTF_MAX_BANDS], light[BTF_MAX_BANDS], sum[2] = {0, 0}, weight = 0;
     uint32_t r = 0;
     while (r < b.row_count && b.rows[(size_t)r * b.row_stride] != left_out)
@@ -287,14 +284,32 @@ static bool find_between(const btf_material *material, const btf_scene *scene, c
     return weight > 0;
 }
 
+/* The same of the full decode. View or light that are samples are not left out. */
+static bool find_between(const btf_material *material, const btf_scene *scene, const error_table *t,
+                         double mse[2]) {
+    return find_row_between(material, scene, (t->at_view < 1 ? 1.0f : 0.0f) + (t->at_light < 1 ? 2.0f : 0.0f), mse);
+}
+
+/* By how much the error grows, as a share of it, where gloss is not decoded; false where the table does not say. */
+static bool find_gloss(const btf_material *material, const btf_scene *scene, double growth[2]) {
+    enum { BOTH = 3, BOTH_WITHOUT_GLOSS = 11 }; /* where the light is a sample, gloss only blurs it by others */
+    double with[2], without[2];
+    if (!find_row_between(material, scene, BOTH, with) ||
+        !find_row_between(material, scene, BOTH_WITHOUT_GLOSS, without))
+        return false;
+    for (int i = 0; i < 2; i++)
+        growth[i] = fmax(without[i] / fmax(with[i], 1e-10) - 1, 0);
+    return true;
+}
+
 /* Squared errors of decoding and of interpolation add up: a plan adds as much to the sum as to the first. */
 static void fill_between(const btf_material *material, const error_table *t, const candidate *full,
-                         const candidate *chosen, btf_plan *plan) {
+                         const candidate *chosen, const double growth[2], btf_plan *plan) {
     double mse[2], of_plan[2];
     if (plan->level > 0 || !find_between(material, &plan->scene, t, mse))
         return;
     for (int i = 0; i < 2; i++)
-        of_plan[i] = mse[i] + fmax(chosen->mse[i] - full->mse[i], 0);
+        of_plan[i] = mse[i] * (1 + growth[i]) + fmax(chosen->mse[i] - full->mse[i], 0);
     plan->full_between_psnr_linear = (float)psnr(mse[0]);
     plan->full_between_psnr_srgb = (float)psnr(mse[1]);
     plan->between_psnr_linear = (float)psnr(of_plan[0]);
@@ -311,11 +326,12 @@ static void errors_to_tolerate(const btf_material *material, const btf_scene *sc
         base[i] = fmax(fmax(between[i] / 2, full->mse[i]), 1e-10);
 }
 
-/* Whether a candidate adds at most the tolerance, in dB, to these errors. */
-static bool is_tolerated(const candidate *c, const candidate *full, const double base[2], float tolerance) {
+/* Whether a candidate adds at most the tolerance, in dB, to these errors, which grow by themselves, too. */
+static bool is_tolerated(const candidate *c, const candidate *full, const double base[2], const double growth[2],
+                         float tolerance) {
     const double most = pow(10, (double)tolerance / 10);
     for (int i = 0; i < 2; i++)
-        if (base[i] + fmax(c->mse[i] - full->mse[i], 0) > base[i] * most)
+        if (base[i] * (1 + growth[i]) + fmax(c->mse[i] - full->mse[i], 0) > base[i] * most)
             return false;
     return true;
 }
@@ -332,6 +348,13 @@ btf_result btf_plan_predict(const btf_material *material, const btf_plan *plan, 
     *out_linear = (float)psnr(c.mse[0]);
     *out_srgb = (float)psnr(c.mse[1]);
     return BTF_OK;
+}
+
+/* What a plan is chosen by, the less the better: relative time, of what is folded where the light is still, and
+ * relative bytes. */
+static float price(const btf_plan *plan) {
+    return fminf(plan->cost, plan->folded_cost) / plan->full_cost +
+           (float)plan->gpu_bytes / (float)plan->full_gpu_bytes;
 }
 
 btf_result btf_plan_effects(const btf_material *material, const btf_scene *given, float tolerance,
@@ -351,15 +374,18 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *given
 
     const error_table t = open_table(material, &scene);
     candidate full, chosen;
-    if (!find_candidate(&t, plan->level, info->effects, info->components, BTF_INTERPOLATION_LINEAR, &full)) {
-        btfi_fold_plan(material, plan);
+    btfi_fold_plan(material, plan);
+    if (!find_candidate(&t, plan->level, info->effects, info->components, BTF_INTERPOLATION_LINEAR, &full))
         return BTF_OK;
-    }
-    double base[2];
+    double base[2], growth[2][2] = {{0, 0}, {0, 0}}; /* with gloss, without */
     errors_to_tolerate(material, &scene, &t, plan->level, &full, base);
     plan->measured = 1;
     plan->psnr_linear = plan->full_psnr_linear = (float)psnr(full.mse[0]);
     plan->psnr_srgb = plan->full_psnr_srgb = (float)psnr(full.mse[1]);
+    /* Without gloss a still light can be folded, whatever the view. */
+    const bool may_fold = info->effects & BTF_EFFECT_GLOSS & ~idle && scene.light.fixed && !scene.view.fixed &&
+                          tolerance > 0 && plan->level == 0 && find_gloss(material, &scene, growth[1]);
+    const double *chosen_growth = growth[0];
     btf_plan best = *plan;
     chosen = full;
     for (uint32_t r = 0; r < t.rows.row_count; r++) {
@@ -368,24 +394,27 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *given
         const candidate c = read_candidate(&t, r);
         if (info->effects & BETWEEN & ~idle & ~c.effects)
             continue;
-        if (!is_tolerated(&c, &full, base, tolerance) || (scene.interpolate && c.interpolation == BTF_INTERPOLATION_NEAREST))
+        if (scene.interpolate && c.interpolation == BTF_INTERPOLATION_NEAREST)
             continue;
-        btf_plan tried = *plan;
-        tried.effects = c.effects & ~idle;
-        tried.components = c.components;
-        tried.shader.interpolation = c.interpolation;
-        tried.psnr_linear = (float)psnr(c.mse[0]);
-        tried.psnr_srgb = (float)psnr(c.mse[1]);
-        fill_costs(material, views.count, lights.count, &tried);
-        const float bytes = (float)plan->full_gpu_bytes;
-        if (tried.cost / plan->full_cost + (float)tried.gpu_bytes / bytes <
-            best.cost / plan->full_cost + (float)best.gpu_bytes / bytes) {
-            best = tried;
-            chosen = c;
+        for (int without = 0; without <= may_fold; without++) {
+            if (!is_tolerated(&c, &full, base, growth[without], tolerance))
+                continue;
+            btf_plan tried = *plan;
+            tried.effects = c.effects & ~idle & ~(without ? (uint32_t)BTF_EFFECT_GLOSS : 0);
+            tried.components = c.components;
+            tried.shader.interpolation = c.interpolation;
+            tried.psnr_linear = (float)psnr(c.mse[0]);
+            tried.psnr_srgb = (float)psnr(c.mse[1]);
+            fill_costs(material, views.count, lights.count, &tried);
+            btfi_fold_plan(material, &tried);
+            if (price(&tried) < price(&best)) {
+                best = tried;
+                chosen = c;
+                chosen_growth = growth[without];
+            }
         }
     }
     *plan = best;
-    fill_between(material, &t, &full, &chosen, plan);
-    btfi_fold_plan(material, plan);
+    fill_between(material, &t, &full, &chosen, chosen_growth, plan);
     return BTF_OK;
 }

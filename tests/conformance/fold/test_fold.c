@@ -35,7 +35,8 @@ static const btf_log hearing = {hear, NULL};
 static float *fold_reference(const btf_ref_material *m, const btf_ref_options *o, int fold,
                              const float light[3], const float view[3]) {
     const size_t layer = (size_t)4 * m->width * m->height;
-    float *values = malloc(layer * (fold == BTF_REF_FOLD_LIGHT ? m->n_views : 1) * sizeof *values);
+    const uint32_t layers = fold == BTF_REF_FOLD_LIGHT ? m->n_views : fold == BTF_REF_FOLD_NEIGHBOURS ? 3 : 1;
+    float *values = malloc(layer * layers * sizeof *values);
     assert_non_null(values);
     if (fold == BTF_REF_FOLD_BOTH) {
         const uint32_t half = m->height / 2; /* in two pieces, as threads do */
@@ -43,8 +44,11 @@ static float *fold_reference(const btf_ref_material *m, const btf_ref_options *o
         btf_ref_fold_both(m, o, light, view, 0, half, values);
         return values;
     }
-    for (uint32_t i = 0; i < m->n_views; ++i)
-        btf_ref_fold_light(m, o, light, i, 0, m->height, values + i * layer);
+    for (uint32_t i = 0; i < layers; ++i)
+        if (fold == BTF_REF_FOLD_LIGHT)
+            btf_ref_fold_light(m, o, light, i, 0, m->height, values + i * layer);
+        else
+            btf_ref_fold_neighbour(m, o, light, view, i, 0, m->height, values + i * layer);
     return values;
 }
 
@@ -83,7 +87,7 @@ static uint64_t compare(const btf_material *material, const btf_ref_options *opt
 static void folded_reference_has_the_same_bits(void **state) {
     (void)state;
     static variant list[VARIANT_MAX];
-    uint64_t evaluated[3] = {0};
+    uint64_t evaluated[4] = {0};
     const size_t count = variant_pairwise(3, list);
     for (size_t i = 0; i < count; ++i) {
         const synthetic_spec *s = &list[i].spec;
@@ -91,12 +95,11 @@ static void folded_reference_has_the_same_bits(void **state) {
         if ((uint64_t)s->n_views * s->width * s->height > 40000)
             continue;
         assert_int_equal(synthetic_create(s, &hearing, &material), BTF_OK);
-        for (int fold = BTF_REF_FOLD_LIGHT; fold <= BTF_REF_FOLD_BOTH; ++fold) {
+        for (int fold = BTF_REF_FOLD_LIGHT; fold <= BTF_REF_FOLD_NEIGHBOURS; ++fold) {
             btf_ref_options options = variant_reference_options(&list[i].shader);
             btf_ref_material m;
             reference_view(material, 0, &m);
-            options.effects &=
-                ~(uint32_t)(fold == BTF_REF_FOLD_LIGHT ? BTF_EFFECT_GLOSS : BTF_EFFECT_RELIEF);
+            options.effects &= ~check_fold_left_out((btf_fold)fold);
             if (!btf_ref_can_fold(&m, &options, fold))
                 continue;
             const uint64_t different = compare(material, &options, fold, s->seed, &evaluated[fold]);
@@ -107,9 +110,9 @@ static void folded_reference_has_the_same_bits(void **state) {
         }
         btf_material_close(&material);
     }
-    printf("%llu evaluations of folded lights, %llu of both\n", (unsigned long long)evaluated[1],
-           (unsigned long long)evaluated[2]);
-    assert_true(evaluated[1] > 1000 && evaluated[2] > 5000);
+    printf("%llu evaluations of folded lights, %llu of both, %llu of neighbours\n", (unsigned long long)evaluated[1],
+           (unsigned long long)evaluated[2], (unsigned long long)evaluated[3]);
+    assert_true(evaluated[1] > 1000 && evaluated[2] > 5000 && evaluated[3] > 5000);
 }
 
 /* Library and reference agree on which folds there are, and the library says why there is none. */
@@ -127,6 +130,7 @@ static void undefined_folds_are_refused(void **state) {
         {BTF_COLOUR_RGB, BTF_EFFECT_RESIDUAL, BTF_FOLD_LIGHT, "SBRDF"},
         {BTF_COLOUR_RGB, BTF_EFFECT_RESIDUAL | BTF_EFFECT_GLOSS, BTF_FOLD_BOTH, NULL},
         {BTF_COLOUR_NONE, BTF_EFFECT_RESIDUAL | BTF_EFFECT_RELIEF, BTF_FOLD_BOTH, "relief"},
+        {BTF_COLOUR_RGB, BTF_EFFECT_RESIDUAL | BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS, BTF_FOLD_NEIGHBOURS, NULL},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         const synthetic_spec spec = {.seed = i,
@@ -206,6 +210,17 @@ static void a_folded_shader_reads_less(void **state) {
     assert_int_equal(btf_fold_layers(&info, BTF_FOLD_BOTH, 2), 2);
     const btf_fold_costs both = btf_fold_cost(material, &shader, NULL);
     assert_true(both.folded < light.folded && both.pixels < light.pixels);
+    shader.leave_out = 0;
+    shader.fold = BTF_FOLD_NEIGHBOURS;
+    assert_int_equal(btf_shader_textures(&info, &shader), 1u << BTF_TEXTURE_VIEW_TABLE |
+                                                              1u << BTF_TEXTURE_HEIGHTS |
+                                                              1u << BTF_TEXTURE_VIEW_VECTORS);
+    shader.fixed = BTF_FIXED_VIEW;
+    shader.fixed_view[2] = 1;
+    assert_int_equal(btf_shader_textures(&info, &shader), 1u << BTF_TEXTURE_HEIGHTS | 1u << BTF_TEXTURE_VIEW_VECTORS);
+    assert_int_equal(btf_fold_layers(&info, BTF_FOLD_NEIGHBOURS, 2), 6);
+    const btf_fold_costs neighbours = btf_fold_cost(material, &shader, NULL);
+    assert_true(neighbours.folded < neighbours.unfolded && neighbours.pixels < light.pixels);
     btf_material_close(&material);
 }
 
@@ -244,8 +259,11 @@ static void plans_fold(void **state) {
     assert_int_equal(btf_plan_effects(flat, &scene, 0, &plan), BTF_OK);
     assert_int_equal(plan.fold, BTF_FOLD_BOTH);
     assert_true(plan.folded_cost < light_alone && plan.fold_bytes == 16 * (13 * 7 + 6 * 3 + 3 * 1));
-    assert_int_equal(btf_plan_effects(raised, &scene, 0, &plan), BTF_OK); /* relief: the light alone */
-    assert_int_equal(plan.fold, BTF_FOLD_LIGHT);
+    for (int i = 0; i < 2; ++i) { /* with relief, and gloss too, neighbouring views */
+        assert_int_equal(btf_plan_effects(i ? glossy : raised, &scene, 0, &plan), BTF_OK);
+        assert_int_equal(plan.fold, BTF_FOLD_NEIGHBOURS);
+        assert_true(plan.fold_bytes == 3 * 16 * (13 * 7 + 6 * 3 + 3 * 1) && plan.folded_cost < plan.cost);
+    }
     scene.light = (btf_range){0};
     assert_int_equal(btf_plan_effects(flat, &scene, 0, &plan), BTF_OK); /* a still view alone is no fold */
     assert_int_equal(plan.fold, BTF_FOLD_NONE);
@@ -355,11 +373,11 @@ typedef struct sabotage {
     int subject; /* of the list below */
 } sabotage;
 
-enum { LIGHT_OF_ROOTS, LIGHT_OF_RADIANCE, BOTH_OF_SBRDF };
+enum { LIGHT_OF_ROOTS, LIGHT_OF_RADIANCE, BOTH_OF_SBRDF, NEIGHBOURS_OF_ROOTS, NEIGHBOURS_OF_SBRDF, NEIGHBOURS_OF_A_FIXED_VIEW };
 static const struct {
     synthetic_spec spec;
     btf_shader_options shader;
-    uint64_t seed; /* with bit 2: light and view */
+    uint64_t seed; /* check_fold_kind */
 } subjects[] = {
     [LIGHT_OF_ROOTS] = {{.seed = 31,
                          .width = 13,
@@ -407,6 +425,53 @@ static const struct {
                         .gloss_share = 1},
                        {.filter = BTF_FILTER_STEEP},
                        4},
+    [NEIGHBOURS_OF_ROOTS] = {{.seed = 34,
+                              .width = 13,
+                              .height = 7,
+                              .n_views = 9,
+                              .n_lights = 11,
+                              .layout = BTF_LAYOUT_TIGHT,
+                              .domain = BTF_DOMAIN_SQRT,
+                              .colour = BTF_COLOUR_NONE,
+                              .effects = BTF_EFFECT_RESIDUAL | BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS,
+                              .components = 1,
+                              .directions = SYNTHETIC_RANDOM,
+                              .levels = 3,
+                              .classes = {{0}, {0}, {1, 1, 0}},
+                              .blend = BTF_BLEND_ROOTS,
+                              .horizon_scale = 4,
+                              .relief = SYNTHETIC_GENTLE,
+                              .gloss_share = 1},
+                             {.filter = BTF_FILTER_BILINEAR},
+                             8},
+    [NEIGHBOURS_OF_SBRDF] = {{.seed = 35,
+                              .width = 11,
+                              .height = 5,
+                              .n_views = 9,
+                              .n_lights = 11,
+                              .layout = BTF_LAYOUT_TIGHT,
+                              .colour = BTF_COLOUR_RGB,
+                              .lobes = 1,
+                              .effects = BTF_EFFECT_SHADOW | BTF_EFFECT_GLOSS,
+                              .directions = SYNTHETIC_RANDOM,
+                              .gloss_share = 2},
+                             {.interpolation = BTF_INTERPOLATION_LINEAR},
+                             8},
+    [NEIGHBOURS_OF_A_FIXED_VIEW] = {{.seed = 36,
+                                     .width = 11,
+                                     .height = 5,
+                                     .n_views = 9,
+                                     .n_lights = 11,
+                                     .layout = BTF_LAYOUT_TIGHT,
+                                     .colour = BTF_COLOUR_RGB,
+                                     .lobes = 1,
+                                     .effects = BTF_EFFECT_RESIDUAL | BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS,
+                                     .components = 4,
+                                     .directions = SYNTHETIC_RANDOM,
+                                     .relief = SYNTHETIC_GENTLE,
+                                     .gloss_share = 2},
+                                    {.interpolation = BTF_INTERPOLATION_LINEAR},
+                                    7},
 };
 enum { SUBJECTS = sizeof subjects / sizeof *subjects };
 
@@ -427,16 +492,31 @@ static const sabotage list[] = {
      "btf_prepare(vec3(0.0, 0.0, 1.0), v, BTF_NEAREST != 0, clamp(level, 0, ",
      "btf_prepare(vec3(0.0, 0.0, 1.0), v, BTF_NEAREST != 0, clamp(level - 1, 0, ", 0, LIGHT_OF_ROOTS},
     {"the light folded from above",
-     "btf_setting s = btf_prepare(l, vec3(0.0, 0.0, 1.0), BTF_NEAREST != 0, level);",
-     "btf_setting s = btf_prepare(vec3(0.0, 0.0, 1.0), l, BTF_NEAREST != 0, level);", 1, LIGHT_OF_ROOTS},
-    {"level 0 folded for all", "btf_factor_scene(texels, level,", "btf_factor_scene(texels, 0,", 1,
+     "btf_prepare(l, vec3(0.0, 0.0, 1.0), BTF_NEAREST != 0, level));",
+     "btf_prepare(vec3(0.0, 0.0, 1.0), l, BTF_NEAREST != 0, level));", 1, LIGHT_OF_ROOTS},
+    {"level 0 folded for all", "btf_factor_scene(texels, s.level,", "btf_factor_scene(texels, 0,", 1,
      LIGHT_OF_ROOTS},
-    {"factors of the first view folded for all", "(texels, level, uvec3(view)", "(texels, level, uvec3(0u)",
+    {"factors of the first view folded for all", "(texels, s.level, uvec3(view)", "(texels, s.level, uvec3(0u)",
      1, LIGHT_OF_ROOTS},
     {"shift and gain of the first view folded for all", "btf_show_view(value, texels, view, s);",
      "btf_show_view(value, texels, 0u, s);", 1, LIGHT_OF_RADIANCE},
     {"nearest lights folded for all", "vec3(0.0, 0.0, 1.0), BTF_NEAREST != 0, level)",
      "vec3(0.0, 0.0, 1.0), true, level)", 1, LIGHT_OF_ROOTS},
+    {"neighbours of a light too few", "s.layer = light * 3;", "s.layer = light;", 0, NEIGHBOURS_OF_ROOTS},
+    {"neighbours read by the number of their view", "s.views.index = uvec3(0u, 1u, 2u);", "", 0, NEIGHBOURS_OF_ROOTS},
+    {"neighbours read in another order", "s.views.index = uvec3(0u, 1u, 2u);",
+     "s.views.index = uvec3(0u, 2u, 1u);", 0, NEIGHBOURS_OF_SBRDF},
+    {"neighbours of a fixed view read in another order", "s.views.index = BTF_FIXED_VIEW_LAYER;",
+     "s.views.index = BTF_FIXED_VIEW_LAYER.yxz;", 0, NEIGHBOURS_OF_A_FIXED_VIEW},
+    {"the first neighbour folded for all", "uint view = a == 0 ?", "uint view = a < 3 ?", 1, NEIGHBOURS_OF_ROOTS},
+    {"the lights of the first neighbour folded for all", "s.lights = btf_lights_of(s, a);\n    return btf_fold_value",
+     "return btf_fold_value", 1, NEIGHBOURS_OF_ROOTS},
+    {"the lights of the first neighbour in every SBRDF", "s.lights = btf_lights_of(s, a);\n    return btf_fold_value",
+     "return btf_fold_value", 1, NEIGHBOURS_OF_SBRDF},
+    {"factors under the lights of the first neighbour", "lights[0] = lights[1] = lights[2] = s.lights;",
+     "lights = s.lights_of;", 1, NEIGHBOURS_OF_ROOTS},
+    {"level 0 of neighbours for all", "btf_setting s = btf_prepare(l, v, BTF_NEAREST != 0, level);\n    uint view",
+     "btf_setting s = btf_prepare(l, v, BTF_NEAREST != 0, 0);\n    uint view", 1, NEIGHBOURS_OF_ROOTS},
     {"light and view swapped", "btf_texels(sum, texels, btf_prepare(l, v, ",
      "btf_texels(sum, texels, btf_prepare(v, l, ", 1, BOTH_OF_SBRDF},
     {"radiance folded without its scale", "sum[i] = btf_mul(sum[i], BTF_RADIANCE_SCALE);", "", 1,
@@ -493,7 +573,9 @@ static uint64_t differences(int subject) {
     btf_material_get_info(material, &info);
     check_outcome outcome = {0};
     const btf_fold kind = check_fold_kind(&info, subjects[subject].seed, COUNT);
-    assert_int_equal(kind, subject == BOTH_OF_SBRDF ? BTF_FOLD_BOTH : BTF_FOLD_LIGHT);
+    assert_int_equal(kind, subject >= NEIGHBOURS_OF_ROOTS ? BTF_FOLD_NEIGHBOURS
+                           : subject == BOTH_OF_SBRDF    ? BTF_FOLD_BOTH
+                                                         : BTF_FOLD_LIGHT);
     const btf_result result = check_folded(&s, subjects[subject].seed, COUNT, &outcome);
     btf_material_close(&material);
     if (result != BTF_OK)
