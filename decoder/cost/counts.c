@@ -165,7 +165,7 @@ static void add_between(btf_decode_counts *n, const btf_material_info *info, con
     if (w->effects & BTFI_VECTOR_EFFECTS)
         fetch(n, views, 16);
     if (w->effects & BTF_EFFECT_RELIEF) {
-        n->moves += views > 1 ? 1 + views : 1;
+        n->moves += 1 + views;
         if (info->relief_step > 0)
             n->steps += (info->relief_steps + 1.0) * (views > 1 ? 1 + views : 1);
     }
@@ -175,16 +175,16 @@ static void add_between(btf_decode_counts *n, const btf_material_info *info, con
     }
 }
 
-/* A texel of 16 bytes is kept for each view, or for both. */
+/* A texel of 16 bytes is kept for each view, or for all together. */
 static btf_decode_counts count_folded(const btf_material_info *info, const btf_shader_options *o,
                                       const way *all) {
     const btf_material_info shown = btfi_folded_info(info, o->fold);
-    const bool light = o->fold == BTF_FOLD_LIGHT;
+    const bool both = o->fold == BTF_FOLD_BOTH;
     way w = *all;
     w.effects = shown.effects & ~o->leave_out;
-    w.views = light ? w.views : 1;
+    w.views = both ? 1 : w.views;
     btf_decode_counts n = {
-        .pixels = 1, .look_ups = light && !w.fixed_view ? 1 : 0, .points = (double)w.views * w.texels};
+        .pixels = 1, .look_ups = both || w.fixed_view ? 0 : 1, .points = (double)w.views * w.texels};
     fetch(&n, n.points, 16);
     add_between(&n, &shown, &w, w.views);
     return n;
