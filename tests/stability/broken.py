@@ -279,8 +279,8 @@ CHANGES = [
         ("decoder/evaluate/many.c", "twice - 128 > 256 ? 256", "twice - 128 > 255 ? 255")]),
     ("the evaluator: gloss below the horizon", "evaluator", [
         ("decoder/evaluate/directions.c", "    c[2] = c[2] >= 0.0f ? c[2] : 0.0f;\n", "")]),
-    ("the evaluator: weights of hidden views", "evaluator", [
-        ("decoder/evaluate/relief.c", "o < 1229 ? 1229", "o < 3000 ? 3000")]),
+    ("the evaluator: weights of hidden views off by one", "evaluator", [
+        ("decoder/evaluate/relief.c", "o < 1229 ? 1229", "o < 1228 ? 1228")]),
     ("light sampling: the Jacobian's root", "sampling", [
         ("reference/btf_sampling.c", "    density = density * k;\n    density = density * k;\n", "    density = density * k;\n")]),
     ("light sampling: one of the turns left out", "sampling", [
