@@ -289,14 +289,16 @@ CHANGES = [
         ("decoder/evaluate/many.c", "twice - 128 > 256 ? 256", "twice - 128 > 255 ? 255")]),
     ("the evaluator: gloss below the horizon", "evaluator", [
         ("decoder/evaluate/directions.c", "    c[2] = c[2] >= 0.0f ? c[2] : 0.0f;\n", "")]),
-    ("the evaluator: weights of hidden views", "evaluator", [
-        ("decoder/evaluate/relief.c", "o < 1229 ? 1229", "o < 3000 ? 3000")]),
+    ("the evaluator: weights of hidden views off by one", "evaluator", [
+        ("decoder/evaluate/relief.c", "o < 1229 ? 1229", "o < 1228 ? 1228")]),
     ("light sampling: the Jacobian's root", "sampling", [
         ("reference/btf_sampling.c", "    density = density * k;\n    density = density * k;\n", "    density = density * k;\n")]),
     ("light sampling: one of the turns left out", "sampling", [
         ("reference/btf_sampling.c", "height < unturned ? 0 : height < once ? 1 : 2", "height < unturned ? 0 : 1")]),
     ("light sampling: parts of triangles too large", "sampling", [
         ("decoder/evaluate/sampling.c", "row[i][0] = (uint32_t)(fmin(sum, 1 - share) * 0x1p32);", "row[i][0] = (uint32_t)(fmin(1.3 * sum, 1 - share) * 0x1p32);")]),
+    ("a map and the material sampled, weighed as if one were", "sampled_environment", [
+        ("decoder/tools/render/sampled_environment.c", "e->by_map * from.density +", "from.density +")]),
 ]
 
 TOOLS = ['encoder/btf-encode', 'encoder/btf-compare', 'decoder/tools/btf-info', 'decoder/tools/btf-decode',
@@ -312,7 +314,7 @@ def program(tree, test):
     tests = f'{tree}/tests'
     if test in ('stability_faults', 'stability_archives'):
         return TOOLS, [f'{tests}/stability/test_{test[10:]}.sh']
-    if test in ('exr', 'file', 'memory', 'names', 'output', 'points', 'relief', 'relief_end') or test.startswith('reference_'):
+    if test in ('exr', 'file', 'memory', 'names', 'output', 'points', 'relief', 'relief_end', 'sampled_environment') or test.startswith('reference_'):
         return [f'tests/unit/test_{test}'], [f'{tree}/build/tests/unit/test_{test}']
     if test in ('evaluator', 'fold', 'fold_gl', 'sampling'):
         return [f'tests/conformance/test_{test}'], [f'{tree}/build/tests/conformance/test_{test}']
