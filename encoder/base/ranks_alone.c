@@ -14,8 +14,8 @@ btf_result enc_mpi_start(btf_log log, enc_ranks **out_ranks, enc_mpi_share *io_s
     if (!ranks)
         ranks = getenv("PMI_SIZE");
     if (ranks && atoi(ranks) > 1)
-        return enc_fail(&context, BTF_ERROR_UNSUPPORTED, "%s ranks, but this program was built without MPI",
-                        ranks);
+        return enc_fail(&context, BTF_ERROR_UNSUPPORTED,
+                        "started as %s ranks, but this program was built without MPI", ranks);
     return BTF_OK;
 }
 

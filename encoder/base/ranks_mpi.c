@@ -165,7 +165,8 @@ btf_result enc_mpi_start(btf_log log, enc_ranks **out_ranks, enc_mpi_share *io_s
         return BTF_OK;
     const enc_context context = {.log = log};
     if (provided < MPI_THREAD_FUNNELED)
-        return enc_fail(&context, BTF_ERROR_UNSUPPORTED, "this MPI does not allow threads");
+        return enc_fail(&context, BTF_ERROR_UNSUPPORTED,
+                        "this MPI library does not support programs with threads (MPI_THREAD_FUNNELED)");
     MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);
     MPI_Comm_size(node, &transport.node_ranks);
     take_share(node, transport.node_ranks, io_share);

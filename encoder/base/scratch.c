@@ -62,7 +62,8 @@ btf_result enc_scratch_open(const enc_context *context, const char *what, uint64
         return enc_fail(context, BTF_ERROR_IO, "scratch file: cannot create one of %.2f GB in %s: %s",
                         (double)size * 1e-9, folder, strerror(error));
     }
-    enc_log(context, BTF_LOG_INFO, "%s: %.2f GB exceed the share of %.2f GB of memory: scratch file in %s",
+    enc_log(context, BTF_LOG_INFO,
+            "%s: %.2f GB do not fit the %.2f GB of memory allowed: they are kept in a scratch file in %s",
             what, (double)size * 1e-9, (double)context->memory * 1e-9, folder);
     *out_fd = fd;
     return BTF_OK;

@@ -242,7 +242,7 @@ static bool read_step(const enc_checkpoint *c, const char *path, enc_blob *out, 
     good = good && stored == hash(hash(hash_start, header, HEADER), out->bytes, size);
     if (!good) {
         enc_blob_clear(out);
-        *out_why = "damaged, is worked out again";
+        *out_why = "this step of the checkpoint is damaged and is computed again";
         return false;
     }
     out->size = out->room = size;

@@ -103,8 +103,9 @@ static uint64_t gpu_bytes(const enc_data *data, uint64_t bytes, int n_units) {
 }
 
 static const char *const verdicts[ENC_FACTOR_OMISSIONS] = {
-    "left out", "given up after a survey", "not tried: the memory allowed does not hold it",
-    "not tried: the bytes do not hold its lists and one unit"};
+    "left out", "given up after a first search, which left too much error",
+    "not tried: it needs more memory than is allowed",
+    "not tried: the budget does not hold its lists and one unit of factors"};
 
 /* Notes the candidates of an encode; *out_kept: the one that was kept. Verdicts of encodes that may yet be
  * the best are `left out` until all are made. */
@@ -148,8 +149,10 @@ static btf_result encode(const enc_context *context, const enc_data *data,
     stats->unspent = f->unspent;
     const bool chosen = f->n_trials > 1 && f->trials[1].omitted != ENC_FACTOR_NO_MEMORY;
     note_trials(data, f, settings->quality > 0 || chosen, stats, out_kept);
-    enc_log(context, BTF_LOG_INFO, "factors: %zu + %zu + %zu components in %d units%s, %llu bytes",
-            f->components[0], f->components[1], f->components[2], f->n_units, f->shift ? " with match" : "",
+    enc_log(context, BTF_LOG_INFO,
+            "factors: %zu components of Y, %zu of C1 and %zu of C2, in %d units%s, take %llu bytes",
+            f->components[0], f->components[1], f->components[2], f->n_units,
+            f->shift ? " with shifts and gains" : "",
             (unsigned long long)gpu_bytes(data, f->bytes, f->n_units));
     return BTF_OK;
 }
@@ -208,8 +211,10 @@ btf_result enc_factors_solve(const enc_context *context, const enc_data *data,
         if (reached >= settings->quality)
             result = reduce(context, data, &now, basis, &best, out_stats, &best_trial);
         else
-            enc_log(context, BTF_LOG_WARNING, "factors: %.2f dB of %.2f within %llu bytes", reached,
-                    settings->quality, (unsigned long long)settings->budget);
+            enc_log(context, BTF_LOG_WARNING,
+                    "factors: %.2f dB is the best that was found, below --quality %.2f, within %llu bytes "
+                    "(--budget)",
+                    reached, settings->quality, (unsigned long long)settings->budget);
     }
     if (result == BTF_OK) {
         out_stats->trials[best_trial].verdict = "best";

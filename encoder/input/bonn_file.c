@@ -62,8 +62,8 @@ typedef struct cursor {
 static void refuse(cursor *c, btf_result result, uint64_t at, const char *field, const char *why,
                    double value) {
     if (c->result == BTF_OK)
-        c->result = enc_fail(c->context, result, "%s: field %s at byte %llu: %s (%.9g)", c->file->path,
-                             field, (unsigned long long)at, why, value);
+        c->result = enc_fail(c->context, result, "%s: field %s at byte %llu: %s %.9g", c->file->path, field,
+                             (unsigned long long)at, why, value);
 }
 
 /* Steps over `size` bytes and returns where they begin; NULL, once refused. */
@@ -71,8 +71,8 @@ static const unsigned char *take(cursor *c, uint64_t size, const char *field) {
     if (c->result != BTF_OK)
         return NULL;
     if (size > c->file->size - c->at) {
-        refuse(c, BTF_ERROR_BAD_FILE, c->at, field, "the file ends before it does; bytes that it needs",
-               (double)size);
+        refuse(c, BTF_ERROR_BAD_FILE, c->at, field,
+               "the file ends within it; bytes that it takes:", (double)size);
         return NULL;
     }
     c->at += size;
@@ -97,7 +97,7 @@ static float take_float(cursor *c, const char *field) {
     const unsigned char *p = take(c, 4, field);
     const float value = p ? enc_bonn_number(p, 4) : 0.0f;
     if (!isfinite(value))
-        refuse(c, BTF_ERROR_BAD_FILE, c->at - 4, field, "not a finite number", (double)value);
+        refuse(c, BTF_ERROR_BAD_FILE, c->at - 4, field, "is not a finite number:", (double)value);
     return value;
 }
 
@@ -106,14 +106,14 @@ static uint32_t take_count(cursor *c, const char *field, uint32_t most) {
     const uint32_t value = take_u32(c, field);
     if (value < 1 || value > most)
         refuse(c, value < 1 ? BTF_ERROR_BAD_FILE : BTF_ERROR_UNSUPPORTED, c->at - 4, field,
-               value < 1 ? "is 0" : "is more than can be read", value);
+               value < 1 ? "must not be" : "exceeds what this program reads:", value);
     return c->result == BTF_OK ? value : 1;
 }
 
 static unsigned take_scalar(cursor *c) {
     const unsigned scalar = take_u8(c, "scalar size");
     if (scalar != 2 && scalar != 4 && scalar != 8)
-        refuse(c, BTF_ERROR_BAD_FILE, c->at - 1, "scalar size", "is none of 2, 4 and 8", scalar);
+        refuse(c, BTF_ERROR_BAD_FILE, c->at - 1, "scalar size", "must be 2, 4 or 8, not", scalar);
     return scalar;
 }
 
@@ -121,7 +121,7 @@ static void read_meta(cursor *c, enc_bonn_file *f) {
     const uint64_t begin = c->at;
     const uint32_t size = take_u32(c, "metaSize"), version = take_u32(c, "metaVersion");
     if (c->result == BTF_OK && (version < 1 || version > 4))
-        refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 4, "metaVersion", "is none of 1 to 4", version);
+        refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 4, "metaVersion", "must be 1 to 4, not", version);
     take(c, 240, "measurement setup, image sensor and light source");
     take(c, 16, "pixels per mm and RGB scale factor");
     if (version >= 2)
@@ -131,14 +131,14 @@ static void read_meta(cursor *c, enc_bonn_file *f) {
     if (version >= 4) {
         const uint32_t channels = take_u32(c, "channel count");
         if (channels != 3)
-            refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 4, "channel count",
-                   "only three channels, RGB, can be read", channels);
+            refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 4, "channel count", "must be 3 (R, G and B), not",
+                   channels);
         for (uint32_t i = 0; i < 3 && c->result == BTF_OK; i++)
             take(c, take_u32(c, "length of a channel name"), "channel name");
     }
     if (c->result == BTF_OK && c->at - begin != size)
-        refuse(c, BTF_ERROR_BAD_FILE, begin, "metaSize", "disagrees with what follows; bytes that it says",
-               size);
+        refuse(c, BTF_ERROR_BAD_FILE, begin, "metaSize",
+               "does not agree with the length of the block that follows:", size);
 }
 
 static void read_direction(cursor *c, float direction[2], const char *theta, const char *phi) {
@@ -156,7 +156,7 @@ static void read_directions(cursor *c, enc_bonn_file *f) {
         const uint32_t lights = take_count(c, "light count of a view", MOST_DIRECTIONS);
         if (c->result == BTF_OK && v > 0 && lights != f->n_lights)
             refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 4, "light count of a view",
-                   "is not that of the first view", lights);
+                   "differs from the first view's:", lights);
         if (v == 0) {
             f->n_lights = lights;
             f->lights = calloc(lights, sizeof *f->lights);
@@ -170,7 +170,7 @@ static void read_directions(cursor *c, enc_bonn_file *f) {
                 memcpy(f->lights[l], light, sizeof light);
             else if (c->result == BTF_OK && memcmp(f->lights[l], light, sizeof light) != 0)
                 refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 8, "light of a view",
-                       "is not that of the first view", light[0]);
+                       "differs from the first view's:", light[0]);
         }
     }
 }
@@ -207,7 +207,7 @@ static void settle_sides(cursor *c, uint64_t at, enc_bonn_matrix *m, uint32_t ro
         m->mean_of_texel = true;
     } else {
         refuse(c, BTF_ERROR_BAD_FILE, at, "rows and columns",
-               "match neither the directions nor the texels; rows", rows);
+               "match neither directions nor texels; rows:", rows);
     }
 }
 
@@ -248,7 +248,8 @@ static void read_dfmf(cursor *c, enc_bonn_file *f) {
     case 12:
         break;
     default:
-        refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 4, "colour model", "is none that can be read", f->model);
+        refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 4, "colour model",
+               "is not one that this program reads:", f->model);
     }
     for (int i = 0; i < 3; i++)
         f->mean[i] = take_float(c, "colour mean");
@@ -263,14 +264,14 @@ static void read_dfmf(cursor *c, enc_bonn_file *f) {
 static void read_fmf(cursor *c, enc_bonn_file *f, bool versioned) {
     const unsigned version = versioned ? take_u8(c, "header version") : 0;
     if (version > 2)
-        refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 1, "header version", "is none of 0 to 2", version);
+        refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 1, "header version", "must be 0 to 2, not", version);
     if (version >= 1)
         f->logarithm = take_u32(c, "dynamic range reduction") != 0;
     if (version >= 2) {
         const uint64_t rows = take_u32(c, "height map rows"), columns = take_u32(c, "height map columns");
         if (rows > MOST_SIDE || columns > MOST_SIDE)
-            refuse(c, BTF_ERROR_BAD_FILE, c->at - 8, "height map size", "is more than can be read",
-                   (double)(rows > columns ? rows : columns));
+            refuse(c, BTF_ERROR_BAD_FILE, c->at - 8, "height map size",
+                   "exceeds what this program reads:", (double)(rows > columns ? rows : columns));
         take(c, 2 * rows * columns, "height map");
     }
     take_u32(c, "component count");
@@ -280,7 +281,7 @@ static void read_fmf(cursor *c, enc_bonn_file *f, bool versioned) {
 
 static void check_slots(cursor *c, const enc_bonn_file *f, uint64_t at, uint32_t slots) {
     if (c->result == BTF_OK && slots != f->n_views)
-        refuse(c, BTF_ERROR_BAD_FILE, at, "slot count", "is not the view count", slots);
+        refuse(c, BTF_ERROR_BAD_FILE, at, "slot count", "differs from the view count:", slots);
 }
 
 static void read_pvf(cursor *c, enc_bonn_file *f, bool legacy) {
@@ -336,8 +337,8 @@ static void read_chunks(cursor *c, enc_bonn_file *f) {
         f->chunks[i].size = take_u32(c, "chunk size");
         f->chunks[i].offset = c->at;
         if (c->result == BTF_OK && f->compression != ENC_BONN_BZIP && f->chunks[i].size < whole)
-            refuse(c, BTF_ERROR_BAD_FILE, c->at - 4, "chunk size", "is too small for the chunk's samples",
-                   f->chunks[i].size);
+            refuse(c, BTF_ERROR_BAD_FILE, c->at - 4, "chunk size",
+                   "is too small for the chunk's samples:", f->chunks[i].size);
         take(c, f->chunks[i].size, "chunk");
     }
 }
@@ -346,7 +347,8 @@ static void read_bdi(cursor *c, enc_bonn_file *f) {
     f->lines_per_chunk = take_count(c, "scan lines per chunk", MOST_SIDE);
     f->compression = take_u8(c, "compression");
     if (f->compression > ENC_BONN_SPARSE)
-        refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 1, "compression", "is none of 0, 1 and 2", f->compression);
+        refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 1, "compression", "must be 0, 1 or 2, not",
+               f->compression);
     if (c->result == BTF_OK)
         read_mask(c, f);
     read_rotations(c);
@@ -365,8 +367,8 @@ static bool read_legacy_pvf(cursor *c, enc_bonn_file *f) {
     take_u32(c, "slot count");
     read_directions(c, f);
     if (c->result == BTF_OK && u32_at(f->bytes + slots) != f->n_views)
-        refuse(c, BTF_ERROR_BAD_FILE, slots, "slot count", "is not the view count",
-               u32_at(f->bytes + slots));
+        refuse(c, BTF_ERROR_BAD_FILE, slots, "slot count",
+               "differs from the view count:", u32_at(f->bytes + slots));
     return true;
 }
 
@@ -396,8 +398,8 @@ static btf_result parse(const enc_context *context, enc_bonn_file *f) {
     else if (f->kind == ENC_BONN_PVF)
         read_pvf(&c, f, legacy);
     if (c.result == BTF_OK && c.at != f->size)
-        refuse(&c, BTF_ERROR_BAD_FILE, c.at, "end of file", "more follows; bytes",
-               (double)(f->size - c.at));
+        refuse(&c, BTF_ERROR_BAD_FILE, c.at, "end of file",
+               "the file goes on; further bytes:", (double)(f->size - c.at));
     return c.result;
 }
 

@@ -94,8 +94,8 @@ static btf_result add_input(const enc_context *context, enc_batch *batch, const 
     inputs[batch->count] = input;
     names[batch->count++] = name;
     if (name[0] == '\0' || strcmp(name, ".") == 0 || strcmp(name, "..") == 0)
-        return enc_fail(context, BTF_ERROR_BAD_FILE, "%s: line %zu: %s names no material", list, line,
-                        text);
+        return enc_fail(context, BTF_ERROR_BAD_FILE, "%s: line %zu: '%s' gives no file name for a material",
+                        list, line, text);
     for (size_t i = 0; i + 1 < batch->count; i++)
         if (strcmp(names[i], name) == 0)
             return enc_fail(context, BTF_ERROR_BAD_FILE,
@@ -120,7 +120,7 @@ btf_result enc_batch_read(const enc_context *context, const char *path, enc_batc
     }
     text_free(&text);
     if (result == BTF_OK && out_batch->count == 0)
-        result = enc_fail(context, BTF_ERROR_BAD_FILE, "%s: lists no input", path);
+        result = enc_fail(context, BTF_ERROR_BAD_FILE, "%s: the list names no input", path);
     if (result != BTF_OK)
         enc_batch_clear(out_batch);
     return result;
@@ -197,7 +197,8 @@ static void print_summary(const enc_batch *batch, const outcome *outcomes, FILE 
 btf_result enc_batch_run(const enc_context *context, const enc_job *job, const enc_batch *batch,
                          size_t item, FILE *summary) {
     if (item > batch->count)
-        return enc_fail(context, BTF_ERROR_USAGE, "item %zu: the list has %zu", item, batch->count);
+        return enc_fail(context, BTF_ERROR_USAGE, "option --item: %zu, but the list has %zu inputs", item,
+                        batch->count);
     outcome *outcomes = calloc(batch->count, sizeof *outcomes);
     btf_result result = outcomes ? make_folder(context, job->output) : BTF_ERROR_MEMORY;
     if (result == BTF_OK)

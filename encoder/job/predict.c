@@ -48,9 +48,10 @@ static btf_result scales_of_report(const enc_context *context, const enc_job *jo
     if (result != BTF_OK)
         return result;
     if (strcmp(out->report.method, method) != 0)
-        return enc_fail(context, BTF_ERROR_USAGE,
-                        "%s: is the report of an encode by --method %s, and the prediction is for %s", path,
-                        out->report.method, method);
+        return enc_fail(
+            context, BTF_ERROR_USAGE,
+            "%s: is the report of an encode by --method %s, but the prediction is for --method %s", path,
+            out->report.method, method);
     double sum = 0;
     for (size_t i = 0; i < predicted->count; i++)
         if (!isnan(enc_stage_time(measured, predicted->of[i].stage)))
@@ -140,7 +141,10 @@ static void print_prediction(const enc_context *context, const enc_job *job, con
     fprintf(out, "  %-18s %10.1f core s", "total", total);
     fprintf(out, "; on %d idle cores at least ", context->threads);
     print_duration(out, total / context->threads);
-    fprintf(out, "\n  memory: --memory from %.3fG on; with %.3fG %.3f GB expected, scratch files %.3f GB\n",
+    fprintf(out,
+            "\n"
+            "  memory: needs --memory %.3fG at least; with %.3fG it is expected to use %.3f GB, and %.3f "
+            "GB in scratch files\n",
             (double)least * 1e-9, (double)context->memory * 1e-9, (double)use.peak * 1e-9,
             (double)use.scratch * 1e-9);
 }

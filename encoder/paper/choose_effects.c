@@ -180,7 +180,7 @@ btf_result enc_paper_probe(const enc_context *context, const enc_data *data,
         enc_paper_note(context, data, solution, without, still, start, *out_promising ? "probe" : "enough",
                        stats);
         enc_paper_note(context, data, solution, with, moved, start,
-                       *out_promising ? "probe: worth a try" : "probe: left out", stats);
+                       *out_promising ? "probe: worth trying" : "probe: left out", stats);
     }
     enc_occlusion_destroy(&occlusion);
     enc_stage_end(context);
@@ -194,7 +194,7 @@ btf_result enc_paper_choose(const enc_context *context, const enc_data *data,
     double start = progress_core_clock(), present;
     btf_result result = enc_paper_error(context, data, solution, occlusion, solution->effects, &present);
     if (result == BTF_OK)
-        enc_paper_note(context, data, solution, solution->effects, present, start, "all that were found",
+        enc_paper_note(context, data, solution, solution->effects, present, start, "all effects found",
                        stats);
     for (bool again = true; again && result == BTF_OK;) {
         double least = HUGE_VAL, error_without = 0.0;

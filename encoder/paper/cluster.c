@@ -354,7 +354,9 @@ btf_result enc_cluster(const enc_context *context, const enc_data *data, const e
                         "cluster: %d centres for %zu hidden points, expected 1..%d", k_total, hidden,
                         MAX_CENTRES);
     if (s.options.iterations < 0)
-        return enc_fail(context, BTF_ERROR_USAGE, "cluster: %d iterations", s.options.iterations);
+        return enc_fail(context, BTF_ERROR_USAGE,
+                        "cluster: %d iterations, expected at least 0 (0: the default)",
+                        s.options.iterations);
     const size_t n_views = (size_t)data->n_views;
     s.n_texels = occlusion->n_texels;
     s.dimensions = 3 * (size_t)data->n_lights;

@@ -358,8 +358,8 @@ btf_result enc_flow_vote(const enc_context *context, const enc_data *data, const
         enc_occlusion_destroy(&s.occlusion);
         if (result == BTF_ERROR_INTERRUPTED)
             return result;
-        return enc_fail(context, result, "flow of %d views, %dx%d: %s", data->n_views, data->width,
-                        data->height, btf_result_text(result));
+        return enc_fail(context, result, "flow between the images of %d views, %dx%d texels: %s",
+                        data->n_views, data->width, data->height, btf_result_text(result));
     }
     *out_occlusion = s.occlusion;
     return BTF_OK;

@@ -227,7 +227,8 @@ btf_result enc_refine(const enc_context *context, const enc_data *data, const en
     const int columns = options != NULL && options->columns != 0 ? options->columns : standard;
     const int rows = options != NULL && options->rows != 0 ? options->rows : standard;
     if (columns < 1 || rows < 1)
-        return enc_fail(context, BTF_ERROR_USAGE, "hidden: search window of %dx%d texels", columns, rows);
+        return enc_fail(context, BTF_ERROR_USAGE,
+                        "hidden: search window of %dx%d texels, expected at least 1x1", columns, rows);
     refine_stage s = {.context = context,
                       .data = data,
                       .sbrdf = sbrdf,

@@ -345,12 +345,13 @@ void enc_leave_one_out_print(const enc_leave_one_out *measured, FILE *out) {
     const bool gloss = measured->error[ENC_LEFT_VIEW].no_gloss.count > 0;
     if (measured->views == 0 && measured->lights == 0)
         return;
-    fprintf(
-        out,
-        "Between the samples, estimated: %d views and %d lights left out, each predicted from the others\n"
-        "(PSNR in dB, linear / sRGB; they lie twice as far away as for a direction between samples, which\n"
-        "overstates the error, most where relief, shadows or highlights move)\n",
-        measured->views, measured->lights);
+    fprintf(out,
+            "Between the samples, estimated: %d views and %d lights are left out and each is predicted "
+            "from the others\n"
+            "(PSNR in dB, linear / sRGB; the others lie twice as far away as they do from a direction "
+            "between samples,\n"
+            "which overstates the error, most where relief, shadows or highlights move)\n",
+            measured->views, measured->lights);
     fprintf(out, "  %-20s %18s %18s%s%s\n", "left out", "data, interpolated", "material",
             relief ? "     without relief" : "", gloss ? "      without gloss" : "");
     for (int left = ENC_LEFT_VIEW; left <= ENC_LEFT_BOTH; left++) {

@@ -370,7 +370,9 @@ static btf_result make_material(const bench_run *run, btf_material **out_materia
             ((int)info.width != run->data->width || (int)info.height != run->data->height ||
              (int)info.n_views != run->data->n_views || (int)info.n_lights != run->data->n_lights)) {
             btf_material_close(out_material);
-            return enc_fail(run->context, BTF_ERROR_USAGE, "bench: %s is not of %s", path, run->source);
+            return enc_fail(run->context, BTF_ERROR_USAGE,
+                            "bench: the material %s was not made from %s: texels or directions differ",
+                            path, run->source);
         }
         return opened;
     }

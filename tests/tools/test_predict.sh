@@ -9,7 +9,7 @@ btf-sample -o flat --relief flat --size 16 --directions 0:1,40:6 --quiet || exit
 for method in joint paper; do
     expect "$method: prediction by the machine" 0 btf-encode data --method $method --predict self
     expect_text "$method: says time" 'total +[0-9.]+ core s; on [0-9]+ idle cores at least [0-9.]+ s' out
-    expect_text "$method: says memory" 'memory: --memory from 0\.[0-9]+G on; with [0-9.]+G 0\.[0-9]+ GB expected, scratch files 0\.000 GB' out
+    expect_text "$method: says memory" 'memory: needs --memory 0\.[0-9]+G at least; with [0-9.]+G it is expected to use 0\.[0-9]+ GB, and 0\.000 GB in scratch files' out
     expect "$method: an encode" 0 btf-encode data -o $method.btf.exr --method $method --report $method.json --threads 1
     expect_that "$method: the percent of the job only grows, to 100" python3 - <<'P'
 import re
@@ -53,7 +53,7 @@ head -20 joint.json >half.json
 expect "half a report" 3 btf-encode data --predict half.json
 expect_text "file and line are named" 'half.json: line 2[01]: is not JSON' err
 expect "another method's report" 1 btf-encode data --predict paper.json
-expect_text "both methods are named" 'paper.json: is the report of an encode by --method paper, and the prediction is for joint' err
+expect_text "both methods are named" 'paper.json: is the report of an encode by --method paper, but the prediction is for --method joint' err
 echo data >list.txt
 expect "no prediction of lists" 1 btf-encode list.txt --predict self
 expect "no such input" 2 btf-encode nowhere --predict self

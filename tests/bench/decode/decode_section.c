@@ -634,7 +634,10 @@ static btf_result run_device(decoding *d, const context_device *device) {
     btf_result result = rig_create(device, d->repeats, &d->run->context->log, why, sizeof why, &rig);
     if (result != BTF_OK) {
         enc_log(d->run->context, BTF_LOG_INFO, "  %s: %s", device->name, why);
-        fprintf(d->run->summary, "Device %s is not here: %s.\n\n", device->name, why);
+        fprintf(d->run->summary,
+                "Device %s is not available: %s.\n"
+                "\n",
+                device->name, why);
         return result == BTF_ERROR_UNSUPPORTED ? BTF_OK : result;
     }
     decode_table_device(d->table, device->name, gpu_name(rig.gpu), rig.software);
