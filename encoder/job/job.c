@@ -156,10 +156,11 @@ static btf_result check_levels(const enc_context *context, const enc_job *job, c
                                int *out_count) {
     const int most = enc_level_count(data->width, data->height);
     *out_count = job->levels > 0 ? job->levels : most;
-    if (*out_count > most)
+    if (*out_count > most) {
         return enc_fail(context, BTF_ERROR_USAGE,
                         "option --levels: %d, but %d x %d texels have only %d levels, down to one texel",
                         job->levels, data->width, data->height, most);
+    }
     return BTF_OK;
 }
 

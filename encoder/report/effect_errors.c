@@ -261,8 +261,9 @@ static btf_result measure_means(const job *j, double **out) {
     const size_t length = 2 * j->n_rows * j->cells;
     *out = calloc(length, sizeof **out);
     btf_result result = enc_ranks_agree(j->context, *out ? BTF_OK : BTF_ERROR_MEMORY);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = enc_drawn_texels_sum(j->context, j->data, j->texels, length, measure_texel, j, *out);
+    }
     for (size_t i = 0; result == BTF_OK && i < length; i++) {
         (*out)[i] /= 3.0 * (double)(j->texels * j->pairs);
     }

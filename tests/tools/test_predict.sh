@@ -34,7 +34,7 @@ expect_that "nothing but encodes wrote a file" test "$(ls *.btf.exr | wc -l)" = 
 
 btf-sample -o more --size 48 --directions 0:1,40:6 --quiet || exit 99
 expect "less memory than it takes" 0 btf-encode more --predict self --memory 100K
-expect_text "scratch files are foreseen" 'scratch files 0\.00[0-9]*[1-9]' out
+expect_text "scratch files are foreseen" 'and 0\.00[0-9]*[1-9] GB in scratch files' out
 expect "a flat material" 0 btf-encode flat -o flat.btf.exr --method paper --report flat.json -q
 expect "prediction by a job that ended early" 0 btf-encode flat --method paper --predict flat.json
 expect_text "what was not needed there is not counted" ' (flow|hidden|cluster) +0\.0 core s' out
