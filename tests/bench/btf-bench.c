@@ -83,7 +83,7 @@ static const char *parse_pairs(const char *text, void *value) {
     (void)value;
     material *last = o.count > 0 ? &o.materials[o.count - 1] : NULL;
     if (!last || !last->input || last->pairs) {
-        return "a path that follows the --input which it belongs to";
+        return "a path, given after the --input that it belongs to";
     }
     last->pairs = text;
     return NULL;
@@ -173,9 +173,10 @@ static const cli_option table[] = {
      .arg = "PAIRS",
      .type = CLI_CUSTOM,
      .parse = parse_pairs,
-     .help = "folder or archive of images that are true between the samples of\nthe --input before it "
-             "(btf-compare --help); without any, accuracy\nthere is estimated by leaving out each view and "
-             "light, and built-in\nsamples are ray-cast at 100 random pairs"},
+     .help = "folder or archive of the true images between the samples of the\n"
+             "--input before it (btf-compare --help); without it, accuracy there\n"
+             "is estimated by leaving out each view and light, and built-in\n"
+             "samples are ray-cast at 100 random pairs"},
     {.name = "materials",
      .arg = "NAMES",
      .type = CLI_CUSTOM,
@@ -222,14 +223,15 @@ static const cli_option table[] = {
      .type = CLI_CUSTOM,
      .given = &o.presets_given,
      .parse = parse_presets,
-     .help = "of --method joint, one or more, with commas between;\ndefault: encode all of them, the "
-             "others medium (decode takes the\nfirst alone)"},
+     .help = "of --method joint, one or more, with commas between; default:\n"
+             "all in the section encode, medium in the others (the section\n"
+             "decode takes the first alone)"},
     {.name = "device",
      .arg = "NAME",
      .type = CLI_STRING,
      .value = &o.device,
-     .help = "decode on one GL device of btf-conform --list; default all of\nthem, with --quick one a "
-             "language"},
+     .help = "decode on this GL device of btf-conform --list; default all of\n"
+             "them, with --quick one for each shading language"},
     {.name = "methods",
      .arg = "NAMES",
      .type = CLI_CUSTOM,
@@ -420,7 +422,7 @@ static btf_result run_material(const enc_context *context, const material *m, co
     memcpy(bench.presets, o.set.presets, sizeof bench.presets);
     if (result == BTF_OK) {
         fprintf(summary, "Truth between the samples of %s: %s.\n\n", name,
-                truth.count > 0 ? truth.source : "none is known, accuracy there is estimated");
+                truth.count > 0 ? truth.source : "none is known, so accuracy there is estimated");
     }
     if (held.owned) {
         fprintf(summary,
@@ -479,11 +481,11 @@ static void print_system(const bench_system *s, const bench_journal *journal, FI
                       "small data"
                     : "as given");
     if (bench_journal_resumed(journal) > 0) {
-        fprintf(
-            summary,
-            "%zu rows come from before this run was stopped, by the same program with the same settings "
-            "on this machine since it was started.\n\n",
-            bench_journal_resumed(journal));
+        fprintf(summary,
+                "%zu rows were measured before the run was stopped, by the same program with the same "
+                "settings on this machine since it was booted.\n"
+                "\n",
+                bench_journal_resumed(journal));
     }
 }
 
@@ -501,7 +503,7 @@ static btf_result run(const enc_context *context) {
         return result;
     }
     if (bench_journal_resumed(journal) > 0) {
-        enc_log(context, BTF_LOG_INFO, "%zu rows were measured before; going on",
+        enc_log(context, BTF_LOG_INFO, "%zu rows were measured before the last stop; going on",
                 bench_journal_resumed(journal));
     }
     snprintf(path, sizeof path, "%s/summary.md", o.out);

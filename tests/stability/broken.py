@@ -41,7 +41,7 @@ CHANGES = [
         ("encoder/paper/fit.c", "return any;", "return true;"),
         ("encoder/lafortune/texel_fit.c", "if (largest == 0) {", "if (largest < 0) {")]),
     ("empty clusters left empty", "stability_occlusion", [
-        ("encoder/math/kmeans.c", "if (counts[j] > 0)\n            continue;", "continue;")]),
+        ("encoder/math/kmeans.c", "if (counts[j] > 0) {\n            continue;\n        }", "continue;")]),
     ("the division by the members of an empty cluster put back", "stability_occlusion", [
         ("encoder/math/kmeans.c", "d < stride && counts[j] > 0; d++", "d < stride; d++")]),
     ("a scale of centres that no file holds", "stability_occlusion", [

@@ -237,7 +237,7 @@ static btf_result plan_frames(job *j, int first) {
     if (!result)
         result = btf_material_restrict(j->whole, &j->plan, &j->log, &j->material);
     if (result)
-        return cli_error(&render_program, result, "option --plan: the pictures cannot be planned");
+        return cli_error(&render_program, result, "option --plan: no plan can be made for these pictures");
     if (render_options.stats) {
         printf("plan for frames %d to %d:\n", first + 1, j->planned_end);
         scene_plan_print(stdout, "  ", j->whole, &j->plan);

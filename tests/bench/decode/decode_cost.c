@@ -98,7 +98,8 @@ static const class_cost classes[BTF_FACTOR_CLASSES] = {{4, 7, 14, 0, 0, 1, 0, tr
                                                        {4, 5 * 4 - 1 + 5, 15, 11, 2, 1, 2, false}};
 
 /* One unit, evaluated whole or word by word, in `views` views for one u a texel, or one a texel and view. */
-static void add_unit(decode_cost *cost, const class_cost *c, bool mixed, int views, int of_u, const way *w) {
+static void add_unit(decode_cost *cost, const class_cost *c, bool mixed, int views, int of_u,
+                     const way *w) {
     const int sums = mixed ? 4 : 1, blend = 2 * w->lights + c->shifted;
     fetch(cost, views * w->lights + c->layers * w->texels * of_u + 1, 16);
     cost->floats += sums;
@@ -142,10 +143,12 @@ static void add_factors(decode_cost *cost, const btf_material_info *info, int un
 /* A vector of each view; a march of the pixel and, where views are interpolated, one of each of them, whole ones: a step
  * moves (4 operations and 2 to wrap), and compares a height of 3. */
 static void add_relief(decode_cost *cost, const btf_material_info *info, const way *w) {
-    if (w->effects & (BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS))
+    if (w->effects & (BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS)) {
         fetch(cost, w->views, 16);
-    if (!(w->effects & BTF_EFFECT_RELIEF) || info->relief_step == 0)
+    }
+    if (!(w->effects & BTF_EFFECT_RELIEF) || info->relief_step == 0) {
         return;
+    }
     const double steps = (info->relief_steps + 1.0) * (w->views > 1 ? 1 + w->views : 1);
     fetch(cost, steps, 1);
     cost->integers += steps * 13;
