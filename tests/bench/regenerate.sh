@@ -13,7 +13,7 @@
 # take hours together; the others a few minutes each.
 # Samples of others are looked for in $BTF_SHARED/data (default ../shared/data), and what needs them is left as it is
 # where they are not there. Numbers in running text, tables without marks (peers and presets of README.md and
-# tests/bench/README.md, encoder/nodes/FIT.md, encoder/relief/RELIEF.md, FORMAT.md section 12) are not written by any
+# tests/bench/README.md, encoder/nodes/FIT.md, the others of encoder/relief/RELIEF.md, FORMAT.md section 12) are not written by any
 # part: they say which build they come from.
 #
 # SPDX-License-Identifier: MIT
@@ -28,7 +28,8 @@ writes='api      decoder/API.md
 example  decoder/FORMAT.md#example
 levels   decoder/README.md#levels levels-off.png levels-on.png
 viewer   viewer.png
-between  between.png
+between  README.md#headline between.png
+relief   encoder/relief/RELIEF.md#alone
 demo     hero.png montage.png figure13.png
 planned  planned.png
 fit      fit.png
@@ -127,7 +128,52 @@ print("<!-- /levels -->")
 P
 }
 part_viewer() { "$pictures/make.sh" "$build" "$work/levels-$(commit)" viewer; }
-part_between() { "$pictures/between.sh" "$build" "$work/between-$(commit)"; }
+part_between() { # of BRICKS64 where it is there, else of the built-in sample
+    local caption=$work/headline-$(commit).md
+    if [ -e "$shared/BRICKS64.zip" ] && [ -e "$shared/BRICKS64_between.zip" ]; then
+        export BTF_DATA=$shared/BRICKS64.zip BTF_PAIRS=$shared/BRICKS64_between.zip
+    fi
+    "$pictures/between.sh" "$build" "$work/between-$(commit)" >"$caption"
+    {
+        printf '<!-- headline: written by tests/bench/regenerate.sh -->\n![Between the samples: %s](%s)\n\n' \
+            'truth, version 1, now, four times the errors of both' tests/data/readme/between.png
+        cat "$caption"
+        echo '<!-- /headline -->'
+    } | "$root/tests/bench/marks.py" "$root/README.md" headline
+}
+part_relief() {
+    needs BRICKS64.zip BRICKS64_between.zip || return 0
+    local kind data pairs budget relief gloss filter name
+    local at=$work/relief-$(commit)
+    mkdir -p "$at"
+    for kind in BRICKS64 bumps; do
+        if [ $kind = BRICKS64 ]; then
+            data=$shared/BRICKS64.zip pairs=$shared/BRICKS64_between.zip
+        else
+            data=$(sample bumps 64) pairs=$work/bumps-between-$(commit)
+            [ -d "$pairs" ] || {
+                btf-sample -o "$pairs.part" --relief bumps --between 100 --quiet
+                mv "$pairs.part" "$pairs"
+            }
+        fi
+        [ -s "$at/$kind-images.json" ] || btf-compare "$data" "$pairs" --pairs --no-ssim --json -q >"$at/$kind-images.json"
+        for budget in 2.36MB 8MB; do
+            for relief in off auto; do
+                for gloss in off auto; do
+                    name=$kind-$budget-$relief-$gloss
+                    encoded "relief-$name" "$data" --preset fast --effect-tolerance 0 --budget $budget --relief $relief \
+                        --gloss $gloss >/dev/null
+                    cp "$work/relief-$name-$(commit).json" "$at/$name.json"
+                    for filter in texel bilinear steep; do
+                        [ -s "$at/$name-$filter.json" ] || btf-compare "$work/relief-$name-$(commit).btf.exr" "$pairs" \
+                            --pairs --no-ssim --json --filter $filter -q >"$at/$name-$filter.json"
+                    done
+                done
+            done
+        done
+    done
+    "$root/tests/bench/relief_table.py" "$at" | "$root/tests/bench/marks.py" "$root/encoder/relief/RELIEF.md" alone
+}
 part_demo() {
     local data material paper
     data=$(sample bricks 64)
@@ -158,7 +204,8 @@ part_fit() {
     "$root/tests/bench/fit_curve.py" "${reports[@]}"
 }
 part_bench() {
-    btf-bench --only machine,encode,decode --quick --out "$work/bench-$(commit)"
+    # Bumps take relief, which bricks of 32x32 texels do not.
+    btf-bench --only machine,encode,decode --quick --materials bumps --out "$work/bench-$(commit)"
     "$root/tests/bench/readme.sh" --from "$work/bench-$(commit)"
 }
 part_storage() {
@@ -191,6 +238,8 @@ targets_of() { # a part: its programs
     levels) echo encoder/btf-encode decoder/tools/{btf-info,render/btf-render} tests/sample/btf-sample ;;
     viewer) echo encoder/btf-encode decoder/tools/view/btf-view tests/sample/btf-sample ;;
     pathtrace) echo encoder/btf-encode decoder/examples/pathtrace ;;
+    relief) echo encoder/btf-{encode,compare} tests/sample/btf-sample ;;
+    between) echo encoder/btf-{encode,compare} decoder/tools/btf-info tests/sample/btf-sample ;;
     bench | storage | growth | plan | stochastic) echo tests/bench/btf-bench ;;
     *) echo encoder/btf-encode decoder/tools/{btf-decode,render/btf-render} tests/sample/btf-sample ;;
     esac
