@@ -9,8 +9,8 @@
 # while the sources stand at that commit: after a stop, the same command goes on. btf-bench goes on within a part, and
 # encodes that ended are kept. tests/data/readme/made.txt says of each name which commit it was made from.
 #
-# Parts that time (bench, growth, plan, stochastic, pathtrace; viewer shows a time) want an idle machine, and bench, storage, growth and plan
-# take hours together; the others a few minutes each.
+# Parts that time (bench, growth, plan, stochastic, pathtrace; viewer shows a time) want an idle machine. bench, storage,
+# growth and relief take up to 10 core minutes each, plan longer, the others a few minutes.
 # Samples of others are looked for in $BTF_SHARED/data (default ../shared/data), and what needs them is left as it is
 # where they are not there. Numbers in running text, tables without marks (peers and presets of README.md and
 # tests/bench/README.md, encoder/nodes/FIT.md, the others of encoder/relief/RELIEF.md, FORMAT.md section 12) are not written by any
@@ -143,7 +143,7 @@ part_between() { # of BRICKS64 where it is there, else of the built-in sample
 }
 part_relief() {
     needs BRICKS64.zip BRICKS64_between.zip || return 0
-    local kind data pairs budget relief gloss filter name
+    local kind data pairs budget relief filter effects name one
     local at=$work/relief-$(commit)
     mkdir -p "$at"
     for kind in BRICKS64 bumps; do
@@ -159,14 +159,16 @@ part_relief() {
         [ -s "$at/$kind-images.json" ] || btf-compare "$data" "$pairs" --pairs --no-ssim --json -q >"$at/$kind-images.json"
         for budget in 2.36MB 8MB; do
             for relief in off auto; do
-                for gloss in off auto; do
-                    name=$kind-$budget-$relief-$gloss
-                    encoded "relief-$name" "$data" --preset fast --effect-tolerance 0 --budget $budget --relief $relief \
-                        --gloss $gloss >/dev/null
-                    cp "$work/relief-$name-$(commit).json" "$at/$name.json"
-                    for filter in texel bilinear steep; do
-                        [ -s "$at/$name-$filter.json" ] || btf-compare "$work/relief-$name-$(commit).btf.exr" "$pairs" \
-                            --pairs --no-ssim --json --filter $filter -q >"$at/$name-$filter.json"
+                name=$kind-$budget-$relief
+                encoded "relief-$name" "$data" --preset fast --effect-tolerance 0 --budget $budget --relief $relief \
+                    --gloss auto >/dev/null
+                cp "$work/relief-$name-$(commit).json" "$at/$name.json"
+                for filter in texel bilinear steep; do
+                    # What is fitted and coded does not depend on gloss, so that leaving it out is a file without it.
+                    for effects in residual,relief residual,relief,gloss; do
+                        one=$at/$name-$filter-${effects##*,}.json
+                        [ -s "$one" ] || btf-compare "$work/relief-$name-$(commit).btf.exr" "$pairs" --pairs --no-ssim \
+                            --json --filter $filter --effects $effects -q >"$one"
                     done
                 done
             done
@@ -209,11 +211,17 @@ part_bench() {
     "$root/tests/bench/readme.sh" --from "$work/bench-$(commit)"
 }
 part_storage() {
-    btf-bench --only between,storage --quick --out "$work/storage-$(commit)"
-    "$root/tests/bench/readme.sh" --between "$work/storage-$(commit)"
+    needs BRICKS64.zip BRICKS64_between.zip || return 0
+    local at=$work/storage-$(commit)
+    mkdir -p "$at"
+    btf-bench --only between --quick --size 64x64 --input "$shared/BRICKS64.zip" \
+        --pairs "$shared/BRICKS64_between.zip" --out "$at/BRICKS64"
+    btf-bench --only between,storage --quick --materials bricks --out "$at/bricks"
+    btf-bench --only between --quick --materials bumps,weave,flat --out "$at/others"
+    "$root/tests/bench/readme.sh" --between "$at"/{BRICKS64,bricks,others}
 }
 part_growth() {
-    btf-bench --only growth --repeats 1 --out "$work/growth-$(commit)"
+    btf-bench --only growth --repeats 1 --size 64x64 --out "$work/growth-$(commit)"
     cp "$work/growth-$(commit)"/growth-{texels,directions}.png "$pictures/"
 }
 part_plan() {

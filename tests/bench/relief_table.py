@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The table of relief and gloss alone and together, from what part relief of regenerate.sh leaves in a folder: reports of
-btf-encode, DATA-BUDGET-RELIEF-GLOSS.json, what btf-compare says of each material by filter, and of the images themselves.
+btf-encode, DATA-BUDGET-RELIEF.json, what btf-compare says of each material by filter with and without gloss, and of the
+images themselves.
 
     relief_table.py FOLDER        prints what belongs between the marks `alone` of encoder/relief/RELIEF.md
 
@@ -43,23 +44,18 @@ def main():
     for data, label in DATA:
         images = read(data, 'images')['between']
         print(f'| {label}, the images themselves, blended | | | | | {pair(images)} | | | |')
-        for relief, gloss, what in (('off', 'off', 'neither'), ('auto', 'off', 'relief'), ('off', 'auto', 'gloss'),
-                                    ('auto', 'auto', 'both')):
-            cells, none = [], False
+        for relief, gloss, what in (('off', 'relief', 'neither'), ('auto', 'relief', 'relief'), ('off', 'gloss', 'gloss'),
+                                    ('auto', 'gloss', 'both')):
+            cells = []
             for budget, _ in BUDGETS:
-                name = (data, budget, relief, gloss)
-                report = read(*name)
-                moved = chosen(report['relief'])
-                for k, by in enumerate(FILTERS):
+                report = read(data, budget, relief)
+                moved, quarters = chosen(report['relief']), report['relief'].get('gloss', 0)
+                for by in FILTERS:
                     # Without relief the filters read the same texels.
-                    cells.append(pair(read(*name, by)['between']) if k == 0 or moved else '')
+                    cells.append(pair(read(data, budget, relief, by, gloss)['between']) if by == 'texel' or moved else '')
                 cells.append(pair(report['psnr']['full']))
-                if what == 'both' and budget == BUDGETS[0][0]:
-                    quarters = (report['relief'] or {}).get('gloss', 0)
-                    choices.append(f'{label}: {moved or "no relief"}; gloss {quarters}/4')
-                if what == 'gloss':
-                    none = none or not (report['relief'] or {}).get('gloss', 0)
-            print(f'| {label}, {what}{", of which none is taken" if none else ""} | ' + ' | '.join(cells) + ' |')
+            print(f'| {label}, {what} | ' + ' | '.join(cells) + ' |')
+        choices.append(f'{label}: {moved or "no relief"}; gloss {f"{quarters}/4" if quarters else "none"}')
     print('\nTaken with both: ' + '. '.join(choices) + '.')
     print('<!-- /alone -->')
 
