@@ -29,7 +29,7 @@ static const struct {
     {"storage", "storage: bytes against accuracy", bench_section_storage, true},
     {"between", "accuracy between the samples, which is what a renderer sees, and at them",
      bench_section_between, false},
-    {"growth", "encoding: growth of time and memory", bench_section_growth, true},
+    {"growth", "encoding: growth of time and memory, up to the texels of --size", bench_section_growth, true},
     {"fit", "the Lafortune fit beside a Ceres problem with automatic derivatives", bench_section_fit,
      false},
     {"codecs", "accuracy at equal bytes, and bytes at equal accuracy, beside principal components",
@@ -280,6 +280,7 @@ static const cli_program program = {
                "A slow run informs and never fails.",
     .example = "btf-bench --input BRICKS64.zip --only codecs,holdout --out bench\n"
                "btf-bench --materials bricks,bumps,weave --size 32x32 --preset fast\n"
+               "btf-bench --only growth --size 64x64 --repeats 1\n"
                "btf-bench --input BRICKS64.zip --only decode --device osmesa --methods joint,paper,peers",
     .options = table,
     .max_arguments = 0,
@@ -418,7 +419,8 @@ static btf_result run_material(const enc_context *context, const material *m, co
                        .quick = o.quick,
                        .methods = o.methods,
                        .device = o.device,
-                       .keep = o.keep};
+                       .keep = o.keep,
+                       .most_side = o.read.size[0]};
     memcpy(bench.presets, o.set.presets, sizeof bench.presets);
     if (result == BTF_OK) {
         fprintf(summary, "Truth between the samples of %s: %s.\n\n", name,
