@@ -62,6 +62,7 @@ btf_result bench_section_codecs(const bench_run *run);
 btf_result bench_section_between(const bench_run *run);
 btf_result bench_section_holdout(const bench_run *run);
 btf_result bench_section_plan(const bench_run *run);
+btf_result bench_section_costs(const bench_run *run); /* of synthetic materials, whatever the data */
 btf_result bench_section_stochastic(const bench_run *run);
 btf_result bench_section_shaders(const bench_run *run); /* of synthetic materials, whatever the data */
 

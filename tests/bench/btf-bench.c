@@ -38,6 +38,7 @@ static const struct {
      false},
     {"plan", "what decoding only what a scene calls for saves, predicted and measured", bench_section_plan,
      false},
+    {"costs", "the prices of the cost model that plans load, fitted to one device", bench_section_costs, false},
     {"stochastic", "decoding one neighbour in place of all: time against noise", bench_section_stochastic, false},
     {"shaders", "nanoseconds a pixel of every shader variant on random materials", bench_section_shaders,
      false},
@@ -136,7 +137,7 @@ static const char *parse_only(const char *text, void *value) {
         }
         if (i == SECTIONS) {
             return "names of machine, encode, decode, storage, between, growth, fit, codecs, holdout, "
-                   "plan, stochastic, shaders, with commas between";
+                   "plan, costs, stochastic, shaders, with commas between";
         }
         o.set.sections[i] = true;
     }
@@ -217,7 +218,7 @@ static const cli_option table[] = {
      .given = &o.only,
      .parse = parse_only,
      .help = "run some sections: machine, encode, decode, storage, between,\ngrowth, fit, codecs, holdout, "
-             "plan, stochastic, shaders; default all"},
+             "plan, costs, stochastic, shaders; default all"},
     {.name = "preset",
      .arg = "PRESETS",
      .type = CLI_CUSTOM,
