@@ -23,6 +23,5 @@ from .data import Data, encode, read, write
 __all__ = ["BadFileError", "Data", "EFFECTS", "Error", "FileError", "Material", "Plan", "UnsupportedError", "UsageError",
            "encode", "open", "read", "write"]
 __version__ = "0.2.0"
-for _name in __all__: # as users call them, in messages and help()
-    if isinstance(globals()[_name], type):
-        globals()[_name].__module__ = __name__
+for _error in (BadFileError, Error, FileError, UnsupportedError, UsageError): # as tracebacks show them
+    _error.__module__ = __name__
