@@ -35,7 +35,8 @@ static void expect_same(btf_input *input, const enc_data *data) {
     assert_int_equal(info.n_lights, data->n_lights);
     for (int v = 0; v < info.n_views; v++) {
         assert_memory_equal(info.views + 3 * v, data->views[v].xyz, sizeof data->views[v].xyz);
-        assert_true(info.view_angles[2 * v] == data->views[v].theta && info.view_angles[2 * v + 1] == data->views[v].phi);
+        assert_true(info.view_angles[2 * v] == data->views[v].theta &&
+                    info.view_angles[2 * v + 1] == data->views[v].phi);
     }
     for (int l = 0; l < info.n_lights; l++)
         assert_memory_equal(info.lights + 3 * l, data->lights[l].xyz, sizeof data->lights[l].xyz);
@@ -50,14 +51,17 @@ static void expect_same(btf_input *input, const enc_data *data) {
         for (size_t t = 0; t < texels && rgb; t++)
             for (size_t c = 0; c < 3; c++)
                 wrong += memcmp(&rgb[3 * t + c],
-                                &data->samples[((t * (size_t)data->n_views + (size_t)v) * 3 + c) * (size_t)data->n_lights + (size_t)l],
+                                &data->samples[((t * (size_t)data->n_views + (size_t)v) * 3 + c) *
+                                                   (size_t)data->n_lights +
+                                               (size_t)l],
                                 sizeof *rgb) != 0;
         free(rgb);
     }
     assert_int_equal(wrong, 0);
 }
 
-static void compare(const char *path, const btf_input_options *options, const enc_read_options *same, int lazy) {
+static void compare(const char *path, const btf_input_options *options, const enc_read_options *same,
+                    int lazy) {
     const btf_log log = set_log();
     btf_input *input = NULL;
     enc_data *data = NULL;
@@ -81,16 +85,32 @@ static void test_a_folder(void **state) {
 static void test_options(void **state) {
     (void)state;
     set_write(FOLDERS);
-    const btf_input_options one = {.struct_size = sizeof one, .transfer = BTF_TRANSFER_GAMMA, .gamma = 1.7, .flip_v = 1,
-                                   .azimuth_cw = 1, .azimuth_offset = 20, .crop = {1, 1, 3, 2}};
+    const btf_input_options one = {.struct_size = sizeof one,
+                                   .transfer = BTF_TRANSFER_GAMMA,
+                                   .gamma = 1.7,
+                                   .flip_v = 1,
+                                   .azimuth_cw = 1,
+                                   .azimuth_offset = 20,
+                                   .crop = {1, 1, 3, 2}};
     compare(set_folder, &one,
-            &(enc_read_options){.transfer = ENC_TRANSFER_GAMMA, .gamma = 1.7, .flip_v = true, .azimuth_cw = true,
-                                .azimuth_offset = 20, .crop = {1, 1, 3, 2}}, 1);
-    const btf_input_options two = {.struct_size = sizeof two, .transfer = BTF_TRANSFER_LINEAR, .size = {2, 3},
-                                   .cosine = BTF_COSINE_MISSING, .primaries = BTF_PRIMARIES_XYZ};
+            &(enc_read_options){.transfer = ENC_TRANSFER_GAMMA,
+                                .gamma = 1.7,
+                                .flip_v = true,
+                                .azimuth_cw = true,
+                                .azimuth_offset = 20,
+                                .crop = {1, 1, 3, 2}},
+            1);
+    const btf_input_options two = {.struct_size = sizeof two,
+                                   .transfer = BTF_TRANSFER_LINEAR,
+                                   .size = {2, 3},
+                                   .cosine = BTF_COSINE_MISSING,
+                                   .primaries = BTF_PRIMARIES_XYZ};
     compare(set_folder, &two,
-            &(enc_read_options){.transfer = ENC_TRANSFER_LINEAR, .size = {2, 3}, .cosine = ENC_COSINE_MISSING,
-                                .colour = ENC_COLOUR_XYZ}, 1);
+            &(enc_read_options){.transfer = ENC_TRANSFER_LINEAR,
+                                .size = {2, 3},
+                                .cosine = ENC_COSINE_MISSING,
+                                .colour = ENC_COLOUR_XYZ},
+            1);
 }
 
 static double of_direction(int view, int light, int channel, unsigned k) {
@@ -111,10 +131,12 @@ static void test_a_bonn_file(void **state) {
     snprintf(path, sizeof path, "%s/set.btf", set_folder);
     assert_true(bonn_write(path, &spec));
     compare(path, NULL, &(enc_read_options){0}, 0);
-    compare(path, &(btf_input_options){.struct_size = sizeof(btf_input_options), .memory = 4096}, &(enc_read_options){0}, 0);
+    compare(path, &(btf_input_options){.struct_size = sizeof(btf_input_options), .memory = 4096},
+            &(enc_read_options){0}, 0);
 }
 
-static void expect_refusal(const char *path, const btf_input_options *options, btf_result expected, const char *word) {
+static void expect_refusal(const char *path, const btf_input_options *options, btf_result expected,
+                           const char *word) {
     const btf_log log = set_log();
     btf_input *input = (btf_input *)1;
     set_messages[0] = '\0';
@@ -130,9 +152,12 @@ static void test_refusals(void **state) {
     const size_t size = sizeof(btf_input_options);
     expect_refusal("/none", NULL, BTF_ERROR_IO, "/none");
     expect_refusal(set_folder, &(btf_input_options){.struct_size = 8}, BTF_ERROR_USAGE, "");
-    expect_refusal(set_folder, &(btf_input_options){.struct_size = size, .size = {3, 0}}, BTF_ERROR_USAGE, "3x0");
-    expect_refusal(set_folder, &(btf_input_options){.struct_size = size, .cosine = (btf_cosine)7}, BTF_ERROR_USAGE, "cosine 7");
-    expect_refusal(set_folder, &(btf_input_options){.struct_size = size, .transfer = BTF_TRANSFER_GAMMA}, BTF_ERROR_USAGE, "gamma");
+    expect_refusal(set_folder, &(btf_input_options){.struct_size = size, .size = {3, 0}}, BTF_ERROR_USAGE,
+                   "3x0");
+    expect_refusal(set_folder, &(btf_input_options){.struct_size = size, .cosine = (btf_cosine)7},
+                   BTF_ERROR_USAGE, "cosine 7");
+    expect_refusal(set_folder, &(btf_input_options){.struct_size = size, .transfer = BTF_TRANSFER_GAMMA},
+                   BTF_ERROR_USAGE, "gamma");
     assert_int_equal(btf_input_open(NULL, NULL, NULL, NULL), BTF_ERROR_USAGE);
     assert_int_equal(btf_input_get_info(NULL, NULL), BTF_ERROR_USAGE);
     btf_input *none = NULL;
