@@ -31,14 +31,16 @@ static void solve(double gram[PRICES][PRICES], const double right[PRICES], doubl
         double moved = 0;
         for (int i = 0; i < PRICES; i++) {
             double rest = right[i];
-            for (int k = 0; k < PRICES; k++)
+            for (int k = 0; k < PRICES; k++) {
                 rest -= gram[i][k] * x[k];
+            }
             const double next = gram[i][i] > 0 ? fmax(x[i] + rest / gram[i][i], 0) : 0;
             moved = fmax(moved, fabs(next - x[i]));
             x[i] = next;
         }
-        if (moved < 1e-14)
+        if (moved < 1e-14) {
             return;
+        }
     }
 }
 
@@ -48,16 +50,19 @@ cost_deviation cost_fit(const cost_sample *samples, int count, btf_cost_model *o
         counts_of(&samples[s].counts, n);
         for (int i = 0; i < PRICES; i++) {
             right[i] += n[i] / samples[s].ns;
-            for (int k = 0; k < PRICES; k++)
+            for (int k = 0; k < PRICES; k++) {
                 gram[i][k] += n[i] * n[k] / (samples[s].ns * samples[s].ns);
+            }
         }
     }
-    for (int i = 0; i < PRICES; i++)
+    for (int i = 0; i < PRICES; i++) {
         length[i] = gram[i][i] > 0 ? sqrt(gram[i][i]) : 1;
+    }
     for (int i = 0; i < PRICES; i++) {
         right[i] /= length[i];
-        for (int k = 0; k < PRICES; k++)
+        for (int k = 0; k < PRICES; k++) {
             gram[i][k] /= length[i] * length[k];
+        }
     }
     solve(gram, right, x);
     *out_model = (btf_cost_model){.struct_size = sizeof *out_model};

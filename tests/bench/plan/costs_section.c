@@ -109,10 +109,12 @@ static const uint32_t *inputs_of(const fitting *f, const btf_shader_options *o) 
     memcpy(f->still, f->rig.inputs, RIG_PIXELS * GPU_INPUTS * sizeof *f->still);
     for (size_t i = 0; i < RIG_PIXELS; i++) {
         uint32_t *at = f->still + GPU_INPUTS * i;
-        if (light)
+        if (light) {
             memcpy(at + 2, o->fixed_light, sizeof o->fixed_light);
-        if (view)
+        }
+        if (view) {
             memcpy(at + 5, o->fixed_view, sizeof o->fixed_view);
+        }
     }
     return f->still;
 }
@@ -128,13 +130,16 @@ static void measure(fitting *f, int m, int w, const btf_material *material, int 
     o.have_precise = f->rig.have_precise;
     /* Without light there is nothing to decode, and compilers see that. */
     const bool black = info.colour == BTF_COLOUR_NONE && o.leave_out & RESIDUAL && o.fold == BTF_FOLD_NONE;
-    if (black || btf_fold_check(&info, &o, NULL) != BTF_OK)
+    if (black || btf_fold_check(&info, &o, NULL) != BTF_OK) {
         return;
+    }
     cost_sample *s = &f->samples[f->count];
     s->counts = btf_plan_counts(material, &o, NULL);
-    for (int i = first; i < f->count; i++)
-        if (memcmp(&s->counts, &f->samples[i].counts, sizeof s->counts) == 0)
+    for (int i = first; i < f->count; i++) {
+        if (memcmp(&s->counts, &f->samples[i].counts, sizeof s->counts) == 0) {
             return;
+        }
+    }
     btf_gl_fold *fold = NULL;
     rig_variant made = o.fold != BTF_FOLD_NONE
                            ? rig_folded_create(&f->rig, material, &o, &fold)
@@ -142,8 +147,9 @@ static void measure(fitting *f, int m, int w, const btf_material *material, int 
     s->ns = made.program ? rig_measure(&f->rig, made.program, inputs_of(f, &o), RIG_SIDE, NULL) : 0;
     rig_variant_destroy(&f->rig, &made);
     btf_gl_fold_destroy(&fold);
-    if (s->ns > 0)
+    if (s->ns > 0) {
         snprintf(f->names[f->count++], sizeof f->names[0], "%s: %s", materials[m].name, ways[w].name);
+    }
 }
 
 static btf_result measure_all(fitting *f) {
@@ -151,11 +157,13 @@ static btf_result measure_all(fitting *f) {
     for (int m = 0; m < MATERIALS && result == BTF_OK; m++) {
         btf_material *material = NULL;
         const int first = f->count;
-        if (f->run->quick && !materials[m].quick)
+        if (f->run->quick && !materials[m].quick) {
             continue;
+        }
         result = synthetic_create(&materials[m].spec, &f->run->context->log, &material);
-        for (int w = 0; w < WAYS && result == BTF_OK; w++)
+        for (int w = 0; w < WAYS && result == BTF_OK; w++) {
             measure(f, m, w, material, first);
+        }
         btf_material_close(&material);
     }
     return result;
@@ -165,8 +173,9 @@ static btf_result measure_all(fitting *f) {
 static btf_result write_tables(const fitting *f, const btf_cost_model *model, const cost_deviation *d) {
     FILE *csv = NULL, *out = f->run->summary;
     const btf_result result = bench_open(f->run, "costs", "csv", &csv);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     fprintf(csv, "shader,ns,predicted_ns");
 #define HEAD(price, name, count) fprintf(csv, "," #count);
     BTF_COST_LIST(HEAD)
@@ -201,8 +210,9 @@ btf_result bench_section_costs(const bench_run *run) {
     char why[300], path[4096];
     const context_device *device = &context_devices[0];
     f = (fitting){.run = run};
-    for (const context_device *d = context_devices; run->device && d->name; d++)
+    for (const context_device *d = context_devices; run->device && d->name; d++) {
         device = strcmp(d->name, run->device) == 0 ? d : device;
+    }
     if (rig_create(device, run->quick ? 1 : REPEATS, &run->context->log, why, sizeof why, &f.rig) !=
         BTF_OK) {
         fprintf(run->summary, "No OpenGL context on this machine.\n\n");
@@ -211,17 +221,19 @@ btf_result bench_section_costs(const bench_run *run) {
     f.still = malloc(RIG_PIXELS * GPU_INPUTS * sizeof *f.still);
     btf_result result =
         f.still ? measure_all(&f) : enc_fail(run->context, BTF_ERROR_MEMORY, "bench: out of memory");
-    if (result == BTF_OK && f.count < LEAST)
+    if (result == BTF_OK && f.count < LEAST) {
         result =
             enc_fail(run->context, BTF_ERROR_UNSUPPORTED, "bench: only %d shaders could be timed", f.count);
+    }
     if (result == BTF_OK) {
         btf_cost_model model;
         const cost_deviation d = cost_fit(f.samples, f.count, &model);
         snprintf(model.device, sizeof model.device, "%s", gpu_name(f.rig.gpu));
         snprintf(path, sizeof path, "%s/costs.json", run->out);
         result = write_tables(&f, &model, &d);
-        if (result == BTF_OK)
+        if (result == BTF_OK) {
             result = cost_write(run->context, path, &model, &d);
+        }
     }
     free(f.still);
     rig_destroy(&f.rig);
