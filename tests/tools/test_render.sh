@@ -291,8 +291,28 @@ for way in "--mesh sphere" "--point 0,0,2" "--animate light --frames 2"; do
     expect "nothing to fold: $way" 0 still -o f.png --fold always --stats --device reference $way
     expect_text "says so: $way" '^folded: nothing' out
 done
-expect "an SBRDF" 0 render -o f.png --mesh plane --fold always --stats --device reference
-expect_text "is not folded" '^folded: nothing' out
+still -o r.png --device osmesa --fold never
+expect "no memory for a fold" 0 env "$short_gpu" btf-render still.btf.exr --size 40 --quiet --mesh plane --light 20,100 \
+    -o f.png --device osmesa --fold always --stats
+expect_text "says so once" 'refuses [0-9]+ bytes for a fold: nothing is folded' err
+expect_that "and nothing else" test "$(wc -l <err)" = 1
+expect_text "and folds nothing" '^folded: nothing' out
+same "and shows the same picture" r.png f.png
+
+# An SBRDF and gloss depend on the view: they are folded where it is still, too.
+btf-encode data -o glossy.btf.exr --preset fast --gloss 1 -q || exit 99
+for file in m glossy; do
+    view_dependent() { btf-render $file.btf.exr --size 40 --quiet --mesh plane --light 20,100 "$@"; }
+    expect "$file: a perspective" 0 view_dependent -o f.png --fold always --stats --device reference
+    expect_text "$file: is not folded" '^folded: nothing' out
+    view_dependent -o r.png --fov 0 --view 20,0 --device reference --fold never
+    for device in reference osmesa; do
+        expect "$file, $device: a parallel projection" 0 \
+            view_dependent -o f.png --fov 0 --view 20,0 --device $device --fold always --stats
+        expect_text "$file, $device: is folded" '^folded: light and view' out
+        same "$file, $device: the same picture" r.png f.png
+    done
+done
 expect "a fold that is none" 1 render -o x.png --fold often
 
 # Plans: what is decoded of less is the same picture; tolerance 0 leaves out nothing that shows.

@@ -37,6 +37,7 @@
 #ifndef OPENBTF_FOLD_H
 #define OPENBTF_FOLD_H
 
+#include <openbtf/evaluate.h>
 #include <openbtf/gl.h>
 #include <openbtf/plan.h>
 
@@ -76,6 +77,25 @@ typedef struct btf_fold_costs {
 /** Costs of options->fold for a material shown in @p scene (NULL: anything). */
 btf_fold_costs btf_fold_cost(const btf_material *material, const btf_shader_options *options,
                              const btf_scene *scene);
+
+/** Rows first_row .. first_row + rows - 1 of a layer of texture `folded`, made on the CPU for one light: @p options as for
+ * the shader that reads it (`fold` says what is folded; filter, math, fixed directions and relief act on what is read and
+ * do not matter), @p light and, where it is folded too, @p view (else it may be NULL) unit vectors of the tangent frame,
+ * @p layer from 0, below btf_fold_layers() of one light. @p out_texels: [rows][column][4], row 0 the top, the bits of the
+ * three floats R, G and B, then 0, as RGBA32UI takes them: those that btf_gl_fold_run() draws, on every machine. Threads
+ * may fill rows of their own with one evaluator at the same time. Errors: BTF_ERROR_USAGE (a null pointer, a fold, level,
+ * layer or row that is not there), BTF_ERROR_UNSUPPORTED (btf_fold_check); nothing is written then. */
+btf_result btf_fold_rows(const btf_evaluator *evaluator, const btf_shader_options *options, const float light[3],
+                         const float view[3], uint32_t level, uint32_t layer, uint32_t first_row, uint32_t rows,
+                         uint32_t *out_texels);
+
+/** The whole texture `folded`, made on the CPU by one thread, for APIs other than GL to upload. @p light [lights][3] and,
+ * where the view is folded too, @p view [lights][3], as in btf_fold_rows; else @p view may be NULL. *out_texels, of
+ * btf_fold_bytes() bytes, is freed with btf_free: level by level, finest first, each [light][layer of the light][row]
+ * [column][4] as in btf_fold_rows. Errors: BTF_ERROR_USAGE (something is missing), BTF_ERROR_UNSUPPORTED (btf_fold_check;
+ * a build that does not round as it should), BTF_ERROR_MEMORY; *out_texels is NULL then. */
+btf_result btf_material_fold(const btf_material *material, const btf_shader_options *options, uint32_t lights,
+                             const float *light, const float *view, const btf_log *log, uint32_t **out_texels);
 
 /** A fold in the current GL context: a texture, and the program that fills it. */
 typedef struct btf_gl_fold btf_gl_fold;
