@@ -129,10 +129,11 @@ static void test_flipped_bytes(void **state) {
 static void test_random_damage(void **state) {
     (void)state;
     random_state r = {32};
+    const int rounds = getenv("BTF_TEST_LIGHT") ? 1000 : 4000;
     for (int f = 0; f < 2; f++) {
         uint8_t *copy = malloc(files[f].size);
         assert_non_null(copy);
-        for (int round = 0; round < 4000; round++) {
+        for (int round = 0; round < rounds; round++) {
             memcpy(copy, files[f].data, files[f].size);
             uint32_t size = (uint32_t)files[f].size, changes = 1 + random_below(&r, 6);
             for (uint32_t c = 0; c < changes; c++) {
