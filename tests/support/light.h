@@ -15,8 +15,8 @@ static inline bool light_run(void) {
 }
 
 /* Runs the tests of an array and, but for light runs, those of a second one; gives the number of those that fail. */
-#define RUN_TESTS_AND_NUMBERS(name, tests, numbers)                                                                                \
-    (cmocka_run_group_tests_name(name, tests, NULL, NULL) +                                                                        \
+#define RUN_TESTS_AND_NUMBERS(name, tests, numbers)                                                        \
+    (cmocka_run_group_tests_name(name, tests, NULL, NULL) +                                                \
      (light_run() ? 0 : cmocka_run_group_tests_name(name ": numbers", numbers, NULL, NULL)))
 
 #endif
