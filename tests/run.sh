@@ -4,7 +4,8 @@
 #
 #   tests/run.sh          all tests of the release build, then all under AddressSanitizer and UBSan but those that have
 #                         nothing for them to see (tests/meson.build: suite plain)
-#   tests/run.sh --long   the same with the long conformance, variant and exhaustive runs
+#   tests/run.sh --long   the same with the suite long (tests/README.md): conformance on other devices, libFuzzer, broken builds,
+#                         ThreadSanitizer; BTF_FUZZ_SECONDS of each fuzz target (20)
 #   tests/run.sh --core   without the tests that need browsers or Blender. There are none so far: the same as without
 #
 # SPDX-License-Identifier: MIT
@@ -18,7 +19,7 @@ for argument in "$@"; do
     --long) long=1 ;;
     --core) ;;
     -h | --help)
-        sed -n '2,8s/^# \{0,1\}//p' "$0"
+        sed -n '2,9s/^# \{0,1\}//p' "$0"
         exit 0
         ;;
     *)

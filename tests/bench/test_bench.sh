@@ -134,7 +134,7 @@ for kind in ("between", "estimate"):
     assert abs(float(near[f"psnr_{kind}_linear"]) - float(data[f"psnr_{kind}_linear"])) < 0.1, (kind, near, data)
 P
 expect_that "are the figures of btf-compare" python3 between.py
-expect_text "without truth it says so" "none is known, accuracy there is estimated" f/summary.md
+expect_text "without truth it says so" "none is known, so accuracy there is estimated" f/summary.md
 expect "images of another size" 0 btf-sample -o larger --size 9x8 --between 2 --quiet
 expect "truth of another size" 3 btf-bench --input tiny --pairs larger --only machine --out x -q
 expect_text "says which" "larger has 9 x 8 texels, tiny has 8 x 8" err

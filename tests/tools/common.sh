@@ -89,6 +89,8 @@ at() {
     env "$preload" "BTF_MOMENT=$moment" "BTF_ACTION=$action" "$@"
 }
 preload=LD_PRELOAD=$build/tests/support/libmoment.so${LD_PRELOAD:+:$LD_PRELOAD}
+# A GPU that has no memory left for folds, of OSMesa and GLFW.
+short_gpu=LD_PRELOAD=$build/tests/support/libshort_gpu.so${LD_PRELOAD:+:$LD_PRELOAD}
 export ASAN_OPTIONS=${ASAN_OPTIONS:-}:verify_asan_link_order=0 # its runtime is not the first library then
 
 # calls COMMAND...: how often it makes or changes a file.

@@ -144,7 +144,7 @@ expect_text "its units" "^  residual +9 units of factors, 352 components$" out
 expect_text "its classes" "^ +8 bits of w, 8 of u: 2 units, words: Y 3, C1 3, C2 2; 32 components$" out
 expect_text "the last of them" "^ +2 bits of w, 2 of u: 2 units, words: Y 7, C1 0, C2 1; 128 components$" out
 expect_text "its blend" "^  blend +roots$" out
-expect_text "its horizon" "^  horizon +factors fade from theta 79.98° of the light to 90°$" out
+expect_text "its horizon" "^  horizon +factors fade to black from theta 79.98° of the light to 90°$" out
 expect_text "bytes of its texels" "^  factor_texels +RGBA32UI +16 x 12 x 11 +33792 bytes +176.00 a texel$" out
 expect_text "and of its directions" "^  factor_directions +RGBA32UI +19 x 19 x 9 +51984 bytes +270.75 a texel$" out
 expect_that "on lines of 100 columns" python3 -c 'assert max(len(l.rstrip("\n")) for l in open("out", encoding="utf-8")) <= 100'

@@ -480,9 +480,9 @@ static void test_is_kept_where_it_pays(void **state) {
 static void test_says_why_it_was_not_tried(void **state) {
     (void)state;
     enum { SURVEY, MEMORY, BYTES, REASONS };
-    static const char *const told[REASONS] = {"given up after a survey",
-                                              "not tried: the memory allowed does not hold it",
-                                              "not tried: the bytes do not hold its lists and one unit"};
+    static const char *const told[REASONS] = {"given up after a first search, which left too much error",
+                                              "not tried: it needs more memory than is allowed",
+                                              "not tried: the budget does not hold its lists and one unit of factors"};
     for (int reason = 0; reason < REASONS; reason++) {
         planted *p = plant(false, 0.02f);
         enc_context context = two;
