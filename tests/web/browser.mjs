@@ -9,8 +9,9 @@ import { tmpdir } from 'node:os';
 import { extname, join, normalize } from 'node:path';
 
 const TYPES = { '.html': 'text/html', '.js': 'text/javascript', '.json': 'application/json', '.wasm': 'application/wasm' };
-/* A page may reach its own server alone, and compile WebAssembly. */
-const POLICY = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; connect-src 'self'; img-src 'self' data:";
+/* A page may reach its own server alone, and compile WebAssembly; only examples are pages with their script in them. */
+const POLICY = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; connect-src 'self'; img-src 'self' data:; frame-src 'self'";
+const EXAMPLE_POLICY = POLICY.replace("'wasm-unsafe-eval'", "'wasm-unsafe-eval' 'unsafe-inline'");
 
 /* No first-run pages, no services of the browsers' makers; WebGL2 by software. */
 const FIREFOX = {
@@ -54,7 +55,7 @@ function body(request) {
 
 /**
  * Runs a page in a browser until it posts to /done.
- * @param folders {'/prefix/': folder} that are served
+ * @param folders {'/prefix/': folder, or several} that are served
  * @param posts {'/path': function of what was posted, parsed}
  * @param job what GET /job answers
  * @returns what was posted to /done: '' or what went wrong
@@ -66,7 +67,7 @@ export async function runPage(browser, page, folders, posts, job) {
     const server = createServer(async (request, response) => {
         const { pathname } = new URL(request.url, 'http://localhost');
         const answer = (status, data, type = 'text/plain') => {
-            response.writeHead(status, { 'Content-Type': type, 'Content-Security-Policy': POLICY, 'Cache-Control': 'no-store' });
+            response.writeHead(status, { 'Content-Type': type, 'Content-Security-Policy': pathname.startsWith('/example/') ? EXAMPLE_POLICY : POLICY, 'Cache-Control': 'no-store' });
             response.end(data);
         };
         if (request.method === 'POST') {
@@ -83,9 +84,9 @@ export async function runPage(browser, page, folders, posts, job) {
             answer(200, JSON.stringify(job), 'application/json');
             return;
         }
-        const prefix = Object.keys(folders).find((name) => pathname.startsWith(name));
-        const file = prefix && join(folders[prefix], normalize(`/${pathname.slice(prefix.length)}`));
-        if (file && existsSync(file)) {
+        const prefix = Object.keys(folders).filter((name) => pathname.startsWith(name)).sort((a, b) => b.length - a.length)[0];
+        const file = [folders[prefix] ?? []].flat().map((folder) => join(folder, normalize(`/${pathname.slice(prefix.length)}`))).find(existsSync);
+        if (file) {
             answer(200, readFileSync(file), TYPES[extname(file)] ?? 'application/octet-stream');
         } else {
             answer(404, 'not found');

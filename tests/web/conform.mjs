@@ -1,4 +1,4 @@
-/* Conformance in a browser: conform.mjs chromium|firefox PACKAGE VECTORS GOLDEN.
+/* Conformance in a browser, then the example in plain WebGL2: conform.mjs chromium|firefox PACKAGE VECTORS GOLDEN.
  *
  * PACKAGE: the folder of the npm package. VECTORS: what vectors.py wrote. GOLDEN: tests/data/golden.
  *
@@ -21,6 +21,11 @@ const job = {
 };
 const folders = { '/page/': join(here, 'page'), '/package/': packageFolder, '/vectors/': vectors, '/golden/': golden };
 const posts = { '/case': ({ name, wrong }) => report(name, wrong), '/note': (line) => console.log(line) };
-const wrong = await runPage(browser, '/page/index.html', folders, posts, job);
-report('the page came to its end', wrong);
+report('conformance came to its end', await runPage(browser, '/page/index.html', folders, posts, job));
+
+const examples = join(here, '../../decoder/web/examples');
+const exampleFolders = { '/page/': join(here, 'page'), '/package/': packageFolder, '/example/openbtf/': packageFolder,
+    '/example/': [examples, golden] };
+report('the example came to its end', await runPage(browser, '/page/example.html', exampleFolders, posts,
+    { material: 'v1-tight.btf.exr', damaged: 'expected.txt' }));
 process.exit(exitCode());

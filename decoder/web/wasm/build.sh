@@ -28,13 +28,14 @@ unset EM_CACHE
 # Objects of another state of the sources are of no use: compiling takes half a minute.
 objects=$(mktemp -d)
 trap 'rm -rf "$objects"' EXIT
+mkdir "$objects/text"
 python3 "$root/shaders/flatten.py" --embed "btf_shader_library=$root/shaders/openbtf.glsl" \
-    "btf_shader_self_test=$root/shaders/self_test.glsl" -o "$objects/shader_text.c"
+    "btf_shader_self_test=$root/shaders/self_test.glsl" -o "$objects/text/shader_text.c"
 
 # No path of this machine goes into the module.
 flags=(-DNDEBUG -D_GNU_SOURCE -ffp-contract=off -fno-math-errno -ffunction-sections "-fmacro-prefix-map=$root/=" "-fmacro-prefix-map=$sources/="
     "-fmacro-prefix-map=$objects/=" -I/usr/include/Imath)
-ours=("$root"/reference/*.c "$root"/decoder/toolkit/{filter,json,reference_view}.c "$here"/{exports,describe}.c "$objects/shader_text.c")
+ours=("$root"/reference/*.c "$root"/decoder/toolkit/{filter,json,reference_view}.c "$here"/{exports,describe}.c "$objects/text/shader_text.c")
 for file in "$root"/decoder/*.c "$root"/decoder/*/*.c; do
     case ${file#"$root/decoder/"} in
     toolkit/* | pixels/* | tools/* | examples/*) ;; # other rooms
@@ -49,30 +50,35 @@ for file in "$core"/*.c; do
     *) theirs+=("$file") ;;
     esac
 done
-compile() { # OBJECT SOURCE FLAG...: an object; its name says from which folder, for there are several relief.c
-    local object=$1 source=$2
-    shift 2
-    emcc -c "$@" "$source" -o "$object"
+# One call of emcc compiles the files of a folder: starting it takes as long as compiling a small file. Names are one folder's
+# alone, for there are several relief.c.
+compile() { # GROUP FILE... -- FLAG...
+    mkdir "$objects/$1"
+    cd "$objects/$1"
+    shift
+    local files=()
+    while [ "$1" != -- ]; do
+        files+=("$1")
+        shift
+    done
+    shift
+    emcc -c "$@" "${files[@]}"
 }
 export -f compile
+export objects
 {
-    for file in "${ours[@]}"; do
-        printf '%s\0' "$file -O2 -std=c11 -Wall -Wextra -Werror -I$root -I$root/decoder/include -I$root/reference/include -I/usr/include/OpenEXR"
+    for folder in $(printf '%s\n' "${ours[@]}" | xargs -n 1 dirname | sort -u); do
+        group=${folder#"$root/"} # the objects are linked by the order of these names, whatever the root is
+        group=${group#"$objects/"}
+        printf '%s\0' "compile ours_${group//\//_} $(printf '%s\n' "${ours[@]}" | grep "^$folder/[^/]*$" | tr '\n' ' ') -- -O2 -std=c11 -Wall -Wextra \
+            -Werror -I$root -I$root/decoder/include -I$root/reference/include -I/usr/include/OpenEXR ${flags[*]}"
     done
-    for file in "${theirs[@]}"; do
-        printf '%s\0' "$file -Os -std=gnu11 -w -I$core -I/usr/include/OpenEXR -I$sources/zlib"
-    done
-} >"$objects/list"
-count=0
-while IFS= read -r -d '' line; do
-    count=$((count + 1))
-    # shellcheck disable=SC2086 # words; paths of the sources have no blanks, as for meson
-    printf '%s\0' "compile $objects/$(printf %03d $count).o $line ${flags[*]}"
-done <"$objects/list" | xargs -0 -n 1 -P "$(nproc)" bash -c
+    printf '%s\0' "compile theirs ${theirs[*]} -- -Os -std=gnu11 -w -I$core -I/usr/include/OpenEXR -I$sources/zlib ${flags[*]}"
+} | xargs -0 -n 1 -P "$(nproc)" bash -c
 
 # Exports are marked in exports.c; the module has no main and no JavaScript of emscripten's.
 emcc -O2 -sSTANDALONE_WASM --no-entry -sALLOW_MEMORY_GROWTH -sMAXIMUM_MEMORY=4GB -sINITIAL_MEMORY=1MB -sTOTAL_STACK=512KB \
-    -Wl,--gc-sections -Wl,--strip-all "$objects"/*.o -o "$out/openbtf.wasm"
+    -Wl,--gc-sections -Wl,--strip-all "$objects"/*/*.o -o "$out/openbtf.wasm"
 
 {
     printf 'OpenBTF contains these works. Their notices:\n\n'
