@@ -175,7 +175,7 @@ expect_that "and the same maps as without the option" btf-compare onelevel.btf.e
 expect "levels in layout paper" 1 btf-encode data -o x.btf.exr --method paper $starts --layout paper --levels 2
 expect_text "are refused" "option --levels: --layout paper has one level" err
 expect "more levels than there are" 1 btf-encode data -o x.btf.exr --levels 6
-expect_text "are refused with their number" "option --levels: 6, but 16 x 16 texels have 5" err
+expect_text "are refused with their number" "option --levels: 6, but 16 x 16 texels have only 5 levels" err
 expect "no levels" 1 btf-encode data -o x.btf.exr --levels 0
 
 expect "compare" 0 btf-compare data paper.btf.exr
