@@ -103,7 +103,7 @@ class Reader:
             while self.peek() != ';':
                 if self.peek() in PAIRS:
                     self.skip_group()
-                elif self.peek() == '}' and self.tokens[self.at - 1][0] == ')':
+                elif self.tokens[self.at - 1][0] == ')' and (self.peek() or '').lstrip()[:1] in ('}', '#'):
                     return  # a macro that stands for statements
                 elif self.peek() == '}' or self.peek() is None:
                     line = self.text.count('\n', 0, self.tokens[keyword][1]) + 1

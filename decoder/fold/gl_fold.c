@@ -14,9 +14,9 @@
 struct btf_gl_fold {
     btfi_gl_functions api;
     btf_fold kind;
-    uint32_t width, height, levels, views, lights;
+    uint32_t width, height, levels, views, lights; /* views: layers of a light */
     uint32_t texture, program;
-    int32_t light, view, level; /* locations of the program's uniforms; `view`: index, or direction */
+    int32_t light, view, viewer, level; /* locations of the program's uniforms; view: the layer, viewer: a direction */
     size_t bytes;
 };
 
@@ -29,12 +29,21 @@ static const char light_text[] = "uniform highp vec3 btf_pass_light;\n"
                                  "    btf_pass_value = uvec4(floatBitsToUint(value), 0u);\n"
                                  "}\n";
 static const char both_text[] =
-    "uniform highp vec3 btf_pass_light, btf_pass_view;\n"
+    "uniform highp vec3 btf_pass_light, btf_pass_viewer;\n"
     "uniform highp int btf_pass_level;\n"
     "out highp uvec4 btf_pass_value;\n"
     "void main() {\n"
-    "    vec3 value = btf_fold_both(uvec2(gl_FragCoord.xy), btf_pass_light, btf_pass_view,\n"
+    "    vec3 value = btf_fold_both(uvec2(gl_FragCoord.xy), btf_pass_light, btf_pass_viewer,\n"
     "                               btf_pass_level);\n"
+    "    btf_pass_value = uvec4(floatBitsToUint(value), 0u);\n"
+    "}\n";
+static const char neighbour_text[] =
+    "uniform highp vec3 btf_pass_light, btf_pass_viewer;\n"
+    "uniform highp int btf_pass_view, btf_pass_level;\n"
+    "out highp uvec4 btf_pass_value;\n"
+    "void main() {\n"
+    "    vec3 value = btf_fold_neighbour(uvec2(gl_FragCoord.xy), btf_pass_light, btf_pass_viewer,\n"
+    "                                    btf_pass_view, btf_pass_level);\n"
     "    btf_pass_value = uvec4(floatBitsToUint(value), 0u);\n"
     "}\n";
 
@@ -85,13 +94,16 @@ static btf_result make_program(btf_gl_fold *f, const btf_material *material,
     if (result != BTF_OK)
         return result;
     btfi_gl_version(&f->api, version, sizeof version);
-    const char *parts[] = {version, library, f->kind == BTF_FOLD_BOTH ? both_text : light_text};
+    static const char *const texts[] = {
+        [BTF_FOLD_LIGHT] = light_text, [BTF_FOLD_BOTH] = both_text, [BTF_FOLD_NEIGHBOURS] = neighbour_text};
+    const char *parts[] = {version, library, texts[f->kind]};
     f->program = btfi_gl_program(&f->api, 3, parts, "fold", log);
     btf_free(library);
     if (!f->program)
         return BTF_ERROR_UNSUPPORTED;
     f->light = f->api.GetUniformLocation(f->program, "btf_pass_light");
     f->view = f->api.GetUniformLocation(f->program, "btf_pass_view");
+    f->viewer = f->api.GetUniformLocation(f->program, "btf_pass_viewer");
     f->level = f->api.GetUniformLocation(f->program, "btf_pass_level");
     return BTF_OK;
 }
@@ -100,8 +112,8 @@ btf_result btf_gl_fold_create(const btf_material *material, const btf_gl_options
                               const btf_log *log, btf_gl_fold **out_fold) {
     *out_fold = NULL;
     if (!options || options->struct_size < sizeof *options || !options->shader || lights < 1 ||
-        (options->shader->fold != BTF_FOLD_LIGHT && options->shader->fold != BTF_FOLD_BOTH))
-        return btfi_fail(log, BTF_ERROR_USAGE, "fold: options, their shader, its fold (1 or 2) or a light is missing; lights: %u", (unsigned)lights);
+        options->shader->fold < BTF_FOLD_LIGHT || options->shader->fold > BTF_FOLD_NEIGHBOURS)
+        return btfi_fail(log, BTF_ERROR_USAGE, "fold: options, their shader, its fold (1 to 3) or a light is missing; lights: %u", (unsigned)lights);
     btf_material_info info = {.struct_size = sizeof info};
     btf_result result = btf_material_get_info(material, &info);
     if (result == BTF_OK)
@@ -115,7 +127,7 @@ btf_result btf_gl_fold_create(const btf_material *material, const btf_gl_options
     f->width = info.width;
     f->height = info.height;
     f->levels = info.levels;
-    f->views = f->kind == BTF_FOLD_BOTH ? 1 : info.n_views;
+    f->views = btf_fold_layers(&info, f->kind, 1);
     f->lights = lights;
     f->bytes = btf_fold_bytes(&info, f->kind, lights);
     result = btfi_gl_load(options, log, &f->api);
@@ -149,7 +161,7 @@ static btf_result draw_layers(const btf_gl_fold *f, uint32_t number, const btf_l
                 api->CheckFramebufferStatus(GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
                 return btfi_fail(log, BTF_ERROR_UNSUPPORTED,
                                  "fold: an RGBA32UI framebuffer of layers is refused");
-            if (f->kind == BTF_FOLD_LIGHT && f->view >= 0)
+            if (f->view >= 0)
                 api->Uniform1i(f->view, (int32_t)view);
             api->DrawArrays(GL_TRIANGLES, 0, 3);
         }
@@ -162,7 +174,7 @@ btf_result btf_gl_fold_run(btf_gl_fold *fold, btf_gl *textures, uint32_t first_u
     const btfi_gl_functions *api = &fold->api;
     if (number >= fold->lights)
         return btfi_fail(log, BTF_ERROR_USAGE, "fold: light %u, but the fold has %u, from 0 on", number, fold->lights);
-    if (fold->kind == BTF_FOLD_BOTH && !view)
+    if (fold->kind != BTF_FOLD_LIGHT && !view)
         return btfi_fail(log, BTF_ERROR_USAGE, "fold: light and view are folded, but the view is missing");
     btfi_gl_errors(api);
     btf_result result = btf_gl_bind(textures, fold->program, first_unit, NULL, log, NULL);
@@ -178,8 +190,8 @@ btf_result btf_gl_fold_run(btf_gl_fold *fold, btf_gl *textures, uint32_t first_u
     api->UseProgram(fold->program);
     if (fold->light >= 0)
         api->Uniform3f(fold->light, light[0], light[1], light[2]);
-    if (fold->kind == BTF_FOLD_BOTH && fold->view >= 0)
-        api->Uniform3f(fold->view, view[0], view[1], view[2]);
+    if (fold->viewer >= 0)
+        api->Uniform3f(fold->viewer, view[0], view[1], view[2]);
     result = draw_layers(fold, number, log);
     api->DeleteVertexArrays(1, &array);
     api->DeleteFramebuffers(1, &framebuffer);

@@ -72,7 +72,7 @@ static btf_result report(const reader *r, size_t item, btf_result result, const 
                     message[0] ? message : btf_result_text(result));
 }
 
-static btf_result check_options(const enc_context *context, const enc_read_options *o) {
+btf_result enc_read_check(const enc_context *context, const enc_read_options *o) {
     if (o->transfer == ENC_TRANSFER_GAMMA && !(o->gamma > 0.0 && isfinite(o->gamma))) {
         return enc_fail(context, BTF_ERROR_USAGE, "gamma %g is not above 0", o->gamma);
     }
@@ -456,7 +456,7 @@ btf_result enc_read(const enc_context *context, const char *input, const enc_rea
     static const enc_context no_context = {.threads = 1};
     const enc_context *used = context ? context : &no_context;
     *out_data = NULL;
-    btf_result result = check_options(used, options);
+    btf_result result = enc_read_check(used, options);
     if (result == BTF_OK) {
         result = options->names && !options->names_of_some && enc_bonn_is(input)
                      ? enc_fail(used, BTF_ERROR_USAGE,

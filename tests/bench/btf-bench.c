@@ -29,7 +29,7 @@ static const struct {
     {"storage", "storage: bytes against accuracy", bench_section_storage, true},
     {"between", "accuracy between the samples, which is what a renderer sees, and at them",
      bench_section_between, false},
-    {"growth", "encoding: growth of time and memory", bench_section_growth, true},
+    {"growth", "encoding: growth of time and memory, up to the texels of --size", bench_section_growth, true},
     {"fit", "the Lafortune fit beside a Ceres problem with automatic derivatives", bench_section_fit,
      false},
     {"codecs", "accuracy at equal bytes, and bytes at equal accuracy, beside principal components",
@@ -38,6 +38,7 @@ static const struct {
      false},
     {"plan", "what decoding only what a scene calls for saves, predicted and measured", bench_section_plan,
      false},
+    {"costs", "the prices of the cost model that plans load, fitted to one device", bench_section_costs, false},
     {"stochastic", "decoding one neighbour in place of all: time against noise", bench_section_stochastic, false},
     {"shaders", "nanoseconds a pixel of every shader variant on random materials", bench_section_shaders,
      false},
@@ -136,7 +137,7 @@ static const char *parse_only(const char *text, void *value) {
         }
         if (i == SECTIONS) {
             return "names of machine, encode, decode, storage, between, growth, fit, codecs, holdout, "
-                   "plan, stochastic, shaders, with commas between";
+                   "plan, costs, stochastic, shaders, with commas between";
         }
         o.set.sections[i] = true;
     }
@@ -217,7 +218,7 @@ static const cli_option table[] = {
      .given = &o.only,
      .parse = parse_only,
      .help = "run some sections: machine, encode, decode, storage, between,\ngrowth, fit, codecs, holdout, "
-             "plan, stochastic, shaders; default all"},
+             "plan, costs, stochastic, shaders; default all"},
     {.name = "preset",
      .arg = "PRESETS",
      .type = CLI_CUSTOM,
@@ -280,6 +281,7 @@ static const cli_program program = {
                "A slow run informs and never fails.",
     .example = "btf-bench --input BRICKS64.zip --only codecs,holdout --out bench\n"
                "btf-bench --materials bricks,bumps,weave --size 32x32 --preset fast\n"
+               "btf-bench --only growth --size 64x64 --repeats 1\n"
                "btf-bench --input BRICKS64.zip --only decode --device osmesa --methods joint,paper,peers",
     .options = table,
     .max_arguments = 0,
@@ -418,7 +420,8 @@ static btf_result run_material(const enc_context *context, const material *m, co
                        .quick = o.quick,
                        .methods = o.methods,
                        .device = o.device,
-                       .keep = o.keep};
+                       .keep = o.keep,
+                       .most_side = o.read.size[0]};
     memcpy(bench.presets, o.set.presets, sizeof bench.presets);
     if (result == BTF_OK) {
         fprintf(summary, "Truth between the samples of %s: %s.\n\n", name,

@@ -180,7 +180,9 @@ btf_result bench_section_growth(const bench_run *run) {
     btf_result result = table ? BTF_OK : enc_fail(run->context, BTF_ERROR_MEMORY, "bench: out of memory");
     for (int g = 0; g < 2; g++) {
         for (int i = 0; i < sweeps[g].count && result == BTF_OK; i++) {
-            result = measure_size(run, &sweeps[g], &sweeps[g].sizes[i], table);
+            if (run->most_side == 0 || sweeps[g].sizes[i].side <= run->most_side) {
+                result = measure_size(run, &sweeps[g], &sweeps[g].sizes[i], table);
+            }
         }
     }
     if (result == BTF_OK && (result = bench_open(run, "growth", "csv", &csv)) == BTF_OK) {

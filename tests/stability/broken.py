@@ -88,19 +88,29 @@ CHANGES = [
         ("reference/btf_evaluate.c", "texel_radiance(&e, column, row, out_values);", "texel_radiance(&e, column, row - first_row, out_values);")]),
     ("a column of what was folded decoded again", "fold", [
         ("reference/btf_evaluate.c", "if (folded && folded->fold == BTF_REF_FOLD_BOTH) {", "if (folded && folded->fold == BTF_REF_FOLD_BOTH && column > 0) {")]),
+    ("the lights of the first neighbour folded for all", "fold", [
+        ("reference/btf_evaluate.c", "&e.lights[neighbour], column, row,", "&e.lights[0], column, row,")]),
+    ("neighbours of a fold read by the number of their view", "fold", [
+        ("reference/btf_evaluate.c", "        e.shown[a] = a;", "        e.shown[a] = e.views.index[a] % 3;")]),
+    ("a fold of neighbours that takes the layers of all views", "fold", [
+        ("decoder/fold/fold.c", "fold == BTF_FOLD_NEIGHBOURS ? 3 : 1", "fold == BTF_FOLD_NEIGHBOURS ? info->n_views : 1")]),
+    ("gloss left out at any price", "fold", [
+        ("decoder/plan.c", "base[i] * (1 + growth[i]) + fmax(c", "base[i] + fmax(c")]),
+    ("gloss never left out", "fold", [
+        ("decoder/plan.c", "tolerance > 0 && plan->level == 0 &&", "tolerance > 1000 && plan->level == 0 &&")]),
     ("a light folded where gloss is decoded", "fold", [
         ("decoder/fold/fold.c", "all.fold == BTF_FOLD_LIGHT && effects & BTF_EFFECT_GLOSS", "all.fold == BTF_FOLD_LIGHT && effects == 0")]),
     ("a light folded where there is an SBRDF", "fold", [
         ("decoder/fold/fold.c", "all.fold == BTF_FOLD_LIGHT && info->colour != BTF_COLOUR_NONE", "all.fold == BTF_FOLD_LIGHT && info->colour > BTF_COLOUR_NONE")]),
     ("light and view folded where relief is decoded", "fold", [
         ("decoder/fold/fold.c", "all.fold == BTF_FOLD_BOTH && effects & BTF_EFFECT_RELIEF", "all.fold == BTF_FOLD_BOTH && effects == 0")]),
-    ("level 0 of a fold drawn alone", "fold", [
+    ("level 0 of a fold drawn alone", "fold_gl", [
         ("decoder/fold/gl_fold.c", "level < f->levels; ++level) {", "level < 1; ++level) {")]),
-    ("every light folded into the layers of the first", "fold", [
+    ("every light folded into the layers of the first", "fold_gl", [
         ("decoder/fold/gl_fold.c", "(int32_t)(number * f->views + view)", "(int32_t)(number * 0 + view)")]),
-    ("a fold drawn within the caller's scissor", "fold", [
+    ("a fold drawn within the caller's scissor", "fold_gl", [
         ("decoder/fold/gl_draw.c", "    GL_SCISSOR_TEST,", "    GL_STENCIL_TEST,")]),
-    ("the caller's viewport lost to a fold", "fold", [
+    ("the caller's viewport lost to a fold", "fold_gl", [
         ("decoder/fold/gl_draw.c", "gl->Viewport(s->viewport[0], s->viewport[1],", "gl->Viewport(0, s->viewport[1],")]),
     ("parameters beyond 2^24 read", "decoder_bits", [
         ("decoder/shape.h", "magnitude <= BTFI_PARAMETER_MAX", "magnitude <= 2 * BTFI_PARAMETER_MAX")]),
@@ -279,14 +289,16 @@ CHANGES = [
         ("decoder/evaluate/many.c", "twice - 128 > 256 ? 256", "twice - 128 > 255 ? 255")]),
     ("the evaluator: gloss below the horizon", "evaluator", [
         ("decoder/evaluate/directions.c", "    c[2] = c[2] >= 0.0f ? c[2] : 0.0f;\n", "")]),
-    ("the evaluator: weights of hidden views", "evaluator", [
-        ("decoder/evaluate/relief.c", "o < 1229 ? 1229", "o < 3000 ? 3000")]),
+    ("the evaluator: weights of hidden views off by one", "evaluator", [
+        ("decoder/evaluate/relief.c", "o < 1229 ? 1229", "o < 1228 ? 1228")]),
     ("light sampling: the Jacobian's root", "sampling", [
         ("reference/btf_sampling.c", "    density = density * k;\n    density = density * k;\n", "    density = density * k;\n")]),
     ("light sampling: one of the turns left out", "sampling", [
         ("reference/btf_sampling.c", "height < unturned ? 0 : height < once ? 1 : 2", "height < unturned ? 0 : 1")]),
     ("light sampling: parts of triangles too large", "sampling", [
         ("decoder/evaluate/sampling.c", "row[i][0] = (uint32_t)(fmin(sum, 1 - share) * 0x1p32);", "row[i][0] = (uint32_t)(fmin(1.3 * sum, 1 - share) * 0x1p32);")]),
+    ("a map and the material sampled, weighed as if one were", "sampled_environment", [
+        ("decoder/tools/render/sampled_environment.c", "e->by_map * from.density +", "from.density +")]),
 ]
 
 TOOLS = ['encoder/btf-encode', 'encoder/btf-compare', 'decoder/tools/btf-info', 'decoder/tools/btf-decode',
@@ -302,9 +314,9 @@ def program(tree, test):
     tests = f'{tree}/tests'
     if test in ('stability_faults', 'stability_archives'):
         return TOOLS, [f'{tests}/stability/test_{test[10:]}.sh']
-    if test in ('exr', 'file', 'memory', 'names', 'output', 'points', 'relief', 'relief_end') or test.startswith('reference_'):
+    if test in ('exr', 'file', 'memory', 'names', 'output', 'points', 'relief', 'relief_end', 'sampled_environment') or test.startswith('reference_'):
         return [f'tests/unit/test_{test}'], [f'{tree}/build/tests/unit/test_{test}']
-    if test in ('evaluator', 'fold', 'sampling'):
+    if test in ('evaluator', 'fold', 'fold_gl', 'sampling'):
         return [f'tests/conformance/test_{test}'], [f'{tree}/build/tests/conformance/test_{test}']
     if test == 'fuzz-exr':
         return [f'tests/fuzz/{test}'], [f'{tree}/build/tests/fuzz/{test}', f'{tests}/fuzz/corpus/exr']

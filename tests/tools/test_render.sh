@@ -175,6 +175,35 @@ expect "an environment map" 0 render -o e.png --environment sky.exr --environmen
 expect_text "gives so many lights" ' 16 lights' out
 render -o e2.png --environment sky.exr --environment-lights 16 --environment-rotate 30 --environment-gain 2
 same "the reference's picture under a map" e.png e2.png
+
+# Directions drawn of the map and the material: the same on every device, also with picks and with a plan.
+sampled() { render -o "$@" --environment sky.exr --light environment --mesh torus --cast-shadows; }
+expect "a map that is sampled" 0 sampled r.png --device reference --spp 6 --stats
+expect_text "says how" '^environment: 6 directions a sample' out
+expect_text "which no light stands for" ' 0 lights' out
+for device in $devices; do
+    [ $device = softpipe ] && continue
+    sampled g.png --device $device --spp 6
+    same "$device: the reference's picture under directions" r.png g.png
+done
+sampled s.png --device reference --spp 7
+differ "another direction, another picture" r.png s.png
+sampled s.png --device reference
+sampled g.png --device reference --spp 64
+same "64 directions by default" s.png g.png
+sampled s.png --device reference --spp 6 --plan auto --tolerance 0
+same "a plan that loses nothing draws the same" r.png s.png
+sampled s.png --device reference --spp 6 --stochastic
+sampled g.png --device osmesa --spp 6 --stochastic
+same "directions of one pick each" s.png g.png
+differ "which are not decoded whole" r.png s.png
+sampled turn.png --device reference --spp 2 --frames 2 --animate light
+differ "the map turns" turn.0001.png turn.0002.png
+expect "a map that is not there to sample" 1 render -o x.png --light environment
+expect_text "is told" 'option --light environment: needs --environment' err
+expect "lights of a map that is sampled" 1 render -o x.png --light environment --environment sky.exr --environment-lights 16
+expect_text "are told" 'option --environment-lights: not together with --light environment' err
+expect "no map to sample" 2 render -o x.png --light environment --environment none.exr
 printf '#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\n' >sky.hdr
 for i in 1 2 3 4 5 6 7 8; do printf '\x80\x80\x80\x82' >>sky.hdr; done
 expect "a Radiance map" 0 render -o e.png --environment sky.hdr --environment-lights 4
@@ -216,7 +245,7 @@ expect "an unknown device" 1 render -o x.png --device teapot
 expect_text "names the devices" "'teapot' is not one of reference, osmesa" err
 expect "fast math on the reference" 1 render -o x.png --device reference --math fast
 expect "picks that nothing picks" 1 render -o x.png --spp 4
-expect_text "are told" 'option --spp: only together with --stochastic' err
+expect_text "are told" 'option --spp: only together with --stochastic or --light environment' err
 expect "no picks" 1 render -o x.png --stochastic --spp 0
 expect "figure 13 by picks" 1 render -o x.png --stochastic --figure13 --original data
 expect_text "is told" 'option --stochastic: not together with --figure13' err

@@ -16,8 +16,9 @@
  *
  * Not every material can be folded. Of a light alone: an SBRDF depends on the viewer between the samples,
  * and with the effect `gloss` so do the lights of a view; such materials keep nothing for a light. Of light
- * and view: the effect `relief` reads texels from where the pixel stands between them; there the light is
- * folded and the view is not. A view that never changes under a light that does is no fold: what is kept
+ * and view every material can: with the effect `relief`, which reads texels from where the pixel stands
+ * between them, the values of the three neighbouring views are kept in place of radiance
+ * (BTF_FOLD_NEIGHBOURS), and a pixel reads three texels (12) and marches as before. A view that never changes under a light that does is no fold: what is kept
  * would have to be the integer sums of every light and unit, as the decoder rounds these after lights are
  * blended, and that is what the material holds already; a plan (openbtf/plan.h) cuts the material down to
  * that view's neighbours instead.
@@ -48,13 +49,18 @@ extern "C" {
 btf_result btf_fold_check(const btf_material_info *info, const btf_shader_options *options,
                           const btf_log *log);
 
+/** @return the fold of which a pixel reads least, of those that are defined for a material decoded by @p options (their
+ * `fold` is not read) where the light is still and, if @p view_is_still, the view too: BTF_FOLD_BOTH, _NEIGHBOURS,
+ * _LIGHT; else BTF_FOLD_NONE. */
+btf_fold btf_fold_best(const btf_material_info *info, const btf_shader_options *options, int view_is_still);
+
 /** The options of the shader that makes a fold for a shader of @p options: the same effects but relief, one
- * texel at a time, without a fold; its entry points are btf_fold_light and btf_fold_both
+ * texel at a time, without a fold; its entry points are btf_fold_light, btf_fold_both and btf_fold_neighbour
  * (share/openbtf/openbtf.glsl). */
 btf_shader_options btf_fold_pass(const btf_shader_options *options);
 
-/** Layers of texture `folded` (RGBA32UI, W x H, mip levels as the material's): lights times views, or
- * lights where the view is folded too. */
+/** Layers of texture `folded` (RGBA32UI, W x H, mip levels as the material's), of each light in turn: its views, 1
+ * where light and view are folded to radiance, 3 where they are folded to neighbouring views. */
 uint32_t btf_fold_layers(const btf_material_info *info, btf_fold fold, uint32_t lights);
 
 /** @return bytes of texture `folded`, of all levels. */
@@ -83,7 +89,8 @@ btf_result btf_gl_fold_create(const btf_material *material, const btf_gl_options
 
 /** Folds one light, all levels of detail. @p textures: those of the material, at least what the shader of
  * btf_fold_pass() reads. @p number: of the light, from 0. @p light and, where it is folded too, @p view:
- * unit vectors of the tangent frame; below the horizon the radiance is 0. Sets the texture bindings of
+ * unit vectors of the tangent frame; below the horizon the radiance is 0. Shaders that read neighbouring views must be
+ * handed the very same view, bit for bit. Sets the texture bindings of
  * units first_unit onwards, as btf_gl_bind does; all other state is as before. Errors: BTF_ERROR_USAGE (a
  * light beyond those of btf_gl_fold_create; a texture that was not uploaded), BTF_ERROR_UNSUPPORTED (GL
  * refuses the framebuffer), BTF_ERROR_MEMORY. */

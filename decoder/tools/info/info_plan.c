@@ -58,7 +58,8 @@ static btf_result print_json_plan(const cli_program *program, const char *path, 
     json_float(&j, "between_srgb", plan->between_psnr_srgb);
     json_float(&j, "full_between_linear", plan->full_between_psnr_linear);
     json_float(&j, "full_between_srgb", plan->full_between_psnr_srgb);
-    json_string(&j, "fold", plan->fold == BTF_FOLD_BOTH ? "both" : plan->fold == BTF_FOLD_LIGHT ? "light" : "none");
+    static const char *const folds[] = {"none", "light", "both", "neighbours"};
+    json_string(&j, "fold", folds[plan->fold]);
     json_integer(&j, "fold_bytes", (int64_t)plan->fold_bytes);
     json_float(&j, "folded_cost", plan->folded_cost);
     json_number(&j, "fold_pixels", plan->fold_pixels);

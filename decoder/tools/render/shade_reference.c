@@ -61,7 +61,7 @@ static bool fold(reference *r, const shader_request *request, int variant) {
     const btf_shader_options options = shade_fold_options(request, variant);
     for (int i = 0; i < r->levels && options.fold != BTF_FOLD_NONE; i++) {
         btf_ref_folded *f = &r->folded[variant][i];
-        f->fold = options.fold == BTF_FOLD_LIGHT ? BTF_REF_FOLD_LIGHT : BTF_REF_FOLD_BOTH;
+        f->fold = (int)options.fold; /* the numbers are the same */
         f->values = shade_fold_reference(&r->level[i], &r->reference_options[variant], options.fold,
                                          options.fixed_light, options.fixed_view, r->threads);
         if (!f->values)

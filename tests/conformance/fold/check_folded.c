@@ -7,6 +7,7 @@
 #include "decoder/toolkit/reference_view.h"
 #include "tests/conformance/variant.h"
 
+#include <math.h>
 #include <openbtf/fold.h>
 
 enum { LIGHTS = 2, FOLD_UNIT = 30, EVALUATIONS = 64 };
@@ -32,8 +33,15 @@ static uint32_t level_of(size_t i, uint32_t levels) {
 
 btf_fold check_fold_kind(const btf_material_info *info, uint64_t seed, uint64_t count) {
     const uint64_t views = (uint64_t)info->n_views * info->width * info->height * LIGHTS;
-    return info->colour != BTF_COLOUR_NONE || views > EVALUATIONS * count || seed & 4 ? BTF_FOLD_BOTH
-                                                                                      : BTF_FOLD_LIGHT;
+    const bool light = info->colour == BTF_COLOUR_NONE && views <= EVALUATIONS * count;
+    const uint64_t kind = seed / 3 % 3;
+    if (kind == 0 && light)
+        return BTF_FOLD_LIGHT;
+    return kind == 1 ? BTF_FOLD_BOTH : BTF_FOLD_NEIGHBOURS;
+}
+
+uint32_t check_fold_left_out(btf_fold kind) {
+    return kind == BTF_FOLD_LIGHT ? BTF_EFFECT_GLOSS : kind == BTF_FOLD_BOTH ? BTF_EFFECT_RELIEF : 0;
 }
 
 /* Uploads all that the pass reads and folds the lights, for the fold's own programs and the session's. */
@@ -63,7 +71,7 @@ btf_result check_folded(const check_subject *subject, uint64_t seed, uint64_t co
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(subject->material, &info);
     shader.fold = check_fold_kind(&info, seed, count);
-    shader.leave_out |= shader.fold == BTF_FOLD_LIGHT ? BTF_EFFECT_GLOSS : BTF_EFFECT_RELIEF;
+    shader.leave_out |= check_fold_left_out(shader.fold);
     altered.shader = &shader;
     const btf_directions views = btf_material_views(subject->material),
                          lights = btf_material_lights(subject->material);
@@ -71,6 +79,13 @@ btf_result check_folded(const check_subject *subject, uint64_t seed, uint64_t co
     for (int i = 0; i < LIGHTS; ++i) {
         case_direction(&r, &lights, directions[i][0]);
         case_direction(&r, &views, directions[i][1]);
+    }
+    const float *view = directions[0][1];
+    const float length = view[0] * view[0] + view[1] * view[1] + view[2] * view[2];
+    if (shader.fold == BTF_FOLD_NEIGHBOURS && seed & 1 && fabsf(length - 1) < 1e-5f && view[2] > 0.01f) {
+        shader.fixed |= BTF_FIXED_VIEW; /* of both lights */
+        memcpy(shader.fixed_view, view, sizeof shader.fixed_view);
+        memcpy(directions[1][1], view, sizeof shader.fixed_view);
     }
     btf_gl_fold *fold = NULL;
     btf_result result = check_begin(&altered, body, &session);
@@ -94,7 +109,7 @@ btf_result check_folded(const check_subject *subject, uint64_t seed, uint64_t co
             f[0] = case_coordinate(&r, level->width);
             f[1] = case_coordinate(&r, level->height);
             memcpy(f + 2, directions[i & 1][0], sizeof directions[0][0]);
-            if (shader.fold == BTF_FOLD_BOTH)
+            if (shader.fold != BTF_FOLD_LIGHT)
                 memcpy(f + 5, directions[i & 1][1], sizeof directions[0][1]);
             else
                 case_direction(&r, &views, f + 5);

@@ -2,17 +2,17 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "bench.h"
+#include "tests/bench/bench.h"
 #include "tests/bench/decode/decode_rig.h"
-#include "encodes.h"
+#include "tests/bench/encodes.h"
 #include "plan_scenes.h"
+#include "rig_fold.h"
 
 #include "decoder/toolkit/cli.h"
-#include <openbtf/fold.h>
 #include <math.h>
 #include <unistd.h>
 
-enum { LEVELS = 4, ROUNDS = 7, WAYS = 3, UNIT_FOLDED = 31 };
+enum { LEVELS = 4, ROUNDS = 7, WAYS = 3 };
 
 static const float tolerance = 0.5f;
 
@@ -22,37 +22,6 @@ static const char *const fold_names[] = {"none", "light", "both"};
 typedef struct outputs {
     FILE *csv, *readme;
 } outputs;
-
-/* The shader that reads a plan's fold, and the fold, which is made here; no program where there is none. */
-static rig_variant make_folded(decode_rig *rig, const btf_material *small, const btf_plan *plan,
-                               btf_gl_fold **out_fold) {
-    btf_shader_options options = plan->shader;
-    options.fold = plan->fold;
-    if (plan->fold == BTF_FOLD_NONE) {
-        return (rig_variant){0};
-    }
-    btf_gl_options all = gpu_gl_options(rig->gpu, NULL);
-    btf_gl *textures = NULL;
-    btf_result result = btf_gl_upload(small, &all, rig->log, &textures);
-    all.shader = &options;
-    if (result == BTF_OK) {
-        result = btf_gl_fold_create(small, &all, 1, rig->log, out_fold);
-    }
-    if (result == BTF_OK) {
-        result = btf_gl_fold_run(*out_fold, textures, GPU_FIRST_UNIT + BTF_TEXTURE_COUNT / 2, 0,
-                                 options.fixed_light, options.fixed_view, rig->log);
-    }
-    btf_gl_destroy(&textures);
-    if (result != BTF_OK) {
-        return (rig_variant){0};
-    }
-    const rig_variant made =
-        rig_variant_create(rig, small, &options, gpu_evaluate_body, GPU_FIRST_UNIT + BTF_TEXTURE_COUNT / 2);
-    if (made.program) {
-        btf_gl_fold_bind(*out_fold, made.program, UNIT_FOLDED, NULL);
-    }
-    return made;
-}
 
 /* Nanoseconds a pixel of the plan, of everything and of the plan folded, the medians of rounds in which
  * they take turns. */
@@ -65,7 +34,11 @@ static void measure_times(decode_rig *rig, const btf_material *material, const b
         rig_variant_create(rig, small, &plan->shader, gpu_evaluate_body, GPU_FIRST_UNIT),
         rig_variant_create(rig, material, &everything, gpu_evaluate_body,
                            GPU_FIRST_UNIT + BTF_TEXTURE_COUNT)};
-    way[2] = make_folded(rig, small, plan, &fold);
+    btf_shader_options folded = plan->shader;
+    folded.fold = plan->fold;
+    if (plan->fold != BTF_FOLD_NONE) {
+        way[2] = rig_folded_create(rig, small, &folded, &fold);
+    }
     for (int round = 0; round < rounds; round++) {
         for (int w = 0; w < WAYS; w++) {
             ns[w][round] =
