@@ -76,7 +76,7 @@ rows=$(($(wc -l <before.csv) - 5))
 head -n $((rows + 1)) before.csv >b/journal.csv
 sed -n $((rows + 2))p before.csv | cut -c1-40 | tr -d '\n' >>b/journal.csv
 expect "goes on after a stop" 0 btf-bench --quick --input tiny --pairs pairs --only machine,encode,storage --holdout ring --out b -q
-expect_text "says how many rows were there" "^$rows rows come from before" b/summary.md
+expect_text "says how many rows were there" "^$rows rows were measured before the run was stopped" b/summary.md
 expect_that "keeps the rows it had, measures the others" python3 - $((rows + 1)) <<'P'
 import sys
 kept = int(sys.argv[1])
