@@ -201,7 +201,11 @@ import csv, os
 rows = list(csv.DictReader(open("gpu/decode-tiny.csv")))
 assert {row["material"].split(";")[0] for row in rows} == {"joint", "paper", "PCA", "Phong", "uncompressed"}
 assert {row["device"] for row in rows} == {"osmesa"} and os.path.getsize("gpu/conform.txt") > 0
+costs = list(csv.DictReader(open("gpu/costs-tiny.csv")))
+assert len(costs) > 8 and all(float(row["ns"]) > 0 and float(row["predicted_ns"]) > 0 for row in costs)
 P
+    expect_text "prints the prices" "^Prices in ns on .*llvmpipe" out
+    expect "plans go by the prices that were fitted" 0 btf-info tiny.btf.exr --plan all --costs gpu/costs.json
 else
     printf '[ RUN      ] decode\nskipped: no OSMesa\n[  SKIPPED ] decode\n'
 fi
