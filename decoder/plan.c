@@ -35,9 +35,9 @@ static void count_directions(const btfi_directions *directions, const btf_shader
         *out_skipped = 3 - btfi_neighbours_of(directions, range->direction, false).count;
 }
 
-/* The cost of a shader that reads a material of `info`, with the directions of `material`. */
-static float cost_of(const btf_material *material, const btf_material_info *info, const btf_shader_options *o,
-                     const btf_scene *scene) {
+/* The counts of a shader that reads a material of `info`, with the directions of `material`. */
+static btf_decode_counts counts_of(const btf_material *material, const btf_material_info *info,
+                                   const btf_shader_options *o, const btf_scene *scene) {
     btfi_around around;
     uint32_t none;
     count_directions(&material->views, o, BTF_FIXED_VIEW, o->fixed_view, scene ? &scene->view : NULL,
@@ -46,11 +46,22 @@ static float cost_of(const btf_material *material, const btf_material_info *info
     count_directions(&material->lights, o,
                      info->effects & ~o->leave_out & BTF_EFFECT_GLOSS ? 0 : BTF_FIXED_LIGHT, o->fixed_light,
                      NULL, &around.lights, &none);
-    const btf_decode_counts counts = btfi_count_decode(info, o, &around);
+    return btfi_count_decode(info, o, &around);
+}
+
+static float cost_of(const btf_material *material, const btf_material_info *info,
+                     const btf_shader_options *o, const btf_scene *scene) {
+    const btf_decode_counts counts = counts_of(material, info, o, scene);
     return (float)btf_cost_of(&counts, scene ? scene->costs : NULL);
 }
 
-float btf_plan_cost(const btf_material *material, const btf_shader_options *options, const btf_scene *scene) {
+btf_decode_counts btf_plan_counts(const btf_material *material, const btf_shader_options *options,
+                                  const btf_scene *scene) {
+    return counts_of(material, &material->info, options, scene);
+}
+
+float btf_plan_cost(const btf_material *material, const btf_shader_options *options,
+                    const btf_scene *scene) {
     return cost_of(material, &material->info, options, scene);
 }
 
@@ -261,7 +272,8 @@ static bool find_candidate(const error_table *t, uint32_t level, uint32_t effect
 }
 
 /* The error of a scene by a row of the table of errors between the samples; false where it says nothing. */
-static bool find_row_between(const btf_material *material, const btf_scene *scene, float left_out, double mse[2]) {
+static bool find_row_between(const btf_material *material, const btf_scene *scene, float left_out,
+                             double mse[2]) {
     const btf_between_errors b = btf_material_between_errors(material);
     double view[BTF_MAX_BANDS], light[BTF_MAX_BANDS], sum[2] = {0, 0}, weight = 0;
     uint32_t r = 0;
@@ -287,12 +299,16 @@ static bool find_row_between(const btf_material *material, const btf_scene *scen
 /* The same of the full decode. View or light that are samples are not left out. */
 static bool find_between(const btf_material *material, const btf_scene *scene, const error_table *t,
                          double mse[2]) {
-    return find_row_between(material, scene, (t->at_view < 1 ? 1.0f : 0.0f) + (t->at_light < 1 ? 2.0f : 0.0f), mse);
+    return find_row_between(material, scene,
+                            (t->at_view < 1 ? 1.0f : 0.0f) + (t->at_light < 1 ? 2.0f : 0.0f), mse);
 }
 
 /* By how much the error grows, as a share of it, where gloss is not decoded; false where the table does not say. */
 static bool find_gloss(const btf_material *material, const btf_scene *scene, double growth[2]) {
-    enum { BOTH = 3, BOTH_WITHOUT_GLOSS = 11 }; /* where the light is a sample, gloss only blurs it by others */
+    enum {
+        BOTH = 3,
+        BOTH_WITHOUT_GLOSS = 11
+    }; /* where the light is a sample, gloss only blurs it by others */
     double with[2], without[2];
     if (!find_row_between(material, scene, BOTH, with) ||
         !find_row_between(material, scene, BOTH_WITHOUT_GLOSS, without))
@@ -327,8 +343,8 @@ static void errors_to_tolerate(const btf_material *material, const btf_scene *sc
 }
 
 /* Whether a candidate adds at most the tolerance, in dB, to these errors, which grow by themselves, too. */
-static bool is_tolerated(const candidate *c, const candidate *full, const double base[2], const double growth[2],
-                         float tolerance) {
+static bool is_tolerated(const candidate *c, const candidate *full, const double base[2],
+                         const double growth[2], float tolerance) {
     const double most = pow(10, (double)tolerance / 10);
     for (int i = 0; i < 2; i++)
         if (base[i] * (1 + growth[i]) + fmax(c->mse[i] - full->mse[i], 0) > base[i] * most)
@@ -383,8 +399,9 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *given
     plan->psnr_linear = plan->full_psnr_linear = (float)psnr(full.mse[0]);
     plan->psnr_srgb = plan->full_psnr_srgb = (float)psnr(full.mse[1]);
     /* Without gloss a still light can be folded, whatever the view. */
-    const bool may_fold = info->effects & BTF_EFFECT_GLOSS & ~idle && scene.light.fixed && !scene.view.fixed &&
-                          tolerance > 0 && plan->level == 0 && find_gloss(material, &scene, growth[1]);
+    const bool may_fold = info->effects & BTF_EFFECT_GLOSS & ~idle && scene.light.fixed &&
+                          !scene.view.fixed && tolerance > 0 && plan->level == 0 &&
+                          find_gloss(material, &scene, growth[1]);
     const double *chosen_growth = growth[0];
     btf_plan best = *plan;
     chosen = full;

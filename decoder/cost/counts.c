@@ -103,19 +103,19 @@ static void add_components(btf_decode_counts *n, const way *w) {
     n->floats += turns * (16 + 32.0 * w->texels);
 }
 
-/* Of a class of factors: operations that expand a word of u, multiply a word of w with it (the masks, shifts, products
- * and sums of s shifts: 4 s - 1), and take the dot product of a whole unit or of a word out. Class 0 has signed bytes: 7
- * operations unpack a word. */
+/* Of a class of factors: operations that expand a word of u; that bring up the codes of a word of w (a shift and a mask for
+ * each of s shifts), once for all texels; that multiply it with u (products and sums: 2 s - 1); and that take the dot
+ * product of a whole unit or of a word out. Class 0 has signed bytes: 7 operations unpack a word. */
 typedef struct class_counts {
-    uint32_t expand, product, unit, word, layers, tier;
+    uint32_t expand, codes, product, unit, word, layers, tier;
     bool shifted;
 } class_counts;
 
-static const class_counts classes[BTF_FACTOR_CLASSES] = {{7, 14, 0, 0, 1, 0, true},
-                                                         {5 * 4 - 2 + 5, 15, 7, 2, 2, 1, true},
-                                                         {5 * 4 - 1 + 5, 15, 5, 2, 1, 1, true},
-                                                         {5 * 8 - 2 + 5, 31, 5, 2, 2, 2, false},
-                                                         {5 * 4 - 1 + 5, 15, 11, 2, 1, 2, false}};
+static const class_counts classes[BTF_FACTOR_CLASSES] = {{7, 7, 7, 0, 0, 1, 0, true},
+                                                         {5 * 4 - 2 + 5, 8, 7, 7, 2, 2, 1, true},
+                                                         {5 * 4 - 1 + 5, 8, 7, 5, 2, 1, 1, true},
+                                                         {5 * 8 - 2 + 5, 16, 15, 5, 2, 2, 2, false},
+                                                         {5 * 4 - 1 + 5, 8, 7, 11, 2, 1, 2, false}};
 
 /* One unit, evaluated whole or word by word, in `views` views for one u a texel, or one a texel and view. */
 static void add_unit(btf_decode_counts *n, const class_counts *c, bool mixed, uint32_t views, uint32_t of_u,
@@ -125,6 +125,7 @@ static void add_unit(btf_decode_counts *n, const class_counts *c, bool mixed, ui
     fetch(n, views * w->lights + c->layers * texels * of_u + 1, 16);
     n->floats += sums;
     n->integers += texels * of_u * 4 * c->expand;
+    n->integers += views * w->lights * 4.0 * c->codes;
     const double dot = 4.0 * c->product + (mixed ? 4 * c->word : c->unit);
     n->integers += texels * views * (w->lights * dot + sums * blend);
     n->floats += texels * views * 3 * sums;
@@ -135,11 +136,15 @@ static uint32_t units_of_words(uint32_t words, uint32_t units) {
     return whole < units ? whole : units;
 }
 
+/* Whether views are evaluated one after another, behind the branch that passes over those of weight 0. */
+static bool is_apart(const way *w) {
+    return w->stochastic || (w->effects & BTF_EFFECT_SHIFT && !(w->effects & BTF_EFFECT_RELIEF));
+}
+
 /* u is fetched and expanded once for all views, but where they have sources of their own: with shift alone view after
  * view, with relief in one round. A tier has three factors of its view, and the channels take 6 operations. */
 static void add_factors(btf_decode_counts *n, const btf_material_info *info, const way *w) {
-    const bool relief = w->effects & BTF_EFFECT_RELIEF,
-               apart = w->stochastic || (w->effects & BTF_EFFECT_SHIFT && !relief);
+    const bool relief = w->effects & BTF_EFFECT_RELIEF, apart = is_apart(w);
     const uint32_t rounds = apart ? w->views : 1, views = apart ? 1 : w->views;
     uint32_t tiers[3] = {0}, units = w->components;
     for (int c = 0; c < BTF_FACTOR_CLASSES; c++) {
@@ -211,12 +216,16 @@ btf_decode_counts btfi_count_decode(const btf_material_info *info, const btf_sha
     if (!lit)
         w.effects &= ~(uint32_t)BTF_EFFECT_GLOSS;
     add_codes(&n, info, &w);
-    add_sbrdf(&n, info, &w);
     add_between(&n, info, &w, marched);
-    if (w.components > 0 && info->store == BTF_STORE_FACTORS)
+    if (w.components > 0 && info->store == BTF_STORE_FACTORS && !is_apart(&w))
         add_factors(&n, info, &w);
-    else if (w.components > 0)
+    const double before = n.integers + n.floats;
+    add_sbrdf(&n, info, &w);
+    if (w.components > 0 && info->store == BTF_STORE_FACTORS && is_apart(&w))
+        add_factors(&n, info, &w);
+    else if (w.components > 0 && info->store == BTF_STORE_COMPONENTS)
         add_components(&n, &w);
+    n.masked = w.stochastic ? 0 : n.integers + n.floats - before;
     return n;
 }
 

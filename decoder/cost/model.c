@@ -18,6 +18,7 @@ static const btf_cost_model llvmpipe = {
     .byte = 0.07,
     .integer = 0.025,
     .real = 0.025,
+    .masked = 0.01,
 };
 
 const btf_cost_model *btf_cost_model_builtin(void) {

@@ -168,7 +168,7 @@ static btf_result draw(const bench_run *run, const bench_table *table, const gro
 btf_result bench_section_growth(const bench_run *run) {
     const growth quick[] = {
         {"texels", "texels", {{4, "small"}, {8, "small"}, {16, "small"}}, 3},
-        {"directions", "views and as many lights", {{6, "small"}, {6, "40"}, {6, "ubo"}}, 3}};
+        {"directions", "views and as many lights", {{4, "small"}, {4, "30"}, {4, "45"}}, 3}};
     const growth full[] = {{"texels", "texels", {{16, "ubo"}, {32, "ubo"}, {64, "ubo"}, {128, "ubo"}}, 4},
                            {"directions",
                             "views and as many lights",

@@ -15,7 +15,7 @@ from openbtf import data
 PAIRS = {
     "btf_log": c.Log, "btf_texture": c.Texture, "btf_material_info": c.Info, "btf_material_error": c.MaterialError,
     "btf_directions": c.Directions, "btf_shader_options": c.ShaderOptions, "btf_evaluate_options": c.EvaluateOptions,
-    "btf_evaluations": c.Evaluations, "btf_range": c.Range, "btf_scene": c.Scene, "btf_plan": c.Plan,
+    "btf_evaluations": c.Evaluations, "btf_range": c.Range, "btf_scene": c.Scene, "btf_cost_model": c.CostModel, "btf_plan": c.Plan,
     "btf_light_sampling": c.LightSampling, "btf_ref_sampling": c.RefSampling, "btf_ref_options": c.RefOptions,
     "btf_ref_material": c.RefMaterial, "btf_input_options": data.InputOptions, "btf_input_info": data.InputInfo,
 }

@@ -151,6 +151,14 @@ class Materials(unittest.TestCase):
         uv, v = np.random.default_rng(4).random((64, 2), np.float32), np.array([0, 0, 1], np.float32)
         options = dict(effects=plan.effects, components=plan.components or None, interpolation=plan.interpolation, filter=plan.filter)
         np.testing.assert_array_equal(bits(small.evaluate(uv, v, v, **options)), bits(m.evaluate(uv, v, v, level=plan.level, **options)))
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "costs.json")
+            pathlib.Path(path).write_text('{"openbtf_costs": 1, "pixel": 7, "look_up": 0, "point": 0, "move": 0, "step": 0, '
+                                          '"fetch": 0, "byte": 0, "integer": 0, "float": 0, "masked": 0}')
+            self.assertEqual(m.plan(costs=path).full_cost, 7)
+            pathlib.Path(path).write_text("{}")
+            with self.assertRaisesRegex(openbtf.BadFileError, "costs.json"):
+                m.plan(costs=path)
         with self.assertRaisesRegex(openbtf.UsageError, "shape"):
             m.plan(view=(1, 2, 3, 4, 5))
 

@@ -34,6 +34,7 @@ typedef struct btf_decode_counts {
     double bytes;    /**< of these texels */
     double integers; /**< operations on integers; a shift, a mask, a product, a sum and a conversion are one each */
     double floats;   /**< operations on floats; a power is 35, natively 3 */
+    double masked;   /**< of both, those behind the branch that passes over a view of weight 0: they count once more */
 } btf_decode_counts;
 
 /** @return the counts of a material decoded as @p options say (NULL: everything), the value of options->fold included. A
@@ -51,7 +52,8 @@ btf_decode_counts btf_count_decode(const btf_material_info *info, const btf_shad
     X(fetch, "fetch", fetches)                                                                             \
     X(byte, "byte", bytes)                                                                                 \
     X(integer, "integer", integers)                                                                        \
-    X(real, "float", floats)
+    X(real, "float", floats)                                                                               \
+    X(masked, "masked", masked)
 
 /** Prices of the counts, in nanoseconds each: of one core, or of a GPU as a whole. Only ratios matter to a plan. */
 typedef struct btf_cost_model {
@@ -66,6 +68,7 @@ typedef struct btf_cost_model {
     double byte;        /**< of a byte of it */
     double integer;     /**< of an operation on integers */
     double real;        /**< of an operation on floats */
+    double masked;      /**< more for either behind a branch, where a rasteriser on a CPU keeps what it masks */
 } btf_cost_model;
 
 /** @return the built-in prices, of llvmpipe; decoder/README.md says what they were fitted to and how well. */

@@ -102,12 +102,14 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *scene
 btf_result btf_plan_predict(const btf_material *material, const btf_plan *plan, uint32_t effects,
                             uint32_t components, float *out_linear, float *out_srgb);
 
-/** @return the cost of one evaluation by a shader of these options where @p scene is shown (NULL: anything), in
- * nanoseconds: btf_count_decode, with the neighbours that the directions really have, by the prices of scene->costs.
- * Without a fold in the options: with one, of a pixel that reads the fold.
- *
- * A neighbouring view of weight 0 is counted like the others but for the components of a residual that has more than six
- * groups of four, a loop, which a rasteriser that masks runs once and a compiler that branches not at all. */
+/** @return the counts of one evaluation by a shader of these options where @p scene is shown (NULL: anything), with the
+ * neighbours that fixed directions really have. A neighbouring view of weight 0 is counted like the others but for the
+ * components of a residual that has more than six groups of four, a loop, which a rasteriser that masks runs once and a
+ * compiler that branches not at all. */
+btf_decode_counts btf_plan_counts(const btf_material *material, const btf_shader_options *options,
+                                  const btf_scene *scene);
+
+/** @return the cost of one evaluation, in nanoseconds: btf_plan_counts by the prices of scene->costs. */
 float btf_plan_cost(const btf_material *material, const btf_shader_options *options,
                     const btf_scene *scene);
 

@@ -102,13 +102,18 @@ class Evaluations(ctypes.Structure):
                 ("views", c_void_p), ("levels", c_void_p), ("fixed", c_uint32), ("stride", c_size_t), ("rgb", c_void_p)]
 
 
+class CostModel(ctypes.Structure):
+    _fields_ = [("struct_size", c_size_t), ("device", ctypes.c_char * 128)] + [(name, c_double) for name in (
+        "pixel", "look_up", "point", "move", "step", "fetch", "byte", "integer", "real", "masked")]
+
+
 class Range(ctypes.Structure):
     _fields_ = [("theta", c_float * 2), ("phi", c_float * 2), ("fixed", c_int), ("direction", c_float * 3)]
 
 
 class Scene(ctypes.Structure):
     _fields_ = [("struct_size", c_size_t), ("view", Range), ("light", Range), ("pixels", c_float), ("lights", c_uint32),
-                ("interpolate", c_int)]
+                ("interpolate", c_int), ("costs", c_void_p)]
 
 
 class Plan(ctypes.Structure):
@@ -193,6 +198,7 @@ _SIGNATURES = {
     "btf_material_between_errors": (BetweenErrors, [c_void_p]),
     "btf_material_save": (c_int, [c_void_p, c_char_p, POINTER(Log)]),
     "btf_material_restrict": (c_int, [c_void_p, POINTER(Plan), POINTER(Log), POINTER(c_void_p)]),
+    "btf_cost_model_open": (c_int, [c_char_p, POINTER(Log), POINTER(CostModel)]),
     "btf_plan_effects": (c_int, [c_void_p, POINTER(Scene), c_float, POINTER(Plan)]),
     "btf_shader_source": (c_int, [c_void_p, POINTER(ShaderOptions), POINTER(Log), POINTER(c_void_p)]),
     "btf_free": (None, [c_void_p]),

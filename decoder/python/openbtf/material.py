@@ -19,7 +19,7 @@ _FILTERS = {"texel": 0, "bilinear": 1, "steep": 2}
 _MATHS = {"exact": 0, "fast": 1}
 _BINDINGS = {"none": 0, "gl": 1, "vulkan": 2}
 _PICKS = {"none": 0, "view": 1, "light": 2, "all": 3}
-_FOLDS = {"none": 0, "light": 1, "both": 2}
+_FOLDS = {"none": 0, "light": 1, "both": 2, "neighbours": 3}
 _TEXTURES = 20
 
 
@@ -435,12 +435,13 @@ class Material:
         finally:
             c.library.btf_free(text)
 
-    def plan(self, view=None, light=None, tolerance=0.5, pixels=1.0, lights=1, interpolate=False):
+    def plan(self, view=None, light=None, tolerance=0.5, pixels=1.0, lights=1, interpolate=False, costs=None):
         """The cheapest way to decode a scene at most `tolerance` dB worse where the scene looks (openbtf/plan.h).
 
         `view` and `light`: None for every direction, (theta_min, theta_max) or (theta_min, theta_max, phi_min, phi_max)
         in degrees, or a unit vector as an array of 3 floats for one that never changes. `pixels`: side of a texel on
-        the screen. `lights`: evaluations a pixel. `interpolate`: never nearest directions."""
+        the screen. `lights`: evaluations a pixel. `interpolate`: never nearest directions. `costs`: a file of prices of the
+        device (openbtf/cost.h); default those of llvmpipe."""
         scene = c.Scene(struct_size=sizeof(c.Scene), pixels=pixels, lights=lights, interpolate=int(interpolate))
         for target, value, name in ((scene.view, view, "view"), (scene.light, light, "light")):
             if value is None:
@@ -453,8 +454,13 @@ class Material:
                 target.phi = (c_float * 2)(*value[2:].tolist())
             else:
                 raise c.UsageError("%s has shape %s; it is 2 or 4 angles, or a unit vector" % (name, value.shape), 1)
+        if costs is not None:
+            messages, prices = c.Messages(), c.CostModel()
+            messages.check(c.library.btf_cost_model_open(os.fsencode(costs), messages.pointer, byref(prices)))
+            scene.costs = ctypes.addressof(prices)
         plan = c.Plan(struct_size=sizeof(c.Plan))
         c.Messages().check(c.library.btf_plan_effects(self._handle.pointer, byref(scene), tolerance, byref(plan)))
+        plan.scene.costs = None # the prices end with this call
         return Plan(plan)
 
     def restrict(self, plan):

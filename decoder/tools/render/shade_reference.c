@@ -202,4 +202,9 @@ static btf_result no_time(void *self, int variant, int repeats, shader_times *ou
     return BTF_ERROR_UNSUPPORTED;
 }
 
-const shader_class shader_class_reference = {create, destroy, name, max_width, run, no_time};
+static btf_fold folded(const void *self) {
+    const btf_ref_folded *of = ((const reference *)self)->folded[0];
+    return of->values ? (btf_fold)of->fold : BTF_FOLD_NONE;
+}
+
+const shader_class shader_class_reference = {create, destroy, name, max_width, run, folded, no_time};

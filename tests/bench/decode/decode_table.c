@@ -257,7 +257,7 @@ typedef struct shown {
 static const shown series[] = {{DECODE_JOINT, "joint, exact", 0},
                                {DECODE_JOINT, "joint, fast math", 1},
                                {DECODE_HALF_JOINT, "joint, half the bytes, exact", 0},
-                               {DECODE_RELIEF, "joint fitted between, with relief and gloss, exact", 0},
+                               {DECODE_RELIEF, "joint, relief and gloss, exact", 0},
                                {DECODE_PAPER, "paper, exact", 0},
                                {DECODE_PAPER, "paper, fast math", 1},
                                {"Phong", "Phong", -1},

@@ -19,6 +19,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+static btf_material *make(const synthetic_spec *spec) {
+    btf_material *material = NULL;
+    assert_int_equal(synthetic_create(spec, &folds_log, &material), BTF_OK);
+    return material;
+}
+
 /* Evaluations that differ between a fold and none. */
 static uint64_t compare(const btf_material *material, const btf_ref_options *options, int fold,
                         uint64_t seed, uint64_t *evaluated) {
@@ -51,10 +57,46 @@ static uint64_t compare(const btf_material *material, const btf_ref_options *opt
     return different;
 }
 
+/* Texels of a fold made by the library on the CPU that differ from the reference's. */
+static uint64_t compare_texels(const btf_material *material, const btf_shader_options *shader,
+                               const btf_ref_options *options, uint64_t seed, uint64_t *compared) {
+    enum { LIGHTS = 2 };
+    random_state r = {seed};
+    const btf_directions views = btf_material_views(material), lights = btf_material_lights(material);
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_material_get_info(material, &info);
+    float light[LIGHTS][3], view[LIGHTS][3];
+    for (int i = 0; i < LIGHTS; ++i) {
+        case_direction(&r, &lights, light[i]);
+        case_direction(&r, &views, view[i]);
+    }
+    uint32_t *texels = NULL;
+    assert_int_equal(btf_material_fold(material, shader, LIGHTS, light[0], view[0], &folds_log, &texels),
+                     BTF_OK);
+    const uint32_t *at = texels;
+    uint64_t different = 0;
+    for (uint32_t level = 0; level < info.levels; ++level) {
+        btf_ref_material m;
+        reference_view(material, level, &m);
+        const size_t words = (size_t)4 * m.width * m.height * folds_layers(&m, (int)shader->fold);
+        for (int i = 0; i < LIGHTS; ++i, at += words) {
+            float *values = folds_reference(&m, options, (int)shader->fold, light[i], view[i]);
+            assert_non_null(values);
+            for (size_t w = 0; w < words; w += 4)
+                different += memcmp(at + w, values + w, 4 * sizeof *at) != 0;
+            *compared += words / 4;
+            free(values);
+        }
+    }
+    assert_int_equal((size_t)(at - texels) * sizeof *at, btf_fold_bytes(&info, shader->fold, LIGHTS));
+    btf_free(texels);
+    return different;
+}
+
 static void folded_reference_has_the_same_bits(void **state) {
     (void)state;
     static variant list[VARIANT_MAX];
-    uint64_t evaluated[4] = {0};
+    uint64_t evaluated[4] = {0}, compared = 0;
     const size_t count = variant_pairwise(3, list);
     for (size_t i = 0; i < count; ++i) {
         const synthetic_spec *s = &list[i].spec;
@@ -69,18 +111,71 @@ static void folded_reference_has_the_same_bits(void **state) {
             options.effects &= ~check_fold_left_out((btf_fold)fold);
             if (!btf_ref_can_fold(&m, &options, fold))
                 continue;
-            const uint64_t different = compare(material, &options, fold, s->seed, &evaluated[fold]);
-            if (different)
-                fprintf(stderr, "%s, fold %d: %llu differ\n", list[i].name, fold,
-                        (unsigned long long)different);
-            assert_int_equal(different, 0);
+            btf_shader_options shader = list[i].shader;
+            shader.fold = (btf_fold)fold;
+            shader.leave_out |= check_fold_left_out(shader.fold);
+            const uint64_t different = compare(material, &options, fold, s->seed, &evaluated[fold]),
+                           texels = compare_texels(material, &shader, &options, s->seed, &compared);
+            if (different || texels)
+                fprintf(stderr, "%s, fold %d: %llu evaluations, %llu texels differ\n", list[i].name, fold,
+                        (unsigned long long)different, (unsigned long long)texels);
+            assert_true(different == 0 && texels == 0);
         }
         btf_material_close(&material);
     }
     printf("%llu evaluations of folded lights, %llu of both, %llu of neighbours\n",
            (unsigned long long)evaluated[1], (unsigned long long)evaluated[2],
            (unsigned long long)evaluated[3]);
+    printf("%llu texels folded by the library\n", (unsigned long long)compared);
+    assert_true(compared > 100000);
     assert_true(evaluated[1] > 1000 && evaluated[2] > 5000 && evaluated[3] > 5000);
+}
+
+/* A sum of lights, of whole texels, is the sum of what is not folded; the library's has the bits of the reference's. */
+static void sums_of_lights_are_exact(void **state) {
+    (void)state;
+    enum { LIGHTS = 5, TEXELS = 13 * 7 };
+    static float one[TEXELS][4], sum[TEXELS][4];
+    static uint32_t texels[TEXELS][4], total[TEXELS][4];
+    const float view[3] = {0.36f, 0.48f, 0.8f};
+    const btf_shader_options shader = {
+        .struct_size = sizeof shader, .leave_out = BTF_EFFECT_RELIEF, .fold = BTF_FOLD_BOTH};
+    const btf_ref_options options = variant_reference_options(&shader);
+    random_state r = {17};
+    btf_material *material = make(&folds_of_roots);
+    btf_evaluator *evaluator = NULL;
+    const btf_directions lights = btf_material_lights(material);
+    float light[LIGHTS][3], weight[LIGHTS][3];
+    btf_ref_material m;
+    reference_view(material, 0, &m);
+    assert_int_equal(btf_evaluator_create(material, &folds_log, &evaluator), BTF_OK);
+    for (int i = 0; i < LIGHTS; ++i) {
+        case_direction(&r, &lights, light[i]);
+        for (int c = 0; c < 3; ++c)
+            weight[i][c] = (float)random_between(&r, 0, 3);
+        btf_ref_fold_both(&m, &options, light[i], view, 0, m.height, one[0]);
+        btf_ref_fold_add(TEXELS, one[0], weight[i], sum[0]);
+        assert_int_equal(btf_fold_rows(evaluator, &shader, light[i], view, 0, 0, 0, m.height, texels[0]),
+                         BTF_OK);
+        btf_fold_add(TEXELS, texels[0], weight[i], total[0]);
+    }
+    assert_memory_equal(sum, total, sizeof sum);
+    const btf_ref_folded folded = {BTF_REF_FOLD_BOTH, sum[0]};
+    for (int i = 0; i < 300; ++i) {
+        const float u = case_coordinate(&r, m.width), v = case_coordinate(&r, m.height), top[3] = {0, 0, 1};
+        float expected[3] = {0, 0, 0}, rgb[3];
+        for (int l = 0; l < LIGHTS; ++l) {
+            btf_ref_evaluate(&m, &options, u, v, light[l], view, rgb);
+            for (int c = 0; c < 3; ++c) {
+                const float term = rgb[c] * weight[l][c];
+                expected[c] = expected[c] + term;
+            }
+        }
+        btf_ref_evaluate_folded(&m, &options, &folded, u, v, top, view, rgb);
+        assert_memory_equal(rgb, expected, sizeof rgb);
+    }
+    btf_evaluator_destroy(&evaluator);
+    btf_material_close(&material);
 }
 
 /* Library and reference agree on which folds there are, and the library says why there is none. */
@@ -131,12 +226,6 @@ static void undefined_folds_are_refused(void **state) {
         btf_free(text);
         btf_material_close(&material);
     }
-}
-
-static btf_material *make(const synthetic_spec *spec) {
-    btf_material *material = NULL;
-    assert_int_equal(synthetic_create(spec, &folds_log, &material), BTF_OK);
-    return material;
 }
 
 /* A folded shader reads where, not what; the fold is as large as it says; and it costs less. */
@@ -271,6 +360,7 @@ static void plans_weigh_gloss(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(folded_reference_has_the_same_bits),
+        cmocka_unit_test(sums_of_lights_are_exact),
         cmocka_unit_test(undefined_folds_are_refused),
         cmocka_unit_test(a_folded_shader_reads_less),
         cmocka_unit_test(plans_fold),

@@ -118,6 +118,89 @@ static void state_is_left_alone(void **state) {
     btf_material_close(&material);
 }
 
+/* The texture that GL fills is the one that the CPU makes, whatever is folded. */
+static void gl_and_cpu_fold_the_same(void **state) {
+    (void)state;
+    enum { LIGHTS = 2, LEVELS = 3, MOST = 4 * 13 * 7 * 9 * LIGHTS };
+    static uint32_t drawn[MOST];
+    static const float light[LIGHTS][3] = {{0.6f, 0, 0.8f}, {-0.28f, 0, 0.96f}},
+                       view[LIGHTS][3] = {{0, 0.6f, 0.8f}, {0, 0, 1}};
+    const gl_api *api = gpu_api(device);
+    btf_material *material = make(&folds_of_roots);
+    btf_gl_options options = gpu_gl_options(device, NULL);
+    btf_gl *textures = NULL;
+    assert_int_equal(btf_gl_upload(material, &options, &folds_log, &textures), BTF_OK);
+    for (int kind = BTF_FOLD_LIGHT; kind <= BTF_FOLD_NEIGHBOURS; ++kind) {
+        const btf_shader_options shader = {.struct_size = sizeof shader,
+                                           .leave_out = check_fold_left_out((btf_fold)kind),
+                                           .fold = (btf_fold)kind};
+        btf_gl_fold *fold = NULL;
+        uint32_t *texels = NULL;
+        options.shader = &shader;
+        assert_int_equal(btf_gl_fold_create(material, &options, LIGHTS, &folds_log, &fold), BTF_OK);
+        for (uint32_t i = 0; i < LIGHTS; ++i)
+            assert_int_equal(
+                btf_gl_fold_run(fold, textures, GPU_FIRST_UNIT, i, light[i], view[i], &folds_log), BTF_OK);
+        const uint32_t few = kind == BTF_FOLD_BOTH ? 0 : LIGHTS; /* no lights, or not of radiance */
+        assert_int_equal(btf_gl_fold_run_lights(fold, textures, GPU_FIRST_UNIT, 0, few, light[0], light[0],
+                                                view[0], &folds_log),
+                         BTF_ERROR_USAGE);
+        assert_int_equal(btf_gl_fold_run_lights(fold, textures, GPU_FIRST_UNIT, 0, LIGHTS, light[0], NULL,
+                                                view[0], &folds_log),
+                         BTF_ERROR_USAGE);
+        assert_int_equal(
+            btf_material_fold(material, &shader, LIGHTS, light[0], view[0], &folds_log, &texels), BTF_OK);
+        const uint32_t *at = texels;
+        for (uint32_t level = 0; level < LEVELS; ++level) {
+            btf_ref_material m;
+            reference_view(material, level, &m);
+            const size_t words = (size_t)4 * m.width * m.height * folds_layers(&m, kind) * LIGHTS;
+            api->BindTexture(GL_TEXTURE_2D_ARRAY, btf_gl_fold_texture(fold));
+            api->GetTexImage(GL_TEXTURE_2D_ARRAY, (GLint)level, GL_RGBA_INTEGER, GL_UNSIGNED_INT, drawn);
+            assert_memory_equal(drawn, at, words * sizeof *at);
+            at += words;
+        }
+        btf_free(texels);
+        btf_gl_fold_destroy(&fold);
+    }
+    btf_gl_destroy(&textures);
+    btf_material_close(&material);
+}
+
+/* Calls of the CPU's folds that are wrong, each in one thing. */
+static void wrong_rows_are_refused(void **state) {
+    (void)state;
+    static const float top[3] = {0, 0, 1};
+    btf_material *material = make(&folds_of_roots);
+    btf_evaluator *evaluator = NULL;
+    btf_shader_options shader = {.struct_size = sizeof shader, .fold = BTF_FOLD_NEIGHBOURS};
+    uint32_t row[13][4], *texels = NULL;
+    assert_int_equal(btf_evaluator_create(material, &folds_log, &evaluator), BTF_OK);
+    assert_int_equal(btf_fold_rows(evaluator, &shader, top, top, 0, 2, 6, 1, row[0]), BTF_OK);
+    assert_int_equal(btf_fold_rows(evaluator, &shader, top, NULL, 0, 2, 6, 1, row[0]), BTF_ERROR_USAGE);
+    assert_int_equal(btf_fold_rows(evaluator, &shader, top, top, 3, 2, 6, 1, row[0]), BTF_ERROR_USAGE);
+    assert_int_equal(btf_fold_rows(evaluator, &shader, top, top, 0, 3, 6, 1, row[0]), BTF_ERROR_USAGE);
+    assert_int_equal(btf_fold_rows(evaluator, &shader, top, top, 0, 2, 6, 2, row[0]), BTF_ERROR_USAGE);
+    assert_int_equal(btf_fold_rows(evaluator, &shader, top, top, 1, 2, 3, 1, row[0]), BTF_ERROR_USAGE);
+    assert_int_equal(btf_material_fold(material, &shader, 1, top, NULL, &folds_log, &texels),
+                     BTF_ERROR_USAGE);
+    assert_int_equal(btf_material_fold(material, &shader, 0, top, top, &folds_log, &texels),
+                     BTF_ERROR_USAGE);
+    shader.fold = BTF_FOLD_LIGHT; /* gloss */
+    assert_int_equal(btf_fold_rows(evaluator, &shader, top, NULL, 0, 0, 0, 1, row[0]),
+                     BTF_ERROR_UNSUPPORTED);
+    assert_int_equal(btf_material_fold(material, &shader, 1, top, NULL, &folds_log, &texels),
+                     BTF_ERROR_UNSUPPORTED);
+    assert_non_null(strstr(folds_said, "gloss"));
+    shader.fold = BTF_FOLD_NONE;
+    assert_int_equal(btf_fold_rows(evaluator, &shader, top, NULL, 0, 0, 0, 1, row[0]), BTF_ERROR_USAGE);
+    assert_int_equal(btf_material_fold(material, &shader, 1, top, top, &folds_log, &texels),
+                     BTF_ERROR_USAGE);
+    assert_null(texels);
+    btf_evaluator_destroy(&evaluator);
+    btf_material_close(&material);
+}
+
 static int setup(void **state) {
     (void)state;
     device = gpu_create_or_skip(&context_devices[0]);
@@ -134,6 +217,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(wrong_calls_are_refused),
         cmocka_unit_test(state_is_left_alone),
+        cmocka_unit_test(gl_and_cpu_fold_the_same),
+        cmocka_unit_test(wrong_rows_are_refused),
     };
     return cmocka_run_group_tests_name("fold-gl", tests, setup, teardown);
 }

@@ -27,7 +27,8 @@ static const btf_cost_model made = {.struct_size = sizeof made,
                                     .fetch = 1.2,
                                     .byte = 0,
                                     .integer = 0.02,
-                                    .real = 0.03};
+                                    .real = 0.03,
+                                    .masked = 0.01};
 
 static btf_decode_counts random_counts(random_state *r) {
     return (btf_decode_counts){.pixels = 1,
@@ -38,7 +39,8 @@ static btf_decode_counts random_counts(random_state *r) {
                                .fetches = 10 + random_below(r, 200),
                                .bytes = 10 + random_below(r, 3000),
                                .integers = random_below(r, 9000),
-                               .floats = random_below(r, 900)};
+                               .floats = random_below(r, 900),
+                               .masked = random_below(r, 2) * random_below(r, 5000)};
 }
 
 static void make_samples(double noise, cost_sample samples[SAMPLES]) {

@@ -22,7 +22,7 @@
 
 #define REST                                                                                               \
     "\"pixel\": 1, \"look_up\": 2.5, \"point\": 0.5, \"move\": 4e0, \"step\": 0, \"fetch\": 1.25e+1,"      \
-    "\"byte\": 125E-3, \"integer\": 0.02"
+    "\"byte\": 125E-3, \"integer\": 0.02, \"masked\": 0"
 #define GOOD "{\"openbtf_costs\": 1, " REST ", \"float\": 0.03}"
 
 static btf_result parse(const char *text, btf_cost_model *out) {
@@ -95,7 +95,7 @@ static const struct {
     {"{\"openbtf_costs\": 1, " REST ", \"float\": 1, \"device\": \"\n\"}", "expected no control character"},
     {"{\"openbtf_costs\": 1, " REST ", \"float\": 1, \"deviation\": -1}", "deviation is -1, not within"},
     {"{\"openbtf_costs\": 1, \"pixel\": 0, \"look_up\": 0, \"point\": 0, \"move\": 0, \"step\": 0, \"fetch\": 0,"
-     "\"byte\": 0, \"integer\": 0, \"float\": 0}", "every price is 0"},
+     "\"byte\": 0, \"integer\": 0, \"float\": 0, \"masked\": 0}", "every price is 0"},
 };
 /* clang-format on */
 
@@ -151,7 +151,7 @@ static void files_are_opened(void **state) {
 /* A price alone makes its count the cost; NULL are those built in. */
 static void costs_are_counts_by_prices(void **state) {
     (void)state;
-    btf_decode_counts n = {1, 2, 3, 4, 5, 6, 7, 8, 9};
+    btf_decode_counts n = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10};
 #define ALONE(price, name, count)                                                                          \
     {                                                                                                      \
         const btf_cost_model m = {.struct_size = sizeof m, .price = 10};                                   \
