@@ -18,7 +18,8 @@
 #include "encoder/report/pictures.h"
 #include "encoder/model/decode_samples.h"
 #include "encoder/model/preview.h"
-#include "encoder/report/report.h"
+#include "encoder/report/report_json.h"
+#include "encoder/report/report_print.h"
 #include "encoder/base/ranks.h"
 #include "encoder/model/unpack.h"
 
