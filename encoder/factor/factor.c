@@ -46,8 +46,8 @@ static void first_ranks(size_t texels, size_t columns, uint64_t budget, size_t o
     out[1] = out[2] = luma / CHROMA_SHARE + SPARE < side ? luma / CHROMA_SHARE + SPARE : side;
 }
 
-/* How many components to find anew: 0 where enough were found. Too few were where the plan keeps all of
- * them, up to a word, and the matrix has more. */
+/* The number of components to search for again; 0 where enough were found. Too few were found where the plan keeps
+ * all of them, up to a word, and the matrix has more. */
 static size_t missing(const enc_factor_matrix *m, const enc_components *components,
                       const enc_factor_plan *plan, int channel) {
     const size_t side = m->texels < m->columns ? m->texels : m->columns;
@@ -218,7 +218,7 @@ static bool has_room(const enc_factor_matrix *m, const enc_factor_options *optio
     return d->samples && (m->context->memory == 0 || all <= m->context->memory);
 }
 
-/* Measures a candidate where a choice is to be made, or the error is asked for. */
+/* Measures the error of a candidate, where candidates are compared or the caller asks for it. */
 static btf_result measure(const enc_factor_matrix *m, const enc_factor_options *options, found *f) {
     btf_result result = BTF_OK;
     if (options->measure || (options->match == ENC_FACTOR_CHOOSE_MATCH && has_room(m, options, false))) {
@@ -239,7 +239,7 @@ static void end_trial(const enc_factor_matrix *m, double begin, found *f) {
     }
 }
 
-/* Shifts and gains to the result, and the bytes of their lists. */
+/* Moves shifts and gains to the result, and counts the bytes of their lists. */
 static btf_result deliver_match(const enc_factor_matrix *m, const enc_match *match, enc_factors *out) {
     const size_t points = match->texels * match->views;
     out->shift = malloc(2 * points);
@@ -256,7 +256,7 @@ static btf_result deliver_match(const enc_factor_matrix *m, const enc_match *mat
     return BTF_OK;
 }
 
-/* Packs a candidate, which the checkpoint keeps, and frees its codes. */
+/* Packs a candidate, hands it to the checkpoint, and frees its codes. */
 static btf_result finish(const enc_factor_matrix *m, const enc_factor_options *options, double begin,
                          found *f) {
     btf_result result = BTF_OK;
@@ -371,7 +371,8 @@ static btf_result hand_over(const enc_factor_matrix *m, uint64_t bytes, uint64_t
     return BTF_OK;
 }
 
-/* With match, at the same bytes as `plain`; where it must not be given up, at least one unit of factors. */
+/* Encodes with match at the same bytes as `plain`. Where the user asked for match, it gets at least the bytes of one
+ * unit of factors. */
 static btf_result try_match(const enc_factor_matrix *m, const enc_factor_options *options, found *plain,
                             found *matched) {
     const double begin = progress_core_clock();
@@ -410,7 +411,7 @@ static bool pays(const enc_factor_matrix *m, const found *plain, const found *ma
     return gain >= MUST_GAIN;
 }
 
-/* Components of the basis, with a plan for the budget. */
+/* Takes the components of options->basis, and plans the budget with them. */
 static btf_result borrow_components(const enc_factor_matrix *m, const enc_factor_options *options,
                                     found *f) {
     const enc_factor_energies energies = enc_components_energies(options->basis);
@@ -440,7 +441,7 @@ static btf_result find_components(const enc_factor_matrix *m, const enc_factor_o
     return result;
 }
 
-/* The candidates that the options call for; trial.kept of one of them. */
+/* Encodes the candidates that the options call for, and marks the one that is kept. */
 static btf_result encode(const enc_factor_matrix *m, const enc_factor_options *options, found *plain,
                          found *matched) {
     const double begin = progress_core_clock();
@@ -457,7 +458,7 @@ static btf_result encode(const enc_factor_matrix *m, const enc_factor_options *o
     return result;
 }
 
-/* The candidate that was kept, with the trials of both. */
+/* Returns the candidate that was kept, with the records of both. */
 static enc_factors *hand_out(const enc_factor_options *options, found f[2]) {
     found *kept = &f[f[1].trial.kept];
     enc_factors *out = kept->packed;

@@ -72,8 +72,8 @@ static btf_result foresee(const enc_context *context, const enc_job *job, const 
     return enc_foresee_error(context, data, &settings, out);
 }
 
-/* Judges fits of values at views and lights, and takes the best where that is asked for. Of the paper's
- * method it is judged only then. */
+/* Judges fits of values at views and lights, and takes the best where the job asks for one. For the paper's method
+ * fits are judged only then. */
 static btf_result fit_nodes(const enc_context *context, const enc_job *job, const enc_data *data,
                             enc_between *s) {
     const bool roots = job->method != ENC_METHOD_PAPER; /* as the decoder blends */

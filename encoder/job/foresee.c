@@ -50,7 +50,7 @@ static size_t draw_texels(size_t all, uint32_t *list) {
     return count;
 }
 
-/* As many components as the budget may hold, in 2.5 bits a factor. */
+/* Asks for as many components as the budget may hold at 2.5 bits a factor. */
 static void set_wanted(survey *s, const enc_data *data, uint64_t budget) {
     const size_t all = enc_data_texel_count(data) + s->matrix.columns;
     const double fits = (double)budget * 8 / 2.5 / (double)all;

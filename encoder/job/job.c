@@ -323,7 +323,7 @@ static void clear_state(job_state *s) {
     free(s->options);
 }
 
-/* Where the plan of the stages goes. */
+/* The plan of the stages goes here. */
 typedef struct stage_planner {
     const enc_job *job;
     enc_report *report;

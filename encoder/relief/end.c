@@ -1,4 +1,4 @@
-/* Where relief ends. See end.h.
+/* The level of detail at which relief ends. See end.h.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -74,7 +74,8 @@ typedef struct enc_report {
  * `paper` the maps' channels count by use: one byte a texel of a tile for shadow, one for the code, two for
  * shift and index, and the whole atlas once all are used. */
 size_t enc_report_gpu_bytes(const btf_material_info *info, uint32_t effects);
-/* The same with the first so many components of the residual alone (units, where its store is factors). */
+/* enc_report_gpu_bytes of a material cut to the first `components` of its residual (units, where its store is
+ * factors). */
 size_t enc_report_gpu_bytes_part(const btf_material_info *info, uint32_t effects, uint32_t components);
 
 /* Measures ladder and without: decodes the material with each subset and compares with the data. Stage

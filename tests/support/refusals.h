@@ -21,7 +21,7 @@ btf_material *create_accepted(const btf_material_desc *desc);
 /* Creating must fail, with a log and without, with a message that holds `text`. */
 void create_refused(const btf_material_desc *desc, const char *text);
 
-/* What an accepted material says of itself, and whether it has a texture at all. */
+/* The facts of an accepted material, and whether it has a texture at all. */
 btf_material_info accepted_info(const btf_material *material);
 bool accepted_texture(const btf_material *material, btf_texture_id id);
 
