@@ -106,8 +106,9 @@ static btf_result factorise(const enc_factor_matrix *m, const enc_factor_options
         enc_stage_begin(m->context, "factorise", 2 * (POWER_STEPS + 1) * m->texels);
         result = enc_components_find(m, ranks, POWER_STEPS, components);
         enc_stage_end(m->context);
-        result =
-            result == BTF_OK ? make_plan(m, options, components, asked, &signal, plan, unspent) : result;
+        if (result == BTF_OK) {
+            result = make_plan(m, options, components, asked, &signal, plan, unspent);
+        }
         again = false;
         for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
             const bool noise = unspent->budget > 0 && signal.rank[c] < components[c].rank;
@@ -263,7 +264,9 @@ static btf_result finish(const enc_factor_matrix *m, const enc_factor_options *o
     end_trial(m, begin, f);
     if (!f->trial.omitted) {
         result = deliver(m, &f->codes, f->trial.error, &f->packed);
-        result = result == BTF_OK && f->trial.match ? deliver_match(m, &f->match, f->packed) : result;
+        if (result == BTF_OK && f->trial.match) {
+            result = deliver_match(m, &f->match, f->packed);
+        }
         enc_factor_codes_clear(&f->codes);
     }
     return result == BTF_OK ? enc_factor_keep_candidate(m, options->number, &f->trial, f->packed) : result;
@@ -287,7 +290,9 @@ static btf_result encode_plain(const enc_factor_matrix *m, const enc_factor_opti
         result = enc_factor_round(m, f->components, options->sweeps, &f->codes);
         enc_stage_end(m->context);
     }
-    result = result == BTF_OK ? measure(m, options, f) : result;
+    if (result == BTF_OK) {
+        result = measure(m, options, f);
+    }
     return result == BTF_OK ? finish(m, options, begin, f) : result;
 }
 
@@ -300,13 +305,15 @@ static btf_result find_match(const enc_factor_matrix *m, const enc_factor_option
     btf_result result = enc_match_create(m->context, m->data->width, m->data->height,
                                          (size_t)m->data->n_views, options->gain, &f->match);
     f->match.whole = has_room(m, options, true);
-    result = result == BTF_OK ? enc_match_find_bases(m, &f->bases) : result;
+    if (result == BTF_OK) {
+        result = enc_match_find_bases(m, &f->bases);
+    }
     if (result == BTF_OK &&
         !enc_factor_take_match(m, options->number, &f->match, f->components, &f->plan, &share)) {
         result = enc_match_fit(m, budget, &f->bases, most, &f->match, f->components, &f->plan, &share);
-        result = result == BTF_OK ? enc_factor_keep_match(m, options->number, &f->match, f->components,
-                                                          &f->plan, share)
-                                  : result;
+        if (result == BTF_OK) {
+            result = enc_factor_keep_match(m, options->number, &f->match, f->components, &f->plan, share);
+        }
     }
     enc_stage_end(m->context);
     f->trial.omitted = share <= most ? ENC_FACTOR_ENCODED : ENC_FACTOR_SURVEYED;
@@ -333,10 +340,14 @@ static btf_result encode_matched(const enc_factor_matrix *plain, const enc_facto
         if (result == BTF_OK) {
             enc_stage_begin(m.context, "round factors", 2 * (size_t)rounds * m.texels);
             result = enc_factor_round(plain, f->components, 0, &f->codes);
-            result = result == BTF_OK ? enc_match_round(&m, &f->bases, rounds, &f->match, &f->codes) : result;
+            if (result == BTF_OK) {
+                result = enc_match_round(&m, &f->bases, rounds, &f->match, &f->codes);
+            }
             enc_stage_end(m.context);
         }
-        result = result == BTF_OK ? measure(&m, options, f) : result;
+        if (result == BTF_OK) {
+            result = measure(&m, options, f);
+        }
     }
     return result == BTF_OK ? finish(plain, options, begin, f) : result;
 }
@@ -430,9 +441,9 @@ static btf_result find_components(const enc_factor_matrix *m, const enc_factor_o
     }
     if (!enc_factor_take_components(m, options->number, f->components, &f->plan, &f->unspent)) {
         result = factorise(m, options, f->components, &f->plan, &f->unspent);
-        result = result == BTF_OK
-                     ? enc_factor_keep_components(m, options->number, f->components, &f->plan, &f->unspent)
-                     : result;
+        if (result == BTF_OK) {
+            result = enc_factor_keep_components(m, options->number, f->components, &f->plan, &f->unspent);
+        }
     }
     if (options->basis && result == BTF_OK) {
         memcpy(options->basis, f->components, sizeof f->components);
@@ -517,7 +528,9 @@ btf_result enc_factor_encode(const enc_context *context, const enc_data *data,
                         "does not allow");
     }
     btf_result result = enc_factor_clip(&m);
-    result = result == BTF_OK ? encode(&m, options, &f[0], &f[1]) : result;
+    if (result == BTF_OK) {
+        result = encode(&m, options, &f[0], &f[1]);
+    }
     if (result == BTF_OK) {
         *out_factors = hand_out(options, f);
     }

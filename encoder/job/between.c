@@ -35,7 +35,9 @@ static btf_result find_relief(const enc_context *context, const enc_job *job, co
     btf_result result = enc_relief_step_take(context, data, &taken, &s->relief, s->reason, &s->store);
     if (result == BTF_OK && !taken) {
         result = enc_relief_choose(context, data, &options, &s->relief, &s->store);
-        result = result == BTF_OK ? enc_relief_step_keep(context, data, &s->relief, &s->store) : result;
+        if (result == BTF_OK) {
+            result = enc_relief_step_keep(context, data, &s->relief, &s->store);
+        }
         result = enc_ranks_agree(context, result);
     }
     if (result == BTF_OK) {

@@ -387,7 +387,9 @@ static btf_result find_model(const enc_context *context, const enc_job *job, job
             enc_checkpoint_open(context, job->checkpoint, s->options, s->data, job->resume, &s->checkpoint);
     }
     first_level.checkpoint = s->checkpoint;
-    result = result == BTF_OK ? enc_between_find(context, job, s->data, s->checkpoint, &s->between) : result;
+    if (result == BTF_OK) {
+        result = enc_between_find(context, job, s->data, s->checkpoint, &s->between);
+    }
     if (result == BTF_OK) {
         report->relief = s->between.relief_judged ? &s->between.relief : NULL;
         report->fit = s->between.fit_judged ? &s->between.fit : NULL;

@@ -230,8 +230,12 @@ btf_result enc_relief_images_create(const enc_context *context, const enc_data *
                                .mean = malloc(views * n * sizeof(float)),
                                .scale = malloc(views * n * sizeof(float))};
     }
-    result = result == BTF_OK ? make_all(context, data, makers) : result;
-    result = result == BTF_OK ? fill(context, data, 1 << shift, makers, out) : result;
+    if (result == BTF_OK) {
+        result = make_all(context, data, makers);
+    }
+    if (result == BTF_OK) {
+        result = fill(context, data, 1 << shift, makers, out);
+    }
     for (int kind = 0; kind < ENC_RELIEF_KINDS; kind++) {
         free(makers[kind].basis);
         free(makers[kind].mean);
