@@ -164,7 +164,9 @@ btf_result plan_measure(const enc_context *context, const enc_data *original, co
     const size_t n = (size_t)data->n_lights;
     random_state r = {99};
     planned[0] = planned[1] = full[0] = full[1] = 0;
-    result = result == BTF_OK && !buffer ? BTF_ERROR_MEMORY : result;
+    if (result == BTF_OK && !buffer) {
+        result = BTF_ERROR_MEMORY;
+    }
     for (int i = 0; i < SAMPLES / PAIRS && result == BTF_OK; i++) {
         const size_t texel = random_below(&r, (uint32_t)enc_data_texel_count(data));
         const uint32_t column = (uint32_t)texel % a.width, row = (uint32_t)texel / a.width;
