@@ -84,24 +84,6 @@ size_t btf_fold_bytes(const btf_material_info *info, btf_fold fold, uint32_t lig
     return texels * btf_fold_layers(info, fold, lights) * btf_format_size(BTF_FORMAT_RGBA32UI);
 }
 
-/* Cost of a texel of `folded`, taken to be that of a texel of parameters, which has as many bytes
- * (btf_plan_cost). */
-static const float kept_texel = 4.1f;
-
-/* Cost of a pixel that reads a fold: finding the place, by the model of a material that holds nothing else,
- * and the texels there. */
-static float cost_of_reading(const btf_material *material, const btf_shader_options *options,
-                             const btf_scene *scene) {
-    const float texels = options->filter == BTF_FILTER_TEXEL ? 1 : 4, once = 8.3f;
-    if (options->fold == BTF_FOLD_BOTH)
-        return once + texels * kept_texel;
-    btf_shader_options where = *options;
-    where.fold = BTF_FOLD_NONE;
-    where.leave_out |= BTF_EFFECT_ALL & ~(uint32_t)BTF_EFFECT_RELIEF;
-    const float views = options->interpolation == BTF_INTERPOLATION_NEAREST ? 1 : 3;
-    return btf_plan_cost(material, &where, scene) + views * texels * kept_texel;
-}
-
 btf_fold_costs btf_fold_cost(const btf_material *material, const btf_shader_options *options,
                              const btf_scene *scene) {
     btf_material_info info = {.struct_size = sizeof info};
@@ -109,14 +91,15 @@ btf_fold_costs btf_fold_cost(const btf_material *material, const btf_shader_opti
     const btf_shader_options all = read_options(options), pass = btf_fold_pass(options);
     btf_shader_options unfolded = all;
     unfolded.fold = BTF_FOLD_NONE;
+    const btf_scene anywhere = {.struct_size = sizeof anywhere, .costs = scene ? scene->costs : NULL};
     /* A pass over a view does a third of what three neighbouring views take. */
     const double views = all.fold == BTF_FOLD_LIGHT
                              ? info.n_views / (all.interpolation == BTF_INTERPOLATION_NEAREST ? 1.0 : 3.0)
                              : 1;
     btf_fold_costs costs = {.pass = views * info.width * info.height *
-                                    (double)btf_plan_cost(material, &pass, NULL),
+                                    (double)btf_plan_cost(material, &pass, scene ? &anywhere : NULL),
                             .unfolded = btf_plan_cost(material, &unfolded, scene),
-                            .folded = cost_of_reading(material, &all, scene)};
+                            .folded = btf_plan_cost(material, &all, scene)};
     const double saved = (double)costs.unfolded - (double)costs.folded;
     costs.pixels = saved > 0 ? costs.pass / saved : 1e30;
     return costs;

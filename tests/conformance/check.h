@@ -67,6 +67,11 @@ uint32_t check_fold_left_out(btf_fold kind);
  * seed says. Adds to *outcome. */
 btf_result check_stochastic(const check_subject *subject, uint64_t seed, uint64_t count, check_outcome *outcome);
 
+/* `count` directions drawn to the light, and densities of lights, in turn, at random and extreme directions and random
+ * numbers, by the tables that the material has (openbtf/sampling.h). Adds to *outcome. */
+btf_result check_sampling(const check_subject *subject, uint64_t seed, uint64_t count,
+                          check_outcome *outcome);
+
 /* The error of fast math. A look-up that rounds to the next step of a weight (1/4096) can show a neighbour
  * that is many times brighter, so a bound on every channel would say little. */
 #define CHECK_FAST_BOUND 0x1p-7

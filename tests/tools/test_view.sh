@@ -11,7 +11,7 @@ for tool in btf-view x_drop xdotool Xvfb; do
     fi
 done
 small_data
-btf-encode data -o m.btf.exr --method paper -q || exit 99
+btf-encode data -o m.btf.exr --method paper $starts -q || exit 99
 btf-encode data -o levels.btf.exr --preset fast --levels all -q || exit 99
 cat >far.obj <<'O'
 v -1 -1 0

@@ -72,7 +72,7 @@ btf_result print_plan(const cli_program *program, const char *path, const btf_ma
     btf_plan plan;
     btf_result result = btf_plan_effects(material, &scene->scene, scene->tolerance, &plan);
     if (result)
-        return cli_error(program, result, "option --plan: the scene cannot be planned");
+        return cli_error(program, result, "option --plan: no plan can be made for this scene");
     if (as_json)
         return print_json_plan(program, path, &plan, scene->tolerance);
     scene_plan_print(stdout, "", material, &plan);

@@ -214,24 +214,21 @@ static btf_result check_device(gl_device *d, const context_device *device, const
         return BTF_OK;
     btf_result result = btf_gl_self_test(&options, log, &failures);
     if (!result && failures & BTF_SELF_TEST_LEVELS && info.levels > 1) {
-        file_say(
-            log,
-            "device %s (%s) fetches from other mip levels than asked for: it cannot show a material of "
-            "several levels of detail",
-            device->name, d->name);
+        file_say(log,
+                 "device %s (%s) fetches from mip levels other than the one asked for: it cannot show a "
+                 "material of several levels of detail",
+                 device->name, d->name);
         return BTF_ERROR_UNSUPPORTED;
     }
     if (!result && failures & BTF_SELF_TEST_FACTORS && info.store == BTF_STORE_FACTORS) {
         file_say(
             log,
-            "device %s (%s) does not multiply or fetch packed factors as it should: it cannot show this "
-            "material",
+            "device %s (%s) multiplies or fetches packed factors wrongly: it cannot show this material",
             device->name, d->name);
         return BTF_ERROR_UNSUPPORTED;
     }
     if (!result && failures & BTF_SELF_TEST_LISTS && info.point_store == BTF_POINTS_LISTS) {
-        file_say(log,
-                 "device %s (%s) does not fetch from lists of points as it should: it cannot show this material",
+        file_say(log, "device %s (%s) fetches from lists of points wrongly: it cannot show this material",
                  device->name, d->name);
         return BTF_ERROR_UNSUPPORTED;
     }

@@ -72,8 +72,8 @@ static bool fold(reference *r, const shader_request *request, int variant) {
 
 static void *create(const shader_request *request, const btf_log *log, btf_result *out_result) {
     if (request->math == BTF_MATH_FAST) {
-        file_say(log,
-                 "option --math fast: device reference knows exact math only; choose a device with GL");
+        file_say(log, "option --math fast: the device 'reference' computes exact math only; choose a GL "
+                      "device with --device");
         *out_result = BTF_ERROR_USAGE;
         return NULL;
     }

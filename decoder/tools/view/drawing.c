@@ -217,8 +217,10 @@ static btf_result upload_images(drawing *d, const original *images, const btf_lo
     gl->GetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
     gl->GetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &most_layers);
     if (width > most || height > most || (int)info.n_views > most_layers) {
-        file_say(log, "original: %d x %d x %u texels exceed GL's limits, %d and %d layers", width, height,
-                 (unsigned)info.n_views, most, most_layers);
+        file_say(log,
+                 "option --original: %d x %d texels in %u layers exceed GL's limits, %d texels a side and "
+                 "%d layers",
+                 width, height, (unsigned)info.n_views, most, most_layers);
         return BTF_ERROR_UNSUPPORTED;
     }
     float *layer = calloc((size_t)width * (size_t)height * 3, sizeof *layer);
@@ -252,7 +254,7 @@ static btf_result upload_images(drawing *d, const original *images, const btf_lo
     d->image_columns = columns;
     GLenum error = gl->GetError();
     if (error != GL_NO_ERROR) {
-        file_say(log, "original: error 0x%04x while uploading", error);
+        file_say(log, "option --original: GL error 0x%04x while its images were uploaded", error);
         return error == GL_OUT_OF_MEMORY ? BTF_ERROR_MEMORY : BTF_ERROR_INTERNAL;
     }
     return BTF_OK;
