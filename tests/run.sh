@@ -4,7 +4,8 @@
 #
 #   tests/run.sh          all tests of the release build, then all under AddressSanitizer and UBSan but those that have
 #                         nothing for them to see (tests/meson.build: suite plain)
-#   tests/run.sh --long   the same with the long conformance, variant and exhaustive runs
+#   tests/run.sh --long   the same with the suite long (tests/README.md): conformance on other devices, libFuzzer, broken builds,
+#                         ThreadSanitizer; BTF_FUZZ_SECONDS of each fuzz target (20)
 #   tests/run.sh --core   without the tests of decoder/web, which need emscripten and two browsers (1.2 GB)
 #
 # SPDX-License-Identifier: MIT
@@ -19,7 +20,7 @@ for argument in "$@"; do
     --long) long=1 ;;
     --core) web=0 ;;
     -h | --help)
-        sed -n '2,8s/^# \{0,1\}//p' "$0"
+        sed -n '2,9s/^# \{0,1\}//p' "$0"
         exit 0
         ;;
     *)

@@ -155,13 +155,28 @@ const char *scene_plan_amount(const btf_plan *plan, char *text, size_t size) {
     return text;
 }
 
-/* Of a fixed light. */
-static const char *why_not_folded(const btf_material *material, const btf_plan *plan) {
+/* How a fixed light is folded, or why not. */
+static void print_fold(FILE *out, const char *indent, const btf_material *material, const btf_plan *plan) {
     btf_material_info info = {.struct_size = sizeof info};
+    double gain[2];
     btf_material_get_info(material, &info);
-    if (plan->scene.view.fixed)
-        return "with relief no pixel shows whole texels, and an SBRDF or gloss depends on the view";
-    return info.colour != BTF_COLOUR_NONE ? "the SBRDF depends on the view" : "with gloss lights depend on the view";
+    const bool light_alone = !plan->scene.view.fixed, glossy = info.effects & BTF_EFFECT_GLOSS;
+    if (plan->fold != BTF_FOLD_NONE) {
+        fprintf(out, "%s%s folded into %zu bytes: %.0f%% of the time, after %.0f pixels%s\n", indent,
+                plan->fold == BTF_FOLD_LIGHT ? "light" : "light and view", plan->fold_bytes,
+                100 * (double)plan->folded_cost / (double)plan->full_cost, plan->fold_pixels,
+                light_alone && glossy ? "; for that gloss is left out" : "");
+        return;
+    }
+    fprintf(out, "%snothing is folded: ", indent);
+    if (info.colour != BTF_COLOUR_NONE)
+        fprintf(out, "the SBRDF depends on the view\n");
+    else if (between_gain(material, BTF_EFFECT_GLOSS, gain))
+        fprintf(out,
+                "with gloss lights depend on the view; without it about %.2f/%.2f dB are lost between the samples\n",
+                gain[0], gain[1]);
+    else
+        fprintf(out, "with gloss lights depend on the view, and the file does not say what gloss is worth\n");
 }
 
 void scene_plan_print(FILE *out, const char *indent, const btf_material *material, const btf_plan *plan) {
@@ -178,12 +193,8 @@ void scene_plan_print(FILE *out, const char *indent, const btf_material *materia
             (unsigned)plan->views, (unsigned)plan->lights, plan->gpu_bytes, plan->full_gpu_bytes,
             100 * (double)plan->gpu_bytes / (double)plan->full_gpu_bytes,
             100 * (double)plan->cost / (double)plan->full_cost);
-    if (plan->fold != BTF_FOLD_NONE)
-        fprintf(out, "%s%s folded into %zu bytes: %.0f%% of the time, after %.0f pixels\n", indent,
-                plan->fold == BTF_FOLD_BOTH ? "light and view" : "light", plan->fold_bytes,
-                100 * (double)plan->folded_cost / (double)plan->full_cost, plan->fold_pixels);
-    else if (plan->scene.light.fixed)
-        fprintf(out, "%snothing is folded: %s\n", indent, why_not_folded(material, plan));
+    if (plan->scene.light.fixed)
+        print_fold(out, indent, material, plan);
     print_reasons(out, indent, material, plan);
     if (plan->measured)
         fprintf(out, "%spredicted PSNR %.2f dB linear, %.2f sRGB; full decode %.2f, %.2f\n", indent,

@@ -11,15 +11,17 @@
 #include <stdlib.h>
 
 static void log_va(const enc_context *context, btf_log_level level, const char *format, va_list arguments) {
-    if (!context || !context->log.callback)
+    if (!context || !context->log.callback) {
         return;
+    }
     char text[512];
     va_list again;
     va_copy(again, arguments);
     const int length = vsnprintf(text, sizeof text, format, arguments);
     char *longer = NULL;
-    if (length >= (int)sizeof text && (longer = malloc((size_t)length + 1)))
+    if (length >= (int)sizeof text && (longer = malloc((size_t)length + 1))) {
         vsnprintf(longer, (size_t)length + 1, format, again);
+    }
     va_end(again);
 /* A stage may fail on several threads at once; the callback sees one message at a time. */
 #pragma omp critical(enc_log)
@@ -49,7 +51,8 @@ bool enc_cancelled(const enc_context *context) {
 
 int enc_memory_threads(const enc_context *context, uint64_t bytes) {
     const uint64_t most = context->memory / 2 / (bytes > 0 ? bytes : 1);
-    if (context->memory == 0 || most >= (uint64_t)context->threads)
+    if (context->memory == 0 || most >= (uint64_t)context->threads) {
         return context->threads;
+    }
     return most > 1 ? (int)most : 1;
 }

@@ -67,12 +67,14 @@ btf_result enc_decode_pairs(const enc_context *context, const enc_evaluator *eva
                             float *out) {
     const btf_ref_material *m = enc_evaluator_reference(evaluator);
     const size_t texels = (size_t)m->width * m->height;
-    if (options->filter != BTF_REF_TEXEL)
+    if (options->filter != BTF_REF_TEXEL) {
         return filter_pairs(context, evaluator, options, pairs, count, out);
+    }
     enc_evaluated_neighbours *around = malloc(count * sizeof *around);
     btf_result result = around ? BTF_OK : BTF_ERROR_MEMORY;
-    for (size_t p = 0; around && p < count; p++)
+    for (size_t p = 0; around && p < count; p++) {
         around[p] = enc_evaluated_look_up(evaluator, pairs[p].light.xyz, pairs[p].view.xyz);
+    }
 #pragma omp parallel num_threads(context->threads)
     {
         enc_evaluated_texel *texel = result == BTF_OK ? enc_evaluated_texel_create(evaluator, 0) : NULL;

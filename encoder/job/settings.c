@@ -81,16 +81,18 @@ const char *enc_parse_tolerance(const char *text, void *tolerance) {
     static const double most[2] = {100, 1e6};
     double value[2] = {0, 0};
     const int count = cli_parse_doubles(text, value, 2);
-    if (count == 0 || !(value[0] >= 0 && value[0] <= most[0] && value[1] >= 0 && value[1] <= most[1]))
+    if (count == 0 || !(value[0] >= 0 && value[0] <= most[0] && value[1] >= 0 && value[1] <= most[1])) {
         return "one or two numbers of dB, 0 to 100 and 0 to 1e6 a MB, such as 0.1 or 0.05,0.2";
+    }
     memcpy(tolerance, value, sizeof value);
     return NULL;
 }
 
 const char *enc_parse_levels(const char *text, void *levels) {
     int n = 0;
-    if (strcmp(text, "all") != 0 && (!cli_parse_int(text, "", &n, NULL) || n < 1 || n > BTF_MAX_LEVELS))
+    if (strcmp(text, "all") != 0 && (!cli_parse_int(text, "", &n, NULL) || n < 1 || n > BTF_MAX_LEVELS)) {
         return "a number from 1 to 15, or all";
+    }
     *(int *)levels = n;
     return NULL;
 }

@@ -65,7 +65,7 @@ btf_result enc_fit_workspace_create(size_t max_samples, enc_fit_workspace **out_
     const size_t full = padded_size(max_samples), thin = padded_size(max_samples / THINNING + 1);
     enc_fit_workspace *workspace = malloc(sizeof *workspace);
     float *memory = aligned_alloc(64, PLANES * (full + thin) * sizeof *memory);
-    if (workspace == NULL || memory == NULL) {
+    if (!workspace || !memory) {
         free(workspace);
         free(memory);
         return BTF_ERROR_MEMORY;
@@ -81,7 +81,7 @@ btf_result enc_fit_workspace_create(size_t max_samples, enc_fit_workspace **out_
 }
 
 void enc_fit_workspace_destroy(enc_fit_workspace **workspace) {
-    if (*workspace != NULL) {
+    if (*workspace) {
         free((*workspace)->memory);
         free(*workspace);
         *workspace = NULL;
@@ -130,7 +130,7 @@ static bool load_samples(enc_fit_workspace *workspace, const enc_fit_samples *sa
     float largest = 0;
     for (int c = 0; c < 3; c++) {
         for (size_t i = 0; i < samples->n; i++) {
-            if (samples->target[c][i] > largest && (samples->weight == NULL || samples->weight[i] > 0)) {
+            if (samples->target[c][i] > largest && (!samples->weight || samples->weight[i] > 0)) {
                 largest = samples->target[c][i];
             }
         }
@@ -143,7 +143,7 @@ static bool load_samples(enc_fit_workspace *workspace, const enc_fit_samples *sa
     float *const *array = workspace->full;
     double aa = 0, at[3] = {0}, tt[3] = {0};
     for (size_t i = 0; i < n; i++) {
-        const float root = samples->weight == NULL ? 1.0f : sqrtf(samples->weight[i]);
+        const float root = samples->weight ? sqrtf(samples->weight[i]) : 1.0f;
         const float multiplier = root * samples->multiplier[i];
         array[3][i] = multiplier;
         aa += (double)multiplier * (double)multiplier;
@@ -408,7 +408,7 @@ btf_result enc_fit_texel(enc_fit_workspace *workspace, const enc_fit_samples *sa
                          const enc_fit_options *options, const float *start, int starts,
                          float *out_parameters, enc_fit_result *out_result) {
     assert(options->lobes >= 1 && options->lobes <= ENC_MAX_LOBES);
-    assert(starts >= 0 && starts <= ENC_FIT_MAX_STARTS && (start != NULL || starts > 0));
+    assert(starts >= 0 && starts <= ENC_FIT_MAX_STARTS && (start || starts > 0));
     memset(out_parameters, 0, sizeof *out_parameters * enc_sbrdf_stride(options->lobes, options->rgb));
     *out_result = (enc_fit_result){0};
     enc_fit_problem p = {.lobes = options->lobes, .rgb = options->rgb};
@@ -420,7 +420,7 @@ btf_result enc_fit_texel(enc_fit_workspace *workspace, const enc_fit_samples *sa
     if (starts > 0) {
         result = best_fixed_start(workspace, &p, options, starts, &best);
     }
-    if (start != NULL && result == BTF_OK) {
+    if (start && result == BTF_OK) {
         result = descend_from(&p, options, start, &best);
     }
     if (result != BTF_OK) {

@@ -153,16 +153,17 @@ static void refuse_variant(runner *r, uint32_t failures, const char *name) {
 static void run_variant(runner *r, const btf_material *material, const btf_shader_options *shader,
                         const char *name, uint64_t seed, uint64_t divide) {
     const conform_options *o = r->options;
-    static const char *const kinds[] = {"steps", "radiance", "planned", "stochastic", "folded"};
+    static const char *const kinds[] = {"steps", "radiance", "planned", "stochastic", "folded", "sampling"};
     const uint32_t beyond = beyond_device(r, material);
     if (beyond) {
         refuse_variant(r, beyond, name);
         return;
     }
-    for (int kind = 0; kind < 5; ++kind) {
+    for (int kind = 0; kind < 6; ++kind) {
         uint64_t count = (kind ? o->count : o->steps) / divide;
         if (count == 0 || (kind == 2 && seed % 3 != 0) || (kind == 3 && seed % 3 == 0) ||
-            (kind == 4 && seed % 3 != 1)) /* each for some of the variants: compiling takes longest */
+            (kind == 4 && seed % 3 != 1) ||
+            (kind == 5 && seed % 4 != 2)) /* each for some of the variants: compiling takes longest */
             continue;
         conform_case c = {.seed = seed};
         snprintf(c.name, sizeof c.name, "%s %s", kinds[kind], name);
@@ -177,7 +178,8 @@ static void run_variant(runner *r, const btf_material *material, const btf_shade
                                  .label = label};
         r->listener.last[0] = 0;
         double started = now();
-        btf_result result = kind == 4   ? check_folded(&subject, seed, count, &c.outcome)
+        btf_result result = kind == 5   ? check_sampling(&subject, seed, count, &c.outcome)
+                            : kind == 4 ? check_folded(&subject, seed, count, &c.outcome)
                             : kind == 3 ? check_stochastic(&subject, seed, count, &c.outcome)
                             : kind == 2 ? check_planned(&subject, seed, count, &c.outcome)
                             : kind == 1 ? check_radiance(&subject, seed, count, &c.outcome)

@@ -4,12 +4,12 @@
 # SPDX-License-Identifier: MIT
 . "$BTF_SOURCE_ROOT/tests/tools/common.sh" || exit 99
 # Bumps lie below the plane of their highest points: grazing views show them displaced.
-btf-sample -o data --relief bumps --size 16 --directions 0:1,30:6,60:8 --format exr --quiet || exit 99
+btf-sample -o data --relief bumps --grid 1024 --size 16 --directions 0:1,30:6,60:8 --format exr --quiet || exit 99
 
 encode_aloud() { # NAME OPTION...
     local name=$1
     shift
-    btf-encode data -o "$name.btf.exr" --preset fast --budget 100000 --report "$name.json" "$@"
+    btf-encode data -o "$name.btf.exr" --preset fast --budget 40000 --report "$name.json" "$@"
 }
 encode() { encode_aloud "$@" -q; }
 expect "relief and gloss, looked for" 0 encode found --relief auto --gloss auto --levels 3
@@ -76,9 +76,11 @@ expect_text "says so as well" "relief: on, worth \\+[0-9.]+/\\+[0-9.]+ dB betwee
 expect "of a picture half as large" 0 btf-info found.btf.exr --plan views=0:60,lights=0:60,pixels=0.5
 expect_text "leaves it out" "relief: off, ends before level 1" out
 expect_that "off is what fast does" cmp fast.btf.exr off.btf.exr
-expect "with threads" 0 encode again --relief auto --gloss auto --levels 3 --threads 3
-expect_that "the same bytes" cmp found.btf.exr again.btf.exr
-expect "samples that lie in a file" 0 encode_aloud disk --relief auto --memory "$(least_memory data --preset fast --budget 100000)"
+if [ -z "$light" ]; then
+    expect "with threads" 0 encode again --relief auto --gloss auto --levels 3 --threads 3
+    expect_that "the same bytes" cmp found.btf.exr again.btf.exr
+fi
+expect "samples that lie in a file" 0 encode_aloud disk --relief auto --memory "$(least_memory data --preset fast --budget 40000)"
 expect_text "have no relief, which is said" "do not fit|does not fit" disk.json
 expect_text "in the tables too" "^Relief: not tried: .*memory allowed" out
 expect_text "and when it is decided" "relief: not tried: .*memory allowed" err

@@ -15,6 +15,7 @@
 #include "decoder/tools/mesh/obj.h"
 #include "original.h"
 #include "render.h"
+#include "sampled_environment.h"
 #include "settings.h"
 #include <math.h>
 #include <stdio.h>
@@ -32,6 +33,7 @@ typedef struct job {
     original *original;
     render_scene scene;
     light *lights; /* as given */
+    sampled_environment *environment; /* with --light environment */
     btf_shader_options still; /* without a plan: what is the same in every sample of every frame */
     /* with --plan auto */
     btf_material *whole;
@@ -41,14 +43,30 @@ typedef struct job {
 } job;
 
 static btf_result make_lights(const btf_log *log) {
-    if (render_options.environment)
+    if (render_options.environment && !render_options.env_sampled)
         return light_list_read_environment(&render_options.lights, render_options.environment,
                                            render_options.environment_layer,
                                            render_options.env_lights, render_options.env_rotate,
                                            render_options.env_gain, log);
-    if (!render_options.lights.count && light_parse_directional("40,120", &render_options.lights))
+    if (!render_options.env_sampled && !render_options.lights.count &&
+        light_parse_directional("40,120", &render_options.lights))
         return BTF_ERROR_MEMORY;
     return BTF_OK;
+}
+
+/* With --light environment: from the material as the file has it, so that a plan draws the same directions. */
+static btf_result open_environment(job *j) {
+    float *pixels;
+    int width, height;
+    btf_result result = environment_read(render_options.environment, render_options.environment_layer,
+                                         &j->log, &width, &height, &pixels);
+    if (result)
+        return result;
+    result = sampled_environment_create(width, height, pixels, render_options.env_rotate,
+                                        render_options.env_gain, j->material, render_options.spp, &j->log,
+                                        &j->environment);
+    free(pixels);
+    return result;
 }
 
 static btf_result load_mesh(job *j) {
@@ -74,7 +92,7 @@ static btf_result load_mesh(job *j) {
 /* Samples that the shader will evaluate, in pictures of so many frames. */
 static double count_samples(const job *j, int frames) {
     return (double)j->scene.width * j->scene.height * j->scene.samples * j->scene.samples * frames *
-           (double)render_options.lights.count;
+           ((double)render_options.lights.count + (render_options.env_sampled ? render_options.spp : 0));
 }
 
 static btf_result open_shader(job *j, int frames) {
@@ -89,7 +107,7 @@ static btf_result open_shader(job *j, int frames) {
                               .fold = (shader_fold)render_options.fold,
                               .samples = count_samples(j, frames),
                               .picks = render_options.stochastic ? BTF_PICK_ALL : BTF_PICK_NONE,
-                              .picked = render_options.spp,
+                              .picked = render_options.env_sampled ? 1 : render_options.spp,
                               .level = render_options.figure13 ? 0 : render_options.level,
                               .threads = render_options.threads};
     if (render_options.figure13) {
@@ -160,6 +178,8 @@ static void turn_lights(const job *j, double degrees) {
         const vec3 at = j->lights[i].at;
         render_options.lights.lights[i].at = vec(c * at.x - s * at.y, s * at.x + c * at.y, at.z);
     }
+    if (j->environment)
+        sampled_environment_turn(j->environment, degrees);
 }
 
 /* The camera or the lights of a frame of an animation. */
@@ -187,8 +207,8 @@ static btf_result see_frames(job *j) {
 /* Finds what never changes, without a plan: a light on a flat mesh, perhaps the view. */
 static btf_result find_still(job *j) {
     const bool turns = render_options.frames > 1 && render_options.animate != 0;
-    if (render_options.fold == SHADER_FOLD_NEVER || render_options.lights.count != 1 || turns ||
-        !mesh_is_flat(j->mesh))
+    if (render_options.fold == SHADER_FOLD_NEVER || render_options.lights.count != 1 || j->environment ||
+        turns || !mesh_is_flat(j->mesh))
         return BTF_OK;
     btf_result result = see_frames(j);
     for (int frame = 1; frame < render_options.frames && !result; frame++)
@@ -217,7 +237,7 @@ static btf_result plan_frames(job *j, int first) {
     if (!result)
         result = btf_material_restrict(j->whole, &j->plan, &j->log, &j->material);
     if (result)
-        return cli_error(&render_program, result, "option --plan: the pictures cannot be planned");
+        return cli_error(&render_program, result, "option --plan: no plan can be made for these pictures");
     if (render_options.stats) {
         printf("plan for frames %d to %d:\n", first + 1, j->planned_end);
         scene_plan_print(stdout, "  ", j->whole, &j->plan);
@@ -245,6 +265,8 @@ static btf_result prepare(job *j, const char *path) {
         return cli_error(&render_program, BTF_ERROR_USAGE,
                          "option --figure13: %s has no SBRDF; give a material that has one with --baseline",
                          path);
+    if (!result && render_options.env_sampled)
+        result = open_environment(j);
     if (!result && render_options.baseline)
         result = open_baseline(j);
     if (!result && render_options.original)
@@ -262,6 +284,7 @@ static btf_result prepare(job *j, const char *path) {
                                         .cast_shadows = render_options.cast_shadows,
                                         .threads = render_options.threads},
                               .lights = &render_options.lights,
+                              .environment = j->environment,
                               .width = render_options.size[0],
                               .height = render_options.size[1],
                               .samples = render_options.samples,
@@ -298,6 +321,8 @@ static void print_times(const char *name, const shader_times *t) {
 
 static void print_stats(const job *j, const render_times *t) {
     printf("device: %s\nfolded: %s\n", shader_name(j->shader), shader_folded(j->shader));
+    if (j->environment)
+        printf("environment: %d directions a sample\n", sampled_environment_count(j->environment));
     printf("picture: %d x %d, %d samples a pixel, %zu lights, %s, %s, %s\n", j->scene.width,
            j->scene.height, j->scene.samples * j->scene.samples, render_options.lights.count,
            (j->whole && !render_options.interpolation_given
@@ -401,6 +426,7 @@ static btf_result run(const char *path) {
     shader_destroy(&j.baseline_shader);
     bvh_destroy(&j.bvh);
     mesh_destroy(&j.mesh);
+    sampled_environment_destroy(&j.environment);
     btf_material_close(&j.material);
     btf_material_close(&j.whole);
     btf_material_close(&j.baseline);

@@ -167,12 +167,13 @@ static float *spread_grey(float *grey, size_t count) {
     return rgb;
 }
 
-btf_result light_list_read_environment(light_list *list, const char *path, const char *layer, int count,
-                                       double rotate, double gain, const btf_log *log) {
+btf_result environment_read(const char *path, const char *layer, const btf_log *log, int *out_width,
+                            int *out_height, float **out_pixels) {
     char *data = NULL, message[600] = "";
     size_t size = 0;
     float *pixels = NULL;
     int width = 0, height = 0;
+    *out_pixels = NULL;
     image_info info = {0};
     btf_result result = file_read(path, (size_t)1 << 31, log, &data, &size);
     if (result)
@@ -190,7 +191,7 @@ btf_result light_list_read_environment(light_list *list, const char *path, const
         }
     } else if (size >= 1 && (size < 4 || memcmp(data, "\x76\x2f\x31\x01", 4) != 0)) {
         result = BTF_ERROR_BAD_FILE;
-        snprintf(message, sizeof message, "neither an OpenEXR nor a Radiance HDR file");
+        snprintf(message, sizeof message, "is neither an OpenEXR nor a Radiance HDR file");
     } else {
         exr_image image = {0};
         result = exr_image_read(data, size, MAX_PIXELS, layer, &image, &info, message, sizeof message);
@@ -216,10 +217,27 @@ btf_result light_list_read_environment(light_list *list, const char *path, const
         note_contents(width, height, pixels, &info);
         image_notes_log(&info.notes, path, log);
     }
-    if (!result && (result = light_list_add_environment(list, width, height, pixels, count, rotate, gain)))
-        snprintf(message, sizeof message, "out of memory for the lights of a map");
-    if (result)
+    if (result) {
         file_say(log, "%s: %s", path, message);
+        free(pixels);
+        return result;
+    }
+    *out_width = width;
+    *out_height = height;
+    *out_pixels = pixels;
+    return BTF_OK;
+}
+
+btf_result light_list_read_environment(light_list *list, const char *path, const char *layer, int count,
+                                       double rotate, double gain, const btf_log *log) {
+    float *pixels;
+    int width, height;
+    btf_result result = environment_read(path, layer, log, &width, &height, &pixels);
+    if (result)
+        return result;
+    result = light_list_add_environment(list, width, height, pixels, count, rotate, gain);
+    if (result)
+        file_say(log, "%s: out of memory for the lights of a map", path);
     free(pixels);
     return result;
 }

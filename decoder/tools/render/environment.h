@@ -1,4 +1,4 @@
-/* Environment maps turned into directional lights.
+/* Environment maps: read, and turned into directional lights.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -16,9 +16,14 @@
 btf_result light_list_add_environment(light_list *list, int width, int height, const float *pixels,
                                       int count, double rotate, double gain);
 
-/* The same from a file, EXR or Radiance HDR, of the primaries that it names, else Rec. 709. `layer` picks among
- * the layers and parts of an EXR file (exr_choose.h); may be NULL. Warns of what the file says and is not
- * followed. Errors also: BTF_ERROR_IO, BTF_ERROR_BAD_FILE, BTF_ERROR_UNSUPPORTED. */
+/* Reads such a map from a file, EXR or Radiance HDR, of the primaries that it names, else Rec. 709. `layer` picks
+ * among the layers and parts of an EXR file (exr_choose.h); may be NULL. Warns of what the file says and is not
+ * followed. *out_pixels[height][width][3] is the caller's to free. Errors: BTF_ERROR_IO, BTF_ERROR_BAD_FILE,
+ * BTF_ERROR_UNSUPPORTED, BTF_ERROR_MEMORY. */
+btf_result environment_read(const char *path, const char *layer, const btf_log *log, int *out_width,
+                            int *out_height, float **out_pixels);
+
+/* Reads a map and adds its lights. Errors of both. */
 btf_result light_list_read_environment(light_list *list, const char *path, const char *layer, int count,
                                        double rotate, double gain, const btf_log *log);
 

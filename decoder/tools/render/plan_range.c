@@ -55,6 +55,13 @@ btf_result plan_range_add(const render_scene *scene, plan_range *range) {
     float *inputs = calloc(width, TABLE_INPUTS * sizeof *inputs),
           *weights = calloc(width, 3 * sizeof *weights);
     const bool ok = samples && inputs && weights;
+    for (int i = 0; i < PLAN_SECTORS && scene->environment; i++) { /* light from anywhere */
+        const float degrees = sector_degrees * ((float)i + 0.5f);
+        const vec3 rim = vec_from_angles(90, (double)degrees);
+        const float horizon[3] = {(float)rim.x, (float)rim.y, 0}, normal[3] = {0, 0, 1};
+        meet(&range->light, horizon);
+        meet(&range->light, normal);
+    }
     for (int row = 0; ok && row < table.height; row++) {
         table_cast(&table, row, 1, samples);
         for (size_t l = 0; l < scene->lights->count; l++) {

@@ -60,10 +60,21 @@ static bool allocate(band *b, const render_scene *scene, int count) {
     return ok;
 }
 
-static btf_result shade(band *b, const light *l, int rows, const evaluator *evaluators, int count,
-                        const btf_log *log) {
+/* Lights, then directions of the environment. */
+static size_t count_passes(const render_scene *scene) {
+    return scene->lights->count +
+           (scene->environment ? (size_t)sampled_environment_count(scene->environment) : 0);
+}
+
+static btf_result shade(band *b, size_t pass, int first_row, int rows, const evaluator *evaluators,
+                        int count, const btf_log *log) {
+    const light_list *lights = b->scene->lights;
     const int64_t n = (int64_t)rows * b->table.width;
-    table_light(&b->table, l, (size_t)n, b->samples, b->inputs, b->weights);
+    if (pass < lights->count)
+        table_light(&b->table, &lights->lights[pass], (size_t)n, b->samples, b->inputs, b->weights);
+    else
+        sampled_environment_light(b->scene->environment, &b->table, (int)(pass - lights->count), first_row,
+                                  rows, b->samples, b->inputs, b->weights);
     for (int e = 0; e < count; e++) {
         btf_result result = evaluators[e].run(evaluators[e].user, evaluators[e].variant, b->table.width,
                                               rows, b->inputs, b->radiance, log);
@@ -123,12 +134,11 @@ static btf_result render_band(band *b, int first_row, int rows, const evaluator 
     for (int e = 0; e < count; e++)
         memset(b->sums[e], 0, (size_t)rows * (size_t)b->table.width * 3 * sizeof *b->sums[e]);
     start = omp_get_wtime();
-    for (size_t i = 0; i < b->scene->lights->count && !result; i++)
-        result = progress_cancelled()
-                     ? BTF_ERROR_INTERRUPTED
-                     : shade(b, &b->scene->lights->lights[i], rows, evaluators, count, log);
+    for (size_t i = 0; i < count_passes(b->scene) && !result; i++)
+        result = progress_cancelled() ? BTF_ERROR_INTERRUPTED
+                                      : shade(b, i, first_row, rows, evaluators, count, log);
     times->shade += omp_get_wtime() - start;
-    if (!result && times->repeats && b->scene->lights->count)
+    if (!result && times->repeats && count_passes(b->scene))
         result = measure(times);
     for (int e = 0; e < count && !result; e++)
         resolve(b, first_row, rows, b->sums[e], &pictures[e], mask);

@@ -6,6 +6,7 @@
 #define OPENBTF_RENDER_RENDER_H
 
 #include "picture.h"
+#include "sampled_environment.h"
 #include "shader.h"
 #include "table.h"
 
@@ -32,6 +33,7 @@ typedef struct render_times {
 typedef struct render_scene {
     table_scene table; /* width, height are set here */
     const light_list *lights;
+    const sampled_environment *environment; /* beside the lights; may be NULL */
     int width, height; /* pixels */
     int samples;       /* samples a pixel along each axis */
     double background; /* linear grey behind the mesh */
@@ -39,7 +41,7 @@ typedef struct render_scene {
 
 /* Renders one picture for each of `count` evaluators, all from the same table: pictures[count], made here,
  * linear. mask[height][width] (may be NULL) is set where the mesh covers the pixel's samples. Sums run
- * light by light, then over a pixel's samples row by row, in double precision: the same bits for any number
+ * light by light, then direction by direction of the environment, then over a pixel's samples row by row, in double precision: the same bits for any number
  * of threads. Errors: BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED, those of the evaluators. */
 btf_result render_frame(const render_scene *scene, const evaluator *evaluators, int count,
                         picture *pictures, unsigned char *mask, render_times *times, const btf_log *log);

@@ -57,6 +57,14 @@ static const char *parse_level(const char *text, void *value) {
     return cli_parse_int(text, "", level, NULL) && *level >= 0 ? NULL : "auto, or a level from 0";
 }
 
+static const char *parse_light(const char *text, void *value) {
+    settings *options = value;
+    if (strcmp(text, "environment") != 0)
+        return light_parse_directional(text, &options->lights);
+    options->env_sampled = true;
+    return NULL;
+}
+
 static const cli_option option_table[] = {
     {.short_name = 'o',
      .name = "output",
@@ -113,10 +121,12 @@ static const cli_option option_table[] = {
     {.name = "light",
      .arg = "T,P[,I[,R,G,B]]",
      .type = CLI_CUSTOM,
-     .value = &render_options.lights,
-     .parse = light_parse_directional,
+     .value = &render_options,
+     .parse = parse_light,
      .help = "a light far away: direction, intensity, colour; may be given several times\n"
-             "(default 40,120 when there is no other light)"},
+             "(default 40,120 when there is no other light). --light environment: directions\n"
+             "drawn of --environment and of the material, --spp of them a sample, in place of\n"
+             "lights that stand for the map; noisy, and right in the mean"},
     {.name = "point",
      .arg = "X,Y,Z[,I[,R,G,B]]",
      .type = CLI_CUSTOM,
@@ -137,6 +147,7 @@ static const cli_option option_table[] = {
     {.name = "environment-lights",
      .type = CLI_INT,
      .value = &render_options.env_lights,
+     .given = &render_options.env_lights_given,
      .minimum = 1,
      .maximum = 1024,
      .help = "directional lights that stand for the map (default 64)"},
@@ -227,14 +238,17 @@ static const cli_option option_table[] = {
     {.name = "stochastic",
      .type = CLI_FLAG,
      .value = &render_options.stochastic,
-     .help = "decode one view, light and texel, picked at random with its weight, in place of\nblending all"},
+     .help =
+         "decode one view, light and texel, picked at random with its weight, in place of\nblending all"},
     {.name = "spp",
      .type = CLI_INT,
      .value = &render_options.spp,
      .given = &render_options.spp_given,
      .minimum = 1,
      .maximum = 65536,
-     .help = "with --stochastic: picks a sample, of which the mean is taken (default 1)"},
+     .help = "with --stochastic: picks a sample, of which the mean is taken (default 1); with\n"
+             "--light environment: directions a sample (default 64), of one pick each where\n"
+             "--stochastic is given too"},
     {.name = "level",
      .arg = "auto|N",
      .type = CLI_CUSTOM,
@@ -337,8 +351,18 @@ btf_result settings_check(void) {
         return cli_error(&render_program, BTF_ERROR_USAGE, "option --plan: not together with --figure13");
     if (render_options.figure13 && render_options.stochastic)
         return cli_error(&render_program, BTF_ERROR_USAGE, "option --stochastic: not together with --figure13");
-    if (render_options.spp_given && !render_options.stochastic)
-        return cli_error(&render_program, BTF_ERROR_USAGE, "option --spp: only together with --stochastic");
+    if (render_options.env_sampled && !render_options.environment)
+        return cli_error(&render_program, BTF_ERROR_USAGE,
+                         "option --light environment: needs --environment, a map");
+    if (render_options.env_sampled && render_options.env_lights_given)
+        return cli_error(
+            &render_program, BTF_ERROR_USAGE,
+            "option --environment-lights: not together with --light environment, which takes --spp");
+    if (render_options.spp_given && !render_options.stochastic && !render_options.env_sampled)
+        return cli_error(&render_program, BTF_ERROR_USAGE,
+                         "option --spp: only together with --stochastic or --light environment");
+    if (render_options.env_sampled && !render_options.spp_given)
+        render_options.spp = 64;
     if (render_options.figure13 && render_options.level > 0)
         return cli_error(&render_program, BTF_ERROR_USAGE,
                          "option --level: %d, but --figure13 compares the original with level 0",

@@ -13,7 +13,8 @@
 typedef struct settings {
     const char *out, *mesh, *device, *environment, *environment_layer, *original, *baseline;
     double view[2], repeat, fov, zoom, exposure, background, env_rotate, env_gain, tolerance;
-    bool repeat_given, zoom_given, interpolation_given, figure13, stats, cast_shadows, quiet, stochastic, spp_given;
+    bool repeat_given, zoom_given, interpolation_given, figure13, stats, cast_shadows, quiet, stochastic,
+        spp_given, env_sampled, env_lights_given;
     light_list lights;
     uint32_t effects;
     int size[2], samples, env_lights, components, math, interpolation, filter, tone, frames, animate,

@@ -45,6 +45,7 @@ typedef struct shader_class {
     int (*max_width)(const void *self);
     btf_result (*run)(void *self, int variant, int width, int rows, const float *inputs, float *out,
                       const btf_log *log);
+    btf_fold (*folded)(const void *self); /* what variant 0 reads */
     btf_result (*time)(void *self, int variant, int repeats, shader_times *out_times);
 } shader_class;
 

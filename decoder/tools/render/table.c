@@ -127,12 +127,31 @@ void table_cast(const table_scene *scene, int first_row, int rows, table_sample 
         }
 }
 
-static bool blocked(const table_scene *s, const table_sample *sample, const light *l, vec3 to_light,
-                    double distance) {
+static bool blocked(const table_scene *s, const table_sample *sample, vec3 to_light, double distance) {
     const double start = 4e-3; /* clear of the facets round the point */
     bvh_hit hit;
     vec3 origin = vec_add(vec_from(sample->position), vec_mul(vec_from(sample->normal), start));
-    return bvh_trace(s->bvh, origin, to_light, 0, l->is_point ? distance : INFINITY, &hit);
+    return bvh_trace(s->bvh, origin, to_light, 0, distance, &hit);
+}
+
+bool table_is_shadowed(const table_scene *scene, const table_sample *sample, vec3 to_light) {
+    return blocked(scene, sample, to_light, INFINITY);
+}
+
+void table_set_sample(const table_sample *sample, float *inputs) {
+    for (int k = 0; k < 2; k++)
+        inputs[k] = sample->uv[k];
+    for (int k = 0; k < 3; k++) {
+        inputs[2 + k] = sample->view[k];
+        inputs[5 + k] = 0;
+    }
+    inputs[8] = (float)sample->level;
+}
+
+vec3 table_to_local(const table_sample *sample, vec3 direction) {
+    return vec(vec_dot(direction, vec_from(sample->tangent)),
+               vec_dot(direction, vec_from(sample->bitangent)),
+               vec_dot(direction, vec_from(sample->normal)));
 }
 
 void table_light(const table_scene *scene, const light *l, size_t count, const table_sample *samples,
@@ -144,14 +163,9 @@ void table_light(const table_scene *scene, const light *l, size_t count, const t
         float *in = inputs + TABLE_INPUTS * i, *weight = weights + 3 * i;
         vec3 to_light = l->at;
         double distance = 1;
-        for (int k = 0; k < 2; k++)
-            in[k] = sample->uv[k];
-        for (int k = 0; k < 3; k++) {
-            in[2 + k] = sample->view[k];
-            in[5 + k] = 0;
+        table_set_sample(sample, in);
+        for (int k = 0; k < 3; k++)
             weight[k] = 0;
-        }
-        in[8] = (float)sample->level;
         if (sample->view[2] == 0)
             continue;
         if (l->is_point) {
@@ -161,11 +175,10 @@ void table_light(const table_scene *scene, const light *l, size_t count, const t
                 continue;
             to_light = vec_mul(to_light, 1 / distance);
         }
-        vec3 local = vec(vec_dot(to_light, vec_from(sample->tangent)),
-                         vec_dot(to_light, vec_from(sample->bitangent)),
-                         vec_dot(to_light, vec_from(sample->normal)));
+        const vec3 local = table_to_local(sample, to_light);
         vec_store(local, in + 5);
-        if (scene->cast_shadows && local.z > 0 && blocked(scene, sample, l, to_light, distance))
+        if (scene->cast_shadows && local.z > 0 &&
+            blocked(scene, sample, to_light, l->is_point ? distance : INFINITY))
             continue;
         for (int k = 0; k < 3; k++)
             weight[k] = (float)(l->colour[k] / (distance * distance));

@@ -65,4 +65,13 @@ enum { TABLE_INPUTS = 9 };
 void table_light(const table_scene *scene, const light *l, size_t count, const table_sample *samples,
                  float *inputs, float *weights);
 
+/* Of one sample: what table_light sets before it knows of a light; all but the direction, which is 0. */
+void table_set_sample(const table_sample *sample, float *inputs);
+
+/* A direction of the world in the sample's tangent frame. */
+vec3 table_to_local(const table_sample *sample, vec3 direction);
+
+/* Whether the mesh stands between the sample and a light far away. */
+bool table_is_shadowed(const table_scene *scene, const table_sample *sample, vec3 to_light);
+
 #endif

@@ -199,8 +199,8 @@ static btf_result check_device(viewer *v) {
         fprintf(stderr, "btf-view: warning: this device multiplies or fetches packed factors wrongly: "
                         "materials that hold them will look wrong\n");
     if (failures & BTF_SELF_TEST_LISTS)
-        fprintf(stderr, "btf-view: warning: this device does not fetch from lists of points as it should: "
-                        "materials that hold them will look wrong\n");
+        fprintf(stderr, "btf-view: warning: this device fetches from lists of points wrongly: materials "
+                        "that hold them will look wrong\n");
     failures &= ~(uint32_t)(BTF_SELF_TEST_LEVELS | BTF_SELF_TEST_FACTORS | BTF_SELF_TEST_LISTS);
     if (!result && failures) {
         btf_self_test_names(failures, names, sizeof names);

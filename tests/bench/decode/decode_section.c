@@ -156,7 +156,8 @@ static bool estimated_before(const decoding *d, decode_row *row) {
     for (int i = 0; i < d->table->count; i++) {
         const decode_row *r = &d->table->rows[i];
         if (r->estimated && strcmp(r->material, row->material) == 0 &&
-            strcmp(r->effects, row->effects) == 0 && r->nearest == row->nearest && r->filter == row->filter) {
+            strcmp(r->effects, row->effects) == 0 && r->nearest == row->nearest &&
+            r->filter == row->filter) {
             row->linear[2] = r->linear[2];
             row->srgb[2] = r->srgb[2];
             row->estimated = true;
@@ -543,9 +544,10 @@ static void cpu_pixels(const cpu_decoder *c, const decode_row *row, const uint32
         const size_t some = count - first < CHUNK ? count - first : CHUNK;
         float f[CHUNK][GPU_INPUTS];
         memcpy(f, inputs + GPU_INPUTS * first, some * sizeof *f);
-        for (size_t i = 0; i < some && !c->evaluator; i++)
+        for (size_t i = 0; i < some && !c->evaluator; i++) {
             btf_ref_evaluate(&c->material->view, &options, f[i][0], f[i][1], f[i] + 2, f[i] + 5,
                              out + 3 * (first + i));
+        }
         const btf_evaluations evaluations = {.struct_size = sizeof evaluations,
                                              .count = some,
                                              .uv = f[0],
@@ -553,12 +555,14 @@ static void cpu_pixels(const cpu_decoder *c, const decode_row *row, const uint32
                                              .views = f[0] + 5,
                                              .stride = GPU_INPUTS,
                                              .rgb = out + 3 * first};
-        if (c->evaluator)
+        if (c->evaluator) {
             btf_evaluate_many(c->evaluator, &many, &evaluations);
+        }
     }
 }
 
-static btf_result run_cpu_decoder(decoding *d, const cpu_decoder *c, const uint32_t *sphere, float *decoded) {
+static btf_result run_cpu_decoder(decoding *d, const cpu_decoder *c, const uint32_t *sphere,
+                                  float *decoded) {
     btf_result result = BTF_OK;
     for (int way = 0; way < 4 && result == BTF_OK; way++) {
         double ns[RIG_MOST_REPEATS];
@@ -601,10 +605,12 @@ static btf_result run_cpu(decoding *d, const decode_material *m) {
         rig_sphere_pixel((int)(i * (RIG_PIXELS / REFERENCE_PIXELS) + i * RIG_SIDE / RIG_PIXELS), f);
         memcpy(sphere + GPU_INPUTS * i, f, sizeof f);
     }
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = btf_evaluator_create(m->encoded.material, &d->run->context->log, &decoders[1].evaluator);
-    for (int i = 0; i < 2 && result == BTF_OK; i++)
+    }
+    for (int i = 0; i < 2 && result == BTF_OK; i++) {
         result = run_cpu_decoder(d, &decoders[i], sphere, decoded);
+    }
     btf_evaluator_destroy(&decoders[1].evaluator);
     free(decoded);
     free(sphere);
@@ -634,7 +640,10 @@ static btf_result run_device(decoding *d, const context_device *device) {
     btf_result result = rig_create(device, d->repeats, &d->run->context->log, why, sizeof why, &rig);
     if (result != BTF_OK) {
         enc_log(d->run->context, BTF_LOG_INFO, "  %s: %s", device->name, why);
-        fprintf(d->run->summary, "Device %s is not here: %s.\n\n", device->name, why);
+        fprintf(d->run->summary,
+                "Device %s is not available: %s.\n"
+                "\n",
+                device->name, why);
         return result == BTF_ERROR_UNSUPPORTED ? BTF_OK : result;
     }
     decode_table_device(d->table, device->name, gpu_name(rig.gpu), rig.software);

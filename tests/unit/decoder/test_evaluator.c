@@ -19,6 +19,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <cmocka.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -174,6 +175,47 @@ static void test_all_variants(void **state) {
     printf("%llu evaluations\n", (unsigned long long)evaluated);
 }
 
+/* Heights so far apart that of the three views one is hidden as far as it may be, its weight at the lower clamp,
+ * while another is not: rare among the variants. */
+static void test_occlusion(void **state) {
+    (void)state;
+    for (int deep = 0; deep < 2; deep++) {
+        const synthetic_spec spec = {.seed = 11,
+                                     .width = 16,
+                                     .height = 16,
+                                     .n_views = 37,
+                                     .n_lights = 21,
+                                     .layout = BTF_LAYOUT_TIGHT,
+                                     .colour = BTF_COLOUR_RGB,
+                                     .lobes = 2,
+                                     .effects = BTF_EFFECT_GAIN | BTF_EFFECT_RELIEF,
+                                     .levels = 1,
+                                     .relief = deep ? SYNTHETIC_HIGH : SYNTHETIC_GENTLE};
+        const btf_ref_options everything = {BTF_EFFECT_ALL, UINT32_MAX, BTF_REF_LINEAR, BTF_REF_TEXEL};
+        const btf_evaluate_options same = {.struct_size = sizeof same};
+        static batch b;
+        btf_material *material = NULL;
+        subject s;
+        random_state r = {17};
+        assert_int_equal(synthetic_create(&spec, NULL, &material), BTF_OK);
+        open_subject(deep ? "high relief" : "relief", material, &s);
+        draw(&r, &s, MOST, &b);
+        for (size_t i = 0; i < MOST; i++) {
+            const double phi = random_between(&r, 0, 6.28), sine = random_between(&r, 0.2, 0.98);
+            const float view[3] = {(float)(sine * cos(phi)), (float)(sine * sin(phi)),
+                                   (float)sqrt(1 - sine * sine)},
+                        light[3] = {0.36f, -0.48f, 0.8f};
+            b.inputs[i][0] = (float)random_between(&r, 0, 1);
+            b.inputs[i][1] = (float)random_between(&r, 0, 1);
+            memcpy(b.inputs[i] + 2, light, sizeof light);
+            memcpy(b.inputs[i] + 5, view, sizeof view);
+            b.levels[i] = 0;
+        }
+        check_batch(&s, &same, &everything, &b);
+        close_subject(&s);
+    }
+}
+
 /* Packed arrays, and one light and one view for all, are the same as a table. */
 static void test_layouts(void **state) {
     static variant list[VARIANT_MAX];
@@ -268,6 +310,7 @@ int main(int argc, char **argv) {
     is_long = argc == 2 && strcmp(argv[1], "--long") == 0;
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_all_variants),
+        cmocka_unit_test(test_occlusion),
         cmocka_unit_test(test_layouts),
         cmocka_unit_test(test_refusals),
     };

@@ -45,14 +45,17 @@ btf_result plan_pack(const enc_context *context, const enc_data *data, enc_solut
     float *errors = NULL;
     enc_pack_options options = {.layout = layout, .method = "", .options = "", .source = ""};
     btf_result result = BTF_OK;
-    if (levels > 1)
+    if (levels > 1) {
         result = enc_levels_fit(context, data, levels, NULL, NULL, solution, &fitted);
+    }
     options.levels = fitted.count;
     options.level = fitted.level;
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = enc_pack(context, data, solution, &options, out_material);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = enc_effect_errors(context, data, *out_material, &errors, &options.effect_error_count);
+    }
     if (result == BTF_OK) {
         options.effect_errors = errors;
         btf_material_close(out_material);
@@ -152,8 +155,9 @@ btf_result plan_measure(const enc_context *context, const enc_data *original, co
     reference_view(whole, plan->level, &a);
     reference_view(small, 0, &b);
     btf_result result = BTF_OK;
-    if (plan->level > 0)
+    if (plan->level > 0) {
         result = enc_level_filter(context, original, (int)a.width, (int)a.height, &filtered);
+    }
     const enc_data *data = filtered ? filtered : original;
     float *buffer = malloc(enc_data_texel_stride(data) * sizeof *buffer);
     const btf_ref_options everything = {BTF_EFFECT_ALL, UINT32_MAX, BTF_REF_LINEAR, BTF_REF_TEXEL};
@@ -174,10 +178,11 @@ btf_result plan_measure(const enc_context *context, const enc_data *original, co
             pick(&r, &plan->scene.light, data->lights[data->n_lights - 1].theta, light);
             const btf_ref_neighbours views = look_up(a.view_table, a.view_grid, view);
             const btf_ref_neighbours lights = look_up(a.light_table, a.light_grid, light);
-            for (int k = 0; k < 27; k++)
+            for (int k = 0; k < 27; k++) {
                 truth[k % 3] +=
                     0x1p-24 * views.weight[k / 9] * lights.weight[k / 3 % 3] *
                     (double)samples[(views.index[k / 9] * 3 + (size_t)k % 3) * n + lights.index[k / 3 % 3]];
+            }
             btf_ref_evaluate_texel(&a, &everything, column, row, light, view, rgb);
             add(truth, rgb, full);
             btf_ref_evaluate_texel(&b, &chosen, column, row, light, view, rgb);

@@ -2,17 +2,17 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "bench.h"
+#include "tests/bench/bench.h"
 #include "tests/bench/decode/decode_rig.h"
-#include "encodes.h"
+#include "tests/bench/encodes.h"
 #include "plan_scenes.h"
+#include "rig_fold.h"
 
 #include "decoder/toolkit/cli.h"
-#include <openbtf/fold.h>
 #include <math.h>
 #include <unistd.h>
 
-enum { LEVELS = 4, ROUNDS = 7, WAYS = 3, UNIT_FOLDED = 31 };
+enum { LEVELS = 4, ROUNDS = 7, WAYS = 3 };
 
 static const float tolerance = 0.5f;
 
@@ -22,32 +22,6 @@ static const char *const fold_names[] = {"none", "light", "both"};
 typedef struct outputs {
     FILE *csv, *readme;
 } outputs;
-
-/* The shader that reads a plan's fold, and the fold, which is made here; no program where there is none. */
-static rig_variant make_folded(decode_rig *rig, const btf_material *small, const btf_plan *plan,
-                               btf_gl_fold **out_fold) {
-    btf_shader_options options = plan->shader;
-    options.fold = plan->fold;
-    if (plan->fold == BTF_FOLD_NONE)
-        return (rig_variant){0};
-    btf_gl_options all = gpu_gl_options(rig->gpu, NULL);
-    btf_gl *textures = NULL;
-    btf_result result = btf_gl_upload(small, &all, rig->log, &textures);
-    all.shader = &options;
-    if (result == BTF_OK)
-        result = btf_gl_fold_create(small, &all, 1, rig->log, out_fold);
-    if (result == BTF_OK)
-        result = btf_gl_fold_run(*out_fold, textures, GPU_FIRST_UNIT + BTF_TEXTURE_COUNT / 2, 0,
-                                 options.fixed_light, options.fixed_view, rig->log);
-    btf_gl_destroy(&textures);
-    if (result != BTF_OK)
-        return (rig_variant){0};
-    const rig_variant made =
-        rig_variant_create(rig, small, &options, gpu_evaluate_body, GPU_FIRST_UNIT + BTF_TEXTURE_COUNT / 2);
-    if (made.program)
-        btf_gl_fold_bind(*out_fold, made.program, UNIT_FOLDED, NULL);
-    return made;
-}
 
 /* Nanoseconds a pixel of the plan, of everything and of the plan folded, the medians of rounds in which
  * they take turns. */
@@ -60,11 +34,17 @@ static void measure_times(decode_rig *rig, const btf_material *material, const b
         rig_variant_create(rig, small, &plan->shader, gpu_evaluate_body, GPU_FIRST_UNIT),
         rig_variant_create(rig, material, &everything, gpu_evaluate_body,
                            GPU_FIRST_UNIT + BTF_TEXTURE_COUNT)};
-    way[2] = make_folded(rig, small, plan, &fold);
-    for (int round = 0; round < rounds; round++)
-        for (int w = 0; w < WAYS; w++)
+    btf_shader_options folded = plan->shader;
+    folded.fold = plan->fold;
+    if (plan->fold != BTF_FOLD_NONE) {
+        way[2] = rig_folded_create(rig, small, &folded, &fold);
+    }
+    for (int round = 0; round < rounds; round++) {
+        for (int w = 0; w < WAYS; w++) {
             ns[w][round] =
                 way[w].program ? rig_measure(rig, way[w].program, rig->inputs, RIG_SIDE, NULL) : 0;
+        }
+    }
     for (int w = 0; w < WAYS; w++) {
         double spread;
         out_ns[w] = bench_median(ns[w], rounds, &spread);
@@ -87,10 +67,12 @@ static btf_result measure_scene(const bench_run *run, decode_rig *rig, const cha
     double mse[2], full_mse[2], ns[WAYS] = {0};
     char words[48], decoded[120], level[24] = "", components[24] = "";
     btf_result result = btf_plan_effects(material, &scene->scene, tolerance, &plan);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = btf_material_restrict(material, &plan, &run->context->log, &small);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = plan_measure(run->context, run->data, material, small, &plan, mse, full_mse);
+    }
     if (result == BTF_OK && rig) {
         plan_arguments(&plan, run->data, RIG_SIDE, rig->inputs);
         measure_times(rig, material, small, &plan, run->quick ? 1 : ROUNDS, ns);
@@ -106,20 +88,23 @@ static btf_result measure_scene(const bench_run *run, decode_rig *rig, const cha
     const double bytes = (double)info.gpu_bytes / (double)plan.full_gpu_bytes,
                  predicted = (double)(plan.cost / plan.full_cost), time = ns[1] > 0 ? ns[0] / ns[1] : 0;
     cli_effects_text(plan.effects, words);
-    if (plan.components)
+    if (plan.components) {
         snprintf(components, sizeof components, ", k %u", (unsigned)plan.components);
-    if (plan.level)
+    }
+    if (plan.level) {
         snprintf(level, sizeof level, ", level %u", (unsigned)plan.level);
+    }
     snprintf(decoded, sizeof decoded, "%s%s%s%s%s%s", words, components, level,
              plan.shader.interpolation == BTF_INTERPOLATION_NEAREST ? ", nearest" : "",
              plan.shader.fixed & BTF_FIXED_VIEW ? ", view folded" : "",
              plan.shader.fixed & BTF_FIXED_LIGHT ? ", light folded" : "");
     char row[600], folded[100] = "-";
     const double predicted_folded = (double)(plan.folded_cost / plan.full_cost);
-    if (plan.fold != BTF_FOLD_NONE)
+    if (plan.fold != BTF_FOLD_NONE) {
         snprintf(folded, sizeof folded, "%s, %.2f MB: %.0f ns, %.0f %% / %.0f %%, after %.2f Mpixels",
                  fold_names[plan.fold], 1e-6 * (double)plan.fold_bytes, ns[2], 100 * predicted_folded,
                  ns[1] > 0 ? 100 * ns[2] / ns[1] : 0, 1e-6 * plan.fold_pixels);
+    }
     snprintf(row, sizeof row,
              "| %s: %s | %s | %.2f / %.2f | %.2f / %.2f | %.2f / %.2f | %+.2f / %+.2f, %s | %.2f of %.2f | "
              "%.0f of %.0f | %.0f %% / %.0f %% | %.0f %% / %.0f %% | %s |\n",
@@ -146,8 +131,9 @@ static btf_result encode(const bench_run *run, bool joint, int preset, btf_mater
     bench_encoded encoded;
     btf_result result = joint ? bench_encode_joint(run->context, run->data, preset, run->budget, &encoded)
                               : bench_encode_paper(run->context, run->data, &encoded);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     result = plan_pack(run->context, run->data, &encoded.solution,
                        joint ? BTF_LAYOUT_TIGHT : BTF_LAYOUT_PAPER, joint ? LEVELS : 1, out_material);
     bench_encoded_clear(&encoded);
@@ -158,23 +144,27 @@ static btf_result encode(const bench_run *run, bool joint, int preset, btf_mater
 static btf_result make_material(const bench_run *run, bool joint, btf_material **out_material) {
     char path[4096];
     int preset = 0;
-    while (preset + 1 < BENCH_PRESETS && !run->presets[preset])
+    while (preset + 1 < BENCH_PRESETS && !run->presets[preset]) {
         preset++;
-    if (!run->keep)
+    }
+    if (!run->keep) {
         return encode(run, joint, preset, out_material);
-    if (joint)
+    }
+    if (joint) {
         snprintf(path, sizeof path, "%s/%s-joint-%s.btf.exr", run->keep, run->name,
                  bench_preset_names[preset]);
-    else
+    } else {
         snprintf(path, sizeof path, "%s/%s-paper.btf.exr", run->keep, run->name);
+    }
     if (access(path, F_OK) != 0) {
         const btf_result result = encode(run, joint, preset, out_material);
         return result == BTF_OK ? btf_material_save(*out_material, path, &run->context->log) : result;
     }
     btf_material_info info = {.struct_size = sizeof info};
     btf_result result = btf_material_open(path, &run->context->log, out_material);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = btf_material_get_info(*out_material, &info);
+    }
     if (result == BTF_OK &&
         ((int)info.width != run->data->width || (int)info.height != run->data->height ||
          (int)info.n_views != run->data->n_views || (int)info.n_lights != run->data->n_lights)) {
@@ -199,11 +189,13 @@ btf_result bench_section_plan(const bench_run *run) {
     char why[300];
     outputs to = {0};
     btf_result result = bench_open(run, "plan", "csv", &to.csv);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = bench_open(run, "readme-plan", "md", &to.readme);
+    }
     if (result != BTF_OK) {
-        if (to.csv)
+        if (to.csv) {
             fclose(to.csv);
+        }
         return result;
     }
     const bool drawn =
@@ -217,15 +209,17 @@ btf_result bench_section_plan(const bench_run *run) {
     for (int joint = 1; joint >= 0 && result == BTF_OK; joint--) {
         btf_material *material = NULL;
         result = make_material(run, joint, &material);
-        for (int i = 0; i < PLAN_SCENES && result == BTF_OK; i++)
+        for (int i = 0; i < PLAN_SCENES && result == BTF_OK; i++) {
             result = measure_scene(run, drawn ? &rig : NULL, joint ? "joint" : "paper", &plan_scenes[i],
                                    material, &to);
+        }
         btf_material_close(&material);
     }
     fprintf(run->summary, "\n");
     fclose(to.csv);
     fclose(to.readme);
-    if (drawn)
+    if (drawn) {
         rig_destroy(&rig);
+    }
     return result;
 }
