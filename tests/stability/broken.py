@@ -263,8 +263,8 @@ CHANGES = [
         ("decoder/gl.c", "if (result != BTF_OK)\n        btf_gl_destroy(&gl);", "if (result != BTF_OK)\n        gl = NULL;")]),
     ("texels read that were never written", "valgrind", [
         ("decoder/material.c", "m->texture[level][id] = calloc(1, size);", "m->texture[level][id] = malloc(size);")]),
-    ("a critical section of the shadow test left out", "tsan", [
-        ("encoder/paper/shadow.c", "#pragma omp critical(enc_shadow_result)\n", "")]),
+    ("threads that share the buffer of a product", "tsan", [
+        ("encoder/factor/matrix.c", "work + enc_thread_index() * each, sums[p]", "work, sums[p]")]),
     ("the material written under its final name", "stability_faults", [
         ("decoder/save.c", "const int fd = btfi_temporary_create(path, &temporary);",
          "temporary = strdup(path);\n    const int fd = open(path, O_RDWR | O_CREAT | O_TRUNC, 0666);")]),

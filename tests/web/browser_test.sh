@@ -9,6 +9,6 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 mkdir "$work/vectors"
 "$3" --vectors "$work/vectors"
-"$4" "$here/vectors.py" "$root/tests/conformance/replay.py" "$work/vectors" "$work/raw"
+"$4" "$here/vectors.py" "$root/tests/conformance/port/replay.py" "$work/vectors" "$work/raw"
 "$root/decoder/web/package.sh" "$work/package" "$2"
 node "$here/conform.mjs" "$1" "$work/package" "$work/raw" "$root/tests/data/golden"
