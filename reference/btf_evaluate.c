@@ -324,6 +324,15 @@ void btf_ref_fold_both(const btf_ref_material *material, const btf_ref_options *
     }
 }
 
+void btf_ref_fold_add(size_t texels, const float *values, const float weight[3], float *sum) {
+    for (size_t i = 0; i < texels; ++i, values += 4, sum += 4) {
+        for (int c = 0; c < CHANNELS; ++c) {
+            float term = values[c] * weight[c];
+            sum[c] = sum[c] + term;
+        }
+    }
+}
+
 void btf_ref_fold_neighbour(const btf_ref_material *material, const btf_ref_options *options,
                             const float light[3], const float view[3], uint32_t neighbour, uint32_t first_row,
                             uint32_t rows, float *out_values) {

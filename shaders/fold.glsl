@@ -86,5 +86,10 @@ vec3 btf_fold_both(uvec2 x, vec3 l, vec3 v, int level) {
     return sum[0];
 }
 
+/* The sum of radiance under several lights, with one more. */
+vec3 btf_fold_add(vec3 sum, vec3 radiance, vec3 weight) {
+    return btf_add(sum, btf_mul(radiance, weight));
+}
+
 #endif
 #endif

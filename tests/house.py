@@ -27,7 +27,7 @@ HOUSE = [
       'tests/conformance tests/sample',
       'tests/support']],
     [['encoder/btf-encode.c encoder/btf-compare.c decoder/tools/btf-info.c decoder/tools/btf-decode.c '
-      'decoder/tools/render/btf-render.c decoder/tools/view/btf-view.c decoder/examples',
+      'decoder/tools/render/btf-render.c decoder/tools/view/btf-view.c decoder/examples decoder/web/wasm',
       'decoder/tools/original']],
     [['encoder/job',
       'encoder/report',

@@ -138,6 +138,18 @@ btf_result btf_fold_rows(const btf_evaluator *evaluator, const btf_shader_option
     return result;
 }
 
+void btf_fold_add(size_t count, const uint32_t *texels, const float weight[3], uint32_t *sum) {
+    for (size_t i = 0; i < 4 * count; i++) {
+        float value, total;
+        if (i % 4 == 3)
+            continue;
+        memcpy(&value, texels + i, sizeof value);
+        memcpy(&total, sum + i, sizeof total);
+        total = total + value * weight[i % 4];
+        memcpy(sum + i, &total, sizeof total);
+    }
+}
+
 btf_result btf_material_fold(const btf_material *material, const btf_shader_options *options,
                              uint32_t lights, const float *light, const float *view, const btf_log *log,
                              uint32_t **out_texels) {

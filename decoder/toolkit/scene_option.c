@@ -155,6 +155,36 @@ const char *scene_plan_amount(const btf_plan *plan, char *text, size_t size) {
     return text;
 }
 
+/* What the plan leaves out of the whole material, after `text`; nothing where that is nothing. */
+static void print_left_out(FILE *out, const char *text, const btf_material *material, const btf_plan *plan) {
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_material_get_info(material, &info);
+    const uint32_t effects = info.effects & ~plan->effects;
+    const bool factors = info.store == BTF_STORE_FACTORS;
+    const struct {
+        uint32_t count;
+        const char *one;
+    } parts[] = {{effects & BTF_EFFECT_RESIDUAL ? 0 : info.components - plan->components,
+                  factors ? "unit" : "component"},
+                 {info.n_views - plan->views, "view"},
+                 {info.n_lights - plan->lights, "light"},
+                 {plan->level, "level"}};
+    const char *separator = text;
+    for (int i = 0; i < CLI_EFFECTS_COUNT; i++)
+        if (effects >> i & 1) {
+            fprintf(out, "%s%s", separator, cli_effect_word(i));
+            separator = ", ";
+        }
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
+        if (parts[i].count > 0) {
+            fprintf(out, "%s%u %s%s", separator, (unsigned)parts[i].count, parts[i].one,
+                    parts[i].count == 1 ? "" : "s");
+            separator = ", ";
+        }
+    if (separator != text)
+        fprintf(out, "\n");
+}
+
 /* How a fixed light is folded, or why not. */
 static void print_fold(FILE *out, const char *indent, const btf_material *material, const btf_plan *plan) {
     btf_material_info info = {.struct_size = sizeof info};
@@ -180,7 +210,8 @@ static void print_fold(FILE *out, const char *indent, const btf_material *materi
 }
 
 void scene_plan_print(FILE *out, const char *indent, const btf_material *material, const btf_plan *plan) {
-    char words[48], amount[32];
+    char words[48], amount[32], left_out[64];
+    snprintf(left_out, sizeof left_out, "%sleft out: ", indent);
     fprintf(out, "%seffects %s", indent, cli_effects_text(plan->effects, words));
     if (plan->components)
         fprintf(out, ", %s", scene_plan_amount(plan, amount, sizeof amount));
@@ -189,6 +220,7 @@ void scene_plan_print(FILE *out, const char *indent, const btf_material *materia
             plan->shader.filter == BTF_FILTER_TEXEL ? "one texel" : filter_name(plan->shader.filter),
             (unsigned)plan->level, plan->shader.fixed & BTF_FIXED_VIEW ? ", fixed view" : "",
             plan->shader.fixed & BTF_FIXED_LIGHT ? ", fixed light" : "");
+    print_left_out(out, left_out, material, plan);
     fprintf(out, "%s%u views, %u lights, %zu bytes of %zu (%.0f%%), %.0f%% of the time\n", indent,
             (unsigned)plan->views, (unsigned)plan->lights, plan->gpu_bytes, plan->full_gpu_bytes,
             100 * (double)plan->gpu_bytes / (double)plan->full_gpu_bytes,

@@ -44,6 +44,24 @@ btf_result enc_fail(const enc_context *context, btf_result result, const char *f
     return result;
 }
 
+void enc_keep_worse(btf_result *io_result, btf_result mine) {
+    static const btf_result worst_first[] = {
+        BTF_ERROR_INTERRUPTED, BTF_ERROR_IO,     BTF_ERROR_BAD_FILE, BTF_ERROR_USAGE,
+        BTF_ERROR_UNSUPPORTED, BTF_ERROR_MEMORY, BTF_ERROR_INTERNAL, BTF_ERROR_DIFFERENT};
+    if (mine == BTF_OK) {
+        return;
+    }
+#pragma omp critical(enc_result)
+    for (size_t i = 0; i < sizeof worst_first / sizeof worst_first[0]; i++) {
+        if (mine == worst_first[i] || *io_result == worst_first[i]) {
+/* other threads may look at it meanwhile, atomically, to end early */
+#pragma omp atomic write
+            *io_result = worst_first[i];
+            break;
+        }
+    }
+}
+
 bool enc_cancelled(const enc_context *context) {
     (void)context;
     return progress_cancelled();

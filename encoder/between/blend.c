@@ -124,10 +124,7 @@ btf_result enc_blend_images(const enc_context *context, const enc_blend *blend, 
         }
         free(roots);
         free(buffer);
-        if (mine != BTF_OK) {
-#pragma omp critical(enc_blend_result)
-            result = mine;
-        }
+        enc_keep_worse(&result, mine);
     }
     free(weights);
     return result == BTF_ERROR_MEMORY ? enc_fail(context, result, "blending: out of memory") : result;

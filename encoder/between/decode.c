@@ -50,8 +50,7 @@ static btf_result filter_pairs(const enc_context *context, const enc_evaluator *
         for (size_t i = 0; i < rows; i++) {
             const bool cancelled = enc_cancelled(context);
             if (cancelled || !uv) {
-#pragma omp atomic write
-                result = cancelled ? BTF_ERROR_INTERRUPTED : BTF_ERROR_MEMORY;
+                enc_keep_worse(&result, cancelled ? BTF_ERROR_INTERRUPTED : BTF_ERROR_MEMORY);
                 continue;
             }
             const size_t p = i / m->height;
@@ -82,8 +81,7 @@ btf_result enc_decode_pairs(const enc_context *context, const enc_evaluator *eva
         for (size_t t = 0; t < texels; t++) {
             const bool cancelled = enc_cancelled(context);
             if (cancelled || !texel) {
-#pragma omp atomic write
-                result = cancelled ? BTF_ERROR_INTERRUPTED : BTF_ERROR_MEMORY;
+                enc_keep_worse(&result, cancelled ? BTF_ERROR_INTERRUPTED : BTF_ERROR_MEMORY);
                 continue;
             }
             enc_evaluated_texel_move(texel, t);

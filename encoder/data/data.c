@@ -180,10 +180,7 @@ static btf_result keep_samples(const enc_context *context, enc_data *data) {
             }
             mine = enc_cancelled(context) ? BTF_ERROR_INTERRUPTED
                                           : keep_block(context, data, first, count, buffer);
-            if (mine != BTF_OK) {
-#pragma omp atomic write
-                result = mine;
-            }
+            enc_keep_worse(&result, mine);
             enc_stage_step(context, count);
         }
         free(buffer);

@@ -94,10 +94,7 @@ btf_result enc_level_filter(const enc_context *context, const enc_data *from, in
             if (mine == BTF_OK) {
                 mine = enc_data_store_texels(context, to, t, 1, buffer + stride);
             }
-            if (mine != BTF_OK) {
-#pragma omp atomic write
-                result = mine;
-            }
+            enc_keep_worse(&result, mine);
         }
         free(buffer);
         free(sums);

@@ -213,8 +213,7 @@ static btf_result fit_texels(const level_fit *fit, uint32_t *out) {
                 fit_texel(fit, t, x, x + fit->components, levels);
                 enc_store_pack_texel(fit->units, fit->base->factors.units, levels, texels, t, out);
             } else {
-#pragma omp critical(enc_factors_level)
-                result = mine;
+                enc_keep_worse(&result, mine);
             }
         }
         free(x);

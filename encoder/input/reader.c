@@ -264,10 +264,7 @@ static btf_result scatter(reader *r, size_t first, size_t count) {
             }
         }
         free(turned);
-        if (mine != BTF_OK) {
-#pragma omp critical(enc_reader_result)
-            result = mine;
-        }
+        enc_keep_worse(&result, mine);
     }
     free(places);
     return result;

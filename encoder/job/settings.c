@@ -37,7 +37,8 @@ enc_joint_options enc_joint_options_default(void) {
 
 /* The default budget is at most this times the root of the number of texels. Layout `paper` takes a
  * constant number of bytes a texel, and encoding time grows with texels times bytes; but components are
- * shared by all texels, so that larger materials need fewer bytes a texel. */
+ * shared by all texels, so that larger materials need fewer bytes a texel. Chosen so that 64x64 texels with 81
+ * directions keep the 2.36 MB of layout `paper`, and 256x256 take 16 MB and, by the cost model, 6 minutes. */
 static const double side_bytes = 62500;
 
 uint64_t enc_default_budget(int width, int height, int n_views, int n_lights) {

@@ -27,8 +27,9 @@ struct enc_fit_workspace {
     float *thin[PLANES]; /* a quarter of them */
 };
 
-/* Starting shapes, lobes apart from each other (prototype: identical or azimuth-symmetric ones never part
- * or part slowly). The first set has a mirror lobe and two slanted ones. */
+/* Starting shapes (Cx, Cy, Cz, n), lobes apart from each other: in a prototype identical ones, or ones symmetric
+ * in azimuth, never parted or parted slowly. The first set has a mirror lobe and two slanted ones. Four sets,
+ * competing on a quarter of the samples, gave BRICKS64 20.71 / 17.99 dB, one alone 20.69 / 17.98. */
 static const double start_shapes[ENC_FIT_MAX_STARTS][ENC_MAX_LOBES][4] = {
     {{-1.0, -1.0, 1.0, 8}, {0.8, -0.3, 0.6, 2}, {-0.3, 0.8, 0.6, 2}, {0.5, 0.5, 0.7, 3}},
     {{-0.9, -0.9, 0.9, 30}, {0.7, 0.7, 0.7, 4}, {-0.5, -0.5, 0.9, 1}, {0.3, -0.8, 0.6, 2}},
@@ -38,7 +39,8 @@ static const double start_shapes[ENC_FIT_MAX_STARTS][ENC_MAX_LOBES][4] = {
 static const double start_diffuse = 0.8;
 
 /* A lobe may be at most so many times its largest value at a sample: without a limit, sharp lobes settle
- * between the sampled directions or below the last ring, invisible but for one sample's flank. */
+ * between the sampled directions or below the last ring, invisible but for one sample's flank (of BRICKS64's RGB
+ * lobes, 3 % exceeded 1000 times). */
 static const double most_overshoot = 4;
 
 enc_fit_options enc_fit_options_default(void) {

@@ -75,10 +75,7 @@ btf_result enc_left_out_make(const enc_context *context, const enc_direction *di
 #pragma omp parallel for schedule(dynamic) num_threads(used->threads)
     for (int i = 0; i < count; i++) {
         const btf_result mine = count > 1 ? without(context, directions, count, i, &w[i]) : BTF_OK;
-        if (mine != BTF_OK) {
-#pragma omp atomic write
-            result = mine;
-        }
+        enc_keep_worse(&result, mine);
     }
     for (int i = 0; result == BTF_OK && count > 1 && i < count; i++) {
         if (reaches(directions, count, i, &w[i])) {

@@ -13,7 +13,8 @@
 #include <openbtf/material.h>
 #include <stdlib.h>
 
-static const double hidden_share = 0.01; /* of points, below which clusters are not worth a try */
+/* Share of points, below which clusters are not worth a try; set by hand: btf-sample flat has none hidden. */
+static const double hidden_share = 0.01;
 
 static double clipped(double value, double peak) {
     return value < peak ? value : peak;
@@ -89,10 +90,7 @@ btf_result enc_paper_sample(const enc_context *context, const enc_data *data, en
             }
         }
         free(buffer);
-        if (mine != BTF_OK) {
-#pragma omp critical(paper_effects)
-            result = mine;
-        }
+        enc_keep_worse(&result, mine);
     }
     result = enc_ranks_gather(context, result, found, numbers * sizeof *found, count);
     for (size_t k = 0; k < numbers; k++) {

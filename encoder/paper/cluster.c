@@ -274,10 +274,7 @@ static btf_result for_each_view(const cluster_stage *s, btf_result (*pass)(const
     for (int view = (int)begin; view < (int)end; view++) {
         btf_result mine = enc_cancelled(s->context) ? BTF_ERROR_INTERRUPTED : pass(s, view);
         enc_stage_step(s->context, 1);
-#pragma omp critical(enc_cluster_result)
-        if (mine > result) {
-            result = mine;
-        }
+        enc_keep_worse(&result, mine);
     }
     return result;
 }

@@ -126,10 +126,7 @@ static btf_result fit_all(const enc_context *context, const enc_data *data, enc_
             }
         }
         free(buffer);
-        if (mine != BTF_OK) {
-#pragma omp critical(paper_fallback)
-            result = mine;
-        }
+        enc_keep_worse(&result, mine);
     }
     return enc_ranks_gather(context, result, sbrdf->values, stride * sizeof *sbrdf->values,
                             sbrdf->n_texels);

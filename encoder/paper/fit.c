@@ -294,8 +294,7 @@ btf_result enc_fit(const enc_context *context, const enc_data *data, const enc_f
                 }
             }
             worker_free(&w);
-#pragma omp critical(enc_fit_result)
-            result = result == BTF_OK ? mine : result;
+            enc_keep_worse(&result, mine);
         }
         const size_t stride = enc_sbrdf_stride(sbrdf->lobes, sbrdf->rgb);
         result = enc_ranks_gather(context, result, sbrdf->values, stride * sizeof *sbrdf->values, texels);

@@ -344,10 +344,7 @@ static btf_result vote_views(const flow_stage *s) {
             }
             enc_stage_step(s->context, 1);
         }
-#pragma omp critical(enc_flow_result)
-        if (mine > result) {
-            result = mine;
-        }
+        enc_keep_worse(&result, mine);
         enc_flow_worker_clear(&worker);
     }
     result = share(s, result);

@@ -121,8 +121,7 @@ btf_result enc_top_view_shadow(const enc_context *context, const enc_data *data,
         }
         free(samples);
         free(profile);
-#pragma omp critical(enc_shadow_result)
-        result = result == BTF_OK ? mine : result;
+        enc_keep_worse(&result, mine);
     }
     result = share(context, result, texels, lights, begin, end, out);
     enc_stage_end(context);

@@ -77,8 +77,7 @@ static btf_result compare_block(const enc_context *context, const enc_pairs *pai
             enc_stage_step(context, 1);
         }
         if (!ready) {
-#pragma omp critical(enc_between_result)
-            result = BTF_ERROR_MEMORY;
+            enc_keep_worse(&result, BTF_ERROR_MEMORY);
         }
         enc_ssim_destroy(&ssim);
         free(coded);

@@ -45,10 +45,7 @@ static btf_result measure_batch(const job *j, size_t first, size_t n, double *su
 #pragma omp parallel for schedule(dynamic) num_threads(j->context->threads)
     for (size_t i = begin; i < end; i++) {
         const btf_result mine = measure_one(j, first + i, sums + i * j->length);
-        if (mine != BTF_OK) {
-#pragma omp atomic write
-            result = mine;
-        }
+        enc_keep_worse(&result, mine);
     }
     return enc_ranks_gather(j->context, result, sums, j->length * sizeof *sums, n);
 }

@@ -238,7 +238,7 @@ static const cli_option table[] = {
      .type = CLI_CUSTOM,
      .parse = parse_methods,
      .help =
-         "section decode: some of joint, paper, peers, reference (the decoder\non the CPU); default all"},
+         "section decode: some of joint, paper, peers, reference (the decoder\non the CPU); section plan: of joint, paper; default all"},
     {.name = "keep",
      .arg = "DIR",
      .type = CLI_STRING,

@@ -189,8 +189,8 @@ part_demo() {
 }
 part_planned() {
     needs BRICKS64.zip UBO_IMPALLA64.zip || return 0
-    "$pictures/planned.sh" "$build" "$(encoded BRICKS64-fast "$shared/BRICKS64.zip" --preset fast)" \
-        "$(encoded IMPALLA64-paper "$shared/UBO_IMPALLA64.zip" --method paper)"
+    "$pictures/planned.sh" "$build" "$(encoded BRICKS64-levels "$shared/BRICKS64.zip" --levels 4)" \
+        "$(encoded UBO_IMPALLA64-levels "$shared/UBO_IMPALLA64.zip" --levels 4)"
 }
 part_fit() {
     needs BRICKS64.zip UBO_IMPALLA64.zip || return 0
@@ -225,7 +225,15 @@ part_growth() {
     cp "$work/growth-$(commit)"/growth-{texels,directions}.png "$pictures/"
 }
 part_plan() {
-    btf-bench --only plan --preset medium --out "$work/plan-$(commit)" --keep "$work/plan-kept-$(commit)"
+    needs BRICKS64.zip BRICKS64_between.zip UBO_IMPALLA64.zip || return 0
+    local kind kept
+    kept=$work/plan-files-$(commit)
+    mkdir -p "$kept"
+    for kind in BRICKS64 UBO_IMPALLA64; do
+        cp "$(encoded $kind-levels "$shared/$kind.zip" --levels 4)" "$kept/$kind-joint-medium.btf.exr"
+    done
+    btf-bench --only plan --preset medium --methods joint --input "$shared/BRICKS64.zip" --pairs "$shared/BRICKS64_between.zip" \
+        --input "$shared/UBO_IMPALLA64.zip" --out "$work/plan-$(commit)" --keep "$kept"
     "$root/tests/bench/readme.sh" --plan "$work/plan-$(commit)"
 }
 part_stochastic() {
@@ -248,7 +256,8 @@ targets_of() { # a part: its programs
     pathtrace) echo encoder/btf-encode decoder/examples/pathtrace ;;
     relief) echo encoder/btf-{encode,compare} tests/sample/btf-sample ;;
     between) echo encoder/btf-{encode,compare} decoder/tools/btf-info tests/sample/btf-sample ;;
-    bench | storage | growth | plan | stochastic) echo tests/bench/btf-bench ;;
+    plan) echo encoder/btf-encode tests/bench/btf-bench ;;
+    bench | storage | growth | stochastic) echo tests/bench/btf-bench ;;
     *) echo encoder/btf-encode decoder/tools/{btf-decode,render/btf-render} tests/sample/btf-sample ;;
     esac
 }

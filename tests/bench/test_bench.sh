@@ -76,7 +76,7 @@ rows=$(($(wc -l <before.csv) - 5))
 head -n $((rows + 1)) before.csv >b/journal.csv
 sed -n $((rows + 2))p before.csv | cut -c1-40 | tr -d '\n' >>b/journal.csv
 expect "goes on after a stop" 0 btf-bench --quick --input tiny --pairs pairs --only machine,encode,storage --holdout ring --out b -q
-expect_text "says how many rows were there" "^$rows rows come from before" b/summary.md
+expect_text "says how many rows were there" "^$rows rows were measured before the run was stopped" b/summary.md
 expect_that "keeps the rows it had, measures the others" python3 - $((rows + 1)) <<'P'
 import sys
 kept = int(sys.argv[1])
@@ -201,7 +201,11 @@ import csv, os
 rows = list(csv.DictReader(open("gpu/decode-tiny.csv")))
 assert {row["material"].split(";")[0] for row in rows} == {"joint", "paper", "PCA", "Phong", "uncompressed"}
 assert {row["device"] for row in rows} == {"osmesa"} and os.path.getsize("gpu/conform.txt") > 0
+costs = list(csv.DictReader(open("gpu/costs-tiny.csv")))
+assert len(costs) > 8 and all(float(row["ns"]) > 0 and float(row["predicted_ns"]) > 0 for row in costs)
 P
+    expect_text "prints the prices" "^Prices in ns on .*llvmpipe" out
+    expect "plans go by the prices that were fitted" 0 btf-info tiny.btf.exr --plan all --costs gpu/costs.json
 else
     printf '[ RUN      ] decode\nskipped: no OSMesa\n[  SKIPPED ] decode\n'
 fi

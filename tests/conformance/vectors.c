@@ -12,11 +12,15 @@
 #include "decoder/toolkit/reference_view.h"
 #include "variant.h"
 
+#include <openbtf/sampling.h>
+
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { SIDE = 16, PIXELS = SIDE * SIDE, PLANES = 5, LARGEST = 400000 }; /* bytes of a material's textures */
-static const char *const plane_names[PLANES] = {"uv", "light", "view", "radiance", "picked"};
+/* Bytes of a material's textures; pixels of a row of its tables. */
+enum { SIDE = 16, PIXELS = SIDE * SIDE, PLANES = 5, SAMPLED = 2, LARGEST = 400000, TABLE_WIDTH = 64 };
+static const char *const plane_names[PLANES + SAMPLED] = {"uv",     "light", "view",   "radiance",
+                                                          "picked", "drawn", "density"};
 
 /* Arguments and radiance of a vector, one RGB plane after the other. */
 static void evaluate(const btf_material *material, uint32_t level, const variant *v, int number,
@@ -41,6 +45,62 @@ static void evaluate(const btf_material *material, uint32_t level, const variant
         btf_ref_evaluate_stochastic(&reference, &options, BTF_REF_PICK_ALL, f[0], f[1], f + 2, f + 5,
                                     random, planes[4][i]);
     }
+}
+
+/* Directions that the tables draw, and densities: of the drawn one, of the pixel's light. */
+static void sample(const btf_material *material, const btf_light_sampling *tables, int number,
+                   float (*planes)[PIXELS][3]) {
+    const btf_ref_sampling sampling = {tables->n_triangles, tables->triangles, tables->densities};
+    btf_ref_material reference;
+    reference_view(material, 0, &reference);
+    for (int i = 0; i < PIXELS; ++i) {
+        const uint32_t counter[3] = {(uint32_t)(i % SIDE), (uint32_t)(i / SIDE), (uint32_t)number};
+        const float *light = planes[1][i], *view = planes[2][i];
+        uint32_t random[3];
+        btf_ref_random(counter, random);
+        btf_ref_sample_light(&reference, &sampling, 0, 0, view, random[0], random[1], planes[PLANES][i],
+                             &planes[PLANES + 1][i][0]);
+        planes[PLANES + 1][i][1] = btf_ref_pdf_light(&reference, &sampling, 0, 0, view, light);
+        planes[PLANES + 1][i][2] = 0;
+    }
+}
+
+/* The words of both tables, three a pixel. */
+static btf_result write_tables(const char *path, const btf_light_sampling *tables, const btf_log *log) {
+    const size_t triangles = 4 * (size_t)tables->n_triangles * (tables->n_views + 1),
+                 densities = (size_t)tables->n_views * (tables->n_lights + 1),
+                 rows = (triangles + densities + 3 * TABLE_WIDTH - 1) / (3 * TABLE_WIDTH);
+    float *words = calloc(rows * TABLE_WIDTH, 3 * sizeof *words);
+    if (!words)
+        return BTF_ERROR_MEMORY;
+    memcpy(words, tables->triangles, triangles * sizeof *words);
+    memcpy(words + triangles, tables->densities, densities * sizeof *words);
+    btf_result result =
+        exr_image_write(path, TABLE_WIDTH, (int)rows, words, false, log ? *log : (btf_log){0});
+    free(words);
+    return result;
+}
+
+/* Light sampling of every fourth vector. */
+static btf_result add_sampling(const char *directory, int number, const btf_material *material,
+                               const btf_log *log, json *j, float (*planes)[PIXELS][3]) {
+    char path[1200], name[40];
+    btf_evaluator *evaluator = NULL;
+    btf_light_sampling *tables = NULL;
+    btf_result result = btf_evaluator_create(material, log, &evaluator);
+    if (result == BTF_OK)
+        result = btf_light_sampling_create(material, evaluator, log, &tables);
+    btf_evaluator_destroy(&evaluator);
+    if (result != BTF_OK)
+        return result;
+    sample(material, tables, number, planes);
+    snprintf(name, sizeof name, "%02d-tables.exr", number);
+    snprintf(path, sizeof path, "%.1000s/%s", directory, name);
+    json_string(j, "tables", name);
+    json_integer(j, "triangles", tables->n_triangles);
+    result = write_tables(path, tables, log);
+    btf_light_sampling_destroy(&tables);
+    return result;
 }
 
 /* One vector's files and its entry in the manifest. */
@@ -72,7 +132,10 @@ static btf_result write_vector(const char *directory, int number, const variant 
     json_integer(j, "level", level);
     json_integer(j, "number", number);
     evaluate(material, level, v, number, planes);
-    for (int p = 0; p < PLANES && result == BTF_OK; ++p) {
+    const bool drawn = number % 4 == 2;
+    if (drawn && result == BTF_OK)
+        result = add_sampling(directory, number, material, log, j, planes);
+    for (int p = 0; p < PLANES + (drawn ? SAMPLED : 0) && result == BTF_OK; ++p) {
         snprintf(name, sizeof name, "%02d-%s.exr", number, plane_names[p]);
         snprintf(path, sizeof path, "%.1000s/%s", directory, name);
         result = exr_image_write(path, SIDE, SIDE, planes[p][0], false, log ? *log : (btf_log){0});
@@ -99,7 +162,7 @@ static btf_result write_manifest(const char *directory, json *j, const btf_log *
 
 btf_result vectors_write(const char *directory, uint64_t seed, const btf_log *log) {
     variant *list = calloc(VARIANT_MAX, sizeof *list);
-    float(*planes)[PIXELS][3] = calloc(PLANES, sizeof *planes);
+    float(*planes)[PIXELS][3] = calloc(PLANES + SAMPLED, sizeof *planes);
     btf_result result = list && planes ? BTF_OK : BTF_ERROR_MEMORY;
     size_t count = result == BTF_OK ? variant_pairwise(seed, list) : 0;
     json j = {0};
@@ -113,7 +176,13 @@ btf_result vectors_write(const char *directory, uint64_t seed, const btf_log *lo
         "of "
         "each channel of `radiance` must come out, and of `picked` where view, light and texel are picked "
         "by the random "
-        "numbers of (column, row, `number`). Float channels; arguments may be NaN or infinite.");
+        "numbers of (column, row, `number`). Float channels; arguments may be NaN or infinite. Vectors "
+        "with `tables` have "
+        "light sampling (SAMPLING.md) too: its two tables, of `triangles` a row, word by word, three a "
+        "pixel; `drawn`, the "
+        "direction that the first two of the random numbers draw for the view; `density`, R that of this "
+        "direction, G that of "
+        "the pixel's light.");
     json_array(&j, "vectors");
     for (size_t i = 0; i < count && result == BTF_OK; ++i)
         result = write_vector(directory, (int)i, &list[i], log, &j, planes);

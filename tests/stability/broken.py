@@ -96,6 +96,16 @@ CHANGES = [
         ("reference/btf_evaluate.c", "        e.shown[a] = a;", "        e.shown[a] = e.views.index[a] % 3;")]),
     ("a fold of neighbours that takes the layers of all views", "fold", [
         ("decoder/fold/fold.c", "fold == BTF_FOLD_NEIGHBOURS ? 3 : 1", "fold == BTF_FOLD_NEIGHBOURS ? info->n_views : 1")]),
+    ("the CPU's neighbours kept by their order, not their place", "fold", [
+        ("decoder/fold/cpu_fold.c", "s->views.place[a] != layer", "(uint32_t)a != layer")]),
+    ("level 0 folded by the CPU for all", "fold", [
+        ("decoder/fold/cpu_fold.c", "levels[i] = (int32_t)p->level;", "levels[i] = 0;")]),
+    ("texels of a row folded by the CPU twice", "fold", [
+        ("decoder/fold/cpu_fold.c", "texels.column[texels.count] = first + (uint32_t)texels.count;", "texels.column[texels.count] = (uint32_t)texels.count;")]),
+    ("lights added by the CPU without their weights", "fold", [
+        ("decoder/fold/cpu_fold.c", "total + value * weight[i % 4]", "total + value * weight[0]")]),
+    ("a sum of lights begun in the wrong texture", "fold_gl", [
+        ("decoder/fold/gl_fold.c", "to = (count - 1 - i) % 2", "to = i % 2")]),
     ("gloss left out at any price", "fold", [
         ("decoder/plan.c", "base[i] * (1 + growth[i]) + fmax(c", "base[i] + fmax(c")]),
     ("gloss never left out", "fold", [
@@ -107,9 +117,9 @@ CHANGES = [
     ("light and view folded where relief is decoded", "fold", [
         ("decoder/fold/fold.c", "all.fold == BTF_FOLD_BOTH && effects & BTF_EFFECT_RELIEF", "all.fold == BTF_FOLD_BOTH && effects == 0")]),
     ("level 0 of a fold drawn alone", "fold_gl", [
-        ("decoder/fold/gl_fold.c", "level < f->levels; ++level) {", "level < 1; ++level) {")]),
+        ("decoder/fold/gl_fold.c", "level < fold->levels; ++level)\n        for (uint32_t i = 0; i < fold->views", "level < 1; ++level)\n        for (uint32_t i = 0; i < fold->views")]),
     ("every light folded into the layers of the first", "fold_gl", [
-        ("decoder/fold/gl_fold.c", "(int32_t)(number * f->views + view)", "(int32_t)(number * 0 + view)")]),
+        ("decoder/fold/gl_fold.c", "number * fold->views + i, level", "0 * fold->views + i, level")]),
     ("a fold drawn within the caller's scissor", "fold_gl", [
         ("decoder/fold/gl_draw.c", "    GL_SCISSOR_TEST,", "    GL_STENCIL_TEST,")]),
     ("the caller's viewport lost to a fold", "fold_gl", [
@@ -253,8 +263,8 @@ CHANGES = [
         ("decoder/gl.c", "if (result != BTF_OK)\n        btf_gl_destroy(&gl);", "if (result != BTF_OK)\n        gl = NULL;")]),
     ("texels read that were never written", "valgrind", [
         ("decoder/material.c", "m->texture[level][id] = calloc(1, size);", "m->texture[level][id] = malloc(size);")]),
-    ("a critical section of the shadow test left out", "tsan", [
-        ("encoder/paper/shadow.c", "#pragma omp critical(enc_shadow_result)\n", "")]),
+    ("threads that share the buffer of a product", "tsan", [
+        ("encoder/factor/matrix.c", "work + enc_thread_index() * each, sums[p]", "work, sums[p]")]),
     ("the material written under its final name", "stability_faults", [
         ("decoder/save.c", "const int fd = btfi_temporary_create(path, &temporary);",
          "temporary = strdup(path);\n    const int fd = open(path, O_RDWR | O_CREAT | O_TRUNC, 0666);")]),

@@ -35,7 +35,7 @@ for left in ("view", "light", "both"):
         assert abs(value - report[left][key]) < 1e-3, (left, key)
 P
 expect "told" 0 btf-info m.btf.exr
-expect_text "to people" "^Between the samples, estimated by leaving samples out" out
+expect_text "to people" "^Between the samples, estimated by predicting samples left out" out
 expect "of data alone" 0 btf-compare --leave-one-out data --json -q --threads 1
 expect_that "is the data's part of it" python3 - <<'P'
 import json
@@ -141,7 +141,7 @@ expect_text "is told with the line" "short.txt: line 2: expected theta and phi" 
 expect_that "nothing was written" test ! -e x
 
 expect "pairs against pairs" 1 btf-compare pairs others -q
-expect_text "need a side to measure" "one of the two has to be a data set or a material" err
+expect_text "need a side to measure" "one of them must be a data set or a material" err
 expect "splines of a material" 1 btf-compare m.btf.exr pairs --interpolation spline -q
 expect "splines at samples" 1 btf-compare data data --interpolation spline -q
 expect "a filter of data" 1 btf-compare data pairs --filter steep -q

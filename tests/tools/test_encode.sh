@@ -178,7 +178,7 @@ expect_that "and the same maps as without the option" btf-compare onelevel.btf.e
 expect "levels in layout paper" 1 btf-encode data -o x.btf.exr --method paper $starts --layout paper --levels 2
 expect_text "are refused" "option --levels: --layout paper has one level" err
 expect "more levels than there are" 1 btf-encode data -o x.btf.exr --levels $((levels + 1))
-expect_text "are refused with their number" "option --levels: $((levels + 1)), but $side x $side texels have $levels" err
+expect_text "are refused with their number" "option --levels: $((levels + 1)), but $side x $side texels have only $levels levels" err
 expect "no levels" 1 btf-encode data -o x.btf.exr --levels 0
 
 expect "compare" 0 btf-compare data paper.btf.exr

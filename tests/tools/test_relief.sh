@@ -52,13 +52,13 @@ assert "view" in off["between"] and "view_without_relief" not in off["between"],
 P
 expect_that "a file tells what relief is worth between the samples" python3 worth.py
 expect "in words" 0 btf-info found.btf.exr
-expect_text "not by errors at the samples" "relief +between the samples only: \\+[0-9.]+ dB linear, .* where views are left out, for 256 bytes" out
+expect_text "not by errors at the samples" "relief +acts between the samples only: \\+[0-9.]+ dB linear, .* where views are left out, for 256 bytes" out
 expect_text "and the levels of detail that have it" "on [0-9]+ of [0-9]+ views, below level 1\$" out
 expect_that "of the others the decoder's images are those without" sh -c 'btf-decode found.btf.exr -o on.exr --level 1 --view 40,10 --filter bilinear &&
     btf-decode found.btf.exr -o off.exr --level 1 --view 40,10 --filter bilinear --effects residual,gloss && cmp on.exr off.exr'
 expect_that "of the first they are not" sh -c 'btf-decode found.btf.exr -o on.exr --view 40,10 && btf-decode found.btf.exr -o off.exr --view 40,10 --effects residual,gloss && ! cmp -s on.exr off.exr'
 expect "gloss" 0 btf-info shared.btf.exr
-expect_text "acts there too" "gloss +between the samples only: [-+][0-9.]+ dB linear, .* where views and lights are left out, for 0 bytes" out
+expect_text "acts there too" "gloss +acts between the samples only: [-+][0-9.]+ dB linear, .* where views and lights are left out, for 0 bytes" out
 cat >gloss.py <<'P'
 import json, subprocess
 info = json.loads(subprocess.run(["btf-info", "shared.btf.exr", "--json"], capture_output=True, check=True).stdout)

@@ -24,7 +24,10 @@
  * that view's neighbours instead.
  *
  * Several lights are several folds in one texture: a shader adds up btf_evaluate_folded(uv, v, light,
- * level), weighted as it likes. They are not added beforehand: views that are blended as roots are squared
+ * level), weighted as it likes. Where light and view are folded to radiance they are added beforehand, too
+ * (btf_gl_fold_run_lights, btf_fold_add), and a pixel reads one texel for all: one sum a texel, in the order
+ * of the lights. It has the bits of the sum of unfolded radiance of whole texels; a filter, which rounds,
+ * then blends sums. Elsewhere they are not added beforehand: views that are blended as roots are squared
  * after they are blended, and those that are not are rounded after it.
  *
  * A fold takes views * texels evaluations of one view, about a third of a pixel's each (btf_fold_cost): it
@@ -89,6 +92,11 @@ btf_result btf_fold_rows(const btf_evaluator *evaluator, const btf_shader_option
                          const float view[3], uint32_t level, uint32_t layer, uint32_t first_row, uint32_t rows,
                          uint32_t *out_texels);
 
+/** Adds texels of light and view folded to radiance (BTF_FOLD_BOTH), [count][4] as btf_fold_rows makes them, to a sum of
+ * several lights of the same shape, which begins with zeros: sum = sum + texel * weight by channel, each product and each
+ * sum rounded to float; the fourth stays. @p weight [3]: irradiance / pi of the light by channel, finite, >= 0. */
+void btf_fold_add(size_t count, const uint32_t *texels, const float weight[3], uint32_t *sum);
+
 /** The whole texture `folded`, made on the CPU by one thread, for APIs other than GL to upload. @p light [lights][3] and,
  * where the view is folded too, @p view [lights][3], as in btf_fold_rows; else @p view may be NULL. *out_texels, of
  * btf_fold_bytes() bytes, is freed with btf_free: level by level, finest first, each [light][layer of the light][row]
@@ -116,6 +124,14 @@ btf_result btf_gl_fold_create(const btf_material *material, const btf_gl_options
  * refuses the framebuffer), BTF_ERROR_MEMORY. */
 btf_result btf_gl_fold_run(btf_gl_fold *fold, btf_gl *textures, uint32_t first_unit, uint32_t number,
                            const float light[3], const float view[3], const btf_log *log);
+
+/** Folds the sum of several lights seen from one view, BTF_FOLD_BOTH alone: what shaders read as light @p number is then
+ * the sum over i, in that order, of radiance under lights[i] times weights[i] by channel, as btf_fold_add() adds it, to
+ * the bit. @p lights and @p weights [count][3]; a texture of W x H x 16 bytes, a third more with levels, is made and
+ * deleted. Else as btf_gl_fold_run, one unit more. Errors: likewise; BTF_ERROR_USAGE too for another fold or no light. */
+btf_result btf_gl_fold_run_lights(btf_gl_fold *fold, btf_gl *textures, uint32_t first_unit, uint32_t number,
+                                  uint32_t count, const float *lights, const float *weights, const float view[3],
+                                  const btf_log *log);
 
 /** Points the sampler `folded` of a linked program, if it has one, at the texture, in unit @p unit; @p
  * prefix as in btf_gl_bind. Sets the uniform and that unit's binding. */

@@ -12,12 +12,13 @@ static const size_t most_bytes = 1000000000;
 
 static bool is_worth_it(const shader_request *request, const btf_shader_options *options) {
     btf_material_info info = {.struct_size = sizeof info};
+    const btf_scene scene = {.struct_size = sizeof scene, .costs = request->costs};
     btf_material_get_info(request->material, &info);
     if (btf_fold_bytes(&info, options->fold, 1) > most_bytes)
         return false;
     return request->fold == SHADER_FOLD_ALWAYS ||
            (btf_fold_layers(&info, options->fold, 1) <= BTF_MAX_DIRECTION_LAYERS && /* that every GL has */
-            btf_fold_cost(request->material, options, NULL).pixels < request->samples);
+            btf_fold_cost(request->material, options, &scene).pixels < request->samples);
 }
 
 btf_shader_options shade_fold_options(const shader_request *request, int variant) {

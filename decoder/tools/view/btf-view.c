@@ -212,6 +212,8 @@ static btf_result check_device(viewer *v) {
 
 static btf_result prepare(viewer *v, const char *path) {
     btf_result result = viewer_choose_mesh(v);
+    if (!result && view_options.costs_file)
+        result = btf_cost_model_open(view_options.costs_file, &v->log, &v->costs_of_device);
     if (!result && path) /* so that a missing file is told without a window */
         result = btf_material_open(path, &v->log, &v->material);
     if (!result && view_options.original)

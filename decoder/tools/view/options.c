@@ -5,6 +5,7 @@
 #include "options.h"
 
 #include "decoder/toolkit/filter.h"
+#include "decoder/toolkit/scene_option.h"
 #include <openbtf/material.h>
 
 view_settings view_options = {
@@ -70,6 +71,7 @@ static const cli_option option_table[] = {
      .minimum = 0,
      .maximum = 100,
      .help = "what --plan may lose against the full decode, predicted; default 0.5"},
+    {.name = "costs", .arg = "FILE", .type = CLI_STRING, .value = &view_options.costs_file, .help = COSTS_OPTION_HELP},
     {.name = "screenshots",
      .arg = "PREFIX",
      .type = CLI_STRING,

@@ -12,6 +12,7 @@
 #ifndef OPENBTF_REFERENCE_H
 #define OPENBTF_REFERENCE_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 #ifdef __cplusplus
@@ -172,6 +173,10 @@ void btf_ref_fold_light(const btf_ref_material *material, const btf_ref_options 
 void btf_ref_fold_both(const btf_ref_material *material, const btf_ref_options *options,
                        const float light[3], const float view[3], uint32_t first_row, uint32_t rows,
                        float *out_values);
+
+/** Adds the radiance of one light to the sum of several: sum = sum + values * weight by channel, each product and each sum
+ * rounded to float. @p values and @p sum [texels][4], @p weight [3]; the fourth stays. */
+void btf_ref_fold_add(size_t texels, const float *values, const float weight[3], float *sum);
 
 /** Likewise what texels show in neighbour @p neighbour (0 to 2) of the three that btf_ref_lookup() gives for @p view (of
  * the nearest, 0): its value under @p light as it is before views are weighted, with gloss under the lights that it has

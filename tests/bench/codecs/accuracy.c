@@ -76,10 +76,7 @@ btf_result bench_decode_all(const enc_context *context, const enc_data *shape, e
                 view_images[i];
         }
         free(view_images);
-        if (mine != BTF_OK) {
-#pragma omp critical(bench_decode_all)
-            result = mine;
-        }
+        enc_keep_worse(&result, mine);
     }
     if (result != BTF_OK) {
         enc_data_destroy(out_data);

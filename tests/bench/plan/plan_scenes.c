@@ -127,8 +127,7 @@ static double clip(double x) {
     return x > 0 ? (x < 1 ? x : 1) : 0;
 }
 
-/* Adds the squared errors of one decoded value. */
-static void add(const double truth[3], const float rgb[3], double sum[2]) {
+void plan_add_errors(const double truth[3], const float rgb[3], double sum[2]) {
     for (int c = 0; c < 3; c++) {
         const double linear = clip(truth[c]) - clip((double)rgb[c]);
         const double srgb = (double)enc_srgb_encode((float)truth[c]) - (double)enc_srgb_encode(rgb[c]);
@@ -137,7 +136,7 @@ static void add(const double truth[3], const float rgb[3], double sum[2]) {
     }
 }
 
-static btf_ref_options options_of(const btf_plan *plan) {
+btf_ref_options plan_reference_options(const btf_plan *plan) {
     return (btf_ref_options){.effects = plan->effects,
                              .components = plan->components ? plan->components : UINT32_MAX,
                              .interpolation = plan->shader.interpolation == BTF_INTERPOLATION_NEAREST
@@ -149,7 +148,7 @@ static btf_ref_options options_of(const btf_plan *plan) {
 btf_result plan_measure(const enc_context *context, const enc_data *original, const btf_material *whole,
                         const btf_material *small, const btf_plan *plan, double planned[2],
                         double full[2]) {
-    enum { SAMPLES = 40000, PAIRS = 40 };
+    enum { SAMPLES = 20000, PAIRS = 40 };
     enc_data *filtered = NULL;
     btf_ref_material a, b;
     reference_view(whole, plan->level, &a);
@@ -161,7 +160,7 @@ btf_result plan_measure(const enc_context *context, const enc_data *original, co
     const enc_data *data = filtered ? filtered : original;
     float *buffer = malloc(enc_data_texel_stride(data) * sizeof *buffer);
     const btf_ref_options everything = {BTF_EFFECT_ALL, UINT32_MAX, BTF_REF_LINEAR, BTF_REF_TEXEL};
-    const btf_ref_options chosen = options_of(plan);
+    const btf_ref_options chosen = plan_reference_options(plan);
     const size_t n = (size_t)data->n_lights;
     random_state r = {99};
     planned[0] = planned[1] = full[0] = full[1] = 0;
@@ -184,9 +183,9 @@ btf_result plan_measure(const enc_context *context, const enc_data *original, co
                     (double)samples[(views.index[k / 9] * 3 + (size_t)k % 3) * n + lights.index[k / 3 % 3]];
             }
             btf_ref_evaluate_texel(&a, &everything, column, row, light, view, rgb);
-            add(truth, rgb, full);
+            plan_add_errors(truth, rgb, full);
             btf_ref_evaluate_texel(&b, &chosen, column, row, light, view, rgb);
-            add(truth, rgb, planned);
+            plan_add_errors(truth, rgb, planned);
         }
     }
     for (int i = 0; i < 2; i++) {

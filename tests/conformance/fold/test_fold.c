@@ -19,6 +19,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+static btf_material *make(const synthetic_spec *spec) {
+    btf_material *material = NULL;
+    assert_int_equal(synthetic_create(spec, &folds_log, &material), BTF_OK);
+    return material;
+}
+
 /* Evaluations that differ between a fold and none. */
 static uint64_t compare(const btf_material *material, const btf_ref_options *options, int fold,
                         uint64_t seed, uint64_t *evaluated) {
@@ -125,6 +131,53 @@ static void folded_reference_has_the_same_bits(void **state) {
     assert_true(evaluated[1] > 1000 && evaluated[2] > 5000 && evaluated[3] > 5000);
 }
 
+/* A sum of lights, of whole texels, is the sum of what is not folded; the library's has the bits of the reference's. */
+static void sums_of_lights_are_exact(void **state) {
+    (void)state;
+    enum { LIGHTS = 5, TEXELS = 13 * 7 };
+    static float one[TEXELS][4], sum[TEXELS][4];
+    static uint32_t texels[TEXELS][4], total[TEXELS][4];
+    const float view[3] = {0.36f, 0.48f, 0.8f};
+    const btf_shader_options shader = {
+        .struct_size = sizeof shader, .leave_out = BTF_EFFECT_RELIEF, .fold = BTF_FOLD_BOTH};
+    const btf_ref_options options = variant_reference_options(&shader);
+    random_state r = {17};
+    btf_material *material = make(&folds_of_roots);
+    btf_evaluator *evaluator = NULL;
+    const btf_directions lights = btf_material_lights(material);
+    float light[LIGHTS][3], weight[LIGHTS][3];
+    btf_ref_material m;
+    reference_view(material, 0, &m);
+    assert_int_equal(btf_evaluator_create(material, &folds_log, &evaluator), BTF_OK);
+    for (int i = 0; i < LIGHTS; ++i) {
+        case_direction(&r, &lights, light[i]);
+        for (int c = 0; c < 3; ++c)
+            weight[i][c] = (float)random_between(&r, 0, 3);
+        btf_ref_fold_both(&m, &options, light[i], view, 0, m.height, one[0]);
+        btf_ref_fold_add(TEXELS, one[0], weight[i], sum[0]);
+        assert_int_equal(btf_fold_rows(evaluator, &shader, light[i], view, 0, 0, 0, m.height, texels[0]),
+                         BTF_OK);
+        btf_fold_add(TEXELS, texels[0], weight[i], total[0]);
+    }
+    assert_memory_equal(sum, total, sizeof sum);
+    const btf_ref_folded folded = {BTF_REF_FOLD_BOTH, sum[0]};
+    for (int i = 0; i < 300; ++i) {
+        const float u = case_coordinate(&r, m.width), v = case_coordinate(&r, m.height), top[3] = {0, 0, 1};
+        float expected[3] = {0, 0, 0}, rgb[3];
+        for (int l = 0; l < LIGHTS; ++l) {
+            btf_ref_evaluate(&m, &options, u, v, light[l], view, rgb);
+            for (int c = 0; c < 3; ++c) {
+                const float term = rgb[c] * weight[l][c];
+                expected[c] = expected[c] + term;
+            }
+        }
+        btf_ref_evaluate_folded(&m, &options, &folded, u, v, top, view, rgb);
+        assert_memory_equal(rgb, expected, sizeof rgb);
+    }
+    btf_evaluator_destroy(&evaluator);
+    btf_material_close(&material);
+}
+
 /* Library and reference agree on which folds there are, and the library says why there is none. */
 static void undefined_folds_are_refused(void **state) {
     (void)state;
@@ -173,12 +226,6 @@ static void undefined_folds_are_refused(void **state) {
         btf_free(text);
         btf_material_close(&material);
     }
-}
-
-static btf_material *make(const synthetic_spec *spec) {
-    btf_material *material = NULL;
-    assert_int_equal(synthetic_create(spec, &folds_log, &material), BTF_OK);
-    return material;
 }
 
 /* A folded shader reads where, not what; the fold is as large as it says; and it costs less. */
@@ -313,6 +360,7 @@ static void plans_weigh_gloss(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(folded_reference_has_the_same_bits),
+        cmocka_unit_test(sums_of_lights_are_exact),
         cmocka_unit_test(undefined_folds_are_refused),
         cmocka_unit_test(a_folded_shader_reads_less),
         cmocka_unit_test(plans_fold),

@@ -141,6 +141,13 @@ static void gl_and_cpu_fold_the_same(void **state) {
         for (uint32_t i = 0; i < LIGHTS; ++i)
             assert_int_equal(
                 btf_gl_fold_run(fold, textures, GPU_FIRST_UNIT, i, light[i], view[i], &folds_log), BTF_OK);
+        const uint32_t few = kind == BTF_FOLD_BOTH ? 0 : LIGHTS; /* no lights, or not of radiance */
+        assert_int_equal(btf_gl_fold_run_lights(fold, textures, GPU_FIRST_UNIT, 0, few, light[0], light[0],
+                                                view[0], &folds_log),
+                         BTF_ERROR_USAGE);
+        assert_int_equal(btf_gl_fold_run_lights(fold, textures, GPU_FIRST_UNIT, 0, LIGHTS, light[0], NULL,
+                                                view[0], &folds_log),
+                         BTF_ERROR_USAGE);
         assert_int_equal(
             btf_material_fold(material, &shader, LIGHTS, light[0], view[0], &folds_log, &texels), BTF_OK);
         const uint32_t *at = texels;

@@ -34,6 +34,7 @@ enum {
     LIGHT_OF_ROOTS,
     LIGHT_OF_RADIANCE,
     BOTH_OF_SBRDF,
+    BOTH_OF_LEVELS,
     NEIGHBOURS_OF_ROOTS,
     NEIGHBOURS_OF_SBRDF,
     NEIGHBOURS_OF_A_FIXED_VIEW
@@ -89,6 +90,24 @@ static const struct {
                         .gloss_share = 1},
                        {.filter = BTF_FILTER_STEEP},
                        4},
+    [BOTH_OF_LEVELS] = {{.seed = 37,
+                         .width = 13,
+                         .height = 7,
+                         .n_views = 9,
+                         .n_lights = 11,
+                         .layout = BTF_LAYOUT_TIGHT,
+                         .domain = BTF_DOMAIN_SQRT,
+                         .colour = BTF_COLOUR_NONE,
+                         .effects = BTF_EFFECT_RESIDUAL | BTF_EFFECT_GLOSS,
+                         .components = 1,
+                         .directions = SYNTHETIC_RANDOM,
+                         .levels = 3,
+                         .classes = {{0}, {0}, {1, 1, 0}},
+                         .blend = BTF_BLEND_ROOTS,
+                         .horizon_scale = 4,
+                         .gloss_share = 1},
+                        {.interpolation = BTF_INTERPOLATION_LINEAR},
+                        4},
     [NEIGHBOURS_OF_ROOTS] = {{.seed = 34,
                               .width = 13,
                               .height = 7,
@@ -189,6 +208,14 @@ static const sabotage list[] = {
      "btf_texels(sum, texels, btf_prepare(v, l, ", 1, BOTH_OF_SBRDF},
     {"radiance folded without its scale", "sum[i] = btf_mul(sum[i], BTF_RADIANCE_SCALE);", "", 1,
      BOTH_OF_SBRDF},
+    {"lights added without their weights", "return btf_add(sum, btf_mul(radiance, weight));",
+     "return btf_add(sum, radiance);", 1, BOTH_OF_SBRDF},
+    {"the last light alone of a sum", "return btf_add(sum, btf_mul(radiance, weight));",
+     "return btf_mul(radiance, weight);", 1, BOTH_OF_SBRDF},
+    {"the weight of red for all channels", "return btf_add(sum, btf_mul(radiance, weight));",
+     "return btf_add(sum, btf_mul(radiance, weight.x));", 1, BOTH_OF_SBRDF},
+    {"the sum of level 0 for all", "btf_pass_from), btf_pass_level).xyz", "btf_pass_from), 0).xyz", 1,
+     BOTH_OF_LEVELS},
     {"radiance of the neighbouring texel", "vec3 btf_fold_both(uvec2 x, vec3 l, vec3 v, int level) {",
      "vec3 btf_fold_both(uvec2 x, vec3 l, vec3 v, int level) {\n    x.x ^= 1u;", 1, BOTH_OF_SBRDF},
 };
@@ -217,7 +244,7 @@ static void APIENTRY tamper_pass(GLuint shader, GLsizei count, const GLchar *con
     const GLchar *parts[8];
     (void)length;
     for (GLsizei i = 0; i < count; ++i)
-        parts[i] = active && active->of_pass && !found ? put_in(text[i]) : text[i];
+        parts[i] = active && active->of_pass ? put_in(text[i]) : text[i];
     gpu_api(device)->ShaderSource(shader, count, parts, NULL);
 }
 
@@ -242,7 +269,7 @@ static uint64_t differences(int subject) {
     check_outcome outcome = {0};
     const btf_fold kind = check_fold_kind(&info, subjects[subject].seed, COUNT);
     assert_int_equal(kind, subject >= NEIGHBOURS_OF_ROOTS ? BTF_FOLD_NEIGHBOURS
-                           : subject == BOTH_OF_SBRDF     ? BTF_FOLD_BOTH
+                           : subject >= BOTH_OF_SBRDF     ? BTF_FOLD_BOTH
                                                           : BTF_FOLD_LIGHT);
     const btf_result result = check_folded(&s, subjects[subject].seed, COUNT, &outcome);
     btf_material_close(&material);

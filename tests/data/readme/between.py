@@ -7,6 +7,7 @@ SPDX-License-Identifier: MIT
 import json
 import os
 import sys
+import textwrap
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
@@ -50,10 +51,11 @@ def main():
         total = decibels(f'{which}-all')
         return f'{total["linear"]:.2f} / {total["srgb"]:.2f}'
     angles = ', '.join(f'{view:.0f}' for view in views)
-    print(f"""Five pairs of view and light between the samples of {label}, 64 x 64 texels, the view at theta {angles}; rows:
-truth, {said} ({int(earlier_bytes) / 1e6:.2f} MB), today's default ({int(now_bytes) / 1e6:.2f} MB), and four times the
+    caption = f"""Five pairs of view and light between the samples of {label}, 64 x 64 texels, the view at theta {angles}; rows:
+truth, {said} in {int(earlier_bytes) / 1e6:.2f} MB, today's default in {int(now_bytes) / 1e6:.2f} MB, and four times the
 error of the one and of the other (sRGB). PSNR by column, sRGB: {each('earlier')} dB, now {each('now')} dB; of all
-{decibels('now-all')['pairs']} pairs, linear / sRGB: {of_all('earlier')} dB, now {of_all('now')} dB.""")
+{decibels('now-all')['pairs']} pairs, linear / sRGB: {of_all('earlier')} dB, now {of_all('now')} dB."""
+    print(textwrap.fill(' '.join(caption.split()), 119, break_on_hyphens=False))
 
 
 main()

@@ -22,3 +22,11 @@ if "$2" "$3" "$folder" --pixels 32 2>/dev/null; then
     echo "a changed vector is not found"
     exit 1
 fi
+# Directions drawn of one vector in place of another's.
+"$1" --vectors "$folder"
+drawn=("$folder"/*-drawn.exr)
+cp "${drawn[0]}" "${drawn[1]}"
+if "$2" "$3" "$folder" --pixels 4 2>"$folder/err" || ! grep -q 'drawn is' "$folder/err"; then
+    echo "changed directions are not found"
+    exit 1
+fi

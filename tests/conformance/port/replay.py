@@ -240,20 +240,23 @@ class Directions:
             return (j, 4096), (j, 0), (j, 0)
         return None
 
-    def neighbours(self, direction, nearest, k=None):
-        """The neighbours of a direction, weights of 4096; k in place of the reciprocal of its z and 1."""
+    def lookup(self, direction, k=None):
+        """The three neighbours of a direction, weights of 4096; k in place of the reciprocal of its z and 1."""
         k = reciprocal(add(direction[2], 1.0)) if k is None else k
         q = []
         for c in direction[:2]:
             x = math.floor(add(mul(mul(c, k), 8192.0), 0.5))
             q.append(int(min(max(x, -8192), 8192)) + 8192)
         cell = (min(q[1], 16383) * self.grid >> 14) * self.grid + (min(q[0], 16383) * self.grid >> 14)
-        found = ((0, 4096), (0, 0), (0, 0))
         for record in self.cells[cell]:
             answer = self.accept(record, q)
             if answer:
-                found = answer
-                break
+                return answer
+        return ((0, 4096), (0, 0), (0, 0))
+
+    def neighbours(self, direction, nearest, k=None):
+        """Those neighbours of a direction that weigh, or the nearest one alone."""
+        found = self.lookup(direction, k)
         if nearest:
             best = max(found, key=lambda pair: pair[1])
             found = ((best[0], 4096), (0, 0), (0, 0))
@@ -717,6 +720,25 @@ class Material:
         return total
 
 
+def read_tables(directory, vector, material, images):
+    """The tables of a vector with light sampling; adds its pictures to the others."""
+    for plane in ("drawn", "density"):
+        images[plane] = next(iter(read_exr(os.path.join(directory, vector[plane])).values()))
+    picture = next(iter(read_exr(os.path.join(directory, vector["tables"])).values()))
+    words = [picture.channels[c][y][x] for y in range(picture.height) for x in range(picture.width) for c in "RGB"]
+    return replay_sampling.Tables(words, vector["triangles"], material.n_views, material.n_lights)
+
+
+def sampled(material, tables, pixel, random):
+    """The direction that two random numbers draw, its density, and that of the pixel's light."""
+    drawn, density = [0.0, 0.0, 1.0], 0.0
+    if replay_sampling.is_above(pixel["view"]):
+        drawn = replay_sampling.draw_light(material, tables, pixel["view"], random[0], random[1])
+        density = replay_sampling.pdf_light(material, tables, pixel["view"], [to_bits(x) for x in drawn])
+    own = replay_sampling.pdf_light(material, tables, pixel["view"], pixel["light"])
+    return [("drawn", drawn), ("density", [density, own, 0.0])]
+
+
 def main():
     """Command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -732,12 +754,15 @@ def main():
         for plane in ("uv", "light", "view", "radiance", "picked"):
             images[plane] = next(iter(read_exr(os.path.join(options.directory, vector[plane])).values()))
         size = images["uv"].width
+        tables = read_tables(options.directory, vector, material, images) if "tables" in vector else None
         for i in range(min(size * images["uv"].height, options.pixels)):
             pixel = {plane: [image.channels[c][i // size][i % size] for c in "RGB"] for plane, image in images.items()}
             random = random_numbers((i % size, i // size, vector["number"]))
-            for plane, numbers in (("radiance", None), ("picked", random)):
-                radiance = material.evaluate(pixel["uv"][:2], pixel["light"], pixel["view"], numbers)
-                got = [to_bits(x) for x in radiance]
+            answers = [(plane, material.evaluate(pixel["uv"][:2], pixel["light"], pixel["view"], numbers))
+                       for plane, numbers in (("radiance", None), ("picked", random))]
+            answers += sampled(material, tables, pixel, random) if tables else []
+            for plane, answer in answers:
+                got = [to_bits(x) for x in answer]
                 checked += 1
                 if got == pixel[plane]:
                     continue
@@ -751,4 +776,6 @@ def main():
 
 
 if __name__ == "__main__":
+    sys.modules["replay"] = sys.modules["__main__"]  # for the arithmetic
+    import replay_sampling
     sys.exit(main())
