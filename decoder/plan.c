@@ -2,6 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "decoder/cost/counts.h"
 #include "decoder/fold/fold.h"
 #include "material.h"
 #include "reach.h"
@@ -21,133 +22,42 @@ typedef struct candidate {
     double mse[2]; /* linear, sRGB-coded */
 } candidate;
 
-/* The mean number of neighbouring directions that a shader goes through. */
-typedef struct direction_count {
-    float decoded, skipped; /* of weight above 0; of weight 0, which cost time all the same */
-} direction_count;
-
-static direction_count count_directions(const btfi_directions *directions, const btf_shader_options *o,
-                                        uint32_t fixed, const float fixed_direction[3],
-                                        const btf_range *range) {
+/* Neighbouring directions that a shader goes through, and how many of them have weight 0. */
+static void count_directions(const btfi_directions *directions, const btf_shader_options *o, uint32_t fixed,
+                             const float fixed_direction[3], const btf_range *range, uint32_t *out_all,
+                             uint32_t *out_skipped) {
     const bool nearest = o->interpolation == BTF_INTERPOLATION_NEAREST;
+    *out_all = nearest ? 1 : 3;
+    *out_skipped = 0;
     if (o->fixed & fixed)
-        return (direction_count){(float)btfi_neighbours_of(directions, fixed_direction, nearest).count, 0};
-    if (nearest)
-        return (direction_count){1, 0};
-    if (!range || !range->fixed)
-        return (direction_count){3, 0};
-    const float decoded = (float)btfi_neighbours_of(directions, range->direction, false).count;
-    return (direction_count){decoded, 3 - decoded};
+        *out_all = btfi_neighbours_of(directions, fixed_direction, nearest).count;
+    else if (!nearest && range && range->fixed)
+        *out_skipped = 3 - btfi_neighbours_of(directions, range->direction, false).count;
 }
 
-/* Costs of factors in ns, fitted to a prototype of the shader on llvmpipe (plan.h); to be fitted again when
- * it changes. */
-static const struct {
-    float texel;                       /* a texel of u, fetched and expanded */
-    float direction;                   /* a texel of w, or of the factors of a view */
-    float product[BTF_FACTOR_CLASSES]; /* a texel of w times u, added to the sum over lights */
-} factor_costs = {1.65f, 2.15f, {1.55f, 1.65f, 1.65f, 3.2f, 1.75f}};
-
-/* The cost of the first units of factors for so many neighbouring views and lights, and 1 or 4 texels. */
-static float cost_of_factors(const btf_material_info *info, uint32_t units, bool shift, float views,
-                             float lights, float texels) {
-    static const int tiers[BTF_FACTOR_CLASSES] = {0, 1, 1, 2, 2};
-    uint32_t classes[BTF_FACTOR_CLASSES][3], tiers_read = 0;
-    float product = 0;
-    btfi_truncate_classes(info->factor_classes, units, classes);
-    for (int c = 0; c < BTF_FACTOR_CLASSES; c++) {
-        product += (float)classes[c][0] * factor_costs.product[c];
-        tiers_read |= (classes[c][0] > 0) << tiers[c];
-    }
-    /* Where no view shifts its source, all have the same, of which u is fetched once. */
-    const float fetched = (float)btfi_factor_layers(info, units) * texels * (shift ? views : 1);
-    return fetched * factor_costs.texel + views * lights * (float)units * factor_costs.direction +
-           views * lights * texels * product +
-           views * (float)__builtin_popcount(tiers_read) * factor_costs.direction;
-}
-
-/* Costs of relief and gloss in ns, fitted by hand to one material on llvmpipe (plan.h). */
-static const struct {
-    float texel;     /* more for a texel of u that each view has of its own: it is in no common pass */
-    float view;      /* of relief: where a neighbouring view shows the point */
-    float step;      /* of the pixel's march */
-    float view_step; /* of a neighbouring view's */
-    float gloss;     /* of a neighbouring view's own lights, where there are several views */
-} between_costs = {1, 14, 1.1f, 4.3f, 70};
-
-/* Heights are marched along once for the pixel, whichever its filter, and once for each of several
- * neighbouring views; with gloss each view has lights of its own, which are looked up. */
-static float cost_of_between(const btf_material_info *info, uint32_t effects, float views, float look_up) {
-    const bool several = views > 1;
-    float cost = 0;
-    if (effects & BTF_EFFECT_RELIEF) {
-        cost += between_costs.view * views;
-        if (info->relief_step > 0)
-            cost += (between_costs.step + (several ? between_costs.view_step * views : 0)) *
-                    (float)(info->relief_steps + 1);
-    }
-    if (effects & BTF_EFFECT_GLOSS)
-        cost += look_up + (several ? between_costs.gloss * views : 0);
-    return cost;
-}
-
-/* See plan.h for the model and where its numbers come from. `stored` has the layout and the store of points that the
- * shader reads. */
-static float cost_of(const btf_material *material, const btf_material_info *stored, const btf_shader_options *o,
-                     const btf_scene *scene) {
-    const btf_material_info *info = &material->info;
-    const bool tight = stored->layout == BTF_LAYOUT_TIGHT;
-    const float atlas = tight ? 0 : 0.8f, once = 8.3f, look_up = 10.7f, texel_view = 1.5f, code = 1,
-                parameter = 4.1f, profile = 3.4f, centre = 4.8f, texel_group = 3.9f, direction_group = 2.3f;
-    enum { UNROLLED = 6 };
-    const uint32_t effects = info->effects & ~o->leave_out, residual = effects & BTF_EFFECT_RESIDUAL;
-    const uint32_t codes = BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN | BTF_EFFECT_GAIN;
-    const uint32_t components =
-        o->components && o->components < info->components ? o->components : info->components;
-    const bool factors = residual && info->store == BTF_STORE_FACTORS;
-    const float groups = residual && !factors ? (float)((components + 3) / 4) : 0;
-    const float texels = o->filter == BTF_FILTER_TEXEL ? 1 : 4;
-    const bool relief = effects & BTF_EFFECT_RELIEF, gloss = effects & BTF_EFFECT_GLOSS;
-    const bool has_shadow = info->colour != BTF_COLOUR_NONE && effects & BTF_EFFECT_SHADOW;
-    const bool lights_matter = has_shadow || residual || effects & BTF_EFFECT_HIDDEN;
-    direction_count views =
-        count_directions(&material->views, o, BTF_FIXED_VIEW, o->fixed_view, scene ? &scene->view : NULL);
+/* The counts of a shader that reads a material of `info`, with the directions of `material`. */
+static btf_decode_counts counts_of(const btf_material *material, const btf_material_info *info,
+                                   const btf_shader_options *o, const btf_scene *scene) {
+    btfi_around around;
+    uint32_t none;
+    count_directions(&material->views, o, BTF_FIXED_VIEW, o->fixed_view, scene ? &scene->view : NULL,
+                     &around.views, &around.skipped);
     /* With gloss a light that is fixed has neighbours that are not. */
-    const direction_count light = count_directions(&material->lights, o, gloss ? 0 : BTF_FIXED_LIGHT,
-                                                   o->fixed_light, scene && !gloss ? &scene->light : NULL);
-    const float lights = light.decoded + light.skipped;
-    /* The values are the same in each view: where the views are constants, compilers see that and decode once. */
-    if (o->fixed & BTF_FIXED_VIEW && !(effects & codes) && !residual && !relief && !gloss)
-        views = (direction_count){1, 0};
-    float fetched = effects & codes ? 1 : 0, each = 0;
-    if (stored->point_store == BTF_POINTS_LISTS)
-        fetched *= 2; /* the index, and the pair that it names */
-    else if (tight && stored->point_store == BTF_POINTS_SEPARATE)
-        fetched = (effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN) ? 1.0f : 0.0f) +
-                  (effects & (BTF_EFFECT_GAIN | BTF_EFFECT_HIDDEN) ? 1.0f : 0.0f);
-    if (info->colour != BTF_COLOUR_NONE) {
-        const uint32_t head = info->colour == BTF_COLOUR_MONO ? 1 : (3 + 3 * info->lobes + 3) / 4;
-        each = parameter * (float)(head + info->lobes) + (has_shadow ? (atlas + profile) * lights : 0);
-    }
-    each += texel_view + (atlas + code) * fetched +
-            (effects & BTF_EFFECT_HIDDEN ? (atlas + centre) * lights : 0);
-    const float group_fetches = groups > UNROLLED ? views.decoded * groups + views.skipped
-                                                  : (views.decoded + views.skipped) * groups;
-    const float look_ups = (o->fixed & BTF_FIXED_VIEW ? 0.0f : 1.0f) +
-                           (!lights_matter || gloss || o->fixed & BTF_FIXED_LIGHT ? 0.0f : 1.0f);
-    const float of_factors = factors
-                                 ? cost_of_factors(info, components, relief || effects & BTF_EFFECT_SHIFT,
-                                                   views.decoded + views.skipped, lights, texels)
-                                 : 0;
-    const float own_texels = factors && relief
-                                 ? between_costs.texel * texels * (views.decoded + views.skipped) *
-                                       (float)btfi_factor_layers(info, components)
-                                 : 0;
-    return once + look_up * look_ups + own_texels +
-           cost_of_between(info, lights_matter ? effects : effects & ~(uint32_t)BTF_EFFECT_GLOSS,
-                           views.decoded + views.skipped, look_up) +
-           (views.decoded + views.skipped) * texels * each + of_factors +
-           group_fetches * (texel_group * texels + 3 * direction_group * lights);
+    count_directions(&material->lights, o,
+                     info->effects & ~o->leave_out & BTF_EFFECT_GLOSS ? 0 : BTF_FIXED_LIGHT, o->fixed_light,
+                     NULL, &around.lights, &none);
+    return btfi_count_decode(info, o, &around);
+}
+
+static float cost_of(const btf_material *material, const btf_material_info *info,
+                     const btf_shader_options *o, const btf_scene *scene) {
+    const btf_decode_counts counts = counts_of(material, info, o, scene);
+    return (float)btf_cost_of(&counts, scene ? scene->costs : NULL);
+}
+
+btf_decode_counts btf_plan_counts(const btf_material *material, const btf_shader_options *options,
+                                  const btf_scene *scene) {
+    return counts_of(material, &material->info, options, scene);
 }
 
 float btf_plan_cost(const btf_material *material, const btf_shader_options *options,
@@ -361,12 +271,10 @@ static bool find_candidate(const error_table *t, uint32_t level, uint32_t effect
     return false;
 }
 
-/* The error of a scene by the table of errors between the samples; false where it says nothing. View or
- * light that are samples are not left out. */
-static bool find_between(const btf_material *material, const btf_scene *scene, const error_table *t,
-                         double mse[2]) {
+/* The error of a scene by a row of the table of errors between the samples; false where it says nothing. */
+static bool find_row_between(const btf_material *material, const btf_scene *scene, float left_out,
+                             double mse[2]) {
     const btf_between_errors b = btf_material_between_errors(material);
-    const float left_out = (t->at_view < 1 ? 1.0f : 0.0f) + (t->at_light < 1 ? 2.0f : 0.0f);
     double view[BTF_MAX_BANDS], light[BTF_MAX_BANDS], sum[2] = {0, 0}, weight = 0;
     uint32_t r = 0;
     while (r < b.row_count && b.rows[(size_t)r * b.row_stride] != left_out)
@@ -388,14 +296,36 @@ static bool find_between(const btf_material *material, const btf_scene *scene, c
     return weight > 0;
 }
 
+/* The same of the full decode. View or light that are samples are not left out. */
+static bool find_between(const btf_material *material, const btf_scene *scene, const error_table *t,
+                         double mse[2]) {
+    return find_row_between(material, scene,
+                            (t->at_view < 1 ? 1.0f : 0.0f) + (t->at_light < 1 ? 2.0f : 0.0f), mse);
+}
+
+/* By how much the error grows, as a share of it, where gloss is not decoded; false where the table does not say. */
+static bool find_gloss(const btf_material *material, const btf_scene *scene, double growth[2]) {
+    enum {
+        BOTH = 3,
+        BOTH_WITHOUT_GLOSS = 11
+    }; /* where the light is a sample, gloss only blurs it by others */
+    double with[2], without[2];
+    if (!find_row_between(material, scene, BOTH, with) ||
+        !find_row_between(material, scene, BOTH_WITHOUT_GLOSS, without))
+        return false;
+    for (int i = 0; i < 2; i++)
+        growth[i] = fmax(without[i] / fmax(with[i], 1e-10) - 1, 0);
+    return true;
+}
+
 /* Squared errors of decoding and of interpolation add up: a plan adds as much to the sum as to the first. */
 static void fill_between(const btf_material *material, const error_table *t, const candidate *full,
-                         const candidate *chosen, btf_plan *plan) {
+                         const candidate *chosen, const double growth[2], btf_plan *plan) {
     double mse[2], of_plan[2];
     if (plan->level > 0 || !find_between(material, &plan->scene, t, mse))
         return;
     for (int i = 0; i < 2; i++)
-        of_plan[i] = mse[i] + fmax(chosen->mse[i] - full->mse[i], 0);
+        of_plan[i] = mse[i] * (1 + growth[i]) + fmax(chosen->mse[i] - full->mse[i], 0);
     plan->full_between_psnr_linear = (float)psnr(mse[0]);
     plan->full_between_psnr_srgb = (float)psnr(mse[1]);
     plan->between_psnr_linear = (float)psnr(of_plan[0]);
@@ -412,11 +342,12 @@ static void errors_to_tolerate(const btf_material *material, const btf_scene *sc
         base[i] = fmax(fmax(between[i] / 2, full->mse[i]), 1e-10);
 }
 
-/* Whether a candidate adds at most the tolerance, in dB, to these errors. */
-static bool is_tolerated(const candidate *c, const candidate *full, const double base[2], float tolerance) {
+/* Whether a candidate adds at most the tolerance, in dB, to these errors, which grow by themselves, too. */
+static bool is_tolerated(const candidate *c, const candidate *full, const double base[2],
+                         const double growth[2], float tolerance) {
     const double most = pow(10, (double)tolerance / 10);
     for (int i = 0; i < 2; i++)
-        if (base[i] + fmax(c->mse[i] - full->mse[i], 0) > base[i] * most)
+        if (base[i] * (1 + growth[i]) + fmax(c->mse[i] - full->mse[i], 0) > base[i] * most)
             return false;
     return true;
 }
@@ -433,6 +364,13 @@ btf_result btf_plan_predict(const btf_material *material, const btf_plan *plan, 
     *out_linear = (float)psnr(c.mse[0]);
     *out_srgb = (float)psnr(c.mse[1]);
     return BTF_OK;
+}
+
+/* What a plan is chosen by, the less the better: relative time, of what is folded where the light is still, and
+ * relative bytes. */
+static float price(const btf_plan *plan) {
+    return fminf(plan->cost, plan->folded_cost) / plan->full_cost +
+           (float)plan->gpu_bytes / (float)plan->full_gpu_bytes;
 }
 
 btf_result btf_plan_effects(const btf_material *material, const btf_scene *given, float tolerance,
@@ -452,15 +390,19 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *given
 
     const error_table t = open_table(material, &scene);
     candidate full, chosen;
-    if (!find_candidate(&t, plan->level, info->effects, info->components, BTF_INTERPOLATION_LINEAR, &full)) {
-        btfi_fold_plan(material, plan);
+    btfi_fold_plan(material, plan);
+    if (!find_candidate(&t, plan->level, info->effects, info->components, BTF_INTERPOLATION_LINEAR, &full))
         return BTF_OK;
-    }
-    double base[2];
+    double base[2], growth[2][2] = {{0, 0}, {0, 0}}; /* with gloss, without */
     errors_to_tolerate(material, &scene, &t, plan->level, &full, base);
     plan->measured = 1;
     plan->psnr_linear = plan->full_psnr_linear = (float)psnr(full.mse[0]);
     plan->psnr_srgb = plan->full_psnr_srgb = (float)psnr(full.mse[1]);
+    /* Without gloss a still light can be folded, whatever the view. */
+    const bool may_fold = info->effects & BTF_EFFECT_GLOSS & ~idle && scene.light.fixed &&
+                          !scene.view.fixed && tolerance > 0 && plan->level == 0 &&
+                          find_gloss(material, &scene, growth[1]);
+    const double *chosen_growth = growth[0];
     btf_plan best = *plan;
     chosen = full;
     for (uint32_t r = 0; r < t.rows.row_count; r++) {
@@ -469,24 +411,27 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *given
         const candidate c = read_candidate(&t, r);
         if (info->effects & BETWEEN & ~idle & ~c.effects)
             continue;
-        if (!is_tolerated(&c, &full, base, tolerance) || (scene.interpolate && c.interpolation == BTF_INTERPOLATION_NEAREST))
+        if (scene.interpolate && c.interpolation == BTF_INTERPOLATION_NEAREST)
             continue;
-        btf_plan tried = *plan;
-        tried.effects = c.effects & ~idle;
-        tried.components = c.components;
-        tried.shader.interpolation = c.interpolation;
-        tried.psnr_linear = (float)psnr(c.mse[0]);
-        tried.psnr_srgb = (float)psnr(c.mse[1]);
-        fill_costs(material, views.count, lights.count, &tried);
-        const float bytes = (float)plan->full_gpu_bytes;
-        if (tried.cost / plan->full_cost + (float)tried.gpu_bytes / bytes <
-            best.cost / plan->full_cost + (float)best.gpu_bytes / bytes) {
-            best = tried;
-            chosen = c;
+        for (int without = 0; without <= may_fold; without++) {
+            if (!is_tolerated(&c, &full, base, growth[without], tolerance))
+                continue;
+            btf_plan tried = *plan;
+            tried.effects = c.effects & ~idle & ~(without ? (uint32_t)BTF_EFFECT_GLOSS : 0);
+            tried.components = c.components;
+            tried.shader.interpolation = c.interpolation;
+            tried.psnr_linear = (float)psnr(c.mse[0]);
+            tried.psnr_srgb = (float)psnr(c.mse[1]);
+            fill_costs(material, views.count, lights.count, &tried);
+            btfi_fold_plan(material, &tried);
+            if (price(&tried) < price(&best)) {
+                best = tried;
+                chosen = c;
+                chosen_growth = growth[without];
+            }
         }
     }
     *plan = best;
-    fill_between(material, &t, &full, &chosen, plan);
-    btfi_fold_plan(material, plan);
+    fill_between(material, &t, &full, &chosen, chosen_growth, plan);
     return BTF_OK;
 }

@@ -204,6 +204,16 @@ static void define_fixed(text *t, const char *name, const btfi_directions *direc
                n.weight[2]);
 }
 
+/* Where a fold keeps a fixed view's neighbours, which define_fixed has in another order: those of weight 0 last. */
+static void define_fixed_layers(text *t, const btfi_directions *directions, const float direction[3], int nearest) {
+    uint32_t index[3], weight[3], layer[3] = {0, 0, 0}, count = 0;
+    btfi_lookup(directions, direction, index, weight);
+    for (uint32_t k = 0; k < 3; ++k)
+        if (weight[k] > 0 && !nearest)
+            layer[count++] = k;
+    text_print(t, "#define BTF_FIXED_VIEW_LAYER uvec3(%uu, %uu, %uu)\n", layer[0], layer[1], layer[2]);
+}
+
 /* The classes of factors, cut to the first `units` units; then of words, as many as these hold. */
 static void define_classes(text *t, const btf_material_info *info, uint32_t units) {
     for (int c = 0; c < BTF_FACTOR_CLASSES; ++c) {
@@ -259,6 +269,8 @@ static void write_macros(text *t, const btf_material *material, const btf_materi
     int nearest = options->interpolation == BTF_INTERPOLATION_NEAREST;
     if (options->fixed & BTF_FIXED_VIEW)
         define_fixed(t, "VIEW", &material->views, options->fixed_view, nearest);
+    if (options->fixed & BTF_FIXED_VIEW && options->fold == BTF_FOLD_NEIGHBOURS)
+        define_fixed_layers(t, &material->views, options->fixed_view, nearest);
     if (options->fixed & BTF_FIXED_LIGHT && !v.gloss) /* with gloss each view has lights of its own */
         define_fixed(t, "LIGHT", &material->lights, options->fixed_light, nearest);
 
@@ -333,7 +345,7 @@ btf_result btf_shader_source(const btf_material *material, const btf_shader_opti
     if ((unsigned)all.interpolation > BTF_INTERPOLATION_NEAREST ||
         (unsigned)all.filter > BTF_FILTER_STEEP || (unsigned)all.math > BTF_MATH_FAST ||
         (unsigned)all.bindings > BTF_BINDINGS_VULKAN || (unsigned)all.picks > BTF_PICK_ALL ||
-        (unsigned)all.fold > BTF_FOLD_BOTH) {
+        (unsigned)all.fold > BTF_FOLD_NEIGHBOURS) {
         char message[160];
         snprintf(message, sizeof message,
                  "shader: interpolation %d, filter %d, math %d, bindings %d, picks %d or fold %d is unknown",

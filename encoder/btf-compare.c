@@ -41,15 +41,15 @@ static const cli_option table[] = {
      .type = CLI_CHOICE,
      .value = &o.interpolation,
      .choices = "nearest|linear|spline",
-     .help = "between sampled directions: the nearest one, the decoder's barycentric\n"
-             "weights, or, of a data set, thin-plate splines through the square roots\n"
-             "of all its images; default linear"},
+     .help = "between sampled directions: take the nearest one, blend with the decoder's\n"
+             "barycentric weights, or, of a data set only, by thin-plate splines through\n"
+             "the square roots of all its images; default linear"},
     {.name = "filter",
      .type = CLI_CHOICE,
      .value = &o.filter,
      .choices = FILTER_CHOICES,
-     .help = "of a material between the samples: how texels that the effect relief shifts\n"
-             "are read; default texel"},
+     .help = "how a material is read between texels, where the effect relief shifts\n"
+             "views by parts of a texel; default texel"},
     {.name = "pairs",
      .type = CLI_FLAG,
      .value = &o.pairs,
@@ -64,14 +64,14 @@ static const cli_option table[] = {
      .arg = "FILE",
      .type = CLI_STRING,
      .value = &o.pictures,
-     .help = "of pairs: write the worst as a PNG, a row each: truth, model, and\n"
-             "four times their error"},
+     .help = "where A or B holds pairs: write the worst as a PNG, each a row of\n"
+             "truth, model, and four times their error"},
     {.name = "worst",
      .type = CLI_INT,
      .value = &o.worst,
      .minimum = 1,
      .maximum = 64,
-     .help = "how many pairs are the worst; default 8"},
+     .help = "how many of the worst pairs to list and draw; default 8"},
     {.name = "no-ssim", .type = CLI_FLAG, .value = &o.no_ssim, .help = "leave SSIM out (faster)"},
     ENC_INPUT_OPTIONS(o.read),
     {.name = "threads",
@@ -345,10 +345,9 @@ static btf_result compare_pairs(const enc_context *context, side *a, side *b) {
     const enc_data *shape = model->data ? model->data : &material_shape;
     enc_blend *blend = NULL;
     if (model->pairs) {
-        return enc_fail(
-            context, BTF_ERROR_USAGE,
-            "%s and %s both hold single images: one of the two has to be a data set or a material", a->path,
-            b->path);
+        return enc_fail(context, BTF_ERROR_USAGE,
+                        "%s and %s both hold single images: one of them must be a data set or a material",
+                        a->path, b->path);
     }
     if (model->material) {
         shape_of(model->material, &material_shape, views, lights);
@@ -414,8 +413,9 @@ static btf_result leave_one_out(const enc_context *context, side *a, side *b) {
         b = swap;
     }
     if (result == BTF_OK && (!a->data || (b->path && !b->material))) {
-        result = enc_fail(context, BTF_ERROR_USAGE,
-                          "option --leave-one-out: expected a data set, and after it at most its material");
+        result = enc_fail(
+            context, BTF_ERROR_USAGE,
+            "option --leave-one-out: expected a data set, and at most one file after it, its material");
     }
     if (result == BTF_OK && b->material) {
         result = check_same_samples(context, a, b);

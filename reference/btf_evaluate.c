@@ -14,6 +14,7 @@ typedef struct evaluation {
     btf_ref_situation shared;
     btf_ref_neighbours views;
     btf_ref_lights lights[3]; /**< of each neighbouring view */
+    uint32_t shown[3];        /**< the views, or where each lies in what was folded */
     const float *view;        /**< V */
     bool linear;              /**< directions */
 } evaluation;
@@ -81,8 +82,10 @@ static evaluation make_evaluation(const btf_ref_material *material, const btf_re
         .view = view,
         .linear = linear,
     };
-    for (int i = 0; i < 3; ++i)
+    for (int i = 0; i < 3; ++i) {
         e.lights[i] = some_lights(*lights, linear);
+        e.shown[i] = e.views.index[i];
+    }
     return e;
 }
 
@@ -140,7 +143,7 @@ static void texel_radiance(const evaluation *e, uint32_t column, uint32_t row, f
     float values[3][CHANNELS];
     for (int a = 0; a < 3; ++a) {
         if (e->views.weight[a] > 0)
-            btf_ref_view_value(&e->shared, &e->lights[a], column, row, e->views.index[a], values[a]);
+            btf_ref_view_value(&e->shared, &e->lights[a], column, row, e->shown[a], values[a]);
     }
     blend_views(e, e->views.weight, values, out_rgb);
 }
@@ -211,7 +214,7 @@ static void relief_radiance(const evaluation *e, int filter, uint32_t tu, uint32
                                   (uint32_t)positions[a][1] << 10);
         for (uint32_t i = 0; i < f.count; ++i) {
             float value[CHANNELS];
-            btf_ref_view_value(&e->shared, &e->lights[a], f.column[i], f.row[i], e->views.index[a], value);
+            btf_ref_view_value(&e->shared, &e->lights[a], f.column[i], f.row[i], e->shown[a], value);
             add_weighted(values[a], value, f.weight[i]);
         }
     }
@@ -283,7 +286,9 @@ int btf_ref_can_fold(const btf_ref_material *material, const btf_ref_options *op
     uint32_t effects = material->effects & options->effects;
     if (fold == BTF_REF_FOLD_LIGHT)
         return material->colour == BTF_REF_NONE && !(effects & BTF_REF_GLOSS);
-    return fold == BTF_REF_FOLD_BOTH && !(effects & BTF_REF_RELIEF);
+    if (fold == BTF_REF_FOLD_BOTH)
+        return !(effects & BTF_REF_RELIEF);
+    return fold == BTF_REF_FOLD_NEIGHBOURS;
 }
 
 void btf_ref_fold_light(const btf_ref_material *material, const btf_ref_options *options,
@@ -319,6 +324,32 @@ void btf_ref_fold_both(const btf_ref_material *material, const btf_ref_options *
     }
 }
 
+void btf_ref_fold_add(size_t texels, const float *values, const float weight[3], float *sum) {
+    for (size_t i = 0; i < texels; ++i, values += 4, sum += 4) {
+        for (int c = 0; c < CHANNELS; ++c) {
+            float term = values[c] * weight[c];
+            sum[c] = sum[c] + term;
+        }
+    }
+}
+
+void btf_ref_fold_neighbour(const btf_ref_material *material, const btf_ref_options *options,
+                            const float light[3], const float view[3], uint32_t neighbour, uint32_t first_row,
+                            uint32_t rows, float *out_values) {
+    evaluation e = {0};
+    if (btf_ref_above_horizon(light, view))
+        e = look_up(material, options, light, view);
+    bool seen = e.views.weight[neighbour] > 0;
+    for (uint32_t row = first_row; row < first_row + rows; ++row) {
+        for (uint32_t column = 0; column < material->width; ++column, out_values += 4) {
+            out_values[0] = out_values[1] = out_values[2] = out_values[3] = 0.0f;
+            if (seen)
+                btf_ref_view_value(&e.shared, &e.lights[neighbour], column, row, e.views.index[neighbour],
+                                   out_values);
+        }
+    }
+}
+
 void btf_ref_evaluate_folded(const btf_ref_material *material, const btf_ref_options *options,
                              const btf_ref_folded *folded, float u, float v, const float light[3],
                              const float view[3], float out_rgb[3]) {
@@ -331,6 +362,8 @@ void btf_ref_evaluate_folded(const btf_ref_material *material, const btf_ref_opt
     btf_ref_neighbours views = btf_ref_lookup(material->view_table, material->view_grid, q);
     evaluation e = make_evaluation(material, options, &no_lights, &views, light, view);
     e.shared.folded = folded;
+    for (uint32_t a = 0; a < 3 && folded->fold == BTF_REF_FOLD_NEIGHBOURS; ++a)
+        e.shown[a] = a;
     radiance_at(&e, options->filter, btf_ref_coordinate(u, material->width),
                 btf_ref_coordinate(v, material->height), out_rgb);
 }

@@ -49,6 +49,14 @@ void btf_set_views(inout btf_setting s, vec3 v, bool nearest) {
         s.vector[2] = btf_view_vector(s.views.index.z);
     }
 #endif
+#if BTF_FOLDED == 3
+    /* Layers hold them by their places. */
+#if BTF_FIXED_VIEW > 0
+    s.views.index = BTF_FIXED_VIEW_LAYER;
+#else
+    s.views.index = uvec3(0u, 1u, 2u);
+#endif
+#endif
 }
 
 /* Lights in use at most. */

@@ -22,7 +22,7 @@ import textwrap
 PAGE = 'decoder/API.md'
 FOLDER = 'decoder/include/openbtf'
 FIRST = ('material', 'shader', 'gl', 'plan') # then the others by name
-REFERENCE = 'reference/include/openbtf/reference.h'
+OTHERS = ['reference/include/openbtf/reference.h', 'encoder/library/include/openbtf/input.h']
 COMMENT = re.compile(r'/\*.*?\*/', re.S)
 
 
@@ -35,7 +35,7 @@ def words(comment):
 def headers_of(root):
     names = sorted(name[:-2] for name in os.listdir(os.path.join(root, FOLDER)) if name.endswith('.h'))
     names.sort(key=lambda name: FIRST.index(name) if name in FIRST else len(FIRST))
-    return [f'{FOLDER}/{name}.h' for name in names] + [REFERENCE]
+    return [f'{FOLDER}/{name}.h' for name in names] + OTHERS
 
 
 class Symbol:

@@ -27,7 +27,7 @@ HOUSE = [
       'tests/conformance tests/sample',
       'tests/support']],
     [['encoder/btf-encode.c encoder/btf-compare.c decoder/tools/btf-info.c decoder/tools/btf-decode.c '
-      'decoder/tools/render/btf-render.c decoder/tools/view/btf-view.c decoder/examples',
+      'decoder/tools/render/btf-render.c decoder/tools/view/btf-view.c decoder/examples decoder/web/wasm',
       'decoder/tools/original']],
     [['encoder/job',
       'encoder/report',
@@ -35,6 +35,7 @@ HOUSE = [
       'encoder/paper encoder/factor',
       'encoder/relief',
       'encoder/lafortune encoder/nodes encoder/allocation',
+      'encoder/library',
       'encoder/input encoder/model',
       'encoder/data',
       'encoder/base encoder/math'],
@@ -49,11 +50,13 @@ HOUSE = [
 MOST_FILES = 40
 
 # Installed headers are included as their users do.
-PUBLIC_FOLDERS = {'openbtf/reference.h': 'reference/include/openbtf/reference.h', 'openbtf/': 'decoder/include/openbtf/'}
+PUBLIC_FOLDERS = {'openbtf/reference.h': 'reference/include/openbtf/reference.h',
+                  'openbtf/input.h': 'encoder/library/include/openbtf/input.h', 'openbtf/': 'decoder/include/openbtf/'}
 
 # Headers whose functions are defined in several files or one of another name, and why.
 HEADERS_OF_SEVERAL = {
     'decoder/include/openbtf/': 'the face of the library: what users call, not how its files are divided',
+    'encoder/library/include/': 'likewise, of the library of readers',
     'reference/include/': 'the reference decoder is read and copied as a whole, with one header to the outside',
     'reference/btf_reference': 'and one within',
     'tests/bench/bench.h': 'what the sections of the one program btf-bench share',

@@ -4,8 +4,9 @@
 #
 #   tests/run.sh          all tests of the release build, then all under AddressSanitizer and UBSan but those that have
 #                         nothing for them to see (tests/meson.build: suite plain)
-#   tests/run.sh --long   the same with the long conformance, variant and exhaustive runs
-#   tests/run.sh --core   without the tests that need browsers or Blender. There are none so far: the same as without
+#   tests/run.sh --long   the same with the suite long (tests/README.md): conformance on other devices, libFuzzer, broken builds,
+#                         ThreadSanitizer; BTF_FUZZ_SECONDS of each fuzz target (20)
+#   tests/run.sh --core   without the tests of decoder/web, which need emscripten and two browsers (1.2 GB)
 #
 # SPDX-License-Identifier: MIT
 set -u
@@ -13,12 +14,13 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 . "$root/.ci/setup.sh"
 
 long=0
+web=1
 for argument in "$@"; do
     case $argument in
     --long) long=1 ;;
-    --core) ;;
+    --core) web=0 ;;
     -h | --help)
-        sed -n '2,8s/^# \{0,1\}//p' "$0"
+        sed -n '2,9s/^# \{0,1\}//p' "$0"
         exit 0
         ;;
     *)
@@ -28,7 +30,9 @@ for argument in "$@"; do
     esac
 done
 
-install_packages build test
+purposes=(build test)
+[ "$web" = 1 ] && purposes+=(web)
+install_packages "${purposes[@]}"
 export BTF_SOURCE_ROOT=$root BTF_SHARED=${BTF_SHARED:-$root/../shared}
 logs=()
 
@@ -43,7 +47,12 @@ run_suite() {
 
 # With these a package that is missing is an error, not tests that are left out.
 all=(-Dwerror=true -Dtests=enabled -Dmpi=enabled)
-build "$root/build" "${all[@]}"
+browsers=-Dweb=false
+if [ "$web" = 1 ]; then
+    "$root/decoder/web/wasm/sources.sh" "$root/build/web-sources" || exit 2
+    browsers=-Dweb=true
+fi
+build "$root/build" "${all[@]}" "$browsers"
 if [ "$long" = 1 ]; then
     run_suite "$root/build" --timeout-multiplier 10
 else
@@ -60,7 +69,7 @@ little=-O1
 # Warnings are errors in the release build alone: with -O1 and checks inlined gcc warns of null pointers that cannot be.
 warned=-Dwerror=false
 # The alignment of what templates of Eigen load is not looked at: the Ceres bridge compiles in 26 s instead of 43.
-build "$root/build-sanitize" "${all[@]}" $warned -Dbuildtype=debugoptimized -Db_sanitize=address,undefined -Db_lundef=false \
+build "$root/build-sanitize" "${all[@]}" -Dweb=false $warned -Dbuildtype=debugoptimized -Db_sanitize=address,undefined -Db_lundef=false \
     "-Dc_args=$unchecked $lines $little" "-Dcpp_args=$unchecked,alignment $lines"
 export ASAN_OPTIONS=detect_leaks=1:abort_on_error=0:verify_asan_link_order=0 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
 export LSAN_OPTIONS=suppressions=$root/tests/lsan.supp:print_suppressions=0 BTF_TEST_LIGHT=1

@@ -41,7 +41,7 @@ static void keep(bool linear, const uint32_t index[3], const int32_t weight[3], 
         int best = 0;
         for (int i = 1; i < 3; i++)
             best = weight[i] > weight[best] ? i : best;
-        *out = (btfi_neighbours){1, {index[best], index[best], index[best]}, {4096, 0, 0}};
+        *out = (btfi_neighbours){1, {index[best], index[best], index[best]}, {4096, 0, 0}, {0}};
         return;
     }
     int count = 0;
@@ -49,11 +49,13 @@ static void keep(bool linear, const uint32_t index[3], const int32_t weight[3], 
         if (weight[i] == 0)
             continue;
         out->index[count] = index[i];
+        out->place[count] = (uint8_t)i;
         out->weight[count++] = weight[i];
     }
     out->count = count;
     for (; count < 3; count++) {
         out->index[count] = out->index[0];
+        out->place[count] = 0;
         out->weight[count] = 0;
     }
 }

@@ -15,6 +15,7 @@ typedef struct btfi_neighbours {
     int count;
     uint32_t index[3];
     int32_t weight[3];
+    uint8_t place[3]; /* of each of the `count` among the three that were looked up; the nearest's is 0 */
 } btfi_neighbours;
 
 typedef struct btfi_situation {

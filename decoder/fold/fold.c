@@ -21,7 +21,7 @@ btf_material_info btfi_folded_info(const btf_material_info *info, btf_fold fold)
     if (fold == BTF_FOLD_NONE)
         return shown;
     shown.layout = BTF_LAYOUT_TIGHT;
-    shown.effects &= fold == BTF_FOLD_LIGHT ? (uint32_t)BTF_EFFECT_RELIEF : 0u;
+    shown.effects &= fold == BTF_FOLD_BOTH ? 0u : (uint32_t)BTF_EFFECT_RELIEF;
     shown.colour = BTF_COLOUR_NONE;
     shown.lobes = shown.components = 0;
     shown.store = BTF_STORE_COMPONENTS;
@@ -33,8 +33,8 @@ btf_result btf_fold_check(const btf_material_info *info, const btf_shader_option
                           const btf_log *log) {
     const btf_shader_options all = read_options(options);
     const uint32_t effects = info->effects & ~all.leave_out;
-    if ((unsigned)all.fold > BTF_FOLD_BOTH)
-        return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "fold: fold %d is none of 0, 1 and 2", (int)all.fold);
+    if ((unsigned)all.fold > BTF_FOLD_NEIGHBOURS)
+        return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "fold: fold %d is none of 0, 1, 2 and 3", (int)all.fold);
     if (all.fold != BTF_FOLD_NONE && all.picks != BTF_PICK_NONE)
         return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "fold: a stochastic decode is not folded");
     if (all.fold == BTF_FOLD_LIGHT && info->colour != BTF_COLOUR_NONE)
@@ -47,8 +47,20 @@ btf_result btf_fold_check(const btf_material_info *info, const btf_shader_option
     if (all.fold == BTF_FOLD_BOTH && effects & BTF_EFFECT_RELIEF)
         return btfi_fail(
             log, BTF_ERROR_UNSUPPORTED,
-            "fold: with relief a pixel shows parts of texels: light and view are not folded together");
+            "fold: with relief a pixel shows parts of texels: light and view are not folded to radiance, but to "
+            "neighbouring views");
     return BTF_OK;
+}
+
+btf_fold btf_fold_best(const btf_material_info *info, const btf_shader_options *options, int view_is_still) {
+    static const btf_fold by_reading[] = {BTF_FOLD_BOTH, BTF_FOLD_NEIGHBOURS, BTF_FOLD_LIGHT};
+    btf_shader_options all = read_options(options);
+    for (int i = view_is_still ? 0 : 2; i < 3; i++) {
+        all.fold = by_reading[i];
+        if (btf_fold_check(info, &all, NULL) == BTF_OK)
+            return all.fold;
+    }
+    return BTF_FOLD_NONE;
 }
 
 btf_shader_options btf_fold_pass(const btf_shader_options *options) {
@@ -62,7 +74,7 @@ btf_shader_options btf_fold_pass(const btf_shader_options *options) {
 }
 
 uint32_t btf_fold_layers(const btf_material_info *info, btf_fold fold, uint32_t lights) {
-    return lights * (fold == BTF_FOLD_LIGHT ? info->n_views : 1);
+    return lights * (fold == BTF_FOLD_LIGHT ? info->n_views : fold == BTF_FOLD_NEIGHBOURS ? 3 : 1);
 }
 
 size_t btf_fold_bytes(const btf_material_info *info, btf_fold fold, uint32_t lights) {
@@ -72,24 +84,6 @@ size_t btf_fold_bytes(const btf_material_info *info, btf_fold fold, uint32_t lig
     return texels * btf_fold_layers(info, fold, lights) * btf_format_size(BTF_FORMAT_RGBA32UI);
 }
 
-/* Cost of a texel of `folded`, taken to be that of a texel of parameters, which has as many bytes
- * (btf_plan_cost). */
-static const float kept_texel = 4.1f;
-
-/* Cost of a pixel that reads a fold: finding the place, by the model of a material that holds nothing else,
- * and the texels there. */
-static float cost_of_reading(const btf_material *material, const btf_shader_options *options,
-                             const btf_scene *scene) {
-    const float texels = options->filter == BTF_FILTER_TEXEL ? 1 : 4, once = 8.3f;
-    if (options->fold == BTF_FOLD_BOTH)
-        return once + texels * kept_texel;
-    btf_shader_options where = *options;
-    where.fold = BTF_FOLD_NONE;
-    where.leave_out |= BTF_EFFECT_ALL & ~(uint32_t)BTF_EFFECT_RELIEF;
-    const float views = options->interpolation == BTF_INTERPOLATION_NEAREST ? 1 : 3;
-    return btf_plan_cost(material, &where, scene) + views * texels * kept_texel;
-}
-
 btf_fold_costs btf_fold_cost(const btf_material *material, const btf_shader_options *options,
                              const btf_scene *scene) {
     btf_material_info info = {.struct_size = sizeof info};
@@ -97,14 +91,15 @@ btf_fold_costs btf_fold_cost(const btf_material *material, const btf_shader_opti
     const btf_shader_options all = read_options(options), pass = btf_fold_pass(options);
     btf_shader_options unfolded = all;
     unfolded.fold = BTF_FOLD_NONE;
+    const btf_scene anywhere = {.struct_size = sizeof anywhere, .costs = scene ? scene->costs : NULL};
     /* A pass over a view does a third of what three neighbouring views take. */
-    const double views = all.fold == BTF_FOLD_BOTH
-                             ? 1
-                             : info.n_views / (all.interpolation == BTF_INTERPOLATION_NEAREST ? 1.0 : 3.0);
+    const double views = all.fold == BTF_FOLD_LIGHT
+                             ? info.n_views / (all.interpolation == BTF_INTERPOLATION_NEAREST ? 1.0 : 3.0)
+                             : 1;
     btf_fold_costs costs = {.pass = views * info.width * info.height *
-                                    (double)btf_plan_cost(material, &pass, NULL),
+                                    (double)btf_plan_cost(material, &pass, scene ? &anywhere : NULL),
                             .unfolded = btf_plan_cost(material, &unfolded, scene),
-                            .folded = cost_of_reading(material, &all, scene)};
+                            .folded = btf_plan_cost(material, &all, scene)};
     const double saved = (double)costs.unfolded - (double)costs.folded;
     costs.pixels = saved > 0 ? costs.pass / saved : 1e30;
     return costs;
@@ -117,25 +112,20 @@ void btfi_fold_plan(const btf_material *material, btf_plan *plan) {
     plan->fold_bytes = 0;
     plan->folded_cost = plan->cost;
     plan->fold_pixels = 0;
-    if (!plan->scene.light.fixed)
+    btf_shader_options options = plan->shader;
+    if (plan->scene.light.fixed)
+        options.fold = btf_fold_best(&info, &options, plan->scene.view.fixed);
+    if (options.fold == BTF_FOLD_NONE)
         return;
-    for (int fold = plan->scene.view.fixed ? BTF_FOLD_BOTH : BTF_FOLD_LIGHT; fold >= BTF_FOLD_LIGHT;
-         fold--) {
-        btf_shader_options options = plan->shader;
-        options.fold = (btf_fold)fold;
-        if (btf_fold_check(&info, &options, NULL) != BTF_OK)
-            continue;
-        const btf_material_info small = btfi_restricted_info(&info, plan->effects, plan->components,
-                                                             plan->level, plan->views, plan->lights);
-        const float lights = (float)(plan->scene.lights ? plan->scene.lights : 1);
-        const btf_fold_costs costs = btf_fold_cost(material, &options, &plan->scene);
-        /* of the restriction: fewer views, fewer texels */
-        const double share = (fold == BTF_FOLD_BOTH ? 1 : (double)small.n_views / info.n_views) *
-                             ((double)small.width * small.height) / ((double)info.width * info.height);
-        plan->fold = options.fold;
-        plan->fold_bytes = btf_fold_bytes(&small, plan->fold, 1);
-        plan->folded_cost = costs.folded * lights;
-        plan->fold_pixels = costs.pixels * share;
-        return;
-    }
+    const btf_material_info small = btfi_restricted_info(&info, plan->effects, plan->components, plan->level,
+                                                         plan->views, plan->lights);
+    const float lights = (float)(plan->scene.lights ? plan->scene.lights : 1);
+    const btf_fold_costs costs = btf_fold_cost(material, &options, &plan->scene);
+    /* of the restriction: fewer views, fewer texels */
+    const double share = (options.fold == BTF_FOLD_LIGHT ? (double)small.n_views / info.n_views : 1) *
+                         ((double)small.width * small.height) / ((double)info.width * info.height);
+    plan->fold = options.fold;
+    plan->fold_bytes = btf_fold_bytes(&small, plan->fold, 1);
+    plan->folded_cost = costs.folded * lights;
+    plan->fold_pixels = costs.pixels * share;
 }

@@ -12,15 +12,26 @@
 #include <strings.h>
 #include <sys/stat.h>
 
-void file_say(const btf_log *log, const char *format, ...) {
+static void say(const btf_log *log, btf_log_level level, const char *format, va_list arguments) {
     char text[1200];
-    va_list arguments;
     if (!log || !log->callback)
         return;
-    va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
+    log->callback(log->user, level, text);
+}
+
+void file_say(const btf_log *log, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    say(log, BTF_LOG_ERROR, format, arguments);
     va_end(arguments);
-    log->callback(log->user, BTF_LOG_ERROR, text);
+}
+
+void file_warn(const btf_log *log, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    say(log, BTF_LOG_WARNING, format, arguments);
+    va_end(arguments);
 }
 
 bool file_is_exr(const char *path) {

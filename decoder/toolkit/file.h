@@ -11,6 +11,8 @@
 
 /* An error message on log (may be NULL). */
 void file_say(const btf_log *log, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* The same as a warning: the call goes on. */
+void file_warn(const btf_log *log, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* Whether a path is a regular file that begins as OpenEXR files do, whatever its ending. */
 bool file_is_exr(const char *path);

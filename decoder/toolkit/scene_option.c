@@ -155,17 +155,63 @@ const char *scene_plan_amount(const btf_plan *plan, char *text, size_t size) {
     return text;
 }
 
-/* Of a fixed light. */
-static const char *why_not_folded(const btf_material *material, const btf_plan *plan) {
+/* What the plan leaves out of the whole material, after `text`; nothing where that is nothing. */
+static void print_left_out(FILE *out, const char *text, const btf_material *material, const btf_plan *plan) {
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(material, &info);
-    if (plan->scene.view.fixed)
-        return "with relief no pixel shows whole texels, and an SBRDF or gloss depends on the view";
-    return info.colour != BTF_COLOUR_NONE ? "the SBRDF depends on the view" : "with gloss lights depend on the view";
+    const uint32_t effects = info.effects & ~plan->effects;
+    const bool factors = info.store == BTF_STORE_FACTORS;
+    const struct {
+        uint32_t count;
+        const char *one;
+    } parts[] = {{effects & BTF_EFFECT_RESIDUAL ? 0 : info.components - plan->components,
+                  factors ? "unit" : "component"},
+                 {info.n_views - plan->views, "view"},
+                 {info.n_lights - plan->lights, "light"},
+                 {plan->level, "level"}};
+    const char *separator = text;
+    for (int i = 0; i < CLI_EFFECTS_COUNT; i++)
+        if (effects >> i & 1) {
+            fprintf(out, "%s%s", separator, cli_effect_word(i));
+            separator = ", ";
+        }
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
+        if (parts[i].count > 0) {
+            fprintf(out, "%s%u %s%s", separator, (unsigned)parts[i].count, parts[i].one,
+                    parts[i].count == 1 ? "" : "s");
+            separator = ", ";
+        }
+    if (separator != text)
+        fprintf(out, "\n");
+}
+
+/* How a fixed light is folded, or why not. */
+static void print_fold(FILE *out, const char *indent, const btf_material *material, const btf_plan *plan) {
+    btf_material_info info = {.struct_size = sizeof info};
+    double gain[2];
+    btf_material_get_info(material, &info);
+    const bool light_alone = !plan->scene.view.fixed, glossy = info.effects & BTF_EFFECT_GLOSS;
+    if (plan->fold != BTF_FOLD_NONE) {
+        fprintf(out, "%s%s folded into %zu bytes: %.0f%% of the time, after %.0f pixels%s\n", indent,
+                plan->fold == BTF_FOLD_LIGHT ? "light" : "light and view", plan->fold_bytes,
+                100 * (double)plan->folded_cost / (double)plan->full_cost, plan->fold_pixels,
+                light_alone && glossy ? "; for that gloss is left out" : "");
+        return;
+    }
+    fprintf(out, "%snothing is folded: ", indent);
+    if (info.colour != BTF_COLOUR_NONE)
+        fprintf(out, "the SBRDF depends on the view\n");
+    else if (between_gain(material, BTF_EFFECT_GLOSS, gain))
+        fprintf(out,
+                "with gloss lights depend on the view; without it about %.2f/%.2f dB are lost between the samples\n",
+                gain[0], gain[1]);
+    else
+        fprintf(out, "with gloss lights depend on the view, and the file does not say what gloss is worth\n");
 }
 
 void scene_plan_print(FILE *out, const char *indent, const btf_material *material, const btf_plan *plan) {
-    char words[48], amount[32];
+    char words[48], amount[32], left_out[64];
+    snprintf(left_out, sizeof left_out, "%sleft out: ", indent);
     fprintf(out, "%seffects %s", indent, cli_effects_text(plan->effects, words));
     if (plan->components)
         fprintf(out, ", %s", scene_plan_amount(plan, amount, sizeof amount));
@@ -174,16 +220,13 @@ void scene_plan_print(FILE *out, const char *indent, const btf_material *materia
             plan->shader.filter == BTF_FILTER_TEXEL ? "one texel" : filter_name(plan->shader.filter),
             (unsigned)plan->level, plan->shader.fixed & BTF_FIXED_VIEW ? ", fixed view" : "",
             plan->shader.fixed & BTF_FIXED_LIGHT ? ", fixed light" : "");
+    print_left_out(out, left_out, material, plan);
     fprintf(out, "%s%u views, %u lights, %zu bytes of %zu (%.0f%%), %.0f%% of the time\n", indent,
             (unsigned)plan->views, (unsigned)plan->lights, plan->gpu_bytes, plan->full_gpu_bytes,
             100 * (double)plan->gpu_bytes / (double)plan->full_gpu_bytes,
             100 * (double)plan->cost / (double)plan->full_cost);
-    if (plan->fold != BTF_FOLD_NONE)
-        fprintf(out, "%s%s folded into %zu bytes: %.0f%% of the time, after %.0f pixels\n", indent,
-                plan->fold == BTF_FOLD_BOTH ? "light and view" : "light", plan->fold_bytes,
-                100 * (double)plan->folded_cost / (double)plan->full_cost, plan->fold_pixels);
-    else if (plan->scene.light.fixed)
-        fprintf(out, "%snothing is folded: %s\n", indent, why_not_folded(material, plan));
+    if (plan->scene.light.fixed)
+        print_fold(out, indent, material, plan);
     print_reasons(out, indent, material, plan);
     if (plan->measured)
         fprintf(out, "%spredicted PSNR %.2f dB linear, %.2f sRGB; full decode %.2f, %.2f\n", indent,

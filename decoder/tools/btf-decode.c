@@ -57,7 +57,7 @@ static const cli_option option_table[] = {
     {.name = "effects",
      .type = CLI_EFFECTS,
      .value = &options.effects,
-     .help = "effects to decode (default all that the file holds)"},
+     .help = "effects to decode (default: all that the file holds)"},
     {.name = "components",
      .type = CLI_INT,
      .value = &options.components,
@@ -81,8 +81,9 @@ static const cli_option option_table[] = {
      .type = CLI_CHOICE,
      .choices = FILTER_CHOICES,
      .value = &options.filter,
-     .help = "between texels (default texel), at whose centres it matters with the effect\n"
-             "relief alone, which shifts views by parts of a texel"},
+     .help = "between texels (default texel); at the centres of texels, which are decoded\n"
+             "here, it makes a difference only with the effect relief, which shifts views\n"
+             "by parts of a texel"},
     {.name = "format",
      .type = CLI_CHOICE,
      .choices = "png|exr",
@@ -102,9 +103,9 @@ static const cli_option option_table[] = {
 static const cli_program program = {
     .name = "btf-decode",
     .usage = "FILE -o OUT [--view T,P] [--light T,P] | FILE -o DIR",
-    .summary =
-        "Decodes a material file (*.btf.exr) to images, texel by texel, to the bits that the reference\n"
-        "decoder gives, and every other must give.",
+    .summary = "Decodes a material file (*.btf.exr) to images, texel by texel, with the very bits of the "
+               "reference\n"
+               "decoder, which every exact decoder gives.",
     .details =
         "Angles: theta from the surface normal, phi from +u (to the right) towards +v (up).\n"
         "All images are DIR/tvTTT_pvPPP/NNNNN tlTTT plPPP tvTTT pvPPP.png (.exr), the layout of UBO2003.\n"
@@ -310,7 +311,7 @@ static btf_result choose_format(void) {
     const char *other = options.format == FORMAT_EXR ? ".png" : ".exr";
     if (options.format_given && !options.all && file_ends_in(options.out, other))
         return cli_error(&program, BTF_ERROR_USAGE,
-                         "option --format: the ending of '%s' is that of another format", options.out);
+                         "option --format: the file name '%s' ends as another format's", options.out);
     if (options.format_given || options.all)
         return BTF_OK;
     if (file_ends_in(options.out, ".exr"))

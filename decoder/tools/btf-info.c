@@ -11,6 +11,7 @@
 #include <sys/stat.h>
 
 static struct {
+    const char *costs;
     bool json, plan;
     scene_option scene;
 } options;
@@ -25,12 +26,13 @@ static const cli_option option_table[] = {
      .parse = scene_option_parse,
      .help =
          "print how a scene is decoded, as the shader options of btf_plan_effects:\n" SCENE_OPTION_HELP},
+    {.name = "costs", .arg = "FILE", .type = CLI_STRING, .value = &options.costs, .help = COSTS_OPTION_HELP},
     {.type = CLI_END},
 };
 
 static const cli_program program = {
     .name = "btf-info",
-    .usage = "FILE [--json] [--plan SCENE]",
+    .usage = "FILE [--json] [--plan SCENE [--costs FILE]]",
     .summary =
         "Shows the contents of a material file (*.btf.exr): its sizes, directions, effects, how much\n"
         "accuracy each effect adds (measured by the encoder), bytes by texture and how it was made.",
@@ -51,7 +53,15 @@ static const cli_program program = {
 static btf_result run(const char *path) {
     btf_log log = cli_log(&program, false);
     btf_material *material = NULL;
-    btf_result result = btf_material_open(path, &log, &material);
+    btf_cost_model costs;
+    btf_result result = BTF_OK;
+    if (options.costs && !options.plan)
+        return cli_error(&program, BTF_ERROR_USAGE, "option --costs: only together with --plan");
+    if (options.costs)
+        result = btf_cost_model_open(options.costs, &log, &costs);
+    options.scene.scene.costs = options.costs ? &costs : NULL;
+    if (!result)
+        result = btf_material_open(path, &log, &material);
     if (result)
         return result;
     btf_material_info info = {.struct_size = sizeof info};

@@ -39,6 +39,12 @@ void enc_log(const enc_context *context, btf_log_level level, const char *format
 btf_result enc_fail(const enc_context *context, btf_result result, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+/* Makes *io_result, which threads share, the worse of itself and the result of one of them. Which one is worse
+ * does not depend on which thread comes first: the user's stop comes before all errors, and of errors the one
+ * that the user can do most about, a file's before a want of memory, that before a fault of the program. Nothing
+ * else may write *io_result meanwhile. */
+void enc_keep_worse(btf_result *io_result, btf_result mine);
+
 /* True once the user asked to stop (SIGINT, SIGTERM). Long loops test it once an iteration and return
  * BTF_ERROR_INTERRUPTED. */
 bool enc_cancelled(const enc_context *context);

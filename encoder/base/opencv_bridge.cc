@@ -54,14 +54,16 @@ enc_cv_flow *enc_cv_flow_create(void) {
         flow->dis = cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_MEDIUM);
         return true;
     });
-    if (!succeeded)
+    if (!succeeded) {
         enc_cv_flow_destroy(&flow);
+    }
     return flow;
 }
 
 void enc_cv_flow_destroy(enc_cv_flow **flow) {
-    if (!flow || !*flow)
+    if (!flow || !*flow) {
         return;
+    }
     delete *flow;
     *flow = nullptr;
 }

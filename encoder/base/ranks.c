@@ -51,8 +51,9 @@ enc_ranks *enc_ranks_create(const enc_transport *transport) {
 }
 
 void enc_ranks_destroy(enc_ranks **ranks) {
-    if (!ranks || !*ranks)
+    if (!ranks || !*ranks) {
         return;
+    }
     free((*ranks)->bounds);
     free(*ranks);
     *ranks = NULL;
@@ -61,8 +62,9 @@ void enc_ranks_destroy(enc_ranks **ranks) {
 static void hold(void *user, btf_log_level level, const char *message) {
     enc_ranks *ranks = user;
     const size_t length = strlen(message) + 1;
-    if (level != BTF_LOG_ERROR || length > HELD_BYTES - ranks->held_length)
+    if (level != BTF_LOG_ERROR || length > HELD_BYTES - ranks->held_length) {
         return;
+    }
     memcpy(ranks->held + ranks->held_length, message, length);
     ranks->held_length += length;
 }
@@ -74,10 +76,12 @@ btf_log enc_ranks_log(enc_ranks *ranks, btf_log log) {
 
 static void show_held(enc_ranks *ranks, btf_result result) {
     char text[HELD_BYTES + 32];
-    if (ranks->transport.rank == 0 || !ranks->log.callback || result == BTF_ERROR_INTERRUPTED)
+    if (ranks->transport.rank == 0 || !ranks->log.callback || result == BTF_ERROR_INTERRUPTED) {
         return;
-    if (ranks->held_length == 0)
+    }
+    if (ranks->held_length == 0) {
         hold(ranks, BTF_LOG_ERROR, btf_result_text(result));
+    }
     for (const char *line = ranks->held; line < ranks->held + ranks->held_length;
          line += strlen(line) + 1) {
         snprintf(text, sizeof text, "rank %d: %s", ranks->transport.rank, line);
@@ -86,8 +90,9 @@ static void show_held(enc_ranks *ranks, btf_result result) {
 }
 
 void enc_ranks_begin(const enc_context *context) {
-    if (ranks_of(context))
+    if (ranks_of(context)) {
         begin(context->ranks);
+    }
 }
 
 int enc_ranks_own(const enc_context *context) {
@@ -123,32 +128,39 @@ void enc_ranks_range(const enc_context *context, size_t count, size_t *out_first
 
 btf_result enc_ranks_agree(const enc_context *context, btf_result result) {
     enc_ranks *ranks = ranks_of(context);
-    if (!ranks)
+    if (!ranks) {
         return result;
-    if (ranks->failed != BTF_OK)
+    }
+    if (ranks->failed != BTF_OK) {
         return ranks->failed;
-    if (result == BTF_OK && enc_cancelled(context))
+    }
+    if (result == BTF_OK && enc_cancelled(context)) {
         result = BTF_ERROR_INTERRUPTED;
+    }
     const uint64_t rank = (uint64_t)ranks->transport.rank;
     const double start = progress_clock();
     uint64_t worst = result == BTF_OK ? UINT64_MAX : rank << 8 | (uint64_t)result;
     ranks->transport.least(ranks->transport.user, &worst);
     ranks->volume->waited += progress_clock() - start;
     ranks->volume->meetings++;
-    if (worst == UINT64_MAX)
+    if (worst == UINT64_MAX) {
         return BTF_OK;
+    }
     ranks->failed = (btf_result)(worst & 255);
-    if (worst >> 8 == rank)
+    if (worst >> 8 == rank) {
         show_held(ranks, ranks->failed);
+    }
     return ranks->failed;
 }
 
 bool enc_ranks_all(const enc_context *context, bool holds) {
     enc_ranks *ranks = ranks_of(context);
-    if (!ranks)
+    if (!ranks) {
         return holds;
-    if (enc_ranks_agree(context, BTF_OK) != BTF_OK)
+    }
+    if (enc_ranks_agree(context, BTF_OK) != BTF_OK) {
         return false;
+    }
     uint64_t least = holds;
     ranks->transport.least(ranks->transport.user, &least);
     return least != 0;
@@ -158,11 +170,13 @@ btf_result enc_ranks_gather_bounds(const enc_context *context, btf_result result
                                    size_t item_bytes, const size_t *bounds) {
     enc_ranks *ranks = ranks_of(context);
     result = enc_ranks_agree(context, result);
-    if (!ranks || result != BTF_OK)
+    if (!ranks || result != BTF_OK) {
         return result;
+    }
     const int size = ranks->transport.size, rank = ranks->transport.rank;
-    for (int r = 0; r <= size; r++)
+    for (int r = 0; r <= size; r++) {
         ranks->bounds[r] = bounds[r] * item_bytes;
+    }
     const size_t mine = ranks->bounds[rank + 1] - ranks->bounds[rank];
     const double start = progress_clock();
     ranks->transport.gather(ranks->transport.user, array, ranks->bounds);
@@ -175,12 +189,14 @@ btf_result enc_ranks_gather_bounds(const enc_context *context, btf_result result
 btf_result enc_ranks_gather(const enc_context *context, btf_result result, void *array, size_t item_bytes,
                             size_t count) {
     enc_ranks *ranks = ranks_of(context);
-    if (!ranks)
+    if (!ranks) {
         return result;
+    }
     size_t *bounds = ranks->bounds + ranks->transport.size + 1, first;
     bounds[0] = 0;
-    for (int r = 0; r < ranks->transport.size; r++)
+    for (int r = 0; r < ranks->transport.size; r++) {
         enc_ranks_range_of(context, r, count, &first, &bounds[r + 1]);
+    }
     return enc_ranks_gather_bounds(context, result, array, item_bytes, bounds);
 }
 
@@ -188,8 +204,9 @@ btf_result enc_ranks_exchange(const enc_context *context, btf_result result, con
                               const size_t *send_bounds, float *receive, const size_t *receive_bounds) {
     enc_ranks *ranks = ranks_of(context);
     result = enc_ranks_agree(context, result);
-    if (!ranks || result != BTF_OK)
+    if (!ranks || result != BTF_OK) {
         return result;
+    }
     const int size = ranks->transport.size, rank = ranks->transport.rank;
     size_t *from = ranks->bounds, *to = from + size + 1;
     for (int r = 0; r <= size; r++) {
@@ -207,8 +224,9 @@ btf_result enc_ranks_exchange(const enc_context *context, btf_result result, con
 btf_result enc_ranks_sum(const enc_context *context, btf_result result, uint64_t *values, size_t count) {
     enc_ranks *ranks = ranks_of(context);
     result = enc_ranks_agree(context, result);
-    if (!ranks || result != BTF_OK)
+    if (!ranks || result != BTF_OK) {
         return result;
+    }
     const double start = progress_clock();
     ranks->transport.sum(ranks->transport.user, values, count);
     ranks->volume->moved += progress_clock() - start;
@@ -220,8 +238,9 @@ btf_result enc_ranks_sum(const enc_context *context, btf_result result, uint64_t
 btf_result enc_ranks_broadcast(const enc_context *context, btf_result result, void *bytes, size_t size) {
     enc_ranks *ranks = ranks_of(context);
     result = enc_ranks_agree(context, result);
-    if (!ranks || result != BTF_OK || size == 0)
+    if (!ranks || result != BTF_OK || size == 0) {
         return result;
+    }
     const double start = progress_clock();
     ranks->transport.broadcast(ranks->transport.user, bytes, size);
     ranks->volume->moved += progress_clock() - start;
@@ -231,10 +250,12 @@ btf_result enc_ranks_broadcast(const enc_context *context, btf_result result, vo
 
 void enc_ranks_stage(enc_ranks *ranks, const char *stage) {
     size_t i = 0;
-    while (i < ranks->n_volumes && strcmp(ranks->names[i], stage) != 0)
+    while (i < ranks->n_volumes && strcmp(ranks->names[i], stage) != 0) {
         i++;
-    if (i == MOST_STAGES)
+    }
+    if (i == MOST_STAGES) {
         i--;
+    }
     if (i == ranks->n_volumes) {
         snprintf(ranks->names[i], sizeof ranks->names[i], "%s", stage);
         ranks->volumes[ranks->n_volumes++] = (enc_ranks_volume){.stage = ranks->names[i]};

@@ -11,11 +11,13 @@ btf_result enc_mpi_start(btf_log log, enc_ranks **out_ranks, enc_mpi_share *io_s
     const enc_context context = {.log = log};
     (void)io_share;
     *out_ranks = NULL;
-    if (!ranks)
+    if (!ranks) {
         ranks = getenv("PMI_SIZE");
-    if (ranks && atoi(ranks) > 1)
-        return enc_fail(&context, BTF_ERROR_UNSUPPORTED, "%s ranks, but this program was built without MPI",
-                        ranks);
+    }
+    if (ranks && atoi(ranks) > 1) {
+        return enc_fail(&context, BTF_ERROR_UNSUPPORTED,
+                        "started as %s ranks, but this program was built without MPI", ranks);
+    }
     return BTF_OK;
 }
 

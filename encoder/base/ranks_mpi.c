@@ -31,15 +31,19 @@ static void wait_for(MPI_Request *request) {
     int done = 0;
     for (unsigned i = 0;; i++) {
         MPI_Test(request, &done, MPI_STATUS_IGNORE);
-        if (done)
+        if (done) {
             return;
-        if (i < EAGER_TESTS)
+        }
+        if (i < EAGER_TESTS) {
             continue;
+        }
         nanosleep(&nap, NULL);
-        if (!progress_cancelled())
+        if (!progress_cancelled()) {
             continue;
-        if (asked == 0.0)
+        }
+        if (asked == 0.0) {
             asked = progress_clock();
+        }
         if (progress_clock() - asked > patience) {
             output_remove_all();
             MPI_Abort(MPI_COMM_WORLD, btf_result_exit_code(BTF_ERROR_INTERRUPTED));
@@ -89,12 +93,14 @@ static void gather(void *user, void *array, const size_t *bounds) {
     (void)user;
     MPI_Comm_size(MPI_COMM_WORLD, &size);
     if (bounds[size] - bounds[0] > limit) {
-        for (int r = 0; r < size; r++)
+        for (int r = 0; r < size; r++) {
             broadcast_pieces((char *)array + bounds[r], bounds[r + 1] - bounds[r], r);
+        }
         return;
     }
-    if (!make_counts(size, bounds, &counts))
+    if (!make_counts(size, bounds, &counts)) {
         no_memory();
+    }
     MPI_Allgatherv(MPI_IN_PLACE, 0, MPI_DATATYPE_NULL, (char *)array + bounds[0], counts, counts + size,
                    MPI_BYTE, MPI_COMM_WORLD);
     free(counts);
@@ -139,8 +145,9 @@ static bool is_launched(void) {
 static void take_share(MPI_Comm node, int node_ranks, enc_mpi_share *io_share) {
     cpu_set_t mine, all;
     CPU_ZERO(&mine);
-    if (sched_getaffinity(0, sizeof mine, &mine) != 0)
+    if (sched_getaffinity(0, sizeof mine, &mine) != 0) {
         CPU_SET(0, &mine);
+    }
     MPI_Allreduce(&mine, &all, (int)sizeof mine, MPI_BYTE, MPI_BOR, node);
     int count = CPU_COUNT(&mine), total;
     MPI_Allreduce(&count, &total, 1, MPI_INT, MPI_SUM, node);
@@ -155,30 +162,36 @@ btf_result enc_mpi_start(btf_log log, enc_ranks **out_ranks, enc_mpi_share *io_s
     int provided;
     MPI_Comm node;
     *out_ranks = NULL;
-    if (!is_launched())
+    if (!is_launched()) {
         return BTF_OK;
+    }
     MPI_Init_thread(NULL, NULL, MPI_THREAD_FUNNELED, &provided);
     initialised = true;
     MPI_Comm_size(MPI_COMM_WORLD, &transport.size);
     MPI_Comm_rank(MPI_COMM_WORLD, &transport.rank);
-    if (transport.size == 1)
+    if (transport.size == 1) {
         return BTF_OK;
+    }
     const enc_context context = {.log = log};
-    if (provided < MPI_THREAD_FUNNELED)
-        return enc_fail(&context, BTF_ERROR_UNSUPPORTED, "this MPI does not allow threads");
+    if (provided < MPI_THREAD_FUNNELED) {
+        return enc_fail(&context, BTF_ERROR_UNSUPPORTED,
+                        "this MPI library does not support programs with threads (MPI_THREAD_FUNNELED)");
+    }
     MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);
     MPI_Comm_size(node, &transport.node_ranks);
     take_share(node, transport.node_ranks, io_share);
     MPI_Comm_free(&node);
     *out_ranks = enc_ranks_create(&transport);
-    if (!*out_ranks)
+    if (!*out_ranks) {
         no_memory();
+    }
     return BTF_OK;
 }
 
 void enc_mpi_stop(enc_ranks **ranks) {
     enc_ranks_destroy(ranks);
-    if (initialised)
+    if (initialised) {
         MPI_Finalize();
+    }
     initialised = false;
 }

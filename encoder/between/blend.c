@@ -27,18 +27,21 @@ btf_result enc_blend_create(const enc_context *context, const enc_data *data, en
         blend->roots = kind == ENC_INTERPOLATE_SPLINE;
         result = enc_interpolator_create(context, "views", data->views, data->n_views, kind, &blend->views);
     }
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result =
             enc_interpolator_create(context, "lights", data->lights, data->n_lights, kind, &blend->lights);
-    if (result != BTF_OK)
+    }
+    if (result != BTF_OK) {
         enc_blend_destroy(&blend);
+    }
     *out_blend = blend;
     return result;
 }
 
 void enc_blend_destroy(enc_blend **blend) {
-    if (!blend || !*blend)
+    if (!blend || !*blend) {
         return;
+    }
     enc_interpolator_destroy(&(*blend)->views);
     enc_interpolator_destroy(&(*blend)->lights);
     free(*blend);
@@ -49,12 +52,16 @@ void enc_blend_destroy(enc_blend **blend) {
 static float weigh(const float *profile, const enc_weights *w, bool all) {
     float lane[4] = {0};
     int i = 0;
-    if (all)
-        for (; i + 4 <= w->count; i += 4)
-            for (int k = 0; k < 4; k++)
+    if (all) {
+        for (; i + 4 <= w->count; i += 4) {
+            for (int k = 0; k < 4; k++) {
                 lane[k] += w->weight[i + k] * profile[i + k];
-    for (; i < w->count; i++)
+            }
+        }
+    }
+    for (; i < w->count; i++) {
         lane[0] += w->weight[i] * profile[w->index[i]];
+    }
     return (lane[0] + lane[1]) + (lane[2] + lane[3]);
 }
 
@@ -64,9 +71,10 @@ static void blend_texel(const enc_blend *b, const pair_weights *w, const float *
     const bool all = w->light.count == b->data->n_lights; /* then the indices are 0, 1, ... */
     for (size_t c = 0; c < 3; c++) {
         float sum = 0;
-        for (int a = 0; a < w->view.count; a++)
+        for (int a = 0; a < w->view.count; a++) {
             sum += w->view.weight[a] *
                    weigh(samples + (w->view.index[a] * 3 + c) * lights, &w->light, all && b->roots);
+        }
         out[c] = !b->roots ? sum : sum > 0 ? sum * sum : 0.0f;
     }
 }
@@ -77,15 +85,18 @@ static btf_result blend_all(const enc_context *context, const enc_blend *b, cons
     const size_t texels = enc_data_texel_count(b->data), stride = enc_data_texel_stride(b->data);
     const float *samples;
     const btf_result result = enc_data_texels(context, b->data, texel, 1, buffer, &samples);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     if (b->roots) {
-        for (size_t i = 0; i < stride; i++)
+        for (size_t i = 0; i < stride; i++) {
             roots[i] = sqrtf(samples[i]);
+        }
         samples = roots;
     }
-    for (size_t p = 0; p < count; p++)
+    for (size_t p = 0; p < count; p++) {
         blend_texel(b, &weights[p], samples, out + 3 * (p * texels + texel));
+    }
     return BTF_OK;
 }
 
@@ -104,17 +115,16 @@ btf_result enc_blend_images(const enc_context *context, const enc_blend *blend, 
         btf_result mine = buffer && roots ? result : BTF_ERROR_MEMORY;
 #pragma omp for schedule(dynamic, 16)
         for (size_t t = 0; t < texels; t++) {
-            if (mine == BTF_OK && enc_cancelled(context))
+            if (mine == BTF_OK && enc_cancelled(context)) {
                 mine = BTF_ERROR_INTERRUPTED;
-            if (mine == BTF_OK)
+            }
+            if (mine == BTF_OK) {
                 mine = blend_all(context, blend, weights, count, t, buffer, roots, out);
+            }
         }
         free(roots);
         free(buffer);
-        if (mine != BTF_OK) {
-#pragma omp critical(enc_blend_result)
-            result = mine;
-        }
+        enc_keep_worse(&result, mine);
     }
     free(weights);
     return result == BTF_ERROR_MEMORY ? enc_fail(context, result, "blending: out of memory") : result;

@@ -50,8 +50,7 @@ static btf_result filter_pairs(const enc_context *context, const enc_evaluator *
         for (size_t i = 0; i < rows; i++) {
             const bool cancelled = enc_cancelled(context);
             if (cancelled || !uv) {
-#pragma omp atomic write
-                result = cancelled ? BTF_ERROR_INTERRUPTED : BTF_ERROR_MEMORY;
+                enc_keep_worse(&result, cancelled ? BTF_ERROR_INTERRUPTED : BTF_ERROR_MEMORY);
                 continue;
             }
             const size_t p = i / m->height;
@@ -67,12 +66,14 @@ btf_result enc_decode_pairs(const enc_context *context, const enc_evaluator *eva
                             float *out) {
     const btf_ref_material *m = enc_evaluator_reference(evaluator);
     const size_t texels = (size_t)m->width * m->height;
-    if (options->filter != BTF_REF_TEXEL)
+    if (options->filter != BTF_REF_TEXEL) {
         return filter_pairs(context, evaluator, options, pairs, count, out);
+    }
     enc_evaluated_neighbours *around = malloc(count * sizeof *around);
     btf_result result = around ? BTF_OK : BTF_ERROR_MEMORY;
-    for (size_t p = 0; around && p < count; p++)
+    for (size_t p = 0; around && p < count; p++) {
         around[p] = enc_evaluated_look_up(evaluator, pairs[p].light.xyz, pairs[p].view.xyz);
+    }
 #pragma omp parallel num_threads(context->threads)
     {
         enc_evaluated_texel *texel = result == BTF_OK ? enc_evaluated_texel_create(evaluator, 0) : NULL;
@@ -80,8 +81,7 @@ btf_result enc_decode_pairs(const enc_context *context, const enc_evaluator *eva
         for (size_t t = 0; t < texels; t++) {
             const bool cancelled = enc_cancelled(context);
             if (cancelled || !texel) {
-#pragma omp atomic write
-                result = cancelled ? BTF_ERROR_INTERRUPTED : BTF_ERROR_MEMORY;
+                enc_keep_worse(&result, cancelled ? BTF_ERROR_INTERRUPTED : BTF_ERROR_MEMORY);
                 continue;
             }
             enc_evaluated_texel_move(texel, t);

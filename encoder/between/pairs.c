@@ -31,8 +31,9 @@ struct enc_pairs_source {
 
 static int by_angles(const void *a, const void *b) {
     const enc_direction *x = a, *y = b;
-    if (x->theta != y->theta)
+    if (x->theta != y->theta) {
         return x->theta < y->theta ? -1 : 1;
+    }
     return (x->phi > y->phi) - (x->phi < y->phi);
 }
 
@@ -46,14 +47,17 @@ static int by_pair(const void *a, const void *b) {
 static btf_result count_directions(const enc_grid_image *images, size_t count, bool lights,
                                    size_t *out_distinct, double *out_theta) {
     enc_direction *list = malloc((count + 1) * sizeof *list);
-    if (!list)
+    if (!list) {
         return BTF_ERROR_MEMORY;
-    for (size_t i = 0; i < count; i++)
+    }
+    for (size_t i = 0; i < count; i++) {
         list[i] = lights ? images[i].light : images[i].view;
+    }
     qsort(list, count, sizeof *list, by_angles);
     *out_distinct = 0;
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; i++) {
         *out_distinct += i == 0 || by_angles(&list[i], &list[i - 1]) != 0;
+    }
     *out_theta = count > 0 ? list[0].theta : 0;
     free(list);
     return BTF_OK;
@@ -66,13 +70,15 @@ static btf_result list_silently(const enc_context *context, const char *path, co
     const enc_context silent = {.threads = context->threads, .memory = context->memory};
     btf_result result = enc_grid_list(&silent, source, options, out_images, out_count);
     if (result != BTF_ERROR_BAD_FILE || options->names ||
-        snprintf(table, PATH_MAX, "%s/directions.csv", path) >= PATH_MAX || access(table, R_OK) != 0)
+        snprintf(table, PATH_MAX, "%s/directions.csv", path) >= PATH_MAX || access(table, R_OK) != 0) {
         return result;
+    }
     enc_read_options by_table = *options;
     by_table.names = table;
     result = enc_grid_list(&silent, source, &by_table, out_images, out_count);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         *options = by_table;
+    }
     return result;
 }
 
@@ -86,18 +92,22 @@ btf_result enc_pairs_classify(const enc_context *context, const char *path, cons
     double top = 0, unused;
     *out_set = ENC_SET_GRID;
     btf_result result = enc_read_source(context, path, &source);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     result = list_silently(context, path, source, &own, table, &images, &count);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = count_directions(images, count, false, &views, &top);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = count_directions(images, count, true, &lights, &unused);
+    }
     /* A grid is whole, under a view from the top; or it lacks images, which is to be told, not to be taken
      * for something else. Directions drawn at random form far less than half of a grid. */
     if (result == BTF_OK &&
-        (2 * count <= views * lights || (count == views * lights && top > ENC_GRID_POLE_DISTANCE)))
+        (2 * count <= views * lights || (count == views * lights && top > ENC_GRID_POLE_DISTANCE))) {
         *out_set = ENC_SET_PAIRS;
+    }
     free(images);
     enc_source_close(&source);
     return result == BTF_ERROR_BAD_FILE ? BTF_OK : result; /* the reader says what is wrong */
@@ -128,16 +138,19 @@ static btf_result list_pairs(const enc_context *context, const char *path, enc_p
 static btf_result check_distinct(const enc_context *context, const enc_pairs *pairs) {
     enc_pair *sorted = malloc(pairs->count * sizeof *sorted);
     btf_result result = BTF_OK;
-    if (!sorted)
+    if (!sorted) {
         return BTF_ERROR_MEMORY;
+    }
     memcpy(sorted, pairs->pair, pairs->count * sizeof *sorted);
     qsort(sorted, pairs->count, sizeof *sorted, by_pair);
-    for (size_t i = 1; i < pairs->count && result == BTF_OK; i++)
-        if (by_pair(&sorted[i - 1], &sorted[i]) == 0)
+    for (size_t i = 1; i < pairs->count && result == BTF_OK; i++) {
+        if (by_pair(&sorted[i - 1], &sorted[i]) == 0) {
             result = enc_fail(
                 context, BTF_ERROR_BAD_FILE, "%s: two images of view (%g,%g) and light (%g,%g): %s, %s",
                 pairs->source->source->location, sorted[i].view.theta, sorted[i].view.phi,
                 sorted[i].light.theta, sorted[i].light.phi, sorted[i - 1].name, sorted[i].name);
+        }
+    }
     free(sorted);
     return result;
 }
@@ -154,8 +167,9 @@ static btf_result settle_size(const enc_context *context, enc_pairs *pairs) {
     char message[MESSAGE_SIZE] = "";
     btf_result result =
         s->source->read(s->source, s->index[0], &s->first_file, &s->first_size, message, sizeof message);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return report(context, pairs, 0, result, message);
+    }
     result = enc_radiance_settle(context, &s->options, s->source->location, pairs->pair[0].name,
                                  s->first_file, s->first_size, &s->radiance);
     pairs->width = s->radiance.width;
@@ -172,29 +186,37 @@ btf_result enc_pairs_open(const enc_context *context, const char *path, const en
         pairs->source->options = *options;
         result = BTF_OK;
     }
-    if (result == BTF_OK && options->components > 0)
+    if (result == BTF_OK && options->components > 0) {
         result = enc_fail(context, BTF_ERROR_USAGE,
                           "%s: --components is only for a Bonn .btf file, which this is not", path);
-    if (result == BTF_OK && options->coincident)
+    }
+    if (result == BTF_OK && options->coincident) {
         result = enc_fail(context, BTF_ERROR_USAGE,
                           "%s: --coincident is only for a data set, and these are single images", path);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = enc_read_source(context, path, &pairs->source->source);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = list_pairs(context, path, pairs);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = check_distinct(context, pairs);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = settle_size(context, pairs);
-    if (result != BTF_OK)
+    }
+    if (result != BTF_OK) {
         enc_pairs_close(&pairs);
+    }
     *out_pairs = pairs;
     return result == BTF_ERROR_MEMORY ? enc_fail(context, result, "%s: out of memory", path) : result;
 }
 
 void enc_pairs_close(enc_pairs **pairs) {
-    if (!pairs || !*pairs)
+    if (!pairs || !*pairs) {
         return;
+    }
     enc_pairs_source *s = (*pairs)->source;
     if (s) {
         free(s->first_file);
@@ -212,8 +234,9 @@ void enc_pairs_close(enc_pairs **pairs) {
 static void tell(const enc_context *context, const enc_pairs *pairs, size_t i, const image_notes *notes) {
     image_notes *reported = &pairs->source->reported;
     for (int k = 0; k < IMAGE_NOTE_KINDS; k++) {
-        if (!notes->texts[k][0] || reported->texts[k][0])
+        if (!notes->texts[k][0] || reported->texts[k][0]) {
             continue;
+        }
         reported->texts[k][0] = 1;
         enc_log(context, image_note_warns((image_note_kind)k) ? BTF_LOG_WARNING : BTF_LOG_INFO,
                 "%s: %s: %s", pairs->source->source->location, pairs->pair[i].name, notes->texts[k]);
@@ -222,8 +245,9 @@ static void tell(const enc_context *context, const enc_pairs *pairs, size_t i, c
 
 /* Likewise, of values that are set to 0. */
 static void tell_negative(const enc_context *context, const enc_pairs *pairs, size_t i, size_t negative) {
-    if (negative == 0 || pairs->source->reported_negative)
+    if (negative == 0 || pairs->source->reported_negative) {
         return;
+    }
     pairs->source->reported_negative = true;
     enc_log(context, BTF_LOG_WARNING,
             "%s: %s: %zu samples below 0 were set to 0, and so are those of further images (--strict "
@@ -253,11 +277,13 @@ btf_result enc_pairs_read(const enc_context *context, const enc_pairs *pairs, si
     void *file = NULL;
     size_t size = 0;
     btf_result result = fetch(pairs, i, &file, &size, message);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = enc_radiance_convert(&s->radiance, file, size, out, &notes, message, sizeof message);
+    }
     free(file);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return report(context, pairs, i, result, message);
+    }
     size_t negative = 0;
     for (size_t p = 0; p < floats; p++) {
         negative += out[p] < 0.0f;

@@ -14,8 +14,10 @@ bool enc_same_direction(const enc_direction *direction, double theta, double phi
 }
 
 int enc_coincident_light(const enc_data *data, int view) {
-    for (int l = 0; l < data->n_lights; l++)
-        if (enc_same_direction(&data->lights[l], data->views[view].theta, data->views[view].phi))
+    for (int l = 0; l < data->n_lights; l++) {
+        if (enc_same_direction(&data->lights[l], data->views[view].theta, data->views[view].phi)) {
             return l;
+        }
+    }
     return -1;
 }

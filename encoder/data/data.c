@@ -33,8 +33,9 @@ enc_direction enc_direction_from_angles(double theta_degrees, double phi_degrees
 
 static enc_direction *copy_directions(const enc_direction *list, int count) {
     enc_direction *copy = malloc((size_t)count * sizeof *copy);
-    if (copy)
+    if (copy) {
         memcpy(copy, list, (size_t)count * sizeof *copy);
+    }
     return copy;
 }
 
@@ -47,11 +48,13 @@ static uint64_t least_memory(const enc_context *context, int width, int height, 
 /* Refuses data for which the allowed memory is less than the least that an encode takes. */
 static btf_result check_memory(const enc_context *context, int width, int height, int n_views,
                                int n_lights) {
-    if (!context || context->memory == 0)
+    if (!context || context->memory == 0) {
         return BTF_OK;
+    }
     const uint64_t least = least_memory(context, width, height, n_views, n_lights);
-    if (least <= context->memory)
+    if (least <= context->memory) {
         return BTF_OK;
+    }
     return enc_fail(context, BTF_ERROR_USAGE,
                     "--memory %zu is too small: %dx%d texels, %d views and %d lights take at least %lluK",
                     context->memory, width, height, n_views, n_lights,
@@ -63,21 +66,25 @@ static btf_result create_empty(const enc_context *context, int width, int height
                                const enc_direction *views, int n_lights, const enc_direction *lights,
                                uint64_t *out_bytes, enc_data **out_data) {
     *out_data = NULL;
-    if (width < 1 || height < 1 || width > MAX_SIDE || height > MAX_SIDE)
+    if (width < 1 || height < 1 || width > MAX_SIDE || height > MAX_SIDE) {
         return enc_fail(context, BTF_ERROR_USAGE, "size %dx%d is not usable: each side is 1 to %d", width,
                         height, MAX_SIDE);
-    if (n_views < 1 || n_lights < 1 || n_views > ENC_MAX_DIRECTIONS || n_lights > ENC_MAX_DIRECTIONS)
+    }
+    if (n_views < 1 || n_lights < 1 || n_views > ENC_MAX_DIRECTIONS || n_lights > ENC_MAX_DIRECTIONS) {
         return enc_fail(context, BTF_ERROR_USAGE, "%d views and %d lights are not usable: each is 1 to %d",
                         n_views, n_lights, ENC_MAX_DIRECTIONS);
+    }
     const btf_result enough = check_memory(context, width, height, n_views, n_lights);
-    if (enough != BTF_OK)
+    if (enough != BTF_OK) {
         return enough;
+    }
     /* At most 2^28 texels of 3 * 2^16 floats: no overflow in 64 bits. */
     *out_bytes =
         (uint64_t)width * (uint64_t)height * (uint64_t)n_views * 3 * (uint64_t)n_lights * sizeof(float);
     enc_data *data = *out_bytes > SIZE_MAX / 2 ? NULL : calloc(1, sizeof *data);
-    if (!data)
+    if (!data) {
         return BTF_ERROR_MEMORY;
+    }
     data->scratch_fd = -1;
     data->width = width;
     data->height = height;
@@ -89,16 +96,19 @@ static btf_result create_empty(const enc_context *context, int width, int height
         enc_data_destroy(&data);
         return BTF_ERROR_MEMORY;
     }
-    for (int i = 1; i < n_views; i++)
-        if (views[i].theta < views[data->top_view].theta)
+    for (int i = 1; i < n_views; i++) {
+        if (views[i].theta < views[data->top_view].theta) {
             data->top_view = i;
+        }
+    }
     *out_data = data;
     return BTF_OK;
 }
 
 bool enc_data_fits(const enc_context *context, int width, int height, int n_views, int n_lights) {
-    if (!context || context->memory == 0)
+    if (!context || context->memory == 0) {
         return true;
+    }
     const uint64_t bytes = 12 * (uint64_t)width * (uint64_t)height * (uint64_t)n_views * (uint64_t)n_lights;
     const uint64_t least = least_memory(context, width, height, n_views, n_lights);
     return bytes <= context->memory / 2 && bytes + least <= context->memory;
@@ -118,17 +128,20 @@ btf_result enc_data_create(const enc_context *context, int width, int height, in
     uint64_t bytes;
     btf_result result =
         create_empty(context, width, height, n_views, views, n_lights, lights, &bytes, out_data);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
-    if (enc_ranks_count(context) > 1)
+    }
+    if (enc_ranks_count(context) > 1) {
         result = enc_scratch_open_shared(context, "samples", bytes, &(*out_data)->scratch_fd,
                                          &(*out_data)->scratch_path);
-    else
+    } else {
         result = enc_data_fits(context, width, height, n_views, n_lights)
                      ? allocate(context, *out_data, bytes)
                      : enc_scratch_open(context, "samples", bytes, &(*out_data)->scratch_fd);
-    if (result != BTF_OK)
+    }
+    if (result != BTF_OK) {
         enc_data_destroy(out_data);
+    }
     return result;
 }
 
@@ -137,8 +150,9 @@ static btf_result keep_block(const enc_context *context, enc_data *data, size_t 
                              float *buffer) {
     const size_t stride = enc_data_texel_stride(data);
     float *out = data->samples ? data->samples + first * stride : buffer;
-    if (!out)
+    if (!out) {
         return BTF_ERROR_MEMORY;
+    }
     const btf_result result = data->origin->texels(context, data->origin, first, count, out);
     return result != BTF_OK || data->samples ? result
                                              : enc_data_store_texels(context, data, first, count, out);
@@ -161,14 +175,12 @@ static btf_result keep_samples(const enc_context *context, enc_data *data) {
             btf_result mine;
 #pragma omp atomic read
             mine = result;
-            if (mine != BTF_OK)
+            if (mine != BTF_OK) {
                 continue;
+            }
             mine = enc_cancelled(context) ? BTF_ERROR_INTERRUPTED
                                           : keep_block(context, data, first, count, buffer);
-            if (mine != BTF_OK) {
-#pragma omp atomic write
-                result = mine;
-            }
+            enc_keep_worse(&result, mine);
             enc_stage_step(context, count);
         }
         free(buffer);
@@ -181,21 +193,25 @@ static btf_result keep_samples(const enc_context *context, enc_data *data) {
 /* The samples of a scratch file as memory, where there is room for them. Samples that cannot be mapped are read. */
 static void map_samples(const enc_context *context, enc_data *data) {
     const size_t bytes = enc_data_texel_count(data) * enc_data_texel_stride(data) * sizeof(float);
-    if (!enc_data_fits(context, data->width, data->height, data->n_views, data->n_lights))
+    if (!enc_data_fits(context, data->width, data->height, data->n_views, data->n_lights)) {
         return;
+    }
     void *samples = mmap(NULL, bytes, PROT_READ, MAP_SHARED, data->scratch_fd, 0);
-    if (samples == MAP_FAILED)
+    if (samples == MAP_FAILED) {
         return;
+    }
     data->samples = samples;
     data->mapped = bytes;
 }
 
 btf_result enc_data_complete(const enc_context *context, enc_data *data, btf_result result) {
-    if (enc_ranks_count(context) == 1)
+    if (enc_ranks_count(context) == 1) {
         return result;
+    }
     result = enc_scratch_written(context, result, &data->scratch_fd, &data->scratch_path);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         map_samples(context, data);
+    }
     return result;
 }
 
@@ -215,48 +231,57 @@ btf_result enc_data_create_from(const enc_context *context, int width, int heigh
                      ? enc_scratch_open_shared(context, "samples", bytes, &(*out_data)->scratch_fd,
                                                &(*out_data)->scratch_path)
                      : allocate(context, *out_data, bytes);
-        if (result == BTF_OK)
+        if (result == BTF_OK) {
             result = keep_samples(context, *out_data);
+        }
     } else {
         enc_log(context, BTF_LOG_INFO,
                 "samples: %.2f GB are more than half of the memory allowed, %.2f GB: they are decoded from "
                 "the input again when needed",
                 (double)bytes * 1e-9, (double)context->memory * 1e-9);
     }
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         enc_data_destroy(out_data);
+    }
     return result;
 }
 
 btf_result enc_data_copy_lights(const enc_data *from, enc_data *to) {
     const size_t size = (size_t)from->n_views * sizeof *from->moved_light;
-    if (!from->moved_light)
+    if (!from->moved_light) {
         return BTF_OK;
+    }
     assert(!to->moved_light && to->n_views == from->n_views);
     to->moved_light = malloc(size);
-    if (!to->moved_light)
+    if (!to->moved_light) {
         return BTF_ERROR_MEMORY;
+    }
     memcpy(to->moved_light, from->moved_light, size);
     return BTF_OK;
 }
 
 void enc_data_destroy(enc_data **data) {
-    if (!data || !*data)
+    if (!data || !*data) {
         return;
+    }
     enc_data *d = *data;
     free(d->views);
     free(d->lights);
-    if (d->mapped > 0)
+    if (d->mapped > 0) {
         munmap(d->samples, d->mapped);
-    else
+    } else {
         free(d->samples);
-    if (d->scratch_fd >= 0)
+    }
+    if (d->scratch_fd >= 0) {
         close(d->scratch_fd);
-    if (d->scratch_path)
+    }
+    if (d->scratch_path) {
         unlink(d->scratch_path);
+    }
     free(d->scratch_path);
-    if (d->origin)
+    if (d->origin) {
         d->origin->close(d->origin);
+    }
     free(d->moved_light);
     free(d->source);
     free(d);
@@ -277,8 +302,9 @@ btf_result enc_data_texels(const enc_context *context, const enc_data *data, siz
         return BTF_OK;
     }
     *out_samples = buffer;
-    if (is_made(data))
+    if (is_made(data)) {
         return data->origin->texels(context, data->origin, first, count, buffer);
+    }
     return enc_scratch_read(context, data->scratch_fd, (uint64_t)first * stride * sizeof(float),
                             count * stride * sizeof(float), buffer);
 }
@@ -314,26 +340,33 @@ btf_result enc_data_view(const enc_context *context, const enc_data *data, int v
     const size_t stride = enc_data_texel_stride(data);
     btf_result result = BTF_OK;
     float *buffer = NULL;
-    if (!data->samples && !(buffer = malloc(BLOCK * profile * sizeof *buffer)))
+    if (!data->samples && !(buffer = malloc(BLOCK * profile * sizeof *buffer))) {
         return BTF_ERROR_MEMORY;
+    }
     for (size_t first = 0; first < texels && result == BTF_OK; first += BLOCK) {
         const size_t count = texels - first < BLOCK ? texels - first : BLOCK;
         const float *profiles[BLOCK];
-        if (is_made(data) && !data->samples)
+        if (is_made(data) && !data->samples) {
             result = data->origin->profiles(context, data->origin, view, first, count, buffer);
+        }
         for (size_t t = 0; t < count && result == BTF_OK; t++) {
             const size_t at = (first + t) * stride + (size_t)view * profile;
             profiles[t] = data->samples ? data->samples + at : buffer + t * profile;
-            if (!data->samples && !is_made(data))
+            if (!data->samples && !is_made(data)) {
                 result = enc_scratch_read(context, data->scratch_fd, (uint64_t)at * sizeof(float),
                                           profile * sizeof(float), buffer + t * profile);
+            }
         }
-        if (result != BTF_OK)
+        if (result != BTF_OK) {
             break;
-        for (size_t l = 0; l < lights; l++)
-            for (size_t t = 0; t < count; t++)
-                for (size_t c = 0; c < 3; c++)
+        }
+        for (size_t l = 0; l < lights; l++) {
+            for (size_t t = 0; t < count; t++) {
+                for (size_t c = 0; c < 3; c++) {
                     out[(l * texels + first + t) * 3 + c] = profiles[t][c * lights + l];
+                }
+            }
+        }
     }
     free(buffer);
     return result;

@@ -13,15 +13,17 @@
 
 int enc_level_count(int width, int height) {
     int count = 1;
-    for (int side = width > height ? width : height; side > 1; side >>= 1)
+    for (int side = width > height ? width : height; side > 1; side >>= 1) {
         count++;
+    }
     return count;
 }
 
 size_t enc_level_further_texels(int width, int height, int count) {
     size_t texels = 0;
-    for (int level = 1; level < count; level++)
+    for (int level = 1; level < count; level++) {
         texels += (size_t)enc_level_side(width, level) * (size_t)enc_level_side(height, level);
+    }
     return texels;
 }
 
@@ -34,21 +36,25 @@ static btf_result filter_texel(const enc_context *context, const enc_data *from,
     enc_area_span(from->width, to->width, column, &x0, &x1);
     enc_area_span(from->height, to->height, row, &y0, &y1);
     memset(sums, 0, stride * sizeof *sums);
-    for (int y = y0; y < y1; y++)
+    for (int y = y0; y < y1; y++) {
         for (int x = x0; x < x1; x++) {
             const float *samples;
             const double weight = (double)enc_area_overlap(from->width, to->width, column, x) *
                                   (double)enc_area_overlap(from->height, to->height, row, y);
             const btf_result result = enc_data_texels(
                 context, from, (size_t)y * (size_t)from->width + (size_t)x, 1, buffer, &samples);
-            if (result != BTF_OK)
+            if (result != BTF_OK) {
                 return result;
-            for (size_t i = 0; i < stride; i++)
+            }
+            for (size_t i = 0; i < stride; i++) {
                 sums[i] += weight * (double)samples[i];
+            }
         }
+    }
     const double area = (double)from->width * (double)from->height;
-    for (size_t i = 0; i < stride; i++)
+    for (size_t i = 0; i < stride; i++) {
         out[i] = (float)(sums[i] / area);
+    }
     return BTF_OK;
 }
 
@@ -59,8 +65,9 @@ btf_result enc_level_filter(const enc_context *context, const enc_data *from, in
     btf_result result = enc_data_create(context, width, height, from->n_views, from->views, from->n_lights,
                                         from->lights, &to);
     *out_data = NULL;
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = enc_data_copy_lights(from, to);
+    }
     if (result != BTF_OK) {
         enc_data_destroy(&to);
         return result;
@@ -77,18 +84,17 @@ btf_result enc_level_filter(const enc_context *context, const enc_data *from, in
             btf_result mine;
 #pragma omp atomic read
             mine = result;
-            if (mine != BTF_OK)
+            if (mine != BTF_OK) {
                 continue;
+            }
             mine = !buffer || !sums ? BTF_ERROR_MEMORY
                    : enc_cancelled(context)
                        ? BTF_ERROR_INTERRUPTED
                        : filter_texel(context, from, to, t, buffer, sums, buffer + stride);
-            if (mine == BTF_OK)
+            if (mine == BTF_OK) {
                 mine = enc_data_store_texels(context, to, t, 1, buffer + stride);
-            if (mine != BTF_OK) {
-#pragma omp atomic write
-                result = mine;
             }
+            enc_keep_worse(&result, mine);
         }
         free(buffer);
         free(sums);
@@ -113,8 +119,9 @@ btf_result enc_level_each(const enc_context *context, const enc_data *data, int 
         const int width = enc_level_side(data->width, level), height = enc_level_side(data->height, level);
         const bool even = before && before->width % width == 0 && before->height % height == 0;
         result = enc_level_filter(context, even ? before : data, width, height, &next);
-        if (result == BTF_OK)
+        if (result == BTF_OK) {
             result = fn(user, level, next);
+        }
         enc_data_destroy(&before);
         before = next;
     }

@@ -126,6 +126,8 @@ btf_result enc_components_find(const enc_factor_matrix *m, const size_t rank[3],
         }
         u.rank[c] = w.rank[c] = rank[c] > 0 ? io[c].sought : 0;
     }
+    /* Subspace iteration from random w (Halko, Martinsson and Tropp 2011, algorithm 4.4), orthonormal anew
+     * after each product. */
     for (int step = 0; step <= power_steps && result == BTF_OK; step++) {
         result = enc_factor_times_w(m, &w, &u);
         for (int c = 0; c < 3 && result == BTF_OK; c++) {

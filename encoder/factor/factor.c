@@ -311,9 +311,10 @@ static btf_result find_match(const enc_factor_matrix *m, const enc_factor_option
     enc_stage_end(m->context);
     f->trial.omitted = share <= most ? ENC_FACTOR_ENCODED : ENC_FACTOR_SURVEYED;
     if (result == BTF_OK && most < HUGE_VAL) {
-        enc_log(m->context, BTF_LOG_INFO,
-                "match: a survey leaves %.3f of the squared error, of %.3f that would pay%s", share, most,
-                f->trial.omitted ? ": given up" : "");
+        enc_log(
+            m->context, BTF_LOG_INFO,
+            "match: a first search leaves %.3f of the squared error; it pays where at most %.3f is left%s",
+            share, most, f->trial.omitted ? ": given up" : "");
     }
     return result;
 }
@@ -482,17 +483,17 @@ static btf_result refuse_budget(const enc_factor_matrix *m, uint64_t budget, boo
                                                          m->data->n_lights);
     char size[80] = "", paper[100] = "";
     if (budget >= directions + a_texel) {
-        snprintf(size, sizeof size, "; of at most %llu texels (--size) it holds one",
+        snprintf(size, sizeof size, "; it holds one unit of %llu texels at most (--size)",
                  (unsigned long long)((budget - directions) / a_texel));
     }
     if (budget >= PAPER_TEXEL * m->texels) {
-        snprintf(paper, sizeof paper, "; --method paper --effects none --lobes 1 --half takes %llu",
+        snprintf(paper, sizeof paper, "; --method paper --effects none --lobes 1 --half takes %llu bytes",
                  (unsigned long long)(PAPER_TEXEL * m->texels));
     }
     return enc_fail(m->context, BTF_ERROR_USAGE,
-                    "factors: a budget of %llu bytes holds no unit%s, which takes %llu: --budget %lluk or "
-                    "more%s%s%s",
-                    (unsigned long long)budget, match ? " with lists of match" : "",
+                    "factors: a budget of %llu bytes is too small: one unit of factors%s takes %llu; give "
+                    "--budget %lluk or more%s%s%s",
+                    (unsigned long long)budget, match ? " and the lists of the effects shift and gain" : "",
                     (unsigned long long)least, (unsigned long long)((least + 999) / 1000),
                     plain ? ", or --effects residual" : "", size, paper);
 }
@@ -510,9 +511,9 @@ btf_result enc_factor_encode(const enc_context *context, const enc_data *data,
         return refuse_budget(&m, options->budget, match, least);
     }
     if (match && !data->samples) {
-        return enc_fail(
-            context, BTF_ERROR_UNSUPPORTED,
-            "factors: effect shift: the samples do not fit the memory allowed, where match needs them");
+        return enc_fail(context, BTF_ERROR_UNSUPPORTED,
+                        "factors: the effects shift and gain need all samples in memory, which --memory "
+                        "does not allow");
     }
     btf_result result = enc_factor_clip(&m);
     result = result == BTF_OK ? encode(&m, options, &f[0], &f[1]) : result;

@@ -61,21 +61,25 @@ static bool allocate_channel(const level_fit *fit, level_channel *of) {
 /* The components of each channel, in the order of the units. */
 static bool list_components(level_fit *fit) {
     const enc_factor_store *f = &fit->base->factors;
-    for (size_t i = 0; i < f->units; i++)
-        for (int k = 0; k < ENC_STORE_WORDS; k++)
+    for (size_t i = 0; i < f->units; i++) {
+        for (int k = 0; k < ENC_STORE_WORDS; k++) {
             fit->channel[fit->units[i].channel[k]].rank += (size_t)fit->units[i].word;
+        }
+    }
     for (int c = 0; c < CHANNELS; c++) {
-        if (!allocate_channel(fit, &fit->channel[c]))
+        if (!allocate_channel(fit, &fit->channel[c])) {
             return false;
+        }
         fit->channel[c].rank = 0;
     }
-    for (size_t i = 0; i < f->units; i++)
+    for (size_t i = 0; i < f->units; i++) {
         for (int n = 0; n < ENC_STORE_WORDS * fit->units[i].word; n++) {
             level_channel *of = &fit->channel[fit->units[i].channel[n / fit->units[i].word]];
             of->component[of->rank] = fit->units[i].first + (size_t)n;
             of->top[of->rank] = (float)enc_factor_classes[fit->units[i].class].top_u;
             of->bytes[of->rank++] = fit->units[i].class == 0;
         }
+    }
     return true;
 }
 
@@ -101,10 +105,12 @@ static void fill_column(const level_fit *fit, size_t column, int16_t *levels) {
 static void fill_gram(const level_fit *fit, level_channel *of) {
     const size_t columns = (size_t)fit->data->n_views * (size_t)fit->data->n_lights;
 #pragma omp parallel for schedule(dynamic) num_threads(fit->context->threads)
-    for (size_t i = 0; i < of->rank; i++)
-        for (size_t j = 0; j <= i; j++)
+    for (size_t i = 0; i < of->rank; i++) {
+        for (size_t j = 0; j <= i; j++) {
             of->gram[i * of->rank + j] = of->gram[j * of->rank + i] =
                 (float)enc_dot(columns, of->w + i * columns, of->w + j * columns);
+        }
+    }
 }
 
 static btf_result prepare(level_fit *fit) {
@@ -120,12 +126,14 @@ static btf_result prepare(level_fit *fit) {
         levels = malloc(fit->components * sizeof *levels);
         ok = levels && list_components(fit);
     }
-    for (size_t column = 0; ok && column < columns; column++)
+    for (size_t column = 0; ok && column < columns; column++) {
         fill_column(fit, column, levels);
+    }
     free(levels);
-    if (!ok)
+    if (!ok) {
         return enc_fail(fit->context, BTF_ERROR_MEMORY, "levels: out of memory for %zu components",
                         fit->components);
+    }
     for (int c = 0; c < CHANNELS; c++) {
         fill_gram(fit, &fit->channel[c]);
         w.rank[c] = product.rank[c] = fit->channel[c].rank;
@@ -144,19 +152,23 @@ static float nearest_level(float x, float top, bool bytes) {
 /* Sweeps of coordinate descent of x^T G x - 2 x^T p; gradient = p - G x. */
 static void descend(const level_channel *of, int sweeps, bool coded, float *x, float *gradient) {
     const size_t rank = of->rank;
-    for (int sweep = 0; sweep < sweeps; sweep++)
+    for (int sweep = 0; sweep < sweeps; sweep++) {
         for (size_t j = 0; j < rank; j++) {
             const float *g = of->gram + j * rank;
-            if (!(g[j] > 0))
+            if (!(g[j] > 0)) {
                 continue;
+            }
             const float best = x[j] + gradient[j] / g[j];
             const float step = (coded ? nearest_level(best, of->top[j], of->bytes[j]) : best) - x[j];
-            if (step == 0)
+            if (step == 0) {
                 continue;
+            }
             x[j] += step;
-            for (size_t i = 0; i < rank; i++)
+            for (size_t i = 0; i < rank; i++) {
                 gradient[i] -= step * g[i];
+            }
         }
+    }
 }
 
 /* Levels of one texel: x and gradient take a channel's. */
@@ -172,12 +184,14 @@ static void fit_texel(const level_fit *fit, size_t texel, float *x, float *gradi
         for (size_t j = 0; j < of->rank; j++) {
             const float level = nearest_level(x[j], of->top[j], of->bytes[j]), step = level - x[j];
             x[j] = level;
-            for (size_t i = 0; i < of->rank; i++)
+            for (size_t i = 0; i < of->rank; i++) {
                 gradient[i] -= step * of->gram[j * of->rank + i];
+            }
         }
         descend(of, ENC_FACTORS_LEVEL_SWEEPS, true, x, gradient);
-        for (size_t j = 0; j < of->rank; j++)
+        for (size_t j = 0; j < of->rank; j++) {
             levels[of->component[j]] = (int16_t)x[j];
+        }
     }
 }
 
@@ -199,8 +213,7 @@ static btf_result fit_texels(const level_fit *fit, uint32_t *out) {
                 fit_texel(fit, t, x, x + fit->components, levels);
                 enc_store_pack_texel(fit->units, fit->base->factors.units, levels, texels, t, out);
             } else {
-#pragma omp critical(enc_factors_level)
-                result = mine;
+                enc_keep_worse(&result, mine);
             }
         }
         free(x);
@@ -216,16 +229,20 @@ static btf_result fit_texels(const level_fit *fit, uint32_t *out) {
 /* Further levels have no match: every texel is its own source, with the gain that is nearest to 1. */
 static bool fill_points(const enc_solution *base, enc_solution *level) {
     const size_t points = enc_solution_texels(level) * (size_t)level->n_views;
-    if (!base->shift)
+    if (!base->shift) {
         return true;
+    }
     int code = 0;
-    for (int i = 1; i < 16; i++)
-        if (fabsf(enc_solution_gain(base, i) - 1) < fabsf(enc_solution_gain(base, code) - 1))
+    for (int i = 1; i < 16; i++) {
+        if (fabsf(enc_solution_gain(base, i) - 1) < fabsf(enc_solution_gain(base, code) - 1)) {
             code = i;
+        }
+    }
     level->shift = calloc(points, 2 * sizeof *level->shift);
     level->gain = malloc(points);
-    if (level->gain)
+    if (level->gain) {
         memset(level->gain, code, points);
+    }
     return level->shift && level->gain;
 }
 
@@ -239,10 +256,12 @@ btf_result enc_factors_level(const enc_context *context, const enc_data *data, c
     btf_result result = texels && fill_points(base, out_solution)
                             ? prepare(&fit)
                             : enc_fail(context, BTF_ERROR_MEMORY, "levels: out of memory");
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = fit_texels(&fit, texels);
+    }
     clear_fit(&fit);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         enc_level_clear(out_solution);
+    }
     return result;
 }

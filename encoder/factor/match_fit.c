@@ -333,7 +333,8 @@ static btf_result search(const enc_factor_matrix *m, const enc_match_bases *base
     if (result == BTF_OK) {
         enc_match_count_users(m->context, match);
         enc_log(m->context, BTF_LOG_INFO,
-                "match: the texels' own factors leave %.4g %% of the energy, sources and gains %.4g %%",
+                "match: %.4g %% of the energy is left by each texel's own factors, %.4g %% by those of "
+                "source texels with a gain",
                 100 * out_sums->own / out_sums->energy, 100 * out_sums->left / out_sums->energy);
     }
     return result;

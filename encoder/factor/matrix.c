@@ -263,8 +263,7 @@ btf_result enc_factor_times_w(const enc_factor_matrix *m, const enc_factor_set *
             if (mine == BTF_OK) {
                 multiply_texels(m, w, packed, first, count, channels, panel, out);
             } else {
-#pragma omp critical(enc_factor_result)
-                result = mine;
+                enc_keep_worse(&result, mine);
             }
             enc_stage_step(m->context, count);
         }
@@ -307,10 +306,7 @@ static btf_result add_block(const enc_factor_matrix *m, const enc_factor_set *u,
                                split[2] + i * m->columns};
         const btf_result mine =
             load(m, first + i, 1, views, m->data->samples ? buffer : buffer + i * stride, row);
-        if (mine != BTF_OK) {
-#pragma omp critical(enc_factor_result)
-            result = mine;
-        }
+        enc_keep_worse(&result, mine);
     }
     if (result != BTF_OK) {
         return result;
@@ -403,10 +399,7 @@ btf_result enc_factor_residual(const enc_factor_matrix *m, const enc_factor_set 
     for (size_t p = begin; p < (room && work ? end : begin); p++) {
         const btf_result mine = add_residual(m, u, packed, of_columns, p * ENC_GEMM_M, most,
                                              work + enc_thread_index() * each, sums[p]);
-        if (mine != BTF_OK) {
-#pragma omp critical(enc_factor_result)
-            result = mine;
-        }
+        enc_keep_worse(&result, mine);
         enc_stage_step(m->context, ENC_GEMM_M);
     }
     result = enc_ranks_agree(m->context, result);

@@ -129,10 +129,7 @@ static btf_result measure_all(const decoder *d, size_t most, size_t each, float 
         const size_t first = b * BLOCK, count = m->texels - first < BLOCK ? m->texels - first : BLOCK;
         const btf_result mine =
             measure_block(d, first, count, most, work + enc_thread_index() * each, &sums[b]);
-        if (mine != BTF_OK) {
-#pragma omp critical(enc_factor_result)
-            result = mine;
-        }
+        enc_keep_worse(&result, mine);
         enc_stage_step(m->context, count);
     }
     return result;

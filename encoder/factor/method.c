@@ -20,8 +20,9 @@ _Static_assert((int)ENC_FACTOR_CLASSES == (int)BTF_FACTOR_CLASSES &&
 /* 1 / l.z of the outermost light (FORMAT.md section 9, Factors), in float as decoders read it. */
 static float horizon_scale(const enc_data *data) {
     float least = 1;
-    for (int l = 0; l < data->n_lights; l++)
+    for (int l = 0; l < data->n_lights; l++) {
         least = fminf(least, data->lights[l].xyz[2]);
+    }
     const float scale = 1 / least;
     return fminf(fmaxf(scale, 1.0f), 0x1p24f);
 }
@@ -36,14 +37,16 @@ static float parameter(float x) {
 }
 
 static void balance_scales(float *scales, size_t units) {
-    for (size_t i = 0; i < ENC_STORE_WORDS * units; i++)
+    for (size_t i = 0; i < ENC_STORE_WORDS * units; i++) {
         scales[i] = parameter(scales[i] * balance);
+    }
 }
 
 static float *balance_views(const float *views, size_t count) {
     float *out = calloc(count * ENC_STORE_TIERS, 4 * sizeof *out);
-    for (size_t i = 0; out && i < 3 * count * ENC_STORE_TIERS; i++)
+    for (size_t i = 0; out && i < 3 * count * ENC_STORE_TIERS; i++) {
         out[i / 3 * 4 + i % 3] = parameter(views[i] / balance);
+    }
     return out;
 }
 
@@ -83,8 +86,9 @@ static btf_result to_solution(const enc_context *context, const enc_data *data, 
     f->texels = f->directions = NULL;
     f->scales = NULL;
     enc_factors_destroy(io_factors);
-    if (out->factors.views)
+    if (out->factors.views) {
         return BTF_OK;
+    }
     enc_solution_clear(out);
     return enc_fail(context, BTF_ERROR_MEMORY, "factors: out of memory");
 }
@@ -103,8 +107,9 @@ static uint64_t gpu_bytes(const enc_data *data, uint64_t bytes, int n_units) {
 }
 
 static const char *const verdicts[ENC_FACTOR_OMISSIONS] = {
-    "left out", "given up after a survey", "not tried: the memory allowed does not hold it",
-    "not tried: the bytes do not hold its lists and one unit"};
+    "left out", "given up after a first search, which left too much error",
+    "not tried: it needs more memory than is allowed",
+    "not tried: the budget does not hold its lists and one unit of factors"};
 
 /* Notes the candidates of an encode; *out_kept: the one that was kept. Verdicts of encodes that may yet be
  * the best are `left out` until all are made. */
@@ -112,8 +117,9 @@ static void note_trials(const enc_data *data, const enc_factors *f, bool measure
                         int *out_kept) {
     for (int i = 0; i < f->n_trials; i++) {
         const enc_factor_trial *t = &f->trials[i];
-        if (t->kept)
+        if (t->kept) {
             *out_kept = stats->trials_count;
+        }
         stats->trials[stats->trials_count++] =
             (enc_trial){.effects = BTF_EFFECT_RESIDUAL | (t->match ? BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN : 0),
                         .components = t->n_units,
@@ -142,14 +148,17 @@ static btf_result encode(const enc_context *context, const enc_data *data,
         .number = stats->encodes++,
         .basis = settings->quality > 0 ? basis : NULL};
     const btf_result result = enc_factor_encode(context, data, &options, out);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     const enc_factors *f = *out;
     stats->unspent = f->unspent;
     const bool chosen = f->n_trials > 1 && f->trials[1].omitted != ENC_FACTOR_NO_MEMORY;
     note_trials(data, f, settings->quality > 0 || chosen, stats, out_kept);
-    enc_log(context, BTF_LOG_INFO, "factors: %zu + %zu + %zu components in %d units%s, %llu bytes",
-            f->components[0], f->components[1], f->components[2], f->n_units, f->shift ? " with match" : "",
+    enc_log(context, BTF_LOG_INFO,
+            "factors: %zu components of Y, %zu of C1 and %zu of C2, in %d units%s, take %llu bytes",
+            f->components[0], f->components[1], f->components[2], f->n_units,
+            f->shift ? " with shifts and gains" : "",
             (unsigned long long)gpu_bytes(data, f->bytes, f->n_units));
     return BTF_OK;
 }
@@ -205,11 +214,14 @@ btf_result enc_factors_solve(const enc_context *context, const enc_data *data,
         const double reached = psnr(best->error.srgb);
         now.choose = false; /* a smaller budget keeps the choice made at the whole one */
         now.effects = settings->choose ? out_stats->trials[best_trial].effects : settings->effects;
-        if (reached >= settings->quality)
+        if (reached >= settings->quality) {
             result = reduce(context, data, &now, basis, &best, out_stats, &best_trial);
-        else
-            enc_log(context, BTF_LOG_WARNING, "factors: %.2f dB of %.2f within %llu bytes", reached,
-                    settings->quality, (unsigned long long)settings->budget);
+        } else {
+            enc_log(context, BTF_LOG_WARNING,
+                    "factors: %.2f dB is the best that was found, below --quality %.2f, within %llu bytes "
+                    "(--budget)",
+                    reached, settings->quality, (unsigned long long)settings->budget);
+        }
     }
     if (result == BTF_OK) {
         out_stats->trials[best_trial].verdict = "best";

@@ -26,8 +26,9 @@ static void from_ycocg(float s[3]) {
 /* Row vector times matrix, plus mean. */
 static void from_principal(float s[3], const float mean[3], const float matrix[9]) {
     const float a = s[0], b = s[1], c = s[2];
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
         s[i] = a * matrix[i] + b * matrix[3 + i] + c * matrix[6 + i] + mean[i];
+    }
 }
 
 static float lab_curve(float t) {
@@ -87,13 +88,15 @@ void enc_bonn_colour(int32_t model, const float mean[3], const float matrix[9], 
             from_yuv(s);
             break;
         case 12:
-            for (int c = 0; c < 3; c++)
+            for (int c = 0; c < 3; c++) {
                 s[c] = from_log(s[c]);
+            }
             break;
         default: /* 0: RGB */
             break;
         }
-        for (size_t c = 0; c < 3; c++)
+        for (size_t c = 0; c < 3; c++) {
             samples[i + c * pitch] = s[c];
+        }
     }
 }

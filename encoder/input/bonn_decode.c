@@ -49,11 +49,13 @@ static size_t texel_row(const enc_bonn_matrix *m, size_t texel, size_t channel) 
 
 static btf_result check_finite(const enc_context *context, const enc_bonn_file *f, size_t count,
                                const float *numbers, const char *what, size_t view, size_t light) {
-    for (size_t i = 0; i < count; i++)
-        if (!isfinite(numbers[i]))
+    for (size_t i = 0; i < count; i++) {
+        if (!isfinite(numbers[i])) {
             return enc_fail(context, BTF_ERROR_BAD_FILE,
                             "%s: %s of view %zu, light %zu: number %zu is not finite (%g)", f->path, what,
                             view, light, i, (double)numbers[i]);
+        }
+    }
     return BTF_OK;
 }
 
@@ -76,12 +78,14 @@ static btf_result pack_directions(const enc_context *context, enc_bonn_decoder *
             enc_bonn_numbers(f, m->mean + row * m->scalar, m->scalar, 1, mean);
             result = check_finite(context, f, 1, mean, "mean", view, light);
         }
-        if (result != BTF_OK)
+        if (result != BTF_OK) {
             return result;
+        }
     }
     float *packed = enc_gemm_alloc(enc_gemm_panels(lights, ENC_GEMM_N) * ENC_GEMM_N * k);
-    if (!packed)
+    if (!packed) {
         return BTF_ERROR_MEMORY;
+    }
     enc_gemm_pack_rows(lights, k, rows, k, ENC_GEMM_N, packed);
     d->packed[view * 3 + channel] = packed;
     return BTF_OK;
@@ -92,20 +96,24 @@ static btf_result prepare_matrices(const enc_context *context, enc_bonn_decoder 
     const size_t planes = 3 * (size_t)f->n_views;
     d->components = calloc(f->n_matrices, sizeof *d->components);
     d->packed = calloc(planes, sizeof *d->packed);
-    if (f->kind == ENC_BONN_PVF)
+    if (f->kind == ENC_BONN_PVF) {
         d->means = calloc(planes * f->n_lights, sizeof *d->means);
-    if (!d->components || !d->packed || (f->kind == ENC_BONN_PVF && !d->means))
+    }
+    if (!d->components || !d->packed || (f->kind == ENC_BONN_PVF && !d->means)) {
         return BTF_ERROR_MEMORY;
+    }
     for (uint32_t i = 0; i < f->n_matrices; i++) {
         const uint32_t all = f->matrices[i].components;
         d->components[i] = components > 0 && components < all ? components : all;
-        if (d->components[i] > d->most)
+        if (d->components[i] > d->most) {
             d->most = d->components[i];
+        }
     }
     float *rows = malloc((size_t)f->n_lights * d->most * sizeof *rows);
     btf_result result = rows ? BTF_OK : BTF_ERROR_MEMORY;
-    for (size_t i = 0; i < planes && result == BTF_OK; i++)
+    for (size_t i = 0; i < planes && result == BTF_OK; i++) {
         result = pack_directions(context, d, i / 3, i % 3, rows);
+    }
     free(rows);
     return result;
 }
@@ -116,16 +124,18 @@ static btf_result expand_chunk(const enc_context *context, const enc_bonn_file *
     struct archive *reader = archive_read_new();
     struct archive_entry *entry;
     bool good = false;
-    if (!reader)
+    if (!reader) {
         return BTF_ERROR_MEMORY;
+    }
     if (archive_read_support_filter_bzip2(reader) >= ARCHIVE_WARN &&
         archive_read_support_format_raw(reader) == ARCHIVE_OK &&
         archive_read_open_memory(reader, f->bytes + f->chunks[index].offset, f->chunks[index].size) ==
             ARCHIVE_OK &&
         archive_filter_code(reader, 0) >= 0 && archive_read_next_header(reader, &entry) == ARCHIVE_OK) {
         size_t done = 0;
-        for (la_ssize_t n = 1; done < size && n > 0; done += (size_t)(n > 0 ? n : 0))
+        for (la_ssize_t n = 1; done < size && n > 0; done += (size_t)(n > 0 ? n : 0)) {
             n = archive_read_data(reader, out + done, size - done);
+        }
         char more;
         good = done == size && archive_read_data(reader, &more, 1) == 0;
     }
@@ -145,9 +155,10 @@ static btf_result expand_all(const enc_context *context, enc_bonn_decoder *d) {
     const size_t per_chunk = (size_t)f->width * f->lines_per_chunk, abrdf = 2 * abrdf_size(f);
     const size_t stored = (size_t)f->width * f->height - f->n_missing;
     d->expanded = malloc(stored * abrdf);
-    if (!d->expanded)
+    if (!d->expanded) {
         return enc_fail(context, BTF_ERROR_MEMORY, "%s: out of memory for %.2f GB of unpacked samples",
                         f->path, (double)(stored * abrdf) * 1e-9);
+    }
     btf_result result = BTF_OK;
     for (uint32_t i = 0; i < f->n_chunks && result == BTF_OK; i++) {
         const size_t first = i * per_chunk, left = stored - first;
@@ -160,8 +171,9 @@ static btf_result expand_all(const enc_context *context, enc_bonn_decoder *d) {
 
 static int *copy_order(const int *order, size_t count) {
     int *copy = malloc(count * sizeof *copy);
-    if (copy)
+    if (copy) {
         memcpy(copy, order, count * sizeof *copy);
+    }
     return copy;
 }
 
@@ -170,8 +182,9 @@ btf_result enc_bonn_decoder_create(const enc_context *context, const enc_bonn_fi
                                    uint32_t components, enc_bonn_decoder **out_decoder) {
     enc_bonn_decoder *d = calloc(1, sizeof *d);
     *out_decoder = NULL;
-    if (!d)
+    if (!d) {
         return BTF_ERROR_MEMORY;
+    }
     d->file = file;
     d->view_order = copy_order(view_order, file->n_views);
     d->light_order = copy_order(light_order, file->n_lights);
@@ -179,15 +192,18 @@ btf_result enc_bonn_decoder_create(const enc_context *context, const enc_bonn_fi
     btf_result result = d->view_order && d->light_order && d->light_factor ? BTF_OK : BTF_ERROR_MEMORY;
     if (result == BTF_OK) {
         memcpy(d->light_factor, light_factor, file->n_lights * sizeof *d->light_factor);
-        if (file->kind != ENC_BONN_BDI)
+        if (file->kind != ENC_BONN_BDI) {
             result = prepare_matrices(context, d, components);
-        else if (file->compression == ENC_BONN_BZIP)
+        } else if (file->compression == ENC_BONN_BZIP) {
             result = expand_all(context, d);
+        }
     }
-    if (result == BTF_ERROR_MEMORY)
+    if (result == BTF_ERROR_MEMORY) {
         enc_log(context, BTF_LOG_ERROR, "%s: out of memory for its directions", file->path);
-    if (result != BTF_OK)
+    }
+    if (result != BTF_OK) {
         enc_bonn_decoder_destroy(&d);
+    }
     *out_decoder = d;
     return result;
 }
@@ -197,11 +213,13 @@ uint32_t enc_bonn_decoder_components(const enc_bonn_decoder *decoder) {
 }
 
 void enc_bonn_decoder_destroy(enc_bonn_decoder **decoder) {
-    if (!decoder || !*decoder)
+    if (!decoder || !*decoder) {
         return;
+    }
     enc_bonn_decoder *d = *decoder;
-    for (size_t i = 0; d->packed && i < 3 * (size_t)d->file->n_views; i++)
+    for (size_t i = 0; d->packed && i < 3 * (size_t)d->file->n_views; i++) {
         free(d->packed[i]);
+    }
     free(d->packed);
     free(d->components);
     free(d->means);
@@ -224,20 +242,23 @@ static void multiply(const enc_bonn_decoder *d, enc_gemm_tile tile, size_t count
         const enc_bonn_matrix *m = matrix_of(f, view, channel, &index);
         const size_t k = d->components[index];
         const uint64_t stride = (uint64_t)m->components * m->scalar;
-        for (size_t i = 0; i < count; i++)
+        for (size_t i = 0; i < count; i++) {
             enc_bonn_numbers(f, m->texels + texel_row(m, texels[i], channel) * stride, m->scalar, k,
                              rows + i * k);
+        }
         enc_gemm_pack_rows(count, k, rows, k, ENC_GEMM_M, packed);
         enc_gemm_multiply(tile, count, lights, k, packed, d->packed[view * 3 + channel],
                           out + channel * lights, pitch, 0);
         for (size_t i = 0; i < count && d->means; i++) {
             float of_texel = 0.0f;
-            if (m->mean_of_texel)
+            if (m->mean_of_texel) {
                 enc_bonn_numbers(f, m->mean + texel_row(m, texels[i], channel) * m->scalar, m->scalar, 1,
                                  &of_texel);
+            }
             const float *of_light = d->means + (view * 3 + channel) * lights;
-            for (size_t l = 0; l < lights; l++)
+            for (size_t l = 0; l < lights; l++) {
                 out[i * pitch + channel * lights + l] += m->mean_of_texel ? of_texel : of_light[l];
+            }
         }
     }
 }
@@ -255,8 +276,9 @@ static void fetch(const enc_bonn_decoder *d, size_t count, const size_t *texels,
                                         : d->expanded        ? d->expanded + 2 * abrdf_size(f) * stored
                                                       : f->bytes + f->chunks[stored / per_chunk].offset +
                                                             2 * abrdf_size(f) * (stored % per_chunk);
-            for (size_t c = 0; c < 3; c++)
+            for (size_t c = 0; c < 3; c++) {
                 out[i * pitch + c * lights + l] = from ? enc_bonn_number(from + at + 2 * c, 2) : 0.0f;
+            }
         }
     }
 }
@@ -266,16 +288,18 @@ static btf_result finish(const enc_context *context, const enc_bonn_decoder *d, 
                          float *profile) {
     const enc_bonn_file *f = d->file;
     const size_t lights = f->n_lights;
-    if (f->model != 0 || f->logarithm)
+    if (f->model != 0 || f->logarithm) {
         enc_bonn_colour(f->logarithm ? 12 : f->model, f->mean, f->matrix, lights, lights, profile);
+    }
     for (size_t i = 0; i < 3 * lights; i++) {
         profile[i] *= d->light_factor[i % lights];
-        if (!isfinite(profile[i]))
+        if (!isfinite(profile[i])) {
             return enc_fail(
                 context, BTF_ERROR_BAD_FILE,
                 "%s: column %zu, row %zu, view %zu, light %d, channel %c is not a finite number (%g)",
                 f->path, texel % f->width, texel / f->width, view, d->light_order[i % lights],
                 "RGB"[i / lights], (double)profile[i]);
+        }
     }
     return BTF_OK;
 }
@@ -293,12 +317,14 @@ btf_result enc_bonn_decode(const enc_context *context, const enc_bonn_decoder *d
         for (int v = 0; v < n_views && result == BTF_OK; v++) {
             const size_t view = (size_t)d->view_order[first_view + v];
             float *block = out + first * pitch + (size_t)v * profile;
-            if (f->kind == ENC_BONN_BDI)
+            if (f->kind == ENC_BONN_BDI) {
                 fetch(d, n, texels + first, view, pitch, block);
-            else
+            } else {
                 multiply(d, tile, n, texels + first, view, pitch, rows, rows + room, block);
-            for (size_t i = 0; i < n && result == BTF_OK; i++)
+            }
+            for (size_t i = 0; i < n && result == BTF_OK; i++) {
                 result = finish(context, d, texels[first + i], view, block + i * pitch);
+            }
         }
     }
     free(rows);

@@ -33,8 +33,9 @@ enum { SIGNATURES = sizeof signatures / sizeof signatures[0] };
 static int find_signature(const void *bytes, size_t size) {
     for (int i = 0; i < SIGNATURES; i++) {
         const size_t length = strlen(signatures[i].text);
-        if (size >= length && memcmp(bytes, signatures[i].text, length) == 0)
+        if (size >= length && memcmp(bytes, signatures[i].text, length) == 0) {
             return i;
+        }
     }
     return -1;
 }
@@ -42,12 +43,14 @@ static int find_signature(const void *bytes, size_t size) {
 bool enc_bonn_is(const char *path) {
     char begin[10];
     struct stat status;
-    if (stat(path, &status) != 0 || !S_ISREG(status.st_mode))
+    if (stat(path, &status) != 0 || !S_ISREG(status.st_mode)) {
         return false;
+    }
     const int fd = open(path, O_RDONLY | O_CLOEXEC);
     const ssize_t n = fd >= 0 ? read(fd, begin, sizeof begin) : -1;
-    if (fd >= 0)
+    if (fd >= 0) {
         close(fd);
+    }
     return n > 0 && find_signature(begin, (size_t)n) >= 0;
 }
 
@@ -61,18 +64,20 @@ typedef struct cursor {
 
 static void refuse(cursor *c, btf_result result, uint64_t at, const char *field, const char *why,
                    double value) {
-    if (c->result == BTF_OK)
-        c->result = enc_fail(c->context, result, "%s: field %s at byte %llu: %s (%.9g)", c->file->path,
-                             field, (unsigned long long)at, why, value);
+    if (c->result == BTF_OK) {
+        c->result = enc_fail(c->context, result, "%s: field %s at byte %llu: %s %.9g", c->file->path, field,
+                             (unsigned long long)at, why, value);
+    }
 }
 
 /* Steps over `size` bytes and returns where they begin; NULL, once refused. */
 static const unsigned char *take(cursor *c, uint64_t size, const char *field) {
-    if (c->result != BTF_OK)
+    if (c->result != BTF_OK) {
         return NULL;
+    }
     if (size > c->file->size - c->at) {
-        refuse(c, BTF_ERROR_BAD_FILE, c->at, field, "the file ends before it does; bytes that it needs",
-               (double)size);
+        refuse(c, BTF_ERROR_BAD_FILE, c->at, field,
+               "the file ends within it; bytes that it takes:", (double)size);
         return NULL;
     }
     c->at += size;
@@ -96,49 +101,58 @@ static unsigned take_u8(cursor *c, const char *field) {
 static float take_float(cursor *c, const char *field) {
     const unsigned char *p = take(c, 4, field);
     const float value = p ? enc_bonn_number(p, 4) : 0.0f;
-    if (!isfinite(value))
-        refuse(c, BTF_ERROR_BAD_FILE, c->at - 4, field, "not a finite number", (double)value);
+    if (!isfinite(value)) {
+        refuse(c, BTF_ERROR_BAD_FILE, c->at - 4, field, "is not a finite number:", (double)value);
+    }
     return value;
 }
 
 /* A count from 1 to `most`. */
 static uint32_t take_count(cursor *c, const char *field, uint32_t most) {
     const uint32_t value = take_u32(c, field);
-    if (value < 1 || value > most)
+    if (value < 1 || value > most) {
         refuse(c, value < 1 ? BTF_ERROR_BAD_FILE : BTF_ERROR_UNSUPPORTED, c->at - 4, field,
-               value < 1 ? "is 0" : "is more than can be read", value);
+               value < 1 ? "must not be" : "exceeds what this program reads:", value);
+    }
     return c->result == BTF_OK ? value : 1;
 }
 
 static unsigned take_scalar(cursor *c) {
     const unsigned scalar = take_u8(c, "scalar size");
-    if (scalar != 2 && scalar != 4 && scalar != 8)
-        refuse(c, BTF_ERROR_BAD_FILE, c->at - 1, "scalar size", "is none of 2, 4 and 8", scalar);
+    if (scalar != 2 && scalar != 4 && scalar != 8) {
+        refuse(c, BTF_ERROR_BAD_FILE, c->at - 1, "scalar size", "must be 2, 4 or 8, not", scalar);
+    }
     return scalar;
 }
 
 static void read_meta(cursor *c, enc_bonn_file *f) {
     const uint64_t begin = c->at;
     const uint32_t size = take_u32(c, "metaSize"), version = take_u32(c, "metaVersion");
-    if (c->result == BTF_OK && (version < 1 || version > 4))
-        refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 4, "metaVersion", "is none of 1 to 4", version);
+    if (c->result == BTF_OK && (version < 1 || version > 4)) {
+        refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 4, "metaVersion", "must be 1 to 4, not", version);
+    }
     take(c, 240, "measurement setup, image sensor and light source");
     take(c, 16, "pixels per mm and RGB scale factor");
-    if (version >= 2)
+    if (version >= 2) {
         f->cosine = take_u32(c, "cosine flag") != 0;
-    if (version >= 3)
+    }
+    if (version >= 3) {
         take(c, take_u32(c, "size of the measurement XML"), "measurement XML");
+    }
     if (version >= 4) {
         const uint32_t channels = take_u32(c, "channel count");
-        if (channels != 3)
-            refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 4, "channel count",
-                   "only three channels, RGB, can be read", channels);
-        for (uint32_t i = 0; i < 3 && c->result == BTF_OK; i++)
+        if (channels != 3) {
+            refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 4, "channel count", "must be 3 (R, G and B), not",
+                   channels);
+        }
+        for (uint32_t i = 0; i < 3 && c->result == BTF_OK; i++) {
             take(c, take_u32(c, "length of a channel name"), "channel name");
+        }
     }
-    if (c->result == BTF_OK && c->at - begin != size)
-        refuse(c, BTF_ERROR_BAD_FILE, begin, "metaSize", "disagrees with what follows; bytes that it says",
-               size);
+    if (c->result == BTF_OK && c->at - begin != size) {
+        refuse(c, BTF_ERROR_BAD_FILE, begin, "metaSize",
+               "does not agree with the length of the block that follows:", size);
+    }
 }
 
 static void read_direction(cursor *c, float direction[2], const char *theta, const char *phi) {
@@ -149,28 +163,32 @@ static void read_direction(cursor *c, float direction[2], const char *theta, con
 static void read_directions(cursor *c, enc_bonn_file *f) {
     f->n_views = take_count(c, "view count", MOST_DIRECTIONS);
     f->views = calloc(f->n_views, sizeof *f->views);
-    if (!f->views)
+    if (!f->views) {
         c->result = BTF_ERROR_MEMORY;
+    }
     for (uint32_t v = 0; v < f->n_views && c->result == BTF_OK; v++) {
         read_direction(c, f->views[v], "theta of a view", "phi of a view");
         const uint32_t lights = take_count(c, "light count of a view", MOST_DIRECTIONS);
-        if (c->result == BTF_OK && v > 0 && lights != f->n_lights)
+        if (c->result == BTF_OK && v > 0 && lights != f->n_lights) {
             refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 4, "light count of a view",
-                   "is not that of the first view", lights);
+                   "differs from the first view's:", lights);
+        }
         if (v == 0) {
             f->n_lights = lights;
             f->lights = calloc(lights, sizeof *f->lights);
-            if (!f->lights)
+            if (!f->lights) {
                 c->result = BTF_ERROR_MEMORY;
+            }
         }
         for (uint32_t l = 0; l < lights && c->result == BTF_OK; l++) {
             float light[2];
             read_direction(c, light, "theta of a light", "phi of a light");
-            if (v == 0)
+            if (v == 0) {
                 memcpy(f->lights[l], light, sizeof light);
-            else if (c->result == BTF_OK && memcmp(f->lights[l], light, sizeof light) != 0)
+            } else if (c->result == BTF_OK && memcmp(f->lights[l], light, sizeof light) != 0) {
                 refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 8, "light of a view",
-                       "is not that of the first view", light[0]);
+                       "differs from the first view's:", light[0]);
+            }
         }
     }
 }
@@ -207,7 +225,7 @@ static void settle_sides(cursor *c, uint64_t at, enc_bonn_matrix *m, uint32_t ro
         m->mean_of_texel = true;
     } else {
         refuse(c, BTF_ERROR_BAD_FILE, at, "rows and columns",
-               "match neither the directions nor the texels; rows", rows);
+               "match neither directions nor texels; rows:", rows);
     }
 }
 
@@ -220,16 +238,18 @@ static void read_factors(cursor *c, const enc_bonn_file *f, uint32_t channels, e
     take(c, (uint64_t)m->components * m->scalar, "singular values");
     const uint64_t left = take_rows(c, rows, m, "left factor"),
                    right = take_rows(c, columns, m, "right factor");
-    if (c->result == BTF_OK)
+    if (c->result == BTF_OK) {
         settle_sides(c, at, m, rows, columns, (uint64_t)f->n_views * f->n_lights,
                      (uint64_t)f->width * f->height, channels, left, right);
+    }
 }
 
 static bool allocate_matrices(cursor *c, enc_bonn_file *f, uint32_t count) {
     f->n_matrices = count;
     f->matrices = c->result == BTF_OK ? calloc(count, sizeof *f->matrices) : NULL;
-    if (c->result == BTF_OK && !f->matrices)
+    if (c->result == BTF_OK && !f->matrices) {
         c->result = BTF_ERROR_MEMORY;
+    }
     return c->result == BTF_OK;
 }
 
@@ -248,39 +268,49 @@ static void read_dfmf(cursor *c, enc_bonn_file *f) {
     case 12:
         break;
     default:
-        refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 4, "colour model", "is none that can be read", f->model);
+        refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 4, "colour model",
+               "is not one that this program reads:", f->model);
     }
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
         f->mean[i] = take_float(c, "colour mean");
-    for (int i = 0; i < 9; i++)
+    }
+    for (int i = 0; i < 9; i++) {
         f->matrix[i] = take_float(c, "colour matrix");
-    if (!allocate_matrices(c, f, 3))
+    }
+    if (!allocate_matrices(c, f, 3)) {
         return;
-    for (int i = 0; i < 3 && c->result == BTF_OK; i++)
+    }
+    for (int i = 0; i < 3 && c->result == BTF_OK; i++) {
         read_factors(c, f, 1, &f->matrices[i]);
+    }
 }
 
 static void read_fmf(cursor *c, enc_bonn_file *f, bool versioned) {
     const unsigned version = versioned ? take_u8(c, "header version") : 0;
-    if (version > 2)
-        refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 1, "header version", "is none of 0 to 2", version);
-    if (version >= 1)
+    if (version > 2) {
+        refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 1, "header version", "must be 0 to 2, not", version);
+    }
+    if (version >= 1) {
         f->logarithm = take_u32(c, "dynamic range reduction") != 0;
+    }
     if (version >= 2) {
         const uint64_t rows = take_u32(c, "height map rows"), columns = take_u32(c, "height map columns");
-        if (rows > MOST_SIDE || columns > MOST_SIDE)
-            refuse(c, BTF_ERROR_BAD_FILE, c->at - 8, "height map size", "is more than can be read",
-                   (double)(rows > columns ? rows : columns));
+        if (rows > MOST_SIDE || columns > MOST_SIDE) {
+            refuse(c, BTF_ERROR_BAD_FILE, c->at - 8, "height map size",
+                   "exceeds what this program reads:", (double)(rows > columns ? rows : columns));
+        }
         take(c, 2 * rows * columns, "height map");
     }
     take_u32(c, "component count");
-    if (allocate_matrices(c, f, 1))
+    if (allocate_matrices(c, f, 1)) {
         read_factors(c, f, 3, f->matrices);
+    }
 }
 
 static void check_slots(cursor *c, const enc_bonn_file *f, uint64_t at, uint32_t slots) {
-    if (c->result == BTF_OK && slots != f->n_views)
-        refuse(c, BTF_ERROR_BAD_FILE, at, "slot count", "is not the view count", slots);
+    if (c->result == BTF_OK && slots != f->n_views) {
+        refuse(c, BTF_ERROR_BAD_FILE, at, "slot count", "differs from the view count:", slots);
+    }
 }
 
 static void read_pvf(cursor *c, enc_bonn_file *f, bool legacy) {
@@ -289,8 +319,9 @@ static void read_pvf(cursor *c, enc_bonn_file *f, bool legacy) {
         const uint32_t slots = take_u32(c, "slot count");
         check_slots(c, f, c->at - 4, slots);
     }
-    if (!allocate_matrices(c, f, f->n_views))
+    if (!allocate_matrices(c, f, f->n_views)) {
         return;
+    }
     for (uint32_t v = 0; v < f->n_views && c->result == BTF_OK; v++) {
         enc_bonn_matrix *m = &f->matrices[v];
         m->scalar = take_scalar(c);
@@ -302,9 +333,10 @@ static void read_pvf(cursor *c, enc_bonn_file *f, bool legacy) {
         take(c, (uint64_t)dimension * m->scalar, "means");
         const uint64_t left = take_rows(c, dimension, m, "components"),
                        right = take_rows(c, weights, m, "weights");
-        if (c->result == BTF_OK)
+        if (c->result == BTF_OK) {
             settle_sides(c, at, m, dimension, weights, f->n_lights, (uint64_t)f->width * f->height, 3, left,
                          right);
+        }
     }
 }
 
@@ -313,8 +345,9 @@ static void read_mask(cursor *c, enc_bonn_file *f) {
     const size_t texels = (size_t)f->width * f->height;
     const unsigned char *mask = take(c, texels, "mask");
     f->stored = mask ? malloc(texels * sizeof *f->stored) : NULL;
-    if (mask && !f->stored)
+    if (mask && !f->stored) {
         c->result = BTF_ERROR_MEMORY;
+    }
     uint32_t count = 0;
     for (size_t i = 0; i < texels && c->result == BTF_OK; i++) {
         const bool there = f->compression != ENC_BONN_SPARSE || mask[i] != 0;
@@ -329,15 +362,17 @@ static void read_chunks(cursor *c, enc_bonn_file *f) {
     const uint64_t stored = (uint64_t)f->width * f->height - f->n_missing;
     f->n_chunks = (uint32_t)((stored + per_chunk - 1) / per_chunk);
     f->chunks = calloc(f->n_chunks ? f->n_chunks : 1, sizeof *f->chunks);
-    if (!f->chunks)
+    if (!f->chunks) {
         c->result = BTF_ERROR_MEMORY;
+    }
     for (uint32_t i = 0; i < f->n_chunks && c->result == BTF_OK; i++) {
         const uint64_t left = stored - i * per_chunk, whole = (left < per_chunk ? left : per_chunk) * abrdf;
         f->chunks[i].size = take_u32(c, "chunk size");
         f->chunks[i].offset = c->at;
-        if (c->result == BTF_OK && f->compression != ENC_BONN_BZIP && f->chunks[i].size < whole)
-            refuse(c, BTF_ERROR_BAD_FILE, c->at - 4, "chunk size", "is too small for the chunk's samples",
-                   f->chunks[i].size);
+        if (c->result == BTF_OK && f->compression != ENC_BONN_BZIP && f->chunks[i].size < whole) {
+            refuse(c, BTF_ERROR_BAD_FILE, c->at - 4, "chunk size",
+                   "is too small for the chunk's samples:", f->chunks[i].size);
+        }
         take(c, f->chunks[i].size, "chunk");
     }
 }
@@ -345,37 +380,44 @@ static void read_chunks(cursor *c, enc_bonn_file *f) {
 static void read_bdi(cursor *c, enc_bonn_file *f) {
     f->lines_per_chunk = take_count(c, "scan lines per chunk", MOST_SIDE);
     f->compression = take_u8(c, "compression");
-    if (f->compression > ENC_BONN_SPARSE)
-        refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 1, "compression", "is none of 0, 1 and 2", f->compression);
-    if (c->result == BTF_OK)
+    if (f->compression > ENC_BONN_SPARSE) {
+        refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 1, "compression", "must be 0, 1 or 2, not",
+               f->compression);
+    }
+    if (c->result == BTF_OK) {
         read_mask(c, f);
+    }
     read_rotations(c);
-    if (c->result == BTF_OK)
+    if (c->result == BTF_OK) {
         read_chunks(c, f);
+    }
 }
 
 /* The first form of PVF has no meta block. */
 static bool read_legacy_pvf(cursor *c, enc_bonn_file *f) {
-    if (f->kind != ENC_BONN_PVF || f->size - c->at < 4 || u32_at(f->bytes + c->at) != LEGACY_PVF)
+    if (f->kind != ENC_BONN_PVF || f->size - c->at < 4 || u32_at(f->bytes + c->at) != LEGACY_PVF) {
         return false;
+    }
     take(c, 4, "magic number");
     take_u32(c, "component count");
     read_size(c, f);
     const uint64_t slots = c->at;
     take_u32(c, "slot count");
     read_directions(c, f);
-    if (c->result == BTF_OK && u32_at(f->bytes + slots) != f->n_views)
-        refuse(c, BTF_ERROR_BAD_FILE, slots, "slot count", "is not the view count",
-               u32_at(f->bytes + slots));
+    if (c->result == BTF_OK && u32_at(f->bytes + slots) != f->n_views) {
+        refuse(c, BTF_ERROR_BAD_FILE, slots, "slot count",
+               "differs from the view count:", u32_at(f->bytes + slots));
+    }
     return true;
 }
 
 static btf_result parse(const enc_context *context, enc_bonn_file *f) {
     cursor c = {.context = context, .file = f};
     const int i = find_signature(f->bytes, (size_t)f->size);
-    if (i < 0)
+    if (i < 0) {
         return enc_fail(context, BTF_ERROR_BAD_FILE, "%s: not a Bonn .btf file: it has no signature of one",
                         f->path);
+    }
     strcpy(f->signature, signatures[i].text);
     f->kind = signatures[i].kind;
     c.at = strlen(f->signature);
@@ -384,20 +426,23 @@ static btf_result parse(const enc_context *context, enc_bonn_file *f) {
         read_meta(&c, f);
         read_directions(&c, f);
         read_size(&c, f);
-        if (f->kind == ENC_BONN_BDI)
+        if (f->kind == ENC_BONN_BDI) {
             read_bdi(&c, f);
-        else if (signatures[i].rotations)
+        } else if (signatures[i].rotations) {
             read_rotations(&c);
+        }
     }
-    if (f->kind == ENC_BONN_DFMF)
+    if (f->kind == ENC_BONN_DFMF) {
         read_dfmf(&c, f);
-    else if (f->kind == ENC_BONN_FMF)
+    } else if (f->kind == ENC_BONN_FMF) {
         read_fmf(&c, f, signatures[i].versioned);
-    else if (f->kind == ENC_BONN_PVF)
+    } else if (f->kind == ENC_BONN_PVF) {
         read_pvf(&c, f, legacy);
-    if (c.result == BTF_OK && c.at != f->size)
-        refuse(&c, BTF_ERROR_BAD_FILE, c.at, "end of file", "more follows; bytes",
-               (double)(f->size - c.at));
+    }
+    if (c.result == BTF_OK && c.at != f->size) {
+        refuse(&c, BTF_ERROR_BAD_FILE, c.at, "end of file",
+               "the file goes on; further bytes:", (double)(f->size - c.at));
+    }
     return c.result;
 }
 
@@ -406,16 +451,18 @@ static btf_result map_file(const enc_context *context, const char *path, enc_bon
     const int fd = open(path, O_RDONLY | O_CLOEXEC);
     if (fd < 0 || fstat(fd, &status) != 0) {
         const int error = errno;
-        if (fd >= 0)
+        if (fd >= 0) {
             close(fd);
+        }
         return enc_fail(context, BTF_ERROR_IO, "%s: %s", path, strerror(error));
     }
     f->size = (uint64_t)status.st_size;
     void *bytes = f->size > 0 ? mmap(NULL, (size_t)f->size, PROT_READ, MAP_PRIVATE, fd, 0) : MAP_FAILED;
     const int error = f->size > 0 ? errno : EINVAL;
     close(fd);
-    if (bytes == MAP_FAILED)
+    if (bytes == MAP_FAILED) {
         return enc_fail(context, BTF_ERROR_IO, "%s: cannot be mapped: %s", path, strerror(error));
+    }
     f->bytes = bytes;
     return BTF_OK;
 }
@@ -423,25 +470,31 @@ static btf_result map_file(const enc_context *context, const char *path, enc_bon
 btf_result enc_bonn_open(const enc_context *context, const char *path, enc_bonn_file **out_file) {
     enc_bonn_file *f = calloc(1, sizeof *f);
     *out_file = NULL;
-    if (f)
+    if (f) {
         f->path = strdup(path);
+    }
     btf_result result = f && f->path ? map_file(context, path, f) : BTF_ERROR_MEMORY;
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = parse(context, f);
-    if (result == BTF_ERROR_MEMORY)
+    }
+    if (result == BTF_ERROR_MEMORY) {
         enc_log(context, BTF_LOG_ERROR, "%s: out of memory for its tables", path);
-    if (result != BTF_OK)
+    }
+    if (result != BTF_OK) {
         enc_bonn_close(&f);
+    }
     *out_file = f;
     return result;
 }
 
 void enc_bonn_close(enc_bonn_file **file) {
-    if (!file || !*file)
+    if (!file || !*file) {
         return;
+    }
     enc_bonn_file *f = *file;
-    if (f->bytes)
+    if (f->bytes) {
         munmap((void *)f->bytes, (size_t)f->size);
+    }
     free(f->views);
     free(f->lights);
     free(f->matrices);
@@ -453,8 +506,9 @@ void enc_bonn_close(enc_bonn_file **file) {
 }
 
 float enc_bonn_number(const unsigned char *at, unsigned scalar) {
-    if (scalar == 2)
+    if (scalar == 2) {
         return btf_ref_half((uint16_t)(at[0] | at[1] << 8));
+    }
     const uint64_t low = u32_at(at);
     if (scalar == 4) {
         const uint32_t bits = (uint32_t)low;
@@ -472,10 +526,12 @@ void enc_bonn_numbers(const enc_bonn_file *file, uint64_t offset, unsigned scala
                       float *out) {
     const unsigned char *at = file->bytes + offset;
     if (scalar == 2) {
-        for (size_t i = 0; i < count; i++)
+        for (size_t i = 0; i < count; i++) {
             out[i] = btf_ref_half((uint16_t)(at[2 * i] | at[2 * i + 1] << 8));
+        }
     } else {
-        for (size_t i = 0; i < count; i++)
+        for (size_t i = 0; i < count; i++) {
             out[i] = enc_bonn_number(at + i * scalar, scalar);
+        }
     }
 }

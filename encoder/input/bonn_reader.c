@@ -40,9 +40,11 @@ static btf_result refuse_negative(const enc_context *context, const bonn_origin 
 
 static btf_result check_strict(const enc_context *context, const bonn_origin *o, size_t texel, size_t count,
                                const float *samples) {
-    for (size_t i = 0; i < count && o->strict; i++)
-        if (samples[i] < 0.0f)
+    for (size_t i = 0; i < count && o->strict; i++) {
+        if (samples[i] < 0.0f) {
             return refuse_negative(context, o, texel, samples[i]);
+        }
+    }
     return BTF_OK;
 }
 
@@ -60,8 +62,9 @@ static btf_result resize(const enc_context *context, const bonn_origin *o, size_
     for (int first = 0; first < total; first += SOURCES) {
         const int n = total - first < SOURCES ? total - first : SOURCES;
         size_t texels[SOURCES];
-        for (int i = 0; i < n; i++)
+        for (int i = 0; i < n; i++) {
             texels[i] = file_texel(o, x0 + (first + i) % (x1 - x0), y0 + (first + i) / (x1 - x0));
+        }
         btf_result result =
             enc_bonn_decode(context, o->decoder, (size_t)n, texels, view, n_views, size, sources);
         for (int i = 0; i < n && result == BTF_OK; i++) {
@@ -69,11 +72,13 @@ static btf_result resize(const enc_context *context, const bonn_origin *o, size_
             const double weight = (double)enc_area_overlap(o->area.width, o->width, column, x) *
                                   (double)enc_area_overlap(o->area.height, o->height, row, y) / area;
             result = check_strict(context, o, texels[i], size, sources + (size_t)i * size);
-            for (size_t s = 0; s < size; s++)
+            for (size_t s = 0; s < size; s++) {
                 out[s] += (float)weight * sources[(size_t)i * size + s];
+            }
         }
-        if (result != BTF_OK)
+        if (result != BTF_OK) {
             return result;
+        }
     }
     return BTF_OK;
 }
@@ -85,25 +90,30 @@ static btf_result make(const enc_context *context, const bonn_origin *o, size_t 
     btf_result result = BTF_OK;
     if (o->width != o->area.width || o->height != o->area.height) {
         float *sources = malloc(SOURCES * size * sizeof *sources);
-        if (!sources)
+        if (!sources) {
             return BTF_ERROR_MEMORY;
-        for (size_t i = 0; i < count && result == BTF_OK; i++)
+        }
+        for (size_t i = 0; i < count && result == BTF_OK; i++) {
             result = resize(context, o, first + i, view, n_views, sources, out + i * size);
+        }
         free(sources);
     } else {
         for (size_t i = 0; i < count && result == BTF_OK; i += SOURCES) {
             const size_t n = count - i < SOURCES ? count - i : SOURCES;
             size_t texels[SOURCES];
-            for (size_t t = 0; t < n; t++)
+            for (size_t t = 0; t < n; t++) {
                 texels[t] = file_texel(o, (int)((first + i + t) % (size_t)o->width),
                                        (int)((first + i + t) / (size_t)o->width));
+            }
             result = enc_bonn_decode(context, o->decoder, n, texels, view, n_views, size, out + i * size);
-            for (size_t t = 0; t < n && result == BTF_OK; t++)
+            for (size_t t = 0; t < n && result == BTF_OK; t++) {
                 result = check_strict(context, o, texels[t], size, out + (i + t) * size);
+            }
         }
     }
-    for (size_t s = 0; s < count * size && result == BTF_OK; s++)
+    for (size_t s = 0; s < count * size && result == BTF_OK; s++) {
         out[s] = out[s] > 0.0f ? out[s] : 0.0f;
+    }
     return result;
 }
 
@@ -133,8 +143,9 @@ typedef struct numbered {
 
 static int paper_order(const void *a, const void *b) {
     const numbered *x = a, *y = b;
-    if (x->theta != y->theta)
+    if (x->theta != y->theta) {
         return x->theta < y->theta ? -1 : 1;
+    }
     return (x->phi > y->phi) - (x->phi < y->phi);
 }
 
@@ -148,18 +159,20 @@ static btf_result order_directions(const enc_context *context, const enc_bonn_fi
     for (uint32_t i = 0; i < count; i++) {
         const double theta = round((double)list[i][0] * degrees * 1e4) / 1e4;
         const double phi = round((double)list[i][1] * degrees * 1e4) / 1e4;
-        if (!(theta >= 0.0 && theta < 90.0))
+        if (!(theta >= 0.0 && theta < 90.0)) {
             return enc_fail(context, BTF_ERROR_BAD_FILE,
                             "%s: theta of %s %u is %g degrees, not at least 0 and below 90", file->path,
                             what, i, theta);
+        }
         sorted[i] = (numbered){theta, theta == 0.0 ? 0.0 : enc_grid_azimuth(options, theta, phi), (int)i};
     }
     qsort(sorted, count, sizeof *sorted, paper_order);
     for (uint32_t i = 0; i < count; i++) {
-        if (i > 0 && paper_order(&sorted[i - 1], &sorted[i]) == 0)
+        if (i > 0 && paper_order(&sorted[i - 1], &sorted[i]) == 0) {
             return enc_fail(context, BTF_ERROR_BAD_FILE, "%s: %ss %d and %d are one direction, (%g,%g)",
                             file->path, what, sorted[i - 1].number, sorted[i].number, sorted[i].theta,
                             sorted[i].phi);
+        }
         out_directions[i] = enc_direction_from_angles(sorted[i].theta, sorted[i].phi);
         out_order[i] = sorted[i].number;
     }
@@ -171,9 +184,10 @@ static btf_result settle_area(const enc_context *context, bonn_origin *o, const 
     const int *crop = options->crop, *size = options->size;
     o->area = crop[2] ? (enc_rectangle){crop[0], crop[1], crop[2], crop[3]}
                       : (enc_rectangle){0, 0, (int)f->width, (int)f->height};
-    if (o->area.x > (int)f->width - o->area.width || o->area.y > (int)f->height - o->area.height)
+    if (o->area.x > (int)f->width - o->area.width || o->area.y > (int)f->height - o->area.height) {
         return enc_fail(context, BTF_ERROR_USAGE, "crop %d,%d,%d,%d does not lie within %s's %ux%u texels",
                         crop[0], crop[1], crop[2], crop[3], f->path, f->width, f->height);
+    }
     o->width = size[0] ? size[0] : o->area.width;
     o->height = size[1] ? size[1] : o->area.height;
     return BTF_OK;
@@ -186,26 +200,32 @@ static btf_result prepare(const enc_context *context, bonn_origin *o, const enc_
     float factor[ENC_MAX_DIRECTIONS];
     btf_result result =
         order_directions(context, f, options, "view", f->views, f->n_views, views, view_order);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result =
             order_directions(context, f, options, "light", f->lights, f->n_lights, lights, light_order);
-    if (result != BTF_OK)
+    }
+    if (result != BTF_OK) {
         return result;
-    if (views[0].theta > ENC_GRID_POLE_DISTANCE)
+    }
+    if (views[0].theta > ENC_GRID_POLE_DISTANCE) {
         return enc_fail(context, BTF_ERROR_BAD_FILE,
                         "%s: no top view: the view nearest to the surface normal is (%g,%g), more than %g "
                         "degrees from it",
                         f->path, views[0].theta, views[0].phi, ENC_GRID_POLE_DISTANCE);
+    }
     const bool missing =
         options->cosine == ENC_COSINE_MISSING || (options->cosine == ENC_COSINE_AUTO && !f->cosine);
-    for (uint32_t l = 0; l < f->n_lights; l++)
+    for (uint32_t l = 0; l < f->n_lights; l++) {
         factor[l] = missing ? lights[l].xyz[2] : 1.0f;
-    if (missing)
+    }
+    if (missing) {
         enc_log(context, BTF_LOG_INFO,
                 "%s: values lack the cosine of the light's angle: they were multiplied by it", f->path);
-    if (f->n_missing > 0)
+    }
+    if (f->n_missing > 0) {
         enc_log(context, BTF_LOG_WARNING, "%s: %u of %llu texels are missing and read as 0", f->path,
                 f->n_missing, (unsigned long long)f->width * f->height);
+    }
     return enc_bonn_decoder_create(context, f, view_order, light_order, factor,
                                    (uint32_t)options->components, &o->decoder);
 }
@@ -215,16 +235,19 @@ btf_result enc_read_bonn(const enc_context *context, const char *input, const en
     enc_direction views[ENC_MAX_DIRECTIONS], lights[ENC_MAX_DIRECTIONS];
     bonn_origin *o = calloc(1, sizeof *o);
     *out_data = NULL;
-    if (!o)
+    if (!o) {
         return BTF_ERROR_MEMORY;
+    }
     *o = (bonn_origin){.base = {make_texels, make_profiles, close_origin, 0},
                        .flip_v = options->flip_v,
                        .strict = options->strict};
     btf_result result = enc_bonn_open(context, input, &o->file);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = settle_area(context, o, options);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = prepare(context, o, options, views, lights);
+    }
     if (result != BTF_OK) {
         close_origin(&o->base);
         return result;

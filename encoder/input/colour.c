@@ -39,21 +39,25 @@ static double decode_value(enc_transfer transfer, double gamma, double value) {
 
 enc_decoder *enc_decoder_create(enc_transfer transfer, double gamma) {
     enc_decoder *decoder = malloc(sizeof *decoder);
-    if (!decoder)
+    if (!decoder) {
         return NULL;
+    }
     decoder->transfer = transfer;
     decoder->gamma = gamma;
     const enc_transfer integer = transfer == ENC_TRANSFER_AUTO ? ENC_TRANSFER_SRGB : transfer;
-    for (int i = 0; i < 1 << 8; i++)
+    for (int i = 0; i < 1 << 8; i++) {
         decoder->table8[i] = (float)decode_value(integer, gamma, i / 255.0);
-    for (int i = 0; i < 1 << 16; i++)
+    }
+    for (int i = 0; i < 1 << 16; i++) {
         decoder->table16[i] = (float)decode_value(integer, gamma, i / 65535.0);
+    }
     return decoder;
 }
 
 void enc_decoder_destroy(enc_decoder **decoder) {
-    if (!decoder)
+    if (!decoder) {
         return;
+    }
     free(*decoder);
     *decoder = NULL;
 }
@@ -83,19 +87,23 @@ static void decode_row(const enc_decoder *decoder, const enc_image *image, size_
                        float *out) {
     if (image->depth == 8) {
         const unsigned char *in = (const unsigned char *)image->pixels + first;
-        for (size_t i = 0; i < count; i++)
+        for (size_t i = 0; i < count; i++) {
             out[i] = decoder->table8[in[i]];
+        }
     } else if (image->depth == 16) {
         const unsigned short *in = (const unsigned short *)image->pixels + first;
-        for (size_t i = 0; i < count; i++)
+        for (size_t i = 0; i < count; i++) {
             out[i] = decoder->table16[in[i]];
+        }
     } else {
         const float *in = (const float *)image->pixels + first;
-        if (decoder->transfer == ENC_TRANSFER_AUTO || decoder->transfer == ENC_TRANSFER_LINEAR)
+        if (decoder->transfer == ENC_TRANSFER_AUTO || decoder->transfer == ENC_TRANSFER_LINEAR) {
             memcpy(out, in, count * sizeof *out);
-        else
-            for (size_t i = 0; i < count; i++)
+        } else {
+            for (size_t i = 0; i < count; i++) {
                 out[i] = (float)decode_value(decoder->transfer, decoder->gamma, in[i]);
+            }
+        }
     }
 }
 
@@ -107,9 +115,11 @@ void enc_decode_pixels(const enc_decoder *decoder, const enc_image *image, enc_r
         /* Grey is decoded to the end of the line and spread from its beginning. */
         float *decoded = line + (3 - channels) * width;
         decode_row(decoder, image, first, width * channels, decoded);
-        if (channels == 1)
-            for (size_t x = 0; x < width; x++)
+        if (channels == 1) {
+            for (size_t x = 0; x < width; x++) {
                 line[3 * x] = line[3 * x + 1] = line[3 * x + 2] = decoded[x];
+            }
+        }
     }
 }
 
@@ -149,12 +159,14 @@ static void resize_axis(const float *in, int n, size_t stride_in, size_t line_in
                 const long from = s * out_n > begin ? s * out_n : begin;
                 const long to = (s + 1) * out_n < end ? (s + 1) * out_n : end;
                 const float *p = in + (size_t)s * stride_in + (size_t)line * line_in;
-                for (int c = 0; c < 3; c++)
+                for (int c = 0; c < 3; c++) {
                     sum[c] += (double)(to - from) * p[c];
+                }
             }
             float *p = out + (size_t)i * stride_out + (size_t)line * line_out;
-            for (int c = 0; c < 3; c++)
+            for (int c = 0; c < 3; c++) {
                 p[c] = (float)(sum[c] / n);
+            }
         }
     }
 }
@@ -162,8 +174,9 @@ static void resize_axis(const float *in, int n, size_t stride_in, size_t line_in
 btf_result enc_resize_area(const float *in, int width, int height, float *out, int out_width,
                            int out_height) {
     float *narrow = malloc((size_t)out_width * (size_t)height * 3 * sizeof *narrow);
-    if (!narrow)
+    if (!narrow) {
         return BTF_ERROR_MEMORY;
+    }
     const size_t out_row = (size_t)out_width * 3;
     resize_axis(in, width, 3, (size_t)width * 3, narrow, out_width, 3, out_row, height);
     resize_axis(narrow, height, out_row, 3, out, out_height, out_row, 3, out_width);

@@ -43,12 +43,15 @@ static char find_delimiter(const char *line) {
     for (; *line; line++) {
         const char *found = strchr(candidates, *line);
         quoted = quoted != (*line == '"');
-        if (found && !quoted)
+        if (found && !quoted) {
             seen[found - candidates] = true;
+        }
     }
-    for (int i = 0; i < 3; i++)
-        if (seen[i])
+    for (int i = 0; i < 3; i++) {
+        if (seen[i]) {
             return candidates[i];
+        }
+    }
     return ' ';
 }
 
@@ -72,34 +75,43 @@ static btf_result split(enc_csv *csv, char *line) {
     const char delimiter = csv->delimiter;
     csv->count = 0;
     for (char *p = line;;) {
-        while (*p == ' ' || (*p == '\t' && delimiter != '\t'))
+        while (*p == ' ' || (*p == '\t' && delimiter != '\t')) {
             p++;
-        if (!*p && (delimiter == ' ' || csv->count == 0))
+        }
+        if (!*p && (delimiter == ' ' || csv->count == 0)) {
             return BTF_OK;
-        if (csv->count == ENC_CSV_MAX_FIELDS)
+        }
+        if (csv->count == ENC_CSV_MAX_FIELDS) {
             return enc_csv_fail(csv, "more than %d fields", ENC_CSV_MAX_FIELDS);
+        }
         char *field = p, *end;
         if (*p == '"') {
-            if (!(p = unquote(p)))
+            if (!(p = unquote(p))) {
                 return enc_csv_fail(csv, "a quote is not closed");
-            while (*p == ' ')
+            }
+            while (*p == ' ') {
                 p++;
-            if (*p && *p != delimiter && !(delimiter == ' ' && p[-1] == ' '))
+            }
+            if (*p && *p != delimiter && !(delimiter == ' ' && p[-1] == ' ')) {
                 return enc_csv_fail(csv, "'%.40s' follows a quoted field", p);
+            }
             end = NULL;
         } else {
             end = p += delimiter == ' ' ? strcspn(p, " \t") : strcspn(p, (char[]){delimiter, '\0'});
         }
         csv->fields[csv->count++] = field;
         const bool last = !*p;
-        const bool at_next = delimiter == ' ' && end == NULL; /* the blanks are behind it already */
+        const bool at_next = delimiter == ' ' && !end; /* the blanks are behind it already */
         p += last || at_next ? 0 : 1;
-        while (end && end > field && is_blank(end[-1]))
+        while (end && end > field && is_blank(end[-1])) {
             end--;
-        if (end)
+        }
+        if (end) {
             *end = '\0';
-        if (last)
+        }
+        if (last) {
             return BTF_OK;
+        }
     }
 }
 
@@ -115,19 +127,25 @@ btf_result enc_csv_next(enc_csv *csv, bool *out_more) {
             continue;
         }
         const char before = csv->delimiter;
-        if (!line[strspn(line, " \t")] || (csv->is_comment && strchr(line, '"')))
+        if (!line[strspn(line, " \t")] || (csv->is_comment && strchr(line, '"'))) {
             continue;
-        if (!csv->delimiter)
+        }
+        if (!csv->delimiter) {
             csv->delimiter = find_delimiter(line);
+        }
         const btf_result result = split(csv, line);
-        if (csv->is_comment)
+        if (csv->is_comment) {
             csv->delimiter = before;
-        if (result != BTF_OK)
+        }
+        if (result != BTF_OK) {
             return result;
-        while (csv->count > 0 && !csv->fields[csv->count - 1][0])
+        }
+        while (csv->count > 0 && !csv->fields[csv->count - 1][0]) {
             csv->count--;
-        if (csv->count == 0)
+        }
+        if (csv->count == 0) {
             continue;
+        }
         *out_more = true;
         return BTF_OK;
     }

@@ -55,17 +55,19 @@ btf_result enc_image_decode_layer(const void *data, size_t size, const char *lay
         image.depth = 32;
         image.xyz = exr.xyz;
         image.pixels = exr.pixels;
-        if (exr.cube)
+        if (exr.cube) {
             image_note(&image.info, IMAGE_NOTE_ENVMAP, "EXR: an environment map of six faces, taken as one picture");
+        }
     } else {
         snprintf(message, message_size,
                  size == 0 ? "empty file" : "not a JPEG, PNG, Radiance HDR or OpenEXR file");
         return BTF_ERROR_BAD_FILE;
     }
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         *out_image = image;
-    else if (!message[0])
+    } else if (!message[0]) {
         snprintf(message, message_size, "%s", btf_result_text(result));
+    }
     return result;
 }
 

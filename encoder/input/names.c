@@ -31,25 +31,30 @@ static bool digit_at(text t, size_t offset) {
 }
 
 static size_t separator_length(text t) {
-    if (t.p < t.end && strchr(" _-=", *t.p) && *t.p)
+    if (t.p < t.end && strchr(" _-=", *t.p) && *t.p) {
         return 1;
+    }
     return begins(t, "\xc2\xa0") ? 2 : 0; /* no-break space */
 }
 
 /* The key at the beginning, or KEYS. */
 static int key_of(text t) {
-    for (int key = 0; t.end - t.p >= 2 && key < KEYS; key++)
+    for (int key = 0; t.end - t.p >= 2 && key < KEYS; key++) {
         if (tolower((unsigned char)t.p[0]) == keys[key][0] &&
-            tolower((unsigned char)t.p[1]) == keys[key][1])
+            tolower((unsigned char)t.p[1]) == keys[key][1]) {
             return key;
+        }
+    }
     return KEYS;
 }
 
 /* Where a part of a path ends when its extension is left away: ".jpg" is one, ".5" is not. */
 static const char *end_without_extension(const char *begin, const char *end) {
-    for (const char *p = end; p-- > begin;)
-        if (*p == '.')
+    for (const char *p = end; p-- > begin;) {
+        if (*p == '.') {
             return p + 1 < end && isalpha((unsigned char)p[1]) ? p : end;
+        }
+    }
     return end;
 }
 
@@ -61,8 +66,9 @@ static bool read_number(text *t, const char *points, double *out, const char **w
     *why = "ten digits before the decimal point are too many for an angle";
     for (int digits = 0; digit_at(*t, 0); t->p++) {
         value = value * 10.0 + (*t->p - '0');
-        if (value > 0.0 && digits++ == MAX_DIGITS)
+        if (value > 0.0 && digits++ == MAX_DIGITS) {
             return false;
+        }
     }
     if (t->p < t->end && *t->p && strchr(points, *t->p) && digit_at(*t, 1)) {
         int digits = 0;
@@ -81,13 +87,15 @@ static bool read_number(text *t, const char *points, double *out, const char **w
             *why = "the exponent has no digits";
             return false;
         }
-        for (t->p += 2; digit_at(*t, 0); t->p++)
+        for (t->p += 2; digit_at(*t, 0); t->p++) {
             exponent = exponent < MAX_EXPONENT ? exponent * 10 + (*t->p - '0') : exponent;
+        }
         exponent = exponent < MAX_EXPONENT ? exponent : MAX_EXPONENT;
         value = small ? value / pow(10.0, exponent) : value * pow(10.0, exponent);
         *why = "the exponent is too large for an angle";
-        if (value >= 1e9)
+        if (value >= 1e9) {
             return false;
+        }
     }
     *out = value;
     return true;
@@ -108,8 +116,9 @@ static void skip_unit(text *t) {
 static void skip_ends(text *t) {
     for (size_t n;; t->p += n) {
         n = separator_length(*t);
-        if (n == 0 && (t->p == t->end || !*t->p || !strchr("()[]{}&@#~!$|.,;:+", *t->p)))
+        if (n == 0 && (t->p == t->end || !*t->p || !strchr("()[]{}&@#~!$|.,;:+", *t->p))) {
             return;
+        }
         n = n > 0 ? n : 1;
     }
 }
@@ -118,8 +127,9 @@ static void skip_ends(text *t) {
  * follow, and no other angle after them. */
 static bool is_over(text t, bool *counter, const char **why) {
     *why = NULL;
-    if (t.p == t.end || key_of(t) < KEYS)
+    if (t.p == t.end || key_of(t) < KEYS) {
         return true;
+    }
     text next = t;
     skip_ends(&next);
     if (next.p == t.p) {
@@ -127,14 +137,17 @@ static bool is_over(text t, bool *counter, const char **why) {
                    ? "angles are read in degrees only"
                    : "the text behind the digits may be a part of the number";
     } else if (digit_at(next, 0)) {
-        if (strspn(t.p, ".,;:+") >= (size_t)(next.p - t.p))
+        if (strspn(t.p, ".,;:+") >= (size_t)(next.p - t.p)) {
             *why = "these digits and points are not one number";
-        while (digit_at(next, 0))
+        }
+        while (digit_at(next, 0)) {
             next.p++;
+        }
         skip_ends(&next);
         *counter = true;
-        if (!*why && key_of(next) < KEYS)
+        if (!*why && key_of(next) < KEYS) {
             *why = "the digits before the next angle may be decimals";
+        }
     }
     return *why == NULL;
 }
@@ -162,12 +175,16 @@ static bool is_unclear_dash(text t) {
 static bool is_unclear_sign(text t, const char **why) {
     static const char *const words[] = {"minus", "neg", "m", "n"};
     const char *const begin = t.p;
-    for (size_t i = 0; i < sizeof words / sizeof *words && t.p == begin; i++)
-        if (begins(t, words[i]))
+    for (size_t i = 0; i < sizeof words / sizeof *words && t.p == begin; i++) {
+        if (begins(t, words[i])) {
             t.p += strlen(words[i]);
-    if (t.p == begin)
-        while (t.p < t.end && *t.p && strchr("()[]{}&@#~!$|,;:+-'*/", *t.p))
+        }
+    }
+    if (t.p == begin) {
+        while (t.p < t.end && *t.p && strchr("()[]{}&@#~!$|,;:+-'*/", *t.p)) {
             t.p++;
+        }
+    }
     *why = "the text between key and digits may be a sign";
     return t.p > begin && digit_at(t, 0);
 }
@@ -175,11 +192,13 @@ static bool is_unclear_sign(text t, const char **why) {
 /* The form of the digits behind the point of a number. */
 static void judge_decimals(text number, angle *out) {
     const char *point = number.p;
-    while (point < number.end && isdigit((unsigned char)*point))
+    while (point < number.end && isdigit((unsigned char)*point)) {
         point++;
+    }
     const char *end = point + (point < number.end);
-    while (end < number.end && isdigit((unsigned char)*end))
+    while (end < number.end && isdigit((unsigned char)*end)) {
         end++;
+    }
     out->has_decimals = end - point > 1;
     out->like_frame = out->has_decimals && end == number.end &&
                       (*point == 'p' || *point == 'P' || end - point > 3) &&
@@ -190,8 +209,9 @@ static void judge_decimals(text number, angle *out) {
 static angle_kind read_angle(text *t, angle *out) {
     const char *const behind_key = t->p;
     *out = (angle){.is_plain = t->p < t->end && *t->p != '-'};
-    for (size_t n; (n = separator_length(*t)) > 0;)
+    for (size_t n; (n = separator_length(*t)) > 0;) {
         t->p += n;
+    }
     bool negative = t->p - behind_key >= 2 && t->p[-1] == '-';
     out->open_sign = t->p - behind_key == 1 && t->p[-1] == '-';
     if (is_unclear_dash(*t) && digit_at(*t, 3)) {
@@ -206,18 +226,22 @@ static angle_kind read_angle(text *t, angle *out) {
         out->open_sign = false;
         t->p++;
     }
-    if (!digit_at(*t, 0) && !(begins(*t, ".") && digit_at(*t, 1)))
+    if (!digit_at(*t, 0) && !(begins(*t, ".") && digit_at(*t, 1))) {
         return (out->is_guess = is_unclear_sign(*t, &out->why)) ? BAD_ANGLE : NO_ANGLE;
+    }
     out->open_point = t->p == behind_key && *t->p == '.';
     const char *const number = t->p;
-    if (!read_number(t, ".,pP", &out->value, &out->why))
+    if (!read_number(t, ".,pP", &out->value, &out->why)) {
         return BAD_ANGLE;
+    }
     judge_decimals((text){number, t->p}, out);
     skip_unit(t);
-    if (!is_over(*t, &out->counter, &out->why))
+    if (!is_over(*t, &out->counter, &out->why)) {
         return BAD_ANGLE;
-    if (negative)
+    }
+    if (negative) {
         out->value = -out->value;
+    }
     return GOOD_ANGLE;
 }
 
@@ -243,8 +267,9 @@ static void scan(const char *begin, const char *end, part *out) {
             continue;
         }
         if (out->is_found[key] && !out->angles[key].is_guess &&
-            (kind != out->kind[key] || a.value != out->angles[key].value))
+            (kind != out->kind[key] || a.value != out->angles[key].value)) {
             out->is_twice[key] = true;
+        }
         a.like_frame = a.like_frame && t.p == end;
         out->is_found[key] = true;
         out->kind[key] = kind;
@@ -266,11 +291,14 @@ typedef struct collected {
 
 static void note_bad(enc_name *name, text where, const char *why) {
     size_t length = (size_t)(where.end - where.p);
-    if (name->why)
+    if (name->why) {
         return;
+    }
     length = length < sizeof name->bad - 1 ? length : sizeof name->bad - 1;
-    while (length > 0 && length == sizeof name->bad - 1 && ((unsigned char)where.p[length] & 0xC0) == 0x80)
+    while (length > 0 && length == sizeof name->bad - 1 &&
+           ((unsigned char)where.p[length] & 0xC0) == 0x80) {
         length--; /* not into a character */
+    }
     memcpy(name->bad, where.p, length);
     name->bad[length] = '\0';
     name->why = why;
@@ -280,12 +308,14 @@ static void note_bad(enc_name *name, text where, const char *why) {
 static void take(collected *c, const part *from) {
     for (int key = 0; key < KEYS; key++) {
         const angle *a = &from->angles[key];
-        if (!from->is_found[key])
+        if (!from->is_found[key]) {
             continue;
+        }
         if (c->known[key]) {
             const double apart = fabs(fabs(a->value) - fabs(c->values[key]));
-            if (from->kind[key] == GOOD_ANGLE && !from->is_twice[key] && apart > same)
+            if (from->kind[key] == GOOD_ANGLE && !from->is_twice[key] && apart > same) {
                 c->name->folders_differ = true;
+            }
             continue;
         }
         c->known[key] = true;
@@ -297,8 +327,9 @@ static void take(collected *c, const part *from) {
         c->n_open_points += a->open_point;
         c->n_decimals += a->has_decimals;
         c->like_frame = c->like_frame || a->like_frame;
-        if (from->kind[key] == BAD_ANGLE)
+        if (from->kind[key] == BAD_ANGLE) {
             note_bad(c->name, from->where[key], a->why);
+        }
     }
 }
 
@@ -309,21 +340,25 @@ enc_name_verdict enc_names_parse(const char *path, enc_name *out_name) {
     for (bool is_file = true;; is_file = false) {
         part p;
         const char *begin = end;
-        while (begin > path && begin[-1] != '/' && begin[-1] != '\\')
+        while (begin > path && begin[-1] != '/' && begin[-1] != '\\') {
             begin--;
+        }
         scan(begin, is_file ? end_without_extension(begin, end) : end, &p);
         take(&c, &p);
-        if (begin == path)
+        if (begin == path) {
             break;
+        }
         end = begin - 1;
     }
-    if (c.n_open_points == KEYS)
+    if (c.n_open_points == KEYS) {
         note_bad(out_name, (text){path, path + strlen(path)},
                  "the points behind the keys may be decimal points or separators");
+    }
     out_name->like_frame = c.like_frame && c.n_decimals == 1;
     out_name->angles = (enc_angles){c.values[0], c.values[1], c.values[2], c.values[3]};
-    if (!(c.known[0] && c.known[1] && c.known[2] && c.known[3]) || c.is_twice)
+    if (!(c.known[0] && c.known[1] && c.known[2] && c.known[3]) || c.is_twice) {
         return ENC_NAME_INCOMPLETE;
+    }
     return out_name->why ? ENC_NAME_BAD : ENC_NAME_READ;
 }
 
@@ -334,9 +369,11 @@ const char *enc_names_key(int key) {
 enc_angles enc_names_angles(const enc_name *name, bool dash_is_minus) {
     enc_angles a = name->angles;
     double *const values[KEYS] = {&a.theta_light, &a.phi_light, &a.theta_view, &a.phi_view};
-    for (int key = 0; key < KEYS; key++)
-        if (dash_is_minus && name->open_sign[key])
+    for (int key = 0; key < KEYS; key++) {
+        if (dash_is_minus && name->open_sign[key]) {
             *values[key] = 0.0 - *values[key]; /* no negative zero */
+        }
+    }
     return a;
 }
 
@@ -344,22 +381,27 @@ bool enc_names_number(const char *string, bool comma, double *out) {
     text t = {string, string + strlen(string)};
     const char *why;
     const bool negative = begins(t, "-") || begins(t, "\xe2\x88\x92");
-    if (negative)
+    if (negative) {
         t.p += *t.p == '-' ? 1 : 3;
-    else if (begins(t, "+"))
+    } else if (begins(t, "+")) {
         t.p++;
+    }
     if ((!digit_at(t, 0) && !(begins(t, ".") && digit_at(t, 1))) ||
-        !read_number(&t, comma ? ".," : ".", out, &why))
+        !read_number(&t, comma ? ".," : ".", out, &why)) {
         return false;
-    if (begins(t, "."))
+    }
+    if (begins(t, ".")) {
         t.p++; /* "30." */
+    }
     const text behind = t;
-    for (size_t n; (n = separator_length(t)) > 0 && *t.p != '-' && *t.p != '_' && *t.p != '=';)
+    for (size_t n; (n = separator_length(t)) > 0 && *t.p != '-' && *t.p != '_' && *t.p != '=';) {
         t.p += n;
+    }
     const char *const unit = t.p;
     skip_unit(&t);
-    if (t.p == unit)
+    if (t.p == unit) {
         t = behind;
+    }
     *out = negative ? 0.0 - *out : *out;
     return t.p == t.end;
 }
@@ -367,10 +409,11 @@ bool enc_names_number(const char *string, bool comma, double *out) {
 static void survey_angle(enc_angle_spread *spread, double angle) {
     const double value = fabs(angle);
     spread->largest = fmax(spread->largest, value);
-    if (value > same && fabs(value - round(value)) <= 1e-9)
+    if (value > same && fabs(value - round(value)) <= 1e-9) {
         spread->whole++;
-    else if (value > same)
+    } else if (value > same) {
         spread->broken++;
+    }
 }
 
 void enc_angles_survey(enc_angle_range *range, const enc_angles *a) {
@@ -385,10 +428,12 @@ void enc_angles_survey(enc_angle_range *range, const enc_angles *a) {
 enc_radians enc_angles_look_like_radians(const enc_angle_range *range) {
     const enc_angle_spread *t = &range->theta, *p = &range->phi;
     const double turn = 6.3, right_angle = 1.58; /* just above 2 pi and pi / 2 */
-    if (t->largest < turn && p->largest < turn)
+    if (t->largest < turn && p->largest < turn) {
         return t->broken + p->broken > t->whole + p->whole ? ENC_RADIANS_ALL : ENC_RADIANS_NONE;
-    if (p->largest < turn && p->broken > p->whole)
+    }
+    if (p->largest < turn && p->broken > p->whole) {
         return ENC_RADIANS_PHI;
+    }
     return t->largest < right_angle && t->broken > t->whole ? ENC_RADIANS_THETA : ENC_RADIANS_NONE;
 }
 
@@ -402,13 +447,16 @@ static bool is_visible_with(const char *path, const char *const *extensions) {
     for (const char *slash; (slash = strpbrk(name, "/\\")); name = slash + 1) {
         const size_t length = (size_t)(slash - name);
         const bool here = length == 1 || (length == 2 && name[1] == '.');
-        if ((name[0] == '.' && !here) || (length == 8 && memcmp(name, "__MACOSX", 8) == 0))
+        if ((name[0] == '.' && !here) || (length == 8 && memcmp(name, "__MACOSX", 8) == 0)) {
             return false;
+        }
     }
     const char *dot = strrchr(name, '.');
-    for (; dot && name[0] != '.' && *extensions; extensions++)
-        if (strcasecmp(dot, *extensions) == 0)
+    for (; dot && name[0] != '.' && *extensions; extensions++) {
+        if (strcasecmp(dot, *extensions) == 0) {
             return true;
+        }
+    }
     return false;
 }
 

@@ -46,8 +46,9 @@ static void clear(enc_notices *n) {
 }
 
 void enc_notices_destroy(enc_notices **notices) {
-    if (!notices || !*notices)
+    if (!notices || !*notices) {
         return;
+    }
     clear(*notices);
     pthread_mutex_destroy(&(*notices)->lock);
     free(*notices);
@@ -56,12 +57,15 @@ void enc_notices_destroy(enc_notices **notices) {
 
 /* The notice of a kind, made where there is none yet; NULL when out of memory. */
 static notice *of_kind(enc_notices *n, btf_log_level level, const char *kind) {
-    for (size_t i = 0; i < n->count; i++)
-        if (strcmp(n->items[i].kind, kind) == 0)
+    for (size_t i = 0; i < n->count; i++) {
+        if (strcmp(n->items[i].kind, kind) == 0) {
             return &n->items[i];
+        }
+    }
     notice *items = realloc(n->items, (n->count + 1) * sizeof *items);
-    if (!items)
+    if (!items) {
         return NULL;
+    }
     n->items = items;
     items[n->count] = (notice){.kind = strdup(kind), .level = level};
     return items[n->count].kind ? &items[n->count++] : NULL;
@@ -71,12 +75,14 @@ static notice *of_kind(enc_notices *n, btf_log_level level, const char *kind) {
 static bool merge(enc_notices *n, btf_log_level level, const char *kind, const char *file, const char *text,
                   uint64_t files, bool differs) {
     notice *item = of_kind(n, level, kind);
-    if (!item)
+    if (!item) {
         return false;
+    }
     item->differs = item->differs || differs || (item->text && strcmp(item->text, text) != 0);
     item->files += files;
-    if (item->file && strcmp(item->file, file) <= 0)
+    if (item->file && strcmp(item->file, file) <= 0) {
         return true;
+    }
     char *new_file = strdup(file), *new_text = strdup(text);
     if (!new_file || !new_text) {
         free(new_file);
@@ -92,26 +98,31 @@ static bool merge(enc_notices *n, btf_log_level level, const char *kind, const c
 
 void enc_notices_add(enc_notices *notices, btf_log_level level, const char *kind, const char *file,
                      const char *text) {
-    if (!notices)
+    if (!notices) {
         return;
+    }
     pthread_mutex_lock(&notices->lock);
-    if (!merge(notices, level, kind, file, text, 1, false))
+    if (!merge(notices, level, kind, file, text, 1, false)) {
         notices->lost = true;
+    }
     pthread_mutex_unlock(&notices->lock);
 }
 
 /* Between ranks a notice is its count, whether texts differ, its level, and three strings with their ends. */
 static char *pack(const enc_notices *n, size_t *out_size) {
     size_t size = 0, at = 0;
-    for (size_t i = 0; i < n->count; i++)
-        if (n->items[i].file)
+    for (size_t i = 0; i < n->count; i++) {
+        if (n->items[i].file) {
             size += sizeof n->items[i].files + 2 + strlen(n->items[i].kind) + strlen(n->items[i].file) +
                     strlen(n->items[i].text) + 3;
+        }
+    }
     char *bytes = malloc(size + 1);
     for (size_t i = 0; i < n->count && bytes; i++) {
         const notice *item = &n->items[i];
-        if (!item->file)
+        if (!item->file) {
             continue;
+        }
         const char *const texts[3] = {item->kind, item->file, item->text};
         memcpy(bytes + at, &item->files, sizeof item->files);
         at += sizeof item->files;
@@ -134,10 +145,12 @@ static bool unpack(enc_notices *n, const char *bytes, size_t size) {
         p += sizeof files;
         const bool differs = *p++;
         const btf_log_level level = (btf_log_level)*p++;
-        for (int k = 0; k < 3; k++, p += strlen(p) + 1)
+        for (int k = 0; k < 3; k++, p += strlen(p) + 1) {
             texts[k] = p;
-        if (!merge(n, level, texts[0], texts[1], texts[2], files, differs))
+        }
+        if (!merge(n, level, texts[0], texts[1], texts[2], files, differs)) {
             return false;
+        }
     }
     return true;
 }
@@ -147,22 +160,27 @@ static btf_result gather(const enc_context *context, btf_result result, enc_noti
     const size_t ranks = (size_t)enc_ranks_count(context), own = (size_t)enc_ranks_own(context);
     size_t size = 0, *bounds = calloc(ranks + 1, sizeof *bounds), *sizes = calloc(ranks, sizeof *sizes);
     char *mine = pack(n, &size), *all = NULL;
-    if (!bounds || !sizes || !mine)
+    if (!bounds || !sizes || !mine) {
         result = result == BTF_OK ? BTF_ERROR_MEMORY : result;
-    else
+    } else {
         sizes[own] = size;
+    }
     result = enc_ranks_gather(context, result, sizes, sizeof *sizes, ranks);
-    for (size_t r = 0; r < ranks && result == BTF_OK; r++)
+    for (size_t r = 0; r < ranks && result == BTF_OK; r++) {
         bounds[r + 1] = bounds[r] + sizes[r];
-    if (result == BTF_OK && !(all = malloc(bounds[ranks] + 1)))
+    }
+    if (result == BTF_OK && !(all = malloc(bounds[ranks] + 1))) {
         result = BTF_ERROR_MEMORY;
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         memcpy(all + bounds[own], mine, size);
+    }
     result = enc_ranks_gather_bounds(context, result, all, 1, bounds);
     if (result == BTF_OK) {
         clear(n);
-        if (!unpack(n, all, bounds[ranks]))
+        if (!unpack(n, all, bounds[ranks])) {
             result = BTF_ERROR_MEMORY;
+        }
     }
     free(all);
     free(mine);
@@ -177,19 +195,22 @@ static int by_kind(const void *a, const void *b) {
 
 btf_result enc_notices_tell(const enc_context *context, btf_result result, enc_notices *notices,
                             const char *location) {
-    if (result == BTF_OK && notices->lost)
+    if (result == BTF_OK && notices->lost) {
         result = BTF_ERROR_MEMORY;
+    }
     result = enc_ranks_count(context) > 1 ? gather(context, result, notices) : result;
-    if (notices->count > 1)
+    if (notices->count > 1) {
         qsort(notices->items, notices->count, sizeof *notices->items, by_kind);
+    }
     for (size_t i = 0; i < notices->count; i++) {
         const notice *item = &notices->items[i];
-        if (item->file && item->files == 1)
+        if (item->file && item->files == 1) {
             enc_log(context, item->level, "%s: %s: %s", location, item->file, item->text);
-        else if (item->file)
+        } else if (item->file) {
             enc_log(context, item->level, "%s: %llu images%s: %s: %s", location,
                     (unsigned long long)item->files, item->differs ? ", with other values too" : "",
                     item->file, item->text);
+        }
     }
     clear(notices);
     return result;

@@ -15,8 +15,9 @@ enum { MESSAGE_SIZE = 480 }; /* the channels of an OpenEXR file among them */
 /* How an image's samples are coded: as the options say, else as the file does. */
 static enc_transfer transfer_of(const enc_radiance *r, const enc_image *image, double *out_gamma) {
     *out_gamma = r->options->gamma;
-    if (r->options->transfer != ENC_TRANSFER_AUTO || image->depth == 32)
+    if (r->options->transfer != ENC_TRANSFER_AUTO || image->depth == 32) {
         return r->options->transfer;
+    }
     return enc_transfer_of(image, out_gamma);
 }
 
@@ -24,16 +25,18 @@ static btf_result settle_area(const enc_context *context, const char *location, 
     const int *crop = r->options->crop, *size = r->options->size;
     r->area = crop[2] ? (enc_rectangle){crop[0], crop[1], crop[2], crop[3]}
                       : (enc_rectangle){0, 0, r->file_width, r->file_height};
-    if (r->area.x > r->file_width - r->area.width || r->area.y > r->file_height - r->area.height)
+    if (r->area.x > r->file_width - r->area.width || r->area.y > r->file_height - r->area.height) {
         return enc_fail(context, BTF_ERROR_USAGE,
                         "crop %d,%d,%d,%d does not lie within images of %dx%d pixels", crop[0], crop[1],
                         crop[2], crop[3], r->file_width, r->file_height);
+    }
     r->width = size[0] ? size[0] : r->area.width;
     r->height = size[1] ? size[1] : r->area.height;
-    if (r->width > ENC_MAX_SIDE || r->height > ENC_MAX_SIDE)
+    if (r->width > ENC_MAX_SIDE || r->height > ENC_MAX_SIDE) {
         return enc_fail(context, BTF_ERROR_UNSUPPORTED,
                         "%s: size %dx%d is not usable: each side is 1 to %d (see --size and --crop)",
                         location, r->width, r->height, ENC_MAX_SIDE);
+    }
     return BTF_OK;
 }
 
@@ -46,9 +49,10 @@ btf_result enc_radiance_settle(const enc_context *context, const enc_read_option
     *out = (enc_radiance){.options = options};
     const btf_result result =
         enc_image_decode_layer(file, size, options->layer, &image, message, sizeof message);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return enc_fail(context, result, "%s: %s: %s", location, name,
                         message[0] ? message : btf_result_text(result));
+    }
     const enc_transfer transfer = transfer_of(out, &image, &gamma);
     out->decoder = enc_decoder_create(transfer, gamma);
     out->file_width = image.width;
@@ -67,8 +71,9 @@ static btf_result check_values(const enc_radiance *r, const float *pixels, const
     const size_t count = (size_t)r->area.width * (size_t)r->area.height * 3;
     for (size_t i = 0; i < count; i++) {
         const bool finite = isfinite(pixels[i]);
-        if (finite && !(refuse_negative && pixels[i] < 0.0f))
+        if (finite && !(refuse_negative && pixels[i] < 0.0f)) {
             continue;
+        }
         const size_t texel = i / 3, width = (size_t)r->area.width;
         snprintf(message, message_size, "column %zu, row %zu, channel %c is %s (%g)",
                  (size_t)r->area.x + texel % width, (size_t)r->area.y + texel / width, names[i % 3],
@@ -92,13 +97,15 @@ static btf_result decode_area(const enc_radiance *r, enc_image *image, float *pi
         enc_decode_pixels(r->decoder, image, r->area, pixels);
     } else {
         enc_decoder *own = enc_decoder_create(transfer, gamma);
-        if (!own)
+        if (!own) {
             return BTF_ERROR_MEMORY;
+        }
         enc_decode_pixels(own, image, r->area, pixels);
         enc_decoder_destroy(&own);
     }
-    if (r->options->transfer == ENC_TRANSFER_AUTO && image->info.transfer_name[0])
+    if (r->options->transfer == ENC_TRANSFER_AUTO && image->info.transfer_name[0]) {
         image_note(&image->info, IMAGE_NOTE_TRANSFER, "%s is applied", image->info.transfer_name);
+    }
     if (r->options->colour == ENC_COLOUR_AUTO && image->info.converts && image->channels == 3) {
         primaries_apply(image->info.to_rec709, (size_t)r->area.width * (size_t)r->area.height, pixels);
         image_note(&image->info, IMAGE_NOTE_PRIMARIES, "%s: converted to Rec. 709",
@@ -127,13 +134,16 @@ static btf_result make_linear(const enc_radiance *r, enc_image *image, float *pi
     btf_result result = decode_area(r, image, pixels, message, message_size);
     if (result == BTF_OK && r->options->colour == ENC_COLOUR_XYZ) {
         result = check_values(r, pixels, "XYZ", false, message, message_size);
-        if (result == BTF_OK)
+        if (result == BTF_OK) {
             enc_xyz_to_rgb(pixels, (size_t)r->area.width * (size_t)r->area.height);
+        }
     }
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = check_values(r, pixels, "RGB", r->options->strict, message, message_size);
-    if (result == BTF_OK && r->options->flip_v)
+    }
+    if (result == BTF_OK && r->options->flip_v) {
         enc_flip_rows(pixels, r->area.width, r->area.height);
+    }
     return result;
 }
 
@@ -144,19 +154,23 @@ btf_result enc_radiance_convert(const enc_radiance *r, const void *file, size_t 
     float *own = NULL;
     btf_result result =
         enc_image_decode_layer(file, size, r->options->layer, &image, message, message_size);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = check_image(r, &image, message, message_size);
+    }
     if (result == BTF_OK && resize) {
         own = malloc((size_t)r->area.width * (size_t)r->area.height * 3 * sizeof *own);
         result = own ? BTF_OK : BTF_ERROR_MEMORY;
     }
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = make_linear(r, &image, resize ? own : out, message, message_size);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         *out_notes = image.info.notes;
+    }
     enc_image_clear(&image);
-    if (result == BTF_OK && resize)
+    if (result == BTF_OK && resize) {
         result = enc_resize_area(own, r->area.width, r->area.height, out, r->width, r->height);
+    }
     free(own);
     return result;
 }

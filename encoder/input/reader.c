@@ -72,19 +72,23 @@ static btf_result report(const reader *r, size_t item, btf_result result, const 
                     message[0] ? message : btf_result_text(result));
 }
 
-static btf_result check_options(const enc_context *context, const enc_read_options *o) {
-    if (o->transfer == ENC_TRANSFER_GAMMA && !(o->gamma > 0.0 && isfinite(o->gamma)))
+btf_result enc_read_check(const enc_context *context, const enc_read_options *o) {
+    if (o->transfer == ENC_TRANSFER_GAMMA && !(o->gamma > 0.0 && isfinite(o->gamma))) {
         return enc_fail(context, BTF_ERROR_USAGE, "gamma %g is not above 0", o->gamma);
-    if (!isfinite(o->azimuth_offset))
+    }
+    if (!isfinite(o->azimuth_offset)) {
         return enc_fail(context, BTF_ERROR_USAGE, "azimuth offset %g is not finite", o->azimuth_offset);
+    }
     if ((o->size[0] != 0 || o->size[1] != 0) &&
-        (o->size[0] < 1 || o->size[1] < 1 || o->size[0] > ENC_MAX_SIDE || o->size[1] > ENC_MAX_SIDE))
+        (o->size[0] < 1 || o->size[1] < 1 || o->size[0] > ENC_MAX_SIDE || o->size[1] > ENC_MAX_SIDE)) {
         return enc_fail(context, BTF_ERROR_USAGE, "size %dx%d is not usable: each side is 1 to %d",
                         o->size[0], o->size[1], ENC_MAX_SIDE);
+    }
     const bool no_crop = o->crop[0] == 0 && o->crop[1] == 0 && o->crop[2] == 0 && o->crop[3] == 0;
-    if (!no_crop && (o->crop[0] < 0 || o->crop[1] < 0 || o->crop[2] < 1 || o->crop[3] < 1))
+    if (!no_crop && (o->crop[0] < 0 || o->crop[1] < 0 || o->crop[2] < 1 || o->crop[3] < 1)) {
         return enc_fail(context, BTF_ERROR_USAGE, "crop %d,%d,%d,%d is not usable", o->crop[0], o->crop[1],
                         o->crop[2], o->crop[3]);
+    }
     return BTF_OK;
 }
 
@@ -93,8 +97,9 @@ static btf_result settle_size(reader *r) {
     char message[MESSAGE_SIZE] = "";
     const btf_result result = r->source->read(r->source, r->grid->items[0].source, &r->first_file,
                                               &r->first_size, message, sizeof message);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return report(r, 0, result, message);
+    }
     return enc_radiance_settle(r->context, r->options, r->source->location, path_of(r, 0), r->first_file,
                                r->first_size, &r->radiance);
 }
@@ -119,12 +124,14 @@ static btf_result convert(const reader *r, size_t item, batch_file *file, float 
     const enc_direction *light = &r->grid->lights[r->grid->items[item].light];
     const float factor = r->options->cosine == ENC_COSINE_MISSING ? light->xyz[2] : 1.0f;
     float *pixels = malloc((size_t)r->radiance.width * (size_t)r->radiance.height * 3 * sizeof *pixels);
-    if (!pixels)
+    if (!pixels) {
         return BTF_ERROR_MEMORY;
+    }
     const btf_result result = enc_radiance_convert(&r->radiance, file->data, file->size, pixels,
                                                    &file->notes, file->message, sizeof file->message);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         store_planes(r, pixels, factor, planes, file);
+    }
     free(pixels);
     return result;
 }
@@ -140,8 +147,9 @@ static void fetch(const reader *r, size_t item, batch_file *file) {
 }
 
 static void finish(const reader *r, size_t item, batch_file *file, float *planes) {
-    if (file->result == BTF_OK)
+    if (file->result == BTF_OK) {
         file->result = convert(r, item, file, planes);
+    }
     free(file->data);
     file->data = NULL;
 }
@@ -151,8 +159,9 @@ static void note(reader *r, size_t item, const image_notes *notes) {
     for (int k = 0; k < IMAGE_NOTE_KINDS; k++) {
         const char kind[] = {(char)('A' + k), '\0'}; /* lines come in the order of the kinds */
         const btf_log_level level = image_note_warns((image_note_kind)k) ? BTF_LOG_WARNING : BTF_LOG_INFO;
-        if (notes->texts[k][0])
+        if (notes->texts[k][0]) {
             enc_notices_add(r->notices, level, kind, path_of(r, item), notes->texts[k]);
+        }
     }
 }
 
@@ -161,8 +170,9 @@ static void note(reader *r, size_t item, const image_notes *notes) {
 static btf_result read_batch(reader *r, size_t first, size_t count, float *planes, size_t *out_done) {
     const size_t plane = (size_t)r->radiance.width * (size_t)r->radiance.height * 3;
     batch_file *files = calloc(BATCH_FILES, sizeof *files);
-    if (!files)
+    if (!files) {
         return BTF_ERROR_MEMORY;
+    }
     size_t n = 0;
     if (r->source->is_sequential) {
         size_t bytes = 0;
@@ -176,19 +186,23 @@ static btf_result read_batch(reader *r, size_t first, size_t count, float *plane
     }
 #pragma omp parallel for schedule(dynamic) num_threads(r->threads)
     for (size_t i = 0; i < n; i++) {
-        if (!r->source->is_sequential)
+        if (!r->source->is_sequential) {
             fetch(r, r->mine[first + i], &files[i]);
+        }
         finish(r, r->mine[first + i], &files[i], planes + i * plane);
     }
-    if (n > 0 && r->mine[first] == 0)
+    if (n > 0 && r->mine[first] == 0) {
         r->first_file = NULL; /* finish() freed it */
+    }
 
     btf_result result = BTF_OK;
     for (size_t i = 0; i < n && result == BTF_OK; i++) {
-        if (files[i].result != BTF_OK)
+        if (files[i].result != BTF_OK) {
             result = report(r, r->mine[first + i], files[i].result, files[i].message);
-        if (files[i].negative > 0 && r->n_negative_files++ == 0)
+        }
+        if (files[i].negative > 0 && r->n_negative_files++ == 0) {
             r->first_negative = r->mine[first + i];
+        }
         r->negative += files[i].negative;
         note(r, r->mine[first + i], &files[i].notes);
     }
@@ -214,13 +228,15 @@ static btf_result scatter(reader *r, size_t first, size_t count) {
                  lights = (size_t)r->grid->n_lights;
     const size_t n = 3 * count;
     plane_place *places = malloc(n * sizeof *places);
-    if (!places)
+    if (!places) {
         return BTF_ERROR_MEMORY;
+    }
     for (size_t i = 0; i < count; i++) {
         const enc_grid_item *item = &r->grid->items[r->mine[first + i]];
-        for (size_t c = 0; c < 3; c++)
+        for (size_t c = 0; c < 3; c++) {
             places[3 * i + c] = (plane_place){((size_t)item->view * 3 + c) * lights + (size_t)item->light,
                                               r->planes + (3 * i + c) * texels};
+        }
     }
     qsort(places, n, sizeof *places, by_place);
 
@@ -232,23 +248,23 @@ static btf_result scatter(reader *r, size_t first, size_t count) {
 #pragma omp for schedule(static)
         for (size_t begin = 0; begin < texels; begin += CHUNK) {
             const size_t width = texels - begin < CHUNK ? texels - begin : CHUNK;
-            for (size_t i = 0; i < n && mine == BTF_OK; i++)
-                for (size_t t = 0; t < width; t++)
+            for (size_t i = 0; i < n && mine == BTF_OK; i++) {
+                for (size_t t = 0; t < width; t++) {
                     turned[t * n + i] = places[i].plane[begin + t];
+                }
+            }
             for (size_t t = 0; t < width; t++) {
                 for (size_t i = 0, end; i < n && mine == BTF_OK; i = end) {
-                    for (end = i + 1; end < n && places[end].at == places[end - 1].at + 1;)
+                    for (end = i + 1; end < n && places[end].at == places[end - 1].at + 1;) {
                         end++;
+                    }
                     mine = enc_data_store_run(r->context, r->data, begin + t, places[i].at, end - i,
                                               turned + t * n + i);
                 }
             }
         }
         free(turned);
-        if (mine != BTF_OK) {
-#pragma omp critical(enc_reader_result)
-            result = mine;
-        }
+        enc_keep_worse(&result, mine);
     }
     free(places);
     return result;
@@ -258,16 +274,19 @@ static btf_result scatter(reader *r, size_t first, size_t count) {
 static size_t block_size(const reader *r) {
     const size_t image = (size_t)r->radiance.width * (size_t)r->radiance.height * 3 * sizeof(float);
     size_t bytes = BLOCK_BYTES;
-    if (r->context->memory > 0 && !r->data->samples)
+    if (r->context->memory > 0 && !r->data->samples) {
         bytes = r->context->memory / 2;
-    else if (r->context->memory > 0 && r->context->memory / 8 < bytes)
+    } else if (r->context->memory > 0 && r->context->memory / 8 < bytes) {
         bytes = r->context->memory / 8;
+    }
     const size_t lights = (size_t)r->grid->n_lights;
     size_t images = bytes / image;
-    if (images > lights)
+    if (images > lights) {
         images -= images % lights;
-    if (images > r->n_mine)
+    }
+    if (images > r->n_mine) {
         images = r->n_mine;
+    }
     return images ? images : 1;
 }
 
@@ -276,9 +295,11 @@ static btf_result settle_share(reader *r) {
     size_t first, end;
     enc_ranks_range(r->context, (size_t)r->grid->n_views, &first, &end);
     r->mine = malloc(r->grid->count * sizeof *r->mine);
-    for (size_t i = 0; i < r->grid->count && r->mine; i++)
-        if ((size_t)r->grid->items[i].view >= first && (size_t)r->grid->items[i].view < end)
+    for (size_t i = 0; i < r->grid->count && r->mine; i++) {
+        if ((size_t)r->grid->items[i].view >= first && (size_t)r->grid->items[i].view < end) {
             r->mine[r->n_mine++] = i;
+        }
+    }
     return r->mine ? BTF_OK : BTF_ERROR_MEMORY;
 }
 
@@ -286,9 +307,10 @@ static btf_result read_mine(reader *r) {
     const size_t plane = (size_t)r->radiance.width * (size_t)r->radiance.height * 3;
     r->block = block_size(r);
     r->planes = malloc(r->block * plane * sizeof *r->planes);
-    if (!r->planes)
+    if (!r->planes) {
         return enc_fail(r->context, BTF_ERROR_MEMORY, "out of memory for %zu images of %dx%d", r->block,
                         r->radiance.width, r->radiance.height);
+    }
     btf_result result = BTF_OK;
     for (size_t first = 0; first < r->n_mine && result == BTF_OK; first += r->block) {
         const size_t count = r->n_mine - first < r->block ? r->n_mine - first : r->block;
@@ -296,12 +318,14 @@ static btf_result read_mine(reader *r) {
             result = enc_cancelled(r->context)
                          ? BTF_ERROR_INTERRUPTED
                          : read_batch(r, first + done, count - done, r->planes + done * plane, &n);
-            if (result != BTF_OK)
+            if (result != BTF_OK) {
                 break;
+            }
             enc_stage_step(r->context, n);
         }
-        if (result == BTF_OK)
+        if (result == BTF_OK) {
             result = scatter(r, first, count);
+        }
     }
     return result;
 }
@@ -312,15 +336,17 @@ static btf_result add_negative(reader *r, btf_result result) {
     const size_t size = (size_t)enc_ranks_count(r->context);
     size_t *first = malloc(size * sizeof *first);
     result = enc_ranks_sum(r->context, result == BTF_OK && !first ? BTF_ERROR_MEMORY : result, sums, 2);
-    if (first)
+    if (first) {
         first[enc_ranks_own(r->context)] = r->n_negative_files > 0 ? r->first_negative : SIZE_MAX;
+    }
     result = enc_ranks_gather(r->context, result, first, sizeof *first, size);
     if (result == BTF_OK) {
         r->negative = sums[0];
         r->n_negative_files = (size_t)sums[1];
         r->first_negative = SIZE_MAX;
-        for (size_t i = 0; i < size; i++)
+        for (size_t i = 0; i < size; i++) {
             r->first_negative = first[i] < r->first_negative ? first[i] : r->first_negative;
+        }
     }
     free(first);
     return result;
@@ -329,8 +355,9 @@ static btf_result add_negative(reader *r, btf_result result) {
 static btf_result read_images(reader *r) {
     btf_result result = settle_share(r);
     enc_stage_begin(r->context, "read", r->n_mine);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = read_mine(r);
+    }
     result = enc_data_complete(r->context, r->data, result);
     result = add_negative(r, result);
     result = enc_notices_tell(r->context, result, r->notices, r->source->location);
@@ -354,14 +381,16 @@ static btf_result announce(const reader *r) {
 btf_result enc_read_source(const enc_context *context, const char *path, enc_source **out_source) {
     struct stat status;
     *out_source = NULL;
-    if (stat(path, &status) != 0)
+    if (stat(path, &status) != 0) {
         return enc_fail(context, BTF_ERROR_IO, "%s: %s", path, strerror(errno));
-    if (file_is_exr(path))
+    }
+    if (file_is_exr(path)) {
         return enc_fail(
             context, BTF_ERROR_BAD_FILE,
             "%s: is an OpenEXR file, a material or one image; a data set is a folder or an archive of "
             "images",
             path);
+    }
     return S_ISDIR(status.st_mode) ? enc_source_open_directory(context, path, out_source)
                                    : enc_source_open_archive(context, path, out_source);
 }
@@ -372,30 +401,40 @@ static btf_result read_set(const enc_context *context, const char *input, const 
     reader r = {.context = context, .options = options};
     r.threads = r.context->threads > 0 ? r.context->threads : 1;
     btf_result result = BTF_OK;
-    if (options->components > 0)
+    if (options->components > 0) {
         result = enc_fail(context, BTF_ERROR_USAGE,
                           "%s: --components is only for a Bonn .btf file, which this is not", input);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = enc_read_source(context, input, &r.source);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = enc_grid_create(context, r.source, options, &r.grid);
-    if (result == BTF_OK && !(r.notices = enc_notices_create()))
+    }
+    if (result == BTF_OK && !(r.notices = enc_notices_create())) {
         result = BTF_ERROR_MEMORY;
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = settle_size(&r);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = announce(&r);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = enc_data_create(context, r.radiance.width, r.radiance.height, r.grid->n_views,
                                  r.grid->views, r.grid->n_lights, r.grid->lights, &r.data);
-    if (result == BTF_OK && !(r.data->source = strdup(input)))
+    }
+    if (result == BTF_OK && !(r.data->source = strdup(input))) {
         result = BTF_ERROR_MEMORY;
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = read_images(&r);
-    if (result == BTF_OK && r.negative > 0)
+    }
+    if (result == BTF_OK && r.negative > 0) {
         enc_log(context, BTF_LOG_WARNING,
                 "%s: %llu samples below 0 in %zu images were set to 0: first in %s (--strict refuses them)",
                 input, (unsigned long long)r.negative, r.n_negative_files, path_of(&r, r.first_negative));
+    }
     if (result == BTF_OK) {
         r.data->negative = r.negative;
         *out_data = r.data;
@@ -417,16 +456,19 @@ btf_result enc_read(const enc_context *context, const char *input, const enc_rea
     static const enc_context no_context = {.threads = 1};
     const enc_context *used = context ? context : &no_context;
     *out_data = NULL;
-    btf_result result = check_options(used, options);
-    if (result == BTF_OK)
+    btf_result result = enc_read_check(used, options);
+    if (result == BTF_OK) {
         result = options->names && !options->names_of_some && enc_bonn_is(input)
                      ? enc_fail(used, BTF_ERROR_USAGE,
                                 "%s: --names is for images, and this is a Bonn .btf file", input)
                  : enc_bonn_is(input) ? enc_read_bonn(used, input, options, out_data)
                                       : read_set(used, input, options, out_data);
-    if (result == BTF_OK && options->coincident)
+    }
+    if (result == BTF_OK && options->coincident) {
         result = enc_coincident_read(used, options->coincident, options, *out_data);
-    if (result != BTF_OK)
+    }
+    if (result != BTF_OK) {
         enc_data_destroy(out_data);
+    }
     return result;
 }

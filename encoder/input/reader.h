@@ -27,6 +27,9 @@
 btf_result enc_read(const enc_context *context, const char *input, const enc_read_options *options,
                     enc_data **out_data);
 
+/* Whether the numbers of the options are usable. Errors, on the log with the value: BTF_ERROR_USAGE. */
+btf_result enc_read_check(const enc_context *context, const enc_read_options *options);
+
 struct enc_source; /* source.h */
 
 /* Opens the path, a directory or an archive, for reading image by image. Errors, named on the log:

@@ -26,8 +26,9 @@ typedef struct archive_source {
 /* Formats and compressions that libarchive handles itself: no helper programs are ever started. */
 static struct archive *open_handle(const char *path) {
     struct archive *handle = archive_read_new();
-    if (!handle)
+    if (!handle) {
         return NULL;
+    }
     archive_read_support_format_zip(handle);
     archive_read_support_format_tar(handle);
     archive_read_support_format_7zip(handle);
@@ -47,14 +48,16 @@ static locale_t enter_utf8(const archive_source *a) {
 }
 
 static void leave_utf8(locale_t before) {
-    if (before)
+    if (before) {
         uselocale(before);
+    }
 }
 
 static const char *name_of(struct archive_entry *entry) {
     const char *name = archive_entry_pathname(entry);
-    if (!name)
+    if (!name) {
         name = archive_entry_pathname_utf8(entry);
+    }
     return name ? name : "";
 }
 
@@ -66,11 +69,13 @@ static const char *reason(struct archive *handle) {
 
 static void close_archive(enc_source *source) {
     archive_source *a = (archive_source *)source;
-    if (a->handle)
+    if (a->handle) {
         archive_read_free(a->handle);
+    }
     enc_source_free_paths(source);
-    if (a->utf8)
+    if (a->utf8) {
         freelocale(a->utf8);
+    }
     free(a->ordinals);
     free(a->path);
     free(a);
@@ -95,8 +100,9 @@ static btf_result read_entry(enc_source *source, size_t index, void **out_data, 
     char *data = NULL;
     size_t size = 0;
     btf_result result = BTF_ERROR_MEMORY;
-    if (!a->handle && !(a->handle = open_handle(a->path)))
+    if (!a->handle && !(a->handle = open_handle(a->path))) {
         return BTF_ERROR_MEMORY;
+    }
     const int status = seek_entry(a, a->ordinals[index], &entry);
     if (status != ARCHIVE_OK && status != ARCHIVE_WARN) {
         snprintf(message, message_size, "%s", reason(a->handle));
@@ -109,8 +115,9 @@ static btf_result read_entry(enc_source *source, size_t index, void **out_data, 
         snprintf(message, message_size, "more than %zu bytes", ENC_SOURCE_MAX_FILE);
         return BTF_ERROR_UNSUPPORTED;
     }
-    if (declared > 0 && declared < (1 << 24))
+    if (declared > 0 && declared < (1 << 24)) {
         allocated = (size_t)declared + 1;
+    }
     data = malloc(allocated);
     while (data) {
         const la_ssize_t n = archive_read_data(a->handle, data + size, allocated - size);
@@ -132,8 +139,9 @@ static btf_result read_entry(enc_source *source, size_t index, void **out_data, 
         }
         if (size == allocated) {
             char *longer = realloc(data, 2 * allocated);
-            if (!longer)
+            if (!longer) {
                 break;
+            }
             data = longer;
             allocated *= 2;
         }
@@ -145,18 +153,22 @@ static btf_result read_entry(enc_source *source, size_t index, void **out_data, 
 static btf_result add_entry(archive_source *a, const char *name, size_t ordinal, size_t *n_allocated) {
     bool is_image;
     char *path = strdup(name);
-    if (!path)
+    if (!path) {
         return BTF_ERROR_MEMORY;
-    for (char *p = path; *p; p++)
+    }
+    for (char *p = path; *p; p++) {
         *p = *p == '\\' ? '/' : *p; /* some programs of Windows separate folders so */
+    }
     const btf_result result = enc_source_add(&a->base, path, n_allocated, &is_image);
     free(path);
-    if (result != BTF_OK || !is_image)
+    if (result != BTF_OK || !is_image) {
         return result;
+    }
     if (a->n_ordinals_allocated < *n_allocated) {
         size_t *ordinals = realloc(a->ordinals, *n_allocated * sizeof *ordinals);
-        if (!ordinals)
+        if (!ordinals) {
             return BTF_ERROR_MEMORY;
+        }
         a->ordinals = ordinals;
         a->n_ordinals_allocated = *n_allocated;
     }
@@ -167,15 +179,17 @@ static btf_result add_entry(archive_source *a, const char *name, size_t ordinal,
 /* Reads the names alone: for a zip that is its central directory, of a tar all has to be gone through. */
 static btf_result list_entries(const enc_context *context, archive_source *a) {
     struct archive *handle = open_handle(a->path);
-    if (!handle)
+    if (!handle) {
         return BTF_ERROR_MEMORY;
+    }
     btf_result result = BTF_OK;
     size_t n_allocated = 0;
     for (size_t ordinal = 0; result == BTF_OK; ordinal++) {
         struct archive_entry *entry;
         const int status = archive_read_next_header(handle, &entry);
-        if (status == ARCHIVE_EOF)
+        if (status == ARCHIVE_EOF) {
             break;
+        }
         if (status != ARCHIVE_OK && status != ARCHIVE_WARN) {
             const char *what = ordinal == 0 ? "neither a directory nor a zip, tar or 7zip archive: "
                                             : "damaged or truncated archive: ";
@@ -185,8 +199,9 @@ static btf_result list_entries(const enc_context *context, archive_source *a) {
         } else if ((archive_entry_filetype(entry) == AE_IFREG || archive_entry_filetype(entry) == 0) &&
                    !archive_entry_hardlink(entry)) { /* a link has no bytes of its own */
             result = add_entry(a, name_of(entry), ordinal, &n_allocated);
-            if (result == BTF_ERROR_UNSUPPORTED)
+            if (result == BTF_ERROR_UNSUPPORTED) {
                 enc_fail(context, result, "%s: more than %zu files", a->path, ENC_SOURCE_MAX_ENTRIES);
+            }
         }
     }
     archive_read_free(handle);
@@ -195,8 +210,9 @@ static btf_result list_entries(const enc_context *context, archive_source *a) {
 
 btf_result enc_source_open_archive(const enc_context *context, const char *path, enc_source **out_source) {
     archive_source *a = calloc(1, sizeof *a);
-    if (!a)
+    if (!a) {
         return BTF_ERROR_MEMORY;
+    }
     a->base.is_sequential = true;
     a->base.read = read_entry;
     a->base.close = close_archive;

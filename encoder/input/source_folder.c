@@ -26,8 +26,9 @@ static char *join(const char *folder, const char *name) {
     char *path = malloc(length + strlen(name) + 2);
     if (path) {
         strcpy(path, folder);
-        if (length > 0 && folder[length - 1] != '/')
+        if (length > 0 && folder[length - 1] != '/') {
             strcat(path, "/");
+        }
         strcat(path, name);
     }
     return path;
@@ -39,8 +40,9 @@ static btf_result read_file(enc_source *source, size_t index, void **out_data, s
     char *data = NULL;
     int fd = -1;
     char *path = join(((directory_source *)source)->root, source->paths[index]);
-    if (!path)
+    if (!path) {
         goto done;
+    }
     fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe is refused, not waited for */
     struct stat status;
     if (fd < 0 || fstat(fd, &status) != 0) {
@@ -55,12 +57,14 @@ static btf_result read_file(enc_source *source, size_t index, void **out_data, s
     }
     const size_t size = (size_t)status.st_size;
     data = malloc(size ? size : 1);
-    if (!data)
+    if (!data) {
         goto done;
+    }
     for (size_t have = 0; have < size;) {
         const ssize_t n = read(fd, data + have, size - have);
-        if (n < 0 && errno == EINTR)
+        if (n < 0 && errno == EINTR) {
             continue;
+        }
         if (n <= 0) {
             snprintf(message, message_size, "%s", n < 0 ? strerror(errno) : "the file became shorter");
             result = BTF_ERROR_IO;
@@ -73,8 +77,9 @@ static btf_result read_file(enc_source *source, size_t index, void **out_data, s
     data = NULL;
     result = BTF_OK;
 done:
-    if (fd >= 0)
+    if (fd >= 0) {
         close(fd);
+    }
     free(data);
     free(path);
     return result;
@@ -102,9 +107,11 @@ typedef struct folder_path {
 } folder_path;
 
 static bool leads_back(const folder_path *above, const struct stat *status) {
-    for (int i = 0; i < above->depth; i++)
-        if (above->device[i] == status->st_dev && above->number[i] == status->st_ino)
+    for (int i = 0; i < above->depth; i++) {
+        if (above->device[i] == status->st_dev && above->number[i] == status->st_ino) {
             return true;
+        }
+    }
     return false;
 }
 
@@ -115,8 +122,9 @@ static btf_result list_folder(const enc_context *context, directory_source *sour
 static btf_result add_entry(const enc_context *context, directory_source *source, const char *path,
                             const char *full, folder_path *above, size_t *n_allocated) {
     struct stat status;
-    if (enc_cancelled(context))
+    if (enc_cancelled(context)) {
         return BTF_ERROR_INTERRUPTED;
+    }
     if (stat(full, &status) != 0) {
         enc_log(context, BTF_LOG_WARNING, "%s: %s", full, strerror(errno));
         return BTF_OK;
@@ -126,9 +134,10 @@ static btf_result add_entry(const enc_context *context, directory_source *source
             enc_log(context, BTF_LOG_WARNING, "%s: is a folder that leads back to itself", full);
             return BTF_OK;
         }
-        if (above->depth > MAX_DEPTH)
+        if (above->depth > MAX_DEPTH) {
             return enc_fail(context, BTF_ERROR_UNSUPPORTED, "%s: more than %d folders deep", full,
                             MAX_DEPTH);
+        }
         above->device[above->depth] = status.st_dev;
         above->number[above->depth++] = status.st_ino;
         const btf_result result = list_folder(context, source, path, above, n_allocated);
@@ -141,8 +150,9 @@ static btf_result add_entry(const enc_context *context, directory_source *source
     }
     bool is_image;
     const btf_result result = enc_source_add(&source->base, path, n_allocated, &is_image);
-    if (result == BTF_ERROR_UNSUPPORTED)
+    if (result == BTF_ERROR_UNSUPPORTED) {
         enc_fail(context, result, "%s: more than %zu files", source->root, ENC_SOURCE_MAX_ENTRIES);
+    }
     return result;
 }
 
@@ -151,20 +161,23 @@ static btf_result add_entry(const enc_context *context, directory_source *source
 static btf_result list_folder(const enc_context *context, directory_source *source, const char *inside,
                               folder_path *above, size_t *n_allocated) {
     char *folder = join(source->root, inside);
-    if (!folder)
+    if (!folder) {
         return BTF_ERROR_MEMORY;
+    }
     struct dirent **entries = NULL;
     const int count = scandir(folder, &entries, is_visible, by_bytes);
     btf_result result = BTF_OK;
-    if (count < 0 && inside[0])
+    if (count < 0 && inside[0]) {
         enc_log(context, BTF_LOG_WARNING, "%s: %s", folder, strerror(errno));
-    else if (count < 0)
+    } else if (count < 0) {
         result = enc_fail(context, BTF_ERROR_IO, "%s: %s", folder, strerror(errno));
+    }
     for (int i = 0; i < count; i++) {
         char *path = join(inside, entries[i]->d_name);
         char *full = path ? join(source->root, path) : NULL;
-        if (result == BTF_OK)
+        if (result == BTF_OK) {
             result = full ? add_entry(context, source, path, full, above, n_allocated) : BTF_ERROR_MEMORY;
+        }
         free(full);
         free(path);
         free(entries[i]);
@@ -177,8 +190,9 @@ static btf_result list_folder(const enc_context *context, directory_source *sour
 btf_result enc_source_open_directory(const enc_context *context, const char *path,
                                      enc_source **out_source) {
     directory_source *source = calloc(1, sizeof *source);
-    if (!source)
+    if (!source) {
         return BTF_ERROR_MEMORY;
+    }
     source->base.read = read_file;
     source->base.close = close_directory;
     source->root = strdup(path);

@@ -32,11 +32,14 @@ static bool has_other_content(const char *path) {
     char begin[264] = "";
     FILE *file = fopen(path, "r");
     const size_t size = file ? fread(begin, 1, sizeof begin - 1, file) : 0;
-    if (file)
+    if (file) {
         fclose(file);
-    for (size_t i = 0; i < sizeof signatures / sizeof *signatures; i++)
-        if (size >= strlen(signatures[i]) && memcmp(begin, signatures[i], strlen(signatures[i])) == 0)
+    }
+    for (size_t i = 0; i < sizeof signatures / sizeof *signatures; i++) {
+        if (size >= strlen(signatures[i]) && memcmp(begin, signatures[i], strlen(signatures[i])) == 0) {
             return true;
+        }
+    }
     return (size > 262 && memcmp(begin + 257, "ustar", 5) == 0) || enc_bonn_is(path);
 }
 
@@ -51,11 +54,13 @@ static char *name_of(const char *input) {
     static const char *const extensions[] = {".tar.gz", ".tar.xz", ".tar.bz2", ".tar.zst", ".tgz",
                                              ".zip",    ".tar",    ".7z",      ".btf"};
     size_t end = strlen(input);
-    while (end > 1 && input[end - 1] == '/')
+    while (end > 1 && input[end - 1] == '/') {
         end--;
+    }
     size_t begin = end;
-    while (begin > 0 && input[begin - 1] != '/')
+    while (begin > 0 && input[begin - 1] != '/') {
         begin--;
+    }
     char *name = strndup(input + begin, end - begin);
     for (size_t i = 0; name && i < sizeof extensions / sizeof extensions[0]; i++) {
         if (ends_with(name, extensions[i])) {
@@ -68,8 +73,9 @@ static char *name_of(const char *input) {
 
 static char *beside(const char *list, size_t folder_length, const char *name) {
     char *path = malloc(folder_length + strlen(name) + 2);
-    if (path)
+    if (path) {
         sprintf(path, "%.*s/%s", (int)folder_length, list, name);
+    }
     return path;
 }
 
@@ -78,11 +84,13 @@ static btf_result add_input(const enc_context *context, enc_batch *batch, const 
                             const char *text) {
     const char *slash = strrchr(list, '/');
     char **inputs = realloc(batch->inputs, (batch->count + 1) * sizeof *inputs);
-    if (inputs)
+    if (inputs) {
         batch->inputs = inputs;
+    }
     char **names = inputs ? realloc(batch->names, (batch->count + 1) * sizeof *names) : NULL;
-    if (!names)
+    if (!names) {
         return BTF_ERROR_MEMORY;
+    }
     batch->names = names;
     char *input = text[0] == '/' || !slash ? strdup(text) : beside(list, (size_t)(slash - list), text);
     char *name = name_of(text);
@@ -93,14 +101,17 @@ static btf_result add_input(const enc_context *context, enc_batch *batch, const 
     }
     inputs[batch->count] = input;
     names[batch->count++] = name;
-    if (name[0] == '\0' || strcmp(name, ".") == 0 || strcmp(name, "..") == 0)
-        return enc_fail(context, BTF_ERROR_BAD_FILE, "%s: line %zu: %s names no material", list, line,
-                        text);
-    for (size_t i = 0; i + 1 < batch->count; i++)
-        if (strcmp(names[i], name) == 0)
+    if (name[0] == '\0' || strcmp(name, ".") == 0 || strcmp(name, "..") == 0) {
+        return enc_fail(context, BTF_ERROR_BAD_FILE, "%s: line %zu: '%s' gives no file name for a material",
+                        list, line, text);
+    }
+    for (size_t i = 0; i + 1 < batch->count; i++) {
+        if (strcmp(names[i], name) == 0) {
             return enc_fail(context, BTF_ERROR_BAD_FILE,
                             "%s: line %zu: %s and %s would both become %s.btf.exr", list, line, inputs[i],
                             input, name);
+        }
+    }
     return BTF_OK;
 }
 
@@ -108,21 +119,26 @@ btf_result enc_batch_read(const enc_context *context, const char *path, enc_batc
     text_file text;
     *out_batch = (enc_batch){0};
     btf_result result = text_read(path, LARGEST_LIST, &context->log, &text);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     for (char *line; result == BTF_OK && (line = text_line(&text));) {
         char *begin = line + strspn(line, " \t");
         size_t length = strlen(begin);
-        while (length > 0 && strchr(" \t", begin[length - 1]))
+        while (length > 0 && strchr(" \t", begin[length - 1])) {
             begin[--length] = '\0';
-        if (length > 0 && begin[0] != '#')
+        }
+        if (length > 0 && begin[0] != '#') {
             result = add_input(context, out_batch, path, text.number, begin);
+        }
     }
     text_free(&text);
-    if (result == BTF_OK && out_batch->count == 0)
-        result = enc_fail(context, BTF_ERROR_BAD_FILE, "%s: lists no input", path);
-    if (result != BTF_OK)
+    if (result == BTF_OK && out_batch->count == 0) {
+        result = enc_fail(context, BTF_ERROR_BAD_FILE, "%s: the list names no input", path);
+    }
+    if (result != BTF_OK) {
         enc_batch_clear(out_batch);
+    }
     return result;
 }
 
@@ -138,8 +154,9 @@ void enc_batch_clear(enc_batch *batch) {
 
 static char *join(const char *folder, const char *name, const char *extension) {
     char *path = malloc(strlen(folder) + strlen(name) + strlen(extension) + 2);
-    if (path)
+    if (path) {
         sprintf(path, "%s/%s%s", folder, name, extension);
+    }
     return path;
 }
 
@@ -182,8 +199,9 @@ static void print_summary(const enc_batch *batch, const outcome *outcomes, FILE 
     size_t done = 0, failed = 0;
     for (size_t i = 0; i < batch->count; i++) {
         const outcome *o = &outcomes[i];
-        if (!o->tried)
+        if (!o->tried) {
             continue;
+        }
         fprintf(summary, "%-8s %8.1f s  %s%s%s\n", o->result == BTF_OK ? "ok" : "FAILED", o->seconds,
                 batch->inputs[i], o->result == BTF_OK ? "" : ": ",
                 o->result == BTF_OK ? "" : btf_result_text(o->result));
@@ -196,32 +214,41 @@ static void print_summary(const enc_batch *batch, const outcome *outcomes, FILE 
 
 btf_result enc_batch_run(const enc_context *context, const enc_job *job, const enc_batch *batch,
                          size_t item, FILE *summary) {
-    if (item > batch->count)
-        return enc_fail(context, BTF_ERROR_USAGE, "item %zu: the list has %zu", item, batch->count);
+    if (item > batch->count) {
+        return enc_fail(context, BTF_ERROR_USAGE, "option --item: %zu, but the list has %zu inputs", item,
+                        batch->count);
+    }
     outcome *outcomes = calloc(batch->count, sizeof *outcomes);
     btf_result result = outcomes ? make_folder(context, job->output) : BTF_ERROR_MEMORY;
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = make_folder(context, job->checkpoint);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = make_folder(context, job->report);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = make_folder(context, job->pictures);
+    }
     result = enc_ranks_agree(context, result);
     btf_result first = result;
     for (size_t i = 0; i < batch->count && result == BTF_OK; i++) {
-        if (item > 0 && i + 1 != item)
+        if (item > 0 && i + 1 != item) {
             continue;
+        }
         const double begin = progress_clock();
         outcomes[i].tried = true;
         outcomes[i].result = run_one(context, job, batch->inputs[i], batch->names[i]);
         outcomes[i].seconds = progress_clock() - begin;
-        if (first == BTF_OK)
+        if (first == BTF_OK) {
             first = outcomes[i].result;
-        if (outcomes[i].result == BTF_ERROR_INTERRUPTED)
+        }
+        if (outcomes[i].result == BTF_ERROR_INTERRUPTED) {
             result = first = BTF_ERROR_INTERRUPTED;
+        }
     }
-    if (outcomes && summary && enc_ranks_leads(context))
+    if (outcomes && summary && enc_ranks_leads(context)) {
         print_summary(batch, outcomes, summary);
+    }
     free(outcomes);
     return first;
 }

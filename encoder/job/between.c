@@ -113,7 +113,7 @@ btf_result enc_between_provenance(const enc_context *context, const enc_job *job
     const bool fitted = s->fit_judged && job->fit == ENC_FIT_BETWEEN;
     if (fitted) {
         enc_fit_text(&s->fit, kappa);
-        enc_log(context, BTF_LOG_INFO, "fit of nodes: kappa %s", kappa);
+        enc_log(context, BTF_LOG_INFO, "fit of the values at views and lights: kappa %s", kappa);
     }
     if (s->relief_judged) {
         enc_relief_text(&s->relief, between);

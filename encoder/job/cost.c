@@ -27,7 +27,9 @@
 
 enum { EFFECT_ERROR_SAMPLES = 3000000, REPORTED_EFFECTS = 5 };
 
-/* Core seconds of one inner step: of reading and making samples, */
+/* Core seconds of one inner step, fitted by hand to the core seconds by stage (--report) of encodes by both
+ * methods of 32x32 and 64x64 texels with 81 views and 81 lights, btf-sample and BRICKS64, on the machine that
+ * predict.c describes; where other data were used it is said. Of reading and making samples, */
 static const double per_file = 60e-6, per_pixel = 25e-9, per_jpeg_pixel = 12e-9, per_read_sample = 1.5e-9;
 /* of the paper's method, */
 static const double per_fit = 110e-9, per_shadow = 20e-9, per_flow = 1.2e-6, per_flow_label = 3e-9,
@@ -84,18 +86,20 @@ static bool made_again(const enc_context *context, const enc_extent *e) {
 }
 
 static double fetch_cost(const enc_context *context, const enc_extent *e) {
-    if (!made_again(context, e))
+    if (!made_again(context, e)) {
         return 0;
+    }
     return e->origin == ENC_ORIGIN_BONN ? enc_bonn_sample_seconds(e->components) : ENC_SCRATCH_SECONDS;
 }
 
 static void add_reading(list *l, const enc_context *context, const enc_extent *e, const counts *c) {
-    if (e->origin != ENC_ORIGIN_BONN)
+    if (e->origin != ENC_ORIGIN_BONN) {
         add(l, "read",
             c->views * c->lights * per_file + c->samples * per_read_sample +
                 (double)e->pixels * (e->origin == ENC_ORIGIN_JPEG ? per_jpeg_pixel : per_pixel));
-    else if (!made_again(context, e))
+    } else if (!made_again(context, e)) {
         add(l, "decode", c->samples * enc_bonn_sample_seconds(e->components));
+    }
 }
 
 /* Cost of "foresee error": components of some texels, by a product with u, one with w and one for the
@@ -167,12 +171,15 @@ static outcome add_paper(list *l, const enc_extent *e, const counts *c, double f
     uint32_t room = 0;
     const enc_context quiet = {.threads = 1};
     add(l, "fit", c->samples / 3 * (per_fit * o->fit.lobes * (1 + o->fit.rounds) / 4 * 3 + 3 * fetch));
-    if (o->effects & BTF_EFFECT_SHADOW)
+    if (o->effects & BTF_EFFECT_SHADOW) {
         add(l, "shadow", c->texels * c->lights * (per_shadow + 3 * fetch));
-    if (o->choose && (o->effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN)))
+    }
+    if (o->choose && (o->effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN))) {
         add(l, "probe", flow(c, side, fmin(ENC_PAPER_PROBE_LIGHTS, c->lights)) + c->samples * fetch);
-    if (o->effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN))
+    }
+    if (o->effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN)) {
         add(l, "flow", flow(c, side, lights) + c->samples * fetch);
+    }
     if (o->effects & BTF_EFFECT_HIDDEN) {
         const bool has_room =
             enc_pack_centre_room(&quiet, e->width, e->height, e->n_views, e->n_lights, &room) == BTF_OK;
@@ -210,18 +217,21 @@ static outcome add_factors(list *l, const counts *c, const enc_factors_settings 
     const double times = settings->quality > 0 ? 1 + ENC_FACTORS_TRIALS / 2.0 : 1;
     add(l, "factorise", 4 * pass + 6 * square * per_square); /* once for all budgets of a quality */
     if (settings->quality == 0 && settings->tolerance > 0 &&
-        c->texels * columns >= ENC_SIGNAL_LEAST_SAMPLES) /* passes over parts of texels and directions */
+        c->texels * columns >= ENC_SIGNAL_LEAST_SAMPLES) { /* passes over parts of texels and directions */
         add(l, "cross-validate",
             fmin(1, ENC_SIGNAL_MOST_TEXELS / c->texels) * (2.25 * pass + 3 * square * per_square));
+    }
     const bool match = held && (settings->choose || settings->effects & BTF_EFFECT_SHIFT);
     const double round = match ? match_round(c, settings) : 0;
     add(l, "round factors",
         times * (passes * pass + (2 * sweeps + passes) * square * per_square +
                  fmax(1, settings->sweeps * ENC_MATCH_CODE_ROUNDS / ENC_FACTOR_SWEEPS) * round));
-    if (match)
+    if (match) {
         add(l, "match", times * ENC_MATCH_ROUNDS * round);
-    if (settings->quality > 0 || (settings->choose && held))
+    }
+    if (settings->quality > 0 || (settings->choose && held)) {
         add(l, "measure factors", times * (pass + c->samples * per_measured));
+    }
     return (outcome){.components = all / 5, .factors = true};
 }
 
@@ -261,10 +271,11 @@ size_t enc_cost_parts(const enc_context *context, const enc_job *job, const enc_
                                 : add_factors(&l, &c, &settings, fetch,
                                               enc_data_fits(context, e->width, e->height, e->n_views, e->n_lights));
     const double analysis = enc_cost_total(out_parts + first, l.count - first);
-    if (levels > 1)
+    if (levels > 1) {
         add(&l, "levels",
             further(levels) * (c.samples * (per_filtered + fetch)) +
                 (paper ? further(levels) * analysis : factor_levels(&c, further(levels), &settings)));
+    }
     const double sample =
         per_measured + per_measured_component * found.components + per_measured_lobe * found.lobes + fetch;
     const double steps = (paper ? 3 : 1) + found.effects;
@@ -278,17 +289,20 @@ size_t enc_cost_parts(const enc_context *context, const enc_job *job, const enc_
             (3 * ENC_LEFT_OUT_PAIRS *
                  (found.factors ? per_factor_left_out : per_left_out * (1 + 0.02 * found.components)) +
              3 * c.views * c.lights * fetch));
-    if (levels > 1)
+    if (levels > 1) {
         add(&l, "measure levels", further(levels) * c.samples * (sample + per_filtered + fetch));
-    if (job->pictures)
+    }
+    if (job->pictures) {
         add(&l, "pictures", c.points * (REPORTED_EFFECTS * sample + 1e-6));
+    }
     add(&l, ENC_STAGE_SAVE, c.points * (found.factors ? per_factor_saved : per_saved));
     return l.count;
 }
 
 double enc_cost_total(const estimate_part *parts, size_t count) {
     double sum = 0;
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; i++) {
         sum += parts[i].cost;
+    }
     return sum;
 }

@@ -215,10 +215,7 @@ static btf_result turn(const survey *s, double *out_linear, double *out_srgb) {
     for (size_t i = 0; i < (each && work ? count : 0); i++) {
         float *mine = work + enc_thread_index() * (stride + CHANNELS * columns);
         const btf_result one = decode(s, i * s->matrix.texels / count, mine, mine + stride, each[i]);
-        if (one != BTF_OK) {
-#pragma omp atomic write
-            result = one;
-        }
+        enc_keep_worse(&result, one);
     }
     for (size_t i = 0; i < count && result == BTF_OK; i++) {
         for (int k = 0; k < 3; k++) {

@@ -48,13 +48,14 @@ static btf_result check_outputs(const enc_context *context, const enc_job *job) 
     for (int o = 0; o < 2; o++) {
         for (int i = 0; i < 2; i++) {
             if (outputs[o] && inputs[i] && output_is_same(outputs[o], inputs[i])) {
-                return enc_fail(context, BTF_ERROR_USAGE, "%s: an input, which the output would replace",
-                                inputs[i]);
+                return enc_fail(context, BTF_ERROR_USAGE,
+                                "%s: is an input, and the output would replace it", inputs[i]);
             }
         }
     }
     if (job->report && output_is_same(job->output, job->report)) {
-        return enc_fail(context, BTF_ERROR_USAGE, "%s: given for --output and --report", job->report);
+        return enc_fail(context, BTF_ERROR_USAGE, "%s: is given for both --output and --report",
+                        job->report);
     }
     return BTF_OK;
 }
@@ -155,10 +156,11 @@ static btf_result check_levels(const enc_context *context, const enc_job *job, c
                                int *out_count) {
     const int most = enc_level_count(data->width, data->height);
     *out_count = job->levels > 0 ? job->levels : most;
-    if (*out_count > most)
+    if (*out_count > most) {
         return enc_fail(context, BTF_ERROR_USAGE,
-                        "option --levels: %d, but %d x %d texels have %d down to one texel", job->levels,
-                        data->width, data->height, most);
+                        "option --levels: %d, but %d x %d texels have only %d levels, down to one texel",
+                        job->levels, data->width, data->height, most);
+    }
     return BTF_OK;
 }
 
@@ -339,8 +341,7 @@ static btf_result check_budget(const enc_context *context, const enc_job *job, c
                ? BTF_OK
                : enc_fail(context, BTF_ERROR_USAGE,
                           "--memory %zu is too small: factors of %llu bytes for %dx%d texels, %d views and "
-                          "%d lights "
-                          "take at least %lluK",
+                          "%d lights take at least %lluK",
                           context->memory, (unsigned long long)budget, e->width, e->height, e->n_views,
                           e->n_lights, (unsigned long long)((least + 999) / 1000));
 }

@@ -30,9 +30,10 @@ static btf_result append_centres(const enc_context *context, const enc_solution 
                                  enc_solution *base) {
     const size_t bytes = (size_t)3 * (size_t)base->n_lights;
     uint8_t *codes = realloc(base->centre_codes, (base->n_centres + (size_t)level->n_centres) * bytes);
-    if (!codes)
+    if (!codes) {
         return enc_fail(context, BTF_ERROR_MEMORY, "levels: out of memory for %u centres",
                         base->n_centres + level->n_centres);
+    }
     base->centre_codes = codes;
     codes += base->n_centres * bytes;
     for (size_t i = 0; i < level->n_centres * bytes; i++) {
@@ -58,18 +59,23 @@ static btf_result fit_paper(fit_pass *pass, const enc_data *data, int level, enc
                                       data->n_lights, &most);
         most = options.centres > 0 ? (options.centres >> shift) + 1 : most;
         options.centres = most < room ? most : room;
-        if (options.centres == 0)
+        if (options.centres == 0) {
             options.effects &= ~(uint32_t)BTF_EFFECT_HIDDEN;
+        }
     }
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = enc_paper(&pass->quiet, data, &options, &found, NULL, &stats);
-    if (result == BTF_OK && found.n_centres > 0)
+    }
+    if (result == BTF_OK && found.n_centres > 0) {
         result = append_centres(pass->context, &found, base);
+    }
     if (result == BTF_OK) {
         const size_t points = enc_solution_texels(&found) * (size_t)data->n_views;
-        for (size_t i = 0; i < points && found.gain; i++)
-            if (found.gain[i] == 0)
+        for (size_t i = 0; i < points && found.gain; i++) {
+            if (found.gain[i] == 0) {
                 found.centre[i] = (uint16_t)(found.centre[i] + first);
+            }
+        }
         *out = enc_level_of(base, data->width, data->height);
         out->sbrdf = found.sbrdf;
         out->shadow = found.shadow;

@@ -94,8 +94,9 @@ enc_memory_use enc_memory_expected(const enc_context *context, enc_method method
     enc_memory_use use = {PROGRAM, 0};
     use.peak += method == ENC_METHOD_PAPER ? paper(&e)
                                            : factors(&e, width, height, budget, context->threads);
-    if (kept)
+    if (kept) {
         use.peak += samples;
+    }
     if (kept && method == ENC_METHOD_JOINT) {
         const uint64_t match = enc_factor_match_memory(width, height, n_views, budget, false),
                        whole = enc_factor_match_memory(width, height, n_views, budget, true);
@@ -104,11 +105,13 @@ enc_memory_use enc_memory_expected(const enc_context *context, enc_method method
                                                            : 0;
         use.peak += whole <= left ? whole : match <= left ? match : 0;
     }
-    else if (!made)
+    else if (!made) {
         use.scratch += samples;
-    if (fitted && kept && (context->memory == 0 || samples <= (context->memory - samples) / 2))
+    }
+    if (fitted && kept && (context->memory == 0 || samples <= (context->memory - samples) / 2)) {
         use.peak += samples;
-    else if (fitted)
+    } else if (fitted) {
         use.scratch += samples;
+    }
     return use;
 }

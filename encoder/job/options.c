@@ -29,7 +29,8 @@ static const cli_option table[] = {
      .arg = "OUT",
      .type = CLI_STRING,
      .value = &o.all.job.output,
-     .help = "material to write, NAME.btf.exr, or the folder of a list's; needed"},
+     .help = "material to write, NAME.btf.exr, or for a list the folder to write to;\n"
+             "required"},
     {.name = "method",
      .type = CLI_CHOICE,
      .value = &o.method,
@@ -48,18 +49,18 @@ static const cli_option table[] = {
      .type = CLI_EFFECTS,
      .value = &o.effects,
      .choices = "auto",
-     .help =
-         "auto (default): those that pay, and with\n--method paper the diffuse fit "
-         "alone where that is better;\nor exactly these: joint has residual or "
-         "shift,gain,residual,\npaper some of shadow,shift,hidden or none"},
+     .help = "auto (default): those that pay, and with\n--method paper the diffuse fit "
+             "alone where that is better;\nor exactly these: joint has residual or "
+             "shift,gain,residual,\npaper some of shadow,shift,hidden or none"},
     {.name = "effect-tolerance",
      .arg = "DB[,DB]",
      .type = CLI_CUSTOM,
      .value = o.effect_tolerance,
      .parse = enc_parse_tolerance,
-     .help = "joint: bytes are used as long as a tenth more gains so many dB\nat samples left out of the "
-             "fit; 0: all of --budget. paper:\n--effects auto leaves out an effect that gains less than "
-             "so many\ndB, linear, and so many for each MB that it adds. Default 0.05,0"},
+     .help = "joint: bytes are used as long as a tenth more of them gains this\n"
+             "many dB at samples left out of the fit; 0: all of --budget. paper:\n"
+             "--effects auto leaves out an effect that gains less than this many\n"
+             "dB, linear, and this many for each MB that it adds. Default 0.05,0"},
     {.name = "budget",
      .type = CLI_BYTES,
      .value = &o.all.job.joint.budget,
@@ -67,9 +68,10 @@ static const cli_option table[] = {
      .minimum = 1,
      .maximum = 0x1p62,
      .only = "joint",
-     .help = "joint: bytes on the GPU at most (it may need fewer,\n--effect-tolerance); default what the "
-             "paper's layout takes\n(2.36 MB for 64x64 and 81 directions), but at most 62.5 kB times\nthe root "
-             "of the number of texels (8 MB for 128x128, 16 MB for\n256x256, 25 MB for 400x400)"},
+     .help =
+         "joint: bytes on the GPU at most (it may need fewer,\n--effect-tolerance); default what the "
+         "paper's layout takes\n(2.36 MB for 64x64 and 81 directions), but at most 62.5 kB times\nthe root "
+         "of the number of texels (8 MB for 128x128, 16 MB for\n256x256, 25 MB for 400x400)"},
     {.name = "quality",
      .arg = "DB",
      .type = CLI_DOUBLE,
@@ -85,40 +87,47 @@ static const cli_option table[] = {
      .value = &o.fit,
      .given = &given[15],
      .choices = "between|samples",
-     .help = "between: values at views and lights are fitted so that the blend\nof three is smooth between "
-             "them, as far as that gains there\nand adds little to the codec's error at the samples; "
-             "samples: they\nare the samples. Default between; with --method paper samples"},
+     .help = "between: the values stored at views and lights are fitted so that\n"
+             "blends of three of them come close to a smooth interpolation, as far\n"
+             "as that gains between the samples and adds little to the codec's\n"
+             "error at them; samples: they are the samples. Default between; with\n"
+             "--method paper samples"},
     {.name = "relief",
      .type = CLI_CHOICE,
      .value = &o.relief,
      .given = &given[16],
      .choices = "auto|off",
      .only = "joint",
-     .help = "joint: heights, found from the images, along which neighbouring\nviews are shifted between the samples, "
-             "where views left out\nsay that it pays. Default auto; with --preset fast off"},
+     .help = "joint: heights, found from the images, by which the texels of\n"
+             "neighbouring views are shifted before they are blended; auto keeps\n"
+             "them where predictions of views left out get better by them.\n"
+             "Default auto; with --preset fast off"},
     {.name = "gloss",
      .type = CLI_CHOICE,
      .value = &o.gloss,
      .given = &given[17],
      .choices = "auto|off|0|1|2",
      .only = "joint",
-     .help = "joint: quarters of the half vector that each view's lights keep\nbetween the samples; off is 0. "
-             "Default auto; with --preset fast off"},
+     .help = "joint: how far the lights of neighbouring views move towards the\n"
+             "same half vector before they are blended, in quarters, so that\n"
+             "highlights stay sharp; off is 0. Default auto; with --preset fast\n"
+             "off"},
     {.name = "layout",
      .type = CLI_CHOICE,
      .value = &o.layout,
      .given = &given[3],
      .choices = "paper|tight",
      .only = "paper",
-     .help = "paper: one atlas, as in 3.1 (paper, the default without --levels),\nor a texture an effect "
-             "(tight)"},
+     .help = "paper: one atlas, as in section 3.1 of the paper (paper, the default\n"
+             "without --levels), or one texture for each effect (tight)"},
     {.name = "levels",
      .arg = "N|all",
      .type = CLI_CUSTOM,
      .value = &o.all.job.levels,
      .parse = enc_parse_levels,
-     .help = "levels of detail, each of half the size; all: down to one texel;\ndefault 1. "
-             "Those beyond the first take about a third more bytes\nof texels, and time"},
+     .help = "levels of detail, each of half the size; all: down to one texel;\n"
+             "default 1. Those beyond the first take about a third more bytes\n"
+             "of texels, and as much more time"},
     {.name = "half",
      .type = CLI_FLAG,
      .value = &o.all.job.half_float,
@@ -235,9 +244,10 @@ static const cli_option table[] = {
      .arg = "FROM",
      .type = CLI_STRING,
      .value = &o.all.predict,
-     .help =
-         "encode nothing: print what it would take in time by stage, memory\nand scratch files. FROM: self "
-         "(this machine is measured), or the\n--report of an encode with the same options, smaller say"},
+     .help = "encode nothing: print the time of each stage, the memory and the\n"
+             "scratch files that it would take. FROM: self (this machine is\n"
+             "measured), or the --report of an encode with the same options, of\n"
+             "smaller data for instance"},
     {.name = "threads",
      .type = CLI_INT,
      .value = &o.all.threads,
@@ -250,10 +260,10 @@ static const cli_option table[] = {
      .value = &o.all.memory,
      .minimum = 1,
      .maximum = 0x1p62,
-     .help = "bound of the working set of a process; default half of the\nmachine's, divided by its ranks. "
-             "Data beyond half of it go through "
-             "a scratch\nfile in $TMPDIR, where shift, gain and relief are not tried: the output\ndepends on it there. "
-             "Refused where the data take more at the least"},
+     .help = "memory that a process may use at most; default half of the machine's,\n"
+             "divided by its ranks. Data beyond half of it go through a scratch\n"
+             "file in $TMPDIR, and then shift, gain and relief are not tried: only\n"
+             "so does the output depend on it. Less than the data need is refused"},
     {.short_name = 'q',
      .name = "quiet",
      .type = CLI_FLAG,

@@ -33,8 +33,9 @@ static double scale_of(const scales *s, const char *stage) {
     const enc_stage_times *measured = &s->report.measured;
     const double took = enc_stage_time(measured, stage),
                  predicted = enc_stage_time(&s->report.predicted, stage);
-    if (predicted > 0 && isnan(took))
+    if (predicted > 0 && isnan(took)) {
         return 0; /* there, it was not needed */
+    }
     const double least =
         2e-3 * enc_stage_time(measured, "total"); /* shorter stages are not measured well */
     return took > least && predicted > 0 ? took / predicted : s->all;
@@ -45,20 +46,26 @@ static btf_result scales_of_report(const enc_context *context, const enc_job *jo
     const char *method = enc_method_name(job->method);
     const enc_stage_times *measured = &out->report.measured, *predicted = &out->report.predicted;
     const btf_result result = enc_report_times_read(context, path, &out->report);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
-    if (strcmp(out->report.method, method) != 0)
-        return enc_fail(context, BTF_ERROR_USAGE,
-                        "%s: is the report of an encode by --method %s, and the prediction is for %s", path,
-                        out->report.method, method);
+    }
+    if (strcmp(out->report.method, method) != 0) {
+        return enc_fail(
+            context, BTF_ERROR_USAGE,
+            "%s: is the report of an encode by --method %s, but the prediction is for --method %s", path,
+            out->report.method, method);
+    }
     double sum = 0;
-    for (size_t i = 0; i < predicted->count; i++)
-        if (!isnan(enc_stage_time(measured, predicted->of[i].stage)))
+    for (size_t i = 0; i < predicted->count; i++) {
+        if (!isnan(enc_stage_time(measured, predicted->of[i].stage))) {
             sum += predicted->of[i].seconds;
+        }
+    }
     out->all = enc_stage_time(measured, "total") / sum;
-    if (!(out->all > 0 && isfinite(out->all)))
+    if (!(out->all > 0 && isfinite(out->all))) {
         return enc_fail(context, BTF_ERROR_BAD_FILE,
                         "%s: core_seconds.total is 0, or no stage is both measured and predicted", path);
+    }
     return BTF_OK;
 }
 
@@ -72,23 +79,28 @@ static btf_result measure_machine(const enc_context *context, scales *out) {
     double product = 0, root = 0;
     int products = 0, passes = 0;
     const bool ok = a && b && c && roots;
-    for (size_t i = 0; ok && i < rows * PRODUCT; i++)
+    for (size_t i = 0; ok && i < rows * PRODUCT; i++) {
         a[i] = (float)(i % 7);
-    for (size_t i = 0; ok && i < columns * PRODUCT; i++)
+    }
+    for (size_t i = 0; ok && i < columns * PRODUCT; i++) {
         b[i] = (float)(i % 5);
-    for (size_t i = 0; ok && i < ROOTS; i++)
+    }
+    for (size_t i = 0; ok && i < ROOTS; i++) {
         roots[i] = (float)i;
+    }
     for (double begin = progress_core_clock(); ok && product < 0.4; products++) {
         enc_gemm_multiply(tile, PRODUCT, PRODUCT, PRODUCT, a, b, c, PRODUCT, 0);
         product = progress_core_clock() - begin;
     }
     for (double begin = progress_core_clock(); ok && root < 0.4; passes++) {
-        for (size_t i = 0; i < ROOTS; i++)
+        for (size_t i = 0; i < ROOTS; i++) {
             roots[i] = sqrtf(roots[i]);
+        }
         root = progress_core_clock() - begin;
     }
-    if (ok)
+    if (ok) {
         out->all = 0.5 * (product / products / product_seconds + root / passes / root_seconds);
+    }
     free(a);
     free(b);
     free(c);
@@ -103,12 +115,13 @@ static btf_result take_extent(void *user, const enc_context *context, const enc_
 }
 
 static void print_duration(FILE *out, double seconds) {
-    if (seconds < 600)
+    if (seconds < 600) {
         fprintf(out, "%.1f s", seconds);
-    else if (seconds < 36000)
+    } else if (seconds < 36000) {
         fprintf(out, "%.0f min", seconds / 60);
-    else
+    } else {
         fprintf(out, "%.1f h", seconds / 3600);
+    }
 }
 
 static void print_prediction(const enc_context *context, const enc_job *job, const enc_extent *e,
@@ -140,7 +153,10 @@ static void print_prediction(const enc_context *context, const enc_job *job, con
     fprintf(out, "  %-18s %10.1f core s", "total", total);
     fprintf(out, "; on %d idle cores at least ", context->threads);
     print_duration(out, total / context->threads);
-    fprintf(out, "\n  memory: --memory from %.3fG on; with %.3fG %.3f GB expected, scratch files %.3f GB\n",
+    fprintf(out,
+            "\n"
+            "  memory: needs --memory %.3fG at least; with %.3fG it is expected to use %.3f GB, and %.3f "
+            "GB in scratch files\n",
             (double)least * 1e-9, (double)context->memory * 1e-9, (double)use.peak * 1e-9,
             (double)use.scratch * 1e-9);
 }
@@ -155,8 +171,9 @@ btf_result enc_predict(const enc_context *context, const enc_job *job, const cha
     reading.least_memory = enc_memory_least(job->method);
     btf_result result =
         strcmp(from, "self") == 0 ? measure_machine(context, &s) : scales_of_report(context, job, from, &s);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     result = enc_read(&reading, job->input, &job->read, &data);
     enc_data_destroy(&data);
     if (result == BTF_ERROR_INTERRUPTED && extent.width > 0) {

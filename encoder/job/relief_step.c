@@ -177,9 +177,9 @@ btf_result enc_relief_step_take(const enc_context *context, const enc_data *data
     return enc_ranks_all(context, !relief || data->samples)
                ? BTF_OK
                : enc_fail(context, BTF_ERROR_USAGE,
-                          "the checkpoint has relief, found with the samples in memory, which --memory no "
-                          "longer "
-                          "allows: give what it was begun with, or begin anew");
+                          "the checkpoint holds relief that was found with all samples in memory, which "
+                          "--memory no longer allows: give the --memory of the first run, or remove the "
+                          "checkpoint and begin anew");
 }
 
 btf_result enc_relief_step_keep(const enc_context *context, const enc_data *data,

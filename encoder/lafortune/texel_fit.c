@@ -27,8 +27,9 @@ struct enc_fit_workspace {
     float *thin[PLANES]; /* a quarter of them */
 };
 
-/* Starting shapes, lobes apart from each other (prototype: identical or azimuth-symmetric ones never part
- * or part slowly). The first set has a mirror lobe and two slanted ones. */
+/* Starting shapes (Cx, Cy, Cz, n), lobes apart from each other: in a prototype identical ones, or ones symmetric
+ * in azimuth, never parted or parted slowly. The first set has a mirror lobe and two slanted ones. Four sets,
+ * competing on a quarter of the samples, gave BRICKS64 20.71 / 17.99 dB, one alone 20.69 / 17.98. */
 static const double start_shapes[ENC_FIT_MAX_STARTS][ENC_MAX_LOBES][4] = {
     {{-1.0, -1.0, 1.0, 8}, {0.8, -0.3, 0.6, 2}, {-0.3, 0.8, 0.6, 2}, {0.5, 0.5, 0.7, 3}},
     {{-0.9, -0.9, 0.9, 30}, {0.7, 0.7, 0.7, 4}, {-0.5, -0.5, 0.9, 1}, {0.3, -0.8, 0.6, 2}},
@@ -38,7 +39,8 @@ static const double start_shapes[ENC_FIT_MAX_STARTS][ENC_MAX_LOBES][4] = {
 static const double start_diffuse = 0.8;
 
 /* A lobe may be at most so many times its largest value at a sample: without a limit, sharp lobes settle
- * between the sampled directions or below the last ring, invisible but for one sample's flank. */
+ * between the sampled directions or below the last ring, invisible but for one sample's flank (of BRICKS64's RGB
+ * lobes, 3 % exceeded 1000 times). */
 static const double most_overshoot = 4;
 
 enc_fit_options enc_fit_options_default(void) {
@@ -65,7 +67,7 @@ btf_result enc_fit_workspace_create(size_t max_samples, enc_fit_workspace **out_
     const size_t full = padded_size(max_samples), thin = padded_size(max_samples / THINNING + 1);
     enc_fit_workspace *workspace = malloc(sizeof *workspace);
     float *memory = aligned_alloc(64, PLANES * (full + thin) * sizeof *memory);
-    if (workspace == NULL || memory == NULL) {
+    if (!workspace || !memory) {
         free(workspace);
         free(memory);
         return BTF_ERROR_MEMORY;
@@ -81,7 +83,7 @@ btf_result enc_fit_workspace_create(size_t max_samples, enc_fit_workspace **out_
 }
 
 void enc_fit_workspace_destroy(enc_fit_workspace **workspace) {
-    if (*workspace != NULL) {
+    if (*workspace) {
         free((*workspace)->memory);
         free(*workspace);
         *workspace = NULL;
@@ -130,7 +132,7 @@ static bool load_samples(enc_fit_workspace *workspace, const enc_fit_samples *sa
     float largest = 0;
     for (int c = 0; c < 3; c++) {
         for (size_t i = 0; i < samples->n; i++) {
-            if (samples->target[c][i] > largest && (samples->weight == NULL || samples->weight[i] > 0)) {
+            if (samples->target[c][i] > largest && (!samples->weight || samples->weight[i] > 0)) {
                 largest = samples->target[c][i];
             }
         }
@@ -143,7 +145,7 @@ static bool load_samples(enc_fit_workspace *workspace, const enc_fit_samples *sa
     float *const *array = workspace->full;
     double aa = 0, at[3] = {0}, tt[3] = {0};
     for (size_t i = 0; i < n; i++) {
-        const float root = samples->weight == NULL ? 1.0f : sqrtf(samples->weight[i]);
+        const float root = samples->weight ? sqrtf(samples->weight[i]) : 1.0f;
         const float multiplier = root * samples->multiplier[i];
         array[3][i] = multiplier;
         aa += (double)multiplier * (double)multiplier;
@@ -408,7 +410,7 @@ btf_result enc_fit_texel(enc_fit_workspace *workspace, const enc_fit_samples *sa
                          const enc_fit_options *options, const float *start, int starts,
                          float *out_parameters, enc_fit_result *out_result) {
     assert(options->lobes >= 1 && options->lobes <= ENC_MAX_LOBES);
-    assert(starts >= 0 && starts <= ENC_FIT_MAX_STARTS && (start != NULL || starts > 0));
+    assert(starts >= 0 && starts <= ENC_FIT_MAX_STARTS && (start || starts > 0));
     memset(out_parameters, 0, sizeof *out_parameters * enc_sbrdf_stride(options->lobes, options->rgb));
     *out_result = (enc_fit_result){0};
     enc_fit_problem p = {.lobes = options->lobes, .rgb = options->rgb};
@@ -420,7 +422,7 @@ btf_result enc_fit_texel(enc_fit_workspace *workspace, const enc_fit_samples *sa
     if (starts > 0) {
         result = best_fixed_start(workspace, &p, options, starts, &best);
     }
-    if (start != NULL && result == BTF_OK) {
+    if (start && result == BTF_OK) {
         result = descend_from(&p, options, start, &best);
     }
     if (result != BTF_OK) {

@@ -66,26 +66,33 @@ __attribute__((target("avx2,fma"))) static void part_avx2(size_t k, const float 
 
 __attribute__((target("avx2,fma"))) static void tile_avx2(size_t k, const float *a, const float *b,
                                                           float *tile) {
-    for (int n = 0; n < ENC_GEMM_N; n += 16)
-        for (int m = 0; m < ENC_GEMM_M; m += 6)
+    for (int n = 0; n < ENC_GEMM_N; n += 16) {
+        for (int m = 0; m < ENC_GEMM_M; m += 6) {
             part_avx2(k, a + m, b + n, tile + m * ENC_GEMM_N + n);
+        }
+    }
 }
 #endif
 
 static void tile_plain(size_t k, const float *a, const float *b, float *tile) {
     memset(tile, 0, ENC_GEMM_M * ENC_GEMM_N * sizeof *tile);
-    for (size_t p = 0; p < k; p++)
-        for (int m = 0; m < ENC_GEMM_M; m++)
-            for (int n = 0; n < ENC_GEMM_N; n++)
+    for (size_t p = 0; p < k; p++) {
+        for (int m = 0; m < ENC_GEMM_M; m++) {
+            for (int n = 0; n < ENC_GEMM_N; n++) {
                 tile[m * ENC_GEMM_N + n] += a[p * ENC_GEMM_M + m] * b[p * ENC_GEMM_N + n];
+            }
+        }
+    }
 }
 
 enc_gemm_tile enc_gemm_select(void) {
 #if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx512f"))
+    if (__builtin_cpu_supports("avx512f")) {
         return tile_avx512;
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
+    }
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
         return tile_avx2;
+    }
 #endif
     return tile_plain;
 }
@@ -96,12 +103,15 @@ static inline __attribute__((always_inline)) void pack_run(size_t count, size_t 
                                                            float *restrict packed) {
     for (size_t i = 0; i < count; i++) {
         const float *row = source + i * pitch;
-        for (size_t p = 0; p < run; p++)
+        for (size_t p = 0; p < run; p++) {
             packed[p * width + i] = row[p];
+        }
     }
-    for (size_t i = count; i < width; i++)
-        for (size_t p = 0; p < run; p++)
+    for (size_t i = count; i < width; i++) {
+        for (size_t p = 0; p < run; p++) {
             packed[p * width + i] = 0.0f;
+        }
+    }
 }
 
 void enc_gemm_pack_rows(size_t rows, size_t k, const float *source, size_t pitch, size_t width,
@@ -111,12 +121,13 @@ void enc_gemm_pack_rows(size_t rows, size_t k, const float *source, size_t pitch
         const size_t count = rows - first < width ? rows - first : width;
         for (size_t p = 0; p < k; p += RUN) {
             const float *from = source + first * pitch + p;
-            if (k - p >= RUN && width == ENC_GEMM_N)
+            if (k - p >= RUN && width == ENC_GEMM_N) {
                 pack_run(count, RUN, from, pitch, ENC_GEMM_N, packed + p * ENC_GEMM_N);
-            else if (k - p >= RUN && width == ENC_GEMM_M)
+            } else if (k - p >= RUN && width == ENC_GEMM_M) {
                 pack_run(count, RUN, from, pitch, ENC_GEMM_M, packed + p * ENC_GEMM_M);
-            else
+            } else {
                 pack_run(count, k - p < RUN ? k - p : RUN, from, pitch, width, packed + p * width);
+            }
         }
         packed += k * width;
     }
@@ -128,10 +139,12 @@ void enc_gemm_pack_columns(size_t rows, size_t k, const float *source, size_t pi
         const size_t count = rows - first < width ? rows - first : width;
         for (size_t p = 0; p < k; p++) {
             const float *column = source + p * pitch + first;
-            for (size_t i = 0; i < count; i++)
+            for (size_t i = 0; i < count; i++) {
                 packed[p * width + i] = column[i];
-            for (size_t i = count; i < width; i++)
+            }
+            for (size_t i = count; i < width; i++) {
                 packed[p * width + i] = 0.0f;
+            }
         }
         packed += k * width;
     }
@@ -149,19 +162,21 @@ void enc_gemm_multiply(enc_gemm_tile tile, size_t rows, size_t columns, size_t k
             for (size_t m = 0; m < height; m++) {
                 float *row = out + (m0 + m) * pitch + n0;
                 const float *from = block + m * ENC_GEMM_N;
-                if (accumulate)
-                    for (size_t n = 0; n < width; n++)
+                if (accumulate) {
+                    for (size_t n = 0; n < width; n++) {
                         row[n] += from[n];
-                else
+                    } } else {
                     memcpy(row, from, width * sizeof *row);
+                }
             }
         }
     }
 }
 
 float *enc_gemm_alloc(size_t count) {
-    if (count > SIZE_MAX / sizeof(float) - 64)
+    if (count > SIZE_MAX / sizeof(float) - 64) {
         return NULL;
+    }
     const size_t bytes = (count * sizeof(float) + 63) / 64 * 64;
     return aligned_alloc(64, bytes ? bytes : 64);
 }

@@ -32,10 +32,12 @@ ENC_INLINE float square_body(const float *a, const float *b, size_t stride) {
     }
     even += odd;
     float half[8];
-    for (int k = 0; k < 8; k++)
+    for (int k = 0; k < 8; k++) {
         half[k] = even[k] + even[k + 8];
-    for (int k = 0; k < 4; k++)
+    }
+    for (int k = 0; k < 4; k++) {
         half[k] += half[k + 4];
+    }
     return (half[0] + half[2]) + (half[1] + half[3]);
 }
 
@@ -54,10 +56,12 @@ ENC_TARGET_AVX512 static float square_avx512(const float *a, const float *b, siz
 static square_kernel choose_square(void) {
 #ifdef ENC_HAVE_X86_DISPATCH
     const enc_isa isa = enc_isa_current();
-    if (isa == ENC_ISA_AVX512)
+    if (isa == ENC_ISA_AVX512) {
         return square_avx512;
-    if (isa == ENC_ISA_AVX2)
+    }
+    if (isa == ENC_ISA_AVX2) {
         return square_avx2;
+    }
 #endif
     return square_base;
 }
@@ -71,18 +75,21 @@ typedef struct hashed_row {
 
 static int compare_rows(const void *a, const void *b) {
     const hashed_row *x = a, *y = b;
-    if (x->hash != y->hash)
+    if (x->hash != y->hash) {
         return x->hash < y->hash ? -1 : 1;
+    }
     return memcmp(x->row, y->row, x->bytes);
 }
 
 btf_result enc_kmeans_distinct(size_t n, size_t stride, const float *points, size_t *out_distinct) {
     *out_distinct = 0;
-    if (n == 0)
+    if (n == 0) {
         return BTF_OK;
+    }
     hashed_row *rows = malloc(n * sizeof *rows);
-    if (rows == NULL)
+    if (!rows) {
         return BTF_ERROR_MEMORY;
+    }
     for (size_t i = 0; i < n; i++) {
         uint64_t hash = 0;
         for (size_t d = 0; d < stride; d++) {
@@ -95,8 +102,9 @@ btf_result enc_kmeans_distinct(size_t n, size_t stride, const float *points, siz
     }
     qsort(rows, n, sizeof *rows, compare_rows);
     *out_distinct = 1;
-    for (size_t i = 1; i < n; i++)
+    for (size_t i = 1; i < n; i++) {
         *out_distinct += compare_rows(&rows[i - 1], &rows[i]) != 0;
+    }
     free(rows);
     return BTF_OK;
 }
@@ -107,13 +115,14 @@ btf_result enc_kmeans_nearest(size_t n, size_t stride, const float *points, size
     const square_kernel square = choose_square();
     float *norms = malloc(k * sizeof *norms);
     float *zero = calloc(stride, sizeof *zero);
-    if (norms == NULL || zero == NULL) {
+    if (!norms || !zero) {
         free(norms);
         free(zero);
         return BTF_ERROR_MEMORY;
     }
-    for (size_t j = 0; j < k; j++)
+    for (size_t j = 0; j < k; j++) {
         norms[j] = sqrtf(square(centres + j * stride, zero, stride));
+    }
     size_t changed = 0;
     for (size_t i = 0; i < n; i++) {
         const float *point = points + i * stride;
@@ -123,8 +132,9 @@ btf_result enc_kmeans_nearest(size_t n, size_t stride, const float *points, size
         for (size_t j = 0; j < k; j++) {
             /* || p - c || >= | ||p|| - ||c|| | */
             const float gap = fabsf(norm - norms[j]) - norm_rounding * (norm + norms[j]);
-            if (j == index[i] || (gap > 0 && gap * gap > least))
+            if (j == index[i] || (gap > 0 && gap * gap > least)) {
                 continue;
+            }
             const float d = square(point, centres + j * stride, stride);
             if (d < least || (d == least && j < nearest)) {
                 least = d;
@@ -133,13 +143,15 @@ btf_result enc_kmeans_nearest(size_t n, size_t stride, const float *points, size
         }
         changed += nearest != index[i];
         index[i] = nearest;
-        if (out_squares != NULL)
+        if (out_squares) {
             out_squares[i] = least;
+        }
     }
     free(norms);
     free(zero);
-    if (out_changed != NULL)
+    if (out_changed) {
         *out_changed = changed;
+    }
     return BTF_OK;
 }
 
@@ -155,17 +167,20 @@ static double next_random(uint64_t *state) {
 /* A point drawn with probability proportional to weights[n]; `n` when all are 0. */
 static size_t draw(size_t n, const float *weights, uint64_t *state) {
     double total = 0;
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < n; i++) {
         total += weights[i];
+    }
     double left = next_random(state) * total;
     size_t last = n;
     for (size_t i = 0; i < n; i++) {
-        if (weights[i] <= 0)
+        if (weights[i] <= 0) {
             continue;
+        }
         last = i;
         left -= weights[i];
-        if (left < 0)
+        if (left < 0) {
             break;
+        }
     }
     return last;
 }
@@ -176,8 +191,9 @@ static void far_apart(size_t n, size_t stride, const float *points, size_t k, ui
                       uint32_t *index, float *squares) {
     const square_kernel square = choose_square();
     uint64_t state = seed;
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < n; i++) {
         squares[i] = FLT_MAX;
+    }
     size_t chosen = (size_t)(next_random(&state) * (double)n);
     for (size_t j = 0; j < k; j++) {
         memcpy(centres + j * stride, points + chosen * stride, stride * sizeof *centres);
@@ -189,8 +205,9 @@ static void far_apart(size_t n, size_t stride, const float *points, size_t k, ui
             }
         }
         chosen = draw(n, squares, &state);
-        if (chosen == n) /* every point is a centre already */
+        if (chosen == n) { /* every point is a centre already */
             chosen = (j + 1) % n;
+        }
     }
 }
 
@@ -200,17 +217,23 @@ static size_t move_centres(size_t n, size_t stride, const float *points, size_t 
                            float *squares, double *sums, size_t *counts, float *centres) {
     size_t empty = 0;
     memset(counts, 0, k * sizeof *counts);
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < n; i++) {
         counts[index[i]]++;
+    }
     for (size_t j = 0; j < k; j++) {
-        if (counts[j] > 0)
+        if (counts[j] > 0) {
             continue;
+        }
         size_t farthest = n;
-        for (size_t i = 0; i < n; i++)
-            if (squares[i] > 0 && counts[index[i]] > 1 && (farthest == n || squares[i] > squares[farthest]))
+        for (size_t i = 0; i < n; i++) {
+            if (squares[i] > 0 && counts[index[i]] > 1 &&
+                (farthest == n || squares[i] > squares[farthest])) {
                 farthest = i;
-        if (farthest == n)
+            }
+        }
+        if (farthest == n) {
             continue;
+        }
         counts[index[farthest]]--;
         index[farthest] = (uint32_t)j;
         squares[farthest] = 0;
@@ -220,26 +243,34 @@ static size_t move_centres(size_t n, size_t stride, const float *points, size_t 
     memset(sums, 0, k * stride * sizeof *sums);
     for (size_t i = 0; i < n; i++) {
         double *sum = sums + index[i] * stride;
-        for (size_t d = 0; d < stride; d++)
+        for (size_t d = 0; d < stride; d++) {
             sum[d] += (double)points[i * stride + d];
+        }
     }
-    for (size_t j = 0; j < k; j++)
-        for (size_t d = 0; d < stride && counts[j] > 0; d++)
+    for (size_t j = 0; j < k; j++) {
+        for (size_t d = 0; d < stride && counts[j] > 0; d++) {
             centres[j * stride + d] = (float)(sums[j * stride + d] / (double)counts[j]);
+        }
+    }
     return empty;
 }
 
 /* Replaces each centre by its member nearest to it, the first among equals. members[k] is scratch. */
 static void snap_centres(size_t n, size_t stride, const float *points, size_t k, const uint32_t *index,
                          const float *squares, size_t *members, float *centres) {
-    for (size_t j = 0; j < k; j++)
+    for (size_t j = 0; j < k; j++) {
         members[j] = n;
-    for (size_t i = 0; i < n; i++)
-        if (members[index[i]] == n || squares[i] < squares[members[index[i]]])
+    }
+    for (size_t i = 0; i < n; i++) {
+        if (members[index[i]] == n || squares[i] < squares[members[index[i]]]) {
             members[index[i]] = i;
-    for (size_t j = 0; j < k; j++)
-        if (members[j] < n)
+        }
+    }
+    for (size_t j = 0; j < k; j++) {
+        if (members[j] < n) {
             memcpy(centres + j * stride, points + members[j] * stride, stride * sizeof *centres);
+        }
+    }
 }
 
 btf_result enc_kmeans(size_t n, size_t stride, const float *points, size_t k, int iterations, uint64_t seed,
@@ -249,15 +280,17 @@ btf_result enc_kmeans(size_t n, size_t stride, const float *points, size_t k, in
     double *sums = malloc(k * stride * sizeof *sums);
     size_t *counts = malloc(k * sizeof *counts);
     btf_result result = squares && sums && counts ? BTF_OK : BTF_ERROR_MEMORY;
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         far_apart(n, stride, points, k, seed, out_centres, index, squares);
+    }
     size_t changed = 1, empty = 1;
     for (int round = 0; result == BTF_OK && round < iterations && (changed > 0 || empty > 0); round++) {
         empty = move_centres(n, stride, points, k, index, squares, sums, counts, out_centres);
         result = enc_kmeans_nearest(n, stride, points, k, out_centres, index, squares, &changed);
     }
-    if (result == BTF_OK && data_points)
+    if (result == BTF_OK && data_points) {
         snap_centres(n, stride, points, k, index, squares, counts, out_centres);
+    }
     free(squares);
     free(sums);
     free(counts);

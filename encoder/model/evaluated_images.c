@@ -15,8 +15,9 @@ static btf_result view_images(const void *user, int view, float *out) {
     enc_evaluated_neighbours *around = malloc(lights * sizeof *around);
     enc_evaluated_texel *texel = enc_evaluated_texel_create(images->evaluator, 0);
     const btf_result result = around && texel ? BTF_OK : BTF_ERROR_MEMORY;
-    for (size_t l = 0; result == BTF_OK && l < lights; l++)
+    for (size_t l = 0; result == BTF_OK && l < lights; l++) {
         around[l] = enc_evaluated_look_up(images->evaluator, shape->lights[l].xyz, to_viewer);
+    }
     for (size_t t = 0; result == BTF_OK && t < texels; t++) {
         enc_evaluated_texel_move(texel, t);
         for (size_t l = 0; l < lights; l++) {

@@ -54,13 +54,16 @@ static btf_result load_factors(const enc_context *context, const btf_material *m
         e->components = enc_store_list(info->factor_classes, e->units);
         e->w = malloc(pairs * e->components * sizeof *e->w);
     }
-    if (!e->w)
+    if (!e->w) {
         return enc_fail(context, BTF_ERROR_MEMORY, "decoding: out of memory for %zu components",
                         e->components);
-    for (size_t i = 0; i < e->n_units; i++)
-        for (size_t p = 0; p < pairs; p++)
+    }
+    for (size_t i = 0; i < e->n_units; i++) {
+        for (size_t p = 0; p < pairs; p++) {
             enc_store_w_levels(&e->units[i], directions + (i * pairs + p) * ENC_STORE_WORDS,
                                e->w + p * e->components + e->units[i].first);
+        }
+    }
     return BTF_OK;
 }
 
@@ -69,31 +72,37 @@ btf_result enc_evaluator_create(const enc_context *context, const btf_material *
     btf_material_info info = {.struct_size = sizeof info};
     enc_evaluator *e = calloc(1, sizeof *e);
     *out_evaluator = NULL;
-    if (!e)
+    if (!e) {
         return enc_fail(context, BTF_ERROR_MEMORY, "decoding: out of memory");
+    }
     btf_result result = btf_material_get_info(material, &info);
     reference_view(material, level, &e->reference);
-    if (level >= info.relief_end) /* so that it is not asked for, which would be slow */
+    if (level >= info.relief_end) { /* so that it is not asked for, which would be slow */
         e->reference.effects &= ~(uint32_t)BTF_EFFECT_RELIEF;
+    }
     e->level = (int32_t)level;
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = btf_evaluator_create(material, &context->log, &e->library);
+    }
     const uint32_t others =
         info.effects & ~(uint32_t)(BTF_EFFECT_RESIDUAL | BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BETWEEN);
     e->fast = info.store == BTF_STORE_FACTORS && others == 0 && info.colour == BTF_COLOUR_NONE &&
               info.layout == BTF_LAYOUT_TIGHT;
-    if (result == BTF_OK && e->fast)
+    if (result == BTF_OK && e->fast) {
         result = load_factors(context, material, level, &info, e);
-    if (result != BTF_OK)
+    }
+    if (result != BTF_OK) {
         enc_evaluator_destroy(&e);
+    }
     *out_evaluator = e;
     return result;
 }
 
 void enc_evaluator_destroy(enc_evaluator **evaluator) {
     enc_evaluator *e = evaluator ? *evaluator : NULL;
-    if (!e)
+    if (!e) {
         return;
+    }
     btf_evaluator_destroy(&e->library);
     free(e->units);
     free(e->w);
@@ -118,8 +127,9 @@ void enc_evaluator_many(const enc_evaluator *e, const btf_ref_options *options,
         .filter = options->filter == BTF_REF_BILINEAR ? BTF_FILTER_BILINEAR
                   : options->filter == BTF_REF_STEEP  ? BTF_FILTER_STEEP
                                                       : BTF_FILTER_TEXEL};
-    for (int i = 0; i < CHUNK; i++)
+    for (int i = 0; i < CHUNK; i++) {
         levels[i] = e->level;
+    }
     for (size_t first = 0; first < evaluations->count; first += CHUNK) {
         btf_evaluations part = *evaluations;
         const size_t step = part.stride ? part.stride : 3;
@@ -154,23 +164,26 @@ void enc_evaluated_texel_move(enc_evaluated_texel *t, size_t texel) {
 
 enc_evaluated_texel *enc_evaluated_texel_create(const enc_evaluator *e, size_t texel) {
     enc_evaluated_texel *t = calloc(1, sizeof *t);
-    if (!t)
+    if (!t) {
         return NULL;
+    }
     t->evaluator = e;
     enc_evaluated_texel_move(t, texel);
     if (e->fast) {
         t->u = malloc(SOURCES * e->components * sizeof *t->u);
         t->scratch = malloc(e->components * sizeof *t->scratch);
-        if (!t->u || !t->scratch)
+        if (!t->u || !t->scratch) {
             enc_evaluated_texel_destroy(&t);
+        }
     }
     return t;
 }
 
 void enc_evaluated_texel_destroy(enc_evaluated_texel **texel) {
     enc_evaluated_texel *t = texel ? *texel : NULL;
-    if (!t)
+    if (!t) {
         return;
+    }
     free(t->u);
     free(t->scratch);
     free(t);
@@ -180,9 +193,11 @@ void enc_evaluated_texel_destroy(enc_evaluated_texel **texel) {
 /* Levels of u of a texel, [component]. */
 static const int16_t *levels_of(enc_evaluated_texel *t, size_t source) {
     const enc_evaluator *e = t->evaluator;
-    for (size_t i = 0; i < t->sources; i++)
-        if (t->source[i] == source)
+    for (size_t i = 0; i < t->sources; i++) {
+        if (t->source[i] == source) {
             return t->u + i * e->components;
+        }
+    }
     const size_t at = t->sources < SOURCES ? t->sources++ : t->oldest;
     t->oldest = (at + 1) % SOURCES;
     t->source[at] = source;
@@ -221,8 +236,9 @@ static point point_of(const enc_evaluated_texel *t, uint32_t view, uint32_t effe
         const size_t entry = m->point_indices[view / 2 * texels + own] >> (view % 2 * 4) & 15;
         return packed_point(t, m->point_lists + 2 * (entry * texels + own), effects);
     }
-    if (m->points_packed)
+    if (m->points_packed) {
         return packed_point(t, m->points + 2 * at, effects);
+    }
     const uint32_t code = m->effects & BTF_EFFECT_GAIN ? m->gain[at] : BTF_GAIN_ONE;
     const bool shift = m->effects & effects & BTF_EFFECT_SHIFT && code > 0;
     const bool gain = m->effects & effects & BTF_EFFECT_GAIN && code > 0;
@@ -243,18 +259,21 @@ typedef struct lit {
 ENC_CLONES static void weigh(size_t count, const int16_t *u, const lit *lights, int32_t *out) {
     const int16_t *const *w = lights->w;
     const int32_t *weight = lights->weight;
-    if (lights->count == 1)
-        for (size_t i = 0; i < count; i++)
+    if (lights->count == 1) {
+        for (size_t i = 0; i < count; i++) {
             out[i] = u[i] * (weight[0] * w[0][i]);
-    else
-        for (size_t i = 0; i < count; i++)
+        } } else {
+        for (size_t i = 0; i < count; i++) {
             out[i] = u[i] * (weight[0] * w[0][i] + weight[1] * w[1][i] + weight[2] * w[2][i]);
+        }
+    }
 }
 
 ENC_CLONES static int32_t sum(size_t count, const int32_t *values) {
     int32_t total = 0;
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; i++) {
         total += values[i];
+    }
     return total;
 }
 
@@ -316,8 +335,9 @@ static void add_view(const enc_evaluator *e, const float r[3], float m, float ga
 static lit lights_of(const enc_evaluator *e, uint32_t view, const btf_ref_neighbours *lights) {
     lit out = {0, {e->w, e->w, e->w}, {0, 0, 0}};
     for (int b = 0; b < 3; b++) {
-        if (lights->weight[b] == 0)
+        if (lights->weight[b] == 0) {
             continue;
+        }
         out.w[out.count] = e->w + ((size_t)view * e->reference.n_lights + lights->index[b]) * e->components;
         out.weight[out.count++] = (int32_t)lights->weight[b];
     }
@@ -340,8 +360,9 @@ static void evaluate_view(enc_evaluated_texel *t, uint32_t effects, uint32_t vie
     int tier = 0;
     size_t next = count; /* the smallest count that is still to come is at next - 1 */
     for (size_t i = 0; i < most; i++) {
-        for (; tier < e->units[i].tier; tier++)
+        for (; tier < e->units[i].tier; tier++) {
             finish_tier(&s, views, tier);
+        }
         add_unit(&e->units[i], e->scales + i * ENC_STORE_WORDS, t->scratch + e->units[i].first, s.tier);
         for (; next > 0 && (components[next - 1] == i + 1 || i + 1 == most); next--) {
             float r[3];
@@ -367,11 +388,12 @@ static void evaluate_factors(enc_evaluated_texel *t, const btf_ref_options *opti
     for (int a = 0; a < 3; a++) {
         const btf_ref_neighbours *of_view = at->apart ? &at->lights[a] : at->lights;
         const btf_ref_neighbours lights = nearest ? btf_ref_nearest(*of_view) : *of_view;
-        if (views.weight[a] > 0)
+        if (views.weight[a] > 0) {
             evaluate_view(t, options->effects, views.index[a], views.weight[a], &lights, m, components,
                           count, out);
+        }
     }
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; i++) {
         for (int c = 0; c < 3; c++) {
             float x = out[i][c];
             if (e->roots) {
@@ -380,15 +402,18 @@ static void evaluate_factors(enc_evaluated_texel *t, const btf_ref_options *opti
             }
             out[i][c] = x * e->reference.radiance_scale;
         }
+    }
 }
 
 /* Whether the view is a sampled direction to the bit: a neighbour is then shifted by nothing, weighs 4096
  * and has the pixel's own lights. */
 static bool view_is_sample(const enc_evaluator *e, const enc_evaluated_at *at) {
     const float *vectors = e->reference.view_vectors;
-    for (int a = 0; a < 3; a++)
-        if (at->views->weight[a] == 4096)
+    for (int a = 0; a < 3; a++) {
+        if (at->views->weight[a] == 4096) {
             return memcmp(vectors + 4 * (size_t)at->views->index[a], at->view, 3 * sizeof *vectors) == 0;
+        }
+    }
     return false;
 }
 

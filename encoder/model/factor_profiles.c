@@ -24,8 +24,9 @@ struct enc_factor_profiles {
 
 void enc_factor_profiles_destroy(enc_factor_profiles **profiles) {
     enc_factor_profiles *p = profiles ? *profiles : NULL;
-    if (!p)
+    if (!p) {
         return;
+    }
     for (int c = 0; c < CHANNELS; c++) {
         free(p->member[c]);
         free(p->w[c]);
@@ -40,13 +41,15 @@ void enc_factor_profiles_destroy(enc_factor_profiles **profiles) {
 }
 
 static void list_members(enc_factor_profiles *p) {
-    for (size_t i = 0; i < p->n_units; i++)
-        for (int k = 0; k < ENC_STORE_WORDS; k++)
+    for (size_t i = 0; i < p->n_units; i++) {
+        for (int k = 0; k < ENC_STORE_WORDS; k++) {
             for (int n = 0; n < p->units[i].word; n++) {
                 const int channel = p->units[i].channel[k];
                 p->member[channel][p->count[channel]++] =
                     p->units[i].first + (size_t)(k * p->units[i].word + n);
             }
+        }
+    }
 }
 
 /* Levels of w of the view times their scales, a row a light: rows[channel][light][count]. */
@@ -77,11 +80,13 @@ static bool pack_w(enc_factor_profiles *p, size_t view) {
         p->w[c] = enc_gemm_alloc(enc_gemm_panels(p->lights, ENC_GEMM_N) * ENC_GEMM_N * p->count[c] + 1);
         ok = ok && rows[c] && p->w[c];
     }
-    if (ok)
+    if (ok) {
         fill_rows(p, view, rows);
+    }
     for (int c = 0; c < CHANNELS; c++) {
-        if (ok)
+        if (ok) {
             enc_gemm_pack_rows(p->lights, p->count[c], rows[c], p->count[c], ENC_GEMM_N, p->w[c]);
+        }
         free(rows[c]);
     }
     return ok;
@@ -90,8 +95,9 @@ static bool pack_w(enc_factor_profiles *p, size_t view) {
 enc_factor_profiles *enc_factor_profiles_create(const enc_solution *solution, size_t view, uint32_t units) {
     uint32_t classes[BTF_FACTOR_CLASSES][3];
     enc_factor_profiles *p = calloc(1, sizeof *p);
-    if (!p)
+    if (!p) {
         return NULL;
+    }
     enc_store_truncate(solution->factors.classes, units, classes);
     p->solution = solution;
     p->lights = (size_t)solution->n_lights;
@@ -108,21 +114,24 @@ enc_factor_profiles *enc_factor_profiles_create(const enc_solution *solution, si
         p->result = malloc(CHANNELS * ENC_FACTOR_BLOCK * p->lights * sizeof *p->result);
         ok = p->levels && p->u && p->packed && p->result;
     }
-    for (int c = 0; c < CHANNELS && ok; c++)
+    for (int c = 0; c < CHANNELS && ok; c++) {
         ok = (p->member[c] = malloc(p->components * sizeof *p->member[c]));
+    }
     if (ok) {
         list_members(p);
         ok = pack_w(p, view);
     }
-    if (!ok)
+    if (!ok) {
         enc_factor_profiles_destroy(&p);
+    }
     return p;
 }
 
 /* Levels of u of one channel, a row a texel. */
 static void gather_channel(const enc_factor_profiles *p, const int16_t *levels, int channel, float *row) {
-    for (size_t n = 0; n < p->count[channel]; n++)
+    for (size_t n = 0; n < p->count[channel]; n++) {
         row[n] = (float)levels[p->member[channel][n]];
+    }
 }
 
 /* Y, C1 and C2 of a profile to R, G, B. */
@@ -143,14 +152,16 @@ void enc_factor_profiles_get(enc_factor_profiles *p, const size_t *sources, size
                              p->u + ENC_FACTOR_BLOCK * (p->count[0] + p->count[1])};
     for (size_t i = 0; i < count; i++) {
         enc_store_texel_levels(p->units, p->n_units, f->texels, texels, sources[i], p->levels);
-        for (int c = 0; c < CHANNELS; c++)
+        for (int c = 0; c < CHANNELS; c++) {
             gather_channel(p, p->levels, c, rows[c] + i * p->count[c]);
+        }
     }
     for (int c = 0; c < CHANNELS; c++) {
         enc_gemm_pack_rows(count, p->count[c], rows[c], p->count[c], ENC_GEMM_M, p->packed);
         enc_gemm_multiply(p->tile, count, p->lights, p->count[c], p->packed, p->w[c],
                           p->result + (size_t)c * ENC_FACTOR_BLOCK * p->lights, p->lights, 0);
     }
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; i++) {
         to_rgb(p, i, out + i * CHANNELS * p->lights);
+    }
 }

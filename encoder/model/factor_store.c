@@ -22,15 +22,17 @@ static uint32_t smaller(uint32_t a, uint32_t b) {
 
 uint32_t enc_store_units(const uint32_t classes[BTF_FACTOR_CLASSES][3]) {
     uint32_t units = 0;
-    for (int c = 0; c < BTF_FACTOR_CLASSES; c++)
+    for (int c = 0; c < BTF_FACTOR_CLASSES; c++) {
         units += classes[c][0];
+    }
     return units;
 }
 
 uint32_t enc_store_layers(const uint32_t classes[BTF_FACTOR_CLASSES][3]) {
     uint32_t layers = 0;
-    for (int c = 0; c < BTF_FACTOR_CLASSES; c++)
+    for (int c = 0; c < BTF_FACTOR_CLASSES; c++) {
         layers += classes[c][0] * enc_factor_classes[c].u_texels;
+    }
     return layers;
 }
 
@@ -74,9 +76,11 @@ static int16_t level(uint32_t field, int bits) {
 
 void enc_store_w_levels(const enc_factor_unit *unit, const uint32_t words[ENC_STORE_WORDS], int16_t *out) {
     const int bits = enc_factor_classes[unit->class].bits_w;
-    for (int k = 0; k < ENC_STORE_WORDS; k++)
-        for (int i = 0; i < unit->word; i++)
+    for (int k = 0; k < ENC_STORE_WORDS; k++) {
+        for (int i = 0; i < unit->word; i++) {
             *out++ = bits == 8 ? (int8_t)(words[k] >> (8 * i)) : level(words[k] >> (bits * i), bits);
+        }
+    }
 }
 
 enc_store_place enc_store_place_of_u(int class, int i) {

@@ -8,13 +8,15 @@
 #include <stdlib.h>
 
 btf_result enc_occlusion_create(int n_views, size_t n_texels, enc_occlusion **out_occlusion) {
-    assert(out_occlusion != NULL);
+    assert(out_occlusion);
     *out_occlusion = NULL;
-    if (n_views < 1 || n_texels < 1 || n_texels > SIZE_MAX / 16 / (size_t)n_views)
+    if (n_views < 1 || n_texels < 1 || n_texels > SIZE_MAX / 16 / (size_t)n_views) {
         return BTF_ERROR_USAGE;
+    }
     enc_occlusion *o = calloc(1, sizeof *o);
-    if (o == NULL)
+    if (!o) {
         return BTF_ERROR_MEMORY;
+    }
     const size_t n = (size_t)n_views * n_texels;
     o->n_views = n_views;
     o->n_texels = n_texels;
@@ -32,8 +34,9 @@ btf_result enc_occlusion_create(int n_views, size_t n_texels, enc_occlusion **ou
 }
 
 void enc_occlusion_destroy(enc_occlusion **occlusion) {
-    if (occlusion == NULL || *occlusion == NULL)
+    if (!occlusion || !*occlusion) {
         return;
+    }
     free((*occlusion)->shift);
     free((*occlusion)->hidden);
     free((*occlusion)->hidden_voted);
@@ -47,8 +50,9 @@ size_t enc_occlusion_hidden_count(const enc_occlusion *occlusion, int view) {
     const size_t first = view < 0 ? 0 : (size_t)view * occlusion->n_texels;
     const size_t n = view < 0 ? (size_t)occlusion->n_views * occlusion->n_texels : occlusion->n_texels;
     size_t count = 0;
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < n; i++) {
         count += occlusion->hidden[first + i] != 0;
+    }
     return count;
 }
 
@@ -65,9 +69,11 @@ int enc_occlusion_wrap(int delta, int size) {
 
 int enc_occlusion_compare_shift(const int8_t a[2], const int8_t b[2]) {
     const int la = a[0] * a[0] + a[1] * a[1], lb = b[0] * b[0] + b[1] * b[1];
-    if (la != lb)
+    if (la != lb) {
         return la < lb ? -1 : 1;
-    if (a[1] != b[1])
+    }
+    if (a[1] != b[1]) {
         return a[1] < b[1] ? -1 : 1;
+    }
     return (a[0] > b[0]) - (a[0] < b[0]);
 }

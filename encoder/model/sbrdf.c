@@ -15,7 +15,7 @@ btf_result enc_sbrdf_create(size_t n_texels, int lobes, bool rgb, enc_sbrdf **ou
     }
     enc_sbrdf *sbrdf = malloc(sizeof *sbrdf);
     float *values = calloc(n_texels * enc_sbrdf_stride(lobes, rgb), sizeof *values);
-    if (sbrdf == NULL || values == NULL) {
+    if (!sbrdf || !values) {
         free(sbrdf);
         free(values);
         return BTF_ERROR_MEMORY;
@@ -26,7 +26,7 @@ btf_result enc_sbrdf_create(size_t n_texels, int lobes, bool rgb, enc_sbrdf **ou
 }
 
 void enc_sbrdf_destroy(enc_sbrdf **sbrdf) {
-    if (*sbrdf != NULL) {
+    if (*sbrdf) {
         free((*sbrdf)->values);
         free(*sbrdf);
         *sbrdf = NULL;

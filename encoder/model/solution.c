@@ -56,8 +56,9 @@ void enc_level_clear(enc_solution *level) {
 }
 
 void enc_levels_clear(enc_levels *levels) {
-    for (int i = 0; i + 1 < levels->count && levels->level; i++)
+    for (int i = 0; i + 1 < levels->count && levels->level; i++) {
         enc_level_clear(&levels->level[i]);
+    }
     free(levels->level);
     *levels = (enc_levels){0};
 }

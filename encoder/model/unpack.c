@@ -306,17 +306,20 @@ btf_result enc_levels_unpack(const enc_context *context, const btf_material *mat
                              const enc_solution *base, enc_levels *out_levels) {
     btf_material_info info = {.struct_size = sizeof info};
     btf_result result = btf_material_get_info(material, &info);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     *out_levels =
         (enc_levels){.count = (int)info.levels, .level = calloc(info.levels, sizeof(enc_solution))};
     if (!out_levels->level) {
         *out_levels = (enc_levels){0};
         return enc_fail(context, BTF_ERROR_MEMORY, "levels: out of memory");
     }
-    for (uint32_t i = 1; i < info.levels && result == BTF_OK; i++)
+    for (uint32_t i = 1; i < info.levels && result == BTF_OK; i++) {
         result = enc_unpack_level(context, material, i, base, &out_levels->level[i - 1]);
-    if (result != BTF_OK)
+    }
+    if (result != BTF_OK) {
         enc_levels_clear(out_levels);
+    }
     return result;
 }

@@ -137,10 +137,7 @@ static btf_result apply_all(const pass *p) {
 #pragma omp parallel for schedule(dynamic, 4) num_threads(p->context->threads) if (work)
     for (size_t t = begin; t < (work ? end : begin); t++) {
         const btf_result mine = apply_texel(p, t, work + enc_thread_index() * p->each);
-        if (mine != BTF_OK) {
-#pragma omp atomic write
-            result = mine;
-        }
+        enc_keep_worse(&result, mine);
         enc_stage_step(p->context, 1);
     }
     free(work);

@@ -21,7 +21,8 @@ enum {
 };
 
 /* Strengths for views and lights, rising. Lights take stronger fits than views, since shading changes
- * faster with the light than parallax does with the view. */
+ * faster with the light than parallax does with the view. Those of the ladder are the ones that paid on
+ * BRICKS64, btf-sample and UBO_IMPALLA64 (FIT.md). */
 static const int ladder[ENC_FIT_CANDIDATES][2] = {{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 4}, {4, 5}, {4, 6}};
 
 typedef struct sums {
@@ -230,10 +231,7 @@ static btf_result judge(const job *j, enc_fit_choice *choice) {
 #pragma omp parallel for schedule(dynamic) num_threads(j->context->threads) if (each)
     for (size_t i = 0; i < (each ? texels : 0); i++) {
         const btf_result mine = judge_texel(j, i, texels, &each[i]);
-        if (mine != BTF_OK) {
-#pragma omp atomic write
-            result = mine;
-        }
+        enc_keep_worse(&result, mine);
     }
     for (size_t i = 0; result == BTF_OK && i < texels; i++) {
         for (int k = 1; k < ENC_FIT_CANDIDATES; k++) {

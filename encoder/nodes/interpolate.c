@@ -32,8 +32,9 @@ static btf_result make_tables(const enc_context *context, const enc_direction *d
     static const int8_t texel[4] = {0};
     static const float scales[4] = {1, 0, 0, 0}, pole[3] = {0, 0, 1};
     float xyz[ENC_MAX_DIRECTIONS][3];
-    for (int i = 0; i < count; i++)
+    for (int i = 0; i < count; i++) {
         memcpy(xyz[i], directions[i].xyz, sizeof xyz[i]);
+    }
     btf_material_desc desc = {.struct_size = sizeof desc,
                               .info = {.struct_size = sizeof desc.info,
                                        .layout = BTF_LAYOUT_TIGHT,
@@ -71,10 +72,11 @@ static btf_result make_spline(const enc_context *context, const char *name, cons
     const btf_result result = enc_spline_create(
         directions, out->count, out->kind == ENC_INTERPOLATE_CUBIC ? ENC_KERNEL_CUBIC : ENC_KERNEL_THIN_PLATE,
         &out->spline);
-    if (result == BTF_ERROR_UNSUPPORTED)
+    if (result == BTF_ERROR_UNSUPPORTED) {
         return enc_fail(context, result,
                         "%d %s are too few for a spline, or lie in one line: three that do not are needed",
                         out->count, name);
+    }
     return result;
 }
 
@@ -88,12 +90,14 @@ btf_result enc_interpolator_create(const enc_context *context, const char *name,
         made->kind = kind;
         made->count = count;
     }
-    if (result == BTF_OK && !is_spline(kind))
+    if (result == BTF_OK && !is_spline(kind)) {
         result = make_tables(context, directions, count, made);
-    else if (result == BTF_OK && count > 1) /* of a single sample, the weight is 1 */
+    } else if (result == BTF_OK && count > 1) { /* of a single sample, the weight is 1 */
         result = make_spline(context, name, directions, made);
-    if (result != BTF_OK)
+    }
+    if (result != BTF_OK) {
         enc_interpolator_destroy(&made);
+    }
     *out_interpolator = made;
     return result == BTF_ERROR_MEMORY
                ? enc_fail(context, result, "interpolation of %d %s: out of memory", count, name)
@@ -101,8 +105,9 @@ btf_result enc_interpolator_create(const enc_context *context, const char *name,
 }
 
 void enc_interpolator_destroy(enc_interpolator **interpolator) {
-    if (!interpolator || !*interpolator)
+    if (!interpolator || !*interpolator) {
         return;
+    }
     btf_material_close(&(*interpolator)->tables);
     enc_spline_destroy(&(*interpolator)->spline);
     free(*interpolator);
@@ -113,12 +118,14 @@ static void table_weights(const enc_interpolator *s, const float to[3], enc_weig
     int32_t q[2];
     btf_ref_project(to, q);
     btf_ref_neighbours near = btf_ref_lookup(s->table, s->grid, q);
-    if (s->kind == ENC_INTERPOLATE_NEAREST)
+    if (s->kind == ENC_INTERPOLATE_NEAREST) {
         near = btf_ref_nearest(near);
+    }
     out->count = 0;
     for (int i = 0; i < 3; i++) {
-        if (near.weight[i] == 0)
+        if (near.weight[i] == 0) {
             continue;
+        }
         out->index[out->count] = near.index[i];
         out->weight[out->count++] = (float)near.weight[i] * 0x1p-12f;
     }
@@ -126,18 +133,21 @@ static void table_weights(const enc_interpolator *s, const float to[3], enc_weig
 
 static void spline_weights(const enc_interpolator *s, const float to[3], enc_weights *out) {
     out->count = s->count;
-    for (int i = 0; i < s->count; i++)
+    for (int i = 0; i < s->count; i++) {
         out->index[i] = (uint32_t)i;
+    }
     out->weight[0] = 1;
-    if (s->spline)
+    if (s->spline) {
         enc_spline_weights(s->spline, to, out->weight);
+    }
 }
 
 void enc_interpolator_weights(const enc_interpolator *interpolator, const float to[3], enc_weights *out) {
-    if (is_spline(interpolator->kind))
+    if (is_spline(interpolator->kind)) {
         spline_weights(interpolator, to, out);
-    else
+    } else {
         table_weights(interpolator, to, out);
+    }
 }
 
 double enc_nearest_angle(const enc_direction *directions, int count, const float to[3]) {

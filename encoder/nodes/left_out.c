@@ -18,8 +18,9 @@ static bool reaches(const enc_direction *directions, int count, int i, const enc
     enc_stereographic(directions[i].xyz, own);
     for (int k = 0; k < count; k++) {
         enc_stereographic(directions[k].xyz, other);
-        if (k != i)
+        if (k != i) {
             least = fmin(least, hypot(other[0] - own[0], other[1] - own[1]));
+        }
     }
     for (int k = 0; k < w->count; k++) {
         enc_stereographic(directions[w->index[k]].xyz, other);
@@ -44,15 +45,19 @@ static btf_result without(const enc_context *context, const enc_direction *direc
                           enc_weights *out) {
     enc_direction others[ENC_MAX_DIRECTIONS];
     enc_interpolator *made = NULL;
-    for (int k = 0, n = 0; k < count; k++)
-        if (k != i)
+    for (int k = 0, n = 0; k < count; k++) {
+        if (k != i) {
             others[n++] = directions[k];
+        }
+    }
     const btf_result result =
         enc_interpolator_create(context, "directions", others, count - 1, ENC_INTERPOLATE_LINEAR, &made);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         enc_interpolator_weights(made, directions[i].xyz, out);
-    for (int k = 0; result == BTF_OK && k < out->count; k++)
+    }
+    for (int k = 0; result == BTF_OK && k < out->count; k++) {
         out->index[k] += out->index[k] >= (uint32_t)i;
+    }
     enc_interpolator_destroy(&made);
     return result;
 }
@@ -64,15 +69,13 @@ btf_result enc_left_out_make(const enc_context *context, const enc_direction *di
     btf_result result = BTF_OK;
     enc_weights *w = malloc((size_t)count * sizeof *w);
     out->count = 0;
-    if (!w)
+    if (!w) {
         return enc_fail(context, BTF_ERROR_MEMORY, "leave-one-out: out of memory");
+    }
 #pragma omp parallel for schedule(dynamic) num_threads(used->threads)
     for (int i = 0; i < count; i++) {
         const btf_result mine = count > 1 ? without(context, directions, count, i, &w[i]) : BTF_OK;
-        if (mine != BTF_OK) {
-#pragma omp atomic write
-            result = mine;
-        }
+        enc_keep_worse(&result, mine);
     }
     for (int i = 0; result == BTF_OK && count > 1 && i < count; i++) {
         if (reaches(directions, count, i, &w[i])) {

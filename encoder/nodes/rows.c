@@ -97,10 +97,7 @@ static btf_result make_left_out(const enc_context *context, const enc_direction 
         const size_t at = i * (size_t)left->count / count;
         const btf_result mine = leave(context, directions, r->n, left->index[at], &left->near[at],
                                       rows + i * ENC_STRENGTHS * n, usable[i]);
-        if (mine != BTF_OK) {
-#pragma omp atomic write
-            result = mine;
-        }
+        enc_keep_worse(&result, mine);
     }
     for (size_t i = 0; i < count; i++) {
         r->sample[ENC_ROWS_LEFT_OUT][i] = left->index[i * (size_t)left->count / count];

@@ -33,6 +33,8 @@ static void place(const enc_spline *s, const float xyz[3], double out[2]) {
     out[1] = (out[1] - s->centre[1]) * s->scale;
 }
 
+/* r^2 log r, of which the spline bends least in the plane, or r^3, which is smoother (Duchon 1977: two
+ * dimensions, m = 2, s = 0 and 1/2). */
 static double kernel(enc_kernel kind, const double a[2], const double b[2]) {
     const double x = a[0] - b[0], y = a[1] - b[1], square = x * x + y * y;
     if (kind == ENC_KERNEL_CUBIC) {

@@ -13,7 +13,8 @@
 #include <openbtf/material.h>
 #include <stdlib.h>
 
-static const double hidden_share = 0.01; /* of points, below which clusters are not worth a try */
+/* Share of points, below which clusters are not worth a try; set by hand: btf-sample flat has none hidden. */
+static const double hidden_share = 0.01;
 
 static double clipped(double value, double peak) {
     return value < peak ? value : peak;
@@ -39,8 +40,9 @@ double enc_paper_texel_error(const enc_data *data, const enc_solution *s, const 
             moved ? enc_occlusion_source(data->width, data->height, texel, occlusion->shift[2 * point],
                                          occlusion->shift[2 * point + 1])
                   : texel;
-        if (!hidden)
+        if (!hidden) {
             enc_sbrdf_evaluate(s->sbrdf, source, data->views[view].xyz, (int)n, x, y, z, model);
+        }
         for (size_t p = 0; p < 3 * n; p++) {
             const size_t l = p % n;
             double value;
@@ -50,8 +52,9 @@ double enc_paper_texel_error(const enc_data *data, const enc_solution *s, const 
                 value = root * root;
             } else {
                 value = (double)model[p] * z[l];
-                if (effects & BTF_EFFECT_SHADOW)
+                if (effects & BTF_EFFECT_SHADOW) {
                     value *= s->shadow[l * texels + source] * (double)s->shadow_scale;
+                }
             }
             const double difference = clipped(value, peak) - clipped((double)truth[p], peak);
             sum += difference * difference;
@@ -72,28 +75,29 @@ btf_result enc_paper_sample(const enc_context *context, const enc_data *data, en
     {
         float *buffer = malloc((stride + 3 * (size_t)data->n_lights) * sizeof *buffer);
         btf_result mine = result;
-        if (mine == BTF_OK && !buffer)
+        if (mine == BTF_OK && !buffer) {
             mine = enc_fail(context, BTF_ERROR_MEMORY, "effects: out of memory");
+        }
 #pragma omp for schedule(dynamic)
         for (size_t i = begin; i < end; i++) {
             const float *samples;
             const size_t texel = i * texels / count;
-            if (mine == BTF_OK)
+            if (mine == BTF_OK) {
                 mine = enc_data_texels(context, data, texel, 1, buffer, &samples);
-            if (mine == BTF_OK)
+            }
+            if (mine == BTF_OK) {
                 fn(user, texel, samples, buffer + stride, found + i * numbers);
+            }
         }
         free(buffer);
-        if (mine != BTF_OK) {
-#pragma omp critical(paper_effects)
-            result = mine;
-        }
+        enc_keep_worse(&result, mine);
     }
     result = enc_ranks_gather(context, result, found, numbers * sizeof *found, count);
     for (size_t k = 0; k < numbers; k++) {
         out[k] = 0.0;
-        for (size_t i = 0; i < count && result == BTF_OK; i++)
+        for (size_t i = 0; i < count && result == BTF_OK; i++) {
             out[k] += found[i * numbers + k] / ((double)count * (double)stride);
+        }
     }
     free(found);
     return result;
@@ -141,8 +145,9 @@ void enc_paper_note(const enc_context *context, const enc_data *data, const enc_
                              .psnr = error > 1e-10 ? -10.0 * log10(error) : 100.0,
                              .core_seconds = progress_core_clock() - since,
                              .verdict = verdict};
-    if (stats->trials_count < ENC_MAX_TRIALS)
+    if (stats->trials_count < ENC_MAX_TRIALS) {
         stats->trials[stats->trials_count++] = trial;
+    }
     enc_log(context, BTF_LOG_INFO, "paper: effects %s on %d texels: %.2f dB, %s",
             cli_effects_text(effects, text), ENC_PAPER_SAMPLE, trial.psnr, verdict);
 }
@@ -167,10 +172,12 @@ btf_result enc_paper_probe(const enc_context *context, const enc_data *data,
     enc_stage_begin(context, "probe", 1);
     flow.lights = ENC_PAPER_PROBE_LIGHTS < data->n_lights ? ENC_PAPER_PROBE_LIGHTS : data->n_lights;
     btf_result result = enc_paper_error(context, data, solution, NULL, without, &still);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = enc_flow_vote(&quiet, data, &flow, &occlusion);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = enc_paper_error(context, data, solution, occlusion, with, &moved);
+    }
     if (result == BTF_OK) {
         const double points = (double)enc_data_texel_count(data) * data->n_views;
         const double share = (double)enc_occlusion_hidden_count(occlusion, -1) / points;
@@ -180,7 +187,7 @@ btf_result enc_paper_probe(const enc_context *context, const enc_data *data,
         enc_paper_note(context, data, solution, without, still, start, *out_promising ? "probe" : "enough",
                        stats);
         enc_paper_note(context, data, solution, with, moved, start,
-                       *out_promising ? "probe: worth a try" : "probe: left out", stats);
+                       *out_promising ? "probe: worth trying" : "probe: left out", stats);
     }
     enc_occlusion_destroy(&occlusion);
     enc_stage_end(context);
@@ -193,9 +200,10 @@ btf_result enc_paper_choose(const enc_context *context, const enc_data *data,
     static const uint32_t single[] = {BTF_EFFECT_SHADOW, BTF_EFFECT_SHIFT, BTF_EFFECT_HIDDEN};
     double start = progress_core_clock(), present;
     btf_result result = enc_paper_error(context, data, solution, occlusion, solution->effects, &present);
-    if (result == BTF_OK)
-        enc_paper_note(context, data, solution, solution->effects, present, start, "all that were found",
+    if (result == BTF_OK) {
+        enc_paper_note(context, data, solution, solution->effects, present, start, "all effects found",
                        stats);
+    }
     for (bool again = true; again && result == BTF_OK;) {
         double least = HUGE_VAL, error_without = 0.0;
         uint32_t candidate = 0;
@@ -203,12 +211,14 @@ btf_result enc_paper_choose(const enc_context *context, const enc_data *data,
         for (int i = 0; i < 3 && result == BTF_OK; i++) {
             const uint32_t without = solution->effects & ~single[i];
             double error;
-            if (without == solution->effects)
+            if (without == solution->effects) {
                 continue;
+            }
             start = progress_core_clock();
             result = enc_paper_error(context, data, solution, occlusion, without, &error);
-            if (result != BTF_OK)
+            if (result != BTF_OK) {
                 break;
+            }
             const uint64_t bytes =
                 map_bytes(data, solution, solution->effects) - map_bytes(data, solution, without);
             const double loss = worth(options, present, error, bytes);

@@ -24,18 +24,22 @@ enum {
 /* The fraction of a centre that is left to a view after whole centres are dealt. */
 static size_t most_left(int n_views, const size_t *distinct, const size_t *shares, const double *left) {
     size_t best = (size_t)n_views;
-    for (size_t v = 0; v < (size_t)n_views; v++)
-        if (shares[v] < distinct[v] && (best == (size_t)n_views || left[v] > left[best]))
+    for (size_t v = 0; v < (size_t)n_views; v++) {
+        if (shares[v] < distinct[v] && (best == (size_t)n_views || left[v] > left[best])) {
             best = v;
+        }
+    }
     return best;
 }
 
 /* Sum over views of clamp(factor * hidden, 1, distinct), views without hidden points left out. */
 static double clamped_sum(int n_views, const size_t *hidden, const size_t *distinct, double factor) {
     double sum = 0;
-    for (int v = 0; v < n_views; v++)
-        if (hidden[v] > 0)
+    for (int v = 0; v < n_views; v++) {
+        if (hidden[v] > 0) {
             sum += fmin(fmax(factor * (double)hidden[v], 1), (double)distinct[v]);
+        }
+    }
     return sum;
 }
 
@@ -50,14 +54,16 @@ void enc_cluster_shares(int n_views, const size_t *hidden, const size_t *distinc
         out_shares[v] = 0;
     }
     const size_t k = k_total < all_distinct ? k_total : all_distinct;
-    if (k == 0)
+    if (k == 0) {
         return;
+    }
     double left[ENC_MAX_DIRECTIONS];
     assert(n_views <= ENC_MAX_DIRECTIONS);
     size_t dealt = 0;
     if (k < active) { /* one each, to those with most */
-        for (int v = 0; v < n_views; v++)
+        for (int v = 0; v < n_views; v++) {
             left[v] = (double)hidden[v];
+        }
     } else {
         bool bound = false;
         for (int v = 0; v < n_views; v++) {
@@ -71,10 +77,11 @@ void enc_cluster_shares(int n_views, const size_t *hidden, const size_t *distinc
             double low = 0, high = (double)k;
             for (int i = 0; i < 200; i++) {
                 const double middle = 0.5 * (low + high);
-                if (clamped_sum(n_views, hidden, distinct, middle) <= (double)k)
+                if (clamped_sum(n_views, hidden, distinct, middle) <= (double)k) {
                     low = middle;
-                else
+                } else {
                     high = middle;
+                }
             }
             dealt = 0;
             for (int v = 0; v < n_views; v++) {
@@ -127,8 +134,9 @@ static btf_result sort_points(const cluster_stage *s, view_points *p) {
     size_t *order = malloc(p->n * sizeof *order), *texels = malloc(p->n * sizeof *texels);
     float *rows = malloc(p->n * s->stride * sizeof *rows);
     btf_result result = order && texels && rows ? BTF_OK : BTF_ERROR_MEMORY;
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = enc_cluster_split(p->n, s->stride, p->rows, MOST_POINTS, order, p->first, &p->parts);
+    }
     for (size_t i = 0; i < p->n && result == BTF_OK; i++) {
         texels[i] = p->texels[order[i]];
         memcpy(rows + i * s->stride, p->rows + order[i] * s->stride, s->stride * sizeof *rows);
@@ -155,8 +163,9 @@ static btf_result points_of_view(const cluster_stage *s, int view, view_points *
     const uint8_t *hidden = s->occlusion->hidden + (size_t)view * s->n_texels;
     view_points p = {.n = enc_occlusion_hidden_count(s->occlusion, view)};
     *out = p;
-    if (p.n == 0)
+    if (p.n == 0) {
         return BTF_OK;
+    }
     p.first = malloc((p.n / MOST_POINTS * 2 + 3) * sizeof *p.first);
     p.texels = malloc(p.n * sizeof *p.texels);
     p.rows = calloc(p.n * s->stride, sizeof *p.rows);
@@ -168,9 +177,11 @@ static btf_result points_of_view(const cluster_stage *s, int view, view_points *
         return BTF_ERROR_MEMORY;
     }
     size_t n = 0;
-    for (size_t t = 0; t < s->n_texels; t++)
-        if (hidden[t])
+    for (size_t t = 0; t < s->n_texels; t++) {
+        if (hidden[t]) {
             p.texels[n++] = t;
+        }
+    }
     btf_result result = enc_profiles_of_texels(s->context, s->data, view, p.n, p.texels, profiles);
     const size_t n_lights = (size_t)s->data->n_lights, lanes = enc_profile_lanes(s->data->n_lights);
     for (size_t i = 0; result == BTF_OK && i < p.n; i++) {
@@ -198,8 +209,9 @@ static btf_result points_of_view(const cluster_stage *s, int view, view_points *
 static btf_result count_view(const cluster_stage *s, int view) {
     view_points points;
     btf_result result = points_of_view(s, view, &points);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = enc_kmeans_distinct(points.n, s->stride, points.rows, &s->distinct[view]);
+    }
     s->hidden[view] = points.n;
     points_free(&points);
     return result;
@@ -207,18 +219,20 @@ static btf_result count_view(const cluster_stage *s, int view) {
 
 /* Second pass: the view's centres, as floats. */
 static btf_result find_centres(const cluster_stage *s, int view) {
-    if (s->shares[view] == 0)
+    if (s->shares[view] == 0) {
         return BTF_OK;
+    }
     view_points points;
     btf_result result = points_of_view(s, view, &points);
     for (size_t part = 0; result == BTF_OK && part < points.parts; part++) {
         const size_t begin = points.first[part], count = points.first[part + 1] - begin;
         const size_t centre = part_centre(s, view, &points, part);
         const size_t k = part_centre(s, view, &points, part + 1) - centre;
-        if (k > 0)
+        if (k > 0) {
             result = enc_kmeans(count, s->stride, points.rows + begin * s->stride, k, s->options.iterations,
                                 s->options.seed + (uint64_t)view, s->options.data_points,
                                 s->centres + (s->first[view] + centre) * s->stride, points.index + begin);
+        }
     }
     points_free(&points);
     return result;
@@ -241,9 +255,10 @@ static btf_result choose_centres(const cluster_stage *s, int view) {
         result =
             enc_kmeans_nearest(end - begin, s->stride, points.rows + begin * s->stride, k > 0 ? k : s->k,
                                s->centres + first * s->stride, points.index + begin, NULL, NULL);
-        for (size_t i = begin; result == BTF_OK && i < end; i++)
+        for (size_t i = begin; result == BTF_OK && i < end; i++) {
             s->occlusion->centre[(size_t)view * s->n_texels + points.texels[i]] =
                 (uint16_t)(first + points.index[i]);
+        }
     }
     points_free(&points);
     return result;
@@ -259,9 +274,7 @@ static btf_result for_each_view(const cluster_stage *s, btf_result (*pass)(const
     for (int view = (int)begin; view < (int)end; view++) {
         btf_result mine = enc_cancelled(s->context) ? BTF_ERROR_INTERRUPTED : pass(s, view);
         enc_stage_step(s->context, 1);
-#pragma omp critical(enc_cluster_result)
-        if (mine > result)
-            result = mine;
+        enc_keep_worse(&result, mine);
     }
     return result;
 }
@@ -270,8 +283,9 @@ static btf_result for_each_view(const cluster_stage *s, btf_result (*pass)(const
 static btf_result share_centres(const cluster_stage *s, btf_result result) {
     const size_t size = (size_t)enc_ranks_count(s->context), views = (size_t)s->data->n_views;
     size_t *bounds = malloc((size + 1) * sizeof *bounds), first, end;
-    if (bounds == NULL)
+    if (!bounds) {
         return BTF_ERROR_MEMORY;
+    }
     bounds[size] = s->k;
     for (size_t r = 0; r < size; r++) {
         enc_ranks_range_of(s->context, (int)r, views, &first, &end);
@@ -287,16 +301,19 @@ static btf_result share_centres(const cluster_stage *s, btf_result result) {
 static btf_result make_codes(const cluster_stage *s, enc_centres *out) {
     const size_t n_lights = (size_t)s->data->n_lights;
     float most = 0;
-    for (size_t i = 0; i < s->k * s->stride; i++)
+    for (size_t i = 0; i < s->k * s->stride; i++) {
         most = fmaxf(most, s->centres[i]);
-    if (s->options.linear)
+    }
+    if (s->options.linear) {
         most = sqrtf(most);
+    }
     out->scale = most > 0 ? fminf(fmaxf(most / 255.0f, 0x1p-24f), 0x1p24f) : 1.0f / 255.0f;
     out->k = (int)s->k;
     out->n_lights = s->data->n_lights;
     out->codes = malloc(s->k > 0 ? s->k * s->dimensions : 1);
-    if (out->codes == NULL)
+    if (!out->codes) {
         return BTF_ERROR_MEMORY;
+    }
     for (size_t j = 0; j < s->k; j++) {
         for (size_t c = 0; c < 3; c++) {
             for (size_t l = 0; l < n_lights; l++) {
@@ -317,21 +334,25 @@ static btf_result cluster_views(cluster_stage *s, int k_total, enc_centres *cent
     btf_result result = for_each_view(s, count_view);
     result = enc_ranks_gather(s->context, result, s->hidden, sizeof *s->hidden, views);
     result = enc_ranks_gather(s->context, result, s->distinct, sizeof *s->distinct, views);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     enc_cluster_shares(s->data->n_views, s->hidden, s->distinct, (size_t)k_total, s->shares);
     for (int v = 0; v < s->data->n_views; v++) {
         s->first[v] = s->k;
         s->k += s->shares[v];
     }
     s->centres = calloc(s->k > 0 ? s->k * s->stride : 1, sizeof *s->centres);
-    if (s->centres == NULL)
+    if (!s->centres) {
         return BTF_ERROR_MEMORY;
+    }
     result = share_centres(s, for_each_view(s, find_centres));
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = make_codes(s, centres);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = for_each_view(s, choose_centres);
+    }
     return enc_ranks_gather(s->context, result, s->occlusion->centre,
                             s->n_texels * sizeof *s->occlusion->centre, views);
 }
@@ -342,19 +363,26 @@ btf_result enc_cluster(const enc_context *context, const enc_data *data, const e
     assert(occlusion->n_texels == enc_data_texel_count(data) && occlusion->n_views == data->n_views);
     *out_centres = NULL;
     cluster_stage s = {.context = context, .data = data, .occlusion = occlusion};
-    if (options != NULL)
+    if (options) {
         s.options = *options;
-    if (s.options.iterations == 0)
+    }
+    if (s.options.iterations == 0) {
         s.options.iterations = DEFAULT_ITERATIONS;
-    if (s.options.seed == 0)
+    }
+    if (s.options.seed == 0) {
         s.options.seed = 1;
+    }
     const size_t hidden = enc_occlusion_hidden_count(occlusion, -1);
-    if (k_total < 0 || k_total > MAX_CENTRES || (k_total == 0 && hidden > 0))
+    if (k_total < 0 || k_total > MAX_CENTRES || (k_total == 0 && hidden > 0)) {
         return enc_fail(context, BTF_ERROR_USAGE,
                         "cluster: %d centres for %zu hidden points, expected 1..%d", k_total, hidden,
                         MAX_CENTRES);
-    if (s.options.iterations < 0)
-        return enc_fail(context, BTF_ERROR_USAGE, "cluster: %d iterations", s.options.iterations);
+    }
+    if (s.options.iterations < 0) {
+        return enc_fail(context, BTF_ERROR_USAGE,
+                        "cluster: %d iterations, expected at least 0 (0: the default)",
+                        s.options.iterations);
+    }
     const size_t n_views = (size_t)data->n_views;
     s.n_texels = occlusion->n_texels;
     s.dimensions = 3 * (size_t)data->n_lights;
@@ -384,8 +412,9 @@ btf_result enc_cluster(const enc_context *context, const enc_data *data, const e
     free(s.centres);
     if (result != BTF_OK) {
         enc_centres_destroy(&centres);
-        if (result == BTF_ERROR_INTERRUPTED)
+        if (result == BTF_ERROR_INTERRUPTED) {
             return result;
+        }
         return enc_fail(context, result, "cluster: %zu hidden points: %s", hidden, btf_result_text(result));
     }
     *out_centres = centres;
@@ -393,8 +422,9 @@ btf_result enc_cluster(const enc_context *context, const enc_data *data, const e
 }
 
 void enc_centres_destroy(enc_centres **centres) {
-    if (centres == NULL || *centres == NULL)
+    if (!centres || !*centres) {
         return;
+    }
     free((*centres)->codes);
     free(*centres);
     *centres = NULL;

@@ -24,8 +24,9 @@ typedef struct splitter {
 
 static int by_place(const void *a, const void *b) {
     const placed_row *x = a, *y = b;
-    if (x->along != y->along)
+    if (x->along != y->along) {
         return x->along < y->along ? -1 : 1;
+    }
     return (x->row > y->row) - (x->row < y->row);
 }
 
@@ -37,8 +38,9 @@ static int by_row(const void *a, const void *b) {
 /* Inner product of a row, less the mean, with the direction. */
 static double along(const splitter *s, const float *row) {
     double sum = 0;
-    for (size_t d = 0; d < s->stride; d++)
+    for (size_t d = 0; d < s->stride; d++) {
         sum += ((double)row[d] - s->mean[d]) * s->direction[d];
+    }
     return sum;
 }
 
@@ -46,18 +48,22 @@ static double along(const splitter *s, const float *row) {
 static void find_direction(splitter *s, const size_t *rows, size_t n) {
     double farthest = -1;
     memset(s->mean, 0, s->stride * sizeof *s->mean);
-    for (size_t i = 0; i < n; i++)
-        for (size_t d = 0; d < s->stride; d++)
+    for (size_t i = 0; i < n; i++) {
+        for (size_t d = 0; d < s->stride; d++) {
             s->mean[d] += (double)s->points[rows[i] * s->stride + d] / (double)n;
+        }
+    }
     for (size_t i = 0; i < n; i++) {
         const float *row = s->points + rows[i] * s->stride;
         double square = 0;
-        for (size_t d = 0; d < s->stride; d++)
+        for (size_t d = 0; d < s->stride; d++) {
             square += ((double)row[d] - s->mean[d]) * ((double)row[d] - s->mean[d]);
+        }
         if (square > farthest) {
             farthest = square;
-            for (size_t d = 0; d < s->stride; d++)
+            for (size_t d = 0; d < s->stride; d++) {
                 s->direction[d] = (double)row[d] - s->mean[d];
+            }
         }
     }
     for (int step = 0; step < POWER_STEPS; step++) {
@@ -66,15 +72,17 @@ static void find_direction(splitter *s, const size_t *rows, size_t n) {
         for (size_t i = 0; i < n; i++) {
             const float *row = s->points + rows[i] * s->stride;
             const double weight = along(s, row);
-            for (size_t d = 0; d < s->stride; d++)
+            for (size_t d = 0; d < s->stride; d++) {
                 s->next[d] += weight * ((double)row[d] - s->mean[d]);
+            }
         }
         for (size_t d = 0; d < s->stride; d++) {
             const double size = s->next[d] < 0 ? -s->next[d] : s->next[d];
             largest = size > largest ? size : largest;
         }
-        for (size_t d = 0; d < s->stride && largest > 0; d++)
+        for (size_t d = 0; d < s->stride && largest > 0; d++) {
             s->direction[d] = s->next[d] / largest;
+        }
     }
 }
 
@@ -88,11 +96,13 @@ static void split(splitter *s, size_t begin, size_t end) {
         return;
     }
     find_direction(s, rows, n);
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < n; i++) {
         s->placed[i] = (placed_row){along(s, s->points + rows[i] * s->stride), rows[i]};
+    }
     qsort(s->placed, n, sizeof *s->placed, by_place);
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < n; i++) {
         rows[i] = s->placed[i].row;
+    }
     split(s, begin, begin + n / 2);
     split(s, begin + n / 2, end);
 }
@@ -106,8 +116,9 @@ btf_result enc_cluster_split(size_t n, size_t stride, const float *points, size_
     if (result == BTF_OK) {
         s.direction = s.mean + stride;
         s.next = s.direction + stride;
-        for (size_t i = 0; i < n; i++)
+        for (size_t i = 0; i < n; i++) {
             out_order[i] = i;
+        }
         split(&s, 0, n);
         out_first[s.parts] = n;
         *out_parts = s.parts;

@@ -37,14 +37,16 @@ static void fit_diffuse(const enc_data *data, bool rgb, const float *samples, fl
         for (size_t l = 0; l < lights; l++) {
             const double cosine = fmax((double)enc_data_light(data, view, l)->xyz[2], 0.0);
             aa += cosine * cosine;
-            for (size_t c = 0; c < 3; c++)
+            for (size_t c = 0; c < 3; c++) {
                 at[c] += cosine * fmax((double)profile[c * lights + l], 0.0);
+            }
         }
     }
     const double largest = fmax(at[0], fmax(at[1], at[2]));
     const bool lit = aa > 0.0 && largest > 0.0;
-    for (size_t c = 0; c < 3; c++)
+    for (size_t c = 0; c < 3; c++) {
         out[c] = !lit ? 0.0f : storable(at[c] / (rgb ? aa : largest));
+    }
     out[3] = !lit ? 0.0f : storable(largest / aa);
 }
 
@@ -59,17 +61,20 @@ typedef struct comparison {
 static void count_texel(const void *user, size_t texel, const float *samples, float *scratch, double *out) {
     const comparison *c = user;
     (void)texel, (void)scratch;
-    for (size_t i = 0; i < enc_data_texel_stride(c->data); i++)
-        for (int k = 0; k < OCTAVES && samples[i] > ldexpf(1.0f, k); k++)
+    for (size_t i = 0; i < enc_data_texel_stride(c->data); i++) {
+        for (int k = 0; k < OCTAVES && samples[i] > ldexpf(1.0f, k); k++) {
             out[k] += 1.0;
+        }
+    }
 }
 
 static btf_result find_peak(const enc_context *context, comparison *c) {
     double share[OCTAVES];
     const btf_result result = enc_paper_sample(context, c->data, count_texel, c, OCTAVES, share);
     int k = 0;
-    while (k < OCTAVES && share[k] > stray)
+    while (k < OCTAVES && share[k] > stray) {
         k++;
+    }
     c->peak = ldexp(1.0, k);
     return result;
 }
@@ -103,15 +108,17 @@ static btf_result fit_all(const enc_context *context, const enc_data *data, enc_
     {
         float *buffer = data->samples ? NULL : malloc(enc_data_texel_stride(data) * sizeof *buffer);
         btf_result mine = buffer || data->samples ? BTF_OK : BTF_ERROR_MEMORY;
-        if (mine != BTF_OK)
+        if (mine != BTF_OK) {
             enc_fail(context, mine, "diffuse fit: out of memory");
+        }
 #pragma omp for schedule(dynamic, 16)
         for (size_t texel = begin; texel < end; texel++) {
             const float *samples;
             float diffuse[4];
-            if (mine == BTF_OK)
+            if (mine == BTF_OK) {
                 mine = enc_cancelled(context) ? BTF_ERROR_INTERRUPTED
                                               : enc_data_texels(context, data, texel, 1, buffer, &samples);
+            }
             if (mine == BTF_OK) {
                 fit_diffuse(data, sbrdf->rgb, samples, diffuse);
                 memset(sbrdf->values + texel * stride, 0, stride * sizeof *sbrdf->values);
@@ -119,10 +126,7 @@ static btf_result fit_all(const enc_context *context, const enc_data *data, enc_
             }
         }
         free(buffer);
-        if (mine != BTF_OK) {
-#pragma omp critical(paper_fallback)
-            result = mine;
-        }
+        enc_keep_worse(&result, mine);
     }
     return enc_ranks_gather(context, result, sbrdf->values, stride * sizeof *sbrdf->values,
                             sbrdf->n_texels);
@@ -130,8 +134,9 @@ static btf_result fit_all(const enc_context *context, const enc_data *data, enc_
 
 /* Maps that change nothing. */
 static void blank(enc_solution *s, enc_occlusion *occlusion) {
-    if (s->shadow)
+    if (s->shadow) {
         memset(s->shadow, 255, (size_t)s->n_lights * enc_solution_texels(s));
+    }
     if (occlusion) {
         const size_t points = (size_t)occlusion->n_views * occlusion->n_texels;
         memset(occlusion->shift, 0, 2 * points * sizeof *occlusion->shift);
@@ -147,25 +152,30 @@ btf_result enc_paper_fallback(const enc_context *context, const enc_data *data,
     const double start = progress_core_clock();
     double sums[SUMS];
     btf_result result = find_peak(context, &c);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = enc_paper_sample(context, data, compare_texel, &c, SUMS, sums);
-    if (result != BTF_OK || !(sums[FOUND] > sums[DIFFUSE] * (1.0 + tie) + sums[ENERGY] * nothing))
+    }
+    if (result != BTF_OK || !(sums[FOUND] > sums[DIFFUSE] * (1.0 + tie) + sums[ENERGY] * nothing)) {
         return result;
+    }
     result = fit_all(context, data, solution->sbrdf);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     enc_log(context, BTF_LOG_WARNING,
             "paper: the model found has %.4g times the squared error of the diffuse fit alone, so the "
             "diffuse fit is taken",
             sums[FOUND] / fmax(sums[DIFFUSE], 1e-30));
     blank(solution, occlusion);
-    if (options->choose)
+    if (options->choose) {
         solution->effects = 0;
+    }
     stats->diffuse = true;
     double error;
     result = enc_paper_error(context, data, solution, occlusion, solution->effects, &error);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         enc_paper_note(context, data, solution, solution->effects, error, start, "diffuse fit: taken",
                        stats);
+    }
     return result;
 }

@@ -31,7 +31,7 @@ static void geometry_free(geometry *g) {
 static btf_result geometry_make(const enc_data *data, bool square_root, geometry *out) {
     const size_t lights = (size_t)data->n_lights, n = (size_t)data->n_views * lights;
     float *memory = malloc(4 * n * sizeof *memory);
-    if (memory == NULL) {
+    if (!memory) {
         return BTF_ERROR_MEMORY;
     }
     *out = (geometry){.n = n, .memory = memory, .multiplier = memory + 3 * n};
@@ -75,10 +75,10 @@ static btf_result worker_make(const enc_data *data, size_t n, worker *out) {
     if (result != BTF_OK) {
         return result;
     }
-    out->chunk = data->samples != NULL ? NULL : malloc(CHUNK * enc_data_texel_stride(data) * sizeof(float));
+    out->chunk = data->samples ? NULL : malloc(CHUNK * enc_data_texel_stride(data) * sizeof(float));
     out->memory = malloc(13 * n * sizeof(float));
     out->rejected = malloc(n * sizeof(bool));
-    if ((data->samples == NULL && out->chunk == NULL) || out->memory == NULL || out->rejected == NULL) {
+    if ((!data->samples && !out->chunk) || !out->memory || !out->rejected) {
         worker_free(out);
         return BTF_ERROR_MEMORY;
     }
@@ -273,7 +273,7 @@ btf_result enc_fit(const enc_context *context, const enc_data *data, const enc_f
     geometry g = {0};
     enc_sbrdf *sbrdf = NULL;
     texel_stats *stats = calloc(texels, sizeof *stats);
-    result = stats == NULL ? BTF_ERROR_MEMORY : geometry_make(data, options->square_root, &g);
+    result = !stats ? BTF_ERROR_MEMORY : geometry_make(data, options->square_root, &g);
     if (result == BTF_OK) {
         result = enc_sbrdf_create(texels, options->lobes, options->rgb, &sbrdf);
     }
@@ -294,15 +294,14 @@ btf_result enc_fit(const enc_context *context, const enc_data *data, const enc_f
                 }
             }
             worker_free(&w);
-#pragma omp critical(enc_fit_result)
-            result = result == BTF_OK ? mine : result;
+            enc_keep_worse(&result, mine);
         }
         const size_t stride = enc_sbrdf_stride(sbrdf->lobes, sbrdf->rgb);
         result = enc_ranks_gather(context, result, sbrdf->values, stride * sizeof *sbrdf->values, texels);
         result = enc_ranks_gather(context, result, stats, sizeof *stats, texels);
         enc_stage_end(context);
     }
-    if (result == BTF_OK && out_stats != NULL) {
+    if (result == BTF_OK && out_stats) {
         add_stats(stats, texels, g.n, out_stats);
     }
     free(stats);

@@ -22,38 +22,50 @@ enum {
 
 static enc_flow_options with_defaults(const enc_flow_options *given) {
     enc_flow_options o = {0};
-    if (given != NULL)
+    if (given) {
         o = *given;
-    if (o.hidden_threshold == 0)
+    }
+    if (o.hidden_threshold == 0) {
         o.hidden_threshold = 0.7f;
-    if (o.miss == 0)
+    }
+    if (o.miss == 0) {
         o.miss = 1.0f;
-    if (o.difference == 0)
+    }
+    if (o.difference == 0) {
         o.difference = 0.35f;
-    if (o.padding == 0)
+    }
+    if (o.padding == 0) {
         o.padding = MIN_PADDING;
-    if (o.depth == 0)
+    }
+    if (o.depth == 0) {
         o.depth = 0.15f;
-    if (o.rise == 0)
+    }
+    if (o.rise == 0) {
         o.rise = 0.03f;
+    }
     return o;
 }
 
 static btf_result check_options(const enc_context *context, const enc_flow_options *o) {
-    if (!(o->hidden_threshold > 0 && o->hidden_threshold <= 1))
+    if (!(o->hidden_threshold > 0 && o->hidden_threshold <= 1)) {
         return enc_fail(context, BTF_ERROR_USAGE, "flow: hidden threshold %g, expected 0..1",
                         (double)o->hidden_threshold);
-    if (!(o->miss > 0) || !(o->difference > 0))
+    }
+    if (!(o->miss > 0) || !(o->difference > 0)) {
         return enc_fail(context, BTF_ERROR_USAGE, "flow: miss %g and difference %g must be positive",
                         (double)o->miss, (double)o->difference);
-    if (o->padding < MIN_PADDING || o->padding > 4096)
+    }
+    if (o->padding < MIN_PADDING || o->padding > 4096) {
         return enc_fail(context, BTF_ERROR_USAGE, "flow: padding %d, expected %d..4096", o->padding,
                         MIN_PADDING);
-    if (!(o->depth > 0 && o->depth <= 16) || !(o->rise > 0 && o->rise <= 16))
+    }
+    if (!(o->depth > 0 && o->depth <= 16) || !(o->rise > 0 && o->rise <= 16)) {
         return enc_fail(context, BTF_ERROR_USAGE, "flow: depth %g and rise %g, expected 0..16 tiles",
                         (double)o->depth, (double)o->rise);
-    if (o->lights < 0)
+    }
+    if (o->lights < 0) {
         return enc_fail(context, BTF_ERROR_USAGE, "flow: %d lights vote, expected at least 0", o->lights);
+    }
     return BTF_OK;
 }
 
@@ -63,24 +75,29 @@ btf_result enc_flow_pair(const enc_context *context, int width, int height, cons
     assert(width > 0 && height > 0 && target && top && out_flow && out_hidden);
     const enc_flow_options o = with_defaults(options);
     btf_result result = check_options(context, &o);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     enc_flow_worker worker;
     enc_flow_image images[2] = {{0}};
     result = enc_flow_worker_create(width, height, o.padding, PLAIN_SCALE, &worker);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = enc_flow_image_create(width, height, target, &images[0]);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = enc_flow_image_create(width, height, top, &images[1]);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = enc_flow_pair_compute(&worker, &images[0], &images[1], NULL, NULL, o.miss, o.difference,
                                        out_flow, out_hidden);
+    }
     enc_flow_image_clear(&images[0]);
     enc_flow_image_clear(&images[1]);
     enc_flow_worker_clear(&worker);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return enc_fail(context, result, "flow: OpenCV failed on a pair of %dx%d images: %s", width, height,
                         btf_result_text(result));
+    }
     return BTF_OK;
 }
 
@@ -97,11 +114,13 @@ static void majority(int n, const int8_t *votes, const uint8_t *hidden, int admi
     int distinct = 0, best = 0;
     out[0] = out[1] = 0;
     for (int i = 0; i < n; i++) {
-        if (hidden[i] > admitted)
+        if (hidden[i] > admitted) {
             continue;
+        }
         int k = 0;
-        while (k < distinct && memcmp(seen + 2 * k, votes + 2 * i, 2) != 0)
+        while (k < distinct && memcmp(seen + 2 * k, votes + 2 * i, 2) != 0) {
             k++;
+        }
         if (k == distinct) {
             memcpy(seen + 2 * k, votes + 2 * i, 2);
             counts[distinct++] = 0;
@@ -118,8 +137,9 @@ static void majority(int n, const int8_t *votes, const uint8_t *hidden, int admi
 
 /* `count` of `total` indices, spread evenly. */
 static void spread(int count, int total, int *out) {
-    for (int i = 0; i < count; i++)
+    for (int i = 0; i < count; i++) {
         out[i] = (int)((int64_t)i * total / count);
+    }
 }
 
 /* Everything that the views share. */
@@ -153,15 +173,17 @@ static btf_result top_images(flow_stage *s) {
     float *images = malloc((size_t)s->data->n_lights * texels * 3 * sizeof *images);
     float *luminance = malloc(texels * sizeof *luminance);
     btf_result result = images && luminance ? BTF_OK : BTF_ERROR_MEMORY;
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = enc_data_view(s->context, s->data, s->data->top_view, images);
+    }
     for (int i = 0; result == BTF_OK && i < s->n_voters; i++) {
         luminance_of(images + (size_t)s->voters[i] * texels * 3, texels, luminance);
         result = enc_flow_image_create(s->data->width, s->data->height, luminance, &s->top[i]);
     }
-    if (result == BTF_OK && !s->options.plain)
+    if (result == BTF_OK && !s->options.plain) {
         result = enc_flow_planes_create(s->data->width, s->data->height, images, s->n_prior, s->prior,
                                         &s->top_planes);
+    }
     free(images);
     free(luminance);
     return result;
@@ -215,9 +237,10 @@ static btf_result estimate(const flow_stage *s, int view, view_vote *v) {
     enc_flow_planes planes = {0};
     btf_result result =
         enc_flow_planes_create(s->data->width, s->data->height, v->images, s->n_prior, s->prior, &planes);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = enc_flow_prior(&planes, &s->top_planes, &s->data->views[view], s->options.depth,
                                 s->options.rise, v->forward, v->backward);
+    }
     enc_flow_planes_clear(&planes);
     return result;
 }
@@ -231,8 +254,9 @@ static btf_result collect_votes(const flow_stage *s, enc_flow_worker *w, view_vo
     size_t voted = 0;
     for (size_t i = 0; result == BTF_OK && i < n; i++) {
         enc_flow_image image = {0};
-        if (enc_cancelled(s->context))
+        if (enc_cancelled(s->context)) {
             return BTF_ERROR_INTERRUPTED;
+        }
         luminance_of(v->images + (size_t)s->voters[i] * texels * 3, texels, v->luminance);
         result = enc_flow_image_create(w->width, w->height, v->luminance, &image);
         if (result == BTF_OK && !image.black && !s->top[i].black) {
@@ -256,8 +280,9 @@ static void count_votes(const flow_stage *s, int view, const view_vote *v, size_
     const size_t first = (size_t)view * texels;
     for (size_t t = 0; t < texels; t++) {
         size_t count = 0;
-        for (size_t i = 0; i < voted; i++)
+        for (size_t i = 0; i < voted; i++) {
             count += v->hidden[t * n + i];
+        }
         const float ratio = voted == 0 ? 0 : (float)count / (float)voted;
         const uint8_t is_hidden = ratio > s->options.hidden_threshold;
         s->occlusion->ratio[first + t] = ratio;
@@ -272,14 +297,18 @@ static btf_result vote_view(const flow_stage *s, int view, enc_flow_worker *w) {
     view_vote vote;
     size_t voted = 0;
     btf_result result = vote_make(s, &vote);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = enc_data_view(s->context, s->data, view, vote.images);
-    if (result == BTF_OK && !s->options.plain)
+    }
+    if (result == BTF_OK && !s->options.plain) {
         result = estimate(s, view, &vote);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = collect_votes(s, w, &vote, &voted);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         count_votes(s, view, &vote, voted);
+    }
     vote_free(&vote);
     return result;
 }
@@ -310,13 +339,12 @@ static btf_result vote_views(const flow_stage *s) {
         btf_result mine = make_worker(s, &worker);
 #pragma omp for schedule(dynamic, 1)
         for (int view = (int)begin; view < (int)end; view++) {
-            if (mine == BTF_OK && view != s->data->top_view)
+            if (mine == BTF_OK && view != s->data->top_view) {
                 mine = vote_view(s, view, &worker);
+            }
             enc_stage_step(s->context, 1);
         }
-#pragma omp critical(enc_flow_result)
-        if (mine > result)
-            result = mine;
+        enc_keep_worse(&result, mine);
         enc_flow_worker_clear(&worker);
     }
     result = share(s, result);
@@ -330,8 +358,9 @@ btf_result enc_flow_vote(const enc_context *context, const enc_data *data, const
     *out_occlusion = NULL;
     flow_stage s = {.context = context, .data = data, .options = with_defaults(options)};
     btf_result result = check_options(context, &s.options);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     const int n_lights = data->n_lights;
     s.n_voters = s.options.lights == 0 || s.options.lights > n_lights ? n_lights : s.options.lights;
     s.n_prior = n_lights < ENC_FLOW_PRIOR_LIGHTS ? n_lights : ENC_FLOW_PRIOR_LIGHTS;
@@ -339,27 +368,31 @@ btf_result enc_flow_vote(const enc_context *context, const enc_data *data, const
     s.prior = malloc((size_t)s.n_prior * sizeof *s.prior);
     s.top = calloc((size_t)s.n_voters, sizeof *s.top);
     result = enc_occlusion_create(data->n_views, enc_data_texel_count(data), &s.occlusion);
-    if (result == BTF_OK && (!s.voters || !s.prior || !s.top))
+    if (result == BTF_OK && (!s.voters || !s.prior || !s.top)) {
         result = BTF_ERROR_MEMORY;
+    }
     if (result == BTF_OK) {
         spread(s.n_voters, n_lights, s.voters);
         spread(s.n_prior, n_lights, s.prior);
         result = top_images(&s);
     }
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = vote_views(&s);
-    for (int i = 0; s.top != NULL && i < s.n_voters; i++)
+    }
+    for (int i = 0; s.top && i < s.n_voters; i++) {
         enc_flow_image_clear(&s.top[i]);
+    }
     enc_flow_planes_clear(&s.top_planes);
     free(s.top);
     free(s.voters);
     free(s.prior);
     if (result != BTF_OK) {
         enc_occlusion_destroy(&s.occlusion);
-        if (result == BTF_ERROR_INTERRUPTED)
+        if (result == BTF_ERROR_INTERRUPTED) {
             return result;
-        return enc_fail(context, result, "flow of %d views, %dx%d: %s", data->n_views, data->width,
-                        data->height, btf_result_text(result));
+        }
+        return enc_fail(context, result, "flow between the images of %d views, %dx%d texels: %s",
+                        data->n_views, data->width, data->height, btf_result_text(result));
     }
     *out_occlusion = s.occlusion;
     return BTF_OK;
@@ -380,8 +413,9 @@ int enc_flow_error(const enc_data *data, const enc_occlusion *occlusion, const f
         for (last = first; last < data->n_views && data->views[last].theta == ring.theta; last++) {
             for (size_t t = 0; t < texels; t++) {
                 const size_t i = (size_t)last * texels + t;
-                if (exclude != NULL && exclude[i])
+                if (exclude && exclude[i]) {
                     continue;
+                }
                 const double tx = truth[2 * i], ty = truth[2 * i + 1];
                 const double length = hypot(wrapped(tx, data->width), wrapped(ty, data->height));
                 const double error = hypot(wrapped(occlusion->shift[2 * i] - tx, data->width),
@@ -401,8 +435,9 @@ int enc_flow_error(const enc_data *data, const enc_occlusion *occlusion, const f
         ring.zero /= ring.points > 0 ? (double)ring.points : 1;
         ring.moved_error /= ring.moved > 0 ? (double)ring.moved : 1;
         ring.moved_zero /= ring.moved > 0 ? (double)ring.moved : 1;
-        if (n < capacity)
+        if (n < capacity) {
             out_rings[n] = ring;
+        }
         n++;
     }
     return n;

@@ -38,8 +38,9 @@ btf_result enc_flow_worker_create(int width, int height, int padding, int scale,
     w.tall = malloc((size_t)scale * texels * sizeof *w.tall);
     w.wide = malloc((size_t)(scale * scale) * texels * sizeof *w.wide);
     *out_worker = w;
-    if (!w.dis || !w.grey[0] || !w.grey[1] || !w.field || !w.back || !w.plane || !w.tall || !w.wide)
+    if (!w.dis || !w.grey[0] || !w.grey[1] || !w.field || !w.back || !w.plane || !w.tall || !w.wide) {
         return BTF_ERROR_MEMORY;
+    }
     enc_cv_flow_tune(w.dis, FINEST_LEVEL, PATCH_STRIDE, DESCENT_STEPS, SMOOTHING_ROUNDS);
     return BTF_OK;
 }
@@ -84,10 +85,12 @@ static void make_grey(enc_flow_worker *w, int width, int height, const float *pl
     const int scale = w->scale, columns = padded(w, width), rows = padded(w, height);
     const float *image = plane;
     if (scale == 2) {
-        for (int c = 0; c < width; c++)
+        for (int c = 0; c < width; c++) {
             double_line(plane + c, height, (size_t)width, w->tall + c);
-        for (int r = 0; r < 2 * height; r++)
+        }
+        for (int r = 0; r < 2 * height; r++) {
             double_line(w->tall + (size_t)r * (size_t)width, width, 1, w->wide + (size_t)(2 * r * width));
+        }
         image = w->wide;
     }
     for (int r = 0; r < rows; r++) {
@@ -180,7 +183,7 @@ static void prepare_image(enc_flow_worker *w, const enc_flow_image *image, const
             int column, row;
             oriented(w, like, c, r, &column, &row);
             w->plane[(size_t)row * (size_t)width + (size_t)column] =
-                prior == NULL ? image->root[t]
+                !prior ? image->root[t]
                               : sample_periodic(image->root, w->width, w->height, (float)c + prior[2 * t],
                                                 (float)r + prior[2 * t + 1]);
         }
@@ -197,8 +200,9 @@ static btf_result flow_between(enc_flow_worker *w, const enc_flow_image *from, c
     const int rows = padded(w, like->transpose ? width : height);
     prepare_image(w, from, NULL, like, w->grey[0]);
     prepare_image(w, to, prior, like, w->grey[1]);
-    if (enc_cv_flow_compute(w->dis, columns, rows, w->grey[0], w->grey[1], w->field) != 0)
+    if (enc_cv_flow_compute(w->dis, columns, rows, w->grey[0], w->grey[1], w->field) != 0) {
         return BTF_ERROR_INTERNAL;
+    }
     const float share = 1.0f / (float)(scale * scale * scale); /* mean over pixels, in texels */
     for (int r = 0; r < height; r++) {
         for (int c = 0; c < width; c++) {
@@ -218,7 +222,7 @@ static btf_result flow_between(enc_flow_worker *w, const enc_flow_image *from, c
             x = like->flip_columns ? -x : x;
             y = like->flip_rows ? -y : y;
             const size_t t = (size_t)r * (size_t)width + (size_t)c;
-            if (prior != NULL) {
+            if (prior) {
                 const size_t p = nearest_texel(w, c, r, x, y);
                 x += prior[2 * p];
                 y += prior[2 * p + 1];
@@ -242,13 +246,16 @@ btf_result enc_flow_pair_compute(enc_flow_worker *w, const enc_flow_image *targe
     const size_t texels = (size_t)width * (size_t)height;
     memset(out_flow, 0, texels * 2 * sizeof *out_flow);
     memset(out_hidden, 0, texels);
-    if (target->black || top->black)
+    if (target->black || top->black) {
         return BTF_OK;
+    }
     btf_result result = flow_between(w, target, top, forward, target, out_flow);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = flow_between(w, top, target, backward, target, w->back);
-    if (result != BTF_OK)
+    }
+    if (result != BTF_OK) {
         return result;
+    }
     for (int r = 0; r < height; r++) {
         for (int c = 0; c < width; c++) {
             const size_t t = (size_t)r * (size_t)width + (size_t)c;

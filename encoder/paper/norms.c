@@ -15,11 +15,13 @@
 /* Lane-wise correctly rounded square root, the same bits from each instruction set. */
 ENC_INLINE void root_base(const enc_v16 *x, enc_v16 *out) {
 #ifdef ENC_HAVE_X86_DISPATCH
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 4; i++) {
         _mm_storeu_ps((float *)out + 4 * i, _mm_sqrt_ps(_mm_loadu_ps((const float *)x + 4 * i)));
+    }
 #else
-    for (int i = 0; i < ENC_LANES; i++)
+    for (int i = 0; i < ENC_LANES; i++) {
         (*out)[i] = sqrtf((*x)[i]);
+    }
 #endif
 }
 
@@ -65,8 +67,9 @@ ENC_INLINE void root_base(const enc_v16 *x, enc_v16 *out) {
 DEFINE_KERNELS(base, NO_TARGET, root_base)
 #ifdef ENC_HAVE_X86_DISPATCH
 ENC_TARGET_AVX2 static inline void root_avx2(const enc_v16 *x, enc_v16 *out) {
-    for (int i = 0; i < 2; i++)
+    for (int i = 0; i < 2; i++) {
         _mm256_storeu_ps((float *)out + 8 * i, _mm256_sqrt_ps(_mm256_loadu_ps((const float *)x + 8 * i)));
+    }
 }
 ENC_TARGET_AVX512 static inline void root_avx512(const enc_v16 *x, enc_v16 *out) {
     _mm512_storeu_ps((float *)out, _mm512_sqrt_ps(_mm512_loadu_ps((const float *)x)));
@@ -78,10 +81,12 @@ DEFINE_KERNELS(avx512, ENC_TARGET_AVX512, root_avx512)
 enc_norms enc_norms_choose(void) {
 #ifdef ENC_HAVE_X86_DISPATCH
     const enc_isa isa = enc_isa_current();
-    if (isa == ENC_ISA_AVX512)
+    if (isa == ENC_ISA_AVX512) {
         return (enc_norms){.distance = distance_avx512, .bounds = bounds_avx512};
-    if (isa == ENC_ISA_AVX2)
+    }
+    if (isa == ENC_ISA_AVX2) {
         return (enc_norms){.distance = distance_avx2, .bounds = bounds_avx2};
+    }
 #endif
     return (enc_norms){.distance = distance_base, .bounds = bounds_base};
 }

@@ -54,8 +54,9 @@ static void group_sums(const refine_stage *s, const float *profile, float *out) 
     for (size_t c = 0; c < 3; c++) {
         for (int g = 0; g < GROUPS; g++) {
             float sum = 0;
-            for (int l = g * n / GROUPS; l < (g + 1) * n / GROUPS; l++)
+            for (int l = g * n / GROUPS; l < (g + 1) * n / GROUPS; l++) {
                 sum += profile[c * s->lanes + (size_t)l];
+            }
             out[c * GROUPS + (size_t)g] = sum;
         }
     }
@@ -74,8 +75,9 @@ static void model_view(const refine_stage *s, int view) {
             const float cosine = s->light[3 * s->lanes + (size_t)l];
             const float shadow =
                 l < s->data->n_lights ? (float)s->shadow[(size_t)l * s->n_texels + t] * s->shadow_scale : 0;
-            for (size_t c = 0; c < 3; c++)
+            for (size_t c = 0; c < 3; c++) {
                 row[c * s->lanes + (size_t)l] *= cosine * shadow;
+            }
         }
         group_sums(s, row, s->modelled_sums + t * BOUND_FLOATS);
         group_sums(s, s->measured + t * s->stride, s->measured_sums + t * BOUND_FLOATS);
@@ -125,8 +127,9 @@ static float search_point(const refine_stage *s, size_t texel, float *bounds, in
     const float *query_sums = s->measured_sums + texel * BOUND_FLOATS;
 
     float magnitude = 0;
-    for (size_t k = 0; k < BOUND_FLOATS; k++)
+    for (size_t k = 0; k < BOUND_FLOATS; k++) {
         magnitude += fabsf(query_sums[k]);
+    }
     size_t likely = 0; /* window position of the least bound */
     for (int i = 0; i < s->rows; i++) {
         const size_t line = (size_t)enc_occlusion_modulo(row + first_row + i, height) * (size_t)width;
@@ -135,16 +138,19 @@ static float search_point(const refine_stage *s, size_t texel, float *bounds, in
                         (size_t)before_wrap, to);
         s->norms.bounds(query_sums, s->modelled_sums + line * BOUND_FLOATS,
                         (size_t)(s->columns - before_wrap), to + before_wrap);
-        for (size_t j = 0; j < (size_t)s->columns; j++)
-            if (to[j] < bounds[likely])
+        for (size_t j = 0; j < (size_t)s->columns; j++) {
+            if (to[j] < bounds[likely]) {
                 likely = (size_t)i * (size_t)s->columns + j;
+            }
+        }
     }
     float best = INFINITY, limit = INFINITY;
     const size_t window = (size_t)s->rows * (size_t)s->columns;
     for (size_t k = 0; k <= window; k++) { /* the likely one first, then all in order */
         const size_t position = k == 0 ? likely : k - 1;
-        if (bounds[position] > limit || (k > 0 && position == likely))
+        if (bounds[position] > limit || (k > 0 && position == likely)) {
             continue;
+        }
         const int8_t shift[2] = {(int8_t)(first_column + (int)(position % (size_t)s->columns)),
                                  (int8_t)(first_row + (int)(position / (size_t)s->columns))};
         const size_t source = enc_occlusion_source(width, height, texel, shift[0], shift[1]);
@@ -164,8 +170,9 @@ static void refine_view(const refine_stage *s, int view, float threshold, float 
 #pragma omp parallel for num_threads(s->context->threads) schedule(dynamic, 16)
     for (size_t t = 0; t < s->n_texels; t++) {
         const size_t i = (size_t)view * s->n_texels + t;
-        if (!s->occlusion->hidden[i])
+        if (!s->occlusion->hidden[i]) {
             continue;
+        }
         const float distance =
             search_point(s, t, bounds + (size_t)omp_get_thread_num() * window, s->occlusion->shift + 2 * i);
         s->occlusion->hidden[i] = !(distance < threshold);
@@ -175,8 +182,9 @@ static void refine_view(const refine_stage *s, int view, float threshold, float 
 /* A window of `wanted` texels over a tile of `size`: its extent and least shift, within -128..127. */
 static int window_extent(int wanted, int size, int *out_first) {
     int extent = wanted < size ? wanted : size;
-    if (extent > 256)
+    if (extent > 256) {
         extent = 256;
+    }
     const int first = -((extent - 1) / 2);
     *out_first = first + extent - 1 > 127 ? 128 - extent : first;
     return extent;
@@ -195,15 +203,17 @@ static btf_result refine_views(refine_stage *s, float *out_thresholds) {
             result = BTF_ERROR_INTERRUPTED;
             break;
         }
-        if (enc_occlusion_hidden_count(s->occlusion, view) > 0 || out_thresholds != NULL) {
+        if (enc_occlusion_hidden_count(s->occlusion, view) > 0 || out_thresholds) {
             result = enc_profiles_of_view(s->context, s->data, view, s->measured);
-            if (result != BTF_OK)
+            if (result != BTF_OK) {
                 break;
+            }
             model_view(s, view);
             const float threshold = mean_distance(s, view, distances);
             refine_view(s, view, threshold, bounds);
-            if (out_thresholds != NULL)
+            if (out_thresholds) {
                 out_thresholds[view] = threshold;
+            }
         }
         enc_stage_step(s->context, 1);
     }
@@ -211,8 +221,9 @@ static btf_result refine_views(refine_stage *s, float *out_thresholds) {
     free(bounds);
     result = enc_ranks_gather(s->context, result, s->occlusion->shift, 2 * s->n_texels, views);
     result = enc_ranks_gather(s->context, result, s->occlusion->hidden, s->n_texels, views);
-    if (out_thresholds != NULL)
+    if (out_thresholds) {
         result = enc_ranks_gather(s->context, result, out_thresholds, sizeof *out_thresholds, views);
+    }
     return result;
 }
 
@@ -224,10 +235,12 @@ btf_result enc_refine(const enc_context *context, const enc_data *data, const en
     assert(occlusion->n_views == data->n_views);
     const bool bounded = enc_data_texel_count(data) > WHOLE_TEXELS;
     const int standard = bounded ? BOUNDED_WINDOW : WHOLE_WINDOW;
-    const int columns = options != NULL && options->columns != 0 ? options->columns : standard;
-    const int rows = options != NULL && options->rows != 0 ? options->rows : standard;
-    if (columns < 1 || rows < 1)
-        return enc_fail(context, BTF_ERROR_USAGE, "hidden: search window of %dx%d texels", columns, rows);
+    const int columns = options && options->columns != 0 ? options->columns : standard;
+    const int rows = options && options->rows != 0 ? options->rows : standard;
+    if (columns < 1 || rows < 1) {
+        return enc_fail(context, BTF_ERROR_USAGE,
+                        "hidden: search window of %dx%d texels, expected at least 1x1", columns, rows);
+    }
     refine_stage s = {.context = context,
                       .data = data,
                       .sbrdf = sbrdf,
@@ -237,7 +250,7 @@ btf_result enc_refine(const enc_context *context, const enc_data *data, const en
                       .n_texels = enc_data_texel_count(data),
                       .lanes = enc_profile_lanes(data->n_lights),
                       .stride = enc_profile_stride(data->n_lights)};
-    s.around = bounded && (options == NULL || (options->columns == 0 && options->rows == 0));
+    s.around = bounded && (!options || (options->columns == 0 && options->rows == 0));
     s.columns = window_extent(columns, data->width, &s.first_column);
     s.rows = window_extent(rows, data->height, &s.first_row);
     s.norms = enc_norms_choose();
@@ -249,8 +262,9 @@ btf_result enc_refine(const enc_context *context, const enc_data *data, const en
     btf_result result = BTF_ERROR_MEMORY;
     if (s.light && s.measured && s.modelled && s.measured_sums && s.modelled_sums) {
         for (size_t l = 0; l < (size_t)data->n_lights; l++) {
-            for (size_t k = 0; k < 3; k++)
+            for (size_t k = 0; k < 3; k++) {
                 s.light[k * s.lanes + l] = data->lights[l].xyz[k];
+            }
             s.light[3 * s.lanes + l] = data->lights[l].xyz[2] > 0 ? data->lights[l].xyz[2] : 0;
         }
         size_t begin, end;
@@ -264,8 +278,9 @@ btf_result enc_refine(const enc_context *context, const enc_data *data, const en
     free(s.modelled);
     free(s.measured_sums);
     free(s.modelled_sums);
-    if (result != BTF_OK && result != BTF_ERROR_INTERRUPTED)
+    if (result != BTF_OK && result != BTF_ERROR_INTERRUPTED) {
         return enc_fail(context, result, "hidden: search over %dx%d texels: %s", data->width, data->height,
                         btf_result_text(result));
+    }
     return result;
 }

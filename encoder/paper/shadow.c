@@ -69,10 +69,10 @@ static btf_result share(const enc_context *context, btf_result result, size_t te
         return result;
     }
     uint8_t *turned = malloc(texels * lights); /* [texel][light] */
-    if (turned == NULL) {
+    if (!turned) {
         result = enc_fail(context, BTF_ERROR_MEMORY, "shadow: out of memory");
     }
-    for (size_t t = first; t < end && turned != NULL; t++) {
+    for (size_t t = first; t < end && turned; t++) {
         for (size_t l = 0; l < lights; l++) {
             turned[t * lights + l] = codes[l * texels + t];
         }
@@ -103,10 +103,10 @@ btf_result enc_top_view_shadow(const enc_context *context, const enc_data *data,
 #pragma omp parallel num_threads(context->threads)
     {
         float *samples =
-            data->samples != NULL ? NULL : malloc(CHUNK * enc_data_texel_stride(data) * sizeof(float));
+            data->samples ? NULL : malloc(CHUNK * enc_data_texel_stride(data) * sizeof(float));
         float *profile = malloc(7 * lights * sizeof *profile);
         btf_result mine = BTF_OK;
-        if (profile == NULL || (samples == NULL && data->samples == NULL)) {
+        if (!profile || (!samples && !data->samples)) {
             mine = enc_fail(context, BTF_ERROR_MEMORY, "shadow: out of memory");
         }
 #pragma omp for schedule(static)
@@ -121,8 +121,7 @@ btf_result enc_top_view_shadow(const enc_context *context, const enc_data *data,
         }
         free(samples);
         free(profile);
-#pragma omp critical(enc_shadow_result)
-        result = result == BTF_OK ? mine : result;
+        enc_keep_worse(&result, mine);
     }
     result = share(context, result, texels, lights, begin, end, out);
     enc_stage_end(context);

@@ -24,8 +24,9 @@ bool enc_step_take_fit(const enc_context *context, const enc_data *data, const e
                        enc_sbrdf **out_sbrdf, enc_fit_stats *out_stats) {
     enc_blob blob;
     *out_sbrdf = NULL;
-    if (!enc_checkpoint_get(context, fit_step, &blob))
+    if (!enc_checkpoint_get(context, fit_step, &blob)) {
         return false;
+    }
     const bool room =
         enc_sbrdf_create(enc_data_texel_count(data), options->lobes, options->rgb, out_sbrdf) == BTF_OK;
     if (!enc_ranks_all(context, room)) {
@@ -39,16 +40,18 @@ bool enc_step_take_fit(const enc_context *context, const enc_data *data, const e
                          -most, most);
     const bool good =
         enc_blob_taken(&blob) && is_positive(out_stats->cost) && is_positive(out_stats->core_seconds);
-    if (!good)
+    if (!good) {
         enc_sbrdf_destroy(out_sbrdf);
+    }
     return good;
 }
 
 btf_result enc_step_keep_fit(const enc_context *context, const enc_sbrdf *sbrdf,
                              const enc_fit_stats *stats) {
     enc_blob blob = {0};
-    if (!context->checkpoint || !enc_ranks_leads(context))
+    if (!context->checkpoint || !enc_ranks_leads(context)) {
         return BTF_OK;
+    }
     enc_blob_put(&blob, stats, sizeof *stats);
     enc_blob_put(&blob, sbrdf->values,
                  sbrdf->n_texels * enc_sbrdf_stride(sbrdf->lobes, sbrdf->rgb) * sizeof *sbrdf->values);
@@ -57,16 +60,18 @@ btf_result enc_step_keep_fit(const enc_context *context, const enc_sbrdf *sbrdf,
 
 bool enc_step_take_shadow(const enc_context *context, const enc_data *data, uint8_t *out_shadow) {
     enc_blob blob;
-    if (!enc_checkpoint_get(context, shadow_step, &blob))
+    if (!enc_checkpoint_get(context, shadow_step, &blob)) {
         return false;
+    }
     enc_blob_take(&blob, out_shadow, (size_t)data->n_lights * enc_data_texel_count(data));
     return enc_blob_taken(&blob);
 }
 
 btf_result enc_step_keep_shadow(const enc_context *context, const enc_data *data, const uint8_t *shadow) {
     enc_blob blob = {0};
-    if (!context->checkpoint || !enc_ranks_leads(context))
+    if (!context->checkpoint || !enc_ranks_leads(context)) {
         return BTF_OK;
+    }
     enc_blob_put(&blob, shadow, (size_t)data->n_lights * enc_data_texel_count(data));
     return enc_checkpoint_put(context, shadow_step, &blob);
 }
@@ -76,8 +81,9 @@ bool enc_step_take_occlusion(const enc_context *context, const char *step, const
     const size_t points = (size_t)data->n_views * enc_data_texel_count(data);
     enc_blob blob;
     *out_occlusion = NULL;
-    if (!enc_checkpoint_get(context, step, &blob))
+    if (!enc_checkpoint_get(context, step, &blob)) {
         return false;
+    }
     const bool room =
         enc_occlusion_create(data->n_views, enc_data_texel_count(data), out_occlusion) == BTF_OK;
     if (!enc_ranks_all(context, room)) {
@@ -91,16 +97,18 @@ bool enc_step_take_occlusion(const enc_context *context, const char *step, const
     enc_blob_take_bytes(&blob, into->hidden_voted, points, 0, 1);
     enc_blob_take_floats(&blob, into->ratio, points, 0, 1);
     const bool good = enc_blob_taken(&blob);
-    if (!good)
+    if (!good) {
         enc_occlusion_destroy(out_occlusion);
+    }
     return good;
 }
 
 btf_result enc_step_keep_occlusion(const enc_context *context, const char *step, const enc_occlusion *o) {
     const size_t points = (size_t)o->n_views * o->n_texels;
     enc_blob blob = {0};
-    if (!context->checkpoint || !enc_ranks_leads(context))
+    if (!context->checkpoint || !enc_ranks_leads(context)) {
         return BTF_OK;
+    }
     enc_blob_put(&blob, o->shift, 2 * points);
     enc_blob_put(&blob, o->hidden, points);
     enc_blob_put(&blob, o->hidden_voted, points);
@@ -110,9 +118,11 @@ btf_result enc_step_keep_occlusion(const enc_context *context, const char *step,
 
 static bool are_within(const enc_occlusion *occlusion, int k) {
     const size_t points = (size_t)occlusion->n_views * occlusion->n_texels;
-    for (size_t i = 0; i < points; i++)
-        if (occlusion->hidden[i] && occlusion->centre[i] >= k)
+    for (size_t i = 0; i < points; i++) {
+        if (occlusion->hidden[i] && occlusion->centre[i] >= k) {
             return false;
+        }
+    }
     return true;
 }
 
@@ -149,8 +159,9 @@ btf_result enc_step_keep_cluster(const enc_context *context, const enc_occlusion
                                  const enc_centres *c) {
     const size_t points = (size_t)occlusion->n_views * occlusion->n_texels;
     enc_blob blob = {0};
-    if (!context->checkpoint || !enc_ranks_leads(context))
+    if (!context->checkpoint || !enc_ranks_leads(context)) {
         return BTF_OK;
+    }
     enc_blob_put(&blob, &c->k, sizeof c->k);
     enc_blob_put(&blob, &c->scale, sizeof c->scale);
     enc_blob_put(&blob, c->codes, (size_t)c->k * (size_t)c->n_lights * 3);
@@ -165,33 +176,40 @@ btf_result enc_step_fit(const enc_context *context, const enc_data *data, const 
     if (!enc_step_take_fit(context, data, options, out_sbrdf, &stats)) {
         stats = (enc_fit_stats){0};
         result = enc_fit(context, data, options, out_sbrdf, &stats);
-        if (result == BTF_OK)
+        if (result == BTF_OK) {
             result = enc_step_keep_fit(context, *out_sbrdf, &stats);
-        if (result != BTF_OK)
+        }
+        if (result != BTF_OK) {
             enc_sbrdf_destroy(out_sbrdf);
+        }
     }
-    if (out_stats)
+    if (out_stats) {
         *out_stats = stats;
+    }
     return result;
 }
 
 btf_result enc_step_shadow(const enc_context *context, const enc_data *data, const enc_sbrdf *sbrdf,
                            const enc_shadow_options *options, uint8_t *out_shadow) {
-    if (enc_step_take_shadow(context, data, out_shadow))
+    if (enc_step_take_shadow(context, data, out_shadow)) {
         return BTF_OK;
+    }
     const btf_result result = enc_top_view_shadow(context, data, sbrdf, options, out_shadow);
     return result == BTF_OK ? enc_step_keep_shadow(context, data, out_shadow) : result;
 }
 
 btf_result enc_step_flow(const enc_context *context, const enc_data *data, const enc_flow_options *options,
                          enc_occlusion **out_occlusion) {
-    if (enc_step_take_occlusion(context, flow_step, data, out_occlusion))
+    if (enc_step_take_occlusion(context, flow_step, data, out_occlusion)) {
         return BTF_OK;
+    }
     btf_result result = enc_flow_vote(context, data, options, out_occlusion);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = enc_step_keep_occlusion(context, flow_step, *out_occlusion);
-    if (result != BTF_OK)
+    }
+    if (result != BTF_OK) {
         enc_occlusion_destroy(out_occlusion);
+    }
     return result;
 }
 
@@ -214,12 +232,15 @@ btf_result enc_step_refine(const enc_context *context, const enc_data *data, con
 btf_result enc_step_cluster(const enc_context *context, const enc_data *data,
                             const enc_cluster_options *options, int k_total, enc_occlusion *occlusion,
                             enc_centres **out_centres) {
-    if (enc_step_take_cluster(context, data, k_total, occlusion, out_centres))
+    if (enc_step_take_cluster(context, data, k_total, occlusion, out_centres)) {
         return BTF_OK;
+    }
     btf_result result = enc_cluster(context, data, options, k_total, occlusion, out_centres);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = enc_step_keep_cluster(context, occlusion, *out_centres);
-    if (result != BTF_OK)
+    }
+    if (result != BTF_OK) {
         enc_centres_destroy(out_centres);
+    }
     return result;
 }

@@ -207,18 +207,12 @@ static btf_result judge(gloss_job *g, enc_gloss_choice *choice) {
 #pragma omp parallel for schedule(dynamic) num_threads(g->context->threads)
     for (int l = 0; l < g->lights; l++) {
         const btf_result mine = look_up(g, l);
-        if (mine != BTF_OK) {
-#pragma omp atomic write
-            result = mine;
-        }
+        enc_keep_worse(&result, mine);
     }
 #pragma omp parallel for schedule(dynamic) num_threads(g->context->threads) if (result == BTF_OK)
     for (int v = 0; v < (result == BTF_OK ? g->views : 0); v++) {
         const btf_result mine = judge_view(g, v, sums[v]);
-        if (mine != BTF_OK) {
-#pragma omp atomic write
-            result = mine;
-        }
+        enc_keep_worse(&result, mine);
     }
     const size_t all = enc_data_texel_count(g->data), texels = all < DRAWN_TEXELS ? all : DRAWN_TEXELS;
     const double count = (double)texels * 3 * g->views * g->lights;

@@ -75,8 +75,7 @@ static btf_result draw_profiles(const enc_context *context, const enc_data *data
                 }
             }
         } else {
-#pragma omp atomic write
-            result = mine;
+            enc_keep_worse(&result, mine);
         }
         free(buffer);
     }
@@ -211,10 +210,7 @@ static btf_result fill(const enc_context *context, const enc_data *data, int sid
                                     : enc_cancelled(context)
                                         ? BTF_ERROR_INTERRUPTED
                                         : fill_texel(context, data, side, makers, t, work, out);
-            if (mine != BTF_OK) {
-#pragma omp atomic write
-                result = mine;
-            }
+            enc_keep_worse(&result, mine);
         }
         free(work);
     }

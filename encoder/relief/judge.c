@@ -100,10 +100,7 @@ btf_result enc_judged_create(const enc_context *context, const enc_data *data, i
                                     : enc_cancelled(context)
                                         ? BTF_ERROR_INTERRUPTED
                                         : keep_texel(context, data, t, buffer, sums, out);
-            if (mine != BTF_OK) {
-#pragma omp atomic write
-                result = mine;
-            }
+            enc_keep_worse(&result, mine);
             enc_stage_step(context, 1);
         }
         free(buffer);

@@ -22,6 +22,7 @@ enum {
     LEAST_STEPS = 8,
 };
 
+/* Set on BRICKS64 and btf-sample bumps and bricks (RELIEF.md). */
 static const double least_theta = 10, most_theta = 65; /* of views that heights are found from */
 static const double texels_a_step = 1.6;               /* of a march along the steepest ring */
 static const double constant_margin = 0.1; /* dB that a map must gain over the best single height */
@@ -359,7 +360,7 @@ static btf_result decide(relief_job *j, enc_relief_choice *choice, enc_relief_st
         shown = shown == 0 || choice->candidate[k].gain > choice->candidate[shown].gain ? k : shown;
     }
     weigh(j, shown, choice->n_rings, choice->ring, &choice->candidate[shown]);
-    choice->reason = choice->chosen > 0 ? NULL : "no ring of views gains enough";
+    choice->reason = choice->chosen > 0 ? NULL : "it gains too little on every ring of views";
     if (choice->chosen == 0) {
         return BTF_OK;
     }
@@ -404,13 +405,13 @@ static const char *obstacle(const relief_job *j, const enc_relief_options *optio
     const enc_data *d = j->data;
     const uint64_t held = 4 * (uint64_t)enc_data_texel_count(d) * enc_data_texel_stride(d);
     return !options->relief                ? "not asked for"
-           : j->seen->count == 0           ? "no view can be left out"
-           : d->width < 8 || d->height < 8 ? "fewer than 8 texels a side"
+           : j->seen->count == 0           ? "no view lies among others that could predict it"
+           : d->width < 8 || d->height < 8 ? "images have fewer than 8 texels a side"
            : !d->samples                   ? "the samples do not fit the memory allowed"
            : j->context->memory > 0 &&
                    held + enc_relief_memory(d->width, d->height, d->n_views, d->n_lights) >
                        j->context->memory
-               ? "it does not fit the memory allowed beside the samples"
+               ? "its tables do not fit the memory allowed beside the samples"
                : NULL;
 }
 

@@ -71,13 +71,13 @@ static btf_result compare_block(const enc_context *context, const enc_pairs *pai
         const bool ready = coded && (ssim || !with_ssim);
 #pragma omp for schedule(dynamic)
         for (size_t p = 0; p < count; p++) {
-            if (ready)
+            if (ready) {
                 compare(n, truth + p * n, model + p * n, coded, ssim, &out[p]);
+            }
             enc_stage_step(context, 1);
         }
         if (!ready) {
-#pragma omp critical(enc_between_result)
-            result = BTF_ERROR_MEMORY;
+            enc_keep_worse(&result, BTF_ERROR_MEMORY);
         }
         enc_ssim_destroy(&ssim);
         free(coded);
@@ -92,13 +92,16 @@ static btf_result measure_blocks(const enc_context *context, const enc_pairs *pa
     btf_result result = truth && images ? BTF_OK : BTF_ERROR_MEMORY;
     for (size_t first = 0; result == BTF_OK && first < pairs->count; first += block) {
         const size_t count = pairs->count - first < block ? pairs->count - first : block;
-        for (size_t p = 0; result == BTF_OK && p < count; p++)
+        for (size_t p = 0; result == BTF_OK && p < count; p++) {
             result = enc_cancelled(context) ? BTF_ERROR_INTERRUPTED
                                             : enc_pairs_read(context, pairs, first + p, truth + p * n);
-        if (result == BTF_OK)
+        }
+        if (result == BTF_OK) {
             result = model.images(context, model.user, pairs->pair + first, count, images);
-        if (result == BTF_OK)
+        }
+        if (result == BTF_OK) {
             result = compare_block(context, pairs, count, truth, images, with_ssim, out + first);
+        }
     }
     free(images);
     free(truth);
@@ -123,8 +126,9 @@ static void fill_bands(enc_between *b, const enc_pairs *pairs, enc_between_by by
         enc_between_band band = {.low = limits[by][i], .high = limits[by][i + 1]};
         for (size_t p = 0; p < b->count; p++) {
             const double x = quantity(&pairs->pair[p], &b->pair[p], by);
-            if (x < band.low || x >= band.high)
+            if (x < band.low || x >= band.high) {
                 continue;
+            }
             band.pairs++;
             add(&band.error, &b->pair[p].error);
             band.ssim += b->pair[p].ssim;
@@ -144,20 +148,24 @@ typedef struct ranked {
 
 static int by_error(const void *a, const void *b) {
     const ranked *x = a, *y = b;
-    if (x->error != y->error)
+    if (x->error != y->error) {
         return x->error > y->error ? -1 : 1;
+    }
     return (x->index > y->index) - (x->index < y->index);
 }
 
 static btf_result rank_pairs(enc_between *b) {
     ranked *list = malloc(b->count * sizeof *list);
-    if (!list)
+    if (!list) {
         return BTF_ERROR_MEMORY;
-    for (size_t p = 0; p < b->count; p++)
+    }
+    for (size_t p = 0; p < b->count; p++) {
         list[p] = (ranked){b->pair[p].error.linear, p};
+    }
     qsort(list, b->count, sizeof *list, by_error);
-    for (size_t p = 0; p < b->count; p++)
+    for (size_t p = 0; p < b->count; p++) {
         b->worst[p] = list[p].index;
+    }
     free(list);
     return BTF_OK;
 }
@@ -170,8 +178,9 @@ static void sum_up(enc_between *b, const enc_pairs *pairs, enc_pair_images model
         add(&b->total, &pair->error);
         b->ssim += pair->ssim / (double)b->count;
     }
-    for (int by = 0; by < ENC_BY_COUNT; by++)
+    for (int by = 0; by < ENC_BY_COUNT; by++) {
         fill_bands(b, pairs, (enc_between_by)by);
+    }
 }
 
 btf_result enc_between_measure(const enc_context *context, const enc_pairs *pairs, enc_pair_images model,
@@ -186,10 +195,12 @@ btf_result enc_between_measure(const enc_context *context, const enc_pairs *pair
         b->pair = calloc(b->count, sizeof *b->pair);
         b->worst = calloc(b->count, sizeof *b->worst);
     }
-    if (b && b->pair && b->worst)
+    if (b && b->pair && b->worst) {
         result = measure_blocks(context, pairs, model, with_ssim, b->pair);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = rank_pairs(b);
+    }
     enc_stage_end(context);
     if (result == BTF_OK) {
         sum_up(b, pairs, model);
@@ -203,8 +214,9 @@ btf_result enc_between_measure(const enc_context *context, const enc_pairs *pair
 }
 
 void enc_between_destroy(enc_between **between) {
-    if (!between || !*between)
+    if (!between || !*between) {
         return;
+    }
     free((*between)->pair);
     free((*between)->worst);
     free(*between);
@@ -220,8 +232,9 @@ static void print_bands(const enc_between *b, enc_between_by by, FILE *out) {
         snprintf(range, sizeof range, "%g to %g", band->low, band->high);
         fprintf(out, "%-16s %6zu %8.3f %8.3f", range, band->pairs, enc_psnr_linear(&band->error),
                 enc_psnr_srgb(&band->error));
-        if (b->with_ssim)
+        if (b->with_ssim) {
             fprintf(out, " %6.4f", band->ssim);
+        }
         fputc('\n', out);
     }
 }
@@ -229,11 +242,13 @@ static void print_bands(const enc_between *b, enc_between_by by, FILE *out) {
 void enc_between_print(const enc_between *b, const enc_pairs *pairs, size_t worst, FILE *out) {
     fprintf(out, "between the samples: %zu pairs of view and light\nPSNR linear %.3f dB, sRGB %.3f dB",
             b->count, enc_psnr_linear(&b->total), enc_psnr_srgb(&b->total));
-    if (b->with_ssim)
+    if (b->with_ssim) {
         fprintf(out, ", SSIM %.4f", b->ssim);
+    }
     fputc('\n', out);
-    for (int by = 0; by < ENC_BY_COUNT; by++)
+    for (int by = 0; by < ENC_BY_COUNT; by++) {
         print_bands(b, (enc_between_by)by, out);
+    }
     fprintf(out, "%-16s %-16s %8s %8s\n", "worst: view", "light", "linear", "sRGB");
     for (size_t i = 0; i < worst && i < b->count; i++) {
         const enc_pair *pair = &pairs->pair[b->worst[i]];
@@ -278,8 +293,9 @@ void enc_between_json(json *j, const char *key, const enc_between *b, const enc_
     json_error(j, &b->total, b->with_ssim ? b->ssim : NAN);
     json_integer(j, "pairs", (int64_t)b->count);
     json_object(j, "bands");
-    for (int by = 0; by < ENC_BY_COUNT; by++)
+    for (int by = 0; by < ENC_BY_COUNT; by++) {
         json_bands(j, b, (enc_between_by)by);
+    }
     json_end(j);
     json_array(j, "images");
     for (size_t p = 0; p < b->count; p++) {
@@ -312,9 +328,10 @@ static btf_result make_sheet(const enc_context *context, const enc_pairs *pairs,
     out->cell_height = pairs->height * out->zoom + GAP;
     const btf_result result = enc_canvas_create(context, MARGIN + COLUMNS * out->cell_width,
                                                 HEADER + (int)rows * out->cell_height, &out->canvas);
-    for (int c = 0; result == BTF_OK && c < COLUMNS; c++)
+    for (int c = 0; result == BTF_OK && c < COLUMNS; c++) {
         enc_canvas_text(&out->canvas, MARGIN + c * out->cell_width, HEADER - 8,
                         c == COLUMNS - 1 ? "%s x %d" : "%s", titles[c], ENC_ERROR_GAIN);
+    }
     return result;
 }
 
@@ -348,15 +365,19 @@ static btf_result draw_rows(const enc_context *context, const enc_pairs *pairs, 
     btf_result result = truth && image ? BTF_OK : BTF_ERROR_MEMORY;
     for (size_t p = 0; result == BTF_OK && p < b->count; p++) {
         size_t row = 0;
-        while (row < rows && b->worst[row] != p)
+        while (row < rows && b->worst[row] != p) {
             row++;
-        if (row == rows)
+        }
+        if (row == rows) {
             continue;
+        }
         result = enc_pairs_read(context, pairs, p, truth);
-        if (result == BTF_OK)
+        if (result == BTF_OK) {
             result = model.images(context, model.user, &pairs->pair[p], 1, image);
-        if (result == BTF_OK)
+        }
+        if (result == BTF_OK) {
             draw_row(s, row, pairs, p, &b->pair[p], truth, image);
+        }
     }
     free(image);
     free(truth);
@@ -370,14 +391,18 @@ btf_result enc_between_picture(const enc_context *context, const char *path_of_p
     enc_pairs *pairs = NULL;
     sheet s = {0};
     btf_result result = enc_pairs_open(context, path_of_pairs, options, &pairs);
-    if (result == BTF_OK && pairs->count != b->count)
+    if (result == BTF_OK && pairs->count != b->count) {
         result = enc_fail(context, BTF_ERROR_BAD_FILE, "%s: changed while it was read", path_of_pairs);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = make_sheet(context, pairs, rows, &s);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = draw_rows(context, pairs, b, model, rows, &s);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = enc_canvas_write(context, &s.canvas, path);
+    }
     enc_canvas_clear(&s.canvas);
     enc_pairs_close(&pairs);
     return result == BTF_OK ? BTF_OK

@@ -20,16 +20,18 @@ typedef struct job {
 } job;
 
 static btf_result measure_one(const job *j, size_t index, double *sums) {
-    if (enc_cancelled(j->context))
+    if (enc_cancelled(j->context)) {
         return BTF_ERROR_INTERRUPTED;
+    }
     const size_t count = enc_data_texel_count(j->data), first = index * count / j->draws;
     const size_t texel = first + enc_mix(index) % ((index + 1) * count / j->draws - first);
     float *buffer = malloc(enc_data_texel_stride(j->data) * sizeof *buffer);
     const float *samples;
     btf_result result =
         buffer ? enc_data_texels(j->context, j->data, texel, 1, buffer, &samples) : BTF_ERROR_MEMORY;
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = j->measure(j->user, index, texel, samples, sums);
+    }
     free(buffer);
     return result;
 }
@@ -43,10 +45,7 @@ static btf_result measure_batch(const job *j, size_t first, size_t n, double *su
 #pragma omp parallel for schedule(dynamic) num_threads(j->context->threads)
     for (size_t i = begin; i < end; i++) {
         const btf_result mine = measure_one(j, first + i, sums + i * j->length);
-        if (mine != BTF_OK) {
-#pragma omp atomic write
-            result = mine;
-        }
+        enc_keep_worse(&result, mine);
     }
     return enc_ranks_gather(j->context, result, sums, j->length * sizeof *sums, n);
 }
@@ -61,8 +60,9 @@ btf_result enc_drawn_texels_sum(const enc_context *context, const enc_data *data
     for (size_t first = 0; result == BTF_OK && first < draws; first += batch) {
         const size_t n = draws - first < batch ? draws - first : batch;
         result = measure_batch(&j, first, n, sums);
-        for (size_t i = 0; result == BTF_OK && i < n * length; i++)
+        for (size_t i = 0; result == BTF_OK && i < n * length; i++) {
             total[i % length] += sums[i];
+        }
     }
     free(sums);
     return result;

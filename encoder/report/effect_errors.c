@@ -261,8 +261,9 @@ static btf_result measure_means(const job *j, double **out) {
     const size_t length = 2 * j->n_rows * j->cells;
     *out = calloc(length, sizeof **out);
     btf_result result = enc_ranks_agree(j->context, *out ? BTF_OK : BTF_ERROR_MEMORY);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = enc_drawn_texels_sum(j->context, j->data, j->texels, length, measure_texel, j, *out);
+    }
     for (size_t i = 0; result == BTF_OK && i < length; i++) {
         (*out)[i] /= 3.0 * (double)(j->texels * j->pairs);
     }
@@ -402,7 +403,8 @@ btf_result enc_effect_errors(const enc_context *context, const enc_data *data, c
         free(values);
         return result == BTF_ERROR_INTERRUPTED
                    ? result
-                   : enc_fail(context, result, "effect errors: %s", btf_result_text(result));
+                   : enc_fail(context, result, "errors without single effects: %s",
+                              btf_result_text(result));
     }
     *out_values = values;
     *out_count = count;

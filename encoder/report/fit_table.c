@@ -54,8 +54,9 @@ void enc_fit_print(const enc_fit_choice *choice, enc_fit_error measured, FILE *o
     if (judged == 0) {
         return;
     }
-    fprintf(out, "Values at views and lights: the samples, or fitted for directions between them (PSNR in dB,\n"
-                 "linear / sRGB; * was taken and measured at its samples, the rest is expected)\n");
+    fprintf(out, "Values stored at views and lights: the samples, or values fitted for directions between "
+                 "them (PSNR in dB,\n"
+                 "linear / sRGB; * was taken: measured at the samples; all other figures are predicted)\n");
     fprintf(out, "  %-22s %15s %15s %15s\n", "--fit, kappa", "not coded", "at the samples", "between");
     for (int k = 0; k < ENC_FIT_CANDIDATES; k++) {
         const enc_fit_candidate *c = &choice->candidate[k];

@@ -78,10 +78,12 @@ static void interpolate(const enc_data *data, const float *samples, const pair *
     const size_t lights = (size_t)data->n_lights;
     for (size_t c = 0; c < 3; c++) {
         double sum = 0;
-        for (int a = 0; a < 3; a++)
-            for (int b = 0; b < 3; b++)
+        for (int a = 0; a < 3; a++) {
+            for (int b = 0; b < 3; b++) {
                 sum += (double)p->views.weight[a] * p->lights.weight[b] *
                        samples[(p->views.index[a] * 3 + c) * lights + p->lights.index[b]];
+            }
+        }
         out[c] = (float)(sum * 0x1p-24);
     }
 }
@@ -114,17 +116,21 @@ static void measure_pair(const job *j, enc_evaluated_texel *texel, const float *
     interpolate(data, samples, &at, truth);
     interpolate(data, samples, p, found[0]);
     add_error(truth, found[0], sum);
-    if (!texel)
+    if (!texel) {
         return;
+    }
     const bool shared = j->gloss && view_left;
-    if (shared)
+    if (shared) {
         enc_left_out_lights_find(j->gloss, p->view, &p->views, p->light, left & ENC_LEFT_LIGHT, lights);
+    }
     decode_pair(j, texel, p, shared ? lights : NULL, BTF_EFFECT_ALL, truth, sum + 2);
-    if (j->relief && view_left)
+    if (j->relief && view_left) {
         decode_pair(j, texel, p, shared ? lights : NULL, BTF_EFFECT_ALL & ~(uint32_t)BTF_EFFECT_RELIEF, truth,
                     sum + 4);
-    if (shared)
+    }
+    if (shared) {
         decode_pair(j, texel, p, NULL, BTF_EFFECT_ALL & ~(uint32_t)BTF_EFFECT_GLOSS, truth, sum + 6);
+    }
 }
 
 /* A pair and its neighbours among the others. A light that stood elsewhere than its direction says shows
@@ -135,8 +141,9 @@ static pair pick_pair(const job *j, size_t cell, uint64_t seed) {
     p.view = pick(&j->views[cell / (size_t)j->light_bands], seed, &p.views);
     for (uint64_t try = 0; try < 8; try++) {
         p.light = pick(&j->lights[cell % (size_t)j->light_bands], enc_mix(seed + 1) + try, &p.lights);
-        if (!moved || moved[p.view].index != p.light)
+        if (!moved || moved[p.view].index != p.light) {
             break;
+        }
     }
     return p;
 }
@@ -153,8 +160,9 @@ static void measure_cell(const job *j, enc_evaluated_texel *texel, const float *
                             .light = both.light,
                             .views = left & ENC_LEFT_VIEW ? both.views : only(both.view),
                             .lights = left & ENC_LEFT_LIGHT ? both.lights : only(both.light)};
-            if (can_leave(views, lights, left))
+            if (can_leave(views, lights, left)) {
                 measure_pair(j, texel, samples, &p, left, sums + (size_t)left * stride);
+            }
         }
     }
 }
@@ -164,11 +172,13 @@ static btf_result measure_texel(const void *user, size_t index, size_t texel, co
                                 double *sums) {
     const job *j = user;
     enc_evaluated_texel *evaluated = j->material ? enc_evaluated_texel_create(j->material, texel) : NULL;
-    if (j->material && !evaluated)
+    if (j->material && !evaluated) {
         return BTF_ERROR_MEMORY;
-    for (size_t cell = 0; cell < j->cells; cell++)
+    }
+    for (size_t cell = 0; cell < j->cells; cell++) {
         measure_cell(j, evaluated, samples, cell, (index * j->cells + cell) * j->pairs, sums + cell * SUMS,
                      j->cells * SUMS);
+    }
     enc_stage_step(j->context, 1);
     enc_evaluated_texel_destroy(&evaluated);
     return BTF_OK;
@@ -190,12 +200,15 @@ static enc_left_out_errors cell_errors(const job *j, const double *sums, int lef
     const double *all = sums + ((size_t)left * j->cells + cell) * SUMS;
     const double count = 3.0 * (double)(j->texels * j->pairs);
     enc_left_out_errors e = {.data = {all[0] / count, all[1] / count, 1}};
-    if (j->material)
+    if (j->material) {
         e.material = (enc_error_sum){all[2] / count, all[3] / count, 1};
-    if (j->relief && left & ENC_LEFT_VIEW)
+    }
+    if (j->relief && left & ENC_LEFT_VIEW) {
         e.no_relief = (enc_error_sum){all[4] / count, all[5] / count, 1};
-    if (j->gloss && left & ENC_LEFT_VIEW)
+    }
+    if (j->gloss && left & ENC_LEFT_VIEW) {
         e.no_gloss = (enc_error_sum){all[6] / count, all[7] / count, 1};
+    }
     return e;
 }
 
@@ -207,14 +220,16 @@ static void sum_up(const job *j, const double *sums, enc_leave_one_out *out) {
         for (size_t cell = 0; cell < j->cells; cell++) {
             const pool *views = &j->views[cell / (size_t)j->light_bands];
             const pool *lights = &j->lights[cell % (size_t)j->light_bands];
-            if (!can_leave(views, lights, left))
+            if (!can_leave(views, lights, left)) {
                 continue;
+            }
             out->band_error[left][cell] = cell_errors(j, sums, left, cell);
             add_mean(&all, &out->band_error[left][cell], (double)views->count * lights->count);
             pairs += (double)views->count * lights->count;
         }
-        if (pairs > 0)
+        if (pairs > 0) {
             add_mean(&out->error[left], &all, 1 / pairs);
+        }
         out->error[left].data.count = pairs > 0;
         out->error[left].material.count = pairs > 0 && j->material;
         out->error[left].no_relief.count = pairs > 0 && j->relief && left & ENC_LEFT_VIEW;
@@ -239,8 +254,9 @@ static btf_result make_pools(const enc_context *context, const enc_direction *di
             }
         }
         p->can_leave = p->count > 0;
-        for (int k = 0; k < n && !p->can_leave; k++)
+        for (int k = 0; k < n && !p->can_leave; k++) {
             p->member[p->count++] = member[k];
+        }
     }
     *out_count = result == BTF_OK ? left->count : 0;
     free(left);
@@ -252,9 +268,10 @@ static btf_result measure_all(job *j, enc_leave_one_out *out) {
     const size_t count = enc_data_texel_count(data);
     btf_result result =
         make_pools(j->context, data->views, data->n_views, &out->view_bands, j->views, &out->views);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = make_pools(j->context, data->lights, data->n_lights, &out->light_bands, j->lights,
                             &out->lights);
+    }
     j->view_bands = out->view_bands.count;
     j->light_bands = out->light_bands.count;
     j->cells = (size_t)j->view_bands * (size_t)j->light_bands;
@@ -264,11 +281,13 @@ static btf_result measure_all(job *j, enc_leave_one_out *out) {
     double *sums = calloc(length, sizeof *sums);
     result = enc_ranks_agree(j->context, result == BTF_OK && !sums ? BTF_ERROR_MEMORY : result);
     enc_stage_begin(j->context, "leave one out", j->texels);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = enc_drawn_texels_sum(j->context, data, j->texels, length, measure_texel, j, sums);
+    }
     enc_stage_end(j->context);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         sum_up(j, sums, out);
+    }
     free(sums);
     return result;
 }
@@ -280,10 +299,12 @@ btf_result enc_leave_one_out_measure(const enc_context *context, const enc_data 
     *out = (enc_leave_one_out){.view_bands = enc_bands_make(data->views, data->n_views),
                                .light_bands = enc_bands_make(data->lights, data->n_lights)};
     btf_result result = j ? BTF_OK : BTF_ERROR_MEMORY;
-    if (j && material)
+    if (j && material) {
         result = enc_evaluator_create(context, material, 0, &evaluator);
-    if (result == BTF_OK && evaluator && enc_evaluator_reference(evaluator)->effects & BTF_EFFECT_GLOSS)
+    }
+    if (result == BTF_OK && evaluator && enc_evaluator_reference(evaluator)->effects & BTF_EFFECT_GLOSS) {
         result = enc_left_out_lights_create(context, data, enc_evaluator_reference(evaluator)->gloss_share, &j->gloss);
+    }
     result = enc_ranks_agree(context, result);
     if (result == BTF_OK) {
         j->context = context;
@@ -293,8 +314,9 @@ btf_result enc_leave_one_out_measure(const enc_context *context, const enc_data 
         result = measure_all(j, out);
     }
     enc_evaluator_destroy(&evaluator);
-    if (j)
+    if (j) {
         enc_left_out_lights_destroy(&j->gloss);
+    }
     free(j);
     return result == BTF_ERROR_MEMORY ? enc_fail(context, result, "leave one out: out of memory") : result;
 }
@@ -313,18 +335,21 @@ static const enc_error_sum *error_of_row(const enc_left_out_errors *e, int row) 
 size_t enc_leave_one_out_numbers(const enc_leave_one_out *measured, float *out) {
     const float *const begin = out;
     const int cells = measured->view_bands.count * measured->light_bands.count;
-    if (measured->views == 0 && measured->lights == 0)
+    if (measured->views == 0 && measured->lights == 0) {
         return 0;
+    }
     out = enc_bands_write(&measured->view_bands, &measured->light_bands, out);
     for (int row = ENC_LEFT_VIEW; row <= WITHOUT_GLOSS + ENC_LEFT_BOTH; row++) {
         const int left = row & ENC_LEFT_BOTH;
         const enc_left_out_errors *e = &measured->error[left];
-        if (left == 0 || error_of_row(e, row)->count == 0)
+        if (left == 0 || error_of_row(e, row)->count == 0) {
             continue;
+        }
         *out++ = (float)row;
         out = write_error(&e->data, write_error(error_of_row(e, row), out));
-        for (int cell = 0; cell < cells; cell++)
+        for (int cell = 0; cell < cells; cell++) {
             out = write_error(error_of_row(&measured->band_error[left][cell], row), out);
+        }
     }
     return (size_t)(out - begin);
 }
@@ -332,10 +357,11 @@ size_t enc_leave_one_out_numbers(const enc_leave_one_out *measured, float *out) 
 static const char *const left_names[] = {"", "view", "light", "both"};
 
 static const char *errors_text(const enc_error_sum *sum, char text[32]) {
-    if (sum->count > 0)
+    if (sum->count > 0) {
         snprintf(text, 32, "%.2f / %.2f", enc_psnr_linear(sum), enc_psnr_srgb(sum));
-    else
+    } else {
         text[0] = '\0';
+    }
     return text;
 }
 
@@ -343,23 +369,26 @@ void enc_leave_one_out_print(const enc_leave_one_out *measured, FILE *out) {
     char first[32], second[32], third[32], fourth[32];
     const bool relief = measured->error[ENC_LEFT_VIEW].no_relief.count > 0;
     const bool gloss = measured->error[ENC_LEFT_VIEW].no_gloss.count > 0;
-    if (measured->views == 0 && measured->lights == 0)
+    if (measured->views == 0 && measured->lights == 0) {
         return;
-    fprintf(
-        out,
-        "Between the samples, estimated: %d views and %d lights left out, each predicted from the others\n"
-        "(PSNR in dB, linear / sRGB; they lie twice as far away as for a direction between samples, which\n"
-        "overstates the error, most where relief, shadows or highlights move)\n",
-        measured->views, measured->lights);
+    }
+    fprintf(out,
+            "Between the samples, estimated: %d views and %d lights are left out and each is predicted "
+            "from the others\n"
+            "(PSNR in dB, linear / sRGB; the others lie twice as far away as they do from a direction "
+            "between samples,\n"
+            "which overstates the error, most where relief, shadows or highlights move)\n",
+            measured->views, measured->lights);
     fprintf(out, "  %-20s %18s %18s%s%s\n", "left out", "data, interpolated", "material",
             relief ? "     without relief" : "", gloss ? "      without gloss" : "");
     for (int left = ENC_LEFT_VIEW; left <= ENC_LEFT_BOTH; left++) {
         const enc_left_out_errors *e = &measured->error[left];
-        if (e->data.count > 0)
+        if (e->data.count > 0) {
             fprintf(out, "  %-20s %18s %18s%*s%*s\n", left_names[left], errors_text(&e->data, first),
                     errors_text(&e->material, second), e->no_relief.count > 0 ? 19 : 0,
                     errors_text(&e->no_relief, third), e->no_gloss.count > 0 ? 19 : 0,
                     errors_text(&e->no_gloss, fourth));
+        }
     }
 }
 

@@ -42,10 +42,7 @@ btf_result enc_left_out_lights_create(const enc_context *context, const enc_data
 #pragma omp parallel for schedule(dynamic) num_threads(context->threads)
     for (int l = 0; l < count; l++) {
         const btf_result mine = leave_out(context, data, l, &made->without[l]);
-        if (mine != BTF_OK) {
-#pragma omp atomic write
-            result = mine;
-        }
+        enc_keep_worse(&result, mine);
     }
     if (result != BTF_OK) {
         enc_left_out_lights_destroy(out);

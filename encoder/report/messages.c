@@ -9,16 +9,20 @@
 
 static void keep(void *user, btf_log_level level, const char *text) {
     enc_messages *m = user;
-    if (m->next.callback)
+    if (m->next.callback) {
         m->next.callback(m->next.user, level, text);
-    if (level != BTF_LOG_WARNING && level != BTF_LOG_INFO)
+    }
+    if (level != BTF_LOG_WARNING && level != BTF_LOG_INFO) {
         return;
+    }
     enc_message *items = realloc(m->items, (m->count + 1) * sizeof *items);
     char *copy = items ? strdup(text) : NULL;
-    if (items)
+    if (items) {
         m->items = items;
-    if (copy)
+    }
+    if (copy) {
         m->items[m->count++] = (enc_message){level, copy};
+    }
     m->lost = m->lost || !copy;
 }
 
@@ -39,8 +43,9 @@ void enc_messages_json(json *j, const char *key, const enc_messages *messages) {
 }
 
 void enc_messages_clear(enc_messages *messages) {
-    for (size_t i = 0; i < messages->count; i++)
+    for (size_t i = 0; i < messages->count; i++) {
         free(messages->items[i].text);
+    }
     free(messages->items);
     messages->items = NULL;
     messages->count = 0;

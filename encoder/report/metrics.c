@@ -117,10 +117,7 @@ btf_result enc_metrics_compare(const enc_context *context, const enc_data *shape
         mine = enc_cancelled(context) ? BTF_ERROR_INTERRUPTED
                                       : compare_view(shape, original, other, v, with_ssim,
                                                      error + (size_t)v * (size_t)lights, &ssim[v]);
-        if (mine != BTF_OK) {
-#pragma omp atomic write
-            result = mine;
-        }
+        enc_keep_worse(&result, mine);
         enc_stage_step(context, 1);
     }
     const size_t count = (size_t)views;

@@ -36,11 +36,11 @@ const char *enc_relief_text(const enc_relief_choice *choice, char text[ENC_RELIE
 }
 
 static void print_end(const enc_relief_end *end, FILE *out) {
-    fprintf(
-        out,
-        "Relief at levels of detail: views left out; it ends before the first that gains less than %g dB "
-        "or loses\nin linear or sRGB-coded values\n",
-        ENC_RELIEF_LEVEL_MARGIN);
+    fprintf(out,
+            "Relief at levels of detail: PSNR of views left out, in dB, linear / sRGB, without -> with "
+            "relief (it ends\n"
+            "before the first level that gains less than %g dB, or loses in one of the two)\n",
+            ENC_RELIEF_LEVEL_MARGIN);
     for (int i = 0; i < end->judged; i++) {
         const enc_relief_judged_level *l = &end->level[i];
         fprintf(out, "%c level %-16d %8.2f / %.2f -> %.2f / %.2f\n", l->on ? '*' : ' ', i + 1,
@@ -50,7 +50,9 @@ static void print_end(const enc_relief_end *end, FILE *out) {
 
 static void print_gloss(const enc_gloss_choice *gloss, FILE *out) {
     fprintf(out,
-            "Gloss: share of the half vector, view and light left out (half of the best, %.2f, is taken)\n",
+            "Gloss: PSNR of samples whose view and light are left out, in dB, linear / sRGB, by the share "
+            "of the half\n"
+            "vector that is kept (the best is %.2f; half of it is taken)\n",
             gloss->best);
     for (int q = 0; q < ENC_GLOSS_SHARES; q++) {
         fprintf(out, "%c %-22.2f %8.2f / %.2f\n", q == gloss->quarters ? '*' : ' ', q / 4.0,
@@ -61,9 +63,10 @@ static void print_gloss(const enc_gloss_choice *gloss, FILE *out) {
 void enc_relief_print(const enc_relief_choice *choice, FILE *out) {
     if (choice->tried) {
         fprintf(out,
-                "Relief: views left out, PSNR in dB, linear / sRGB; a ring must gain %g dB (heights leave "
-                "%.3f of "
-                "the squared error\nof a plane, of which a map must leave less than %g)\n",
+                "Relief: PSNR of views left out, in dB, linear / sRGB, without -> with relief, by ring; a "
+                "ring must gain %g dB\n"
+                "(the heights found leave %.3f of a plane's squared error; a map is taken where they leave "
+                "less than %g)\n",
                 ENC_RELIEF_MARGIN, choice->share, ENC_RELIEF_SHARE);
         for (int k = 0; k < ENC_RELIEF_CANDIDATES; k++) {
             const enc_relief_candidate *c = &choice->candidate[k];

@@ -217,7 +217,8 @@ static void print_levels(const enc_report *report, FILE *out) {
     if (report->n_levels < 2) {
         return;
     }
-    fprintf(out, "\nLevels of detail, each against the area-filtered original\n");
+    fprintf(out, "\n"
+                 "Levels of detail, PSNR in dB of each against the area-filtered original\n");
     fprintf(out, "  %-8s %12s %10s %8s %8s\n", "level", "texels", "MB", "linear", "sRGB");
     for (int i = 0; i < report->n_levels; i++) {
         const enc_report_level *level = &report->level[i];
@@ -237,10 +238,13 @@ static void print_truncations(const enc_report *report, const btf_material_info 
     if (report->n_truncations < 2) {
         return;
     }
-    fprintf(out,
-            "\nThe first %s of the residual alone, at some samples and between samples (against the data,\n"
-            "interpolated; PSNR in dB, linear / sRGB)\n  %-12s %10s %16s %16s\n",
-            part_name(info), part_name(info), "MB", "samples", "between");
+    fprintf(
+        out,
+        "\n"
+        "Only the first %s of the residual decoded, at some samples, and between samples against the data\n"
+        "interpolated there (PSNR in dB, linear / sRGB)\n"
+        "  %-12s %10s %16s %16s\n",
+        part_name(info), part_name(info), "MB", "samples", "between");
     for (size_t i = 0; i < report->n_truncations; i++) {
         const enc_truncation *t = &report->truncations[i];
         fprintf(out, "  %-12u %10.3f    %5.2f / %5.2f    %5.2f / %5.2f\n", t->components,
@@ -275,16 +279,19 @@ static void print_unspent(const enc_unspent *u, FILE *out) {
     if (u->budget == 0) {
         return;
     }
-    fprintf(out, "\nBudget: %.3f of %.3f MB are used. ", (double)u->bytes / 1e6, (double)u->budget / 1e6);
+    fprintf(out,
+            "\n"
+            "Budget: %.3f of %.3f MB is used. ",
+            (double)u->bytes / 1e6, (double)u->budget / 1e6);
     if (u->gain > 0) {
         fprintf(out,
-                "At samples left out of the fit, a tenth more gains less than %g dB,\nthe whole budget "
-                "%.2f dB. ",
+                "At samples left out of the fit, a tenth more bytes gains less than %g dB,\n"
+                "the whole budget %.2f dB. ",
                 u->tolerance, u->gain);
     } else {
-        fprintf(out, "The rest holds no unit that gains.\n");
+        fprintf(out, "No further unit of factors fits and gains.\n");
     }
-    fprintf(out, "Components that are signal:");
+    fprintf(out, "Components found to be signal, not noise:");
     for (int c = 0; c < 3; c++) {
         fprintf(out, "%s %" PRIu64 "%s", c > 0 ? "," : "", u->signal[c], u->ends[c] ? "" : " or more");
     }
@@ -297,7 +304,10 @@ static void print_volumes(const enc_report *report, FILE *out) {
     if (report->n_volumes == 0) {
         return;
     }
-    fprintf(out, "\n%d ranks; rank 0 (MB = 10^6 bytes; seconds)\n", report->ranks);
+    fprintf(out,
+            "\n"
+            "%d ranks; traffic of rank 0 (MB = 10^6 bytes; seconds)\n",
+            report->ranks);
     fprintf(out, "  %-20s %10s %10s %9s %9s %9s\n", "", "received", "sent", "meetings", "waited", "moved");
     for (size_t i = 0; i <= report->n_volumes; i++) {
         const enc_ranks_volume *v = i < report->n_volumes ? &report->volumes[i] : &all;

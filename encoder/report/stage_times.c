@@ -14,9 +14,11 @@
 enum { REPORT_BYTES = 8 << 20 }; /* a report has some ten thousand */
 
 double enc_stage_time(const enc_stage_times *times, const char *stage) {
-    for (size_t i = 0; i < times->count; i++)
-        if (strcmp(times->of[i].stage, stage) == 0)
+    for (size_t i = 0; i < times->count; i++) {
+        if (strcmp(times->of[i].stage, stage) == 0) {
             return times->of[i].seconds;
+        }
+    }
     return NAN;
 }
 
@@ -24,19 +26,21 @@ double enc_stage_time(const enc_stage_times *times, const char *stage) {
 static btf_result read_text(const enc_context *context, const char *path, char **out_text,
                             size_t *out_length) {
     FILE *file = fopen(path, "r");
-    if (!file)
+    if (!file) {
         return enc_fail(context, BTF_ERROR_IO, "%s: %s", path, strerror(errno));
+    }
     btf_result result = BTF_OK;
     char *text = malloc(REPORT_BYTES + 1);
     const size_t length = text ? fread(text, 1, REPORT_BYTES, file) : 0;
-    if (!text)
+    if (!text) {
         result = enc_fail(context, BTF_ERROR_MEMORY, "%s: out of memory", path);
-    else if (ferror(file))
+    } else if (ferror(file)) {
         result = enc_fail(context, BTF_ERROR_IO, "%s: %s", path, strerror(errno));
-    else if (length == REPORT_BYTES)
+    } else if (length == REPORT_BYTES) {
         result =
             enc_fail(context, BTF_ERROR_BAD_FILE,
                      "%s: is not a report of btf-encode: it has %d MiB or more", path, REPORT_BYTES >> 20);
+    }
     fclose(file);
     if (result != BTF_OK) {
         free(text);
@@ -52,14 +56,16 @@ static btf_result parse(const enc_context *context, const char *path, cJSON **ou
     char *text = NULL;
     size_t length = 0;
     btf_result result = read_text(context, path, &text, &length);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     const char *end = text;
     *out_root = cJSON_ParseWithLengthOpts(text, length + 1, &end, true);
     if (!*out_root || end != text + length) {
         int line = 1;
-        for (const char *at = text; at < end && at < text + length; at++)
+        for (const char *at = text; at < end && at < text + length; at++) {
             line += *at == '\n';
+        }
         result = enc_fail(context, BTF_ERROR_BAD_FILE, "%s: line %d: is not JSON", path, line);
         cJSON_Delete(*out_root);
         *out_root = NULL;
@@ -79,10 +85,12 @@ static btf_result take_times(const enc_context *context, const char *path, const
                              const char *name, enc_stage_times *out) {
     const cJSON *times = cJSON_GetObjectItemCaseSensitive(root, name), *time;
     out->count = 0;
-    if (!times)
+    if (!times) {
         return fail_member(context, path, name, NULL, "is missing");
-    if (!cJSON_IsObject(times))
+    }
+    if (!cJSON_IsObject(times)) {
         return fail_member(context, path, name, NULL, "is not an object");
+    }
     cJSON_ArrayForEach(time, times) {
         if (out->count == ENC_STAGE_TIMES)
             return fail_member(context, path, name, NULL, "lists more stages than an encode has");
@@ -99,10 +107,12 @@ static btf_result take_times(const enc_context *context, const char *path, const
 static btf_result take_method(const enc_context *context, const char *path, const cJSON *root,
                               char method[ENC_STAGE_NAME]) {
     const cJSON *member = cJSON_GetObjectItemCaseSensitive(root, "method");
-    if (!member)
+    if (!member) {
         return fail_member(context, path, "method", NULL, "is missing");
-    if (!cJSON_IsString(member) || strlen(member->valuestring) >= ENC_STAGE_NAME)
+    }
+    if (!cJSON_IsString(member) || strlen(member->valuestring) >= ENC_STAGE_NAME) {
         return fail_member(context, path, "method", NULL, "is not a method's name");
+    }
     strcpy(method, member->valuestring);
     return BTF_OK;
 }
@@ -110,17 +120,22 @@ static btf_result take_method(const enc_context *context, const char *path, cons
 btf_result enc_report_times_read(const enc_context *context, const char *path, enc_report_times *out) {
     cJSON *root = NULL;
     btf_result result = parse(context, path, &root);
-    if (result == BTF_OK && !cJSON_IsObject(root))
+    if (result == BTF_OK && !cJSON_IsObject(root)) {
         result = enc_fail(context, BTF_ERROR_BAD_FILE,
                           "%s: is not a report of btf-encode: it is not a JSON object", path);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = take_method(context, path, root, out->method);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = take_times(context, path, root, "core_seconds", &out->measured);
-    if (result == BTF_OK && isnan(enc_stage_time(&out->measured, "total")))
+    }
+    if (result == BTF_OK && isnan(enc_stage_time(&out->measured, "total"))) {
         result = fail_member(context, path, "core_seconds", "total", "is missing");
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = take_times(context, path, root, "predicted_core_seconds", &out->predicted);
+    }
     cJSON_Delete(root);
     return result;
 }

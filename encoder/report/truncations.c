@@ -23,8 +23,9 @@ static weights weigh(const enc_data *data, const enc_bands *views, const enc_ban
         w.of[cell] = (double)of_views * of_lights;
         sum += w.of[cell];
     }
-    for (size_t cell = 0; cell < w.cells; cell++)
+    for (size_t cell = 0; cell < w.cells; cell++) {
         w.of[cell] /= sum;
+    }
     return w;
 }
 
@@ -44,17 +45,21 @@ size_t enc_truncations(const float *table, size_t count, const enc_data *data, u
     const weights w = weigh(data, &views, &lights);
     const size_t head = 4 + (size_t)(views.count + lights.count), stride = HEAD + 2 * w.cells;
     size_t n = 0;
-    if (!(effects & BTF_EFFECT_RESIDUAL))
+    if (!(effects & BTF_EFFECT_RESIDUAL)) {
         return 0;
+    }
     for (const float *row = table + head; row + stride <= table + count; row += stride) {
         const bool kind = row[2] == INTERPOLATED || row[2] == AT_SAMPLES;
-        if (row[0] != (float)effects || row[3] != 0 || !kind)
+        if (row[0] != (float)effects || row[3] != 0 || !kind) {
             continue;
+        }
         size_t i = 0;
-        while (i < n && out[i].components != (uint32_t)row[1])
+        while (i < n && out[i].components != (uint32_t)row[1]) {
             i++;
-        if (i == ENC_MOST_TRUNCATIONS)
+        }
+        if (i == ENC_MOST_TRUNCATIONS) {
             continue;
+        }
         n = i == n ? n + 1 : n;
         out[i].components = (uint32_t)row[1];
         out[i].gpu_bytes = row[4];

@@ -44,6 +44,7 @@ typedef struct bench_run {
     uint32_t methods;   /* BENCH_METHOD bits of section `decode` */
     const char *device; /* the only one to decode on; NULL: all */
     const char *keep;   /* folder of materials that section `plan` encodes once; NULL: none */
+    int most_side;      /* texels along a side that section `growth` goes up to; 0: all of its sizes */
 } bench_run;
 
 extern const char *const bench_preset_names[BENCH_PRESETS];
@@ -55,12 +56,13 @@ btf_result bench_section_machine(const bench_run *run); /* whatever the data */
 btf_result bench_section_encode(const bench_run *run);
 btf_result bench_section_decode(const bench_run *run);
 btf_result bench_section_storage(const bench_run *run);
-btf_result bench_section_growth(const bench_run *run); /* of the built-in bricks, whatever the data */
+btf_result bench_section_growth(const bench_run *run); /* of the built-in bricks, whatever the data; up to --size */
 btf_result bench_section_fit(const bench_run *run);
 btf_result bench_section_codecs(const bench_run *run);
 btf_result bench_section_between(const bench_run *run);
 btf_result bench_section_holdout(const bench_run *run);
 btf_result bench_section_plan(const bench_run *run);
+btf_result bench_section_costs(const bench_run *run); /* of synthetic materials, whatever the data */
 btf_result bench_section_stochastic(const bench_run *run);
 btf_result bench_section_shaders(const bench_run *run); /* of synthetic materials, whatever the data */
 

@@ -29,7 +29,7 @@ static const struct {
     {"storage", "storage: bytes against accuracy", bench_section_storage, true},
     {"between", "accuracy between the samples, which is what a renderer sees, and at them",
      bench_section_between, false},
-    {"growth", "encoding: growth of time and memory", bench_section_growth, true},
+    {"growth", "encoding: growth of time and memory, up to the texels of --size", bench_section_growth, true},
     {"fit", "the Lafortune fit beside a Ceres problem with automatic derivatives", bench_section_fit,
      false},
     {"codecs", "accuracy at equal bytes, and bytes at equal accuracy, beside principal components",
@@ -38,6 +38,7 @@ static const struct {
      false},
     {"plan", "what decoding only what a scene calls for saves, predicted and measured", bench_section_plan,
      false},
+    {"costs", "the prices of the cost model that plans load, fitted to one device", bench_section_costs, false},
     {"stochastic", "decoding one neighbour in place of all: time against noise", bench_section_stochastic, false},
     {"shaders", "nanoseconds a pixel of every shader variant on random materials", bench_section_shaders,
      false},
@@ -83,7 +84,7 @@ static const char *parse_pairs(const char *text, void *value) {
     (void)value;
     material *last = o.count > 0 ? &o.materials[o.count - 1] : NULL;
     if (!last || !last->input || last->pairs) {
-        return "a path that follows the --input which it belongs to";
+        return "a path, given after the --input that it belongs to";
     }
     last->pairs = text;
     return NULL;
@@ -136,7 +137,7 @@ static const char *parse_only(const char *text, void *value) {
         }
         if (i == SECTIONS) {
             return "names of machine, encode, decode, storage, between, growth, fit, codecs, holdout, "
-                   "plan, stochastic, shaders, with commas between";
+                   "plan, costs, stochastic, shaders, with commas between";
         }
         o.set.sections[i] = true;
     }
@@ -173,9 +174,10 @@ static const cli_option table[] = {
      .arg = "PAIRS",
      .type = CLI_CUSTOM,
      .parse = parse_pairs,
-     .help = "folder or archive of images that are true between the samples of\nthe --input before it "
-             "(btf-compare --help); without any, accuracy\nthere is estimated by leaving out each view and "
-             "light, and built-in\nsamples are ray-cast at 100 random pairs"},
+     .help = "folder or archive of the true images between the samples of the\n"
+             "--input before it (btf-compare --help); without it, accuracy there\n"
+             "is estimated by leaving out each view and light, and built-in\n"
+             "samples are ray-cast at 100 random pairs"},
     {.name = "materials",
      .arg = "NAMES",
      .type = CLI_CUSTOM,
@@ -216,26 +218,27 @@ static const cli_option table[] = {
      .given = &o.only,
      .parse = parse_only,
      .help = "run some sections: machine, encode, decode, storage, between,\ngrowth, fit, codecs, holdout, "
-             "plan, stochastic, shaders; default all"},
+             "plan, costs, stochastic, shaders; default all"},
     {.name = "preset",
      .arg = "PRESETS",
      .type = CLI_CUSTOM,
      .given = &o.presets_given,
      .parse = parse_presets,
-     .help = "of --method joint, one or more, with commas between;\ndefault: encode all of them, the "
-             "others medium (decode takes the\nfirst alone)"},
+     .help = "of --method joint, one or more, with commas between; default:\n"
+             "all in the section encode, medium in the others (the section\n"
+             "decode takes the first alone)"},
     {.name = "device",
      .arg = "NAME",
      .type = CLI_STRING,
      .value = &o.device,
-     .help = "decode on one GL device of btf-conform --list; default all of\nthem, with --quick one a "
-             "language"},
+     .help = "decode on this GL device of btf-conform --list; default all of\n"
+             "them, with --quick one for each shading language"},
     {.name = "methods",
      .arg = "NAMES",
      .type = CLI_CUSTOM,
      .parse = parse_methods,
      .help =
-         "section decode: some of joint, paper, peers, reference (the decoder\non the CPU); default all"},
+         "section decode: some of joint, paper, peers, reference (the decoder\non the CPU); section plan: of joint, paper; default all"},
     {.name = "keep",
      .arg = "DIR",
      .type = CLI_STRING,
@@ -278,6 +281,7 @@ static const cli_program program = {
                "A slow run informs and never fails.",
     .example = "btf-bench --input BRICKS64.zip --only codecs,holdout --out bench\n"
                "btf-bench --materials bricks,bumps,weave --size 32x32 --preset fast\n"
+               "btf-bench --only growth --size 64x64 --repeats 1\n"
                "btf-bench --input BRICKS64.zip --only decode --device osmesa --methods joint,paper,peers",
     .options = table,
     .max_arguments = 0,
@@ -416,11 +420,12 @@ static btf_result run_material(const enc_context *context, const material *m, co
                        .quick = o.quick,
                        .methods = o.methods,
                        .device = o.device,
-                       .keep = o.keep};
+                       .keep = o.keep,
+                       .most_side = o.read.size[0]};
     memcpy(bench.presets, o.set.presets, sizeof bench.presets);
     if (result == BTF_OK) {
         fprintf(summary, "Truth between the samples of %s: %s.\n\n", name,
-                truth.count > 0 ? truth.source : "none is known, accuracy there is estimated");
+                truth.count > 0 ? truth.source : "none is known, so accuracy there is estimated");
     }
     if (held.owned) {
         fprintf(summary,
@@ -479,11 +484,11 @@ static void print_system(const bench_system *s, const bench_journal *journal, FI
                       "small data"
                     : "as given");
     if (bench_journal_resumed(journal) > 0) {
-        fprintf(
-            summary,
-            "%zu rows come from before this run was stopped, by the same program with the same settings "
-            "on this machine since it was started.\n\n",
-            bench_journal_resumed(journal));
+        fprintf(summary,
+                "%zu rows were measured before the run was stopped, by the same program with the same "
+                "settings on this machine since it was booted.\n"
+                "\n",
+                bench_journal_resumed(journal));
     }
 }
 
@@ -501,7 +506,7 @@ static btf_result run(const enc_context *context) {
         return result;
     }
     if (bench_journal_resumed(journal) > 0) {
-        enc_log(context, BTF_LOG_INFO, "%zu rows were measured before; going on",
+        enc_log(context, BTF_LOG_INFO, "%zu rows were measured before the last stop; going on",
                 bench_journal_resumed(journal));
     }
     snprintf(path, sizeof path, "%s/summary.md", o.out);

@@ -16,11 +16,19 @@ extern char **environ;
 
 enum { MOST_LINES = 8, LABEL = 48 };
 
+/* Of a label, by its point. */
+typedef enum place { NOWHERE, ABOVE, BELOW } place;
+
 typedef struct point {
     int series;
     double x, y[PLOT_PANELS];
+    place place[PLOT_PANELS];
     char label[LABEL];
 } point;
+
+typedef struct box {
+    double left, right, low, high;
+} box;
 
 struct plot {
     char title[200], x_label[120];
@@ -124,7 +132,62 @@ static void write_number(FILE *file, double x) {
     }
 }
 
-/* A block a series: x, a y for every panel, the label in quotes. */
+/* Least and largest of a panel's values along x (k < 0) or y, logarithms where the axis has them. */
+static void range_of(const plot *p, int k, double out[2]) {
+    const bool logarithm = k < 0 ? p->log_x : p->log_y;
+    out[0] = HUGE_VAL;
+    out[1] = -HUGE_VAL;
+    for (size_t i = 0; i < p->count; i++) {
+        const double value = k < 0 ? p->points[i].x : p->points[i].y[k], at = logarithm ? log(value) : value;
+        if (isfinite(at)) {
+            out[0] = fmin(out[0], at);
+            out[1] = fmax(out[1], at);
+        }
+    }
+}
+
+/* What a label covers, in parts of its panel: about 6 of 400 pixels a letter, 18 of 400 high. */
+static box box_of(const plot *p, const point *at, int k, place where, const double x[2], const double y[2]) {
+    const double letter = p->panels > 1 ? 0.016 : 0.010, height = p->panels > 2 ? 0.06 : 0.045;
+    const double left = ((p->log_x ? log(at->x) : at->x) - x[0]) / fmax(1.3 * (x[1] - x[0]), 1e-9),
+                 point = ((p->log_y ? log(at->y[k]) : at->y[k]) - y[0]) / fmax(1.15 * (y[1] - y[0]), 1e-9),
+                 middle = point + (where == ABOVE ? 0.75 : -0.75) * height;
+    return (box){left, left + letter * (double)strlen(at->label), middle - height / 2, middle + height / 2};
+}
+
+/* Labels stand above their points, below where one before is in the way there, and nowhere where both are taken. */
+static void place_labels(plot *p, int k) {
+    double x[2], y[2];
+    range_of(p, -1, x);
+    range_of(p, k, y);
+    for (size_t i = 0; i < p->count; i++) {
+        point *at = &p->points[i];
+        at->place[k] = NOWHERE;
+        for (place where = ABOVE; *at->label && isfinite(at->y[k]) && where <= BELOW && !at->place[k]; where++) {
+            const box b = box_of(p, at, k, where, x, y);
+            bool taken = false;
+            for (size_t j = 0; j < i && !taken; j++) {
+                const point *before = &p->points[j];
+                if (before->place[k]) {
+                    const box of = box_of(p, before, k, before->place[k], x, y);
+                    taken = b.left < of.right && of.left < b.right && b.low < of.high && of.low < b.high;
+                }
+            }
+            at->place[k] = taken ? NOWHERE : where;
+        }
+    }
+}
+
+static bool is_empty(const plot *p, int series) {
+    bool empty = true;
+    for (size_t i = 0; i < p->count; i++) {
+        empty = empty && p->points[i].series != series;
+    }
+    return empty;
+}
+
+/* A block a series: x, a y for every panel, the label in quotes for every panel where it stands above its point, and
+ * for every panel where it stands below. */
 static void write_points(const plot *p, FILE *file) {
     for (int s = 0; s < p->series; s++) {
         fprintf(file, "# %s\n", p->of[s].title);
@@ -139,10 +202,14 @@ static void write_points(const plot *p, FILE *file) {
             for (int k = 0; k < p->panels; k++) {
                 write_number(file, at->y[k]);
             }
-            fprintf(file, "\"%s\"\n", at->label);
+            for (int of = 0; of < 2 * p->panels; of++) {
+                const place where = of < p->panels ? ABOVE : BELOW;
+                fprintf(file, "\"%s\"%s", at->place[of % p->panels] == where ? at->label : "",
+                        of < 2 * p->panels - 1 ? "\t" : "\n");
+            }
         }
         if (!any) {
-            fputs("NaN\tNaN\tNaN\tNaN\tNaN\t\"\"\n", file);
+            fputs("NaN\n", file); /* keeps its place among the blocks */
         }
         fputs("\n\n", file);
     }
@@ -217,18 +284,25 @@ static void write_panel(const plot *p, int k, const char *name, FILE *file) {
                 "'%s.dat' index %d using 1:2 with lines lw 6 lc rgb '#d0d0d0' title 'Pareto front', \\\n  ",
                 name, p->series + k);
     }
+    const char *between = "";
     for (int s = 0; s < p->series; s++) {
+        if (is_empty(p, s)) {
+            continue;
+        }
         fprintf(file,
                 "%s'%s.dat' index %d using 1:%d with %s pt %d ps 1.1 lw 1.6 lc rgb '%s' title '%s' "
                 "noenhanced",
-                s ? ", \\\n  " : "", name, s, 2 + k, p->of[s].joined ? "linespoints" : "points",
+                between, name, s, 2 + k, p->of[s].joined ? "linespoints" : "points",
                 marks[s % MARKS], colours[s % COLOURS], p->of[s].title);
+        between = ", \\\n  ";
     }
-    for (int s = 0; s < p->series; s++) {
-        fprintf(file,
-                ", \\\n  '%s.dat' index %d using 1:%d:%d with labels noenhanced left offset 0.2,0.75 "
-                "font ',9' textcolor rgb '#404040' notitle",
-                name, s, 2 + k, 2 + p->panels);
+    for (int of = 0; of < 2 * p->series; of++) {
+        if (!is_empty(p, of / 2)) {
+            fprintf(file,
+                    ", \\\n  '%s.dat' index %d using 1:%d:%d with labels noenhanced left offset 0.2,%s0.75 "
+                    "font ',9' textcolor rgb '#404040' notitle",
+                    name, of / 2, 2 + k, 2 + p->panels + (of % 2) * p->panels + k, of % 2 ? "-" : "");
+        }
     }
     /* Entries of the key for the vertical lines, which are drawn as arrows. */
     for (int i = 0; i < p->lines; i++) {
@@ -315,6 +389,9 @@ btf_result plot_finish(const enc_context *context, plot **p, const char *directo
         free(*p);
         *p = NULL;
         return enc_fail(context, BTF_ERROR_MEMORY, "bench: out of memory for a plot");
+    }
+    for (int k = 0; k < (*p)->panels; k++) {
+        place_labels(*p, k);
     }
     btf_result result = write_file(context, *p, directory, name, false);
     if (result == BTF_OK) {

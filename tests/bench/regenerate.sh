@@ -9,11 +9,11 @@
 # while the sources stand at that commit: after a stop, the same command goes on. btf-bench goes on within a part, and
 # encodes that ended are kept. tests/data/readme/made.txt says of each name which commit it was made from.
 #
-# Parts that time (bench, growth, plan, stochastic, pathtrace; viewer shows a time) want an idle machine, and bench, storage, growth and plan
-# take hours together; the others a few minutes each.
+# Parts that time (bench, growth, plan, stochastic, pathtrace; viewer shows a time) want an idle machine. bench, storage,
+# growth and relief take up to 10 core minutes each, plan longer, the others a few minutes.
 # Samples of others are looked for in $BTF_SHARED/data (default ../shared/data), and what needs them is left as it is
 # where they are not there. Numbers in running text, tables without marks (peers and presets of README.md and
-# tests/bench/README.md, encoder/nodes/FIT.md, encoder/relief/RELIEF.md, FORMAT.md section 12) are not written by any
+# tests/bench/README.md, encoder/nodes/FIT.md, the others of encoder/relief/RELIEF.md, FORMAT.md section 12) are not written by any
 # part: they say which build they come from.
 #
 # SPDX-License-Identifier: MIT
@@ -28,7 +28,8 @@ writes='api      decoder/API.md
 example  decoder/FORMAT.md#example
 levels   decoder/README.md#levels levels-off.png levels-on.png
 viewer   viewer.png
-between  between.png
+between  README.md#headline between.png
+relief   encoder/relief/RELIEF.md#alone
 demo     hero.png montage.png figure13.png
 planned  planned.png
 fit      fit.png
@@ -127,7 +128,54 @@ print("<!-- /levels -->")
 P
 }
 part_viewer() { "$pictures/make.sh" "$build" "$work/levels-$(commit)" viewer; }
-part_between() { "$pictures/between.sh" "$build" "$work/between-$(commit)"; }
+part_between() { # of BRICKS64 where it is there, else of the built-in sample
+    local caption=$work/headline-$(commit).md
+    if [ -e "$shared/BRICKS64.zip" ] && [ -e "$shared/BRICKS64_between.zip" ]; then
+        export BTF_DATA=$shared/BRICKS64.zip BTF_PAIRS=$shared/BRICKS64_between.zip
+    fi
+    "$pictures/between.sh" "$build" "$work/between-$(commit)" >"$caption"
+    {
+        printf '<!-- headline: written by tests/bench/regenerate.sh -->\n![Between the samples: %s](%s)\n\n' \
+            'truth, version 1, now, four times the errors of both' tests/data/readme/between.png
+        cat "$caption"
+        echo '<!-- /headline -->'
+    } | "$root/tests/bench/marks.py" "$root/README.md" headline
+}
+part_relief() {
+    needs BRICKS64.zip BRICKS64_between.zip || return 0
+    local kind data pairs budget relief filter effects name one
+    local at=$work/relief-$(commit)
+    mkdir -p "$at"
+    for kind in BRICKS64 bumps; do
+        if [ $kind = BRICKS64 ]; then
+            data=$shared/BRICKS64.zip pairs=$shared/BRICKS64_between.zip
+        else
+            data=$(sample bumps 64) pairs=$work/bumps-between-$(commit)
+            [ -d "$pairs" ] || {
+                btf-sample -o "$pairs.part" --relief bumps --between 100 --quiet
+                mv "$pairs.part" "$pairs"
+            }
+        fi
+        [ -s "$at/$kind-images.json" ] || btf-compare "$data" "$pairs" --pairs --no-ssim --json -q >"$at/$kind-images.json"
+        for budget in 2.36MB 8MB; do
+            for relief in off auto; do
+                name=$kind-$budget-$relief
+                encoded "relief-$name" "$data" --preset fast --effect-tolerance 0 --budget $budget --relief $relief \
+                    --gloss auto >/dev/null
+                cp "$work/relief-$name-$(commit).json" "$at/$name.json"
+                for filter in texel bilinear steep; do
+                    # What is fitted and coded does not depend on gloss, so that leaving it out is a file without it.
+                    for effects in residual,relief residual,relief,gloss; do
+                        one=$at/$name-$filter-${effects##*,}.json
+                        [ -s "$one" ] || btf-compare "$work/relief-$name-$(commit).btf.exr" "$pairs" --pairs --no-ssim \
+                            --json --filter $filter --effects $effects -q >"$one"
+                    done
+                done
+            done
+        done
+    done
+    "$root/tests/bench/relief_table.py" "$at" | "$root/tests/bench/marks.py" "$root/encoder/relief/RELIEF.md" alone
+}
 part_demo() {
     local data material paper
     data=$(sample bricks 64)
@@ -141,8 +189,8 @@ part_demo() {
 }
 part_planned() {
     needs BRICKS64.zip UBO_IMPALLA64.zip || return 0
-    "$pictures/planned.sh" "$build" "$(encoded BRICKS64-fast "$shared/BRICKS64.zip" --preset fast)" \
-        "$(encoded IMPALLA64-paper "$shared/UBO_IMPALLA64.zip" --method paper)"
+    "$pictures/planned.sh" "$build" "$(encoded BRICKS64-levels "$shared/BRICKS64.zip" --levels 4)" \
+        "$(encoded UBO_IMPALLA64-levels "$shared/UBO_IMPALLA64.zip" --levels 4)"
 }
 part_fit() {
     needs BRICKS64.zip UBO_IMPALLA64.zip || return 0
@@ -158,19 +206,34 @@ part_fit() {
     "$root/tests/bench/fit_curve.py" "${reports[@]}"
 }
 part_bench() {
-    btf-bench --only machine,encode,decode --quick --out "$work/bench-$(commit)"
+    # Bumps take relief, which bricks of 32x32 texels do not.
+    btf-bench --only machine,encode,decode --quick --materials bumps --out "$work/bench-$(commit)"
     "$root/tests/bench/readme.sh" --from "$work/bench-$(commit)"
 }
 part_storage() {
-    btf-bench --only between,storage --quick --out "$work/storage-$(commit)"
-    "$root/tests/bench/readme.sh" --between "$work/storage-$(commit)"
+    needs BRICKS64.zip BRICKS64_between.zip || return 0
+    local at=$work/storage-$(commit)
+    mkdir -p "$at"
+    btf-bench --only between --quick --size 64x64 --input "$shared/BRICKS64.zip" \
+        --pairs "$shared/BRICKS64_between.zip" --out "$at/BRICKS64"
+    btf-bench --only between,storage --quick --materials bricks --out "$at/bricks"
+    btf-bench --only between --quick --materials bumps,weave,flat --out "$at/others"
+    "$root/tests/bench/readme.sh" --between "$at"/{BRICKS64,bricks,others}
 }
 part_growth() {
-    btf-bench --only growth --repeats 1 --out "$work/growth-$(commit)"
+    btf-bench --only growth --repeats 1 --size 64x64 --out "$work/growth-$(commit)"
     cp "$work/growth-$(commit)"/growth-{texels,directions}.png "$pictures/"
 }
 part_plan() {
-    btf-bench --only plan --preset medium --out "$work/plan-$(commit)" --keep "$work/plan-kept-$(commit)"
+    needs BRICKS64.zip BRICKS64_between.zip UBO_IMPALLA64.zip || return 0
+    local kind kept
+    kept=$work/plan-files-$(commit)
+    mkdir -p "$kept"
+    for kind in BRICKS64 UBO_IMPALLA64; do
+        cp "$(encoded $kind-levels "$shared/$kind.zip" --levels 4)" "$kept/$kind-joint-medium.btf.exr"
+    done
+    btf-bench --only plan --preset medium --methods joint --input "$shared/BRICKS64.zip" --pairs "$shared/BRICKS64_between.zip" \
+        --input "$shared/UBO_IMPALLA64.zip" --out "$work/plan-$(commit)" --keep "$kept"
     "$root/tests/bench/readme.sh" --plan "$work/plan-$(commit)"
 }
 part_stochastic() {
@@ -191,7 +254,10 @@ targets_of() { # a part: its programs
     levels) echo encoder/btf-encode decoder/tools/{btf-info,render/btf-render} tests/sample/btf-sample ;;
     viewer) echo encoder/btf-encode decoder/tools/view/btf-view tests/sample/btf-sample ;;
     pathtrace) echo encoder/btf-encode decoder/examples/pathtrace ;;
-    bench | storage | growth | plan | stochastic) echo tests/bench/btf-bench ;;
+    relief) echo encoder/btf-{encode,compare} tests/sample/btf-sample ;;
+    between) echo encoder/btf-{encode,compare} decoder/tools/btf-info tests/sample/btf-sample ;;
+    plan) echo encoder/btf-encode tests/bench/btf-bench ;;
+    bench | storage | growth | stochastic) echo tests/bench/btf-bench ;;
     *) echo encoder/btf-encode decoder/tools/{btf-decode,render/btf-render} tests/sample/btf-sample ;;
     esac
 }

@@ -11,8 +11,9 @@ btf_result bench_section_shaders(const bench_run *run) {
     enum { REPEATS = 7 };
     FILE *csv = NULL;
     bench_decode *measured = calloc(1, sizeof *measured);
-    if (!measured)
+    if (!measured) {
         return BTF_ERROR_MEMORY;
+    }
     btf_result result = bench_decode_run(REPEATS, NULL, 0, &run->context->log, measured);
     if (result == BTF_ERROR_UNSUPPORTED) { /* no context: the other sections still count */
         fprintf(run->summary, "No OpenGL context on this machine.\n\n");

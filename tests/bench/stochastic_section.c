@@ -90,8 +90,9 @@ static btf_result decode(section *s, btf_shader_options shader, const char *body
     btf_result result =
         variant.program ? gpu_run(s->rig.gpu, variant.program, count, inputs, s->rig.outputs, s->rig.log)
                         : BTF_ERROR_INTERNAL;
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         memcpy(out, s->rig.outputs, GPU_OUTPUTS * count * sizeof *out);
+    }
     rig_variant_destroy(&s->rig, &variant);
     return result;
 }
@@ -108,8 +109,9 @@ static double distance(size_t pixels, const float *a, const float *b) {
 
 static double mean_of(size_t pixels, const float *a) {
     double sum = 0;
-    for (size_t i = 0; i < GPU_OUTPUTS * pixels; i++)
+    for (size_t i = 0; i < GPU_OUTPUTS * pixels; i++) {
         sum += i % GPU_OUTPUTS < 3 ? (double)a[i] : 0;
+    }
     return sum / (3.0 * (double)pixels);
 }
 
@@ -117,15 +119,17 @@ static double mean_of(size_t pixels, const float *a) {
 static void psnr(const float *a, const float *b, double out[2]) {
     double sum[2] = {0, 0};
     for (size_t i = 0; i < VALUES; i++) {
-        if (i % GPU_OUTPUTS == 3)
+        if (i % GPU_OUTPUTS == 3) {
             continue;
+        }
         const float x = fminf(fmaxf(a[i], 0), 1), y = fminf(fmaxf(b[i], 0), 1);
         const double d = (double)x - (double)y, e = (double)enc_srgb_encode(x) - (double)enc_srgb_encode(y);
         sum[0] += d * d;
         sum[1] += e * e;
     }
-    for (int i = 0; i < 2; i++)
+    for (int i = 0; i < 2; i++) {
         out[i] = sum[i] > 0 ? -10 * log10(sum[i] / (3.0 * RIG_PIXELS)) : INFINITY;
+    }
 }
 
 static btf_shader_options way_options(int way) {
@@ -189,18 +193,22 @@ static btf_result find_times(section *s) {
                                          : ways[w].shader.picks ? body_picks
                                                                 : gpu_evaluate_body,
                                          GPU_FIRST_UNIT + w * BTF_TEXTURE_COUNT);
-        if (!variants[w].program)
+        if (!variants[w].program) {
             result = BTF_ERROR_INTERNAL;
-        else if (w == WAYS || ways[w].shader.picks)
+        } else if (w == WAYS || ways[w].shader.picks) {
             rig_sampler(&s->rig, variants[w].program, "bench_samples", 1);
+        }
     }
-    for (int round = 0; round < rounds && result == BTF_OK; round++)
-        for (int w = 0; w <= WAYS; w++)
+    for (int round = 0; round < rounds && result == BTF_OK; round++) {
+        for (int w = 0; w <= WAYS; w++) {
             ns[w][round] = rig_measure(&s->rig, variants[w].program, s->rig.inputs, RIG_SIDE, NULL);
+        }
+    }
     for (int w = 0; w <= WAYS; w++) {
         double spread;
-        if (result == BTF_OK)
+        if (result == BTF_OK) {
             *(w < WAYS ? &s->ns[w] : &s->product_ns) = bench_median(ns[w], rounds, &spread);
+        }
         rig_variant_destroy(&s->rig, &variants[w]);
     }
     return result;
@@ -208,13 +216,16 @@ static btf_result find_times(section *s) {
 
 static btf_result measure(section *s) {
     btf_result result = find_named(s);
-    for (int w = 0; w < WAYS && result == BTF_OK; w++)
-        if (ways[w].shader.picks)
+    for (int w = 0; w < WAYS && result == BTF_OK; w++) {
+        if (ways[w].shader.picks) {
             result = find_noise(s, w, body_picks, s->named[w], s->noise[w]);
-        else
+        } else {
             s->noise[w][0] = distance(s->pixels, s->named[w], s->named[3]);
-    if (result == BTF_OK)
+        }
+    }
+    if (result == BTF_OK) {
         result = find_noise(s, 3, body_products, s->named[0], s->product_noise);
+    }
     return result == BTF_OK ? find_times(s) : result;
 }
 
@@ -262,8 +273,9 @@ static btf_result write_rows(section *s, FILE *csv) {
         for (int i = 0; i < (ways[w].shader.picks ? COUNTS : 1); i++) {
             char label[16];
             snprintf(label, sizeof label, "%d", counts[i]);
-            if (s->noise[w][i] > 0)
+            if (s->noise[w][i] > 0) {
                 plot_point(p, s->ns[w] * counts[i], &s->noise[w][i], ways[w].shader.picks ? label : NULL);
+            }
         }
     }
     return bench_finish_plot(s->run, "stochastic", &p);
@@ -320,10 +332,11 @@ static void make_probes(const section *s, int set, uint32_t *inputs, float *trut
 static void print_psnr(FILE *out, const float *a, const float *b) {
     double db[2];
     psnr(a, b, db);
-    if (isinf(db[0]))
+    if (isinf(db[0])) {
         fprintf(out, " equal |");
-    else
+    } else {
         fprintf(out, " %.2f / %.2f |", db[0], db[1]);
+    }
 }
 
 static btf_result compare_blends(section *s) {
@@ -346,9 +359,10 @@ static btf_result compare_blends(section *s) {
             }
             make_probes(s, set, inputs, truth);
             result = decode(s, (btf_shader_options){0}, gpu_evaluate_body, RIG_PIXELS, inputs, full);
-            if (result == BTF_OK && kind > 0)
+            if (result == BTF_OK && kind > 0) {
                 result = decode(s, (btf_shader_options){.picks = (btf_picks)kind}, body_blend, RIG_PIXELS,
                                 inputs, blend);
+            }
             print_psnr(out, kind > 0 ? blend : full, set == PROBES_TRUTH ? truth : full);
         }
         fprintf(out, "\n");
@@ -366,20 +380,24 @@ static btf_result compare_blends(section *s) {
 static btf_result make_material(const bench_run *run, btf_material **out_material) {
     char path[4096];
     int preset = 0;
-    while (preset + 1 < BENCH_PRESETS && !run->presets[preset])
+    while (preset + 1 < BENCH_PRESETS && !run->presets[preset]) {
         preset++;
+    }
     snprintf(path, sizeof path, "%s/%s-between-%s.btf.exr", run->keep ? run->keep : ".", run->name,
              bench_preset_names[preset]);
     if (run->keep && access(path, F_OK) == 0) {
         btf_material_info info = {.struct_size = sizeof info};
         btf_result opened = btf_material_open(path, &run->context->log, out_material);
-        if (opened == BTF_OK)
+        if (opened == BTF_OK) {
             opened = btf_material_get_info(*out_material, &info);
+        }
         if (opened == BTF_OK &&
             ((int)info.width != run->data->width || (int)info.height != run->data->height ||
              (int)info.n_views != run->data->n_views || (int)info.n_lights != run->data->n_lights)) {
             btf_material_close(out_material);
-            return enc_fail(run->context, BTF_ERROR_USAGE, "bench: %s is not of %s", path, run->source);
+            return enc_fail(run->context, BTF_ERROR_USAGE,
+                            "bench: the material %s was not made from %s: texels or directions differ",
+                            path, run->source);
         }
         return opened;
     }
@@ -388,12 +406,14 @@ static btf_result make_material(const bench_run *run, btf_material **out_materia
     enc_relief_store relief = {0};
     bench_encoded encoded;
     btf_result result = enc_relief_choose(run->context, run->data, &options, &choice, &relief);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result =
             bench_encode_joint_between(run->context, run->data, preset, run->budget, &relief, &encoded);
+    }
     enc_relief_clear(&relief);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     *out_material = encoded.material;
     encoded.material = NULL;
     bench_encoded_clear(&encoded);
@@ -412,18 +432,24 @@ btf_result bench_section_stochastic(const bench_run *run) {
     s.pixels = rows * RIG_SIDE;
     s.inputs = s.rig.inputs + GPU_INPUTS * ((RIG_SIDE - rows) / 2 * RIG_SIDE);
     btf_result result = make_material(run, &s.material);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = measure(&s);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = bench_open(run, "stochastic", "csv", &csv);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = write_rows(&s, csv);
-    if (csv && fclose(csv) != 0 && result == BTF_OK)
+    }
+    if (csv && fclose(csv) != 0 && result == BTF_OK) {
         result = enc_fail(run->context, BTF_ERROR_IO, "stochastic-%s.csv: cannot write", run->name);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = compare_blends(&s);
-    for (int w = 0; w < WAYS; w++)
+    }
+    for (int w = 0; w < WAYS; w++) {
         free(s.named[w]);
+    }
     btf_material_close(&s.material);
     rig_destroy(&s.rig);
     return result;

@@ -55,9 +55,12 @@ btf_result check_planned(const check_subject *subject, uint64_t seed, uint64_t c
  * reference, which folds nothing; what keeps the material from being folded is left out. Adds to *outcome. */
 btf_result check_folded(const check_subject *subject, uint64_t seed, uint64_t count, check_outcome *outcome);
 
-/* The fold that check_folded makes: of a light where that is defined, takes no more than 64 evaluations for each of
- * `count`, and the seed allows. */
+/* The fold that check_folded makes: one of three by the seed; of a light alone where that is defined and takes no more
+ * than 64 evaluations for each of `count`. */
 btf_fold check_fold_kind(const btf_material_info *info, uint64_t seed, uint64_t count);
+
+/* The effects that keep a material from being folded so (but an SBRDF). */
+uint32_t check_fold_left_out(btf_fold kind);
 
 /* `count` evaluations of a stochastic decode, and of the blend that it converges to, in turn, at random and extreme
  * arguments, random numbers and levels of detail. Picks are those of subject->shader, or where it says none, as the

@@ -416,6 +416,10 @@ btf_result synthetic_create(const synthetic_spec *spec, const btf_log *log, btf_
     for (uint32_t v = 0; v < spec->n_views && spec->relief_mixed; ++v)
         acts[v] = (uint8_t)random_below(&r, 2);
     desc.relief_views = spec->effects & BTF_EFFECT_RELIEF && spec->relief_mixed ? acts : NULL;
+    desc.effect_errors = spec->effect_errors;
+    desc.effect_error_count = spec->effect_error_count;
+    desc.between_errors = spec->between_errors;
+    desc.between_error_count = spec->between_error_count;
     uint16_t *preview = make_preview(&r, spec, &desc.info);
     desc.preview = preview;
     if (result == BTF_OK)

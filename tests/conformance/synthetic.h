@@ -60,6 +60,8 @@ typedef struct synthetic_spec {
     int relief_mixed;        /* relief acts on about half of the views; else on all */
     uint32_t relief_end;     /* the first level without it, if there are so many; 0: none */
     uint32_t gloss_share;    /* with the effect gloss: 1 or 2 */
+    const float *effect_errors, *between_errors; /* as in btf_material_desc; NULL: none */
+    size_t effect_error_count, between_error_count;
 } synthetic_spec;
 
 /* Makes it. Errors as btf_material_create. */

@@ -1,8 +1,9 @@
 /* glslang compiles every variant of the library for every version it claims; SPIR-V keeps every float
  * operation from contraction; and an effect that is absent leaves no code and no fetch behind.
  *
- *     test_glsl           every pair of options, for all versions
- *     test_glsl --long    every combination, each for one of the versions in turn
+ *     test_glsl           every two settings of options meet, for all versions
+ *     test_glsl --long    every four, in some 600 rows, where there are 6 million combinations: conditions of the library
+ *                         ask for four options at most
  *
  * SPDX-License-Identifier: MIT
  */
@@ -14,8 +15,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 /* The options that decide which code exists. */
 enum factor {
@@ -265,92 +264,62 @@ static int check_variant(const version *v, const uint8_t *row) {
     return wrong;
 }
 
-/* Row i of all combinations, those apart that say the same. */
-static int combination(uint64_t i, uint8_t *row) {
-    for (int f = 0; f < FACTORS; ++f) {
-        row[f] = (uint8_t)(i % levels[f]);
-        i /= levels[f];
-    }
-    /* Factors are the same for every number of lobes. */
-    if (row[STORE] > 0 && (row[COMPONENTS] != 2 || row[LOBES] > 1))
-        return 0;
-    if (row[ROOTS] && (!row[DOMAIN] || row[LOBES] > 1))
-        return 0;
-    if (row[POINTS] && (!row[LAYOUT] || row[HIDDEN] > 0 || row[LOBES] > 1))
-        return 0;
-    /* Few of the others: neither points nor colours nor lobes meet them in the text. */
-    if ((row[RELIEF] || row[GLOSS] || row[STEEP]) &&
-        (!row[LAYOUT] || row[POINTS] || row[HIDDEN] == 1 || row[LOBES] > 0 || row[COLOUR] == 1 || row[COMPONENTS] % 2))
-        return 0;
-    if (row[STEEP] && !row[BILINEAR])
-        return 0;
-    if (row[PICKS] && (row[POINTS] > 1 || row[LOBES] > 0 || row[STEEP]))
-        return 0;
-    return row[COLOUR] != 2 || (row[LOBES] == 0 && !row[SHADOW]);
-}
-
-/* Compiles every `step`-th row from `first` on; returns how many things are wrong. */
-static int check_rows(int all, uint64_t count, uint64_t first, uint64_t step,
-                      uint8_t (*rows)[PAIRWISE_FACTORS]) {
-    uint64_t compiled = 0;
+/* Compiles every row for every version; returns how many things are wrong. */
+static int check_rows(size_t count, uint8_t (*rows)[PAIRWISE_FACTORS]) {
     int wrong = 0;
+    size_t compiled = 0;
     glslang_initialize_process();
-    for (uint64_t i = first; i < count && wrong < 10; i += step) {
-        uint8_t row[PAIRWISE_FACTORS] = {0};
-        if (!all)
-            memcpy(row, rows[i], sizeof row);
-        else if (!combination(i, row))
-            continue;
-        /* In turn by i: no factor has VERSIONS levels, so every level meets every version. */
-        for (int v = 0; v < VERSIONS; ++v)
-            if (!all || i % VERSIONS == (uint64_t)v) {
-                wrong += check_variant(&versions[v], row);
-                ++compiled;
-            }
-    }
+    for (size_t i = 0; i < count && wrong < 10; ++i)
+        for (int v = 0; v < VERSIONS; ++v, ++compiled)
+            wrong += check_variant(&versions[v], rows[i]);
     glslang_finalize_process();
-    printf("%llu shaders compiled, %d wrong\n", (unsigned long long)compiled, wrong);
+    printf("%zu shaders compiled, %d wrong\n", compiled, wrong);
     return wrong;
 }
 
+/* Rows in which every two settings meet. */
+static size_t pairs(size_t most, uint8_t (*rows)[PAIRWISE_FACTORS]) {
+    /* Every pair without packed points, then with them, which leave fewer layouts and hidden points. */
+    uint8_t fewer[FACTORS];
+    memcpy(fewer, levels, sizeof fewer);
+    fewer[POINTS] = fewer[RELIEF] = fewer[GLOSS] = fewer[STEEP] = 1;
+    size_t count = pairwise_rows(1, FACTORS, fewer, most, rows);
+    fewer[LAYOUT] = fewer[HIDDEN] = 1;
+    fewer[POINTS] = 2;
+    const size_t more = pairwise_rows(2, FACTORS, fewer, most - count, rows + count);
+    for (size_t i = 0; i < more; ++i, ++count) {
+        rows[count][LAYOUT] = 1;
+        rows[count][POINTS]++; /* packed, or in lists */
+    }
+    /* Then relief, gloss and the steep filter. */
+    memcpy(fewer, levels, sizeof fewer);
+    fewer[LAYOUT] = fewer[LOBES] = 1;
+    const size_t last = pairwise_rows(3, FACTORS, fewer, most - count, rows + count);
+    for (size_t i = 0; i < last; ++i, ++count) {
+        rows[count][LAYOUT] = 1;
+        rows[count][POINTS] = rows[count][HIDDEN] ? 0 : rows[count][POINTS];
+    }
+    return count;
+}
+
+/* Rows in which every four settings meet that can, none of them without effect on the text. */
+static size_t fours(size_t most, uint8_t (*rows)[PAIRWISE_FACTORS]) {
+    static const pairwise_need needs[] = {
+        {LOBES, COLOUR, 1 | 2}, {SHADOW, COLOUR, 1 | 2}, {STORE, COMPONENTS, 2 | 4 | 8},
+        {ROOTS, DOMAIN, 2},     {POINTS, LAYOUT, 2},     {POINTS, HIDDEN, 1},
+        {RELIEF, LAYOUT, 2},    {GLOSS, LAYOUT, 2},      {STEEP, LAYOUT, 2},
+        {STEEP, BILINEAR, 2},
+    };
+    return fourwise_rows(1, FACTORS, levels, needs, sizeof needs / sizeof *needs, most, rows);
+}
+
 int main(int argc, char **argv) {
-    int all = argc > 1 && strcmp(argv[1], "--long") == 0, failed = 0, status;
-    static uint8_t rows[400][PAIRWISE_FACTORS];
-    uint64_t count = 1;
-    for (int f = 0; f < FACTORS; ++f)
-        count *= levels[f];
-    if (!all) {
-        /* Every pair without packed points, then with them, which leave fewer layouts and hidden points. */
-        uint8_t fewer[FACTORS];
-        memcpy(fewer, levels, sizeof fewer);
-        fewer[POINTS] = fewer[RELIEF] = fewer[GLOSS] = fewer[STEEP] = 1;
-        count = pairwise_rows(1, FACTORS, fewer, 400, rows);
-        fewer[LAYOUT] = fewer[HIDDEN] = 1;
-        fewer[POINTS] = 2;
-        const size_t more = pairwise_rows(2, FACTORS, fewer, 400 - count, rows + count);
-        for (size_t i = 0; i < more; ++i, ++count) {
-            rows[count][LAYOUT] = 1;
-            rows[count][POINTS]++; /* packed, or in lists */
-        }
-        /* Then relief, gloss and the steep filter. */
-        memcpy(fewer, levels, sizeof fewer);
-        fewer[LAYOUT] = fewer[LOBES] = 1;
-        const size_t last = pairwise_rows(3, FACTORS, fewer, 400 - count, rows + count);
-        for (size_t i = 0; i < last; ++i, ++count) {
-            rows[count][LAYOUT] = 1;
-            rows[count][POINTS] = rows[count][HIDDEN] ? 0 : rows[count][POINTS];
-        }
-        return check_rows(0, count, 0, 1, rows) > 0;
+    enum { MOST = 2000 };
+    static uint8_t rows[MOST][PAIRWISE_FACTORS];
+    const size_t count = argc > 1 && strcmp(argv[1], "--long") == 0 ? fours(MOST, rows) : pairs(MOST, rows);
+    if (count == 0 || count == MOST) {
+        fprintf(stderr, "rows: no memory for them, or more than %d\n", MOST);
+        return 1;
     }
-    /* All combinations take core minutes: a process a core. */
-    long cores = sysconf(_SC_NPROCESSORS_ONLN), started = 0;
-    for (cores = cores < 1 ? 1 : cores; started < cores; ++started) {
-        pid_t child = fork();
-        if (child == 0)
-            exit(check_rows(1, count, (uint64_t)started, (uint64_t)cores, rows) > 0);
-        failed += child < 0;
-    }
-    while (started-- > 0)
-        failed += wait(&status) < 0 || status != 0;
-    return failed > 0;
+    return check_rows(count, rows) > 0;
 }

@@ -4,22 +4,24 @@
     broken.py SOURCE_ROOT [NAME...]    all of them, or those of these names
     broken.py SOURCE_ROOT --applies    only whether each can be put in: what the sources say is still there
 
-Copies the sources, and for each change of the list below puts it in, builds the test that has to notice, runs it, and
-takes the change out again: what a change does not touch is compiled once. Two copies share the tests, each with all the
-changes of its tests. A change that no longer applies, does not build, or goes unnoticed is a failure. The long run of the
-tests runs it (table.py); names of changes as arguments run those alone.
+Copies the sources and builds there what the tests need. Then for each change of the list below: puts it in, builds the
+test that has to notice, runs it until it says that something fails, and puts sources and build back as they were, so that
+a change costs what depends on it, once. A change that no longer applies, does not build, or goes unnoticed is a failure.
+The long run of the tests runs it (table.py); names of changes as arguments run those alone.
 
 SPDX-License-Identifier: MIT
 """
 import os
+import re
+import resource
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
-from concurrent.futures import ThreadPoolExecutor
 
-COPIES = 2
-JOBS = max(1, (os.cpu_count() or 1) // COPIES)  # of each copy's build
+# Without optimisation loops of the encoder take longer to run than -O2 takes to compile; results are the same bits at each.
+OPTIONS = ['-Doptimization=1']
 
 # The breaks: [(file, text, its replacement)], and the test that has to notice.
 CHANGES = [
@@ -41,7 +43,7 @@ CHANGES = [
         ("encoder/paper/fit.c", "return any;", "return true;"),
         ("encoder/lafortune/texel_fit.c", "if (largest == 0) {", "if (largest < 0) {")]),
     ("empty clusters left empty", "stability_occlusion", [
-        ("encoder/math/kmeans.c", "if (counts[j] > 0)\n            continue;", "continue;")]),
+        ("encoder/math/kmeans.c", "if (counts[j] > 0) {\n            continue;\n        }", "continue;")]),
     ("the division by the members of an empty cluster put back", "stability_occlusion", [
         ("encoder/math/kmeans.c", "d < stride && counts[j] > 0; d++", "d < stride; d++")]),
     ("a scale of centres that no file holds", "stability_occlusion", [
@@ -88,19 +90,39 @@ CHANGES = [
         ("reference/btf_evaluate.c", "texel_radiance(&e, column, row, out_values);", "texel_radiance(&e, column, row - first_row, out_values);")]),
     ("a column of what was folded decoded again", "fold", [
         ("reference/btf_evaluate.c", "if (folded && folded->fold == BTF_REF_FOLD_BOTH) {", "if (folded && folded->fold == BTF_REF_FOLD_BOTH && column > 0) {")]),
+    ("the lights of the first neighbour folded for all", "fold", [
+        ("reference/btf_evaluate.c", "&e.lights[neighbour], column, row,", "&e.lights[0], column, row,")]),
+    ("neighbours of a fold read by the number of their view", "fold", [
+        ("reference/btf_evaluate.c", "        e.shown[a] = a;", "        e.shown[a] = e.views.index[a] % 3;")]),
+    ("a fold of neighbours that takes the layers of all views", "fold", [
+        ("decoder/fold/fold.c", "fold == BTF_FOLD_NEIGHBOURS ? 3 : 1", "fold == BTF_FOLD_NEIGHBOURS ? info->n_views : 1")]),
+    ("the CPU's neighbours kept by their order, not their place", "fold", [
+        ("decoder/fold/cpu_fold.c", "s->views.place[a] != layer", "(uint32_t)a != layer")]),
+    ("level 0 folded by the CPU for all", "fold", [
+        ("decoder/fold/cpu_fold.c", "levels[i] = (int32_t)p->level;", "levels[i] = 0;")]),
+    ("texels of a row folded by the CPU twice", "fold", [
+        ("decoder/fold/cpu_fold.c", "texels.column[texels.count] = first + (uint32_t)texels.count;", "texels.column[texels.count] = (uint32_t)texels.count;")]),
+    ("lights added by the CPU without their weights", "fold", [
+        ("decoder/fold/cpu_fold.c", "total + value * weight[i % 4]", "total + value * weight[0]")]),
+    ("a sum of lights begun in the wrong texture", "fold_gl", [
+        ("decoder/fold/gl_fold.c", "to = (count - 1 - i) % 2", "to = i % 2")]),
+    ("gloss left out at any price", "fold", [
+        ("decoder/plan.c", "base[i] * (1 + growth[i]) + fmax(c", "base[i] + fmax(c")]),
+    ("gloss never left out", "fold", [
+        ("decoder/plan.c", "tolerance > 0 && plan->level == 0 &&", "tolerance > 1000 && plan->level == 0 &&")]),
     ("a light folded where gloss is decoded", "fold", [
         ("decoder/fold/fold.c", "all.fold == BTF_FOLD_LIGHT && effects & BTF_EFFECT_GLOSS", "all.fold == BTF_FOLD_LIGHT && effects == 0")]),
     ("a light folded where there is an SBRDF", "fold", [
         ("decoder/fold/fold.c", "all.fold == BTF_FOLD_LIGHT && info->colour != BTF_COLOUR_NONE", "all.fold == BTF_FOLD_LIGHT && info->colour > BTF_COLOUR_NONE")]),
     ("light and view folded where relief is decoded", "fold", [
         ("decoder/fold/fold.c", "all.fold == BTF_FOLD_BOTH && effects & BTF_EFFECT_RELIEF", "all.fold == BTF_FOLD_BOTH && effects == 0")]),
-    ("level 0 of a fold drawn alone", "fold", [
-        ("decoder/fold/gl_fold.c", "level < f->levels; ++level) {", "level < 1; ++level) {")]),
-    ("every light folded into the layers of the first", "fold", [
-        ("decoder/fold/gl_fold.c", "(int32_t)(number * f->views + view)", "(int32_t)(number * 0 + view)")]),
-    ("a fold drawn within the caller's scissor", "fold", [
+    ("level 0 of a fold drawn alone", "fold_gl", [
+        ("decoder/fold/gl_fold.c", "level < fold->levels; ++level)\n        for (uint32_t i = 0; i < fold->views", "level < 1; ++level)\n        for (uint32_t i = 0; i < fold->views")]),
+    ("every light folded into the layers of the first", "fold_gl", [
+        ("decoder/fold/gl_fold.c", "number * fold->views + i, level", "0 * fold->views + i, level")]),
+    ("a fold drawn within the caller's scissor", "fold_gl", [
         ("decoder/fold/gl_draw.c", "    GL_SCISSOR_TEST,", "    GL_STENCIL_TEST,")]),
-    ("the caller's viewport lost to a fold", "fold", [
+    ("the caller's viewport lost to a fold", "fold_gl", [
         ("decoder/fold/gl_draw.c", "gl->Viewport(s->viewport[0], s->viewport[1],", "gl->Viewport(0, s->viewport[1],")]),
     ("parameters beyond 2^24 read", "decoder_bits", [
         ("decoder/shape.h", "magnitude <= BTFI_PARAMETER_MAX", "magnitude <= 2 * BTFI_PARAMETER_MAX")]),
@@ -241,8 +263,8 @@ CHANGES = [
         ("decoder/gl.c", "if (result != BTF_OK)\n        btf_gl_destroy(&gl);", "if (result != BTF_OK)\n        gl = NULL;")]),
     ("texels read that were never written", "valgrind", [
         ("decoder/material.c", "m->texture[level][id] = calloc(1, size);", "m->texture[level][id] = malloc(size);")]),
-    ("a critical section of the shadow test left out", "tsan", [
-        ("encoder/paper/shadow.c", "#pragma omp critical(enc_shadow_result)\n", "")]),
+    ("threads that share the buffer of a product", "tsan", [
+        ("encoder/factor/matrix.c", "work + enc_thread_index() * each, sums[p]", "work, sums[p]")]),
     ("the material written under its final name", "stability_faults", [
         ("decoder/save.c", "const int fd = btfi_temporary_create(path, &temporary);",
          "temporary = strdup(path);\n    const int fd = open(path, O_RDWR | O_CREAT | O_TRUNC, 0666);")]),
@@ -306,7 +328,7 @@ def program(tree, test):
         return TOOLS, [f'{tests}/stability/test_{test[10:]}.sh']
     if test in ('exr', 'file', 'memory', 'names', 'output', 'points', 'relief', 'relief_end', 'sampled_environment') or test.startswith('reference_'):
         return [f'tests/unit/test_{test}'], [f'{tree}/build/tests/unit/test_{test}']
-    if test in ('evaluator', 'fold', 'sampling'):
+    if test in ('evaluator', 'fold', 'fold_gl', 'sampling'):
         return [f'tests/conformance/test_{test}'], [f'{tree}/build/tests/conformance/test_{test}']
     if test == 'fuzz-exr':
         return [f'tests/fuzz/{test}'], [f'{tree}/build/tests/fuzz/{test}', f'{tests}/fuzz/corpus/exr']
@@ -317,86 +339,87 @@ def program(tree, test):
     return [f'tests/stability/test_{test}'], [f'{tree}/build/tests/stability/test_{test}']
 
 
-def first_failure(output):
-    for line in output.splitlines():
-        if line.startswith('CASE | ') and line.endswith('| FAIL'):
-            return line.split(' | ')[1]
-        if line.startswith('[  FAILED  ] '):
-            return line[13:]
-    return None
+# A line of table.py's, or of cmocka's, of a case that failed.
+FAILURE = re.compile(r'CASE \| (.*?) \|.*\| FAIL$|\[  FAILED  \] (?!tests: )(.*)$')
 
 
-def run_test(tree, test):
-    """(exit code, what it printed) of a test built from the tree; None in place of a code that never came."""
-    targets, command = program(tree, test)
-    built = subprocess.run(['ninja', f'-j{JOBS}', '-C', f'{tree}/build', *targets], capture_output=True, text=True)
+def build(tree, targets):
+    built = subprocess.run(['ninja', '-C', f'{tree}/build', *targets], capture_output=True, text=True)
     if built.returncode != 0:
         print(built.stdout[-3000:])
         raise NotBuilt
-    try:
-        ran = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors='replace',
-                             timeout=7200, env={**os.environ, 'BTF_SOURCE_ROOT': tree,
-                                               'BTF_BUILD_ROOT': f'{tree}/build'})
-        return ran.returncode, ran.stdout
-    except subprocess.TimeoutExpired:
-        return None, ''
 
 
-def check(tree, name, test, edits):
+def run_test(tree, test):
+    """(exit code, what it printed, its first case that failed, None if none did) of a test, ended at that case."""
+    ran = subprocess.Popen(program(tree, test)[1], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors='replace',
+                           start_new_session=True,
+                           env={**os.environ, 'BTF_SOURCE_ROOT': tree, 'BTF_BUILD_ROOT': f'{tree}/build'})
+    lines = []
+    for line in ran.stdout:
+        lines.append(line)
+        failed = FAILURE.match(line.rstrip('\n'))
+        if failed:
+            os.killpg(ran.pid, signal.SIGKILL)
+            ran.stdout.close()
+            ran.wait()
+            return 1, ''.join(lines), failed[1] or failed[2]
+    return ran.wait(), ''.join(lines), None
+
+
+class Tree:
+    """A copy of the sources, built; what is changed in it is put back from a second copy."""
+
+    def __init__(self, source, folder, targets):
+        self.path, self.kept = os.path.join(folder, 'openbtf'), os.path.join(folder, 'kept')
+        shutil.copytree(source, self.path, ignore=shutil.ignore_patterns('build*', '.git', '__pycache__'))
+        subprocess.run(['meson', 'setup', f'{self.path}/build', self.path, *OPTIONS], check=True, capture_output=True)
+        build(self.path, targets)
+
+    def keep(self):
+        shutil.copytree(self.path, self.kept, symlinks=True)
+
+    def put_back(self):
+        """Times of files too: ninja then finds nothing to do."""
+        for folder, folders, files in os.walk(self.path):
+            kept = os.path.join(self.kept, os.path.relpath(folder, self.path))
+            for name in files:
+                now, was = os.path.join(folder, name), os.path.join(kept, name)
+                if not os.path.lexists(was):
+                    os.remove(now)
+                elif changed(now, was):
+                    shutil.copy2(was, now, follow_symlinks=False)
+            for name in [name for name in folders if not os.path.isdir(os.path.join(kept, name))]:
+                shutil.rmtree(os.path.join(folder, name))
+                folders.remove(name)
+
+
+def changed(now, was):
+    a, b = os.lstat(now), os.lstat(was)
+    return (a.st_mtime_ns, a.st_size) != (b.st_mtime_ns, b.st_size)
+
+
+def check(tree, test, edits):
     """(whether noticed, None where the machine cannot tell; what was seen)"""
-    kept, noticed = {}, False
     for path, old, new in edits:
         full = os.path.join(tree, path)
         with open(full, encoding='utf-8') as file:
             text = file.read()
-        kept.setdefault(full, text)
         if text.count(old) != 1:
-            seen = f'{path} has the text to change {text.count(old)} times'
-            break
+            return False, f'{path} has the text to change {text.count(old)} times'
         with open(full, 'w', encoding='utf-8') as file:
             file.write(text.replace(old, new))
-    else:
-        try:
-            code, output = run_test(tree, test)
-            if code == 77:
-                noticed, seen = None, output.strip()
-            elif code != 0:
-                how = ('it does not end' if code is None else f'it ends by signal {-code}' if code < 0 else
-                       f'it ends with code {code}')
-                noticed, seen = True, f'{test}: {first_failure(output) or how}'
-            else:
-                seen = f'{test} noticed nothing'
-        except NotBuilt:
-            seen = 'it does not build'
-    for full, text in kept.items():
-        with open(full, 'w', encoding='utf-8') as file:
-            file.write(text)
-    return noticed, seen
-
-
-def passes(tree, test):
-    """Whether a test passes without a change: if not, what it says of one is worth nothing."""
     try:
-        return run_test(tree, test)[0] in (0, 77)
+        build(tree, program(tree, test)[0])
     except NotBuilt:
-        return False
-
-
-def shares(wanted):
-    """The tests of each copy: those with the most changes first, each to the copy with the fewest so far."""
-    count = {test: sum(of == test for _, of, _ in wanted) for _, test, _ in wanted}
-    split = [[] for _ in range(COPIES)]
-    for test in sorted(count, key=lambda test: -count[test]):
-        min(split, key=lambda tests: sum(count[t] for t in tests)).append(test)
-    return [tests for tests in split if tests]
-
-
-def check_share(source, tree, tests, wanted):
-    """([tests that fail without a change], {name: (whether noticed, what was seen)}) of the changes of some tests."""
-    shutil.copytree(source, tree, ignore=shutil.ignore_patterns('build*', '.git', '__pycache__'))
-    subprocess.run(['meson', 'setup', f'{tree}/build', tree], check=True, capture_output=True)
-    failing = [test for test in tests if not passes(tree, test)]
-    return failing, {name: check(tree, name, test, edits) for name, test, edits in wanted if test in tests}
+        return False, 'it does not build'
+    code, output, case = run_test(tree, test)
+    if code == 77:
+        return None, output.strip()
+    if code == 0:
+        return False, f'{test} noticed nothing'
+    how = f'it ends by signal {-code}' if code < 0 else f'it ends with code {code}'
+    return True, f'{test}: {case or how}'
 
 
 def applies(source):
@@ -418,24 +441,40 @@ def main():
     if sys.argv[2:] == ['--applies']:
         sys.exit(1 if applies(source) else 0)
     wanted = [change for change in CHANGES if len(sys.argv) == 2 or change[0] in sys.argv[2:]]
-    failures = 0
+    tests = list(dict.fromkeys(test for _, test, _ in wanted))
+    failures, failing = 0, []
     print('TITLE | Deliberately broken builds: the test that notices, and its first case that fails.')
-    with tempfile.TemporaryDirectory(prefix='btf-broken-') as folder, ThreadPoolExecutor(COPIES) as pool:
-        done = [pool.submit(check_share, source, os.path.join(folder, str(i), 'openbtf'), tests, wanted)
-                for i, tests in enumerate(shares(wanted))]
-        failing = sorted(test for share in done for test in share.result()[0])
-        results = {name: result for share in done for name, result in share.result()[1].items()}
-    failures += len(failing)
-    tests = {test for _, test, _ in wanted}
-    print(f'CASE | nothing | each of the tests below passes | '
-          f'{" ".join(failing) + " fail" if failing else f"{len(tests)} tests pass"} | {"FAIL" if failing else "pass"}')
-    for name, test, _ in wanted:
-        noticed, seen = results[name]
-        failures += noticed is False
-        verdict = 'skip' if noticed is None else 'pass' if noticed else 'FAIL'
-        print(f'CASE | {name} | {test} fails | {seen} | {verdict}')
+    with tempfile.TemporaryDirectory(prefix='btf-broken-') as folder:
+        os.environ['TMPDIR'] = folder  # for what tests leave that are ended
+        tree = Tree(source, folder, sorted({target for test in tests for target in program('', test)[0]}))
+        report('the build')
+        for test in tests:  # if one fails without a change, what it says of one is worth nothing
+            if run_test(tree.path, test)[0] not in (0, 77):
+                failing.append(test)
+            report(test)
+        failures += len(failing)
+        print(f'CASE | nothing | each of the tests below passes | '
+              f'{" ".join(failing) + " fail" if failing else f"{len(tests)} tests pass"} | {"FAIL" if failing else "pass"}', flush=True)
+        tree.keep()
+        for name, test, edits in wanted:
+            noticed, seen = check(tree.path, test, edits)
+            failures += noticed is False
+            verdict = 'skip' if noticed is None else 'pass' if noticed else 'FAIL'
+            print(f'CASE | {name} | {test} fails | {seen} | {verdict}', flush=True)
+            tree.put_back()
+            report(name)
     print(f'{len(wanted)} changes, {failures} unnoticed')
     sys.exit(1 if failures or not wanted else 0)
 
+
+def report(name):
+    """To stderr, the core seconds since the last report."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    seconds = used.ru_utime + used.ru_stime
+    print(f'{seconds - report.before:6.1f} core s: {name}', file=sys.stderr, flush=True)
+    report.before = seconds
+
+
+report.before = 0
 
 main()

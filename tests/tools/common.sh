@@ -10,7 +10,11 @@ trap 'rm -rf "$work"' EXIT
 cd "$work"
 failures=0
 light=${BTF_TEST_LIGHT:-} # not empty: repeat less (tests/meson.build)
-starts=${light:+--starts 1} # for --method paper where fitting from several starts is not the subject
+starts="--starts 1${light:+ --lobes 1}" # for --method paper where the fit is not the subject
+side=16                     # texels of small_data
+[ -n "$light" ] && side=8
+# A relief of fewer cells than usual, which take longer to make than to encode what is seen of them.
+btf-sample() { command btf-sample --grid 256 "$@"; }
 
 # With BTF_TEST_COSTS, the core seconds so far stand before each line: the work between two lines took the difference.
 report() { # NAME VERDICT [detail]
@@ -64,8 +68,11 @@ expect_that() {
 
 finish() { exit $((failures > 0)); }
 
-# A data set of 7 views and 7 lights in $work/data, 16 x 16.
-small_data() { btf-sample -o data --relief bricks --size 16 --directions 0:1,40:6 --quiet "$@" || exit 99; }
+# unless_light COMMAND...: what shows the sanitizers nothing that its neighbours do not.
+unless_light() { [ -n "$light" ] || "$@"; }
+
+# A data set of 7 views and 7 lights in $work/data, $side x $side.
+small_data() { btf-sample -o data --relief bricks --size $side --directions 0:1,40:6 --quiet "$@" || exit 99; }
 
 # The least --memory that btf-encode takes with these arguments: samples then lie in a scratch file.
 least_memory() { btf-encode "$@" -o least.btf.exr -q --memory 1 2>&1 | grep -o 'at least [0-9]*K' | grep -o '[0-9]*K'; }
@@ -82,6 +89,8 @@ at() {
     env "$preload" "BTF_MOMENT=$moment" "BTF_ACTION=$action" "$@"
 }
 preload=LD_PRELOAD=$build/tests/support/libmoment.so${LD_PRELOAD:+:$LD_PRELOAD}
+# A GPU that has no memory left for folds, of OSMesa and GLFW.
+short_gpu=LD_PRELOAD=$build/tests/support/libshort_gpu.so${LD_PRELOAD:+:$LD_PRELOAD}
 export ASAN_OPTIONS=${ASAN_OPTIONS:-}:verify_asan_link_order=0 # its runtime is not the first library then
 
 # calls COMMAND...: how often it makes or changes a file.

@@ -4,22 +4,25 @@
 # SPDX-License-Identifier: MIT
 . "$BTF_SOURCE_ROOT/tests/tools/common.sh" || exit 99
 small_data
+levels=3 # that are decoded and compared
+[ $side = 8 ] && levels=2
 json() { python3 -c "import json,sys; r=json.load(open('$1')); print($2)"; }
 
 expect_text "--help tells of the method" "joint \(default\): low-bit factors" <(btf-encode --help)
 expect "factors" 0 btf-encode data -o factors.btf.exr --method joint --effects residual --report factors.json --pictures drawn --threads 1
 expect_text "bytes a texel by texture" "^  factor_texels +[0-9.]+ +[0-9.]+" out
-expect_text "what the first units give" "^The first units of the residual" out
+expect_text "what the first units give" "^Only the first units of the residual decoded" out
 expect_that "a montage" test -s drawn/montage.png
 btf-info factors.btf.exr --json >info.json || exit 99
 expect_that "a file of version 2" test "$(json info.json "(r['version'], r['domain'], r['effects'])")" = "(2, 'sqrt', ['residual'])"
-expect_that "the report says the bytes of each texture" python3 - <<'P'
-import json
+expect_that "the report says the bytes of each texture" python3 - $side <<'P'
+import json, sys
+texels = int(sys.argv[1]) ** 2
 r, info = json.load(open("factors.json")), json.load(open("info.json"))
 parts = r["bytes"]["parts"]
 assert parts["factor_texels"] + parts["factor_directions"] == r["bytes"]["gpu"] == info["bytes"]["gpu"], r["bytes"]
-assert parts["factor_texels"] % (16 * 16 * 16) == 0 and parts["factor_directions"] == 7 * 7 * 16 * info["residual"]
-assert abs(r["bytes"]["a_texel"] * 16 * 16 - r["bytes"]["gpu"]) < 1e-6
+assert parts["factor_texels"] % (16 * texels) == 0 and parts["factor_directions"] == 7 * 7 * 16 * info["residual"]
+assert abs(r["bytes"]["a_texel"] * texels - r["bytes"]["gpu"]) < 1e-6
 assert r["trials"][0]["verdict"] == "best" and r["trials"][0]["gpu"] == r["bytes"]["gpu"], r["trials"]
 P
 expect "what the reference decodes" 0 btf-compare data factors.btf.exr --json -q
@@ -58,18 +61,18 @@ assert data.index(b"preview") < data.index(b"factor_texels")
 P
 
 btf-sample -o wide --relief bricks --size 12x10 --directions 0:1,30:6,60:9 --quiet || exit 99
-for budget in 30k 100k; do
+for budget in 30k $(unless_light echo 100k); do
     expect "a budget of $budget" 0 btf-encode wide -o budget.btf.exr --preset fast --budget $budget --report budget.json -q
     expect_that "is kept" test "$(json budget.json "20000 < r['bytes']['gpu'] <= int('$budget'[:-1]) * 1000")" = True
 done
 expect "a budget that holds nothing" 1 btf-encode wide -o x.btf.exr --budget 5k -q
-expect_text "is refused with the least" "a budget of 5000 bytes holds no unit, which takes [0-9]+" err
+expect_text "is refused with the least" "a budget of 5000 bytes is too small: one unit of factors takes [0-9]+" err
 least=$(sed -n 's/.*--budget \([0-9]*k\) or more.*/\1/p' err)
 expect "the budget that it names instead" 0 btf-encode wide -o least.btf.exr --preset fast --budget "$least" -q
 expect "a thousand bytes less" 1 btf-encode wide -o x.btf.exr --budget $((${least%k} - 1))k -q
-expect_text "offers fewer texels" "of at most [0-9]+ texels \(--size\)" err
+expect_text "offers fewer texels" "one unit of [0-9]+ texels at most \(--size\)" err
 paper=$(sed -n 's/.*--half takes \([0-9]*\).*/\1/p' err)
-texels=$(sed -n 's/.*at most \([0-9]*\) texels.*/\1/p' err)
+texels=$(sed -n 's/.*unit of \([0-9]*\) texels.*/\1/p' err)
 expect "which hold a unit" 0 btf-encode wide -o x.btf.exr --preset fast --size "${texels}x1" --budget $((${least%k} - 1))k -q
 expect "and the reflectance that it offers" 0 btf-encode wide -o x.btf.exr --method paper --effects none --lobes 1 --half \
     --report paper.json -q
@@ -84,35 +87,41 @@ assert [t["verdict"] for t in q["trials"]].count("best") == 1
 assert [t["gpu"] for t in q["trials"] if t["verdict"] == "best"] == [q["bytes"]["gpu"]]
 P
 expect "a quality out of reach" 0 btf-encode wide -o x.btf.exr --preset fast --budget 30k --quality 90 -q
-expect_text "is told" "warning: factors: [0-9.]+ dB of 90.00 within 30000 bytes" err
-expect "a better preset" 0 btf-encode wide -o medium.btf.exr --budget 30k --report medium.json -q
+expect_text "is told" "warning: factors: [0-9.]+ dB is the best that was found, below --quality 90.00, within 30000 bytes" err
 expect "fast" 0 btf-encode wide -o fast.btf.exr --preset fast --budget 30k --report fast.json -q
-expect_that "descent on the codes gains" test "$(python3 -c "
+preset=fast
+if [ -z "$light" ]; then
+    expect "a better preset" 0 btf-encode wide -o medium.btf.exr --budget 30k --report medium.json -q
+    expect_that "descent on the codes gains" test "$(python3 -c "
 import json
 a, b = (json.load(open(f))['psnr']['full'] for f in ('medium.json', 'fast.json'))
 print(a['linear'] > b['linear'] and a['srgb'] > b['srgb'])")" = True
+    preset=medium
+fi
 
 expect "too little memory" 1 btf-encode wide -o x.btf.exr --memory 1 -q
 expect_text "the least is named" "12x10 texels, 16 views and 16 lights take at least" err
 expect "a budget beyond the memory" 1 btf-encode wide -o x.btf.exr --memory 20M --budget 200M -q
 expect_text "is refused with the least" "factors of 200000000 bytes .* take at least [0-9]+K" err
-expect "a scratch file" 0 env TMPDIR="$work" btf-encode wide -o scratch.btf.exr --budget 30k \
-    --memory "$(least_memory wide --budget 30k)"
+expect "a scratch file" 0 env TMPDIR="$work" btf-encode wide -o scratch.btf.exr --preset $preset --budget 30k \
+    --memory "$(least_memory wide --preset $preset --budget 30k)"
 expect_text "it is announced" "samples: .* scratch file in $work" err
-expect_that "the same bytes through a scratch file" cmp medium.btf.exr scratch.btf.exr
+expect_that "the same bytes through a scratch file" cmp $preset.btf.exr scratch.btf.exr
 expect "a prediction" 0 btf-encode wide --predict self
 expect_text "has its stages" "^  factorise +[0-9.]+ core s" out
-expect "a prediction by a report" 0 btf-encode wide --budget 30k --predict medium.json
+expect "a prediction by a report" 0 btf-encode wide --preset $preset --budget 30k --predict $preset.json
 expect "levels" 0 btf-encode data -o levels.btf.exr --levels all --report levels.json --threads 1 -q
-expect "levels, two threads" 0 btf-encode data -o levels2.btf.exr --levels all --threads 2 -q
-expect_that "the same bytes for any number of threads, with levels" cmp levels.btf.exr levels2.btf.exr
-for level in 1 2 3; do
-    size=$((16 >> level))
+if [ -z "$light" ]; then
+    expect "levels, two threads" 0 btf-encode data -o levels2.btf.exr --levels all --threads 2 -q
+    expect_that "the same bytes for any number of threads, with levels" cmp levels.btf.exr levels2.btf.exr
+fi
+for level in $(seq $levels); do
+    size=$((side >> level))
     expect "level $level decoded by the reference" 0 btf-decode levels.btf.exr -o level$level --all --level $level --format exr
     expect "against the original, filtered to $size x $size as images" 0 btf-compare data level$level --size ${size}x$size --json -q
     cp out compared.json
     expect_that "is as good as the report says" test "$(json compared.json "abs(r['psnr']['linear'] - json.load(open('levels.json'))['levels'][$level]['linear']) < 0.02")" = True
-    expect_that "and not worse than level 0" test "$(json levels.json "r['levels'][$level]['linear'] > r['levels'][0]['linear'] - 1")" = True
+    unless_light expect_that "and not worse than level 0" test "$(json levels.json "r['levels'][$level]['linear'] > r['levels'][0]['linear'] - 1")" = True
 done
 
 # The weak components of such data have scales below what files hold, were they not balanced.
@@ -129,9 +138,10 @@ expect_that "and nothing is written" test ! -e steps
 expect "the residual by name" 0 btf-encode data -o named.btf.exr --effects residual --effect-tolerance 0.05 -q
 expect_that "is the same" cmp named.btf.exr factors.btf.exr
 
-# Grey images with noise and nothing else.
-btf-sample -o plane --relief white --size 24 --directions small --quiet || exit 99
-python3 - <<'P' || exit 99
+# Grey images with noise and nothing else; numbers alone, for the sanitizers.
+if [ -z "$light" ]; then
+    btf-sample -o plane --relief white --size 24 --directions small --quiet || exit 99
+    python3 - <<'P' || exit 99
 import glob, random, struct, zlib
 random.seed(1)
 chunk = lambda name, data: struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
@@ -142,11 +152,12 @@ for path in paths:
     head = struct.pack(">IIBBBBB", 24, 24, 8, 2, 0, 0, 0)
     open(path, "wb").write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
 P
-expect "noise" 0 btf-encode plane -o plane.btf.exr --budget 200k --report plane.json -q
-expect "with the whole budget" 0 btf-encode plane -o filled.btf.exr --budget 200k --effect-tolerance 0 --report filled.json -q
-expect_that "needs one unit of it" test "$(json plane.json "r['bytes']['gpu'] < 17000 and json.load(open('filled.json'))['bytes']['gpu'] > 180000")" = True
-expect_that "and the report says why" test "$(json plane.json "(lambda u: u['pays'] < 17000 and u['budget'] == 200000 and u['tolerance'] == 0.05 and u['noise_beyond'] and u['signal'] == [1, 0, 0])(r['unspent'])")" = True
-expect_that "which nobody asks of the other" test "$(json filled.json "r['unspent'] is None")" = True
+    expect "noise" 0 btf-encode plane -o plane.btf.exr --budget 200k --report plane.json -q
+    expect "with the whole budget" 0 btf-encode plane -o filled.btf.exr --budget 200k --effect-tolerance 0 --report filled.json -q
+    expect_that "needs one unit of it" test "$(json plane.json "r['bytes']['gpu'] < 17000 and json.load(open('filled.json'))['bytes']['gpu'] > 180000")" = True
+    expect_that "and the report says why" test "$(json plane.json "(lambda u: u['pays'] < 17000 and u['budget'] == 200000 and u['tolerance'] == 0.05 and u['noise_beyond'] and u['signal'] == [1, 0, 0])(r['unspent'])")" = True
+    expect_that "which nobody asks of the other" test "$(json filled.json "r['unspent'] is None")" = True
+fi
 
 cp factors.btf.exr kept.btf.exr
 for moment in "1 print read: done" "1 print factorise: done" "1 open kept.btf.exr"; do

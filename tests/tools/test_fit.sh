@@ -50,8 +50,10 @@ P
 expect_that "is better between the samples, worse at them, of as many bytes; the file and the report say so" python3 fit.py
 cat that
 
-expect "with threads" 0 encode again --threads 3
-expect_that "the same bytes" cmp fitted.btf.exr again.btf.exr
+if [ -z "$light" ]; then
+    expect "with threads" 0 encode again --threads 3
+    expect_that "the same bytes" cmp fitted.btf.exr again.btf.exr
+fi
 expect "from a scratch file" 0 encode disk --memory "$(least_memory data --preset fast --budget 200000)"
 expect_that "the same bytes" cmp fitted.btf.exr disk.btf.exr
 expect "the paper's method keeps the samples" 0 btf-encode data -o paper.btf.exr -q --method paper --starts 1 --report paper.json

@@ -4,13 +4,13 @@
 # SPDX-License-Identifier: MIT
 . "$(dirname "$0")/common.sh"
 root=$BTF_SOURCE_ROOT
-flags="-Wall -Wextra -pedantic -Werror -fsyntax-only -I$root/decoder/include -I$root/reference/include"
+flags="-Wall -Wextra -pedantic -Werror -fsyntax-only -I$root/decoder/include -I$root/reference/include -I$root/encoder/library/include"
 
 # each_header COMPILER LANGUAGE STANDARD: every header, included twice and alone, with a use of each of its constants: a
 # macro that nobody uses is never looked at.
 each_header() {
     local header
-    for header in "$root"/decoder/include/openbtf/*.h "$root"/reference/include/openbtf/*.h; do
+    for header in "$root"/{decoder,reference,encoder/library}/include/openbtf/*.h; do
         {
             printf '#include <openbtf/%s>\n' "$(basename "$header")" "$(basename "$header")"
             echo 'int openbtf_here;'

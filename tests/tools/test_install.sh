@@ -21,12 +21,13 @@ unset PKG_CONFIG_PATH
 
 # ---- the files
 
-(cd "$prefix" && find . ! -type d | sed -e "s|^\./||" -e "s|${libdir#"$prefix"/}|LIB|" | sort) >files
+(cd "$prefix" && find . ! -type d | sed -e "s|^\./||" -e "s|^${libdir#"$prefix"/}|LIB|" -e 's|^lib/python3[^/]*/[a-z]*-packages|PYTHON|' | sort) >files
 {
     printf 'bin/btf-%s\n' bench compare conform decode encode info render sample view
-    printf 'include/openbtf/%s.h\n' compat/btf_reference evaluate fold gl material plan reference \
+    printf 'include/openbtf/%s.h\n' compat/btf_reference evaluate fold gl input material plan reference \
         result sampling shader
-    printf 'LIB/%s\n' libopenbtf{,_reference}.so{,.0.2,.0.2.0} pkgconfig/openbtf{,-reference}.pc
+    printf 'LIB/%s\n' libopenbtf{,_input,_reference}.so{,.0.2,.0.2.0} pkgconfig/openbtf{,-input,-reference}.pc
+    printf 'PYTHON/openbtf/%s\n' __init__.py _library.py data.py material.py py.typed
     printf 'share/cmake/openbtf/%s\n' openbtfConfig{,Version}.cmake
     printf 'share/openbtf/%s\n' FORMAT.md LICENSE README.md openbtf.glsl self_test.glsl \
         openbtf_{factors,joint,lists,paper,points,relief,residual,sbrdf}_{texel,bilinear,steep,fast,stochastic}.glsl \
@@ -76,13 +77,24 @@ fi
 exports() { nm -D --defined-only "$libdir/$1" | awk '{ print $3 }' | grep -vE "^$2" && return 1 || return 0; }
 expect_that 'libopenbtf exports btf_*' exports libopenbtf.so 'btf_[a-z]'
 expect_that 'libopenbtf_reference exports btf_ref_*' exports libopenbtf_reference.so 'btf_ref_[a-z]'
+expect_that 'libopenbtf_input exports btf_input_*' exports libopenbtf_input.so 'btf_input_[a-z]'
 declared() {
     local name
-    for name in $(nm -D --defined-only "$libdir"/libopenbtf{,_reference}.so | awk 'NF == 3 { print $3 }'); do
+    for name in $(nm -D --defined-only "$libdir"/libopenbtf{,_input,_reference}.so | awk 'NF == 3 { print $3 }'); do
         grep -qE "\b$name\(" "$prefix"/include/openbtf/*.h || { echo "$name is in no header" && return 1; }
     done
 }
 expect_that 'what is exported is declared' declared
+
+# The Python package of the moved prefix finds the libraries beside it.
+if /usr/bin/python3 -c 'import numpy' 2>that; then
+    expect 'python' 0 env -i PYTHONPATH="$(dirname "$prefix"/lib/python3*/*-packages/openbtf)" /usr/bin/python3 -c '
+import openbtf, sys
+print(openbtf.open(sys.argv[1]).image(0, 0).shape)
+openbtf.data._input_library()' "$root/tests/data/golden/v1-tight.btf.exr"
+else
+    echo "no numpy: the Python package is not tried"
+fi
 
 # ---- the tools, with a bare environment, from another folder
 

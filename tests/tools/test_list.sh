@@ -57,14 +57,14 @@ expect_text "the option is told" "--names TABLE" err
 
 printf '# nothing\n' >empty.list
 expect "an empty list" 3 encode empty.list -o made
-expect_text "it says so" "lists no input" err
+expect_text "it says so" "the list names no input" err
 printf 'sets/one\nsets/../sets/one.zip\n' >twice.txt
 expect "two of one name" 3 encode twice.txt -o made
 expect_text "line and name are told" "line 2: .* would both become one.btf.exr" err
 for name in .. . / ../ ...zip; do
     printf 'sets/one\n%s\n' "$name" >none.txt
     expect "no name: '$name'" 3 encode none.txt -o made
-    expect_text "is refused with its line" "none.txt: line 2: .* names no material" err
+    expect_text "is refused with its line" "none.txt: line 2: '.*' gives no file name for a material" err
 done
 printf 'sets/one\n' >list.txt
 touch file

@@ -4,12 +4,12 @@
 # SPDX-License-Identifier: MIT
 . "$BTF_SOURCE_ROOT/tests/tools/common.sh" || exit 99
 # Bumps lie below the plane of their highest points: grazing views show them displaced.
-btf-sample -o data --relief bumps --size 16 --directions 0:1,30:6,60:8 --format exr --quiet || exit 99
+btf-sample -o data --relief bumps --grid 1024 --size 16 --directions 0:1,30:6,60:8 --format exr --quiet || exit 99
 
 encode_aloud() { # NAME OPTION...
     local name=$1
     shift
-    btf-encode data -o "$name.btf.exr" --preset fast --budget 100000 --report "$name.json" "$@"
+    btf-encode data -o "$name.btf.exr" --preset fast --budget 40000 --report "$name.json" "$@"
 }
 encode() { encode_aloud "$@" -q; }
 expect "relief and gloss, looked for" 0 encode found --relief auto --gloss auto --levels 3
@@ -52,13 +52,13 @@ assert "view" in off["between"] and "view_without_relief" not in off["between"],
 P
 expect_that "a file tells what relief is worth between the samples" python3 worth.py
 expect "in words" 0 btf-info found.btf.exr
-expect_text "not by errors at the samples" "relief +between the samples only: \\+[0-9.]+ dB linear, .* where views are left out, for 256 bytes" out
+expect_text "not by errors at the samples" "relief +acts between the samples only: \\+[0-9.]+ dB linear, .* where views are left out, for 256 bytes" out
 expect_text "and the levels of detail that have it" "on [0-9]+ of [0-9]+ views, below level 1\$" out
 expect_that "of the others the decoder's images are those without" sh -c 'btf-decode found.btf.exr -o on.exr --level 1 --view 40,10 --filter bilinear &&
     btf-decode found.btf.exr -o off.exr --level 1 --view 40,10 --filter bilinear --effects residual,gloss && cmp on.exr off.exr'
 expect_that "of the first they are not" sh -c 'btf-decode found.btf.exr -o on.exr --view 40,10 && btf-decode found.btf.exr -o off.exr --view 40,10 --effects residual,gloss && ! cmp -s on.exr off.exr'
 expect "gloss" 0 btf-info shared.btf.exr
-expect_text "acts there too" "gloss +between the samples only: [-+][0-9.]+ dB linear, .* where views and lights are left out, for 0 bytes" out
+expect_text "acts there too" "gloss +acts between the samples only: [-+][0-9.]+ dB linear, .* where views and lights are left out, for 0 bytes" out
 cat >gloss.py <<'P'
 import json, subprocess
 info = json.loads(subprocess.run(["btf-info", "shared.btf.exr", "--json"], capture_output=True, check=True).stdout)
@@ -76,9 +76,11 @@ expect_text "says so as well" "relief: on, worth \\+[0-9.]+/\\+[0-9.]+ dB betwee
 expect "of a picture half as large" 0 btf-info found.btf.exr --plan views=0:60,lights=0:60,pixels=0.5
 expect_text "leaves it out" "relief: off, ends before level 1" out
 expect_that "off is what fast does" cmp fast.btf.exr off.btf.exr
-expect "with threads" 0 encode again --relief auto --gloss auto --levels 3 --threads 3
-expect_that "the same bytes" cmp found.btf.exr again.btf.exr
-expect "samples that lie in a file" 0 encode_aloud disk --relief auto --memory "$(least_memory data --preset fast --budget 100000)"
+if [ -z "$light" ]; then
+    expect "with threads" 0 encode again --relief auto --gloss auto --levels 3 --threads 3
+    expect_that "the same bytes" cmp found.btf.exr again.btf.exr
+fi
+expect "samples that lie in a file" 0 encode_aloud disk --relief auto --memory "$(least_memory data --preset fast --budget 40000)"
 expect_text "have no relief, which is said" "do not fit|does not fit" disk.json
 expect_text "in the tables too" "^Relief: not tried: .*memory allowed" out
 expect_text "and when it is decided" "relief: not tried: .*memory allowed" err

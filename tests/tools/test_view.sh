@@ -11,7 +11,7 @@ for tool in btf-view x_drop xdotool Xvfb; do
     fi
 done
 small_data
-btf-encode data -o m.btf.exr --method paper -q || exit 99
+btf-encode data -o m.btf.exr --method paper $starts -q || exit 99
 btf-encode data -o levels.btf.exr --preset fast --levels all -q || exit 99
 cat >far.obj <<'O'
 v -1 -1 0
@@ -72,9 +72,10 @@ unset WAYLAND_DISPLAY
 expect "no OpenGL 3.3" 5 env MESA_GL_VERSION_OVERRIDE=2.1 btf-view m.btf.exr
 expect_text "is told" 'no OpenGL 3.3' err
 
+with=() # what the viewer has in its environment
 start() { # OPTIONS...: in the background, until the window is ready
     : >log
-    btf-view "$@" --size 320x240 --verbose --quiet --screenshots shot >log 2>view.err &
+    env "${with[@]}" btf-view "$@" --size 320x240 --verbose --quiet --screenshots shot >log 2>view.err &
     viewer=$!
     until_it grep -q '^ready' log
     window=$(xdotool search --sync --name '^btf-view$' | head -1)
@@ -336,6 +337,15 @@ rests free none --mesh speck.obj
 expect_that "a speck's normal is not folded" test "$(grep -c folded log)" = 0
 rests folded '^the light rests: folded into [0-9]+ bytes' --mesh quad.obj
 rests plan '^plan .*light folded into a texture.*fold [0-9.]+' --mesh quad.obj --plan auto --tolerance 0
+with=("$short_gpu")
+rests refused none --mesh quad.obj --plan auto --tolerance 0
+with=()
+expect_text "no memory for a fold is told" 'refuses [0-9]+ bytes for a fold of the light: nothing is folded' view.err
+expect_that "once" test "$(wc -l <view.err)" = 1
+expect_that "no plan folds" test "$(grep -c 'folded into a texture' log)" = 0
+for i in 0 1; do
+    expect_that "no memory for a fold: picture $i is the same" cmp free-$i.png refused-$i.png
+done
 for i in 0 1; do
     expect_that "folded by itself: picture $i is the same" cmp free-$i.png folded-$i.png
     expect_that "folded by a plan: picture $i is the same" cmp free-$i.png plan-$i.png

@@ -16,14 +16,18 @@
  *
  * Not every material can be folded. Of a light alone: an SBRDF depends on the viewer between the samples,
  * and with the effect `gloss` so do the lights of a view; such materials keep nothing for a light. Of light
- * and view: the effect `relief` reads texels from where the pixel stands between them; there the light is
- * folded and the view is not. A view that never changes under a light that does is no fold: what is kept
+ * and view every material can: with the effect `relief`, which reads texels from where the pixel stands
+ * between them, the values of the three neighbouring views are kept in place of radiance
+ * (BTF_FOLD_NEIGHBOURS), and a pixel reads three texels (12) and marches as before. A view that never changes under a light that does is no fold: what is kept
  * would have to be the integer sums of every light and unit, as the decoder rounds these after lights are
  * blended, and that is what the material holds already; a plan (openbtf/plan.h) cuts the material down to
  * that view's neighbours instead.
  *
  * Several lights are several folds in one texture: a shader adds up btf_evaluate_folded(uv, v, light,
- * level), weighted as it likes. They are not added beforehand: views that are blended as roots are squared
+ * level), weighted as it likes. Where light and view are folded to radiance they are added beforehand, too
+ * (btf_gl_fold_run_lights, btf_fold_add), and a pixel reads one texel for all: one sum a texel, in the order
+ * of the lights. It has the bits of the sum of unfolded radiance of whole texels; a filter, which rounds,
+ * then blends sums. Elsewhere they are not added beforehand: views that are blended as roots are squared
  * after they are blended, and those that are not are rounded after it.
  *
  * A fold takes views * texels evaluations of one view, about a third of a pixel's each (btf_fold_cost): it
@@ -36,6 +40,7 @@
 #ifndef OPENBTF_FOLD_H
 #define OPENBTF_FOLD_H
 
+#include <openbtf/evaluate.h>
 #include <openbtf/gl.h>
 #include <openbtf/plan.h>
 
@@ -48,13 +53,18 @@ extern "C" {
 btf_result btf_fold_check(const btf_material_info *info, const btf_shader_options *options,
                           const btf_log *log);
 
+/** @return the fold of which a pixel reads least, of those that are defined for a material decoded by @p options (their
+ * `fold` is not read) where the light is still and, if @p view_is_still, the view too: BTF_FOLD_BOTH, _NEIGHBOURS,
+ * _LIGHT; else BTF_FOLD_NONE. */
+btf_fold btf_fold_best(const btf_material_info *info, const btf_shader_options *options, int view_is_still);
+
 /** The options of the shader that makes a fold for a shader of @p options: the same effects but relief, one
- * texel at a time, without a fold; its entry points are btf_fold_light and btf_fold_both
+ * texel at a time, without a fold; its entry points are btf_fold_light, btf_fold_both and btf_fold_neighbour
  * (share/openbtf/openbtf.glsl). */
 btf_shader_options btf_fold_pass(const btf_shader_options *options);
 
-/** Layers of texture `folded` (RGBA32UI, W x H, mip levels as the material's): lights times views, or
- * lights where the view is folded too. */
+/** Layers of texture `folded` (RGBA32UI, W x H, mip levels as the material's), of each light in turn: its views, 1
+ * where light and view are folded to radiance, 3 where they are folded to neighbouring views. */
 uint32_t btf_fold_layers(const btf_material_info *info, btf_fold fold, uint32_t lights);
 
 /** @return bytes of texture `folded`, of all levels. */
@@ -71,6 +81,30 @@ typedef struct btf_fold_costs {
 btf_fold_costs btf_fold_cost(const btf_material *material, const btf_shader_options *options,
                              const btf_scene *scene);
 
+/** Rows first_row .. first_row + rows - 1 of a layer of texture `folded`, made on the CPU for one light: @p options as for
+ * the shader that reads it (`fold` says what is folded; filter, math, fixed directions and relief act on what is read and
+ * do not matter), @p light and, where it is folded too, @p view (else it may be NULL) unit vectors of the tangent frame,
+ * @p layer from 0, below btf_fold_layers() of one light. @p out_texels: [rows][column][4], row 0 the top, the bits of the
+ * three floats R, G and B, then 0, as RGBA32UI takes them: those that btf_gl_fold_run() draws, on every machine. Threads
+ * may fill rows of their own with one evaluator at the same time. Errors: BTF_ERROR_USAGE (a null pointer, a fold, level,
+ * layer or row that is not there), BTF_ERROR_UNSUPPORTED (btf_fold_check); nothing is written then. */
+btf_result btf_fold_rows(const btf_evaluator *evaluator, const btf_shader_options *options, const float light[3],
+                         const float view[3], uint32_t level, uint32_t layer, uint32_t first_row, uint32_t rows,
+                         uint32_t *out_texels);
+
+/** Adds texels of light and view folded to radiance (BTF_FOLD_BOTH), [count][4] as btf_fold_rows makes them, to a sum of
+ * several lights of the same shape, which begins with zeros: sum = sum + texel * weight by channel, each product and each
+ * sum rounded to float; the fourth stays. @p weight [3]: irradiance / pi of the light by channel, finite, >= 0. */
+void btf_fold_add(size_t count, const uint32_t *texels, const float weight[3], uint32_t *sum);
+
+/** The whole texture `folded`, made on the CPU by one thread, for APIs other than GL to upload. @p light [lights][3] and,
+ * where the view is folded too, @p view [lights][3], as in btf_fold_rows; else @p view may be NULL. *out_texels, of
+ * btf_fold_bytes() bytes, is freed with btf_free: level by level, finest first, each [light][layer of the light][row]
+ * [column][4] as in btf_fold_rows. Errors: BTF_ERROR_USAGE (something is missing), BTF_ERROR_UNSUPPORTED (btf_fold_check;
+ * a build that does not round as it should), BTF_ERROR_MEMORY; *out_texels is NULL then. */
+btf_result btf_material_fold(const btf_material *material, const btf_shader_options *options, uint32_t lights,
+                             const float *light, const float *view, const btf_log *log, uint32_t **out_texels);
+
 /** A fold in the current GL context: a texture, and the program that fills it. */
 typedef struct btf_gl_fold btf_gl_fold;
 
@@ -83,12 +117,21 @@ btf_result btf_gl_fold_create(const btf_material *material, const btf_gl_options
 
 /** Folds one light, all levels of detail. @p textures: those of the material, at least what the shader of
  * btf_fold_pass() reads. @p number: of the light, from 0. @p light and, where it is folded too, @p view:
- * unit vectors of the tangent frame; below the horizon the radiance is 0. Sets the texture bindings of
+ * unit vectors of the tangent frame; below the horizon the radiance is 0. Shaders that read neighbouring views must be
+ * handed the very same view, bit for bit. Sets the texture bindings of
  * units first_unit onwards, as btf_gl_bind does; all other state is as before. Errors: BTF_ERROR_USAGE (a
  * light beyond those of btf_gl_fold_create; a texture that was not uploaded), BTF_ERROR_UNSUPPORTED (GL
  * refuses the framebuffer), BTF_ERROR_MEMORY. */
 btf_result btf_gl_fold_run(btf_gl_fold *fold, btf_gl *textures, uint32_t first_unit, uint32_t number,
                            const float light[3], const float view[3], const btf_log *log);
+
+/** Folds the sum of several lights seen from one view, BTF_FOLD_BOTH alone: what shaders read as light @p number is then
+ * the sum over i, in that order, of radiance under lights[i] times weights[i] by channel, as btf_fold_add() adds it, to
+ * the bit. @p lights and @p weights [count][3]; a texture of W x H x 16 bytes, a third more with levels, is made and
+ * deleted. Else as btf_gl_fold_run, one unit more. Errors: likewise; BTF_ERROR_USAGE too for another fold or no light. */
+btf_result btf_gl_fold_run_lights(btf_gl_fold *fold, btf_gl *textures, uint32_t first_unit, uint32_t number,
+                                  uint32_t count, const float *lights, const float *weights, const float view[3],
+                                  const btf_log *log);
 
 /** Points the sampler `folded` of a linked program, if it has one, at the texture, in unit @p unit; @p
  * prefix as in btf_gl_bind. Sets the uniform and that unit's binding. */

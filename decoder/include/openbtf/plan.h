@@ -18,7 +18,7 @@
 #ifndef OPENBTF_PLAN_H
 #define OPENBTF_PLAN_H
 
-#include <openbtf/shader.h>
+#include <openbtf/cost.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -39,10 +39,12 @@ typedef struct btf_scene {
     float pixels;          /**< side of a texel on the screen in pixels, where it is largest; 0: 1 */
     uint32_t lights;       /**< evaluations a pixel; 0: 1 */
     int interpolate;       /**< 1: never nearest directions, which jump when view or light move */
+    /** Of the device that shows it; NULL: those of llvmpipe. Read during the call; plan->scene keeps the pointer. */
+    const btf_cost_model *costs;
 } btf_scene;
 
-/** How to decode a scene, and what that costs. Cost is in nanoseconds a pixel of the machine that the model
- * was fitted on (see btf_plan_cost): only ratios mean something. PSNR in dB as in btf_effect_errors, over
+/** How to decode a scene, and what that costs. Cost is in nanoseconds a pixel of the device that the
+ * prices were fitted to (openbtf/cost.h): only ratios mean something. PSNR in dB as in btf_effect_errors, over
  * the directions of the scene, uniform in solid angle. */
 typedef struct btf_plan {
     size_t struct_size; /**< sizeof(btf_plan) */
@@ -100,33 +102,14 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *scene
 btf_result btf_plan_predict(const btf_material *material, const btf_plan *plan, uint32_t effects,
                             uint32_t components, float *out_linear, float *out_srgb);
 
-/** @return the cost of one evaluation by a shader of these options where @p scene is shown (NULL: anything), in
- * nanoseconds of one core. The model counts the fetches of FORMAT.md section 9 and adds to each the work that follows
- * from it:
- *
- *  - 8.3 once;
- *  - 10.7 a look-up: of the view; of the light where shadows, centres or components ask for it; of none that is fixed;
- *  - then for each neighbouring view (1 with nearest directions, 3 else; of a fixed view those of weight above 0) and
- *    each of 1 or 4 texels: 1.5; 1 a code (two codes where shifts and gains are textures of their own or lists, one
- *    where they are packed); 4.1 a texel of parameters; 3.4 a shadow and 4.8 a centre for each neighbouring light; and
- *    of components, for each group of four, 3.9 a texel, and once for all texels 6.9 a neighbouring light;
- *  - 0.8 more for each code, shadow or centre that lies in an atlas;
- *  - of factors, for each of 1 or 4 texels, 1.65 for a texel of u, fetched once, or once a neighbouring view where
- *    sources shift; 2.15 a unit for each neighbouring view and light, and for each texel 1.55, 1.65, 1.65, 3.2 and 1.75
- *    in the classes 0 to 4; 2.15 a neighbouring view and tier;
- *  - with relief sources shift, at 2.65 a texel of u; 14 a neighbouring view; and of a height map N + 1 steps, each
- *    1.1 for the pixel and, where there are several neighbouring views, 4.3 for each of these;
- *  - with gloss a look-up, and 70 a neighbouring view where there are several; no light is fixed then.
- *
- * A neighbour of weight 0 is passed over where a compiler branches. llvmpipe masks instead: it saves the groups of a
- * residual that has more than six, a loop, all but one, and nothing else. A fixed view whose texels need no codes and
- * no components is decoded once.
- *
- * Fitted to llvmpipe (Mesa 22.3.6, LLVM 15, 256 bits, Zen 4): 150 shaders and scenes of pictures of which neighbouring
- * pixels look alike, mean deviation 9 %. Factors come from a prototype of the shader (three sets of units, one view and
- * light or three of each, mean deviation 4 %), times 1.6, by which its components were cheaper than those above.
- * Relief and gloss were fitted by hand to one material (13 units, 8 steps; one texel, steep, nearest directions) on a
- * loaded machine. Only ratios mean something elsewhere. */
+/** @return the counts of one evaluation by a shader of these options where @p scene is shown (NULL: anything), with the
+ * neighbours that fixed directions really have. A neighbouring view of weight 0 is counted like the others but for the
+ * components of a residual that has more than six groups of four, a loop, which a rasteriser that masks runs once and a
+ * compiler that branches not at all. */
+btf_decode_counts btf_plan_counts(const btf_material *material, const btf_shader_options *options,
+                                  const btf_scene *scene);
+
+/** @return the cost of one evaluation, in nanoseconds: btf_plan_counts by the prices of scene->costs. */
 float btf_plan_cost(const btf_material *material, const btf_shader_options *options,
                     const btf_scene *scene);
 

@@ -83,7 +83,8 @@ typedef enum btf_fixed {
 typedef enum btf_fold {
     BTF_FOLD_NONE = 0,  /**< nothing */
     BTF_FOLD_LIGHT = 1, /**< a light that never changes */
-    BTF_FOLD_BOTH = 2,  /**< a light and a view */
+    BTF_FOLD_BOTH = 2,  /**< a light and a view: radiance, where relief is not decoded */
+    BTF_FOLD_NEIGHBOURS = 3, /**< a light and a view: what the views around it show, blended as ever; with relief */
 } btf_fold;
 
 /** The neighbours of which a stochastic decode picks one, with its weight, in place of blending all. The mean over

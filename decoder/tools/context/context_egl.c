@@ -83,7 +83,7 @@ static void *create(const context_request *request, char *why, size_t why_size) 
     if ((devices_first && try_devices(self, request)) || try_display(self, surfaceless, request) ||
         (!devices_first && try_devices(self, request)))
         return self;
-    snprintf(why, why_size, "EGL does not make an OpenGL %s%d.%d context without a surface",
+    snprintf(why, why_size, "EGL cannot create an OpenGL %s%d.%d context without a surface",
              request->es ? "ES " : "", request->major, request->minor);
     free(self);
     return NULL;

@@ -36,7 +36,7 @@ static void *create(const context_request *request, char *why, size_t why_size) 
                               0};
     self->context = OSMesaCreateContextAttribs(attributes, NULL);
     if (!self->context || !OSMesaMakeCurrent(self->context, self->pixels, GL_UNSIGNED_BYTE, 16, 16)) {
-        snprintf(why, why_size, "OSMesa does not make an OpenGL %d.%d core context", request->major,
+        snprintf(why, why_size, "OSMesa cannot create an OpenGL %d.%d core context", request->major,
                  request->minor);
         if (self->context)
             OSMesaDestroyContext(self->context);

@@ -58,7 +58,8 @@ static btf_result print_json_plan(const cli_program *program, const char *path, 
     json_float(&j, "between_srgb", plan->between_psnr_srgb);
     json_float(&j, "full_between_linear", plan->full_between_psnr_linear);
     json_float(&j, "full_between_srgb", plan->full_between_psnr_srgb);
-    json_string(&j, "fold", plan->fold == BTF_FOLD_BOTH ? "both" : plan->fold == BTF_FOLD_LIGHT ? "light" : "none");
+    static const char *const folds[] = {"none", "light", "both", "neighbours"};
+    json_string(&j, "fold", folds[plan->fold]);
     json_integer(&j, "fold_bytes", (int64_t)plan->fold_bytes);
     json_float(&j, "folded_cost", plan->folded_cost);
     json_number(&j, "fold_pixels", plan->fold_pixels);
@@ -71,7 +72,7 @@ btf_result print_plan(const cli_program *program, const char *path, const btf_ma
     btf_plan plan;
     btf_result result = btf_plan_effects(material, &scene->scene, scene->tolerance, &plan);
     if (result)
-        return cli_error(program, result, "option --plan: the scene cannot be planned");
+        return cli_error(program, result, "option --plan: no plan can be made for this scene");
     if (as_json)
         return print_json_plan(program, path, &plan, scene->tolerance);
     scene_plan_print(stdout, "", material, &plan);

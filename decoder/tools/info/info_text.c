@@ -65,7 +65,7 @@ static void print_rings(const char *name, const btf_directions *d) {
 static void print_between_gain(const btf_material *material, uint32_t effect) {
     char word[48];
     double gain[2];
-    printf("  %-14sbetween the samples only", cli_effects_text(effect, word));
+    printf("  %-14sacts between the samples only", cli_effects_text(effect, word));
     if (between_gain(material, effect, gain))
         printf(": %+.2f dB linear, %+.2f dB sRGB where views%s are left out", gain[0], gain[1],
                effect == BTF_EFFECT_GLOSS ? " and lights" : "");
@@ -86,7 +86,7 @@ static void print_effects(const btf_material *material, const btf_material_info 
                    (double)(with->psnr_srgb - without->psnr_srgb),
                    (double)(with->gpu_bytes - without->gpu_bytes));
     if (count)
-        printf("Measured by the encoder (PSNR in dB, linear / sRGB):\n");
+        printf("Accuracy at the samples, measured by the encoder (PSNR in dB, linear / sRGB):\n");
     for (size_t i = 0; i < count; i++)
         printf("  %6.2f / %6.2f  %9.0f bytes  %s\n", (double)errors[i].psnr_linear,
                (double)errors[i].psnr_srgb, (double)errors[i].gpu_bytes,
@@ -98,8 +98,9 @@ static void print_between(const btf_material *material) {
     if (e.row_count == 0)
         return;
     printf(
-        "\nBetween the samples, estimated by leaving samples out, at double the gap (which overstates the\n"
-        "error; PSNR in dB, linear / sRGB):\n"
+        "\n"
+        "Between the samples, estimated by predicting samples left out from neighbours twice as far away\n"
+        "(which overstates the error; PSNR in dB, linear / sRGB):\n"
         "  %-16s%14s%22s\n",
         "left out", "material", "data, interpolated");
     for (uint32_t i = 0; i < e.row_count; i++) {
@@ -196,7 +197,8 @@ static void print_residual(const btf_material_info *info) {
                    (unsigned)n.components);
     }
     const double horizon = 90 - asin(1 / (double)info->horizon_scale) * (180 / 3.14159265358979323846);
-    printf("  %-14sfactors fade from theta %.4g\u00B0 of the light to 90\u00B0\n", "horizon", horizon);
+    printf("  %-14sfactors fade to black from theta %.4g\u00B0 of the light to 90\u00B0\n", "horizon",
+           horizon);
 }
 
 void print_text(const char *path, uint64_t file_bytes, const btf_material *material,

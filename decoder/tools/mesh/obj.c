@@ -155,8 +155,8 @@ static bool read_corner(parser *o, const char *word, corner *out) {
             }
             long at = index > 0 ? index - 1 : index < 0 ? count + index : -1;
             if (at < 0 || at >= count) {
-                fail(o, BTF_ERROR_BAD_FILE, "face: names %s %ld of %ld given so far", kinds[k], index,
-                     count);
+                fail(o, BTF_ERROR_BAD_FILE, "face: refers to %s %ld, but %ld are given so far", kinds[k],
+                     index, count);
                 return false;
             }
             out->at[k] = (int32_t)at;

@@ -39,6 +39,7 @@ typedef struct job {
     btf_material *whole;
     plan_range *seen; /* [frame] */
     btf_plan plan;
+    btf_cost_model costs; /* with --costs */
     int planned_end; /* the frame that it is not for any more */
 } job;
 
@@ -95,6 +96,10 @@ static double count_samples(const job *j, int frames) {
            ((double)render_options.lights.count + (render_options.env_sampled ? render_options.spp : 0));
 }
 
+static const btf_cost_model *costs_of(const job *j) {
+    return render_options.costs_file ? &j->costs : NULL;
+}
+
 static btf_result open_shader(job *j, int frames) {
     shader_request request = {.device = render_options.device,
                               .material = j->material,
@@ -109,7 +114,8 @@ static btf_result open_shader(job *j, int frames) {
                               .picks = render_options.stochastic ? BTF_PICK_ALL : BTF_PICK_NONE,
                               .picked = render_options.env_sampled ? 1 : render_options.spp,
                               .level = render_options.figure13 ? 0 : render_options.level,
-                              .threads = render_options.threads};
+                              .threads = render_options.threads,
+                              .costs = costs_of(j)};
     if (render_options.figure13) {
         request.effects[0] = 0;
         request.effects[1] = BTF_EFFECT_SHADOW;
@@ -229,7 +235,8 @@ static btf_result plan_frames(job *j, int first) {
     const frame_wishes wishes = {.tolerance = (float)render_options.tolerance,
                                  .interpolate =
                                      render_options.frames > 1 || render_options.interpolation_given,
-                                 .finest = render_options.level >= 0};
+                                 .finest = render_options.level >= 0,
+                                 .costs = costs_of(j)};
     btf_result result =
         frame_plan(j->whole, j->seen, first, render_options.frames, &wishes, &j->planned_end, &j->plan);
     shader_destroy(&j->shader);
@@ -237,7 +244,7 @@ static btf_result plan_frames(job *j, int first) {
     if (!result)
         result = btf_material_restrict(j->whole, &j->plan, &j->log, &j->material);
     if (result)
-        return cli_error(&render_program, result, "option --plan: the pictures cannot be planned");
+        return cli_error(&render_program, result, "option --plan: no plan can be made for these pictures");
     if (render_options.stats) {
         printf("plan for frames %d to %d:\n", first + 1, j->planned_end);
         scene_plan_print(stdout, "  ", j->whole, &j->plan);
@@ -251,6 +258,8 @@ static btf_result plan_frames(job *j, int first) {
 
 static btf_result prepare(job *j, const char *path) {
     btf_result result = make_lights(&j->log);
+    if (!result && render_options.costs_file)
+        result = btf_cost_model_open(render_options.costs_file, &j->log, &j->costs);
     if (!result)
         result = btf_material_open(path, &j->log, &j->material);
     if (!result)

@@ -191,7 +191,7 @@ btf_result environment_read(const char *path, const char *layer, const btf_log *
         }
     } else if (size >= 1 && (size < 4 || memcmp(data, "\x76\x2f\x31\x01", 4) != 0)) {
         result = BTF_ERROR_BAD_FILE;
-        snprintf(message, sizeof message, "neither an OpenEXR nor a Radiance HDR file");
+        snprintf(message, sizeof message, "is neither an OpenEXR nor a Radiance HDR file");
     } else {
         exr_image image = {0};
         result = exr_image_read(data, size, MAX_PIXELS, layer, &image, &info, message, sizeof message);

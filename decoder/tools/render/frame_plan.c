@@ -14,6 +14,7 @@ static btf_result make(const btf_material *material, const plan_range *range, co
                        btf_plan *plan) {
     btf_scene scene = plan_range_scene(range);
     scene.interpolate = wishes->interpolate;
+    scene.costs = wishes->costs;
     if (wishes->finest)
         scene.pixels = 1;
     return btf_plan_effects(material, &scene, wishes->tolerance, plan);

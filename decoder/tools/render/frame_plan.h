@@ -12,6 +12,7 @@ typedef struct frame_wishes {
     float tolerance; /* dB */
     int interpolate; /* as in btf_scene */
     bool finest;     /* the level of detail is not for the plan to choose */
+    const btf_cost_model *costs; /* as in btf_scene */
 } frame_wishes;
 
 /* The plan for frames first .. *out_end - 1 of `count`, of which seen[frame] is what each shows. Frames are

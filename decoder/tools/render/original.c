@@ -18,15 +18,17 @@ struct original {
 static btf_result same_directions(const char *what, const btf_directions *expected, int count,
                                   const original_direction *got, const btf_log *log) {
     if ((uint32_t)count != expected->count) {
-        file_say(log, "original: the images have %d %ss, the material has %u", count, what,
+        file_say(log, "option --original: the images have %d %ss, but the material has %u", count, what,
                  (unsigned)expected->count);
         return BTF_ERROR_USAGE;
     }
     for (int i = 0; i < count; i++)
         for (int k = 0; k < 3; k++)
             if (fabs((double)got[i].xyz[k] - (double)expected->xyz[3 * i + k]) > 1e-3) {
-                file_say(log, "original: %s %d at theta %g, phi %g is not that of the material", what, i,
-                         got[i].theta, got[i].phi);
+                file_say(
+                    log,
+                    "option --original: the images' %s %d at theta %g, phi %g differs from the material's",
+                    what, i, got[i].theta, got[i].phi);
                 return BTF_ERROR_USAGE;
             }
     return BTF_OK;
@@ -35,7 +37,8 @@ static btf_result same_directions(const char *what, const btf_directions *expect
 static btf_result check(const original *o, const btf_material *material, const btf_log *log) {
     const btf_directions views = btf_material_views(material), lights = btf_material_lights(material);
     if ((uint32_t)o->data.width != o->material.width || (uint32_t)o->data.height != o->material.height) {
-        file_say(log, "original: the images have %d x %d pixels, the material has %u x %u texels",
+        file_say(log,
+                 "option --original: the images have %d x %d pixels, but the material has %u x %u texels",
                  o->data.width, o->data.height, (unsigned)o->material.width, (unsigned)o->material.height);
         return BTF_ERROR_USAGE;
     }
@@ -48,7 +51,7 @@ btf_result original_open(original_reader *read, const char *input, const btf_mat
     original *o = calloc(1, sizeof *o);
     *out_original = NULL;
     if (!o) {
-        file_say(log, "out of memory for the original");
+        file_say(log, "out of memory for the images of --original");
         return BTF_ERROR_MEMORY;
     }
     o->threads = threads;

@@ -200,6 +200,12 @@ static const cli_option option_table[] = {
              "one plan for each range of frames. On a flat mesh one directional light, and\n"
              "with --fov 0 the view, are the same in every pixel: the shader then holds\n"
              "their neighbours as constants. The picture is that of the plan without"},
+    {.name = "costs",
+     .arg = "FILE",
+     .type = CLI_STRING,
+     .value = &render_options.costs_file,
+     .help = "the prices of a GPU (JSON, openbtf/cost.h), as tests/bench/gpu.sh measures them,\n"
+             "by which --plan and --fold auto choose; default those of llvmpipe"},
     {.name = "fold",
      .arg = "WHEN",
      .type = CLI_CHOICE,

@@ -19,6 +19,7 @@ typedef struct settings {
     uint32_t effects;
     int size[2], samples, env_lights, components, math, interpolation, filter, tone, frames, animate,
         threads, repeats, level, plan, fold, spp;
+    const char *costs_file;
 } settings;
 
 /* As given, with defaults for the rest. */

@@ -8,9 +8,8 @@
 #include "shader_class.h"
 #include <openbtf/reference.h>
 
-/* The options of a variant, its fold included: light and view where both are fixed, else a fixed light, where that is
- * defined and the request wants it: where it is cheaper for the samples that are to be shaded, and of at most 1 GB.
- * The device's own settings (have_precise) are not set. */
+/* The options of a variant, its fold included: that of btf_fold_best, where the request wants it: where it is cheaper for
+ * the samples that are to be shaded, and of at most 1 GB. The device's own settings (have_precise) are not set. */
 btf_shader_options shade_fold_options(const shader_request *request, int variant);
 
 /* The fold of a level by the reference, to be freed: as btf_ref_folded takes it. NULL when out of memory. */

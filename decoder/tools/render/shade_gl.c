@@ -23,6 +23,7 @@ typedef struct gl_device {
     gl_api gl;
     btf_gl *material;
     btf_gl_fold *folds[SHADER_VARIANTS]; /* NULL: nothing is folded */
+    btf_fold folded[SHADER_VARIANTS];
     GLuint programs[SHADER_VARIANTS], phong;
     GLuint inputs, levels, outputs, framebuffer, array, colour;
     int width, rows; /* of the textures */
@@ -158,10 +159,30 @@ static GLuint make_program(gl_device *d, const context_device *device, const cha
     return program;
 }
 
+/* Folds what the options say; where GL refuses the texture, or to fill it, options->fold becomes BTF_FOLD_NONE. */
+static void make_fold(gl_device *d, const shader_request *request, int variant, btf_shader_options *options,
+                      const btf_log *log) {
+    btf_gl_fold **fold = &d->folds[variant];
+    btf_material_info info = {.struct_size = sizeof info};
+    const btf_gl_options gl = {sizeof gl, context_get_proc_address, d->context, options};
+    if (options->fold == BTF_FOLD_NONE)
+        return;
+    if (btf_gl_fold_create(request->material, &gl, 1, NULL, fold) == BTF_OK &&
+        btf_gl_fold_run(*fold, d->material, UNIT_MATERIAL, 0, options->fixed_light, options->fixed_view, NULL) == BTF_OK)
+        return;
+    btf_material_get_info(request->material, &info);
+    file_warn(log, "%s refuses %zu bytes for a fold: nothing is folded", d->name,
+              btf_fold_bytes(&info, options->fold, 1));
+    btf_gl_fold_destroy(fold);
+    options->fold = BTF_FOLD_NONE;
+}
+
 static btf_result make_variant(gl_device *d, const context_device *device, const shader_request *request,
                                int variant, const btf_log *log) {
     btf_shader_options options = shade_fold_options(request, variant);
     options.have_precise = device->enable_gpu_shader5;
+    make_fold(d, request, variant, &options, log);
+    d->folded[variant] = options.fold;
     char *library = NULL;
     btf_result result = btf_shader_source(request->material, &options, log, &library);
     if (result)
@@ -175,15 +196,6 @@ static btf_result make_variant(gl_device *d, const context_device *device, const
     btf_free(library);
     if (!d->programs[variant])
         return BTF_ERROR_INTERNAL;
-    if (options.fold != BTF_FOLD_NONE) {
-        const btf_gl_options gl = {sizeof gl, context_get_proc_address, d->context, &options};
-        result = btf_gl_fold_create(request->material, &gl, 1, log, &d->folds[variant]);
-        if (!result)
-            result = btf_gl_fold_run(d->folds[variant], d->material, UNIT_MATERIAL, 0, options.fixed_light,
-                                     options.fixed_view, log);
-        if (result)
-            return result;
-    }
     return btf_gl_bind(d->material, d->programs[variant], UNIT_MATERIAL, NULL, log, NULL);
 }
 
@@ -202,24 +214,21 @@ static btf_result check_device(gl_device *d, const context_device *device, const
         return BTF_OK;
     btf_result result = btf_gl_self_test(&options, log, &failures);
     if (!result && failures & BTF_SELF_TEST_LEVELS && info.levels > 1) {
-        file_say(
-            log,
-            "device %s (%s) fetches from other mip levels than asked for: it cannot show a material of "
-            "several levels of detail",
-            device->name, d->name);
+        file_say(log,
+                 "device %s (%s) fetches from mip levels other than the one asked for: it cannot show a "
+                 "material of several levels of detail",
+                 device->name, d->name);
         return BTF_ERROR_UNSUPPORTED;
     }
     if (!result && failures & BTF_SELF_TEST_FACTORS && info.store == BTF_STORE_FACTORS) {
         file_say(
             log,
-            "device %s (%s) does not multiply or fetch packed factors as it should: it cannot show this "
-            "material",
+            "device %s (%s) multiplies or fetches packed factors wrongly: it cannot show this material",
             device->name, d->name);
         return BTF_ERROR_UNSUPPORTED;
     }
     if (!result && failures & BTF_SELF_TEST_LISTS && info.point_store == BTF_POINTS_LISTS) {
-        file_say(log,
-                 "device %s (%s) does not fetch from lists of points as it should: it cannot show this material",
+        file_say(log, "device %s (%s) fetches from lists of points wrongly: it cannot show this material",
                  device->name, d->name);
         return BTF_ERROR_UNSUPPORTED;
     }
@@ -428,4 +437,8 @@ static btf_result time_draws(void *self, int variant, int repeats, shader_times 
     return d->gl.GetError() == GL_NO_ERROR ? BTF_OK : BTF_ERROR_INTERNAL;
 }
 
-const shader_class shader_class_gl = {create, destroy, name, max_width, run, time_draws};
+static btf_fold folded(const void *self) {
+    return ((const gl_device *)self)->folded[0];
+}
+
+const shader_class shader_class_gl = {create, destroy, name, max_width, run, folded, time_draws};

@@ -61,7 +61,7 @@ static bool fold(reference *r, const shader_request *request, int variant) {
     const btf_shader_options options = shade_fold_options(request, variant);
     for (int i = 0; i < r->levels && options.fold != BTF_FOLD_NONE; i++) {
         btf_ref_folded *f = &r->folded[variant][i];
-        f->fold = options.fold == BTF_FOLD_LIGHT ? BTF_REF_FOLD_LIGHT : BTF_REF_FOLD_BOTH;
+        f->fold = (int)options.fold; /* the numbers are the same */
         f->values = shade_fold_reference(&r->level[i], &r->reference_options[variant], options.fold,
                                          options.fixed_light, options.fixed_view, r->threads);
         if (!f->values)
@@ -72,8 +72,8 @@ static bool fold(reference *r, const shader_request *request, int variant) {
 
 static void *create(const shader_request *request, const btf_log *log, btf_result *out_result) {
     if (request->math == BTF_MATH_FAST) {
-        file_say(log,
-                 "option --math fast: device reference knows exact math only; choose a device with GL");
+        file_say(log, "option --math fast: the device 'reference' computes exact math only; choose a GL "
+                      "device with --device");
         *out_result = BTF_ERROR_USAGE;
         return NULL;
     }
@@ -202,4 +202,9 @@ static btf_result no_time(void *self, int variant, int repeats, shader_times *ou
     return BTF_ERROR_UNSUPPORTED;
 }
 
-const shader_class shader_class_reference = {create, destroy, name, max_width, run, no_time};
+static btf_fold folded(const void *self) {
+    const btf_ref_folded *of = ((const reference *)self)->folded[0];
+    return of->values ? (btf_fold)of->fold : BTF_FOLD_NONE;
+}
+
+const shader_class shader_class_reference = {create, destroy, name, max_width, run, folded, no_time};

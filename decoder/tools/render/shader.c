@@ -5,7 +5,6 @@
 #include "shader.h"
 
 #include "decoder/toolkit/file.h"
-#include "shade_fold.h"
 #include "shade_gl.h"
 #include "shade_reference.h"
 #include <openbtf/fold.h>
@@ -19,8 +18,7 @@ struct shader {
     char folded[60];
 };
 
-static void describe_fold(const shader_request *request, char *text, size_t size) {
-    const btf_fold fold = shade_fold_options(request, 0).fold;
+static void describe_fold(const shader_request *request, btf_fold fold, char *text, size_t size) {
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(request->material, &info);
     if (fold == BTF_FOLD_NONE)
@@ -44,7 +42,7 @@ btf_result shader_create(const shader_request *request, const btf_log *log, shad
         free(s);
         return result ? result : BTF_ERROR_MEMORY;
     }
-    describe_fold(request, s->folded, sizeof s->folded);
+    describe_fold(request, s->class->folded(s->self), s->folded, sizeof s->folded);
     *out_shader = s;
     return BTF_OK;
 }

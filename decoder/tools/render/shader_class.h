@@ -5,7 +5,7 @@
 #ifndef OPENBTF_RENDER_SHADER_CLASS_H
 #define OPENBTF_RENDER_SHADER_CLASS_H
 
-#include <openbtf/shader.h>
+#include <openbtf/cost.h>
 #include <stdbool.h>
 
 /* The time of evaluating a list: wall time, and CPU time of all threads. */
@@ -35,6 +35,7 @@ typedef struct shader_request {
     int picked;      /* so many times, 1 at least, of which the mean is taken; every list by other random numbers */
     int level;   /* the level of detail that every sample asks for; below 0: they differ */
     int threads; /* of the reference */
+    const btf_cost_model *costs; /* of the device, to tell what pays; NULL: those of llvmpipe */
 } shader_request;
 
 /* The functions of a device; each device is one file: shade_reference.c, shade_gl.c. */
@@ -45,6 +46,7 @@ typedef struct shader_class {
     int (*max_width)(const void *self);
     btf_result (*run)(void *self, int variant, int width, int rows, const float *inputs, float *out,
                       const btf_log *log);
+    btf_fold (*folded)(const void *self); /* what variant 0 reads */
     btf_result (*time)(void *self, int variant, int repeats, shader_times *out_times);
 } shader_class;
 

@@ -199,8 +199,8 @@ static btf_result check_device(viewer *v) {
         fprintf(stderr, "btf-view: warning: this device multiplies or fetches packed factors wrongly: "
                         "materials that hold them will look wrong\n");
     if (failures & BTF_SELF_TEST_LISTS)
-        fprintf(stderr, "btf-view: warning: this device does not fetch from lists of points as it should: "
-                        "materials that hold them will look wrong\n");
+        fprintf(stderr, "btf-view: warning: this device fetches from lists of points wrongly: materials "
+                        "that hold them will look wrong\n");
     failures &= ~(uint32_t)(BTF_SELF_TEST_LEVELS | BTF_SELF_TEST_FACTORS | BTF_SELF_TEST_LISTS);
     if (!result && failures) {
         btf_self_test_names(failures, names, sizeof names);
@@ -212,6 +212,8 @@ static btf_result check_device(viewer *v) {
 
 static btf_result prepare(viewer *v, const char *path) {
     btf_result result = viewer_choose_mesh(v);
+    if (!result && view_options.costs_file)
+        result = btf_cost_model_open(view_options.costs_file, &v->log, &v->costs_of_device);
     if (!result && path) /* so that a missing file is told without a window */
         result = btf_material_open(path, &v->log, &v->material);
     if (!result && view_options.original)

@@ -58,6 +58,7 @@ struct drawing {
     double repeat;
     int image_columns; /* tiles of the images' layers: one a light */
     bool have_precise;
+    bool folds_refused; /* by GL: it was told once, and no other is tried */
     history *history;
     view_state accumulated; /* the state that the history is of */
     int accumulated_source;
@@ -216,8 +217,10 @@ static btf_result upload_images(drawing *d, const original *images, const btf_lo
     gl->GetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
     gl->GetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &most_layers);
     if (width > most || height > most || (int)info.n_views > most_layers) {
-        file_say(log, "original: %d x %d x %u texels exceed GL's limits, %d and %d layers", width, height,
-                 (unsigned)info.n_views, most, most_layers);
+        file_say(log,
+                 "option --original: %d x %d texels in %u layers exceed GL's limits, %d texels a side and "
+                 "%d layers",
+                 width, height, (unsigned)info.n_views, most, most_layers);
         return BTF_ERROR_UNSUPPORTED;
     }
     float *layer = calloc((size_t)width * (size_t)height * 3, sizeof *layer);
@@ -251,7 +254,7 @@ static btf_result upload_images(drawing *d, const original *images, const btf_lo
     d->image_columns = columns;
     GLenum error = gl->GetError();
     if (error != GL_NO_ERROR) {
-        file_say(log, "original: error 0x%04x while uploading", error);
+        file_say(log, "option --original: GL error 0x%04x while its images were uploaded", error);
         return error == GL_OUT_OF_MEMORY ? BTF_ERROR_MEMORY : BTF_ERROR_INTERNAL;
     }
     return BTF_OK;
@@ -373,17 +376,24 @@ static btf_shader_options options_of(const drawing *d, const source *s, const va
     return options;
 }
 
-/* Folds the light that the source's plan fixes, for this variant, where that is worth it. */
+/* Folds the light that the source's plan fixes, for this variant, where that is worth it and fits into GL's memory. */
 static btf_result fold(drawing *d, source *s, const variant *v, double pixels, const btf_log *log) {
+    btf_material_info info = {.struct_size = sizeof info};
     const btf_gl_options gl = {sizeof gl, d->get, d->user, NULL};
     btf_shader_options options = options_of(d, s, v);
     options.fixed = s->plan.shader.fixed; /* of the whole material, too */
     memcpy(options.fixed_light, s->plan.shader.fixed_light, sizeof options.fixed_light);
-    if (!s->textures || !light_fold_wanted(s->material, &options, pixels)) {
+    if (d->folds_refused || !s->textures || !light_fold_wanted(s->material, &options, pixels)) {
         light_fold_clear(&s->fold);
         return BTF_OK;
     }
-    return light_fold_make(&s->fold, s->material, s->textures, &gl, &options, UNIT_MATERIAL, log);
+    if (light_fold_make(&s->fold, s->material, s->textures, &gl, &options, UNIT_MATERIAL, NULL) == BTF_OK)
+        return BTF_OK;
+    d->folds_refused = true;
+    btf_material_get_info(s->material, &info);
+    file_warn(log, "GL refuses %zu bytes for a fold of the light: nothing is folded from here on",
+              btf_fold_bytes(&info, BTF_FOLD_LIGHT, 1));
+    return BTF_OK;
 }
 
 static btf_result compile(drawing *d, const source *s, const variant *v, const btf_log *log,

@@ -5,6 +5,7 @@
 #include "options.h"
 
 #include "decoder/toolkit/filter.h"
+#include "decoder/toolkit/scene_option.h"
 #include <openbtf/material.h>
 
 view_settings view_options = {
@@ -59,9 +60,10 @@ static const cli_option option_table[] = {
      .type = CLI_CHOICE,
      .choices = "auto|none",
      .value = &view_options.plan,
-     .help = "auto: upload and decode only what the view needs, by another plan when the\n"
-             "view leaves the range that the present one was made for; a light at rest on\n"
-             "a flat model is folded into the shader (--verbose tells); default none"},
+     .help = "auto: upload and decode only what the view needs, and make a new plan when\n"
+             "the view leaves the range of the present one; under a light that rests, a\n"
+             "flat model is drawn from a texture with the light folded in (--verbose\n"
+             "tells); default none"},
     {.name = "tolerance",
      .arg = "DB",
      .type = CLI_DOUBLE,
@@ -69,6 +71,7 @@ static const cli_option option_table[] = {
      .minimum = 0,
      .maximum = 100,
      .help = "what --plan may lose against the full decode, predicted; default 0.5"},
+    {.name = "costs", .arg = "FILE", .type = CLI_STRING, .value = &view_options.costs_file, .help = COSTS_OPTION_HELP},
     {.name = "screenshots",
      .arg = "PREFIX",
      .type = CLI_STRING,

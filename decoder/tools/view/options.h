@@ -11,7 +11,7 @@
 
 /* As given, with defaults for the rest. */
 typedef struct view_settings {
-    const char *mesh, *original, *screenshots;
+    const char *mesh, *original, *screenshots, *costs_file;
     int size[2], interpolation, filter, math, level, plan;
     double tolerance;
     uint32_t effects;

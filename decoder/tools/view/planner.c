@@ -106,8 +106,10 @@ planner_action planner_decide(planner *p, const btf_scene *needed, bool at_rest,
     return PLANNER_KEEP;
 }
 
-btf_result planner_make(planner *p, const btf_material *whole, float tolerance, const btf_log *log) {
+btf_result planner_make(planner *p, const btf_material *whole, float tolerance, const btf_cost_model *costs,
+                        const btf_log *log) {
     planner_plan *made = &p->slot[p->pending];
+    p->target.costs = costs;
     btf_material_close(&made->material);
     btf_result result = btf_plan_effects(whole, &p->target, tolerance, &made->plan);
     if (!result)

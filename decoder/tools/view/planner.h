@@ -50,8 +50,9 @@ btf_scene planner_rings(const btf_scene *needed);
 planner_action planner_decide(planner *p, const btf_scene *needed, bool at_rest, bool folds);
 
 /* Plans and restricts the pending slot; what was there is closed. On an error nothing is pending. Errors:
- * those of btf_plan_effects and btf_material_restrict. */
-btf_result planner_make(planner *p, const btf_material *whole, float tolerance, const btf_log *log);
+ * those of btf_plan_effects and btf_material_restrict. costs: as in btf_scene; the plan keeps the pointer. */
+btf_result planner_make(planner *p, const btf_material *whole, float tolerance, const btf_cost_model *costs,
+                        const btf_log *log);
 /* The pending plan becomes the present one. */
 void planner_take(planner *p);
 /* The pending plan is given up. */

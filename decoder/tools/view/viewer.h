@@ -52,6 +52,7 @@ typedef struct viewer {
     bvh *bvh;                  /* of the mesh that is shown */
     char material_name[64], message[160];
     planning planning; /* with --plan auto */
+    btf_cost_model costs_of_device; /* with --costs */
     double pointer[2], frame_ms, animated_at;
     bool dirty;
     btf_result failed; /* ends the loop */

@@ -121,7 +121,8 @@ static btf_result do_next_part(viewer *v) {
     btf_result result = BTF_OK;
     const double start = glfwGetTime();
     if (p->stage == STAGE_MAKE)
-        result = planner_make(&p->planner, v->material, (float)view_options.tolerance, &v->log);
+        result = planner_make(&p->planner, v->material, (float)view_options.tolerance,
+                              view_options.costs_file ? &v->costs_of_device : NULL, &v->log);
     else if (p->stage == STAGE_UPLOAD)
         result = drawing_set_plan(v->drawing, slot, made->material, &made->plan, &v->log);
     else if (p->stage == STAGE_FOLD)
@@ -225,13 +226,19 @@ void viewer_plan_text(const viewer *v, char *text, size_t size) {
                              scene_plan_reason(v->material, &now->plan, i, reason, sizeof reason),
                              v->state.effects >> i & 1 ? "" : "; switched off");
     const btf_scene *s = &now->plan.scene;
+    char between[64] = "";
+    if (now->plan.full_between_psnr_linear > 0)
+        snprintf(between, sizeof between, ", between the samples %.1f of %.1f",
+                 (double)now->plan.between_psnr_linear, (double)now->plan.full_between_psnr_linear);
     if (length < size)
         snprintf(text + length, size - length,
-                 "plan %u: views %.0f..%.0f, light%s, level %u, %s\n%.1f dB of %.1f, %.0f%% of bytes\n",
+                 "plan %u: views %.0f..%.0f, light%s, level %u, %s\n%.1f dB of %.1f%s, %.0f%% of bytes, %.0f%% of time\n",
                  now->number, (double)s->view.theta[0],
                  (double)(s->view.theta[1] > 0 ? s->view.theta[1] : 90),
                  light_words(v, &now->plan), (unsigned)now->plan.level,
                  scene_plan_amount(&now->plan, amount, sizeof amount), (double)now->plan.psnr_linear,
-                 (double)now->plan.full_psnr_linear,
-                 100 * (double)now->plan.gpu_bytes / (double)now->plan.full_gpu_bytes);
+                 (double)now->plan.full_psnr_linear, between,
+                 100 * (double)now->plan.gpu_bytes / (double)now->plan.full_gpu_bytes,
+                 100 * (double)(drawing_folded(v->drawing) ? now->plan.folded_cost : now->plan.cost) /
+                     (double)now->plan.full_cost);
 }

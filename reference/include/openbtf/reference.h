@@ -12,6 +12,7 @@
 #ifndef OPENBTF_REFERENCE_H
 #define OPENBTF_REFERENCE_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 #ifdef __cplusplus
@@ -143,19 +144,22 @@ void btf_ref_evaluate_apart(const btf_ref_material *material, const btf_ref_opti
 
 /** What never changes where decoding is folded. */
 enum {
-    BTF_REF_FOLD_LIGHT = 1, /**< the light */
-    BTF_REF_FOLD_BOTH = 2,  /**< the light and the view */
+    BTF_REF_FOLD_LIGHT = 1,      /**< the light */
+    BTF_REF_FOLD_BOTH = 2,       /**< the light and the view, of which radiance is kept */
+    BTF_REF_FOLD_NEIGHBOURS = 3, /**< the light and the view, of which each neighbouring view is kept */
 };
 
 /** The values that folding kept. */
 typedef struct btf_ref_folded {
-    int fold; /**< BTF_REF_FOLD_LIGHT or _BOTH */
-    const float *values; /**< [view][row][column][4], of both [row][column][4]; as the functions below make them */
+    int fold; /**< BTF_REF_FOLD_LIGHT, _BOTH or _NEIGHBOURS */
+    /** [view][row][column][4], of both [row][column][4], of neighbours [neighbour][row][column][4]; as the functions
+     * below make them */
+    const float *values;
 } btf_ref_folded;
 
 /** @return 1 where a fold is defined: of a light of materials without an SBRDF, which depends on the viewer between
- * samples, if gloss, with which lights do, is not decoded; of light and view if relief, which moves texels by less
- * than one, is not decoded. Else 0. */
+ * samples, if gloss, with which lights do, is not decoded; of light and view as radiance if relief, which moves texels by
+ * less than one, is not decoded; of light and view as neighbours always. Else 0. */
 int btf_ref_can_fold(const btf_ref_material *material, const btf_ref_options *options, int fold);
 
 /** Rows first_row .. first_row + rows - 1 of what texels show in sampled view @p view under @p light: L of section 9, or
@@ -169,6 +173,17 @@ void btf_ref_fold_light(const btf_ref_material *material, const btf_ref_options 
 void btf_ref_fold_both(const btf_ref_material *material, const btf_ref_options *options,
                        const float light[3], const float view[3], uint32_t first_row, uint32_t rows,
                        float *out_values);
+
+/** Adds the radiance of one light to the sum of several: sum = sum + values * weight by channel, each product and each sum
+ * rounded to float. @p values and @p sum [texels][4], @p weight [3]; the fourth stays. */
+void btf_ref_fold_add(size_t texels, const float *values, const float weight[3], float *sum);
+
+/** Likewise what texels show in neighbour @p neighbour (0 to 2) of the three that btf_ref_lookup() gives for @p view (of
+ * the nearest, 0): its value under @p light as it is before views are weighted, with gloss under the lights that it has
+ * when seen from @p view; 0 where the neighbour weighs nothing. */
+void btf_ref_fold_neighbour(const btf_ref_material *material, const btf_ref_options *options,
+                            const float light[3], const float view[3], uint32_t neighbour, uint32_t first_row,
+                            uint32_t rows, float *out_values);
 
 /** btf_ref_evaluate() with the same options, under the light that was folded; from the view, where that was folded too. */
 void btf_ref_evaluate_folded(const btf_ref_material *material, const btf_ref_options *options,

@@ -64,7 +64,7 @@ btf_result bench_decode_all(const enc_context *context, const enc_data *shape, e
     }
     if (!(*out_data)->samples) {
         enc_data_destroy(out_data);
-        return enc_fail(context, BTF_ERROR_MEMORY, "bench: decoded peers need memory for all samples");
+        return enc_fail(context, BTF_ERROR_MEMORY, "bench: decoded peers need all samples in memory");
     }
 #pragma omp parallel for schedule(dynamic) num_threads(context->threads)
     for (int view = 0; view < shape->n_views; view++) {
@@ -76,10 +76,7 @@ btf_result bench_decode_all(const enc_context *context, const enc_data *shape, e
                 view_images[i];
         }
         free(view_images);
-        if (mine != BTF_OK) {
-#pragma omp critical(bench_decode_all)
-            result = mine;
-        }
+        enc_keep_worse(&result, mine);
     }
     if (result != BTF_OK) {
         enc_data_destroy(out_data);

@@ -203,10 +203,7 @@ static btf_result measure_material(const enc_context *context, const bench_betwe
             }
         }
         free(image);
-        if (mine != BTF_OK) {
-#pragma omp critical(bench_between_result)
-            result = mine;
-        }
+        enc_keep_worse(&result, mine);
     }
     return result;
 }
@@ -382,10 +379,7 @@ static btf_result measure_images(const enc_context *context, const bench_truth *
         }
         free(buffer);
         free(rooted);
-        if (mine != BTF_OK) {
-#pragma omp critical(bench_between_result)
-            result = mine;
-        }
+        enc_keep_worse(&result, mine);
     }
     return result;
 }

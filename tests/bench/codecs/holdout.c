@@ -130,7 +130,8 @@ btf_result bench_section_holdout(const bench_run *run) {
     int count = 0;
     btf_result result = bench_held_create(run->context, run->data, true, &held);
     if (result == BTF_OK && !held.owned) {
-        fprintf(run->summary, "No ring of several views and lights: nothing to hold out.\n\n");
+        fprintf(run->summary, "No ring has several views and lights, so there is nothing to hold out.\n"
+                              "\n");
         return BTF_OK;
     }
     for (int preset = 0; preset < BENCH_PRESETS && result == BTF_OK; preset++) {

@@ -497,7 +497,7 @@ static btf_result encode_planes(const enc_context *context, const enc_data *data
         return enc_fail(context, BTF_ERROR_MEMORY, "low-bit PCA: out of memory");
     }
     if (rank == 0) {
-        return enc_fail(context, BTF_ERROR_USAGE, "low-bit PCA: %zu bytes hold no component",
+        return enc_fail(context, BTF_ERROR_USAGE, "low-bit PCA: %zu bytes are too few for one component",
                         options->budget);
     }
     codec->bytes += view_bytes(codec);
@@ -524,7 +524,7 @@ btf_result lowbit_encode(const enc_context *context, const enc_data *data, const
     btf_result result = BTF_OK;
     *out_codec = (lowbit_codec){.data = data};
     if (!data->samples) {
-        return enc_fail(context, BTF_ERROR_MEMORY, "low-bit PCA needs memory for all samples");
+        return enc_fail(context, BTF_ERROR_MEMORY, "low-bit PCA needs all samples in memory");
     }
     for (int p = 0; p < 3 && result == BTF_OK; p++) {
         /* colour differences have a tenth of the components of brightness, and never half of them */

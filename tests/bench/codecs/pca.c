@@ -97,8 +97,7 @@ static btf_result matrix_load(matrix *m, size_t first, size_t *out_count) {
         if (got == BTF_OK) {
             pca_encode_samples(m->data, m->coding, m->plane, samples, m->block + i * m->columns);
         } else {
-#pragma omp critical(pca_load)
-            result = got;
+            enc_keep_worse(&result, got);
         }
     }
     return result;

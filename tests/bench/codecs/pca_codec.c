@@ -232,7 +232,7 @@ btf_result pca_encode_clusters(const enc_context *context, const pca_factors *fa
     const size_t n = factors->rank < CLUSTER_SPACE ? factors->rank : CLUSTER_SPACE,
                  texels = factors->texels;
     if (clusters < 1 || clusters > 256) {
-        return enc_fail(context, BTF_ERROR_USAGE, "pca: %zu clusters: expected 1 to 256", clusters);
+        return enc_fail(context, BTF_ERROR_USAGE, "pca: %zu clusters, expected 1 to 256", clusters);
     }
     btf_result result = codec_init(context, factors, number, clusters, rank, out_codec);
     if (result != BTF_OK) {

@@ -42,10 +42,7 @@ static btf_result raycast_all(const enc_context *context, const sample_scene *sc
                                     ? BTF_ERROR_INTERRUPTED
                                     : sample_scene_pair(scene, &truth->pair[p].view, &truth->pair[p].light,
                                                         truth->images + p * image);
-        if (mine != BTF_OK) {
-#pragma omp critical(bench_truth_result)
-            result = mine;
-        }
+        enc_keep_worse(&result, mine);
         enc_stage_step(context, 1);
     }
     enc_stage_end(context);

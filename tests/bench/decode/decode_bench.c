@@ -43,8 +43,9 @@ static btf_result bench_variant(bench *b, const char *name, const btf_material *
     row->ns =
         rig_measure_variant(&b->rig, material, &shader, bench_body_decode, b->rig.inputs, &row->spread);
     uint32_t *floor = calloc(RIG_PIXELS, GPU_INPUTS * sizeof *floor);
-    if (!floor)
+    if (!floor) {
         return BTF_ERROR_MEMORY;
+    }
     rig_floor_inputs(material, b->rig.inputs, floor);
     row->floor_ns = rig_measure_variant(&b->rig, material, &shader, bench_body_floor, floor, NULL);
     free(floor);
@@ -60,8 +61,9 @@ static void bench_peer(bench *b, const char *name, const btf_material *material,
     bench_decode_row *row = add_row(b, name, 0);
     rig_variant variant = rig_variant_create(&b->rig, material, &shader, body, GPU_FIRST_UNIT + 2);
     if (variant.program) {
-        for (int i = 0; i < 2 && samplers[i]; ++i)
+        for (int i = 0; i < 2 && samplers[i]; ++i) {
             rig_sampler(&b->rig, variant.program, samplers[i], GPU_FIRST_UNIT + i);
+        }
         row->ns = rig_measure(&b->rig, variant.program, b->rig.inputs, RIG_SIDE, &row->spread);
     }
     rig_variant_destroy(&b->rig, &variant);
@@ -100,8 +102,9 @@ static btf_result bench_pca(bench *b, const int *ranks, int count) {
         spec.components = (uint32_t)ranks[i];
         btf_material *material = NULL;
         btf_result result = synthetic_create(&spec, b->log, &material);
-        if (result != BTF_OK)
+        if (result != BTF_OK) {
             return result;
+        }
         btf_shader_options shader = {.struct_size = sizeof shader, .math = BTF_MATH_FAST};
         bench_decode_row *row = add_row(b, "PCA, 8 bit", ranks[i]);
         row->ns =
@@ -127,8 +130,9 @@ static btf_result bench_loading(bench *b, const btf_material *material) {
         double t0 = rig_wall_seconds();
         result = btf_material_open_memory(file, size, b->log, &opened);
         double t1 = rig_wall_seconds();
-        if (result == BTF_OK)
+        if (result == BTF_OK) {
             result = btf_gl_upload(opened, &options, b->log, &gl);
+        }
         double t2 = rig_wall_seconds();
         b->out->open_ms = fmin(b->out->open_ms, 1e3 * (t1 - t0));
         b->out->upload_ms = fmin(b->out->upload_ms, 1e3 * (t2 - t1));
@@ -185,8 +189,9 @@ static btf_result bench_factors(bench *b) {
         spec.relief = sets[i].relief;
         spec.gloss_share = sets[i].effects & BTF_EFFECT_GLOSS ? 1 : 0;
         memcpy(spec.classes, sets[i].classes, sizeof spec.classes);
-        for (int c = 0; c < BTF_FACTOR_CLASSES; ++c)
+        for (int c = 0; c < BTF_FACTOR_CLASSES; ++c) {
             spec.components += spec.classes[c][0];
+        }
         result = synthetic_create(&spec, b->log, &material);
         for (size_t way = 0; way < sizeof ways / sizeof *ways && result == BTF_OK; ++way) {
             snprintf(name, sizeof name, "%s%s", sets[i].name, words[way]);
@@ -226,8 +231,9 @@ static btf_result bench_variants(bench *b) {
           {"low rank: without residual", {.leave_out = BTF_EFFECT_RESIDUAL}},
           {"low rank: SBRDF", {.leave_out = BTF_EFFECT_ALL}},
       };
-    for (size_t i = 0; i < sizeof papers / sizeof *papers && result == BTF_OK; ++i)
+    for (size_t i = 0; i < sizeof papers / sizeof *papers && result == BTF_OK; ++i) {
         result = bench_variant(b, papers[i].name, paper, papers[i].shader);
+    }
     spec.layout = BTF_LAYOUT_TIGHT;
     spec.domain = BTF_DOMAIN_SQRT;
     spec.colour = BTF_COLOUR_RGB;
@@ -235,28 +241,36 @@ static btf_result bench_variants(bench *b) {
     spec.half_float = 1;
     spec.effects = BTF_EFFECT_VERSION_1;
     spec.components = 16;
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = synthetic_create(&spec, b->log, &tight);
-    for (size_t i = 0; i < sizeof tights / sizeof *tights && result == BTF_OK; ++i)
+    }
+    for (size_t i = 0; i < sizeof tights / sizeof *tights && result == BTF_OK; ++i) {
         result = bench_variant(b, tights[i].name, tight, tights[i].shader);
+    }
     btf_material_close(&tight);
     /* Sources of the residual alone, under shifts. */
     spec.colour = BTF_COLOUR_NONE;
     spec.lobes = 0;
     spec.effects = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL;
     spec.components = 48;
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = synthetic_create(&spec, b->log, &tight);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = bench_variant(b, "low rank: residual sources", tight, (btf_shader_options){0});
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = bench_variant(b, "low rank: residual sources", tight, (btf_shader_options){.components = 16});
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = bench_loading(b, tight);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = bench_factors(b);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         bench_peers(b, paper);
+    }
     btf_material_close(&tight);
     btf_material_close(&paper);
     return result;
@@ -292,16 +306,19 @@ btf_result bench_decode_run(int repeats, char *const *files, int file_count, con
     *out = (bench_decode){0};
     btf_result result = rig_create(&context_devices[0], repeats, log, why, sizeof why, &b.rig);
     if (result != BTF_OK) {
-        if (log && log->callback)
+        if (log && log->callback) {
             log->callback(log->user, BTF_LOG_ERROR, why);
+        }
         return result;
     }
     snprintf(out->renderer, sizeof out->renderer, "%s", gpu_name(b.rig.gpu));
     result = bench_variants(&b);
-    for (int i = 0; i < file_count && result == BTF_OK; ++i)
+    for (int i = 0; i < file_count && result == BTF_OK; ++i) {
         result = bench_file(&b, files[i]);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = bench_pca(&b, ranks, sizeof ranks / sizeof *ranks);
+    }
     struct rusage usage;
     getrusage(RUSAGE_SELF, &usage);
     out->peak_mb = (double)usage.ru_maxrss * 1024 * 1e-6;
@@ -310,35 +327,42 @@ btf_result bench_decode_run(int repeats, char *const *files, int file_count, con
 }
 
 void bench_decode_print(const bench_decode *result, FILE *markdown, FILE *csv) {
-    if (markdown)
+    if (markdown) {
         fprintf(markdown,
                 "%s; core ns a pixel, median; 64 x 64 texels, 81 x 81 directions.\n\n"
                 "| shader | k | ns | spread | floor | times floor | fast math | times fast |\n"
                 "| --- | --- | --- | --- | --- | --- | --- | --- |\n",
                 result->renderer);
-    if (csv)
+    }
+    if (csv) {
         fprintf(csv, "shader,components,ns,spread,floor_ns,fast_ns\n");
+    }
     for (int i = 0; i < result->count; ++i) {
         const bench_decode_row *r = &result->rows[i];
-        if (csv)
+        if (csv) {
             fprintf(csv, "\"%s\",%d,%.1f,%.3f,%.1f,%.1f\n", r->name, r->components, r->ns, r->spread,
                     r->floor_ns, r->fast_ns);
-        if (!markdown)
+        }
+        if (!markdown) {
             continue;
+        }
         fprintf(markdown, "| %s | %d | %.0f | %.0f%% |", r->name, r->components, r->ns, 100 * r->spread);
-        if (r->floor_ns > 0)
+        if (r->floor_ns > 0) {
             fprintf(markdown, " %.0f | %.2f |", r->floor_ns, r->ns / r->floor_ns);
-        else
+        } else {
             fprintf(markdown, " | |");
-        if (r->fast_ns > 0)
+        }
+        if (r->fast_ns > 0) {
             fprintf(markdown, " %.0f | %.2f |\n", r->fast_ns, r->ns / r->fast_ns);
-        else
+        } else {
             fprintf(markdown, " | |\n");
+        }
     }
-    if (markdown)
+    if (markdown) {
         fprintf(markdown,
                 "\nA material of %.2f MB: opened from memory in %.1f ms, uploaded in %.1f ms. Peak memory "
                 "of the "
                 "process, the uncompressed BTF of the peer included: %.0f MB.\n\n",
                 1e-6 * result->bytes, result->open_ms, result->upload_ms, result->peak_mb);
+    }
 }

@@ -1,10 +1,10 @@
 /* The cost of decoding a pixel, counted by formula: fetches, their bytes, and operations.
  *
- * Counted is what differs between materials: the fetches of their textures but the direction tables, and
- * the sums of SBRDF, shadow and residual. The look-up of directions, the cosine, gain, clamp and blend of
- * views are the same for all and left out, and so are addresses. No point is taken for hidden, and three
- * neighbours have weights; a march along a relief takes all of its steps, where most end early. An operation is one number's: a shift, a mask, a product, a sum and a conversion
- * are one each.
+ * Of materials the counts are those of the cost model of plans (openbtf/cost.h): fetches of their textures but the
+ * direction tables, and the sums of SBRDF, shadow and residual. The look-up of directions, the cosine, clamp and blend of
+ * views are the same for all and left out, and so are addresses. Hidden points are counted with their sources, three
+ * neighbours have weights, and a march along a relief takes all of its steps, where most end early. An operation is one
+ * number's: a shift, a mask, a product, a sum and a conversion are one each.
  *
  * SPDX-License-Identifier: MIT
  */

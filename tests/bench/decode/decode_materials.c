@@ -27,8 +27,11 @@ static const decode_subset moved[] = {
     {.name = DECODE_NO_GLOSS, .leave_out = BTF_EFFECT_GLOSS},
     {.name = DECODE_NEITHER, .leave_out = BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS}};
 
-static const decode_subset relief_alone[] = {{.name = "whole"},
-                                             {.name = DECODE_NEITHER, .leave_out = BTF_EFFECT_RELIEF}};
+static const decode_subset relief_found[] = {
+    {.name = "whole", .leave_out = BTF_EFFECT_GLOSS},
+    {.name = DECODE_NO_RELIEF, .leave_out = BTF_EFFECT_RELIEF},
+    {.name = DECODE_ADDED_GLOSS},
+    {.name = DECODE_NEITHER, .leave_out = BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS}};
 static const decode_subset gloss_alone[] = {{.name = "whole"},
                                             {.name = DECODE_NEITHER, .leave_out = BTF_EFFECT_GLOSS}};
 
@@ -90,14 +93,20 @@ static btf_result encode_relief(const bench_run *run, uint64_t budget, decode_ma
     btf_result result = preset == ENC_PRESET_FAST
                             ? BTF_OK
                             : enc_relief_choose(run->context, run->held->train, &options, &choice, &store);
+    const bool relief_only = store.effects == BTF_EFFECT_RELIEF;
+    if (relief_only) {
+        store.effects |= BTF_EFFECT_GLOSS;
+        store.gloss_share = 1;
+    }
     if (result == BTF_OK && store.effects) {
         result = bench_encode_joint_between(run->context, run->held->train, preset, budget, &store, &m->encoded);
     } else {
         m->name = NULL;
     }
-    /* one of the two alone is left out as both are */
-    if (store.effects != (BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS) && m->name) {
-        m->subsets = store.effects & BTF_EFFECT_RELIEF ? relief_alone : gloss_alone;
+    if (relief_only) {
+        m->subsets = relief_found;
+    } else if (!(store.effects & BTF_EFFECT_RELIEF) && m->name) {
+        m->subsets = gloss_alone; /* left out as both are */
         m->count = 2;
     }
     enc_relief_clear(&store);

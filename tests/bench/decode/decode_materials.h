@@ -25,6 +25,7 @@ enum { DECODE_MATERIALS = 4 };
 #define DECODE_NO_RELIEF "relief left out"
 #define DECODE_NO_GLOSS "gloss left out"
 #define DECODE_NEITHER "relief and gloss left out"
+#define DECODE_ADDED_GLOSS "gloss of a quarter added"
 
 typedef struct decode_material {
     const char *name; /* NULL: not there */
@@ -39,7 +40,8 @@ const decode_material *decode_material_find(const decode_material materials[DECO
                                             const char *name);
 
 /* Encodes those of `run->methods`, by joint for the budget, for half of what that took, and for the budget with what
- * the default does between the samples where that finds relief or gloss. Clear with
+ * the default does between the samples where that finds relief or gloss. Where it finds relief alone, the file has a
+ * quarter of gloss, too, so that gloss is timed; its "whole" is what the default finds. Clear with
  * decode_materials_clear, also on an error. Errors: those of encoding. */
 btf_result decode_materials_create(const bench_run *run, decode_material out[DECODE_MATERIALS]);
 void decode_materials_clear(decode_material materials[DECODE_MATERIALS]);

@@ -39,8 +39,9 @@ void rig_sphere_pixel(int i, float out[8]) {
     }
     double n[3] = {px, py, sqrt(1 - px * px - py * py)}, world_light[3] = {0.3, 0.2, sqrt(1 - 0.09 - 0.04)};
     double t[3] = {n[2], 0, -n[0]}, length = hypot(t[0], t[2]);
-    for (int c = 0; c < 3; ++c)
+    for (int c = 0; c < 3; ++c) {
         t[c] /= length;
+    }
     double b[3] = {n[1] * t[2] - n[2] * t[1], n[2] * t[0] - n[0] * t[2], n[0] * t[1] - n[1] * t[0]};
     const double *axes[3] = {t, b, n};
     out[0] = (float)(2 * px + 2);
@@ -64,10 +65,12 @@ static uint32_t records_tried(const uint16_t *table, uint32_t grid, const int32_
         const uint16_t *r = table + 4 * ((size_t)*out_first + 3 * i);
         int64_t x[4] = {r[0], r[2], r[4], r[0]}, y[4] = {r[1], r[3], r[5], r[1]};
         int inside = !(r[7] & 1);
-        for (int e = 0; e < 3; ++e)
+        for (int e = 0; e < 3; ++e) {
             inside = inside && (x[e] - q[0]) * (y[e + 1] - q[1]) - (y[e] - q[1]) * (x[e + 1] - q[0]) >= 0;
-        if (inside)
+        }
+        if (inside) {
             return i + 1;
+        }
     }
     return cell[1];
 }
@@ -106,10 +109,12 @@ static int draws_of(const decode_rig *rig, unsigned program, int side) {
     int draws = 2 * (RIG_SIDE / side) * (RIG_SIDE / side);
     while (!rig->software && draws < 1 << 16) {
         const double before = seconds(rig);
-        if (gpu_draw(rig->gpu, program, side, draws) != BTF_OK)
+        if (gpu_draw(rig->gpu, program, side, draws) != BTF_OK) {
             return 0;
-        if (seconds(rig) - before >= long_enough)
+        }
+        if (seconds(rig) - before >= long_enough) {
             break;
+        }
         draws *= 2;
     }
     return draws;
@@ -118,21 +123,25 @@ static int draws_of(const decode_rig *rig, unsigned program, int side) {
 double rig_measure(decode_rig *rig, unsigned program, const uint32_t *inputs, int side,
                    double *out_spread) {
     double ns[RIG_MOST_REPEATS];
-    if (gpu_run(rig->gpu, program, RIG_PIXELS, inputs, rig->outputs, rig->log) != BTF_OK)
+    if (gpu_run(rig->gpu, program, RIG_PIXELS, inputs, rig->outputs, rig->log) != BTF_OK) {
         return 0;
+    }
     const int draws = draws_of(rig, program, side);
-    if (draws == 0)
+    if (draws == 0) {
         return 0;
+    }
     for (int i = 0; i < rig->repeats; ++i) {
         double before = seconds(rig);
-        if (gpu_draw(rig->gpu, program, side, draws) != BTF_OK)
+        if (gpu_draw(rig->gpu, program, side, draws) != BTF_OK) {
             return 0;
+        }
         ns[i] = 1e9 * (seconds(rig) - before) / ((double)draws * side * side);
     }
     qsort(ns, (size_t)rig->repeats, sizeof *ns, compare_double);
     double median = ns[rig->repeats / 2];
-    if (out_spread)
+    if (out_spread) {
         *out_spread = (ns[rig->repeats - 1] - ns[0]) / median;
+    }
     return median;
 }
 
@@ -143,22 +152,25 @@ rig_variant rig_variant_create(decode_rig *rig, const btf_material *material,
     char *text = NULL;
     options.struct_size = sizeof options;
     options.have_precise = rig->have_precise;
-    if (btf_shader_source(material, &options, rig->log, &text) != BTF_OK)
+    if (btf_shader_source(material, &options, rig->log, &text) != BTF_OK) {
         return variant;
+    }
     variant.program = gpu_program(rig->gpu, NULL, text, body, rig->log);
     btf_free(text);
     btf_gl_options upload = gpu_gl_options(rig->gpu, &options);
     if (variant.program &&
         (btf_gl_upload(material, &upload, rig->log, &variant.gl) != BTF_OK ||
-         btf_gl_bind(variant.gl, variant.program, first_unit, NULL, rig->log, NULL) != BTF_OK))
+         btf_gl_bind(variant.gl, variant.program, first_unit, NULL, rig->log, NULL) != BTF_OK)) {
         rig_variant_destroy(rig, &variant);
+    }
     return variant;
 }
 
 void rig_variant_destroy(decode_rig *rig, rig_variant *variant) {
     btf_gl_destroy(&variant->gl);
-    if (variant->program)
+    if (variant->program) {
         gpu_delete_program(rig->gpu, variant->program);
+    }
     variant->program = 0;
 }
 
@@ -185,10 +197,12 @@ unsigned rig_texture(decode_rig *rig, int unit, int format, int width, int heigh
     GLenum target = layers ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D;
     unsigned char *own = bytes ? NULL : malloc(size);
     GLuint texture = 0;
-    if (!bytes && !own)
+    if (!bytes && !own) {
         return 0;
-    if (own)
+    }
+    if (own) {
         fill_random(own, size);
+    }
     api->ActiveTexture((GLenum)(GL_TEXTURE0 + unit));
     api->GenTextures(1, &texture);
     api->BindTexture(target, texture);
@@ -225,8 +239,9 @@ btf_result rig_create(const context_device *device, int repeats, const btf_log *
                         .have_precise = device->enable_gpu_shader5};
     context_prepare(device);
     rig->gpu = gpu_create(device, why, why_size);
-    if (!rig->gpu)
+    if (!rig->gpu) {
         return BTF_ERROR_UNSUPPORTED;
+    }
     rig->software = strstr(gpu_name(rig->gpu), "llvmpipe") || strstr(gpu_name(rig->gpu), "softpipe") ||
                     strstr(gpu_name(rig->gpu), "SwiftShader");
     rig->inputs = calloc(RIG_PIXELS, GPU_INPUTS * sizeof *rig->inputs);

@@ -257,7 +257,7 @@ typedef struct shown {
 static const shown series[] = {{DECODE_JOINT, "joint, exact", 0},
                                {DECODE_JOINT, "joint, fast math", 1},
                                {DECODE_HALF_JOINT, "joint, half the bytes, exact", 0},
-                               {DECODE_RELIEF, "joint with relief and gloss, exact", 0},
+                               {DECODE_RELIEF, "joint, relief and gloss, exact", 0},
                                {DECODE_PAPER, "paper, exact", 0},
                                {DECODE_PAPER, "paper, fast math", 1},
                                {"Phong", "Phong", -1},
@@ -269,7 +269,10 @@ static const char *relief_label(const decode_row *r, bool whole) {
     static const char *const with[] = {"relief", "relief; bilinear", "relief; steep"};
     static const struct {
         const char *effects, *label;
-    } of[] = {{DECODE_NO_RELIEF, "gloss alone"}, {DECODE_NO_GLOSS, "relief alone"}, {DECODE_NEITHER, "relief off"}};
+    } of[] = {{DECODE_NO_RELIEF, "gloss alone"},
+              {DECODE_NO_GLOSS, "relief alone"},
+              {DECODE_ADDED_GLOSS, "relief and gloss"},
+              {DECODE_NEITHER, "relief off"}};
     for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
         if (strcmp(r->effects, of[i].effects) == 0 && r->filter == BTF_FILTER_TEXEL) {
             return of[i].label;

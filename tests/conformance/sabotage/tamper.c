@@ -4,6 +4,7 @@
  */
 #include "tamper.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,4 +28,12 @@ char *tamper_text(const char *text, size_t start, size_t most, const char *from,
     }
     strcpy(out, done);
     return made;
+}
+
+int tamper_missed(const char *name, int found, uint64_t different) {
+    if (!found)
+        fprintf(stderr, "sabotage \"%s\": its text is not in the decoder\n", name);
+    else if (different == 0)
+        fprintf(stderr, "sabotage \"%s\" is not caught\n", name);
+    return !found || different == 0;
 }

@@ -573,11 +573,7 @@ static void each_is_caught(void **state) {
         uint64_t different = 0;
         for (int s = first; s <= last && different == 0; ++s)
             different = differences(s, active->step[0] ? active->step : NULL);
-        if (!found)
-            fprintf(stderr, "sabotage \"%s\": its text is not in the decoder\n", active->name);
-        else if (different == 0)
-            fprintf(stderr, "sabotage \"%s\" is not caught\n", active->name);
-        missed += !found || different == 0;
+        missed += tamper_missed(active->name, found, different);
     }
     active = NULL;
     free(tampered);

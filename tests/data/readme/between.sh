@@ -1,14 +1,22 @@
 #!/bin/bash
-# Makes the picture of accuracy between the samples, between.png: at five pairs of view and light between the samples of
-# btf-sample bumps, 64x64 texels, a column each: truth, material, the same encoded without relief and gloss, and four
-# times the error of the one and of the other (sRGB). Prints each column's PSNR (sRGB).
+# Makes the headline picture, between.png: five pairs of view and light between the samples, a column each, in rows truth,
+# an earlier material, the default of this build, and four times the error of each (sRGB). Prints the caption with each
+# column's PSNR and that of all pairs, as Markdown.
 #
 #   between.sh BUILD [WORK]      WORK keeps samples and materials for the next time
 #
+# BTF_DATA=DATA BTF_PAIRS=PAIRS name data and images between its samples (BRICKS64.zip and BRICKS64_between.zip, say);
+# without them both are made: btf-sample bumps, 64x64 texels.
+# BTF_V1=FILE is what the encoder of version 1 wrote from the same data, BTF_V1_FROM the commit that it was built from.
+# Without it the second row is --method paper of this build, the only method that still writes format version 1.
+#
 # SPDX-License-Identifier: MIT
-set -eu
+set -euo pipefail
 build=$(cd "$1" && pwd)
 here=$(cd "$(dirname "$0")" && pwd)
+[ -z "${BTF_DATA:-}" ] || BTF_DATA=$(realpath "$BTF_DATA")
+[ -z "${BTF_PAIRS:-}" ] || BTF_PAIRS=$(realpath "$BTF_PAIRS")
+[ -z "${BTF_V1:-}" ] || BTF_V1=$(realpath "$BTF_V1")
 if [ $# -gt 1 ]; then
     mkdir -p "$2"
     work=$(cd "$2" && pwd)
@@ -20,55 +28,43 @@ cd "$work"
 PATH=$build/encoder:$build/decoder/tools:$build/tests/sample:$PATH
 export OMP_WAIT_POLICY=passive
 
-# Far from the rings of samples, 0 to 75 degrees in steps of 15: the view's theta and phi, the light's.
-cat >pairs.txt <<'P'
-20 15 40 75
-35 100 25 160
-50 200 50 290
-60 280 35 10
-67 330 20 110
-P
-[ -d bumps ] || btf-sample -o bumps --relief bumps --size 64 --quiet
-[ -d truth ] || btf-sample -o truth --relief bumps --size 64 --pairs pairs.txt --format png --quiet
-encode() { btf-encode bumps -o $1.btf.exr --preset fast --relief $2 --gloss $2 --budget 2.36MB --effect-tolerance 0 -q; }
-[ -f on.btf.exr ] || encode on auto
-[ -f off.btf.exr ] || encode off off
-column=0
-while read -r view_theta view_phi light_theta light_phi; do
-    column=$((column + 1))
-    name=$(printf 'tl%07.4f_pl%08.4f_tv%07.4f_pv%08.4f' "$light_theta" "$light_phi" "$view_theta" "$view_phi")
-    cp "truth/$name.png" "truth-$column.png"
-    for material in on off; do
-        btf-decode $material.btf.exr -o $material-$column.png --view "$view_theta,$view_phi" \
-            --light "$light_theta,$light_phi" -q
+if [ -n "${BTF_DATA:-}" ]; then
+    data=$BTF_DATA pairs=${BTF_PAIRS:?expected images between the samples of BTF_DATA}
+    label=$(basename "$data" .zip)
+    mkdir -p truth
+    unzip -qo "$pairs" -d truth
+    pairs=truth
+else
+    # Far from the rings of samples, 0 to 75 degrees in steps of 15: the view's theta and phi, the light's.
+    printf '%s\n' '20 15 40 75' '35 100 25 160' '50 200 50 290' '60 280 35 10' '67 330 20 110' >pairs.txt
+    data=bumps pairs=truth label='`btf-sample` bumps'
+    [ -d bumps ] || btf-sample -o bumps --relief bumps --size 64 --quiet
+    [ -d truth ] || btf-sample -o truth --relief bumps --size 64 --pairs pairs.txt --quiet
+fi
+if [ -n "${BTF_V1:-}" ]; then
+    earlier=$BTF_V1 said="version 1 of the encoder${BTF_V1_FROM:+ ($BTF_V1_FROM)}"
+else
+    earlier=paper.btf.exr said='`--method paper`'
+    [ -f $earlier ] || btf-encode "$data" -o $earlier --method paper -q
+fi
+[ -f now.btf.exr ] || btf-encode "$data" -o now.btf.exr --budget 2.36MB -q
+
+# The pairs whose views lie nearest to these angles, whatever else they are.
+n=0
+for theta in 20 35 50 60 67; do
+    n=$((n + 1))
+    name=$(find $pairs -name '*.exr' | sed -E "s/.*_tv0*([0-9.]+)_.*/\1 &/" |
+        awk -v t=$theta '{ d = $1 - t; print (d < 0 ? -d : d), $2 }' | LC_ALL=C sort -g -k1,1 -k2 | sed -n '1s/[^ ]* //p')
+    rm -rf pair
+    mkdir pair
+    cp "$name" pair/
+    for which in earlier now; do
+        file=now.btf.exr
+        [ $which = now ] || file=$earlier
+        btf-compare "$file" pair --pairs --no-ssim --json --pictures $which-$n.png --worst 1 -q >$which-$n.json
     done
-done <pairs.txt
-python3 - "$here/between.png" "$here" <<'P'
-import math
-import sys
-sys.path.insert(0, sys.argv[2])
-sys.dont_write_bytecode = True
-import png
-SCALE, GAP, COLUMNS = 2, 4, 5
-def error(a, b):
-    return [bytes(min(4 * abs(i - j), 255) for i, j in zip(p, q)) for p, q in zip(a, b)]
-def decibels(a, b):
-    squares = [(i - j) ** 2 for p, q in zip(a, b) for i, j in zip(p, q)]
-    return 10 * math.log10(255 ** 2 * len(squares) / max(sum(squares), 1e-9))
-def enlarged(rows):
-    for row in rows:
-        line = b"".join(row[x:x + 3] * SCALE for x in range(0, len(row), 3))
-        for _ in range(SCALE):
-            yield line
-columns = []
-for column in range(1, COLUMNS + 1):
-    truth, on, off = (png.read(f"{name}-{column}.png")[1] for name in ("truth", "on", "off"))
-    print(f"column {column}: {decibels(on, truth):.2f} dB, without relief and gloss {decibels(off, truth):.2f} dB")
-    columns.append([truth, on, off, error(on, truth), error(off, truth)])
-out = []
-for pictures in zip(*columns):
-    out += [(b"\xff" * 3 * GAP).join(lines) for lines in zip(*map(enlarged, pictures))]
-    out += [b"\xff" * len(out[0])] * GAP
-out = out[:-GAP]
-png.write(sys.argv[1], out)
-P
+done
+btf-compare "$earlier" $pairs --pairs --no-ssim --json -q >earlier-all.json
+btf-compare now.btf.exr $pairs --pairs --no-ssim --json -q >now-all.json
+bytes() { btf-info --json "$1" | python3 -c 'import json, sys; print(json.load(sys.stdin)["levels"][0]["gpu"])'; }
+python3 "$here/between.py" "$here/between.png" "$label" "$said" "$(bytes "$earlier")" "$(bytes now.btf.exr)"

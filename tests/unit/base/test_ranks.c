@@ -443,8 +443,29 @@ static void test_paper_has_the_bits_of_one(void **state) {
     check_bits((found){.paper = true, .stray = true}, sizes, 2); /* the diffuse fit is taken */
 }
 
+/* The worse of two results is the same whichever thread comes first, and only what went well twice is BTF_OK. */
+static void test_keeps_the_worse_result(void **state) {
+    (void)state;
+    for (int a = BTF_OK; a <= BTF_ERROR_INTERRUPTED; a++) {
+        for (int b = BTF_OK; b <= BTF_ERROR_INTERRUPTED; b++) {
+            btf_result first = (btf_result)a, second = (btf_result)b;
+            enc_keep_worse(&first, (btf_result)b);
+            enc_keep_worse(&second, (btf_result)a);
+            assert_int_equal(first, second);
+            assert_true(first == (btf_result)a || first == (btf_result)b);
+            assert_true((first == BTF_OK) == (a == BTF_OK && b == BTF_OK));
+        }
+    }
+    btf_result result = BTF_ERROR_MEMORY;
+    enc_keep_worse(&result, BTF_ERROR_IO);
+    assert_int_equal(result, BTF_ERROR_IO);
+    enc_keep_worse(&result, BTF_ERROR_INTERRUPTED);
+    assert_int_equal(result, BTF_ERROR_INTERRUPTED);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_keeps_the_worse_result),
         cmocka_unit_test(test_alone),
         cmocka_unit_test(test_ranges_and_transfers),
         cmocka_unit_test(test_notices),

@@ -1,5 +1,5 @@
 /* Hostile files: every prefix, every byte changed, random damage. Nothing may crash, hang or leak; what
- * opens must decode to finite values. Meant for the sanitizers as well.
+ * opens must decode to finite values. Meant for the sanitizers as well: light runs change each byte in one way, in turn.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -16,6 +16,8 @@
 #include <string.h>
 
 #include <cmocka.h>
+
+#include "tests/support/light.h"
 
 typedef struct saved {
     void *data;
@@ -116,6 +118,8 @@ static void test_flipped_bytes(void **state) {
         size_t opened = 0;
         for (size_t m = 0; m < sizeof masks; m++)
             for (size_t i = 0; i < files[f].size; i++) {
+                if (light_run() && i % 3 != m)
+                    continue;
                 copy[i] ^= masks[m];
                 opened += opens(copy, files[f].size);
                 copy[i] ^= masks[m];
@@ -129,10 +133,11 @@ static void test_flipped_bytes(void **state) {
 static void test_random_damage(void **state) {
     (void)state;
     random_state r = {32};
+    const int rounds = light_run() ? 1000 : 4000;
     for (int f = 0; f < 2; f++) {
         uint8_t *copy = malloc(files[f].size);
         assert_non_null(copy);
-        for (int round = 0; round < 4000; round++) {
+        for (int round = 0; round < rounds; round++) {
             memcpy(copy, files[f].data, files[f].size);
             uint32_t size = (uint32_t)files[f].size, changes = 1 + random_below(&r, 6);
             for (uint32_t c = 0; c < changes; c++) {
@@ -165,6 +170,8 @@ static void test_extreme_integers(void **state) {
     assert_non_null(copy);
     for (size_t v = 0; v < sizeof values / sizeof *values; v++)
         for (size_t i = 0; i + 4 <= header; i++) {
+            if (light_run() && i % 5 != v)
+                continue;
             memcpy(copy, files[1].data, files[1].size);
             memcpy(copy + i, &values[v], 4);
             opens(copy, files[1].size);

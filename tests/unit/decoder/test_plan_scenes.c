@@ -14,7 +14,7 @@
 #include "decoder/toolkit/cli.h"
 #include "encoder/job/settings.h"
 #include "encoder/input/reader.h"
-#include "tests/bench/plan_scenes.h"
+#include "tests/bench/plan/plan_scenes.h"
 #include "tests/sample/sample.h"
 
 #include <math.h>

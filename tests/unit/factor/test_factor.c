@@ -12,6 +12,7 @@
 
 #include "encoder/factor/factor.h"
 #include "encoder/factor/pack.h"
+#include "tests/support/light.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -597,18 +598,20 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_words_decode_to_what_was_measured),
         cmocka_unit_test(test_every_class_round_trips),
+        cmocka_unit_test(test_grey),
+        cmocka_unit_test(test_constant_and_black),
+        cmocka_unit_test(test_small_sizes),
+        cmocka_unit_test(test_black_view),
+        cmocka_unit_test(test_too_small_a_budget),
+    };
+    const struct CMUnitTest numbers[] = {
         cmocka_unit_test(test_recovers),
         cmocka_unit_test(test_budget_is_kept_and_used),
         cmocka_unit_test(test_prefix_is_monotone),
         cmocka_unit_test(test_threads_and_storage_do_not_matter),
         cmocka_unit_test(test_components_serve_other_budgets),
-        cmocka_unit_test(test_grey),
-        cmocka_unit_test(test_constant_and_black),
-        cmocka_unit_test(test_small_sizes),
         cmocka_unit_test(test_highlights),
         cmocka_unit_test(test_highlights_among_others),
-        cmocka_unit_test(test_black_view),
-        cmocka_unit_test(test_too_small_a_budget),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return RUN_TESTS_AND_NUMBERS("factor", tests, numbers);
 }

@@ -12,6 +12,7 @@
 
 #include "encoder/factor/factor.h"
 #include "encoder/factor/signal.h"
+#include "tests/support/light.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -315,14 +316,16 @@ static void test_small_sizes(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_noise_is_no_signal),
+        cmocka_unit_test(test_the_model),
+        cmocka_unit_test(test_small_sizes),
+    };
+    const struct CMUnitTest numbers[] = {
         cmocka_unit_test(test_counts_what_is_above_the_noise),
         cmocka_unit_test(test_shares_are_gains_at_the_truth),
         cmocka_unit_test(test_a_tail_is_signal),
         cmocka_unit_test(test_threads_and_storage_do_not_matter),
-        cmocka_unit_test(test_the_model),
         cmocka_unit_test(test_bytes_stop_at_the_noise),
         cmocka_unit_test(test_bytes_that_pay_are_used),
-        cmocka_unit_test(test_small_sizes),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return RUN_TESTS_AND_NUMBERS("factor_signal", tests, numbers);
 }

@@ -409,7 +409,7 @@ static void test_contradictions(void **state) {
         {274, 300, BTF_ERROR_UNSUPPORTED, "field view count"},
         {278, 0x7FC00000, BTF_ERROR_BAD_FILE, "theta of a view"},
         {278, 0x40000000, BTF_ERROR_BAD_FILE, "theta of view 0 is 114.59"},
-        {346, 7, BTF_ERROR_UNSUPPORTED, "is not that of the first view"},
+        {346, 7, BTF_ERROR_UNSUPPORTED, "differs from the first view's: 7"},
     };
     bonn_spec s = spec_of(BONN_DFMF, "!DFMF08FCR");
     s.meta_version = 1;

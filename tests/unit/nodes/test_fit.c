@@ -14,6 +14,7 @@
 #include "encoder/nodes/fit.h"
 #include "encoder/nodes/rows.h"
 #include "tests/sample/directions.h"
+#include "tests/support/light.h"
 #include "tests/support/random_material.h"
 
 #include <math.h>
@@ -390,12 +391,14 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_weights_keep_constants_and_kappa_keeps_the_samples),
         cmocka_unit_test(test_lists_without_a_spline_are_refused),
+        cmocka_unit_test(test_lists_without_a_fit_leave_the_others),
+        cmocka_unit_test(test_data_are_transformed),
+    };
+    const struct CMUnitTest numbers[] = {
         cmocka_unit_test(test_a_smooth_function_comes_out_better_between),
         cmocka_unit_test(test_smoothing_is_chosen_where_it_pays),
         cmocka_unit_test(test_a_fine_coder_bounds_the_smoothing),
-        cmocka_unit_test(test_lists_without_a_fit_leave_the_others),
         cmocka_unit_test(test_long_and_low_lists_are_judged),
-        cmocka_unit_test(test_data_are_transformed),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return RUN_TESTS_AND_NUMBERS("nodes_fit", tests, numbers);
 }

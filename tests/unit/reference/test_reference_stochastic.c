@@ -7,6 +7,7 @@
 #include "tests/support/reference_material.h"
 
 #include "reference/btf_reference_private.h"
+#include "tests/support/light.h"
 
 enum { OLD_EFFECTS = BTF_REF_SHADOW | BTF_REF_SHIFT | BTF_REF_HIDDEN | BTF_REF_GAIN | BTF_REF_RESIDUAL };
 
@@ -396,13 +397,15 @@ int main(void) {
         cmocka_unit_test(test_random),
         cmocka_unit_test(test_one_choice),
         cmocka_unit_test(test_horizon),
+        cmocka_unit_test(test_levels),
+    };
+    const struct CMUnitTest numbers[] = {
         cmocka_unit_test(test_blend_of_neighbours),
         cmocka_unit_test(test_blend_of_radiance),
         cmocka_unit_test(test_mean_over_views),
         cmocka_unit_test(test_mean_over_lights),
         cmocka_unit_test(test_mean_over_texels_and_levels),
         cmocka_unit_test(test_mean_of_samples),
-        cmocka_unit_test(test_levels),
     };
-    return cmocka_run_group_tests_name("reference-stochastic", tests, NULL, NULL);
+    return RUN_TESTS_AND_NUMBERS("reference-stochastic", tests, numbers);
 }

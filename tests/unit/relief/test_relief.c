@@ -13,6 +13,7 @@
 #include "encoder/nodes/apply.h"
 #include "encoder/relief/relief.h"
 #include "tests/sample/directions.h"
+#include "tests/support/light.h"
 
 #include <math.h>
 #include <openbtf/material.h>
@@ -373,16 +374,18 @@ static void test_levels_are_judged(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_step_is_found),
-        cmocka_unit_test(test_extremes_are_drawn_in),
         cmocka_unit_test(test_one_height_has_no_map),
-        cmocka_unit_test(test_flat_and_noise_stay_flat),
-        cmocka_unit_test(test_threads_give_the_same),
         cmocka_unit_test(test_what_is_not_asked_for_is_not_there),
-        cmocka_unit_test(test_gloss_is_found_where_there_is_a_lobe),
         cmocka_unit_test(test_nodes_follow_the_surface),
         cmocka_unit_test(test_levels_filter_heights),
-        cmocka_unit_test(test_where_relief_ends),
         cmocka_unit_test(test_levels_are_judged),
     };
-    return cmocka_run_group_tests_name("relief_choice", tests, NULL, NULL);
+    const struct CMUnitTest numbers[] = {
+        cmocka_unit_test(test_extremes_are_drawn_in),
+        cmocka_unit_test(test_flat_and_noise_stay_flat),
+        cmocka_unit_test(test_threads_give_the_same),
+        cmocka_unit_test(test_gloss_is_found_where_there_is_a_lobe),
+        cmocka_unit_test(test_where_relief_ends),
+    };
+    return RUN_TESTS_AND_NUMBERS("relief_choice", tests, numbers);
 }

@@ -40,7 +40,7 @@ static planner_action go(planner *p, const btf_material *whole, btf_scene needed
     if (action == PLANNER_MAKE) {
         assert_true(p->pending >= 0 && p->pending != p->current);
         assert_int_equal(planner_decide(p, &needed, at_rest, at_rest), PLANNER_KEEP); /* while it is made */
-        assert_int_equal(planner_make(p, whole, 0.5f, NULL), BTF_OK);
+        assert_int_equal(planner_make(p, whole, 0.5f, NULL, NULL), BTF_OK);
         planner_take(p);
     }
     assert_true(p->current >= 0 && p->slot[p->current].material);
@@ -102,7 +102,7 @@ static void light_at_rest_is_folded(void **state) {
     assert_int_equal(go(&p, whole, needed, false), PLANNER_MAKE); /* rings around 50 */
     assert_int_equal(planner_decide(&p, &needed, true, true), PLANNER_MAKE);
     const int given_up = p.pending;
-    assert_int_equal(planner_make(&p, whole, 0.5f, NULL), BTF_OK);
+    assert_int_equal(planner_make(&p, whole, 0.5f, NULL, NULL), BTF_OK);
     assert_int_equal(planner_decide(&p, &moved, false, false), PLANNER_MAKE);
     assert_true(p.slot[given_up].material == NULL);
     planner_clear(&p);

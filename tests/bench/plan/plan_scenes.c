@@ -45,14 +45,17 @@ btf_result plan_pack(const enc_context *context, const enc_data *data, enc_solut
     float *errors = NULL;
     enc_pack_options options = {.layout = layout, .method = "", .options = "", .source = ""};
     btf_result result = BTF_OK;
-    if (levels > 1)
+    if (levels > 1) {
         result = enc_levels_fit(context, data, levels, NULL, NULL, solution, &fitted);
+    }
     options.levels = fitted.count;
     options.level = fitted.level;
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = enc_pack(context, data, solution, &options, out_material);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = enc_effect_errors(context, data, *out_material, &errors, &options.effect_error_count);
+    }
     if (result == BTF_OK) {
         options.effect_errors = errors;
         btf_material_close(out_material);
@@ -124,8 +127,7 @@ static double clip(double x) {
     return x > 0 ? (x < 1 ? x : 1) : 0;
 }
 
-/* Adds the squared errors of one decoded value. */
-static void add(const double truth[3], const float rgb[3], double sum[2]) {
+void plan_add_errors(const double truth[3], const float rgb[3], double sum[2]) {
     for (int c = 0; c < 3; c++) {
         const double linear = clip(truth[c]) - clip((double)rgb[c]);
         const double srgb = (double)enc_srgb_encode((float)truth[c]) - (double)enc_srgb_encode(rgb[c]);
@@ -134,7 +136,7 @@ static void add(const double truth[3], const float rgb[3], double sum[2]) {
     }
 }
 
-static btf_ref_options options_of(const btf_plan *plan) {
+btf_ref_options plan_reference_options(const btf_plan *plan) {
     return (btf_ref_options){.effects = plan->effects,
                              .components = plan->components ? plan->components : UINT32_MAX,
                              .interpolation = plan->shader.interpolation == BTF_INTERPOLATION_NEAREST
@@ -146,18 +148,19 @@ static btf_ref_options options_of(const btf_plan *plan) {
 btf_result plan_measure(const enc_context *context, const enc_data *original, const btf_material *whole,
                         const btf_material *small, const btf_plan *plan, double planned[2],
                         double full[2]) {
-    enum { SAMPLES = 40000, PAIRS = 40 };
+    enum { SAMPLES = 20000, PAIRS = 40 };
     enc_data *filtered = NULL;
     btf_ref_material a, b;
     reference_view(whole, plan->level, &a);
     reference_view(small, 0, &b);
     btf_result result = BTF_OK;
-    if (plan->level > 0)
+    if (plan->level > 0) {
         result = enc_level_filter(context, original, (int)a.width, (int)a.height, &filtered);
+    }
     const enc_data *data = filtered ? filtered : original;
     float *buffer = malloc(enc_data_texel_stride(data) * sizeof *buffer);
     const btf_ref_options everything = {BTF_EFFECT_ALL, UINT32_MAX, BTF_REF_LINEAR, BTF_REF_TEXEL};
-    const btf_ref_options chosen = options_of(plan);
+    const btf_ref_options chosen = plan_reference_options(plan);
     const size_t n = (size_t)data->n_lights;
     random_state r = {99};
     planned[0] = planned[1] = full[0] = full[1] = 0;
@@ -174,14 +177,15 @@ btf_result plan_measure(const enc_context *context, const enc_data *original, co
             pick(&r, &plan->scene.light, data->lights[data->n_lights - 1].theta, light);
             const btf_ref_neighbours views = look_up(a.view_table, a.view_grid, view);
             const btf_ref_neighbours lights = look_up(a.light_table, a.light_grid, light);
-            for (int k = 0; k < 27; k++)
+            for (int k = 0; k < 27; k++) {
                 truth[k % 3] +=
                     0x1p-24 * views.weight[k / 9] * lights.weight[k / 3 % 3] *
                     (double)samples[(views.index[k / 9] * 3 + (size_t)k % 3) * n + lights.index[k / 3 % 3]];
+            }
             btf_ref_evaluate_texel(&a, &everything, column, row, light, view, rgb);
-            add(truth, rgb, full);
+            plan_add_errors(truth, rgb, full);
             btf_ref_evaluate_texel(&b, &chosen, column, row, light, view, rgb);
-            add(truth, rgb, planned);
+            plan_add_errors(truth, rgb, planned);
         }
     }
     for (int i = 0; i < 2; i++) {

@@ -8,6 +8,7 @@
 #include "encoder/data/data.h"
 
 #include <openbtf/plan.h>
+#include <openbtf/reference.h>
 
 typedef struct plan_scene {
     const char *name;
@@ -31,6 +32,11 @@ btf_result plan_pack(const enc_context *context, const enc_data *data, struct en
  * both. */
 btf_result plan_measure(const enc_context *context, const enc_data *data, const btf_material *whole,
                         const btf_material *small, const btf_plan *plan, double planned[2], double full[2]);
+
+/* How the reference decodes what the plan keeps; and the squared errors of a decoded value, each clipped to [0, 1], linear
+ * and sRGB-coded, added to sum. */
+btf_ref_options plan_reference_options(const btf_plan *plan);
+void plan_add_errors(const double truth[3], const float rgb[3], double sum[2]);
 
 /* A picture of side x side pixels of the scene: u, v, light, view as bits, 8 words each. Neighbouring
  * pixels show neighbouring texels (of the scene's size) under alike directions: views rise along rows and

@@ -1,0 +1,18 @@
+/* What a plan loses between the samples, against images that are true there.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_TESTS_BENCH_PLAN_TRUTH_H
+#define OPENBTF_TESTS_BENCH_PLAN_TRUTH_H
+
+#include "tests/bench/codecs/truth.h"
+
+#include <openbtf/plan.h>
+
+/* Mean squared errors of values clipped to [0, 1], linear and sRGB-coded, of the restriction `small` as planned and of
+ * all of `whole`, at one texel in 16 of each image whose view and light the scene has. Returns how many images these
+ * are: 0, and no errors, where there is none, a direction stands still, or the level is not 0. */
+size_t plan_truth(const bench_truth *truth, const btf_material *whole, const btf_material *small,
+                  const btf_plan *plan, double planned[2], double full[2]);
+
+#endif

@@ -1,0 +1,63 @@
+#!/usr/bin/env python3
+"""The table of relief and gloss alone and together, from what part relief of regenerate.sh leaves in a folder: reports of
+btf-encode, DATA-BUDGET-RELIEF.json, what btf-compare says of each material by filter with and without gloss, and of the
+images themselves.
+
+    relief_table.py FOLDER        prints what belongs between the marks `alone` of encoder/relief/RELIEF.md
+
+SPDX-License-Identifier: MIT
+"""
+import json
+import os
+import sys
+
+DATA = (('BRICKS64', 'BRICKS64'), ('bumps', '`btf-sample` bumps'))
+BUDGETS = (('2.36MB', '2.36 MB'), ('8MB', '8 MB'))
+FILTERS = ('texel', 'bilinear', 'steep')
+
+
+def read(*names):
+    with open(os.path.join(sys.argv[1], '-'.join(names) + '.json'), encoding='utf-8') as file:
+        return json.load(file)
+
+
+def pair(error):
+    return f'{error["linear"]:.2f} / {error["srgb"]:.2f}'
+
+
+def chosen(relief):
+    """(rings with relief, what it is) of a report, or nothing."""
+    if not relief or not any(ring['relief'] for ring in relief.get('rings', ())):
+        return None
+    kind = [c for c in relief['candidates'] if c['candidate'] == relief['chosen']][0]
+    rings = [f'{ring["theta"]:.0f}' for ring in relief['rings'] if ring['relief']]
+    return f'{kind["kind"]} x {kind["scale"]:g}, rings {", ".join(rings)}'
+
+
+def main():
+    columns = [f'{label}: {what}' for _, label in BUDGETS
+               for what in ('whole texels', 'bilinear', 'steep', 'at the samples')]
+    print('<!-- alone: written by tests/bench/regenerate.sh -->')
+    print('| 64 x 64 texels, encoded with | ' + ' | '.join(columns) + ' |')
+    print('| --- |' + ' --- |' * len(columns))
+    choices = []
+    for data, label in DATA:
+        images = read(data, 'images')['between']
+        print(f'| {label}, the images themselves, blended | | | | | {pair(images)} | | | |')
+        for relief, gloss, what in (('off', 'relief', 'neither'), ('auto', 'relief', 'relief'), ('off', 'gloss', 'gloss'),
+                                    ('auto', 'gloss', 'both')):
+            cells = []
+            for budget, _ in BUDGETS:
+                report = read(data, budget, relief)
+                moved, quarters = chosen(report['relief']), report['relief'].get('gloss', 0)
+                for by in FILTERS:
+                    # Without relief the filters read the same texels.
+                    cells.append(pair(read(data, budget, relief, by, gloss)['between']) if by == 'texel' or moved else '')
+                cells.append(pair(report['psnr']['full']))
+            print(f'| {label}, {what} | ' + ' | '.join(cells) + ' |')
+        choices.append(f'{label}: {moved or "no relief"}; gloss {f"{quarters}/4" if quarters else "none"}')
+    print('\nTaken with both: ' + '. '.join(choices) + '.')
+    print('<!-- /alone -->')
+
+
+main()

@@ -1,0 +1,224 @@
+/* Folds in a GL context: wrong calls, the state of the application, and layers with the bits of the reference's.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "folds.h"
+#include "tests/conformance/check.h"
+#include "tests/conformance/variant.h"
+#include "decoder/toolkit/reference_view.h"
+
+#include <openbtf/fold.h>
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <cmocka.h>
+#include <stdlib.h>
+#include <string.h>
+
+static gpu *device;
+
+static btf_material *make(const synthetic_spec *spec) {
+    btf_material *material = NULL;
+    assert_int_equal(synthetic_create(spec, &folds_log, &material), BTF_OK);
+    return material;
+}
+
+static void wrong_calls_are_refused(void **state) {
+    (void)state;
+    btf_material *material = make(&folds_of_roots);
+    btf_shader_options shader = {.struct_size = sizeof shader,
+                                 .leave_out = BTF_EFFECT_ALL & ~BTF_EFFECT_RESIDUAL};
+    btf_gl_options options = gpu_gl_options(device, &shader);
+    const float top[3] = {0, 0, 1};
+    btf_gl_fold *fold = NULL;
+    btf_gl *all = NULL, *few = NULL;
+    assert_int_equal(btf_gl_fold_create(material, &options, 1, &folds_log, &fold),
+                     BTF_ERROR_USAGE); /* no fold */
+    shader.fold = BTF_FOLD_BOTH;
+    assert_int_equal(btf_gl_fold_create(material, &options, 0, &folds_log, &fold), BTF_ERROR_USAGE);
+    assert_int_equal(btf_gl_fold_create(material, &options, 1000000, &folds_log, &fold),
+                     BTF_ERROR_UNSUPPORTED);
+    assert_non_null(strstr(folds_said, "1000000"));
+    shader.leave_out = 0; /* relief */
+    assert_int_equal(btf_gl_fold_create(material, &options, 1, &folds_log, &fold), BTF_ERROR_UNSUPPORTED);
+    assert_null(fold);
+    shader.leave_out = BTF_EFFECT_ALL & ~BTF_EFFECT_RESIDUAL;
+    assert_int_equal(btf_gl_upload(material, &options, &folds_log, &few),
+                     BTF_OK); /* what the folded shader reads: nothing */
+    options.shader = NULL;
+    assert_int_equal(btf_gl_upload(material, &options, &folds_log, &all), BTF_OK);
+    options.shader = &shader;
+    assert_int_equal(btf_gl_fold_create(material, &options, 2, &folds_log, &fold), BTF_OK);
+    assert_int_equal(btf_gl_fold_run(fold, all, 0, 2, top, top, &folds_log), BTF_ERROR_USAGE);
+    assert_int_equal(btf_gl_fold_run(fold, all, 0, 1, top, NULL, &folds_log), BTF_ERROR_USAGE);
+    assert_int_equal(btf_gl_fold_run(fold, few, 0, 1, top, top, &folds_log), BTF_ERROR_USAGE);
+    assert_int_equal(btf_gl_fold_run(fold, all, 0, 1, top, top, &folds_log), BTF_OK);
+    assert_int_not_equal(btf_gl_fold_texture(fold), 0);
+    assert_int_equal(btf_gl_fold_bytes(fold), 2 * 16 * (13 * 7 + 6 * 3 + 3 * 1));
+    btf_gl_fold_destroy(&fold);
+    assert_null(fold);
+    btf_gl_fold_destroy(&fold);
+    btf_gl_destroy(&all);
+    btf_gl_destroy(&few);
+    btf_material_close(&material);
+}
+
+/* The state of an application changes nothing of a fold, and is as it was: a scissor, masks, another
+ * framebuffer and program; the layers are what the reference keeps. */
+static void state_is_left_alone(void **state) {
+    (void)state;
+    static const GLenum names[] = {
+        GL_VIEWPORT,       GL_CURRENT_PROGRAM,          GL_DRAW_FRAMEBUFFER_BINDING,
+        GL_SCISSOR_TEST,   GL_COLOR_WRITEMASK,          GL_VERTEX_ARRAY_BINDING,
+        GL_ACTIVE_TEXTURE, GL_READ_FRAMEBUFFER_BINDING, GL_DEPTH_TEST};
+    enum { NAMES = sizeof names / sizeof *names, MOST = 13 * 7 * 9 };
+    static uint32_t kept[MOST][4];
+    const gl_api *api = gpu_api(device);
+    const float light[3] = {0.6f, 0, 0.8f};
+    btf_material *material = make(&folds_of_roots);
+    btf_shader_options shader = {
+        .struct_size = sizeof shader, .leave_out = BTF_EFFECT_GLOSS, .fold = BTF_FOLD_LIGHT};
+    btf_gl_options options = gpu_gl_options(device, NULL);
+    btf_gl_fold *fold = NULL;
+    btf_gl *textures = NULL;
+    GLint before[NAMES][4] = {{0}}, after[NAMES][4] = {{0}};
+    assert_int_equal(btf_gl_upload(material, &options, &folds_log, &textures), BTF_OK);
+    options.shader = &shader;
+    assert_int_equal(btf_gl_fold_create(material, &options, 2, &folds_log, &fold), BTF_OK);
+    api->Enable(GL_SCISSOR_TEST);
+    api->Enable(GL_DEPTH_TEST);
+    api->Scissor(1, 1, 1, 1);
+    api->ColorMask(1, 0, 0, 1);
+    api->Viewport(3, 4, 5, 6);
+    for (int i = 0; i < NAMES; ++i)
+        api->GetIntegerv(names[i], before[i]);
+    assert_int_equal(btf_gl_fold_run(fold, textures, GPU_FIRST_UNIT, 1, light, NULL, &folds_log), BTF_OK);
+    for (int i = 0; i < NAMES; ++i)
+        api->GetIntegerv(names[i], after[i]);
+    assert_memory_equal(before, after, sizeof before);
+    api->Disable(GL_SCISSOR_TEST);
+    api->Disable(GL_DEPTH_TEST);
+    api->ColorMask(1, 1, 1, 1);
+    const btf_ref_options of = variant_reference_options(&shader);
+    for (uint32_t level = 0; level < 3; ++level) {
+        btf_ref_material m;
+        reference_view(material, level, &m);
+        const size_t words = (size_t)4 * m.width * m.height * m.n_views;
+        float *values = folds_reference(&m, &of, BTF_REF_FOLD_LIGHT, light, NULL);
+        static uint32_t both[2 * MOST][4]; /* lights */
+        api->BindTexture(GL_TEXTURE_2D_ARRAY, btf_gl_fold_texture(fold));
+        api->GetTexImage(GL_TEXTURE_2D_ARRAY, (GLint)level, GL_RGBA_INTEGER, GL_UNSIGNED_INT, both);
+        memcpy(kept, &both[0][0] + words, words * sizeof(uint32_t));
+        assert_memory_equal(kept, values, words * sizeof(uint32_t));
+        free(values);
+    }
+    btf_gl_fold_destroy(&fold);
+    btf_gl_destroy(&textures);
+    btf_material_close(&material);
+}
+
+/* The texture that GL fills is the one that the CPU makes, whatever is folded. */
+static void gl_and_cpu_fold_the_same(void **state) {
+    (void)state;
+    enum { LIGHTS = 2, LEVELS = 3, MOST = 4 * 13 * 7 * 9 * LIGHTS };
+    static uint32_t drawn[MOST];
+    static const float light[LIGHTS][3] = {{0.6f, 0, 0.8f}, {-0.28f, 0, 0.96f}},
+                       view[LIGHTS][3] = {{0, 0.6f, 0.8f}, {0, 0, 1}};
+    const gl_api *api = gpu_api(device);
+    btf_material *material = make(&folds_of_roots);
+    btf_gl_options options = gpu_gl_options(device, NULL);
+    btf_gl *textures = NULL;
+    assert_int_equal(btf_gl_upload(material, &options, &folds_log, &textures), BTF_OK);
+    for (int kind = BTF_FOLD_LIGHT; kind <= BTF_FOLD_NEIGHBOURS; ++kind) {
+        const btf_shader_options shader = {.struct_size = sizeof shader,
+                                           .leave_out = check_fold_left_out((btf_fold)kind),
+                                           .fold = (btf_fold)kind};
+        btf_gl_fold *fold = NULL;
+        uint32_t *texels = NULL;
+        options.shader = &shader;
+        assert_int_equal(btf_gl_fold_create(material, &options, LIGHTS, &folds_log, &fold), BTF_OK);
+        for (uint32_t i = 0; i < LIGHTS; ++i)
+            assert_int_equal(
+                btf_gl_fold_run(fold, textures, GPU_FIRST_UNIT, i, light[i], view[i], &folds_log), BTF_OK);
+        const uint32_t few = kind == BTF_FOLD_BOTH ? 0 : LIGHTS; /* no lights, or not of radiance */
+        assert_int_equal(btf_gl_fold_run_lights(fold, textures, GPU_FIRST_UNIT, 0, few, light[0], light[0],
+                                                view[0], &folds_log),
+                         BTF_ERROR_USAGE);
+        assert_int_equal(btf_gl_fold_run_lights(fold, textures, GPU_FIRST_UNIT, 0, LIGHTS, light[0], NULL,
+                                                view[0], &folds_log),
+                         BTF_ERROR_USAGE);
+        assert_int_equal(
+            btf_material_fold(material, &shader, LIGHTS, light[0], view[0], &folds_log, &texels), BTF_OK);
+        const uint32_t *at = texels;
+        for (uint32_t level = 0; level < LEVELS; ++level) {
+            btf_ref_material m;
+            reference_view(material, level, &m);
+            const size_t words = (size_t)4 * m.width * m.height * folds_layers(&m, kind) * LIGHTS;
+            api->BindTexture(GL_TEXTURE_2D_ARRAY, btf_gl_fold_texture(fold));
+            api->GetTexImage(GL_TEXTURE_2D_ARRAY, (GLint)level, GL_RGBA_INTEGER, GL_UNSIGNED_INT, drawn);
+            assert_memory_equal(drawn, at, words * sizeof *at);
+            at += words;
+        }
+        btf_free(texels);
+        btf_gl_fold_destroy(&fold);
+    }
+    btf_gl_destroy(&textures);
+    btf_material_close(&material);
+}
+
+/* Calls of the CPU's folds that are wrong, each in one thing. */
+static void wrong_rows_are_refused(void **state) {
+    (void)state;
+    static const float top[3] = {0, 0, 1};
+    btf_material *material = make(&folds_of_roots);
+    btf_evaluator *evaluator = NULL;
+    btf_shader_options shader = {.struct_size = sizeof shader, .fold = BTF_FOLD_NEIGHBOURS};
+    uint32_t row[13][4], *texels = NULL;
+    assert_int_equal(btf_evaluator_create(material, &folds_log, &evaluator), BTF_OK);
+    assert_int_equal(btf_fold_rows(evaluator, &shader, top, top, 0, 2, 6, 1, row[0]), BTF_OK);
+    assert_int_equal(btf_fold_rows(evaluator, &shader, top, NULL, 0, 2, 6, 1, row[0]), BTF_ERROR_USAGE);
+    assert_int_equal(btf_fold_rows(evaluator, &shader, top, top, 3, 2, 6, 1, row[0]), BTF_ERROR_USAGE);
+    assert_int_equal(btf_fold_rows(evaluator, &shader, top, top, 0, 3, 6, 1, row[0]), BTF_ERROR_USAGE);
+    assert_int_equal(btf_fold_rows(evaluator, &shader, top, top, 0, 2, 6, 2, row[0]), BTF_ERROR_USAGE);
+    assert_int_equal(btf_fold_rows(evaluator, &shader, top, top, 1, 2, 3, 1, row[0]), BTF_ERROR_USAGE);
+    assert_int_equal(btf_material_fold(material, &shader, 1, top, NULL, &folds_log, &texels),
+                     BTF_ERROR_USAGE);
+    assert_int_equal(btf_material_fold(material, &shader, 0, top, top, &folds_log, &texels),
+                     BTF_ERROR_USAGE);
+    shader.fold = BTF_FOLD_LIGHT; /* gloss */
+    assert_int_equal(btf_fold_rows(evaluator, &shader, top, NULL, 0, 0, 0, 1, row[0]),
+                     BTF_ERROR_UNSUPPORTED);
+    assert_int_equal(btf_material_fold(material, &shader, 1, top, NULL, &folds_log, &texels),
+                     BTF_ERROR_UNSUPPORTED);
+    assert_non_null(strstr(folds_said, "gloss"));
+    shader.fold = BTF_FOLD_NONE;
+    assert_int_equal(btf_fold_rows(evaluator, &shader, top, NULL, 0, 0, 0, 1, row[0]), BTF_ERROR_USAGE);
+    assert_int_equal(btf_material_fold(material, &shader, 1, top, top, &folds_log, &texels),
+                     BTF_ERROR_USAGE);
+    assert_null(texels);
+    btf_evaluator_destroy(&evaluator);
+    btf_material_close(&material);
+}
+
+static int setup(void **state) {
+    (void)state;
+    device = gpu_create_or_skip(&context_devices[0]);
+    return 0;
+}
+
+static int teardown(void **state) {
+    (void)state;
+    gpu_destroy(&device);
+    return 0;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(wrong_calls_are_refused),
+        cmocka_unit_test(state_is_left_alone),
+        cmocka_unit_test(gl_and_cpu_fold_the_same),
+        cmocka_unit_test(wrong_rows_are_refused),
+    };
+    return cmocka_run_group_tests_name("fold-gl", tests, setup, teardown);
+}

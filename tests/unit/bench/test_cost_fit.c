@@ -1,0 +1,112 @@
+/* The fit of the cost model: prices that timings were made with are found again, and none falls below 0.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "tests/bench/plan/cost_fit.h"
+#include "tests/conformance/random.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { SAMPLES = 60 };
+
+/* As a GPU might have them: two are for nothing. */
+static const btf_cost_model made = {.struct_size = sizeof made,
+                                    .pixel = 3,
+                                    .look_up = 7,
+                                    .point = 0.9,
+                                    .move = 4,
+                                    .step = 0,
+                                    .fetch = 1.2,
+                                    .byte = 0,
+                                    .integer = 0.02,
+                                    .real = 0.03,
+                                    .masked = 0.01};
+
+static btf_decode_counts random_counts(random_state *r) {
+    return (btf_decode_counts){.pixels = 1,
+                               .look_ups = random_below(r, 4),
+                               .points = 1 + random_below(r, 12),
+                               .moves = random_below(r, 2) * 4,
+                               .steps = random_below(r, 60),
+                               .fetches = 10 + random_below(r, 200),
+                               .bytes = 10 + random_below(r, 3000),
+                               .integers = random_below(r, 9000),
+                               .floats = random_below(r, 900),
+                               .masked = random_below(r, 2) * random_below(r, 5000)};
+}
+
+static void make_samples(double noise, cost_sample samples[SAMPLES]) {
+    random_state r = {3};
+    for (int i = 0; i < SAMPLES; i++) {
+        samples[i].counts = random_counts(&r);
+        samples[i].ns = btf_cost_of(&samples[i].counts, &made) * (1 + noise * random_between(&r, -1, 1));
+    }
+}
+
+static void prices_are_found_again(void **state) {
+    (void)state;
+    cost_sample samples[SAMPLES];
+    btf_cost_model found;
+    make_samples(0, samples);
+    const cost_deviation d = cost_fit(samples, SAMPLES, &found);
+    assert_int_equal(d.count, SAMPLES);
+    assert_true(d.worst < 1e-6 && d.mean <= d.worst);
+#define SAME(price, name, count) assert_true(fabs(found.price - made.price) < 1e-5 * (made.price + 0.01));
+    BTF_COST_LIST(SAME)
+}
+
+static void noise_moves_them_little(void **state) {
+    (void)state;
+    cost_sample samples[SAMPLES];
+    btf_cost_model found;
+    make_samples(0.05, samples);
+    const cost_deviation d = cost_fit(samples, SAMPLES, &found);
+    assert_true(d.mean > 0.01 && d.mean < 0.04 && d.worst < 0.08);
+#define POSITIVE(price, name, count) assert_true(found.price >= 0);
+    BTF_COST_LIST(POSITIVE)
+    assert_true(fabs(found.integer / made.integer - 1) < 0.1 && fabs(found.fetch / made.fetch - 1) < 0.1);
+}
+
+/* A count whose best price were below 0 costs nothing, and the others make up for it. */
+static void none_is_below_zero(void **state) {
+    (void)state;
+    cost_sample samples[SAMPLES];
+    btf_cost_model found;
+    make_samples(0, samples);
+    for (int i = 0; i < SAMPLES; i++)
+        samples[i].ns -= 0.3 * samples[i].counts.look_ups * made.look_up +
+                         0.8 * samples[i].counts.look_ups * made.look_up;
+    for (int i = 0; i < SAMPLES; i++)
+        samples[i].ns = fmax(samples[i].ns, 1);
+    cost_fit(samples, SAMPLES, &found);
+    assert_true(found.look_up == 0 && found.integer > 0);
+}
+
+/* A count that no sample has. */
+static void unknown_counts_cost_nothing(void **state) {
+    (void)state;
+    cost_sample samples[SAMPLES];
+    btf_cost_model found;
+    make_samples(0, samples);
+    for (int i = 0; i < SAMPLES; i++) {
+        samples[i].ns -= samples[i].counts.moves * made.move;
+        samples[i].counts.moves = 0;
+    }
+    assert_true(cost_fit(samples, SAMPLES, &found).worst < 1e-6);
+    assert_true(found.move == 0 && fabs(found.look_up - made.look_up) < 1e-4);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(prices_are_found_again), cmocka_unit_test(noise_moves_them_little),
+        cmocka_unit_test(none_is_below_zero), cmocka_unit_test(unknown_counts_cost_nothing)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,120 @@
+/* Starts a browser, headless, on a page that a server here gives it, and hands on what the page posts.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+import { spawn, spawnSync } from 'node:child_process';
+import { mkdtempSync, rmSync, writeFileSync, readFileSync, existsSync } from 'node:fs';
+import { createServer } from 'node:http';
+import { tmpdir } from 'node:os';
+import { extname, join, normalize } from 'node:path';
+
+const TYPES = { '.html': 'text/html', '.js': 'text/javascript', '.json': 'application/json', '.wasm': 'application/wasm' };
+/* A page may reach its own server alone, and compile WebAssembly; only examples are pages with their script in them. */
+const POLICY = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; connect-src 'self'; img-src 'self' data:; frame-src 'self'";
+const EXAMPLE_POLICY = POLICY.replace("'wasm-unsafe-eval'", "'wasm-unsafe-eval' 'unsafe-inline'");
+
+/* No first-run pages, no services of the browsers' makers; WebGL2 by software. */
+const FIREFOX = {
+    'webgl.force-enabled': true, 'browser.shell.checkDefaultBrowser': false, 'browser.startup.homepage_override.mstone': 'ignore',
+    'datareporting.policy.dataSubmissionEnabled': false, 'toolkit.telemetry.enabled': false, 'app.normandy.enabled': false,
+    'browser.aboutwelcome.enabled': false, 'network.captive-portal-service.enabled': false, 'network.connectivity-service.enabled': false,
+    'extensions.getAddons.cache.enabled': false, 'browser.safebrowsing.malware.enabled': false, 'browser.safebrowsing.phishing.enabled': false,
+    'media.gmp-manager.updateEnabled': false, 'toolkit.startup.max_resumed_crashes': -1, 'dom.max_script_run_time': 0,
+    'dom.max_chrome_script_run_time': 0, 'extensions.update.enabled': false,
+};
+const CHROMIUM = ['--headless', '--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--no-first-run',
+    '--disable-background-networking', '--disable-component-update', '--disable-sync', '--disable-dev-shm-usage', '--disable-gpu-watchdog',
+    '--disable-hang-monitor'];
+
+const PACKAGES = { chromium: [['chromium', 'chromium']], firefox: [['firefox-esr', 'firefox-esr'], ['xvfb-run', 'xvfb'], ['xauth', 'xauth']] };
+
+/** Ends with a message where a program is missing: tests need it. */
+export function needPrograms(browser) {
+    for (const [program, name] of PACKAGES[browser]) {
+        if (spawnSync('sh', ['-c', `command -v ${program}`]).status !== 0) {
+            console.log(`${program} is missing: apt-get install ${name}, or run tests/run.sh --core, which leaves the tests of decoder/web out`);
+            process.exit(1);
+        }
+    }
+}
+
+function commandOf(browser, profile, url) {
+    if (browser === 'chromium') {
+        return ['chromium', ...CHROMIUM, `--user-data-dir=${profile}`, url];
+    }
+    writeFileSync(join(profile, 'user.js'), Object.entries(FIREFOX).map(([name, value]) => `user_pref("${name}", ${JSON.stringify(value)});\n`).join(''));
+    return ['xvfb-run', '-a', 'firefox-esr', '--no-remote', '--new-instance', '--profile', profile, url];
+}
+
+function body(request) {
+    return new Promise((resolve, reject) => {
+        const parts = [];
+        request.on('data', (part) => parts.push(part)).on('end', () => resolve(Buffer.concat(parts).toString())).on('error', reject);
+    });
+}
+
+/**
+ * Runs a page in a browser until it posts to /done.
+ * @param folders {'/prefix/': folder, or several} that are served
+ * @param posts {'/path': function of what was posted, parsed}
+ * @param job what GET /job answers
+ * @returns what was posted to /done: '' or what went wrong
+ */
+export async function runPage(browser, page, folders, posts, job) {
+    const profile = mkdtempSync(join(tmpdir(), 'openbtf-browser-'));
+    let end;
+    const done = new Promise((resolve) => { end = resolve; });
+    const server = createServer(async (request, response) => {
+        const { pathname } = new URL(request.url, 'http://localhost');
+        const answer = (status, data, type = 'text/plain') => {
+            response.writeHead(status, { 'Content-Type': type, 'Content-Security-Policy': pathname.startsWith('/example/') ? EXAMPLE_POLICY : POLICY, 'Cache-Control': 'no-store' });
+            response.end(data);
+        };
+        if (request.method === 'POST') {
+            const posted = JSON.parse(await body(request));
+            answer(204);
+            if (pathname === '/done') {
+                end(posted);
+            } else {
+                posts[pathname]?.(posted);
+            }
+            return;
+        }
+        if (pathname === '/job') {
+            answer(200, JSON.stringify(job), 'application/json');
+            return;
+        }
+        const prefix = Object.keys(folders).filter((name) => pathname.startsWith(name)).sort((a, b) => b.length - a.length)[0];
+        const file = [folders[prefix] ?? []].flat().map((folder) => join(folder, normalize(`/${pathname.slice(prefix.length)}`))).find(existsSync);
+        if (file) {
+            answer(200, readFileSync(file), TYPES[extname(file)] ?? 'application/octet-stream');
+        } else {
+            answer(404, 'not found');
+        }
+    });
+    await new Promise((resolve) => { server.listen(0, '127.0.0.1', resolve); });
+    const [command, ...args] = commandOf(browser, profile, `http://127.0.0.1:${server.address().port}${page}`);
+    const child = spawn(command, args, { stdio: ['ignore', 'pipe', 'pipe'], detached: true, env: { ...process.env, HOME: profile } });
+    let said = '';
+    for (const stream of [child.stdout, child.stderr]) {
+        stream.on('data', (data) => { said = (said + data).slice(-4000); });
+    }
+    const exited = new Promise((resolve) => { child.on('exit', (code, signal) => resolve(`${browser} ended by itself (${code ?? signal}):\n${said}`)); });
+    // the browser is a process group of its own: whoever ends this ends it too
+    const stop = () => {
+        try {
+            process.kill(-child.pid, 'SIGTERM');
+        } catch {
+            // it has ended
+        }
+    };
+    process.on('exit', stop);
+    ['SIGINT', 'SIGTERM', 'SIGHUP'].forEach((signal) => process.on(signal, () => process.exit(1)));
+    const result = await Promise.race([done, exited]);
+    stop();
+    await exited;
+    server.closeAllConnections?.();
+    server.close();
+    rmSync(profile, { recursive: true, force: true, maxRetries: 10, retryDelay: 200 });
+    return result;
+}
