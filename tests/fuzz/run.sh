@@ -3,7 +3,7 @@
 #
 #   tests/fuzz/run.sh TARGET [SECONDS] [FOLDER]
 #
-# TARGET: material plan names options list mesh environment checkpoint jpeg png hdr exr archive bonn. SECONDS: by default
+# TARGET: material plan costs names options list mesh environment checkpoint jpeg png hdr exr archive bonn. SECONDS: by default
 # $BTF_FUZZ_SECONDS, else 20, which finds what is new in a reader; for a search, give hours. FOLDER (default build-fuzz) takes
 # the build (meson setup -Dfuzzer=true) and what is found: FOLDER/TARGET/found/ an input for each finding,
 # FOLDER/TARGET/corpus/ what it learnt. The last lines say how many executions there were, what they covered and what core time
@@ -22,7 +22,7 @@ material) most=16384 ;;
 plan) most=512 ;;
 mesh | options) most=1024 ;;
 list | names) most=2048 ;;
-environment | checkpoint | jpeg | png | hdr | exr | archive | bonn) most=4096 ;;
+costs | environment | checkpoint | jpeg | png | hdr | exr | archive | bonn) most=4096 ;;
 *)
     echo "tests/fuzz/run.sh: unknown target '$target'" >&2
     exit 1
