@@ -38,7 +38,7 @@ else
     # The preset that takes a tenth of the core time: its codes are coarser, relief, gloss and nodes are those of the default.
     expect "encode" 0 btf-encode "$data" -o m.btf.exr --preset fast --relief auto --gloss auto -q
     expect "the material" 0 btf-compare m.btf.exr "$pairs" --no-ssim --json -q
-    at_least joint 28.2 26.4
+    at_least "joint, fast" 27.9 26.6
     expect "encode without relief and gloss" 0 btf-encode "$data" -o n.btf.exr --preset fast -q
     expect "that material" 0 btf-compare n.btf.exr "$pairs" --no-ssim --json -q
     at_least "joint, fitted nodes alone" 26.6 25.65

@@ -167,6 +167,51 @@ static void gl_and_cpu_fold_the_same(void **state) {
     btf_material_close(&material);
 }
 
+/* So are sums of lights, be their number odd or even: they are drawn into two textures in turn. */
+static void gl_and_cpu_add_the_same(void **state) {
+    (void)state;
+    enum { LIGHTS = 3, SUMS = 2, LEVELS = 3, MOST = 4 * 13 * 7 };
+    static uint32_t drawn[SUMS * MOST], sum[MOST];
+    static const float light[LIGHTS][3] = {{0.6f, 0, 0.8f}, {-0.28f, 0, 0.96f}, {0, 0, 1}},
+                       view[LIGHTS][3] = {{0, 0.6f, 0.8f}, {0, 0.6f, 0.8f}, {0, 0.6f, 0.8f}},
+                       weight[LIGHTS][3] = {{0.5f, 1, 2}, {3, 0.25f, 0.125f}, {0.7f, 0, 1.3f}};
+    const gl_api *api = gpu_api(device);
+    btf_material *material = make(&folds_of_roots);
+    const btf_shader_options shader = {
+        .struct_size = sizeof shader, .leave_out = check_fold_left_out(BTF_FOLD_BOTH), .fold = BTF_FOLD_BOTH};
+    btf_gl_options options = gpu_gl_options(device, NULL);
+    btf_gl *textures = NULL;
+    btf_gl_fold *fold = NULL;
+    uint32_t *texels = NULL;
+    assert_int_equal(btf_gl_upload(material, &options, &folds_log, &textures), BTF_OK);
+    options.shader = &shader;
+    assert_int_equal(btf_gl_fold_create(material, &options, SUMS, &folds_log, &fold), BTF_OK);
+    for (uint32_t number = 0; number < SUMS; ++number)
+        assert_int_equal(btf_gl_fold_run_lights(fold, textures, GPU_FIRST_UNIT, number, LIGHTS - number, light[0],
+                                                weight[0], view[0], &folds_log),
+                         BTF_OK);
+    assert_int_equal(btf_material_fold(material, &shader, LIGHTS, light[0], view[0], &folds_log, &texels), BTF_OK);
+    const uint32_t *at = texels;
+    for (uint32_t level = 0; level < LEVELS; ++level) {
+        btf_ref_material m;
+        reference_view(material, level, &m);
+        const size_t words = (size_t)4 * m.width * m.height;
+        api->BindTexture(GL_TEXTURE_2D_ARRAY, btf_gl_fold_texture(fold));
+        api->GetTexImage(GL_TEXTURE_2D_ARRAY, (GLint)level, GL_RGBA_INTEGER, GL_UNSIGNED_INT, drawn);
+        for (uint32_t number = 0; number < SUMS; ++number) {
+            memset(sum, 0, sizeof sum);
+            for (uint32_t i = 0; i < LIGHTS - number; ++i)
+                btf_fold_add(words / 4, at + i * words, weight[i], sum);
+            assert_memory_equal(drawn + number * words, sum, words * sizeof *sum);
+        }
+        at += words * LIGHTS;
+    }
+    btf_free(texels);
+    btf_gl_fold_destroy(&fold);
+    btf_gl_destroy(&textures);
+    btf_material_close(&material);
+}
+
 /* Calls of the CPU's folds that are wrong, each in one thing. */
 static void wrong_rows_are_refused(void **state) {
     (void)state;
@@ -218,6 +263,7 @@ int main(void) {
         cmocka_unit_test(wrong_calls_are_refused),
         cmocka_unit_test(state_is_left_alone),
         cmocka_unit_test(gl_and_cpu_fold_the_same),
+        cmocka_unit_test(gl_and_cpu_add_the_same),
         cmocka_unit_test(wrong_rows_are_refused),
     };
     return cmocka_run_group_tests_name("fold-gl", tests, setup, teardown);
