@@ -78,7 +78,7 @@ for i, path in enumerate(sorted(pathlib.Path("lit").rglob("*.png"))):  # black, 
     path.write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(
         struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data)) for kind, data in chunks))
 P
-expect "worse than the diffuse fit" 0 btf-encode lit -o lit.btf.exr --method paper $starts --report lit.json -q
+expect "worse than the diffuse fit" 0 btf-encode lit -o lit.btf.exr --method paper --starts 1 --report lit.json -q
 expect_text "the diffuse fit is taken" "diffuse fit alone, so the diffuse fit is taken" err
 expect_that "the report has it" test "$(json lit.json "r['trials'][-1]['verdict']")" = "diffuse fit: taken"
 expect "exactly these effects" 0 btf-encode lit -o lit.btf.exr --method paper $starts --effects shadow --report lit.json -q
