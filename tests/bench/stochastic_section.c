@@ -172,9 +172,10 @@ static btf_result find_noise(section *s, int way, const char *body, const float 
         result = gpu_run(s->rig.gpu, variant.program, s->pixels, s->inputs, s->rig.outputs, s->rig.log);
     }
     if (result == BTF_OK &&
-        distance(s->pixels, (const float *)(const void *)s->rig.outputs, truth) != out[0])
+        distance(s->pixels, (const float *)(const void *)s->rig.outputs, truth) != out[0]) {
         result = enc_fail(s->run->context, BTF_ERROR_INTERNAL,
                           "bench: %s: another picture from the same random numbers", ways[way].name);
+    }
     rig_variant_destroy(&s->rig, &variant);
     return result;
 }
