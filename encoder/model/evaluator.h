@@ -5,6 +5,12 @@
  * units of several counts come from one evaluation. The rest goes to the library's evaluator, and where
  * neighbours are given that no look-up would give, to the reference.
  *
+ * btf_evaluate_many cannot stand in for it: it looks its neighbours up itself, where measuring by a view or light that
+ * is left out gives them, and lights of each view apart; it decodes one count of units, where the table of effect
+ * errors asks for all counts of a texel at once; and it keeps no levels of a texel's codes from one call to the next,
+ * which here are taken apart once for all pairs of directions. Its interface would have to take on all three for this
+ * one caller. Both give the reference's bits, which tests hold of each.
+ *
  * SPDX-License-Identifier: MIT
  */
 #ifndef OPENBTF_ENCODER_MODEL_EVALUATOR_H
