@@ -16,7 +16,7 @@ expect_that "have other names" test -z "$(comm -12 <(ls pairs) <(ls others))"
 expect "as JPEG" 0 btf-sample -o jpeg --between 2 --format jpeg "${relief[@]}"
 expect_that "where that is asked for" bash -c 'ls jpeg | grep -c jpg | grep -qx 2'
 expect "a material" 0 btf-encode data -o m.btf.exr --method paper --starts 1 --report report.json
-expect_text "with an estimate between the samples" "^Between the samples, estimated: 17 views and 17 lights left out" out
+expect_text "with an estimate between the samples" "^Between the samples, estimated: 17 views and 17 lights are left out" out
 expect_text "of views and lights together" "^  both +[0-9.]+ / [0-9.]+ +[0-9.]+ / [0-9.]+$" out
 expect "the same by itself" 0 btf-compare --leave-one-out data m.btf.exr --json -q
 expect_that "is that of the report" python3 - <<'P'
