@@ -126,6 +126,9 @@ void btfi_fold_plan(const btf_material *material, btf_plan *plan) {
                          ((double)small.width * small.height) / ((double)info.width * info.height);
     plan->fold = options.fold;
     plan->fold_bytes = btf_fold_bytes(&small, plan->fold, 1);
-    plan->folded_cost = costs.folded * lights;
-    plan->fold_pixels = costs.pixels * share;
+    /* Radiance of several lights is added up once; what is blended later is read for each. */
+    const float read = options.fold == BTF_FOLD_BOTH ? 1 : lights;
+    const double saved = (double)(costs.unfolded * lights) - (double)(costs.folded * read);
+    plan->folded_cost = costs.folded * read;
+    plan->fold_pixels = (saved > 0 ? costs.pass * (double)lights / saved : 1e30) * share;
 }

@@ -70,8 +70,8 @@ typedef struct btf_plan {
     float between_psnr_linear, between_psnr_srgb;
     float full_between_psnr_linear, full_between_psnr_srgb; /**< likewise, of the full decode */
     /** Where the light of the scene is fixed and the plan can be folded (openbtf/fold.h): how, with the view where that
-     * is fixed too and relief is not decoded; else BTF_FOLD_NONE. fold_bytes and fold_pixels are of one light: several
-     * are as many folds. */
+     * is fixed too; else BTF_FOLD_NONE. fold_bytes is of one light: BTF_FOLD_BOTH keeps the sum of several in as much
+     * (btf_gl_fold_run_lights), others are as many folds. */
     btf_fold fold;
     size_t fold_bytes;  /**< of the folded texture, beside gpu_bytes; else 0 */
     float folded_cost;  /**< of a pixel that reads folded textures, of all lights as `cost`; else `cost` */
@@ -90,7 +90,11 @@ typedef struct btf_plan {
  * not larger than a pixel; the filter is bilinear where a texel is larger than a pixel and a half. Relief
  * and gloss are decoded where the file has them, but where the view is fixed and a sample, where they
  * change nothing, and relief but at levels where it has ended (btf_material_info.relief_end): the table
- * compares with interpolated samples, and cannot tell what they are worth between. No memory is allocated. Errors: BTF_ERROR_USAGE (a range that holds no direction, a negative or
+ * compares with interpolated samples, and cannot tell what they are worth between. Where the light is fixed and
+ * the view is not, gloss keeps a plan from being folded: there, at level 0, it is left out where that and
+ * what else the plan leaves out stay within the tolerance, and the plan is the better for it. How much the error
+ * grows without it is taken from btf_between_errors (3 and 11). A plan that can be folded counts by its folded
+ * cost; the bytes of the fold are not weighed. No memory is allocated. Errors: BTF_ERROR_USAGE (a range that holds no direction, a negative or
  * infinite number). */
 btf_result btf_plan_effects(const btf_material *material, const btf_scene *scene, float tolerance,
                             btf_plan *out_plan);

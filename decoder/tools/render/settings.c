@@ -213,8 +213,8 @@ static const cli_option option_table[] = {
      .choices = "auto|always|never",
      .help = "whether a light that is the same in every pixel, and with --fov 0 the view, is\n"
              "decoded once for all pictures: where it takes less time (default), where it is\n"
-             "defined, never. Not where the material has an SBRDF or gloss, which depend on\n"
-             "the view too, nor light and view together with relief. The picture is the same"},
+             "defined, never. A light alone not where the material has an SBRDF or gloss, which\n"
+             "depend on the view too. The picture is the same"},
     {.name = "tolerance",
      .arg = "DB",
      .type = CLI_DOUBLE,

@@ -296,10 +296,19 @@ static void plans_fold(void **state) {
     assert_true(plan.views < 40 && plan.fold_bytes == (size_t)plan.views * 16 * (13 * 7 + 6 * 3 + 3 * 1));
     assert_true(fabs(plan.fold_pixels - pixels * plan.views / 81) < 0.01 * pixels);
     const float light_alone = plan.folded_cost;
+    scene.lights = 3; /* each is read */
+    assert_int_equal(btf_plan_effects(flat, &scene, 0, &plan), BTF_OK);
+    assert_true(plan.fold == BTF_FOLD_LIGHT && fabsf(plan.folded_cost - 3 * light_alone) < 0.01f);
+    scene.lights = 0;
     scene.view = still;
     assert_int_equal(btf_plan_effects(flat, &scene, 0, &plan), BTF_OK);
     assert_int_equal(plan.fold, BTF_FOLD_BOTH);
     assert_true(plan.folded_cost < light_alone && plan.fold_bytes == 16 * (13 * 7 + 6 * 3 + 3 * 1));
+    const float both = plan.folded_cost;
+    scene.lights = 3; /* one sum is */
+    assert_int_equal(btf_plan_effects(flat, &scene, 0, &plan), BTF_OK);
+    assert_true(plan.fold == BTF_FOLD_BOTH && plan.folded_cost == both);
+    scene.lights = 0;
     for (int i = 0; i < 2; ++i) { /* with relief, and gloss too, neighbouring views */
         assert_int_equal(btf_plan_effects(i ? glossy : raised, &scene, 0, &plan), BTF_OK);
         assert_int_equal(plan.fold, BTF_FOLD_NEIGHBOURS);
