@@ -211,7 +211,7 @@ def complaints(root, libraries=()):
 
 def self_test(root):
     """(what is broken, file, text, its replacement)"""
-    material, reference = headers_of(root)[0], REFERENCE
+    material, reference = headers_of(root)[0], OTHERS[0]
     breaks = [('a function without a comment', material, 'void btf_free(', 'void btf_other(void);\nvoid btf_free('),
               ('a type without a comment', material, '/** A material in memory.', '/* A material in memory.'),
               ('a member without a comment', material, '/**< of the SBRDF, J */', '/* of the SBRDF, J */'),

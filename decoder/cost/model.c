@@ -9,16 +9,16 @@
 static const btf_cost_model llvmpipe = {
     .struct_size = sizeof llvmpipe,
     .device = "llvmpipe",
-    .pixel = 8.3,
-    .look_up = 10.7,
-    .point = 1.5,
-    .move = 5,
+    .pixel = 8.6,
+    .look_up = 39.6,
+    .point = 0.3,
+    .move = 11.8,
     .step = 1,
-    .fetch = 1,
-    .byte = 0.07,
-    .integer = 0.025,
-    .real = 0.025,
-    .masked = 0.01,
+    .fetch = 1.5,
+    .byte = 0.061,
+    .integer = 0.0222,
+    .real = 0.0448,
+    .masked = 0.0181,
 };
 
 const btf_cost_model *btf_cost_model_builtin(void) {

@@ -1,4 +1,4 @@
-/* Which components are kept, and in how many bits: the least error for the bytes.
+/* Allocation of bytes: which components are kept, and in how many bits each, for the least error.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -41,8 +41,8 @@ typedef struct enc_ranks enc_ranks;
 enc_ranks *enc_ranks_create(const enc_transport *transport);
 void enc_ranks_destroy(enc_ranks **ranks);
 
-/* Where the messages of a rank go whose log is `log`: rank 0's straight there; of the others, errors are
- * held, and shown there by enc_ranks_agree when they are why the ranks leave. */
+/* The log for a rank's messages in place of `log`: rank 0 writes to `log` at once; the other ranks hold back
+ * their errors, and enc_ranks_agree writes them there when they are why the ranks leave. */
 btf_log enc_ranks_log(enc_ranks *ranks, btf_log log);
 
 /* The ranks stand at the beginning of a job: an error that they left the last one by is forgotten, and the

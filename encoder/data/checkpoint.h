@@ -34,8 +34,8 @@ void enc_blob_clear(enc_blob *blob);
 void enc_blob_put(enc_blob *blob, const void *piece, size_t size);
 /* Fills `piece`, or sets blob->failed and fills it with zeros. */
 void enc_blob_take(enc_blob *blob, void *piece, size_t size);
-/* The same for `count` numbers, of which one that is not within low..high counts as missing too: a file
- * that is whole may still be of no encode. */
+/* enc_blob_take for `count` numbers. A number outside low..high counts as missing too, since a file that is whole
+ * may still hold values that no encode makes. */
 void enc_blob_take_floats(enc_blob *blob, float *piece, size_t count, float low, float high);
 void enc_blob_take_bytes(enc_blob *blob, uint8_t *piece, size_t count, int low, int high);
 /* Ends the taking: whether everything was there, and nothing more. Clears the blob. */

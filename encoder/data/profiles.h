@@ -23,7 +23,7 @@ float *enc_profiles_create(size_t rows, int n_lights);
  * values as in data->samples. Uses context->threads. Errors: BTF_ERROR_IO, BTF_ERROR_MEMORY. */
 btf_result enc_profiles_of_view(const enc_context *context, const enc_data *data, int view, float *out);
 
-/* The same for `count` chosen texels alone, in their order: out[i] is the profile of texels[i]. */
+/* Gathers only the `count` texels of the list, in its order: out[i] is the profile of texels[i]. */
 btf_result enc_profiles_of_texels(const enc_context *context, const enc_data *data, int view, size_t count,
                                   const size_t *texels, float *out);
 

@@ -135,7 +135,9 @@ btf_result enc_components_find(const enc_factor_matrix *m, const size_t rank[3],
                          ? BTF_OK
                          : no_memory(m, u.rank[c]);
         }
-        result = result == BTF_OK ? enc_factor_times_u(m, &u, &w) : result;
+        if (result == BTF_OK) {
+            result = enc_factor_times_u(m, &u, &w);
+        }
         for (int c = 0; c < 3 && result == BTF_OK && step < power_steps; c++) {
             result = w.rank[c] == 0 || enc_components_orthonormalise(m, w.rank[c], m->columns, w.factor[c])
                          ? BTF_OK

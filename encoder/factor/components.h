@@ -12,7 +12,7 @@
 typedef struct enc_components {
     size_t rank;
     float *u, *w; /* [rank][texel], [rank][column]: u_j and w_j have equal lengths, the root of the singular value */
-    double *energy; /* [rank]: squared singular values, falling; those that are nought beside the first are left out */
+    double *energy; /* [rank]: squared singular values, falling; those that are 0 beside the first are left out */
     size_t sought;  /* components that were asked for, at most the smaller side of the matrix */
 } enc_components;
 

@@ -46,8 +46,8 @@ static void first_ranks(size_t texels, size_t columns, uint64_t budget, size_t o
     out[1] = out[2] = luma / CHROMA_SHARE + SPARE < side ? luma / CHROMA_SHARE + SPARE : side;
 }
 
-/* How many components to find anew: 0 where enough were found. Too few were where the plan keeps all of
- * them, up to a word, and the matrix has more. */
+/* The number of components to search for again; 0 where enough were found. Too few were found where the plan keeps
+ * all of them, up to a word, and the matrix has more. */
 static size_t missing(const enc_factor_matrix *m, const enc_components *components,
                       const enc_factor_plan *plan, int channel) {
     const size_t side = m->texels < m->columns ? m->texels : m->columns;
@@ -106,8 +106,9 @@ static btf_result factorise(const enc_factor_matrix *m, const enc_factor_options
         enc_stage_begin(m->context, "factorise", 2 * (POWER_STEPS + 1) * m->texels);
         result = enc_components_find(m, ranks, POWER_STEPS, components);
         enc_stage_end(m->context);
-        result =
-            result == BTF_OK ? make_plan(m, options, components, asked, &signal, plan, unspent) : result;
+        if (result == BTF_OK) {
+            result = make_plan(m, options, components, asked, &signal, plan, unspent);
+        }
         again = false;
         for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
             const bool noise = unspent->budget > 0 && signal.rank[c] < components[c].rank;
@@ -218,7 +219,7 @@ static bool has_room(const enc_factor_matrix *m, const enc_factor_options *optio
     return d->samples && (m->context->memory == 0 || all <= m->context->memory);
 }
 
-/* Measures a candidate where a choice is to be made, or the error is asked for. */
+/* Measures the error of a candidate, where candidates are compared or the caller asks for it. */
 static btf_result measure(const enc_factor_matrix *m, const enc_factor_options *options, found *f) {
     btf_result result = BTF_OK;
     if (options->measure || (options->match == ENC_FACTOR_CHOOSE_MATCH && has_room(m, options, false))) {
@@ -239,7 +240,7 @@ static void end_trial(const enc_factor_matrix *m, double begin, found *f) {
     }
 }
 
-/* Shifts and gains to the result, and the bytes of their lists. */
+/* Moves shifts and gains to the result, and counts the bytes of their lists. */
 static btf_result deliver_match(const enc_factor_matrix *m, const enc_match *match, enc_factors *out) {
     const size_t points = match->texels * match->views;
     out->shift = malloc(2 * points);
@@ -256,14 +257,16 @@ static btf_result deliver_match(const enc_factor_matrix *m, const enc_match *mat
     return BTF_OK;
 }
 
-/* Packs a candidate, which the checkpoint keeps, and frees its codes. */
+/* Packs a candidate, hands it to the checkpoint, and frees its codes. */
 static btf_result finish(const enc_factor_matrix *m, const enc_factor_options *options, double begin,
                          found *f) {
     btf_result result = BTF_OK;
     end_trial(m, begin, f);
     if (!f->trial.omitted) {
         result = deliver(m, &f->codes, f->trial.error, &f->packed);
-        result = result == BTF_OK && f->trial.match ? deliver_match(m, &f->match, f->packed) : result;
+        if (result == BTF_OK && f->trial.match) {
+            result = deliver_match(m, &f->match, f->packed);
+        }
         enc_factor_codes_clear(&f->codes);
     }
     return result == BTF_OK ? enc_factor_keep_candidate(m, options->number, &f->trial, f->packed) : result;
@@ -287,7 +290,9 @@ static btf_result encode_plain(const enc_factor_matrix *m, const enc_factor_opti
         result = enc_factor_round(m, f->components, options->sweeps, &f->codes);
         enc_stage_end(m->context);
     }
-    result = result == BTF_OK ? measure(m, options, f) : result;
+    if (result == BTF_OK) {
+        result = measure(m, options, f);
+    }
     return result == BTF_OK ? finish(m, options, begin, f) : result;
 }
 
@@ -300,13 +305,15 @@ static btf_result find_match(const enc_factor_matrix *m, const enc_factor_option
     btf_result result = enc_match_create(m->context, m->data->width, m->data->height,
                                          (size_t)m->data->n_views, options->gain, &f->match);
     f->match.whole = has_room(m, options, true);
-    result = result == BTF_OK ? enc_match_find_bases(m, &f->bases) : result;
+    if (result == BTF_OK) {
+        result = enc_match_find_bases(m, &f->bases);
+    }
     if (result == BTF_OK &&
         !enc_factor_take_match(m, options->number, &f->match, f->components, &f->plan, &share)) {
         result = enc_match_fit(m, budget, &f->bases, most, &f->match, f->components, &f->plan, &share);
-        result = result == BTF_OK ? enc_factor_keep_match(m, options->number, &f->match, f->components,
-                                                          &f->plan, share)
-                                  : result;
+        if (result == BTF_OK) {
+            result = enc_factor_keep_match(m, options->number, &f->match, f->components, &f->plan, share);
+        }
     }
     enc_stage_end(m->context);
     f->trial.omitted = share <= most ? ENC_FACTOR_ENCODED : ENC_FACTOR_SURVEYED;
@@ -333,10 +340,14 @@ static btf_result encode_matched(const enc_factor_matrix *plain, const enc_facto
         if (result == BTF_OK) {
             enc_stage_begin(m.context, "round factors", 2 * (size_t)rounds * m.texels);
             result = enc_factor_round(plain, f->components, 0, &f->codes);
-            result = result == BTF_OK ? enc_match_round(&m, &f->bases, rounds, &f->match, &f->codes) : result;
+            if (result == BTF_OK) {
+                result = enc_match_round(&m, &f->bases, rounds, &f->match, &f->codes);
+            }
             enc_stage_end(m.context);
         }
-        result = result == BTF_OK ? measure(&m, options, f) : result;
+        if (result == BTF_OK) {
+            result = measure(&m, options, f);
+        }
     }
     return result == BTF_OK ? finish(plain, options, begin, f) : result;
 }
@@ -371,7 +382,8 @@ static btf_result hand_over(const enc_factor_matrix *m, uint64_t bytes, uint64_t
     return BTF_OK;
 }
 
-/* With match, at the same bytes as `plain`; where it must not be given up, at least one unit of factors. */
+/* Encodes with match at the same bytes as `plain`. Where the user asked for match, it gets at least the bytes of one
+ * unit of factors. */
 static btf_result try_match(const enc_factor_matrix *m, const enc_factor_options *options, found *plain,
                             found *matched) {
     const double begin = progress_core_clock();
@@ -410,7 +422,7 @@ static bool pays(const enc_factor_matrix *m, const found *plain, const found *ma
     return gain >= MUST_GAIN;
 }
 
-/* Components of the basis, with a plan for the budget. */
+/* Takes the components of options->basis, and plans the budget with them. */
 static btf_result borrow_components(const enc_factor_matrix *m, const enc_factor_options *options,
                                     found *f) {
     const enc_factor_energies energies = enc_components_energies(options->basis);
@@ -429,9 +441,9 @@ static btf_result find_components(const enc_factor_matrix *m, const enc_factor_o
     }
     if (!enc_factor_take_components(m, options->number, f->components, &f->plan, &f->unspent)) {
         result = factorise(m, options, f->components, &f->plan, &f->unspent);
-        result = result == BTF_OK
-                     ? enc_factor_keep_components(m, options->number, f->components, &f->plan, &f->unspent)
-                     : result;
+        if (result == BTF_OK) {
+            result = enc_factor_keep_components(m, options->number, f->components, &f->plan, &f->unspent);
+        }
     }
     if (options->basis && result == BTF_OK) {
         memcpy(options->basis, f->components, sizeof f->components);
@@ -440,7 +452,7 @@ static btf_result find_components(const enc_factor_matrix *m, const enc_factor_o
     return result;
 }
 
-/* The candidates that the options call for; trial.kept of one of them. */
+/* Encodes the candidates that the options call for, and marks the one that is kept. */
 static btf_result encode(const enc_factor_matrix *m, const enc_factor_options *options, found *plain,
                          found *matched) {
     const double begin = progress_core_clock();
@@ -457,7 +469,7 @@ static btf_result encode(const enc_factor_matrix *m, const enc_factor_options *o
     return result;
 }
 
-/* The candidate that was kept, with the trials of both. */
+/* Returns the candidate that was kept, with the records of both. */
 static enc_factors *hand_out(const enc_factor_options *options, found f[2]) {
     found *kept = &f[f[1].trial.kept];
     enc_factors *out = kept->packed;
@@ -516,7 +528,9 @@ btf_result enc_factor_encode(const enc_context *context, const enc_data *data,
                         "does not allow");
     }
     btf_result result = enc_factor_clip(&m);
-    result = result == BTF_OK ? encode(&m, options, &f[0], &f[1]) : result;
+    if (result == BTF_OK) {
+        result = encode(&m, options, &f[0], &f[1]);
+    }
     if (result == BTF_OK) {
         *out_factors = hand_out(options, f);
     }

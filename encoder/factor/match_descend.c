@@ -403,8 +403,12 @@ btf_result enc_match_descend(const enc_factor_matrix *m, enc_factor_codes *codes
         product.factor[c] = enc_gemm_alloc(product.rank[c] * longest);
         result = product.factor[c] ? result : no_memory(m);
     }
-    result = result == BTF_OK ? descend(m, codes, true, round, sweeps, &product) : result;
-    result = result == BTF_OK ? descend(m, codes, false, round, sweeps, &product) : result;
+    if (result == BTF_OK) {
+        result = descend(m, codes, true, round, sweeps, &product);
+    }
+    if (result == BTF_OK) {
+        result = descend(m, codes, false, round, sweeps, &product);
+    }
     for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
         free(product.factor[c]);
     }

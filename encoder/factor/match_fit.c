@@ -299,7 +299,9 @@ static btf_result search_blocks(const enc_factor_matrix *m, const enc_match_base
     }
     if (split) {
         result = share_blocks(m->context, result, match);
-        result = result == BTF_OK ? enc_ranks_gather(m->context, result, sums, sizeof *sums, blocks) : result;
+        if (result == BTF_OK) {
+            result = enc_ranks_gather(m->context, result, sums, sizeof *sums, blocks);
+        }
     }
     for (size_t b = 0; b < blocks && result == BTF_OK; b++) {
         io_sums->own += sums[b].own;
@@ -357,7 +359,9 @@ static btf_result play_rounds(const enc_factor_matrix *m, const enc_match_bases 
                 return BTF_OK;
             }
         }
-        result = result == BTF_OK ? enc_match_descend(m, codes, false, SWEEPS) : result;
+        if (result == BTF_OK) {
+            result = enc_match_descend(m, codes, false, SWEEPS);
+        }
     }
     return result;
 }
@@ -401,7 +405,9 @@ btf_result enc_match_round(const enc_factor_matrix *m, const enc_match_bases *ba
     for (int i = 0; i < rounds && result == BTF_OK; i++) {
         search_sums sums;
         result = search(m, bases, false, match, codes, &sums);
-        result = result == BTF_OK ? enc_match_descend(m, codes, true, SWEEPS) : result;
+        if (result == BTF_OK) {
+            result = enc_match_descend(m, codes, true, SWEEPS);
+        }
     }
     return result;
 }

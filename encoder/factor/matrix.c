@@ -166,7 +166,7 @@ static btf_result load_run(const enc_factor_matrix *m, size_t first, size_t coun
     return result;
 }
 
-/* The same for rows of the matrix. */
+/* load_run for rows of the matrix, which may be a list of texels. */
 static btf_result load(const enc_factor_matrix *m, size_t first, size_t count, view_range views,
                        float *buffer, float *const out[3]) {
     btf_result result = BTF_OK;
@@ -287,8 +287,8 @@ static void multiply_columns(const enc_factor_matrix *m, const enc_factor_set *u
     }
 }
 
-/* The same for the columns of this rank, which reads all texels for it, but of samples in memory only the
- * views that they are of. */
+/* Adds a block of texels to the columns of this rank. It reads all texels for that; of samples in memory it reads
+ * only the views that its columns belong to. */
 static btf_result add_block(const enc_factor_matrix *m, const enc_factor_set *u, size_t first, size_t count,
                             float *const split[3], float *buffer, float *packed, float *panels,
                             const enc_factor_set *out) {

@@ -34,7 +34,7 @@ typedef struct enc_factor_matrix {
     enc_gemm_tile tile;
 } enc_factor_matrix;
 
-/* Of all texels, radiance as it is up to 2^24: scales of larger roots no file holds. */
+/* The matrix of all texels, with radiance as it is up to 2^24: no file holds the scales of larger roots. */
 enc_factor_matrix enc_factor_matrix_of(const enc_context *context, const enc_data *data);
 
 /* Clips samples far brighter than other highlights, which would take all components: io_matrix->most

@@ -100,7 +100,7 @@ static double psnr(double mean) {
     return mean > 1e-10 ? -10 * log10(mean) : 100;
 }
 
-/* Bytes of the textures but the tables, as reports count them. */
+/* Bytes of the textures without the tables, as reports count them. */
 static uint64_t gpu_bytes(const enc_data *data, uint64_t bytes, int n_units) {
     const uint64_t tables = 16 * ((uint64_t)n_units + ENC_STORE_TIERS * (uint64_t)data->n_views);
     return bytes > tables ? bytes - tables : 0;
@@ -111,8 +111,8 @@ static const char *const verdicts[ENC_FACTOR_OMISSIONS] = {
     "not tried: it needs more memory than is allowed",
     "not tried: the budget does not hold its lists and one unit of factors"};
 
-/* Notes the candidates of an encode; *out_kept: the one that was kept. Verdicts of encodes that may yet be
- * the best are `left out` until all are made. */
+/* Records the candidates of an encode; *out_kept: the one that was kept. An encode that may yet turn out the best has
+ * the verdict `left out` until all are made. */
 static void note_trials(const enc_data *data, const enc_factors *f, bool measured, enc_factors_stats *stats,
                         int *out_kept) {
     for (int i = 0; i < f->n_trials; i++) {
@@ -130,8 +130,8 @@ static void note_trials(const enc_data *data, const enc_factors *f, bool measure
     }
 }
 
-/* One encode by a budget, noted as trials; *out_kept: the one that it kept. basis: components of all
- * encodes for a quality. */
+/* Encodes within a budget, and records its candidates as trials; *out_kept: the one that it kept. basis: the
+ * components that all encodes for one quality share. */
 static btf_result encode(const enc_context *context, const enc_data *data,
                          const enc_factors_settings *settings, uint64_t budget, enc_components basis[3],
                          enc_factors **out, enc_factors_stats *stats, int *out_kept) {

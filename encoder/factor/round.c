@@ -397,8 +397,12 @@ btf_result enc_factor_round(const enc_factor_matrix *m, const enc_components com
         round_w(m->context, codes, c);
     }
     btf_result result = room ? descend(m, codes, false, true, components, &product) : no_memory(m);
-    result = result == BTF_OK ? alternate(m, codes, sweeps, components, &product) : result;
-    result = result == BTF_OK ? alternate(m, codes, sweeps / SAMPLE_SHARE, NULL, &product) : result;
+    if (result == BTF_OK) {
+        result = alternate(m, codes, sweeps, components, &product);
+    }
+    if (result == BTF_OK) {
+        result = alternate(m, codes, sweeps / SAMPLE_SHARE, NULL, &product);
+    }
     for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
         free(product.factor[c]);
     }

@@ -220,7 +220,9 @@ static btf_result fit(blocks *b, const enc_components components[3]) {
                      ? BTF_OK
                      : no_memory(m);
     }
-    result = result == BTF_OK ? enc_factor_times_u(m, &b->of_rows, &b->first) : result;
+    if (result == BTF_OK) {
+        result = enc_factor_times_u(m, &b->of_rows, &b->first);
+    }
     for (int c = 0; c < ENC_FACTOR_CHANNELS && result == BTF_OK; c++) {
         result = b->first.rank[c] == 0 || decompose(b, c) ? BTF_OK : no_memory(m);
     }
@@ -287,7 +289,9 @@ static btf_result judge(blocks *b, const enc_components components[3], const boo
         }
     }
     btf_result result = enc_factor_times_w(m, &b->second, &b->of_rows);
-    result = result == BTF_OK ? enc_factor_times_u(m, &b->of_rows, &b->second) : result;
+    if (result == BTF_OK) {
+        result = enc_factor_times_u(m, &b->of_rows, &b->second);
+    }
     for (int c = 0; c < ENC_FACTOR_CHANNELS && result == BTF_OK; c++) {
         if (!asked[c]) {
             continue;
@@ -300,8 +304,9 @@ static btf_result judge(blocks *b, const enc_components components[3], const boo
         b->of_rows.rank[c] = b->first.rank[c] =
             out->rank[c] < b->first.rank[c] ? out->rank[c] : b->first.rank[c];
     }
-    result = result == BTF_OK ? enc_factor_residual(m, &b->of_rows, &b->first, b->column_left_out, floor)
-                              : result;
+    if (result == BTF_OK) {
+        result = enc_factor_residual(m, &b->of_rows, &b->first, b->column_left_out, floor);
+    }
     for (int c = 0; c < ENC_FACTOR_CHANNELS && result == BTF_OK; c++) {
         if (asked[c]) {
             out->floor[c] = floor[c] * (double)b->all->texels * (double)b->all->columns /
@@ -350,7 +355,9 @@ btf_result enc_signal_find(const enc_factor_matrix *m, const enc_components comp
     if (room) {
         enc_stage_begin(m->context, "cross-validate", 2 * b.kept.texels + 3 * b.left_out.texels);
         result = fit(&b, components);
-        result = result == BTF_OK ? judge(&b, components, asked, io) : result;
+        if (result == BTF_OK) {
+            result = judge(&b, components, asked, io);
+        }
         enc_stage_end(m->context);
     }
     clear(&b);

@@ -161,7 +161,9 @@ static btf_result gather(const enc_context *context, btf_result result, enc_noti
     size_t size = 0, *bounds = calloc(ranks + 1, sizeof *bounds), *sizes = calloc(ranks, sizeof *sizes);
     char *mine = pack(n, &size), *all = NULL;
     if (!bounds || !sizes || !mine) {
-        result = result == BTF_OK ? BTF_ERROR_MEMORY : result;
+        if (result == BTF_OK) {
+            result = BTF_ERROR_MEMORY;
+        }
     } else {
         sizes[own] = size;
     }

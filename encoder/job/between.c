@@ -35,7 +35,9 @@ static btf_result find_relief(const enc_context *context, const enc_job *job, co
     btf_result result = enc_relief_step_take(context, data, &taken, &s->relief, s->reason, &s->store);
     if (result == BTF_OK && !taken) {
         result = enc_relief_choose(context, data, &options, &s->relief, &s->store);
-        result = result == BTF_OK ? enc_relief_step_keep(context, data, &s->relief, &s->store) : result;
+        if (result == BTF_OK) {
+            result = enc_relief_step_keep(context, data, &s->relief, &s->store);
+        }
         result = enc_ranks_agree(context, result);
     }
     if (result == BTF_OK) {
@@ -72,8 +74,8 @@ static btf_result foresee(const enc_context *context, const enc_job *job, const 
     return enc_foresee_error(context, data, &settings, out);
 }
 
-/* Judges fits of values at views and lights, and takes the best where that is asked for. Of the paper's
- * method it is judged only then. */
+/* Judges fits of values at views and lights, and takes the best where the job asks for one. For the paper's method
+ * fits are judged only then. */
 static btf_result fit_nodes(const enc_context *context, const enc_job *job, const enc_data *data,
                             enc_between *s) {
     const bool roots = job->method != ENC_METHOD_PAPER; /* as the decoder blends */

@@ -235,7 +235,7 @@ static outcome add_factors(list *l, const counts *c, const enc_factors_settings 
     return (outcome){.components = all / 5, .factors = true};
 }
 
-/* Of further levels: one pass, Gram matrices, and descents texel by texel. */
+/* Core seconds of the further levels of detail: one pass, Gram matrices, and descents texel by texel. */
 static double factor_levels(const counts *c, double further_share, const enc_factors_settings *settings) {
     const double columns = c->views * c->lights, side = fmin(c->texels, columns);
     const double luma = fmin((double)settings->budget * 8 / 3.2 / (c->texels + columns), side);

@@ -50,7 +50,7 @@ static size_t draw_texels(size_t all, uint32_t *list) {
     return count;
 }
 
-/* As many components as the budget may hold, in 2.5 bits a factor. */
+/* Asks for as many components as the budget may hold at 2.5 bits a factor. */
 static void set_wanted(survey *s, const enc_data *data, uint64_t budget) {
     const size_t all = enc_data_texel_count(data) + s->matrix.columns;
     const double fits = (double)budget * 8 / 2.5 / (double)all;
@@ -69,7 +69,9 @@ static btf_result find(survey *s) {
     for (int c = 0; c < CHANNELS; c++) {
         sought[c] = s->wanted[c] + SPARE < side ? s->wanted[c] + SPARE : side;
     }
-    result = result == BTF_OK ? enc_components_find(&s->matrix, sought, 0, s->components) : result;
+    if (result == BTF_OK) {
+        result = enc_components_find(&s->matrix, sought, 0, s->components);
+    }
     for (int c = 0; c < CHANNELS; c++) {
         u.rank[c] = w.rank[c] = s->components[c].rank;
         u.factor[c] = s->components[c].u;
@@ -234,8 +236,12 @@ static btf_result foresee(survey *s, const enc_data *data, const enc_factors_set
     double energy = 0, linear = 0, srgb = 0;
     set_wanted(s, data, settings->budget);
     btf_result result = find(s);
-    result = result == BTF_OK ? planned_error(s, data, settings->budget, &energy) : result;
-    result = result == BTF_OK ? turn(s, &linear, &srgb) : result;
+    if (result == BTF_OK) {
+        result = planned_error(s, data, settings->budget, &energy);
+    }
+    if (result == BTF_OK) {
+        result = turn(s, &linear, &srgb);
+    }
     const double samples = (double)enc_data_texel_count(data) * (double)enc_data_texel_stride(data);
     const double roots = (settings->sweeps > 0 ? descended : 1) * energy / samples;
     *out = (enc_fit_error){linear * roots, srgb * roots};
@@ -260,7 +266,9 @@ btf_result enc_foresee_error(const enc_context *context, const enc_data *data,
     s->matrix.list = s->list;
     enc_stage_begin(context, "foresee error", 3 * s->matrix.texels);
     btf_result result = enc_factor_clip(&s->matrix);
-    result = result == BTF_OK ? foresee(s, data, settings, out_error) : result;
+    if (result == BTF_OK) {
+        result = foresee(s, data, settings, out_error);
+    }
     result = enc_ranks_agree(context, result);
     enc_stage_end(context);
     for (int c = 0; c < CHANNELS; c++) {

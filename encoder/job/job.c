@@ -18,7 +18,8 @@
 #include "encoder/report/pictures.h"
 #include "encoder/model/decode_samples.h"
 #include "encoder/model/preview.h"
-#include "encoder/report/report.h"
+#include "encoder/report/report_json.h"
+#include "encoder/report/report_print.h"
 #include "encoder/base/ranks.h"
 #include "encoder/model/unpack.h"
 
@@ -322,7 +323,7 @@ static void clear_state(job_state *s) {
     free(s->options);
 }
 
-/* Where the plan of the stages goes. */
+/* The plan of the stages goes here. */
 typedef struct stage_planner {
     const enc_job *job;
     enc_report *report;
@@ -386,7 +387,9 @@ static btf_result find_model(const enc_context *context, const enc_job *job, job
             enc_checkpoint_open(context, job->checkpoint, s->options, s->data, job->resume, &s->checkpoint);
     }
     first_level.checkpoint = s->checkpoint;
-    result = result == BTF_OK ? enc_between_find(context, job, s->data, s->checkpoint, &s->between) : result;
+    if (result == BTF_OK) {
+        result = enc_between_find(context, job, s->data, s->checkpoint, &s->between);
+    }
     if (result == BTF_OK) {
         report->relief = s->between.relief_judged ? &s->between.relief : NULL;
         report->fit = s->between.fit_judged ? &s->between.fit : NULL;

@@ -15,7 +15,7 @@ uint64_t enc_memory_least_joint(int width, int height, int n_views, int n_lights
 uint64_t enc_memory_least_paper(int width, int height, int n_views, int n_lights, int threads);
 enc_least_memory enc_memory_least(enc_method method);
 
-/* The same for factors that fill `budget`. */
+/* The least memory for factors that fill `budget`. */
 uint64_t enc_memory_of_factors(int width, int height, int n_views, int n_lights, int threads,
                                uint64_t budget);
 

@@ -18,7 +18,7 @@
 
 typedef struct enc_evaluator enc_evaluator;
 
-/* Of one level of detail; keeps pointers into `material`. Errors: BTF_ERROR_MEMORY. */
+/* Evaluates one level of detail; keeps pointers into `material`. Errors: BTF_ERROR_MEMORY. */
 btf_result enc_evaluator_create(const enc_context *context, const btf_material *material, uint32_t level,
                                 enc_evaluator **out_evaluator);
 void enc_evaluator_destroy(enc_evaluator **evaluator);

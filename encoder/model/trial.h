@@ -24,7 +24,7 @@ typedef struct enc_trial {
  * fit. All 0 where nobody asked. */
 typedef struct enc_unspent {
     uint64_t budget, bytes; /* bytes that were allowed, and bytes that pay */
-    double more, tolerance; /* so many times the bytes would have to gain so many dB */
+    double more, tolerance; /* `more` times the bytes would have to gain `tolerance` dB */
     double gain;            /* dB that the whole budget is foretold to gain over `bytes` */
     uint64_t signal[3];     /* components of Y, C1 and C2 that are signal */
     bool ends[3];           /* those beyond are noise; else there may be more signal */

@@ -194,7 +194,9 @@ btf_result enc_node_apply(const enc_context *context, const enc_node_tables *tab
     p.to->original = data;
     enc_stage_begin(context, "fit nodes", enc_data_texel_count(data));
     result = enc_data_copy_lights(data, p.to);
-    result = result == BTF_OK ? fill(&p) : result;
+    if (result == BTF_OK) {
+        result = fill(&p);
+    }
     result = enc_data_complete(&rest, p.to, result);
     enc_stage_end(context);
     if (result != BTF_OK) {

@@ -287,9 +287,9 @@ void enc_node_tables_clear(enc_node_tables *tables) {
 static btf_result choose(job *j, double least_psnr, const enc_fit_error *coder, enc_fit_choice *choice,
                          enc_node_tables *out_tables) {
     btf_result result = enc_node_rows_make(j->context, j->data->views, j->data->n_views, &j->views);
-    result = result == BTF_OK
-                 ? enc_node_rows_make(j->context, j->data->lights, j->data->n_lights, &j->lights)
-                 : result;
+    if (result == BTF_OK) {
+        result = enc_node_rows_make(j->context, j->data->lights, j->data->n_lights, &j->lights);
+    }
     if (result == BTF_OK) {
         set_up(j);
         result = judge(j, choice);

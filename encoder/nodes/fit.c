@@ -134,13 +134,17 @@ static btf_result make(const enc_direction *directions, const enc_interpolator *
     f->square = calloc(n * n, sizeof *f->square);
     f->target = calloc(n * n, sizeof *f->target);
     btf_result result = bases && f->square && f->target ? BTF_OK : BTF_ERROR_MEMORY;
-    result = result == BTF_OK ? find_points(directions, blend, wanted, f) : result;
+    if (result == BTF_OK) {
+        result = find_points(directions, blend, wanted, f);
+    }
     for (int p = 0; result == BTF_OK && p < f->points; p++) {
         enc_weights w;
         enc_interpolator_weights(blend, f->point[p], &w);
         add_point(f, spline, &w, f->point[p], bases);
     }
-    result = result == BTF_OK ? solve_target(spline, bases, f) : result;
+    if (result == BTF_OK) {
+        result = solve_target(spline, bases, f);
+    }
     free(bases);
     return result;
 }
@@ -157,7 +161,9 @@ btf_result enc_node_fit_create(const enc_context *context, const enc_direction *
         result = enc_interpolator_create(context, "directions", directions, count, ENC_INTERPOLATE_LINEAR,
                                          &blend);
     }
-    result = result == BTF_OK ? make(directions, blend, spline, points, f) : result;
+    if (result == BTF_OK) {
+        result = make(directions, blend, spline, points, f);
+    }
     enc_interpolator_destroy(&blend);
     enc_spline_destroy(&spline);
     if (result != BTF_OK) {

@@ -184,7 +184,9 @@ static btf_result make(const enc_context *context, const enc_direction *directio
     }
     if (fit && result == BTF_OK) {
         result = make_between(context, directions, fit, r);
-        result = result == BTF_OK ? make_nodes(fit, r) : result;
+        if (result == BTF_OK) {
+            result = make_nodes(fit, r);
+        }
     } else if (!fit) {
         stand_still(r, ENC_ROWS_BETWEEN);
     }
@@ -201,7 +203,9 @@ btf_result enc_node_rows_make(const enc_context *context, const enc_direction *d
         const btf_result made = enc_node_fit_create(context, directions, count, ENC_FIT_POINTS, &fit);
         result = made == BTF_ERROR_UNSUPPORTED ? BTF_OK : made;
     }
-    result = result == BTF_OK ? make(context, directions, left, fit, out_rows) : result;
+    if (result == BTF_OK) {
+        result = make(context, directions, left, fit, out_rows);
+    }
     if (result != BTF_OK) {
         enc_node_rows_clear(out_rows);
     }

@@ -12,7 +12,7 @@
 enum { ENC_STRENGTHS = 8, ENC_ROWS_PLACES = 3, ENC_ROWS_MOST = 48 };
 extern const double enc_strength_kappa[ENC_STRENGTHS];
 
-/* Where weights are wanted. */
+/* The places for which weights are made. */
 typedef enum enc_rows_place {
     ENC_ROWS_LEFT_OUT, /* in the direction of a sample, of the others; where none can be left out, the sample
                           itself */

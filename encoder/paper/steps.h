@@ -43,7 +43,8 @@ btf_result enc_step_keep_fit(const enc_context *context, const enc_sbrdf *sbrdf,
 bool enc_step_take_shadow(const enc_context *context, const enc_data *data, uint8_t *out_shadow);
 btf_result enc_step_keep_shadow(const enc_context *context, const enc_data *data, const uint8_t *shadow);
 
-/* Of step "flow" or "refine", all but centres: those are 0. On false *out_occlusion is NULL. */
+/* The occlusion that step "flow" or "refine" found, without its centres, which are 0. On false *out_occlusion is
+ * NULL. */
 bool enc_step_take_occlusion(const enc_context *context, const char *step, const enc_data *data,
                              enc_occlusion **out_occlusion);
 btf_result enc_step_keep_occlusion(const enc_context *context, const char *step,

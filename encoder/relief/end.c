@@ -1,4 +1,4 @@
-/* Where relief ends. See end.h.
+/* The level of detail at which relief ends. See end.h.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -30,8 +30,12 @@ static btf_result judge_level(const enc_context *context, const enc_data *data, 
     enc_warp surface = {0}, plane = {0};
     enc_judged_error *error = malloc((size_t)(seen->count + 1) * sizeof *error);
     btf_result result = error ? enc_judged_create(context, data, by, &judged) : BTF_ERROR_MEMORY;
-    result = result == BTF_OK ? enc_relief_level(store, width, height, by, NULL, &surface) : result;
-    result = result == BTF_OK ? enc_warp_create(width, height, by, 0, &plane) : result;
+    if (result == BTF_OK) {
+        result = enc_relief_level(store, width, height, by, NULL, &surface);
+    }
+    if (result == BTF_OK) {
+        result = enc_warp_create(width, height, by, 0, &plane);
+    }
     if (result == BTF_OK) {
         enc_judge_surface(context, &judged, seen, &plane, error);
         out->plain = mean_of(seen, store->views, error);

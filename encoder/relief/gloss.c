@@ -76,9 +76,10 @@ static btf_result look_up(const gloss_job *g, int l) {
             others[n++] = g->data->lights[k];
         }
     }
-    result = result == BTF_OK ? enc_interpolator_create(g->context, "lights", others, count - 1,
-                                                        ENC_INTERPOLATE_LINEAR, &blend)
-                              : result;
+    if (result == BTF_OK) {
+        result = enc_interpolator_create(g->context, "lights", others, count - 1, ENC_INTERPOLATE_LINEAR,
+                                         &blend);
+    }
     for (int v = 0; v < g->views && result == BTF_OK; v++) {
         const enc_seen_view *s = &g->seen->of[g->view[v]];
         for (int i = 0; i < s->count * SHARES; i++) {
@@ -258,7 +259,9 @@ btf_result enc_gloss_choose(const enc_context *context, const enc_data *data, co
     if (result == BTF_OK && g.views > 0 && g.lights > 0) {
         g.near = malloc((size_t)DRAWN_VIEWS * 3 * DRAWN_LIGHTS * SHARES * sizeof *g.near);
         result = g.near ? enc_warp_create(data->width, data->height, 0, 0, &plane) : BTF_ERROR_MEMORY;
-        result = result == BTF_OK ? judge(&g, out) : result;
+        if (result == BTF_OK) {
+            result = judge(&g, out);
+        }
         out->judged = result == BTF_OK;
     }
     if (out->judged) {

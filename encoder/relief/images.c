@@ -109,7 +109,7 @@ static btf_result make(const enc_context *context, const enc_data *data, enc_rel
         for (size_t v = 0; v < views; v++) {
             float *row = rows + i * count, *values = kind == ENC_RELIEF_STANDARD ? row + v * texels : row;
             float *mean = &out->mean[v * n + i], *scale = &out->scale[v * n + i];
-            /* Of roots, one mean of all views keeps their differences. */
+            /* Roots have one mean over all views, which keeps the differences between views. */
             if (kind == ENC_RELIEF_STANDARD || v == 0) {
                 standardise(kind == ENC_RELIEF_STANDARD ? texels : count, values,
                             kind == ENC_RELIEF_STANDARD, mean, scale);
@@ -230,8 +230,12 @@ btf_result enc_relief_images_create(const enc_context *context, const enc_data *
                                .mean = malloc(views * n * sizeof(float)),
                                .scale = malloc(views * n * sizeof(float))};
     }
-    result = result == BTF_OK ? make_all(context, data, makers) : result;
-    result = result == BTF_OK ? fill(context, data, 1 << shift, makers, out) : result;
+    if (result == BTF_OK) {
+        result = make_all(context, data, makers);
+    }
+    if (result == BTF_OK) {
+        result = fill(context, data, 1 << shift, makers, out);
+    }
     for (int kind = 0; kind < ENC_RELIEF_KINDS; kind++) {
         free(makers[kind].basis);
         free(makers[kind].mean);

@@ -101,9 +101,9 @@ static btf_result descend(const relief_job *j, const enc_relief_images images[EN
     for (size_t t = 0; t < texels; t++) {
         w->heights[t] = (int32_t)lrintf(first[t] * ENC_WARP_ONE);
     }
-    result = result == BTF_OK
-                 ? enc_relief_descend(j->context, &images[ENC_RELIEF_ROOTS], some, SWEEPS, w, out_share)
-                 : result;
+    if (result == BTF_OK) {
+        result = enc_relief_descend(j->context, &images[ENC_RELIEF_ROOTS], some, SWEEPS, w, out_share);
+    }
     free(some);
     return result;
 }
@@ -126,7 +126,9 @@ static btf_result find_heights(const relief_job *j, double *out_share) {
                                   reach_of(images->width, images->height), first);
         enc_relief_images_clear(&images[ENC_RELIEF_STANDARD]);
     }
-    result = result == BTF_OK ? descend(j, images, &w, first, out_share) : result;
+    if (result == BTF_OK) {
+        result = descend(j, images, &w, first, out_share);
+    }
     if (result == BTF_OK) {
         enlarge(&w, shift, data, j->height);
     }
@@ -298,9 +300,12 @@ static btf_result judge_candidate(relief_job *j, int number, enc_relief_choice *
     enc_warp w = {0};
     btf_result result = enc_cancelled(j->context) ? BTF_ERROR_INTERRUPTED : make_store(j, c, NULL, &store);
     j->error[number] = malloc((size_t)(j->seen->count + 1) * sizeof *j->error[number]);
-    result = result == BTF_OK && !j->error[number] ? BTF_ERROR_MEMORY : result;
-    result =
-        result == BTF_OK ? enc_relief_level(&store, j->data->width, j->data->height, 0, NULL, &w) : result;
+    if (result == BTF_OK && !j->error[number]) {
+        result = BTF_ERROR_MEMORY;
+    }
+    if (result == BTF_OK) {
+        result = enc_relief_level(&store, j->data->width, j->data->height, 0, NULL, &w);
+    }
     if (result == BTF_OK) {
         enc_judge_surface(j->context, &j->judged, j->seen, &w, j->error[number]);
         weigh(j, number, choice->n_rings, choice->ring, c);
@@ -381,8 +386,12 @@ static btf_result choose_relief(relief_job *j, int levels, enc_relief_choice *ch
     const size_t texels = enc_data_texel_count(j->data);
     j->height = malloc(texels * sizeof *j->height);
     btf_result result = j->height ? find_heights(j, &choice->share) : BTF_ERROR_MEMORY;
-    result = result == BTF_OK ? order_heights(j) : result;
-    result = result == BTF_OK ? enc_judged_create(j->context, j->data, 0, &j->judged) : result;
+    if (result == BTF_OK) {
+        result = order_heights(j);
+    }
+    if (result == BTF_OK) {
+        result = enc_judged_create(j->context, j->data, 0, &j->judged);
+    }
     if (result == BTF_OK) {
         choice->tried = true;
         choice->n_rings = find_rings(j);
@@ -422,9 +431,9 @@ static btf_result choose_gloss(const relief_job *j, const enc_relief_options *op
     choice->gloss.quarters = options->gloss;
     if (options->gloss < 0) {
         result = enc_relief_level(out, j->data->width, j->data->height, 0, NULL, &w);
-        result = result == BTF_OK
-                     ? enc_gloss_choose(j->context, j->data, j->seen, &w, out->views, &choice->gloss)
-                     : result;
+        if (result == BTF_OK) {
+            result = enc_gloss_choose(j->context, j->data, j->seen, &w, out->views, &choice->gloss);
+        }
         enc_warp_clear(&w);
     }
     out->gloss_share = (uint32_t)choice->gloss.quarters;
@@ -451,7 +460,9 @@ btf_result enc_relief_choose(const enc_context *context, const enc_data *data,
         out_choice->reason = obstacle(&j, options);
         result = out_choice->reason ? BTF_OK : choose_relief(&j, levels, out_choice, out_store);
     }
-    result = result == BTF_OK ? choose_gloss(&j, options, out_choice, out_store) : result;
+    if (result == BTF_OK) {
+        result = choose_gloss(&j, options, out_choice, out_store);
+    }
     result = enc_ranks_agree(context, result);
     enc_stage_end(context);
     free(j.seen);

@@ -199,7 +199,9 @@ static btf_result match(volume *s, float *out) {
             fill_costs(s, t);
         }
     }
-    result = result == BTF_OK && enc_cancelled(s->context) ? BTF_ERROR_INTERRUPTED : result;
+    if (result == BTF_OK && enc_cancelled(s->context)) {
+        result = BTF_ERROR_INTERRUPTED;
+    }
     for (int p = 0; p < PATHS && result == BTF_OK; p++) {
         add_paths(s, way[p][0], way[p][1], sums, work);
     }

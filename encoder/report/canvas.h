@@ -21,7 +21,7 @@ void enc_canvas_clear(enc_canvas *canvas);
 void enc_canvas_image(enc_canvas *canvas, int x, int y, int zoom, int width, int height,
                       const float *pixels);
 
-/* The same for values that are shown as they are: 8-bit grey, no sRGB coding. */
+/* Draws values that are shown as they are: 8-bit grey, no sRGB coding. */
 void enc_canvas_codes(enc_canvas *canvas, int x, int y, int zoom, int width, int height,
                       const unsigned char *codes);
 

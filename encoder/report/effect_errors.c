@@ -95,9 +95,9 @@ static void add_way(job *j, const btf_material_info *info, uint32_t effects, con
 
 /* All subsets of the effects present, but those that leave out relief or gloss: the data that errors are
  * measured against, interpolated between the samples, know nothing of the two, so that each would seem to
- * harm. What relief is worth is in the table of errors between the samples (leave_one_out.h). Of the
- * residual all components, three quarters, a half, ... an eighth, and 8 and 4, in whole groups of four; of
- * factors as many units, one at the least. */
+ * harm. What relief is worth is in the table of errors between the samples (leave_one_out.h). Of factors every
+ * number of units, where there are 16 at most: one evaluation gives them all. Of components, and of more units, all,
+ * seven eighths, three quarters, a half, ... an eighth, and the fewest two, in whole groups of four. */
 static void make_variants(job *j, const btf_material_info *info) {
     const uint32_t group = info->store == BTF_STORE_FACTORS ? 1 : 4;
     const uint32_t between = info->effects & (BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS);
@@ -117,8 +117,11 @@ static void make_variants(job *j, const btf_material_info *info) {
                                      k / 2,     3 * k / 8,
                                      k / 4,     k / 8,
                                      2 * group, group};
-            for (size_t i = 0; i < sizeof some / sizeof *some; i++) {
-                const uint32_t components = i == 0 ? k : (some[i] + group - 1) / group * group;
+            const bool all = group == 1 && k <= MOST_COUNTS;
+            for (size_t i = 0; i < (all ? k : sizeof some / sizeof *some); i++) {
+                const uint32_t components = all      ? k - (uint32_t)i
+                                            : i == 0 ? k
+                                                     : (some[i] + group - 1) / group * group;
                 if (components > 0 && (count == 0 || components < list[count - 1])) {
                     list[count++] = components;
                 }

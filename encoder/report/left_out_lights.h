@@ -1,4 +1,4 @@
-/* Where gloss looks up lights when a view or a light is left out (FORMAT.md section 9, Gloss).
+/* The lights that gloss looks up when a view or a light is left out (FORMAT.md section 9, Gloss).
  *
  * SPDX-License-Identifier: MIT
  */

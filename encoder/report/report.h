@@ -1,5 +1,5 @@
-/* The report of an encode: the paper's tables 1 and 2 for this data, the accuracy ladder, times, memory; as
- * text and as JSON.
+/* The report of an encode: the paper's tables 1 and 2 for this data, the accuracy ladder, times, memory.
+ * report_print.h and report_json.h write it.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -74,7 +74,8 @@ typedef struct enc_report {
  * `paper` the maps' channels count by use: one byte a texel of a tile for shadow, one for the code, two for
  * shift and index, and the whole atlas once all are used. */
 size_t enc_report_gpu_bytes(const btf_material_info *info, uint32_t effects);
-/* The same with the first so many components of the residual alone (units, where its store is factors). */
+/* enc_report_gpu_bytes of a material cut to the first `components` of its residual (units, where its store is
+ * factors). */
 size_t enc_report_gpu_bytes_part(const btf_material_info *info, uint32_t effects, uint32_t components);
 
 /* Measures ladder and without: decodes the material with each subset and compares with the data. Stage
@@ -95,12 +96,13 @@ btf_result enc_report_measure_levels(const enc_context *context, const enc_data 
 /* The rows for btf_material_desc.level_errors; `rows` has room for BTF_MAX_LEVELS. Returns their number. */
 size_t enc_report_level_errors(const enc_report *report, btf_level_error *rows);
 
-/* Tables for people. */
-void enc_report_print(const enc_report *report, FILE *out);
-
-/* Whole or absent. `options` is the JSON member "options": alternating names and values, NULL at the end.
- * Errors: BTF_ERROR_IO, BTF_ERROR_MEMORY. */
-btf_result enc_report_write(const enc_context *context, const enc_report *report,
-                            const char *const *options, const char *path);
+/* Bytes of the data as 8-bit RGB images, as the paper's table 2 counts them. */
+double enc_report_data_bytes(const enc_data *data);
+/* Bytes of levels 1 and up. */
+size_t enc_report_further_bytes(const enc_report *report);
+/* "units", or "components", of the residual. */
+const char *enc_report_part_name(const btf_material_info *info);
+/* Mean squared errors of the whole material at the samples. */
+enc_fit_error enc_report_at_samples(const enc_report *report);
 
 #endif

@@ -170,7 +170,9 @@ static btf_result measure_all(section *s) {
                 result = measured(s, "still", name, measure_still, i);
             }
             snprintf(name, sizeof name, "joint %s; --fit samples", bench_preset_names[i]);
-            result = result == BTF_OK ? measured(s, "samples", name, measure_joint, i) : result;
+            if (result == BTF_OK) {
+                result = measured(s, "samples", name, measure_joint, i);
+            }
         }
     }
     const bool components = pca_rank_for(s->run->data, PCA_BYTE, 1, s->budget) > 0;
@@ -193,7 +195,9 @@ btf_result bench_section_between(const bench_run *run) {
     }
     snprintf(s.name, sizeof s.name, "between/%s", run->name);
     btf_result result = choose_relief(&s);
-    result = result == BTF_OK ? measure_all(&s) : result;
+    if (result == BTF_OK) {
+        result = measure_all(&s);
+    }
     if (result == BTF_OK && (result = bench_open(run, "between", "csv", &csv)) == BTF_OK) {
         bench_mark_pareto(s.table, bench_cost_bytes);
         bench_table_write(s.table, csv);

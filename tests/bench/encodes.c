@@ -125,7 +125,9 @@ static btf_result apply_nodes(const enc_context *context, const enc_node_tables 
     const enc_node_relief along = {&surface, moves ? relief->views : NULL};
     btf_result result =
         moves ? enc_relief_level(relief, data->width, data->height, 0, NULL, &surface) : BTF_OK;
-    result = result == BTF_OK ? enc_node_apply(context, nodes, moves ? &along : NULL, data, out) : result;
+    if (result == BTF_OK) {
+        result = enc_node_apply(context, nodes, moves ? &along : NULL, data, out);
+    }
     enc_warp_clear(&surface);
     return result;
 }
@@ -142,7 +144,9 @@ btf_result bench_encode_joint_between(const enc_context *context, const enc_data
     const enc_factors_settings settings =
         enc_settings_of_factors(&job, data->width, data->height, data->n_views, data->n_lights);
     btf_result result = enc_foresee_error(context, data, &settings, &coder);
-    result = result == BTF_OK ? enc_fit_choose(context, data, true, 0, &coder, &choice, &nodes) : result;
+    if (result == BTF_OK) {
+        result = enc_fit_choose(context, data, true, 0, &coder, &choice, &nodes);
+    }
     if (result == BTF_OK && nodes.views) {
         result = apply_nodes(context, &nodes, relief, data, &fitted);
     }

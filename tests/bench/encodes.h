@@ -18,13 +18,13 @@ typedef struct bench_encoded {
 /* --method joint with this preset (enc_preset) and budget (0: default), --fit samples. */
 btf_result bench_encode_joint(const enc_context *context, const enc_data *data, int preset, uint64_t budget,
                               bench_encoded *out);
-/* The same with --fit between, the default of btf-encode, and with the relief and gloss that
+/* Encodes by method joint with --fit between, the default of btf-encode, and with the relief and gloss that
  * enc_relief_choose found; NULL: --relief off --gloss off. The time of that choice is not counted. */
 btf_result bench_encode_joint_between(const enc_context *context, const enc_data *data, int preset,
                                       uint64_t budget, const enc_relief_store *relief, bench_encoded *out);
 /* --method paper with its defaults, layout paper. */
 btf_result bench_encode_paper(const enc_context *context, const enc_data *data, bench_encoded *out);
-/* The same with any options; half: SBRDF parameters as half floats. */
+/* Encode by method joint and by method paper with any options; half: SBRDF parameters as half floats. */
 btf_result bench_encode_joint_options(const enc_context *context, const enc_data *data,
                                       const enc_joint_options *options, bench_encoded *out);
 btf_result bench_encode_paper_options(const enc_context *context, const enc_data *data,

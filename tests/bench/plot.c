@@ -146,7 +146,7 @@ static void range_of(const plot *p, int k, double out[2]) {
     }
 }
 
-/* What a label covers, in parts of its panel: about 6 of 400 pixels a letter, 18 of 400 high. */
+/* The room that a label covers, in parts of its panel: about 6 of 400 pixels a letter, 18 of 400 high. */
 static box box_of(const plot *p, const point *at, int k, place where, const double x[2], const double y[2]) {
     const double letter = p->panels > 1 ? 0.016 : 0.010, height = p->panels > 2 ? 0.06 : 0.045;
     const double left = ((p->log_x ? log(at->x) : at->x) - x[0]) / fmax(1.3 * (x[1] - x[0]), 1e-9),

@@ -164,6 +164,7 @@ part_relief() {
                     --gloss auto >/dev/null
                 cp "$work/relief-$name-$(commit).json" "$at/$name.json"
                 for filter in texel bilinear steep; do
+                    [ $relief = auto ] || [ $filter = texel ] || continue # without relief all filters are one
                     # What is fitted and coded does not depend on gloss, so that leaving it out is a file without it.
                     for effects in residual,relief residual,relief,gloss; do
                         one=$at/$name-$filter-${effects##*,}.json

@@ -87,7 +87,7 @@ double bench_samples_8bit(const enc_data *data);
  * held->train. Errors: those of comparing. */
 btf_result bench_accuracy(const enc_context *context, const bench_held *held, const bench_between *between,
                           const bench_encoded *encoded, uint32_t effects, bench_row *row);
-/* The same of any codec of images at the directions of held->train, which are blended barycentrically
+/* Measures any codec of images at the directions of held->train, which are blended barycentrically
  * between them, and where directions were held out by `tables`. */
 btf_result bench_accuracy_images(const enc_context *context, const bench_held *held,
                                  const bench_between *between, const btf_ref_material *tables,

@@ -70,6 +70,20 @@ else
     printf '[ RUN      ] plots\nskipped: no gnuplot\n[  SKIPPED ] plots\n'
 fi
 
+# Stochastic decode: noise falls as the root of the samples, most where most is picked; blends are the full decode at the samples.
+expect "stochastic" 0 btf-bench --quick --input tiny --only stochastic --preset fast --repeats 1 --out s -q
+expect_that "noise halves with four times the samples" python3 - <<'P'
+import csv
+rows = {row["decoded"]: row for row in csv.DictReader(open("s/stochastic-tiny.csv"))}
+picked = ["view picked", "view and light picked", "all picked"]
+noise = {name: [float(row[f"rms_{n}"]) for n in (1, 4, 16, 64)] for name, row in rows.items() if row["rms_4"]}
+assert list(noise)[:3] == picked and len(noise) == 4, noise
+for name, rms in noise.items():
+    assert all(1.8 < a / b < 2.2 for a, b in zip(rms, rms[1:])), (name, rms)
+assert all(noise[a][i] < noise[b][i] for a, b in zip(picked, picked[1:]) for i in range(4)), noise
+P
+expect_text "blends are the full decode at the samples" '^. of views and lights . equal . [0-9.]+ / ' s/summary.md
+
 # Going on: rows stay as they were measured; a line that was cut short is measured again.
 cp b/journal.csv before.csv
 rows=$(($(wc -l <before.csv) - 5))

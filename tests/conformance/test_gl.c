@@ -5,6 +5,7 @@
 #include "cases.h"
 #include "check.h"
 #include "decoder/toolkit/reference_view.h"
+#include "tests/support/refusals.h"
 #include "variant.h"
 
 #include <setjmp.h>
@@ -17,15 +18,6 @@
 static gpu *device;
 static const gl_api *api; /* of the device */
 static btf_material *tight, *paper;
-
-/* The last message. */
-static char said[400];
-static void hear(void *user, btf_log_level level, const char *message) {
-    (void)user;
-    (void)level;
-    snprintf(said, sizeof said, "%s", message);
-}
-static const btf_log hearing = {hear, NULL};
 
 static btf_gl_function real(const char *name) {
     btf_gl_options o = gpu_gl_options(device, NULL);
@@ -111,11 +103,11 @@ static const btf_gl_options faked = {sizeof faked, fake_get_proc_address, NULL, 
 static void expect_refusal(const btf_material *material, btf_result result, const char *words) {
     btf_gl *gl = (btf_gl *)&fake;
     fake.live = 0;
-    assert_int_equal(btf_gl_upload(material, &faked, &hearing, &gl), result);
+    assert_int_equal(btf_gl_upload(material, &faked, &log_keep, &gl), result);
     assert_null(gl);
     assert_int_equal(fake.live, 0);
-    if (!strstr(said, words))
-        fail_msg("\"%s\" does not say \"%s\"", said, words);
+    if (!strstr(last_message, words))
+        fail_msg("\"%s\" does not say \"%s\"", last_message, words);
 }
 
 static void limits_are_told_with_both_numbers(void **state) {
@@ -145,19 +137,19 @@ static void an_atlas_too_large_is_taken_apart(void **state) {
                                  .layout = BTF_LAYOUT_PAPER,
                                  .lobes = 1,
                                  .effects = 11};
-    assert_int_equal(synthetic_create(&spec, &hearing, &whole), BTF_OK);
+    assert_int_equal(synthetic_create(&spec, &log_keep, &whole), BTF_OK);
     memset(&fake, 0, sizeof fake);
     assert_true(btf_material_texture(whole, BTF_TEXTURE_MAPS).width >
                 256); /* which the direction tables need */
-    assert_int_equal(btf_gl_fits(whole, &faked, &hearing, &fits), BTF_OK);
+    assert_int_equal(btf_gl_fits(whole, &faked, &log_keep, &fits), BTF_OK);
     assert_int_equal(fits, 1);
     fake.texture_size = 256;
-    assert_int_equal(btf_gl_fits(whole, &faked, &hearing, &fits), BTF_OK);
+    assert_int_equal(btf_gl_fits(whole, &faked, &log_keep, &fits), BTF_OK);
     assert_int_equal(fits, 0);
-    assert_int_equal(btf_material_to_tight(whole, &hearing, &apart), BTF_OK);
-    assert_int_equal(btf_gl_fits(apart, &faked, &hearing, &fits), BTF_OK);
+    assert_int_equal(btf_material_to_tight(whole, &log_keep, &apart), BTF_OK);
+    assert_int_equal(btf_gl_fits(apart, &faked, &log_keep, &fits), BTF_OK);
     assert_int_equal(fits, 1);
-    assert_int_equal(btf_gl_upload(apart, &faked, &hearing, &gl), BTF_OK);
+    assert_int_equal(btf_gl_upload(apart, &faked, &log_keep, &gl), BTF_OK);
     btf_gl_destroy(&gl);
     btf_material_close(&apart);
     btf_material_close(&whole);
@@ -180,7 +172,7 @@ static void old_and_partial_contexts_are_refused(void **state) {
     memset(&fake, 0, sizeof fake);
     btf_gl *gl;
     btf_gl_options none = {.struct_size = sizeof none};
-    assert_int_equal(btf_gl_upload(tight, &none, &hearing, &gl), BTF_ERROR_USAGE);
+    assert_int_equal(btf_gl_upload(tight, &none, &log_keep, &gl), BTF_ERROR_USAGE);
     assert_int_equal(btf_gl_upload(tight, NULL, NULL, &gl), BTF_ERROR_USAGE);
 }
 
@@ -190,16 +182,16 @@ static void wrong_mip_levels_are_told(void **state) {
     memset(&fake, 0, sizeof fake);
     uint32_t failures;
     char names[200];
-    assert_int_equal(btf_gl_self_test(&faked, &hearing, &failures), BTF_OK);
+    assert_int_equal(btf_gl_self_test(&faked, &log_keep, &failures), BTF_OK);
     assert_int_equal(failures, 0);
     fake.wrong_levels = 1;
-    assert_int_equal(btf_gl_self_test(&faked, &hearing, &failures), BTF_OK);
+    assert_int_equal(btf_gl_self_test(&faked, &log_keep, &failures), BTF_OK);
     assert_int_equal(failures, BTF_SELF_TEST_LEVELS);
     btf_self_test_names(failures, names, sizeof names);
     assert_string_equal(names, "levels");
     assert_int_equal(fake.live, 0);
     fake.wrong_layers = 1;
-    assert_int_equal(btf_gl_self_test(&faked, &hearing, &failures), BTF_OK);
+    assert_int_equal(btf_gl_self_test(&faked, &log_keep, &failures), BTF_OK);
     assert_int_equal(failures, BTF_SELF_TEST_LEVELS | BTF_SELF_TEST_FACTORS | BTF_SELF_TEST_LISTS);
     btf_self_test_names(failures, names, sizeof names);
     assert_string_equal(names, "levels, factors, lists");
@@ -211,7 +203,7 @@ static void frees_what_it_made(void **state) {
     (void)state;
     memset(&fake, 0, sizeof fake);
     btf_gl *gl;
-    assert_int_equal(btf_gl_upload(tight, &faked, &hearing, &gl), BTF_OK);
+    assert_int_equal(btf_gl_upload(tight, &faked, &log_keep, &gl), BTF_OK);
     assert_int_equal(fake.live, 10); /* all but `maps` */
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(tight, &info);
@@ -236,7 +228,7 @@ static void uploads_what_a_variant_reads(void **state) {
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(tight, &info);
     btf_gl *gl;
-    assert_int_equal(btf_gl_upload(tight, &options, &hearing, &gl), BTF_OK);
+    assert_int_equal(btf_gl_upload(tight, &options, &log_keep, &gl), BTF_OK);
     /* The shift needs to know which points are hidden. */
     uint32_t expected = 1u << BTF_TEXTURE_SBRDF | 1u << BTF_TEXTURE_SHIFT | 1u << BTF_TEXTURE_GAIN |
                         1u << BTF_TEXTURE_RESIDUAL_TEXELS | 1u << BTF_TEXTURE_RESIDUAL_DIRECTIONS |
@@ -254,17 +246,17 @@ static void uploads_what_a_variant_reads(void **state) {
     assert_int_equal(btf_gl_bytes(gl), bytes); /* four of six components are one of two layers */
     /* A program that reads more is refused at binding. */
     char *text;
-    assert_int_equal(btf_shader_source(tight, NULL, &hearing, &text), BTF_OK);
+    assert_int_equal(btf_shader_source(tight, NULL, &log_keep, &text), BTF_OK);
     static const char body[] =
         "uvec4 check(uvec4 a, uvec4 b) {\n"
         "    vec3 d = uintBitsToFloat(a.xyz);\n"
         "    return floatBitsToUint(btf_evaluate(d.xy, d, uintBitsToFloat(b.xyz))).xyzz;\n"
         "}\n";
-    unsigned program = gpu_program(device, NULL, text, body, &hearing);
+    unsigned program = gpu_program(device, NULL, text, body, &log_keep);
     btf_free(text);
     assert_int_not_equal(program, 0);
-    assert_int_equal(btf_gl_bind(gl, program, GPU_FIRST_UNIT, NULL, &hearing, NULL), BTF_ERROR_USAGE);
-    assert_non_null(strstr(said, "btf_shadow, which was not uploaded"));
+    assert_int_equal(btf_gl_bind(gl, program, GPU_FIRST_UNIT, NULL, &log_keep, NULL), BTF_ERROR_USAGE);
+    assert_non_null(strstr(last_message, "btf_shadow, which was not uploaded"));
     gpu_delete_program(device, program);
     btf_gl_destroy(&gl);
 }
@@ -296,7 +288,7 @@ static void uploads_the_first_units(void **state) {
                            .levels = LEVELS,
                            .classes = {{2, 3, 2}, {1, 1, 1}, {3, 0, 0}, {1, 2, 0}, {2, 0, 1}}};
     btf_material *material = NULL;
-    assert_int_equal(synthetic_create(&spec, &hearing, &material), BTF_OK);
+    assert_int_equal(synthetic_create(&spec, &log_keep, &material), BTF_OK);
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(material, &info);
     memset(&fake, 0, sizeof fake);
@@ -305,7 +297,7 @@ static void uploads_the_first_units(void **state) {
         btf_gl_options options = faked;
         options.shader = &shader;
         btf_gl *gl;
-        assert_int_equal(btf_gl_upload(material, &options, &hearing, &gl), BTF_OK);
+        assert_int_equal(btf_gl_upload(material, &options, &log_keep, &gl), BTF_OK);
         assert_int_equal(fake.live, 7); /* the SBRDF, four of factors, two tables */
         size_t bytes = info.table_bytes + (size_t)16 * VIEWS * LIGHTS * units;
         for (GLint level = 0; level < LEVELS; ++level) {
@@ -318,7 +310,7 @@ static void uploads_the_first_units(void **state) {
         assert_int_equal(fake.live, 0);
         for (fake.layers = 2; fake.layers < 14; ++fake.layers) {
             int fits = -1;
-            assert_int_equal(btf_gl_fits(material, &options, &hearing, &fits), BTF_OK);
+            assert_int_equal(btf_gl_fits(material, &options, &log_keep, &fits), BTF_OK);
             assert_int_equal(fits, fake.layers >= layers[units]);
         }
         fake.layers = 0;
@@ -406,10 +398,10 @@ static void state_is_restored(void **unused) {
         btf_gl_options options = gpu_gl_options(device, NULL);
         btf_gl *gl;
         uint32_t failures;
-        assert_int_equal(btf_gl_upload(paper, &options, &hearing, &gl), BTF_OK);
+        assert_int_equal(btf_gl_upload(paper, &options, &log_keep, &gl), BTF_OK);
         read_state(after);
         assert_memory_equal(before, after, sizeof before);
-        assert_int_equal(btf_gl_self_test(&options, &hearing, &failures), BTF_OK);
+        assert_int_equal(btf_gl_self_test(&options, &log_keep, &failures), BTF_OK);
         assert_int_equal(failures, 0);
         read_state(after);
         assert_memory_equal(before, after, sizeof before);
@@ -427,7 +419,7 @@ static void unpacking_state_does_not_matter(void **state) {
     set_state(1, 0, 0, 0);
     btf_gl_options options = gpu_gl_options(device, NULL);
     btf_gl *gl;
-    assert_int_equal(btf_gl_upload(tight, &options, &hearing, &gl), BTF_OK);
+    assert_int_equal(btf_gl_upload(tight, &options, &log_keep, &gl), BTF_OK);
     set_state(0, 0, 0, 0);
     btf_texture t = btf_material_texture(tight, BTF_TEXTURE_GAIN);
     uint8_t *back = malloc(t.size);
@@ -456,27 +448,27 @@ static void two_materials_share_a_program(void **state) {
     btf_shader_options second = {
         .struct_size = sizeof second, .filter = BTF_FILTER_BILINEAR, .prefix = "the_wall2"};
     char *texts[2];
-    assert_int_equal(btf_shader_source(tight, NULL, &hearing, &texts[0]), BTF_OK);
-    assert_int_equal(btf_shader_source(paper, &second, &hearing, &texts[1]), BTF_OK);
+    assert_int_equal(btf_shader_source(tight, NULL, &log_keep, &texts[0]), BTF_OK);
+    assert_int_equal(btf_shader_source(paper, &second, &log_keep, &texts[1]), BTF_OK);
     assert_null(strstr(texts[1], "btf_"));
     char *both = malloc(strlen(texts[0]) + strlen(texts[1]) + 1);
     assert_non_null(both);
     strcpy(both, texts[0]);
     strcat(both, texts[1]);
-    unsigned program = gpu_program(device, "#define BTF_HAVE_PRECISE 0\n", both, body, &hearing);
+    unsigned program = gpu_program(device, "#define BTF_HAVE_PRECISE 0\n", both, body, &log_keep);
     if (!program)
-        fail_msg("%s", said);
+        fail_msg("%s", last_message);
     free(both);
     btf_free(texts[0]);
     btf_free(texts[1]);
     btf_gl_options options = gpu_gl_options(device, NULL);
     btf_gl *gl[2];
     uint32_t units;
-    assert_int_equal(btf_gl_upload(tight, &options, &hearing, &gl[0]), BTF_OK);
-    assert_int_equal(btf_gl_upload(paper, &options, &hearing, &gl[1]), BTF_OK);
-    assert_int_equal(btf_gl_bind(gl[0], program, GPU_FIRST_UNIT, NULL, &hearing, &units), BTF_OK);
+    assert_int_equal(btf_gl_upload(tight, &options, &log_keep, &gl[0]), BTF_OK);
+    assert_int_equal(btf_gl_upload(paper, &options, &log_keep, &gl[1]), BTF_OK);
+    assert_int_equal(btf_gl_bind(gl[0], program, GPU_FIRST_UNIT, NULL, &log_keep, &units), BTF_OK);
     assert_int_equal(units, 10);
-    assert_int_equal(btf_gl_bind(gl[1], program, GPU_FIRST_UNIT + units, "the_wall2", &hearing, &units),
+    assert_int_equal(btf_gl_bind(gl[1], program, GPU_FIRST_UNIT + units, "the_wall2", &log_keep, &units),
                      BTF_OK);
     assert_int_equal(units, 4);
 
@@ -492,7 +484,7 @@ static void two_materials_share_a_program(void **state) {
     random_state r = {77};
     for (size_t i = 0; i < COUNT; ++i)
         case_make(&r, i & 1 ? paper : tight, inputs + GPU_INPUTS * i);
-    assert_int_equal(gpu_run(device, program, COUNT, inputs, outputs, &hearing), BTF_OK);
+    assert_int_equal(gpu_run(device, program, COUNT, inputs, outputs, &log_keep), BTF_OK);
     for (size_t i = 0; i < COUNT; ++i) {
         float f[8], rgb[3];
         memcpy(f, inputs + GPU_INPUTS * i, sizeof f);
@@ -534,31 +526,31 @@ static void options_are_checked(void **state) {
     char *text;
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
         btf_shader_options o = {.struct_size = sizeof o, .prefix = wrong[i]};
-        assert_int_equal(btf_shader_source(tight, &o, &hearing, &text), BTF_ERROR_USAGE);
+        assert_int_equal(btf_shader_source(tight, &o, &log_keep, &text), BTF_ERROR_USAGE);
         assert_null(text);
-        assert_non_null(strstr(said, wrong[i]));
+        assert_non_null(strstr(last_message, wrong[i]));
     }
     btf_shader_options o = {.struct_size = sizeof o, .filter = (btf_filter)7};
-    assert_int_equal(btf_shader_source(tight, &o, &hearing, &text), BTF_ERROR_USAGE);
-    assert_non_null(strstr(said, "filter 7"));
+    assert_int_equal(btf_shader_source(tight, &o, &log_keep, &text), BTF_ERROR_USAGE);
+    assert_non_null(strstr(last_message, "filter 7"));
     o = (btf_shader_options){.struct_size = sizeof o, .picks = (btf_picks)4};
-    assert_int_equal(btf_shader_source(tight, &o, &hearing, &text), BTF_ERROR_USAGE);
-    assert_non_null(strstr(said, "picks 4"));
+    assert_int_equal(btf_shader_source(tight, &o, &log_keep, &text), BTF_ERROR_USAGE);
+    assert_non_null(strstr(last_message, "picks 4"));
     o = (btf_shader_options){.struct_size = sizeof o, .picks = BTF_PICK_ALL, .prefix = "cloth"};
-    assert_int_equal(btf_shader_source(tight, &o, &hearing, &text), BTF_OK);
+    assert_int_equal(btf_shader_source(tight, &o, &log_keep, &text), BTF_OK);
     assert_non_null(strstr(text, "#define CLOTH_STOCHASTIC 3\n"));
     assert_non_null(strstr(text, "vec3 cloth_evaluate_stochastic("));
     btf_free(text);
     /* Options of an older, shorter kind: what it lacks is the default. */
     btf_shader_options old = {.struct_size = offsetof(btf_shader_options, filter), .filter = (btf_filter)7};
-    assert_int_equal(btf_shader_source(tight, &old, &hearing, &text), BTF_OK);
+    assert_int_equal(btf_shader_source(tight, &old, &log_keep, &text), BTF_OK);
     assert_non_null(strstr(text, "#define BTF_BILINEAR 0\n"));
     btf_free(text);
     btf_shader_options bindings = {.struct_size = sizeof bindings,
                                    .bindings = BTF_BINDINGS_VULKAN,
                                    .first_binding = 20,
                                    .descriptor_set = 3};
-    assert_int_equal(btf_shader_source(tight, &bindings, &hearing, &text), BTF_OK);
+    assert_int_equal(btf_shader_source(tight, &bindings, &log_keep, &text), BTF_OK);
     assert_non_null(strstr(text, "#define BTF_BINDING_RESIDUAL_TEXELS 26\n"));
     assert_non_null(strstr(text, "layout(set = 3, binding = n) uniform\n"));
     btf_free(text);
@@ -592,8 +584,8 @@ static int setup(void **state) {
                         .lobes = 3,
                         .effects = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN,
                         .centres = 100};
-    return synthetic_create(&a, &hearing, &tight) != BTF_OK ||
-           synthetic_create(&b, &hearing, &paper) != BTF_OK;
+    return synthetic_create(&a, &log_keep, &tight) != BTF_OK ||
+           synthetic_create(&b, &log_keep, &paper) != BTF_OK;
 }
 
 static int teardown(void **state) {

@@ -4,6 +4,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "synthetic.h"
+#include "tests/support/refusals.h"
 
 #define GL_GLEXT_PROTOTYPES
 #include <GL/osmesa.h>
@@ -22,14 +23,6 @@ static OSMesaContext contexts[2]; /* core, compatibility */
 static btf_material *material; /* has a texture of each format but RGBA16F and RGBA32UI, which half_floats
                                   and factored have */
 static btf_material *half_floats, *factored;
-
-static char said[400];
-static void hear(void *user, btf_log_level level, const char *message) {
-    (void)user;
-    (void)level;
-    snprintf(said, sizeof said, "%s", message);
-}
-static const btf_log hearing = {hear, NULL};
 
 static void use(int compatibility) {
     if (!OSMesaMakeCurrent(contexts[compatibility], pixels, GL_UNSIGNED_BYTE, 16, 16))
@@ -148,8 +141,8 @@ static const btf_gl_options options = {sizeof options, find, NULL, NULL};
 
 static btf_gl *upload(const btf_material *m) {
     btf_gl *gl = NULL;
-    if (btf_gl_upload(m, &options, &hearing, &gl) != BTF_OK)
-        fail_msg("%s", said);
+    if (btf_gl_upload(m, &options, &log_keep, &gl) != BTF_OK)
+        fail_msg("%s", last_message);
     return gl;
 }
 
@@ -226,7 +219,7 @@ static void pixel_transfer_does_not_matter(void **state) {
     read_transfer(after);
     assert_memory_equal(before, after, sizeof before);
     uint32_t failures = 1;
-    assert_int_equal(btf_gl_self_test(&options, &hearing, &failures), BTF_OK);
+    assert_int_equal(btf_gl_self_test(&options, &log_keep, &failures), BTF_OK);
     assert_int_equal(failures, 0);
     expect_no_error();
     read_transfer(after);
@@ -310,8 +303,8 @@ static void drawing_state_does_not_matter(void **state) {
         set_drawing(compatibility, 1);
         read_drawing(compatibility, before);
         btf_gl *gl = upload(material);
-        if (btf_gl_self_test(&options, &hearing, &failures) != BTF_OK)
-            fail_msg("%s", said);
+        if (btf_gl_self_test(&options, &log_keep, &failures) != BTF_OK)
+            fail_msg("%s", last_message);
         assert_int_equal(failures, 0);
         expect_no_error();
         read_drawing(compatibility, after);
@@ -353,7 +346,7 @@ static void core_contexts_get_no_errors(void **state) {
         fake.profile_is_0 = profile_is_0;
         btf_gl *gl = upload(material);
         expect_no_error();
-        assert_int_equal(btf_gl_self_test(&options, &hearing, &failures), BTF_OK);
+        assert_int_equal(btf_gl_self_test(&options, &log_keep, &failures), BTF_OK);
         assert_int_equal(failures, 0);
         expect_no_error();
         assert_int_equal(fake.transfers_called != 0, profile_is_0);
@@ -395,14 +388,14 @@ static int setup(void **state) {
                            .effects = BTF_EFFECT_VERSION_1,
                            .components = 6,
                            .centres = 100};
-    if (synthetic_create(&spec, &hearing, &material) != BTF_OK)
+    if (synthetic_create(&spec, &log_keep, &material) != BTF_OK)
         return 1;
     spec.half_float = 1;
-    if (synthetic_create(&spec, &hearing, &half_floats) != BTF_OK)
+    if (synthetic_create(&spec, &log_keep, &half_floats) != BTF_OK)
         return 1;
     spec.components = 3;
     spec.classes[0][0] = spec.classes[2][0] = spec.classes[3][0] = 1;
-    return synthetic_create(&spec, &hearing, &factored) != BTF_OK;
+    return synthetic_create(&spec, &log_keep, &factored) != BTF_OK;
 }
 
 static int teardown(void **state) {

@@ -72,3 +72,37 @@ void refused_as(edit_file *file, btf_result code, const char *text) {
 void file_refused(edit_file *file, const char *text) {
     refused_as(file, BTF_ERROR_BAD_FILE, text);
 }
+
+btf_material_info accepted_info(const btf_material *material) {
+    btf_material_info info = {.struct_size = sizeof info};
+    assert_int_equal(btf_material_get_info(material, &info), BTF_OK);
+    return info;
+}
+
+bool accepted_texture(const btf_material *material, btf_texture_id id) {
+    return btf_material_texture(material, id).format != BTF_FORMAT_NONE;
+}
+
+static edit_attribute *find_floats(edit_file *file, const char *name) {
+    char full[64];
+    snprintf(full, sizeof full, "openbtf.%s", name);
+    return edit_find_attribute(file, full);
+}
+
+void number_refused(edit_file *file, const char *name, int index, float value, const char *text) {
+    edit_attribute *a = find_floats(file, name);
+    assert_true(index < a->count);
+    a->values[index < 0 ? a->count + index : index] = value;
+    file_refused(file, text);
+}
+
+void count_refused(edit_file *file, const char *name, int count, const char *text) {
+    edit_attribute *a = find_floats(file, name);
+    float *values = calloc((size_t)(count > 0 ? count : 1), sizeof *values);
+    assert_non_null(values);
+    memcpy(values, a->values, (size_t)(count < a->count ? count : a->count) * sizeof *values);
+    free(a->values);
+    a->values = values;
+    a->count = count;
+    file_refused(file, text);
+}

@@ -7,6 +7,7 @@
 
 #include "exr_edit.h"
 #include <openbtf/material.h>
+#include <stdbool.h>
 
 /* The last message that log_keep heard, and how many of them since it was set to 0 (a refusal without a
  * word is a defect). */
@@ -20,6 +21,10 @@ btf_material *create_accepted(const btf_material_desc *desc);
 /* Creating must fail, with a log and without, with a message that holds `text`. */
 void create_refused(const btf_material_desc *desc, const char *text);
 
+/* The facts of an accepted material, and whether it has a texture at all. */
+btf_material_info accepted_info(const btf_material *material);
+bool accepted_texture(const btf_material *material, btf_texture_id id);
+
 /* Saves, opens, frees the edited file. */
 btf_result open_edited(edit_file *file, btf_material **out_material);
 
@@ -27,5 +32,9 @@ btf_result open_edited(edit_file *file, btf_material **out_material);
 void refused_as(edit_file *file, btf_result code, const char *text);
 /* The same with BTF_ERROR_BAD_FILE. */
 void file_refused(edit_file *file, const char *text);
+/* file_refused after a change of the floatvector openbtf.`name`: of one number (from the end where index is below
+ * 0), or of their count. */
+void number_refused(edit_file *file, const char *name, int index, float value, const char *text);
+void count_refused(edit_file *file, const char *name, int count, const char *text);
 
 #endif

@@ -289,14 +289,16 @@ tour() { # NAME, planned or not: pictures NAME-0.png to 3
     wait $viewer
     expect_that "$1 quits with 0" test $? = 0
 }
-seen=0
-start levels.btf.exr --mesh plane
-tour whole everything
+if [ -z "$light" ]; then # pictures to compare with
+    seen=0
+    start levels.btf.exr --mesh plane
+    tour whole everything
+fi
 seen=0
 start levels.btf.exr --mesh plane --plan auto --tolerance 0
 tour planned planned
 for i in 0 1 2 3; do
-    expect_that "planned within 0 dB: picture $i is the same" cmp whole-$i.png planned-$i.png
+    unless_light expect_that "planned within 0 dB: picture $i is the same" cmp whole-$i.png planned-$i.png
 done
 
 # A light that rests on a flat model is folded into a texture, with a plan and without: the picture of a model that is
@@ -333,8 +335,10 @@ rests() { # NAME, PATTERN OF WHAT IS FOLDED (none: nothing), OPTIONS: pictures N
     wait $viewer
     expect_that "$name quits with 0" test $? = 0
 }
-rests free none --mesh speck.obj
-expect_that "a speck's normal is not folded" test "$(grep -c folded log)" = 0
+if [ -z "$light" ]; then
+    rests free none --mesh speck.obj
+    expect_that "a speck's normal is not folded" test "$(grep -c folded log)" = 0
+fi
 rests folded '^the light rests: folded into [0-9]+ bytes' --mesh quad.obj
 rests plan '^plan .*light folded into a texture.*fold [0-9.]+' --mesh quad.obj --plan auto --tolerance 0
 with=("$short_gpu")
@@ -347,8 +351,8 @@ for i in 0 1; do
     expect_that "no memory for a fold: picture $i is the same" cmp free-$i.png refused-$i.png
 done
 for i in 0 1; do
-    expect_that "folded by itself: picture $i is the same" cmp free-$i.png folded-$i.png
-    expect_that "folded by a plan: picture $i is the same" cmp free-$i.png plan-$i.png
+    unless_light expect_that "folded by itself: picture $i is the same" cmp free-$i.png folded-$i.png
+    expect_that "folded by a plan: picture $i is the same" cmp folded-$i.png plan-$i.png
 done
 seen=0
 start levels.btf.exr --plan auto --tolerance 20 --original data

@@ -15,7 +15,6 @@ needPrograms(browser);
 const here = dirname(fileURLToPath(import.meta.url));
 const job = {
     golden: readdirSync(golden).filter((name) => name.endsWith('.btf.exr')).sort(),
-    planes: ['radiance', 'picked'],
     // Chromium's SwiftShader keeps the order of operations even where it need not
     noticesZero: browser === 'firefox',
 };

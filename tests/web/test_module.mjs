@@ -90,7 +90,12 @@ for (const name of files(golden)) {
         // one direction for all is that direction for each
         const all = (v) => Float32Array.from({ length: 150 }, (_, i) => v[i % 3]);
         const [l, v] = [light.slice(0, 3), view.slice(0, 3)];
-        assert.deepEqual(bits(material.evaluate(uv, l, v)), bits(material.evaluate(uv, all(l), all(v))));
+        for (const reference of [false, true]) {
+            const options = { reference };
+            assert.deepEqual(bits(material.evaluate(uv, l, v, options)), bits(material.evaluate(uv, all(l), all(v), options)));
+            assert.deepEqual(bits(material.evaluate(uv, l, view, options)), bits(material.evaluate(uv, all(l), view, options)));
+            assert.deepEqual(bits(material.evaluate(uv, light, v, options)), bits(material.evaluate(uv, light, all(v), options)));
+        }
         material.close();
     });
 }

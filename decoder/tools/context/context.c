@@ -41,7 +41,7 @@ context *context_create(const context_device *device, char *why, size_t why_size
     }
     c->provider = device->provider;
     if (!c->provider->create) {
-        snprintf(why, why_size, "built without %s", c->provider->name);
+        snprintf(why, why_size, "this program was built without %s", c->provider->name);
         free(c);
         return NULL;
     }

@@ -301,7 +301,7 @@ static void *create(const shader_request *request, const btf_log *log, btf_resul
     context_prepare(device);
     d->context = context_create(device, why, sizeof why);
     if (!d->context) {
-        file_say(log, "device %s: %s", device->name, why);
+        file_say(log, "device %s: %s (--device reference renders on the CPU)", device->name, why);
         *out_result = BTF_ERROR_UNSUPPORTED;
         free(d);
         return NULL;

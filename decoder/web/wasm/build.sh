@@ -38,7 +38,7 @@ flags=(-DNDEBUG -D_GNU_SOURCE -ffp-contract=off -fno-math-errno -ffunction-secti
 ours=("$root"/reference/*.c "$root"/decoder/toolkit/{filter,json,reference_view}.c "$here"/{exports,describe}.c "$objects/text/shader_text.c")
 for file in "$root"/decoder/*.c "$root"/decoder/*/*.c; do
     case ${file#"$root/decoder/"} in
-    toolkit/* | pixels/* | tools/* | examples/*) ;; # other rooms
+    toolkit/* | pixels/* | tools/* | examples/* | python/*) ;; # other rooms
     gl*.c | */gl*.c) ;;                             # JavaScript reaches the browser's GL
     *) ours+=("$file") ;;
     esac

@@ -284,7 +284,7 @@ static void weights_near(btf_ref_neighbours near, bool nearest, enc_weights *out
     }
 }
 
-/* Of each direction that can be left out, [list->count]. */
+/* One for each direction that can be left out: [list->count]. */
 static btf_result weights_of_list(const enc_context *context, const char *name,
                                   const enc_direction *directions, int count, const enc_left_out *list,
                                   enc_interpolation kind, enc_weights *out) {

@@ -33,10 +33,10 @@ typedef struct pca_factors {
  * BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED. */
 btf_result pca_factorise(const enc_context *context, const enc_data *data, pca_coding coding, size_t rank,
                          pca_factors *out_factors);
-/* The same of some texels only: u[i] belongs to list[i], `data` texels in any order; NULL: all. */
+/* Factorises some texels only: u[i] belongs to list[i], `data` texels in any order; NULL: all. */
 btf_result pca_factorise_texels(const enc_context *context, const enc_data *data, const uint32_t *list,
                                 size_t count, pca_coding coding, size_t rank, pca_factors *out_factors);
-/* The same of all texels on one axis of opponent colour. */
+/* Factorises all texels on one axis of opponent colour. */
 btf_result pca_factorise_plane(const enc_context *context, const enc_data *data, pca_plane plane,
                                pca_coding coding, size_t rank, pca_factors *out_factors);
 void pca_factors_clear(pca_factors *factors);

@@ -20,7 +20,7 @@ typedef struct decode_probes {
 /* Samples of the data, evenly over texels, at random views and lights. Errors: those of the data,
  * BTF_ERROR_MEMORY. */
 btf_result decode_probes_create(const enc_context *context, const enc_data *data, decode_probes *p);
-/* The same of truth between the samples. Errors: BTF_ERROR_MEMORY. */
+/* Probes of truth between the samples. Errors: BTF_ERROR_MEMORY. */
 btf_result decode_probes_between(const enc_context *context, const bench_truth *truth, decode_probes *p);
 void decode_probes_clear(decode_probes *p);
 

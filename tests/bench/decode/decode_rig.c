@@ -102,7 +102,7 @@ static double seconds(const decode_rig *rig) {
     return rig->software ? rig_core_seconds() : rig_wall_seconds();
 }
 
-/* How often a picture is drawn, so that the clock can tell: as many pixels for small ones, and on a GPU
+/* The number of times a picture is drawn, so that the clock can tell: as many pixels for small ones, and on a GPU
  * until it takes long beside the wait for it. 0: failed. */
 static int draws_of(const decode_rig *rig, unsigned program, int side) {
     static const double long_enough = 0.02; /* seconds */

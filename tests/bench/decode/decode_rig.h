@@ -50,7 +50,7 @@ rig_variant rig_variant_create(decode_rig *rig, const btf_material *material,
                                const btf_shader_options *shader, const char *body, int first_unit);
 void rig_variant_destroy(decode_rig *rig, rig_variant *variant);
 
-/* The same, measured over the whole side and destroyed; 0 on an error. */
+/* Makes a variant, measures it over the whole side and destroys it; 0 on an error. */
 double rig_measure_variant(decode_rig *rig, const btf_material *material, const btf_shader_options *shader,
                            const char *body, const uint32_t *inputs, double *out_spread);
 

@@ -1,4 +1,4 @@
-/* What the decoders of section `decode` share: materials, peers, samples to compare at, and the rows that are
+/* The state that all decoders of section `decode` share: materials, peers, samples to compare at, and the rows
  * made of them.
  *
  * SPDX-License-Identifier: MIT
@@ -39,9 +39,9 @@ uint32_t decoding_part(const decode_material *m, const decode_subset *s);
 /* The accuracy of a compiled program into the row. */
 void decoding_probe(const decoding *d, decode_rig *rig, unsigned program, decode_row *row);
 
-/* Where truth between the samples is not known: an estimate of the accuracy there, into the row, for a material
- * or for the images of a peer, interpolated; of a peer without images (NULL), no sample of which depends on
- * others, the accuracy at them. Errors: those of bench_between_material and bench_between_images. */
+/* Where truth between the samples is not known, these put an estimate of the accuracy there into the row: for a
+ * material, or for the interpolated images of a peer. A peer without images (NULL), whose samples do not depend on
+ * one another, gets its accuracy at the samples. Errors: those of bench_between_material and bench_between_images. */
 btf_result decoding_estimate_material(const decoding *d, const decode_material *m, const decode_subset *s,
                                       decode_row *row);
 btf_result decoding_estimate_peer(const decoding *d, const enc_image_source *images, decode_row *row);

@@ -91,12 +91,15 @@ static const struct {
      0,
      {.leave_out = BTF_EFFECT_RELIEF, .fold = BTF_FOLD_BOTH, STILL_VIEW, STILL_LIGHT, STEEP}},
 };
-enum { WAYS = sizeof ways / sizeof *ways, MOST = MATERIALS * WAYS };
+enum { WAYS = sizeof ways / sizeof *ways, MOST = MATERIALS * WAYS, ROUNDS = 3 };
 
 typedef struct fitting {
     const bench_run *run;
     decode_rig rig;
-    uint32_t *still; /* the rig's inputs with the directions that stand still */
+    uint32_t *still;       /* the rig's inputs with the directions that stand still */
+    rig_variant yardstick; /* one shader, which takes turns with every other */
+    double yards;          /* ns of it, the sum of all `turns` */
+    int turns, rounds;
     cost_sample samples[MOST];
     char names[MOST][64];
     int count;
@@ -117,6 +120,23 @@ static const uint32_t *inputs_of(const fitting *f, const btf_shader_options *o) 
         }
     }
     return f->still;
+}
+
+/* The time of a shader in turns with the yardstick: the median of their ratios, so that a machine which others use, too,
+ * and which is faster now and slower then, changes both alike. 0: failed. */
+static double measure_in_turns(fitting *f, unsigned program, const uint32_t *inputs) {
+    double ratio[ROUNDS], spread;
+    for (int i = 0; i < f->rounds; i++) {
+        const double yard = rig_measure(&f->rig, f->yardstick.program, f->rig.inputs, RIG_SIDE, NULL),
+                     ns = rig_measure(&f->rig, program, inputs, RIG_SIDE, NULL);
+        if (!(yard > 0 && ns > 0)) {
+            return 0;
+        }
+        f->yards += yard;
+        f->turns++;
+        ratio[i] = ns / yard;
+    }
+    return bench_median(ratio, f->rounds, &spread);
 }
 
 /* Times a way, unless it does what another of the material does. Errors: none; what cannot be drawn is left out, with a
@@ -144,7 +164,7 @@ static void measure(fitting *f, int m, int w, const btf_material *material, int 
     rig_variant made = o.fold != BTF_FOLD_NONE
                            ? rig_folded_create(&f->rig, material, &o, &fold)
                            : rig_variant_create(&f->rig, material, &o, gpu_evaluate_body, GPU_FIRST_UNIT);
-    s->ns = made.program ? rig_measure(&f->rig, made.program, inputs_of(f, &o), RIG_SIDE, NULL) : 0;
+    s->ns = made.program ? measure_in_turns(f, made.program, inputs_of(f, &o)) : 0;
     rig_variant_destroy(&f->rig, &made);
     btf_gl_fold_destroy(&fold);
     if (s->ns > 0) {
@@ -152,8 +172,22 @@ static void measure(fitting *f, int m, int w, const btf_material *material, int 
     }
 }
 
+/* A quarter of the units of a default file. */
+static btf_result make_yardstick(fitting *f) {
+    const btf_shader_options o = {.struct_size = sizeof o, .components = 3};
+    btf_material *material = NULL;
+    btf_result result = synthetic_create(&materials[0].spec, &f->run->context->log, &material);
+    if (result == BTF_OK) {
+        f->yardstick = rig_variant_create(&f->rig, material, &o, gpu_evaluate_body,
+                                          GPU_FIRST_UNIT + BTF_TEXTURE_COUNT);
+        result = f->yardstick.program ? BTF_OK : BTF_ERROR_UNSUPPORTED;
+    }
+    btf_material_close(&material);
+    return result;
+}
+
 static btf_result measure_all(fitting *f) {
-    btf_result result = BTF_OK;
+    btf_result result = make_yardstick(f);
     for (int m = 0; m < MATERIALS && result == BTF_OK; m++) {
         btf_material *material = NULL;
         const int first = f->count;
@@ -165,6 +199,9 @@ static btf_result measure_all(fitting *f) {
             measure(f, m, w, material, first);
         }
         btf_material_close(&material);
+    }
+    for (int i = 0; i < f->count; i++) { /* from yardsticks to ns */
+        f->samples[i].ns *= f->yards / f->turns;
     }
     return result;
 }
@@ -205,16 +242,15 @@ static btf_result write_tables(const fitting *f, const btf_cost_model *model, co
 }
 
 btf_result bench_section_costs(const bench_run *run) {
-    enum { REPEATS = 3, LEAST = 10 };
+    enum { LEAST = 10 };
     static fitting f; /* large */
     char why[300], path[4096];
     const context_device *device = &context_devices[0];
-    f = (fitting){.run = run};
+    f = (fitting){.run = run, .rounds = run->quick ? 1 : ROUNDS};
     for (const context_device *d = context_devices; run->device && d->name; d++) {
         device = strcmp(d->name, run->device) == 0 ? d : device;
     }
-    if (rig_create(device, run->quick ? 1 : REPEATS, &run->context->log, why, sizeof why, &f.rig) !=
-        BTF_OK) {
+    if (rig_create(device, 1, &run->context->log, why, sizeof why, &f.rig) != BTF_OK) {
         fprintf(run->summary, "No OpenGL context on this machine.\n\n");
         return BTF_OK;
     }
@@ -236,6 +272,7 @@ btf_result bench_section_costs(const bench_run *run) {
         }
     }
     free(f.still);
+    rig_variant_destroy(&f.rig, &f.yardstick);
     rig_destroy(&f.rig);
     return result;
 }

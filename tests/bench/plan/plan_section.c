@@ -11,6 +11,7 @@
 
 #include "decoder/toolkit/cli.h"
 #include <math.h>
+#include <string.h>
 #include <unistd.h>
 
 enum { LEVELS = 4, ROUNDS = 3, WAYS = 3 };
@@ -65,20 +66,26 @@ typedef struct found {
     bool folded; /* shown by reading a fold */
 } found;
 
-/* dB below the full decode where the scene looks: between the samples where the file tells, else against the data. */
-static void predict_loss(const btf_plan *p, double out[2]) {
-    const bool between = p->full_between_psnr_linear > 0;
-    out[0] = (double)(between ? p->full_between_psnr_linear - p->between_psnr_linear
-                              : p->full_psnr_linear - p->psnr_linear);
-    out[1] = (double)(between ? p->full_between_psnr_srgb - p->between_psnr_srgb
-                              : p->full_psnr_srgb - p->psnr_srgb);
+/* dB below the full decode where the scene looks, as the plan reckons: between the samples, where the file tells, beside
+ * half of what it estimates there; else against the data. */
+static double predict_loss(float full_between, float between, float full, float planned) {
+    if (full_between <= 0) {
+        return (double)full - (double)planned;
+    }
+    const double of_full = pow(10, -(double)full_between / 10),
+                 more = pow(10, -(double)between / 10) - of_full,
+                 base = fmax(of_full / 2, pow(10, -(double)full / 10));
+    return 10 * log10(1 + more / base);
 }
 
-static void measure_loss(const found *f, double out[2]) {
+/* The same as measured: against images between the samples, at other levels against the data. False where it is not
+ * known. */
+static bool measure_loss(const found *f, double out[2]) {
     for (int i = 0; i < 2; i++) {
         out[i] = f->images > 0 ? plan_psnr(f->full_truth[i]) - plan_psnr(f->truth[i])
                                : plan_psnr(f->full_mse[i]) - plan_psnr(f->mse[i]);
     }
+    return f->images > 0 || f->plan.full_between_psnr_linear <= 0;
 }
 
 static btf_result find(const bench_run *run, decode_rig *rig, const plan_scene *scene,
@@ -162,35 +169,43 @@ static void write_row(const bench_run *run, const char *method, const plan_scene
     const btf_plan *p = &f->plan;
     const double ns = f->ns[f->folded ? 2 : 0], time = of(ns, f->ns[1]),
                  predicted = (double)((f->folded ? p->folded_cost : p->cost) / p->full_cost);
-    double lost[2], expected[2];
-    char row[700], left_out[200], pays[40] = "", words[48];
+    double lost[2];
+    const double expected[2] = {
+        predict_loss(p->full_between_psnr_linear, p->between_psnr_linear, p->full_psnr_linear,
+                     p->psnr_linear),
+        predict_loss(p->full_between_psnr_srgb, p->between_psnr_srgb, p->full_psnr_srgb, p->psnr_srgb)};
+    char row[700], left_out[200], pays[40] = "", words[48], told[80] = "not known";
     tell_left_out(material, f, left_out, sizeof left_out);
-    predict_loss(p, expected);
-    measure_loss(f, lost);
+    if (measure_loss(f, lost)) {
+        snprintf(told, sizeof told, "%.2f / %.2f", lost[0], lost[1]);
+    }
+    if (f->images > 0) {
+        snprintf(told + strlen(told), sizeof told - strlen(told), ", %zu images", f->images);
+    }
     if (f->folded) {
         snprintf(pays, sizeof pays, ", after %.2f Mpixels", 1e-6 * p->fold_pixels);
     }
     snprintf(row, sizeof row,
-             "| %s: %s | %s | %.2f / %.2f | %.2f / %.2f | %.2f / %.2f | %.2f / %.2f | %.2f / %.2f%s | "
+             "| %s: %s | %s | %.2f / %.2f | %.2f / %.2f | %.2f / %.2f | %.2f / %.2f | %s | "
              "%.2f of %.2f | %.0f of %.0f%s | %.0f %% / %.0f %% | %.0f %% / %.0f %% |\n",
              method, scene->name, left_out, (double)p->psnr_linear, (double)p->psnr_srgb,
              plan_psnr(f->mse[0]), plan_psnr(f->mse[1]), plan_psnr(f->full_mse[0]),
-             plan_psnr(f->full_mse[1]), expected[0], expected[1], lost[0], lost[1],
-             f->images > 0 ? ", truth" : "", 1e-6 * (double)f->bytes, 1e-6 * (double)p->full_gpu_bytes, ns,
-             f->ns[1], pays, 100 * predicted, 100 * time,
+             plan_psnr(f->full_mse[1]), expected[0], expected[1], told, 1e-6 * (double)f->bytes,
+             1e-6 * (double)p->full_gpu_bytes, ns, f->ns[1], pays, 100 * predicted, 100 * time,
              100 * (1 - of((double)f->bytes, (double)p->full_gpu_bytes)), 100 * (1 - time));
     fputs(row, run->summary);
     fputs(row, to->readme);
     fprintf(to->csv,
             "%s,%s,\"%s\",%u,%u,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%zu,%zu,%.1f,%.1f,%.3f,%.3f,%.3f,%.3f,%s,%zu,"
-            "%.1f,%.3f,%.0f,%.3f,%.3f,%.3f,%.3f,%zu\n",
+            "%.1f,%.3f,%.0f,%.3f,%.3f,%.3f,%.3f,%zu,%.3f,%.3f\n",
             method, scene->name, cli_effects_text(p->effects, words), (unsigned)p->components,
             (unsigned)p->level, (double)p->psnr_linear, (double)p->psnr_srgb, plan_psnr(f->mse[0]),
             plan_psnr(f->mse[1]), plan_psnr(f->full_mse[0]), plan_psnr(f->full_mse[1]), f->bytes,
             p->full_gpu_bytes, f->ns[0], f->ns[1], (double)p->full_psnr_linear, (double)p->full_psnr_srgb,
             (double)(p->cost / p->full_cost), of(f->ns[0], f->ns[1]), fold_names[p->fold], p->fold_bytes,
             f->ns[2], (double)(p->folded_cost / p->full_cost), p->fold_pixels, expected[0], expected[1],
-            lost[0], lost[1], f->images);
+            lost[0], lost[1], f->images, f->images > 0 ? plan_psnr(f->full_truth[0]) : 0,
+            f->images > 0 ? plan_psnr(f->full_truth[1]) : 0);
 }
 
 /* A material of each method: joint (the first preset asked for, with levels of detail) and paper. */
@@ -269,12 +284,11 @@ btf_result bench_section_plan(const bench_run *run) {
         rig_create(&context_devices[0], 1, &run->context->log, why, sizeof why, &rig) == BTF_OK;
     write_head(drawn ? gpu_name(rig.gpu) : "no device", run->summary);
     write_head(drawn ? gpu_name(rig.gpu) : "no device", to.readme);
-    fprintf(
-        to.csv,
-        "method,scene,effects,components,level,predicted_linear,predicted_srgb,measured_linear,"
-        "measured_srgb,full_linear,full_srgb,bytes,full_bytes,ns,full_ns,predicted_full_linear,"
-        "predicted_full_srgb,predicted_time,measured_time,fold,fold_bytes,folded_ns,predicted_"
-        "folded_time,fold_pixels,predicted_loss_linear,predicted_loss_srgb,loss_linear,loss_srgb,images\n");
+    fprintf(to.csv, "method,scene,effects,components,level,predicted_linear,predicted_srgb,measured_linear,"
+                    "measured_srgb,full_linear,full_srgb,bytes,full_bytes,ns,full_ns,predicted_full_linear,"
+                    "predicted_full_srgb,predicted_time,measured_time,fold,fold_bytes,folded_ns,predicted_"
+                    "folded_time,fold_pixels,predicted_loss_linear,predicted_loss_srgb,loss_linear,loss_"
+                    "srgb,images,full_truth_linear,full_truth_srgb\n");
     for (int joint = 1; joint >= 0 && result == BTF_OK; joint--) {
         btf_material *material = NULL;
         if (!(run->methods & (joint ? BENCH_METHOD_JOINT : BENCH_METHOD_PAPER))) {

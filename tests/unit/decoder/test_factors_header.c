@@ -71,27 +71,11 @@ static void test_file_attributes(void **state) {
 
 /* Changes one number of a floatvector. */
 static void refused_number(const char *name, int index, float value, const char *text) {
-    char full[64];
-    snprintf(full, sizeof full, "openbtf.%s", name);
-    edit_file *e = take(&factor_file);
-    edit_attribute *a = edit_find_attribute(e, full);
-    assert_true(index < a->count);
-    a->values[index] = value;
-    file_refused(e, text);
+    number_refused(take(&factor_file), name, index, value, text);
 }
 
 static void refused_count(const char *name, int count, const char *text) {
-    char full[64];
-    snprintf(full, sizeof full, "openbtf.%s", name);
-    edit_file *e = take(&factor_file);
-    edit_attribute *a = edit_find_attribute(e, full);
-    float *values = calloc((size_t)count, sizeof *values);
-    assert_non_null(values);
-    memcpy(values, a->values, (size_t)(count < a->count ? count : a->count) * sizeof *values);
-    free(a->values);
-    a->values = values;
-    a->count = count;
-    file_refused(e, text);
+    count_refused(take(&factor_file), name, count, text);
 }
 
 static void test_file_numbers(void **state) {

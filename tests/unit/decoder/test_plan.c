@@ -288,7 +288,8 @@ static void plans_tell_of_what_lies_between(void **state) {
     assert_int_equal(btf_plan_effects(plain, &scene, 0.7f, &plan), BTF_OK); /* a file without the table */
     assert_true(plan.measured && plan.between_psnr_linear == 0 && plan.full_between_psnr_srgb == 0);
     assert_int_equal(plan.effects, BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL);
-    assert_int_equal(btf_plan_effects(material, &scene, 0.7f, &plan), BTF_OK); /* 0.0006 beside half of 0.01 */
+    assert_int_equal(btf_plan_effects(material, &scene, 0.7f, &plan),
+                     BTF_OK); /* 0.0006 beside half of 0.01 */
     assert_int_equal(plan.effects, BTF_EFFECT_RESIDUAL);
     assert_int_equal(btf_plan_effects(material, &scene, 0.48f, &plan), BTF_OK);
     assert_int_equal(plan.effects, BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL);
@@ -446,18 +447,22 @@ static void costs_of_factors_follow_the_model(void **state) {
         o.components = 0; /* all */
         assert_true(btf_plan_cost(material, &o, NULL) == last);
     }
-    /* Measured: 305 for all, 57 with nearest directions, 696 bilinear, 9 of each for what is not of the
-     * units. */
+    /* A default file on llvmpipe, with all that is not of its units: nearest directions 0.30 of all, four texels 1.97. */
     const btf_shader_options o = {.struct_size = sizeof o, .leave_out = BTF_EFFECT_SHIFT};
     btf_shader_options nearest = o, bilinear = o, shifted = o;
     nearest.interpolation = BTF_INTERPOLATION_NEAREST;
     bilinear.filter = BTF_FILTER_BILINEAR;
     shifted.leave_out = 0;
     const float full = cost_of_residual(material, o);
-    assert_true(fabsf(cost_of_residual(material, nearest) / full - 48.0f / 296) < 0.02f);
-    assert_true(fabsf(cost_of_residual(material, bilinear) / full - 687.0f / 296) < 0.2f);
-    /* Two more fetches of 15 texels of u. */
-    assert_true(fabsf(cost_of_residual(material, shifted) - full - 2 * 15 * 1.65f) < 0.01f);
+    const float of_nearest = cost_of_residual(material, nearest) / full,
+                of_four = cost_of_residual(material, bilinear) / full;
+    assert_true(of_nearest > 0.15f && of_nearest < 0.35f && of_four > 1.6f && of_four < 2.4f);
+    /* Two more fetches of 15 texels of u and of 13 of the scales. */
+    const btf_decode_counts alike = btf_plan_counts(material, &o, NULL),
+                            apart = btf_plan_counts(material, &shifted, NULL);
+    assert_true(apart.fetches - alike.fetches == 2 * (15 + 13));
+    assert_true(alike.masked < apart.masked && apart.masked <= apart.integers + apart.floats);
+    assert_true(cost_of_residual(material, shifted) > full);
     btf_material_close(&material);
 }
 

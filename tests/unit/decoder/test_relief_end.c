@@ -37,16 +37,6 @@ static btf_material *make(uint32_t effects, uint32_t end) {
     return m;
 }
 
-static btf_material_info info_of(const btf_material *material) {
-    btf_material_info info = {.struct_size = sizeof info};
-    assert_int_equal(btf_material_get_info(material, &info), BTF_OK);
-    return info;
-}
-
-static bool has(const btf_material *material, btf_texture_id id) {
-    return btf_material_texture(material, id).format != BTF_FORMAT_NONE;
-}
-
 static void test_create(void **state) {
     (void)state;
     static const struct {
@@ -68,7 +58,7 @@ static void test_create(void **state) {
             create_refused(&desc, cases[i].text);
         } else {
             btf_material *m = create_accepted(&desc);
-            assert_int_equal(info_of(m).relief_end, cases[i].becomes);
+            assert_int_equal(accepted_info(m).relief_end, cases[i].becomes);
             btf_material_close(&m);
         }
         random_material_free(&desc);
@@ -96,7 +86,7 @@ static void test_file(void **state) {
         assert_int_equal(written, end < LEVELS ? end : 0);
         edit_free(e);
         assert_int_equal(btf_material_open_memory(data, size, &log_keep, &opened), BTF_OK);
-        assert_int_equal(info_of(opened).relief_end, end);
+        assert_int_equal(accepted_info(opened).relief_end, end);
         for (uint32_t level = 0; level < LEVELS; level++) /* so that mip chains are whole */
             assert_int_equal(btf_material_level_texture(opened, level, BTF_TEXTURE_HEIGHTS).size,
                              (WIDTH >> level) * (HEIGHT >> level));
@@ -211,15 +201,15 @@ static void test_restrict(void **state) {
                 plan.shader.leave_out = 0;
                 plan.shader.filter = (btf_filter)(end % 3);
                 assert_int_equal(btf_material_restrict(whole, &plan, &log_keep, &small), BTF_OK);
-                const btf_material_info info = info_of(small);
+                const btf_material_info info = accepted_info(small);
                 const bool relief = level < end;
                 assert_int_equal(info.levels, LEVELS - level);
                 assert_int_equal(info.effects, (relief ? RELIEF : 0) | (gloss ? BTF_EFFECT_GLOSS : 0));
                 assert_int_equal(info.relief_end, relief ? end - level : 0);
                 assert_int_equal(info.relief_level, relief ? level : 0);
                 assert_int_equal(info.relief_steps, relief ? 7 : 0);
-                assert_int_equal(has(small, BTF_TEXTURE_HEIGHTS), relief);
-                assert_int_equal(has(small, BTF_TEXTURE_VIEW_VECTORS), relief || gloss);
+                assert_int_equal(accepted_texture(small, BTF_TEXTURE_HEIGHTS), relief);
+                assert_int_equal(accepted_texture(small, BTF_TEXTURE_VIEW_VECTORS), relief || gloss);
                 assert_int_equal(plan_differences(&r, whole, small, &plan, 60, &lit), 0);
                 all_lit += lit;
                 btf_material_close(&small);
@@ -253,7 +243,7 @@ static void test_plan(void **state) {
         assert_true(linear == plan.psnr_linear && srgb == plan.psnr_srgb);
         btf_material *small;
         assert_int_equal(btf_material_restrict(m, &plan, &log_keep, &small), BTF_OK);
-        assert_int_equal(info_of(small).gpu_bytes, plan.gpu_bytes);
+        assert_int_equal(accepted_info(small).gpu_bytes, plan.gpu_bytes);
         btf_material_close(&small);
     }
     btf_material_close(&m);

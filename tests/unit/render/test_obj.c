@@ -117,15 +117,15 @@ static void test_broken(void **state) {
         {"v 0 0 0\nvt 0 0\nf 1/1 1/1\n", "a.obj:3: face: has 2 corners", BTF_ERROR_BAD_FILE},
         {"v 0 0 0\nf 1 1 1\n", "'1' has no texture coordinate", BTF_ERROR_BAD_FILE},
         {"v 0 0 0\nvn 0 0 1\nf 1//1 1//1 1//1\n", "no texture coordinate", BTF_ERROR_BAD_FILE},
-        {"v 0 0 0\nvt 0 0\nf 1/1 2/1 1/1\n", "vertex 2 of 1", BTF_ERROR_BAD_FILE},
-        {"v 0 0 0\nvt 0 0\nf 1/1 0/1 1/1\n", "vertex 0 of 1", BTF_ERROR_BAD_FILE},
-        {"v 0 0 0\nvt 0 0\nf 1/-2 1/1 1/1\n", "texture coordinate -2 of 1", BTF_ERROR_BAD_FILE},
-        {"v 0 0 0\nvt 0 0\nf 1/1/7 1/1 1/1\n", "normal 7 of 0", BTF_ERROR_BAD_FILE},
-        {"v 0 0 0\nvt 0 0\nf 1/1/1/1 1/1 1/1\n", "normal 1 of 0", BTF_ERROR_BAD_FILE},
+        {"v 0 0 0\nvt 0 0\nf 1/1 2/1 1/1\n", "vertex 2, but 1 are", BTF_ERROR_BAD_FILE},
+        {"v 0 0 0\nvt 0 0\nf 1/1 0/1 1/1\n", "vertex 0, but 1 are", BTF_ERROR_BAD_FILE},
+        {"v 0 0 0\nvt 0 0\nf 1/-2 1/1 1/1\n", "texture coordinate -2, but 1 are", BTF_ERROR_BAD_FILE},
+        {"v 0 0 0\nvt 0 0\nf 1/1/7 1/1 1/1\n", "normal 7, but 0 are", BTF_ERROR_BAD_FILE},
+        {"v 0 0 0\nvt 0 0\nf 1/1/1/1 1/1 1/1\n", "normal 1, but 0 are", BTF_ERROR_BAD_FILE},
         {"v 0 0 0\nvt 0 0\nvn 0 0 1\nf 1/1/1/1 1/1 1/1\n", "more than three", BTF_ERROR_BAD_FILE},
         {"v 0 0 0\nvt 0 0\nf 1/1 1/1 /1\n", "'/1' is not of the form v, v/t", BTF_ERROR_BAD_FILE},
         {"v 0 0 0\nvt 0 0\nf a b c\n", "'a' is not of the form v, v/t", BTF_ERROR_BAD_FILE},
-        {"v 0 0 0\nvt 0 0\nf 99999999999999999999/1 1/1 1/1\n", "of 1", BTF_ERROR_BAD_FILE},
+        {"v 0 0 0\nvt 0 0\nf 99999999999999999999/1 1/1 1/1\n", "but 1 are given so far", BTF_ERROR_BAD_FILE},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         mesh *m;

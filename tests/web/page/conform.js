@@ -75,9 +75,11 @@ async function replay(gl, vector, planes, change = (text) => text) {
     return different;
 }
 
-async function compareVectors(gl, vectors, planes) {
-    for (const part of [0, 1, 2, 3]) {
-        const list = vectors.filter((_, i) => i % 4 === part);
+/** Every vector's radiance; of a third of them, which have every effect and filter, radiance of picked neighbours too. */
+async function compareVectors(gl, vectors) {
+    for (const part of [0, 1, 2]) {
+        const list = vectors.filter((_, i) => i % 3 === part);
+        const planes = part === 0 ? ['radiance', 'picked'] : ['radiance'];
         const wrong = [];
         for (const vector of list) {
             const different = await replay(gl, vector, planes);
@@ -85,7 +87,7 @@ async function compareVectors(gl, vectors, planes) {
                 wrong.push(`${vector.material} (${vector.about}): ${different} values differ`);
             }
         }
-        await report(`vectors ${part + 1} of 4: ${list.length} vectors, ${planes.join(' and ')}, 0 bits differ`, wrong.join('\n'));
+        await report(`vectors ${part + 1} of 3: ${list.length} vectors, ${planes.join(' and ')}, 0 bits differ`, wrong.join('\n'));
     }
 }
 
@@ -203,7 +205,7 @@ async function run() {
     await restoresState(context(), job.golden[0]);
     await compareReference(gl, job.golden);
     const vectors = await json('/vectors/vectors.json');
-    await compareVectors(gl, vectors, job.planes);
+    await compareVectors(gl, vectors);
     const zero = vectors.filter((_, i) => i % 4 === 0);
     await control(gl, 'a zero that the compiler knows', zero, (text) => `#define BTF_ZERO 0u\n${text}`, job.noticesZero);
     const shift = vectors.filter(({ effects, about }) => effects.includes('shift') && !about.startsWith('1x1')).slice(0, 4);
