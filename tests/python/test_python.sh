@@ -6,6 +6,7 @@
 # SPDX-License-Identifier: MIT
 . "$(dirname "$0")/../tools/common.sh"
 interpreter=$1
+unset LD_LIBRARY_PATH # with which meson lets programs find the libraries of the build folder
 root=$BTF_SOURCE_ROOT
 mkdir lib
 ln -s "$build"/decoder/libopenbtf.so.0.2 "$build"/reference/libopenbtf_reference.so.0.2 \
