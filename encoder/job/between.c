@@ -18,6 +18,19 @@ static double fit_least_psnr(const enc_job *job) {
     return job->method != ENC_METHOD_PAPER && job->joint.quality > 0 ? job->joint.quality + 3 : 0;
 }
 
+/* Tells the user which effects between the samples are taken. */
+static void log_choice(const enc_context *context, const enc_job *job, const enc_relief_choice *choice) {
+    if (choice->chosen > 0) {
+        enc_log(context, BTF_LOG_INFO, "relief: heights of %.2f to %.2f texels", choice->least, choice->most);
+    } else if (job->relief.relief) {
+        enc_log(context, BTF_LOG_INFO, choice->tried ? "relief: none: %s" : "relief: not tried: %s",
+                choice->reason);
+    }
+    if (choice->gloss.quarters > 0) {
+        enc_log(context, BTF_LOG_INFO, "gloss: views keep %d quarters of the half vector", choice->gloss.quarters);
+    }
+}
+
 /* Chooses relief and gloss, or takes them from the checkpoint. */
 static btf_result find_relief(const enc_context *context, const enc_job *job, const enc_data *data,
                               enc_between *s) {
@@ -41,12 +54,8 @@ static btf_result find_relief(const enc_context *context, const enc_job *job, co
         result = enc_ranks_agree(context, result);
     }
     if (result == BTF_OK) {
-        char text[ENC_RELIEF_TEXT];
         s->relief_judged = true;
-        enc_log(context, BTF_LOG_INFO, "between the samples: %s", enc_relief_text(&s->relief, text));
-        if (job->relief.relief && !s->relief.tried) {
-            enc_log(context, BTF_LOG_INFO, "relief: not tried: %s", s->relief.reason);
-        }
+        log_choice(context, job, &s->relief);
     }
     return result;
 }
@@ -115,7 +124,11 @@ btf_result enc_between_provenance(const enc_context *context, const enc_job *job
     const bool fitted = s->fit_judged && job->fit == ENC_FIT_BETWEEN;
     if (fitted) {
         enc_fit_text(&s->fit, kappa);
-        enc_log(context, BTF_LOG_INFO, "fit of the values at views and lights: kappa %s", kappa);
+        if (s->fit.chosen > 0) {
+            enc_log(context, BTF_LOG_INFO, "fit: values at views and lights are fitted with kappa %s", kappa);
+        } else {
+            enc_log(context, BTF_LOG_INFO, "fit: values at views and lights are the samples");
+        }
     }
     if (s->relief_judged) {
         enc_relief_text(&s->relief, between);
