@@ -124,6 +124,12 @@ done
 expect "a plan" 0 btf-info m.btf.exr --plan views=0:15,light=40:60,pixels=1.5,tolerance=20
 expect_text "names effects" "^effects " out
 expect_text "and what it saves" "7 views, 1 lights, .* bytes of" out
+costs=$BTF_SOURCE_ROOT/tests/fuzz/corpus/costs
+expect "a plan by another device's prices" 0 btf-info m.btf.exr --plan views=0:15,light=40:60 --costs "$costs/llvmpipe.json"
+expect "prices that are cut off" 3 btf-info m.btf.exr --plan all --costs "$costs/cut.json"
+expect_text "are named" "cut.json" err
+expect "prices that are not there" 2 btf-info m.btf.exr --plan all --costs none.json
+expect "prices without a plan" 1 btf-info m.btf.exr --costs "$costs/llvmpipe.json"
 expect "a plan as JSON" 0 btf-info m.btf.exr --json --plan all
 expect_that "loses less than the tolerance between the samples" python3 - <<'P'
 import json

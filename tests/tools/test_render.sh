@@ -371,5 +371,10 @@ done
 render -o g.png --device osmesa --fov 0 $turn --stats >out
 expect_text "lights that turn are not folded, the view is" 'level 0, fixed view$' out
 expect "no plan for figure 13" 1 btf-render m.btf.exr -o x.png --figure13 --original data --plan auto
+costs=$BTF_SOURCE_ROOT/tests/fuzz/corpus/costs
+expect "a plan by prices of a device" 0 render -o x.png --device reference --plan auto --costs "$costs/llvmpipe.json"
+expect "prices that are cut off" 3 render -o y.png --device reference --plan auto --costs "$costs/cut.json"
+expect_text "are named" "cut.json" err
+expect_that "and nothing is drawn" test ! -e y.png
 expect "a plan that is none" 1 render -o x.png --plan all
 finish

@@ -48,6 +48,7 @@ expect "an unknown mesh" 1 btf-view m.btf.exr --mesh cube
 echo "v 1" >bad.obj
 expect "a broken OBJ" 3 env -u DISPLAY btf-view m.btf.exr --mesh bad.obj
 expect "original without a file" 1 btf-view --original data
+expect "prices that are cut off" 3 btf-view m.btf.exr --plan auto --costs "$BTF_SOURCE_ROOT/tests/fuzz/corpus/costs/cut.json"
 expect "a plan that is none" 1 btf-view m.btf.exr --plan all
 expect "a wrong size" 1 btf-view --size 1x1
 
