@@ -6,7 +6,8 @@
 #                         nothing for them to see (tests/meson.build: suite plain)
 #   tests/run.sh --long   the same with the suite long (tests/README.md): conformance on other devices, libFuzzer, broken builds,
 #                         ThreadSanitizer; BTF_FUZZ_SECONDS of each fuzz target (20)
-#   tests/run.sh --core   without the tests of decoder/web, which need emscripten and two browsers (1.2 GB)
+#   tests/run.sh --web    with those of decoder/web, which need emscripten and two browsers (1.2 GB); not yet part of the whole
+#   tests/run.sh --core   without the tests that need browsers or Blender: so far the same as without an option
 #
 # SPDX-License-Identifier: MIT
 set -u
@@ -14,17 +15,18 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 . "$root/.ci/setup.sh"
 
 long=0
-web=1
+web=0
 for argument in "$@"; do
     case $argument in
     --long) long=1 ;;
-    --core) web=0 ;;
+    --web) web=1 ;;
+    --core) ;;
     -h | --help)
-        sed -n '2,9s/^# \{0,1\}//p' "$0"
+        sed -n '2,10s/^# \{0,1\}//p' "$0"
         exit 0
         ;;
     *)
-        echo "tests/run.sh: unknown argument '$argument' (expected --long, --core or --help)" >&2
+        echo "tests/run.sh: unknown argument '$argument' (expected --long, --web, --core or --help)" >&2
         exit 1
         ;;
     esac
