@@ -27,9 +27,9 @@
 
 enum { EFFECT_ERROR_SAMPLES = 3000000, REPORTED_EFFECTS = 5 };
 
-/* Core seconds of one inner step, fitted by hand to the core seconds by stage (--report) of encodes by both
- * methods of 32x32 and 64x64 texels with 81 views and 81 lights, btf-sample and BRICKS64, on the machine that
- * predict.c describes; where other data were used it is said. Of reading and making samples, */
+/* Core seconds of one inner step on the machine that predict.c describes, where encodes of 32x32 and 64x64 texels
+ * by both methods took what the model says within a fifth; which data each constant was fitted to is not recorded,
+ * unless it is said here. Of reading and making samples, */
 static const double per_file = 60e-6, per_pixel = 25e-9, per_jpeg_pixel = 12e-9, per_read_sample = 1.5e-9;
 /* of the paper's method, */
 static const double per_fit = 110e-9, per_shadow = 20e-9, per_flow = 1.2e-6, per_flow_label = 3e-9,

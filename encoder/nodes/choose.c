@@ -21,8 +21,8 @@ enum {
 };
 
 /* Strengths for views and lights, rising. Lights take stronger fits than views, since shading changes
- * faster with the light than parallax does with the view. Those of the ladder are the ones that paid on
- * BRICKS64, btf-sample and UBO_IMPALLA64 (FIT.md). */
+ * faster with the light than parallax does with the view. FIT.md has what each of the ladder gives on
+ * BRICKS64, btf-sample and UBO_IMPALLA64. */
 static const int ladder[ENC_FIT_CANDIDATES][2] = {{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 4}, {4, 5}, {4, 6}};
 
 typedef struct sums {

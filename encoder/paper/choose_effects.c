@@ -13,7 +13,7 @@
 #include <openbtf/material.h>
 #include <stdlib.h>
 
-/* Share of points, below which clusters are not worth a try; set by hand: btf-sample flat has none hidden. */
+/* Share of points, below which clusters are not worth a try; chosen, not fitted. */
 static const double hidden_share = 0.01;
 
 static double clipped(double value, double peak) {

@@ -10,9 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* In units of the images, whose mean is 1; step and jump are P1 and P2 of Hirschmueller 2008, section 2.2. Set by hand
- * on btf-sample bricks and BRICKS64, whose true shifts are known: with them the voted shifts miss by 1.09 and 0.75
- * texels at 30 degrees. */
+/* In units of the images, whose mean is 1; step and jump are P1 and P2 of Hirschmueller 2008, section 2.2. With them
+ * the voted shifts of btf-sample bricks and of BRICKS64, whose true shifts are known, miss by 1.09 and 0.75 texels
+ * at 30 degrees; which data they were set on is not recorded. */
 static const float most_difference = 0.5f; /* beyond it, a sample is an outlier */
 static const float step_penalty = 0.03f;   /* neighbours one step apart */
 static const float jump_penalty = 0.2f;    /* neighbours further apart */

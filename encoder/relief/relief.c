@@ -22,7 +22,7 @@ enum {
     LEAST_STEPS = 8,
 };
 
-/* Set on BRICKS64 and btf-sample bumps and bricks (RELIEF.md). */
+/* RELIEF.md has what was measured with these. */
 static const double least_theta = 10, most_theta = 65; /* of views that heights are found from */
 static const double texels_a_step = 1.6;               /* of a march along the steepest ring */
 static const double constant_margin = 0.1; /* dB that a map must gain over the best single height */
