@@ -366,7 +366,7 @@ btf_result btf_plan_predict(const btf_material *material, const btf_plan *plan, 
     return BTF_OK;
 }
 
-/* What a plan is chosen by, the less the better: relative time, of what is folded where the light is still, and
+/* The number a plan is chosen by, the less the better: relative time, of what is folded where the light is still, and
  * relative bytes. */
 static float price(const btf_plan *plan) {
     return fminf(plan->cost, plan->folded_cost) / plan->full_cost +

@@ -24,7 +24,7 @@ typedef struct scene_option {
     "count=N lights a pixel, tolerance=DB below the full decode (default 0.5), interpolate: never\n"       \
     "nearest directions; commas between, \"all\" for all defaults"
 
-/* What --costs takes, for --help. */
+/* Help of --costs. */
 #define COSTS_OPTION_HELP                                                                                  \
     "with --plan: the prices of a GPU (JSON, openbtf/cost.h), as tests/bench/gpu.sh\n"                     \
     "measures them; default those of llvmpipe, which are built in"

@@ -342,15 +342,17 @@ if [ -z "$light" ]; then
 fi
 rests folded '^the light rests: folded into [0-9]+ bytes' --mesh quad.obj
 rests plan '^plan .*light folded into a texture.*fold [0-9.]+' --mesh quad.obj --plan auto --tolerance 0
-with=("$short_gpu")
-rests refused none --mesh quad.obj --plan auto --tolerance 0
-with=()
-expect_text "no memory for a fold is told" 'refuses [0-9]+ bytes for a fold of the light: nothing is folded' view.err
-expect_that "once" test "$(wc -l <view.err)" = 1
-expect_that "no plan folds" test "$(grep -c 'folded into a texture' log)" = 0
-for i in 0 1; do
-    expect_that "no memory for a fold: picture $i is the same" cmp free-$i.png refused-$i.png
-done
+if [ -z "$light" ]; then # test_render.sh shows the sanitizers a refusal
+    with=("$short_gpu")
+    rests refused none --mesh quad.obj --plan auto --tolerance 0
+    with=()
+    expect_text "no memory for a fold is told" 'refuses [0-9]+ bytes for a fold of the light: nothing is folded' view.err
+    expect_that "once" test "$(wc -l <view.err)" = 1
+    expect_that "no plan folds" test "$(grep -c 'folded into a texture' log)" = 0
+    for i in 0 1; do
+        expect_that "no memory for a fold: picture $i is the same" cmp free-$i.png refused-$i.png
+    done
+fi
 for i in 0 1; do
     unless_light expect_that "folded by itself: picture $i is the same" cmp free-$i.png folded-$i.png
     expect_that "folded by a plan: picture $i is the same" cmp folded-$i.png plan-$i.png

@@ -70,7 +70,7 @@ uint32_t btf_fold_layers(const btf_material_info *info, btf_fold fold, uint32_t 
 /** @return bytes of texture `folded`, of all levels. */
 size_t btf_fold_bytes(const btf_material_info *info, btf_fold fold, uint32_t lights);
 
-/** What a fold costs and saves, in the unit of btf_plan_cost. */
+/** Price of a fold and time that it saves, in the unit of btf_plan_cost. */
 typedef struct btf_fold_costs {
     double pass;            /**< of one light; of level 0 alone, so a third too low where there are levels */
     float unfolded, folded; /**< of a pixel */

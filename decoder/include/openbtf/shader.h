@@ -79,7 +79,7 @@ typedef enum btf_fixed {
     BTF_FIXED_LIGHT = 2, /**< the direction to the light, btf_shader_options.fixed_light */
 } btf_fixed;
 
-/** What is decoded once, into texture `folded` (openbtf/fold.h), for a shader that reads it from then on. */
+/** The part of decoding that is done once, into texture `folded` (openbtf/fold.h), for a shader that reads it from then on. */
 typedef enum btf_fold {
     BTF_FOLD_NONE = 0,  /**< nothing */
     BTF_FOLD_LIGHT = 1, /**< a light that never changes */
@@ -121,7 +121,7 @@ typedef struct btf_shader_options {
     /** Other than none: btf_evaluate_stochastic and btf_evaluate_radiance_blend stand in place of btf_evaluate; default
      * BTF_PICK_NONE. */
     btf_picks picks;
-    /** What was folded: the shader reads texture `folded`, bound to first_binding + BTF_TEXTURE_COUNT, and of the
+    /** The fold that was made: the shader reads texture `folded`, bound to first_binding + BTF_TEXTURE_COUNT, and of the
      * material's textures only those that say where. The directions handed to btf_evaluate must be those that were
      * folded; `fixed` says nothing of them. Not with picks. Default BTF_FOLD_NONE. */
     btf_fold fold;

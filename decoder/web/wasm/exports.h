@@ -53,7 +53,7 @@ typedef struct btf_web_scene {
     float tolerance;           /**< dB below the full decode */
 } btf_web_scene;
 
-/** What to evaluate and where, for btf_web_evaluate. */
+/** Arguments of evaluations and how to decode, for btf_web_evaluate. */
 typedef struct btf_web_evaluations {
     uint32_t count;      /**< evaluations */
     const float *uv;     /**< [count][2] */

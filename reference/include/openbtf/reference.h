@@ -142,7 +142,7 @@ void btf_ref_evaluate_apart(const btf_ref_material *material, const btf_ref_opti
 /* Folding: a light that never changes, or light and view, are decoded once; then a pixel reads what was kept. The
  * radiance has the same bits (decoder/README.md, Folding). */
 
-/** What never changes where decoding is folded. */
+/** The directions that never change where decoding is folded. */
 enum {
     BTF_REF_FOLD_LIGHT = 1,      /**< the light */
     BTF_REF_FOLD_BOTH = 2,       /**< the light and the view, of which radiance is kept */

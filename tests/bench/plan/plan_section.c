@@ -55,7 +55,7 @@ static void measure_times(decode_rig *rig, const btf_material *material, const b
     btf_gl_fold_destroy(&fold);
 }
 
-/* What was found of one scene. */
+/* The findings of one scene. */
 typedef struct found {
     btf_plan plan;
     size_t bytes;

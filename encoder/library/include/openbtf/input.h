@@ -69,7 +69,7 @@ typedef struct btf_input_options {
 /** A data set that was opened. */
 typedef struct btf_input btf_input;
 
-/** What a data set holds. Lists belong to the btf_input. */
+/** Sizes and directions of a data set. Lists belong to the btf_input. */
 typedef struct btf_input_info {
     size_t struct_size;    /**< sizeof(btf_input_info), set by the caller */
     int width, height;     /**< of an image, in texels */
