@@ -52,7 +52,7 @@ static btf_decode_counts counts_of(const btf_material *material, const btf_mater
 static float cost_of(const btf_material *material, const btf_material_info *info,
                      const btf_shader_options *o, const btf_scene *scene) {
     const btf_decode_counts counts = counts_of(material, info, o, scene);
-    return (float)btf_cost_of(&counts, scene ? scene->costs : NULL);
+    return (float)btf_cost_of(&counts, scene && scene->struct_size >= sizeof *scene ? scene->costs : NULL);
 }
 
 btf_decode_counts btf_plan_counts(const btf_material *material, const btf_shader_options *options,
@@ -380,6 +380,7 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *given
     btfi_reach views, lights;
     if (given)
         memcpy(&scene, given, given->struct_size < sizeof scene ? given->struct_size : sizeof scene);
+    scene.struct_size = sizeof scene; /* the plan's is whole */
     if (!is_within_limit(tolerance) || !is_within_limit(scene.pixels) ||
         !btfi_range_is_legal(&scene.view) || !btfi_range_is_legal(&scene.light))
         return BTF_ERROR_USAGE;
@@ -401,6 +402,7 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *given
     /* Without gloss a still light can be folded, whatever the view. */
     const bool may_fold = info->effects & BTF_EFFECT_GLOSS & ~idle && scene.light.fixed &&
                           !scene.view.fixed && tolerance > 0 && plan->level == 0 &&
+                          info->colour == BTF_COLOUR_NONE && /* an SBRDF depends on the view as well */
                           find_gloss(material, &scene, growth[1]);
     const double *chosen_growth = growth[0];
     btf_plan best = *plan;

@@ -124,7 +124,9 @@ static bool read_number(reader *r, double *out) {
             return false;
         power = down ? -power : power;
     }
-    *out = (negative ? -value : value) * (value == 0 ? 1 : pow(10, power - decimals));
+    const double exponent = power - decimals, magnitude = value == 0 ? 1 : pow(10, fabs(exponent));
+    value = exponent < 0 ? value / magnitude : value * magnitude; /* a power of 10 up to 10^22 is exact, its inverse is not */
+    *out = negative ? -value : value;
     return true;
 }
 
@@ -149,6 +151,8 @@ static btf_result read_value(reader *r, int key) {
     const char *from = r->at;
     const bool is_number = read_number(r, &value);
     skip_space(r);
+    if (is_number && r->at < r->end && *r->at != ',' && *r->at != '}' && strchr(" \t\r\n", r->at[-1]))
+        return expected(r, ", or }");
     if (!is_number || (r->at < r->end && *r->at != ',' && *r->at != '}'))
         return btfi_fail(r->log, BTF_ERROR_BAD_FILE, "%s: %s is %s, not a number", r->name, keys[key],
                          word_at(r, from, word));

@@ -54,7 +54,7 @@ static btf_result fold_radiance(const piece *p, const float light[3], const floa
                                       .fixed = BTF_FIXED_LIGHT | BTF_FIXED_VIEW,
                                       .rgb = rgb[0]};
         result = btf_evaluate_many(p->evaluator, &options, &many);
-        for (uint32_t i = 0; i < count; i++)
+        for (uint32_t i = 0; i < count && result == BTF_OK; i++)
             keep(rgb[i], p->out + 4 * (size_t)(first + i));
     }
     return result;
@@ -104,7 +104,8 @@ btf_result btf_fold_rows(const btf_evaluator *evaluator, const btf_shader_option
         return BTF_ERROR_USAGE;
     const btf_material_info *info = &evaluator->info;
     const btf_fold fold = options->fold;
-    if (fold == BTF_FOLD_NONE || level >= info->levels)
+    if (fold == BTF_FOLD_NONE || level >= info->levels ||
+        (unsigned)options->interpolation > BTF_INTERPOLATION_NEAREST)
         return BTF_ERROR_USAGE;
     if (btf_fold_check(info, options, NULL) != BTF_OK)
         return BTF_ERROR_UNSUPPORTED;

@@ -91,7 +91,7 @@ btf_fold_costs btf_fold_cost(const btf_material *material, const btf_shader_opti
     const btf_shader_options all = read_options(options), pass = btf_fold_pass(options);
     btf_shader_options unfolded = all;
     unfolded.fold = BTF_FOLD_NONE;
-    const btf_scene anywhere = {.struct_size = sizeof anywhere, .costs = scene ? scene->costs : NULL};
+    const btf_scene anywhere = {.struct_size = sizeof anywhere, .costs = scene && scene->struct_size >= sizeof *scene ? scene->costs : NULL};
     /* A pass over a view does a third of what three neighbouring views take. */
     const double views = all.fold == BTF_FOLD_LIGHT
                              ? info.n_views / (all.interpolation == BTF_INTERPOLATION_NEAREST ? 1.0 : 3.0)

@@ -316,9 +316,11 @@ btf_result btf_gl_fold_run_lights(btf_gl_fold *fold, btf_gl *textures, uint32_t 
 void btf_gl_fold_bind(btf_gl_fold *fold, uint32_t program, uint32_t unit, const char *prefix) {
     const btfi_gl_functions *api = &fold->api;
     char name[80];
-    int32_t current = 0, active = 0;
+    int32_t current = 0, active = 0, deleted = 0;
     snprintf(name, sizeof name, "%.48s_folded", prefix ? prefix : "btf");
     api->GetIntegerv(GL_CURRENT_PROGRAM, &current);
+    if (current) /* one that is deleted while current ends when another takes its place */
+        api->GetProgramiv((uint32_t)current, GL_DELETE_STATUS, &deleted);
     api->GetIntegerv(GL_ACTIVE_TEXTURE, &active);
     api->UseProgram(program);
     const int32_t location = api->GetUniformLocation(program, name);
@@ -328,7 +330,8 @@ void btf_gl_fold_bind(btf_gl_fold *fold, uint32_t program, uint32_t unit, const 
         api->BindSampler(unit, 0);
         api->Uniform1i(location, (int32_t)unit);
     }
-    api->UseProgram((uint32_t)current);
+    if (!deleted)
+        api->UseProgram((uint32_t)current);
     api->ActiveTexture((uint32_t)active);
 }
 

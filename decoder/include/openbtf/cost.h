@@ -58,7 +58,8 @@ btf_decode_counts btf_count_decode(const btf_material_info *info, const btf_shad
 /** Prices of the counts, in nanoseconds each: of one core, or of a GPU as a whole. Only ratios matter to a plan. */
 typedef struct btf_cost_model {
     size_t struct_size; /**< sizeof(btf_cost_model) */
-    char device[128];   /**< for people: the renderer that it was fitted to, UTF-8, ends with 0 */
+    char device[128];   /**< for people: the renderer that it was fitted to, ends with 0: cut where it is longer, with ?
+                               for characters beyond ASCII that the file writes as escapes */
     double pixel;       /**< of a pixel, whatever it shows */
     double look_up;     /**< of a look-up of neighbouring directions, its fetches included */
     double point;       /**< of a texel that is shown */
@@ -85,7 +86,7 @@ double btf_cost_of(const btf_decode_counts *counts, const btf_cost_model *model)
 btf_result btf_cost_model_read(const char *text, size_t size, const char *name, const btf_log *log,
                                btf_cost_model *out_model);
 
-/** Reads such a file. Errors: those of btf_cost_model_read, BTF_ERROR_IO. */
+/** Reads such a file. Errors: those of btf_cost_model_read, BTF_ERROR_IO, BTF_ERROR_MEMORY. */
 btf_result btf_cost_model_open(const char *path, const btf_log *log, btf_cost_model *out_model);
 
 #ifdef __cplusplus

@@ -123,7 +123,8 @@ typedef struct btf_shader_options {
     btf_picks picks;
     /** The fold that was made: the shader reads texture `folded`, bound to first_binding + BTF_TEXTURE_COUNT, and of the
      * material's textures only those that say where. The directions handed to btf_evaluate must be those that were
-     * folded; `fixed` says nothing of them. Not with picks. Default BTF_FOLD_NONE. */
+     * folded, bit for bit. A fixed view is used with BTF_FOLD_LIGHT and, where it is the one that was folded, with
+     * BTF_FOLD_NEIGHBOURS; a fixed light, and with BTF_FOLD_BOTH a fixed view, are not. Not with picks. Default BTF_FOLD_NONE. */
     btf_fold fold;
 } btf_shader_options;
 

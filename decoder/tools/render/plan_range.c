@@ -32,16 +32,22 @@ static void meet(plan_directions *d, const float direction[3]) {
     }
 }
 
-/* One row of samples under one light. Lights below a sample's horizon decode to black by any material. */
-static void add_row(int width, const float *inputs, const table_sample *samples, plan_range *range) {
+/* Views and levels of one row of samples, whatever lights them. */
+static void add_views(int width, const table_sample *samples, plan_range *range) {
     for (int x = 0; x < width; x++) {
-        const float *light = inputs + TABLE_INPUTS * x + 5;
         if (!(samples[x].view[2] > 0))
             continue;
         const int level = samples[x].level;
         range->level = !range->view.any || level < range->level ? level : range->level;
         meet(&range->view, samples[x].view);
-        if (light[2] > 0)
+    }
+}
+
+/* One light of a row of samples. Lights below a sample's horizon decode to black by any material. */
+static void add_light(int width, const float *inputs, const table_sample *samples, plan_range *range) {
+    for (int x = 0; x < width; x++) {
+        const float *light = inputs + TABLE_INPUTS * x + 5;
+        if (samples[x].view[2] > 0 && light[2] > 0)
             meet(&range->light, light);
     }
 }
@@ -64,9 +70,10 @@ btf_result plan_range_add(const render_scene *scene, plan_range *range) {
     }
     for (int row = 0; ok && row < table.height; row++) {
         table_cast(&table, row, 1, samples);
+        add_views(table.width, samples, range);
         for (size_t l = 0; l < scene->lights->count; l++) {
             table_light(&table, &scene->lights->lights[l], width, samples, inputs, weights);
-            add_row(table.width, inputs, samples, range);
+            add_light(table.width, inputs, samples, range);
         }
     }
     free(weights);

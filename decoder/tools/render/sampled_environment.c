@@ -71,11 +71,11 @@ btf_result sampled_environment_create(int width, int height, const float *pixels
                                    .rotate = rotate * (RENDER_PI / 180),
                                    .gain = gain,
                                    .cosine = 1};
-        if (e->pixels && e->columns && e->rows)
-            result = btf_evaluator_create(material, log, &evaluator);
-        else
-            file_say(log, "out of memory for a map of %d x %d pixels", width, height);
     }
+    if (e && e->pixels && e->columns && e->rows)
+        result = btf_evaluator_create(material, log, &evaluator);
+    else
+        file_say(log, "out of memory for a map of %d x %d pixels", width, height);
     if (!result)
         result = btf_light_sampling_create(material, evaluator, log, &e->tables);
     btf_evaluator_destroy(&evaluator);

@@ -60,7 +60,8 @@ static const char *parse_level(const char *text, void *value) {
 static const char *parse_light(const char *text, void *value) {
     settings *options = value;
     if (strcmp(text, "environment") != 0)
-        return light_parse_directional(text, &options->lights);
+        return strchr("0123456789.+- ", text[0]) ? light_parse_directional(text, &options->lights)
+                                                : "theta,phi[,intensity[,r,g,b]], or environment";
     options->env_sampled = true;
     return NULL;
 }

@@ -81,7 +81,7 @@ static const struct {
     {"{\"openbtf_costs\": 1, " REST ", \"float\": .5}", "float is .5, not a number"},
     {"{\"openbtf_costs\": 1, " REST ", \"float\": 01}", "float is 01, not a number"},
     {"{\"openbtf_costs\": 1, " REST ", \"float\": 1e}", "float is 1e, not a number"},
-    {"{\"openbtf_costs\": 1, " REST ", \"float\": 1 2}", "float is 1, not a number"},
+    {"{\"openbtf_costs\": 1, " REST ", \"float\": 1 2}", "expected , or }"},
     {"{\"openbtf_costs\": 1, " REST ", \"float\": 0x10}", "float is 0x10, not a number"},
     {"{\"openbtf_costs\": 1, " REST ", \"float\": }", "float is nothing, not a number"},
     {"{\"openbtf_costs\": 1, " REST ", \"float\": [1]}", "float is nothing, not a number"},
