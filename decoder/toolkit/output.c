@@ -134,9 +134,16 @@ static void output_free(output *file) {
     free(file);
 }
 
+static atomic_bool handles_signals = true;
+
+void output_leave_signals(void) {
+    handles_signals = false;
+}
+
 btf_result output_open(const char *path, btf_log log, output **out_output) {
     static pthread_once_t once = PTHREAD_ONCE_INIT;
-    pthread_once(&once, install_handlers);
+    if (handles_signals)
+        pthread_once(&once, install_handlers);
     *out_output = NULL;
 
     btf_result result = BTF_ERROR_MEMORY;

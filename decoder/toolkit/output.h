@@ -12,6 +12,10 @@
 /* A file being written. Used by one thread at a time; several may be open at once. */
 typedef struct output output;
 
+/* For a library within somebody else's program: no handler of signals or of exit is installed by output_open from here on,
+ * so that a temporary file stays where a signal ends the program. */
+void output_leave_signals(void);
+
 /* Creates `.NAME.PID-N.tmp` beside `path`, first removing such files that a dead process left there. A
  * symbolic link is followed; a target that exists and is no regular file (a pipe, /dev/null) is written
  * directly. Temporary files still open when the process exits, or dies of SIGINT, SIGTERM or SIGHUP, are

@@ -70,7 +70,7 @@ btf_result enc_scratch_open(const enc_context *context, const char *what, uint64
                         (double)size * 1e-9, folder, strerror(error));
     }
     enc_log(context, BTF_LOG_INFO,
-            "%s: %.2f GB do not fit the %.2f GB of memory allowed: they are kept in a scratch file in %s",
+            "%s: %.2f GB are more than half of the memory allowed, %.2f GB: they are kept in a scratch file in %s",
             what, (double)size * 1e-9, (double)context->memory * 1e-9, folder);
     *out_fd = fd;
     return BTF_OK;

@@ -74,9 +74,10 @@ btf_result enc_decode_pairs(const enc_context *context, const enc_evaluator *eva
     for (size_t p = 0; around && p < count; p++) {
         around[p] = enc_evaluated_look_up(evaluator, pairs[p].light.xyz, pairs[p].view.xyz);
     }
+    const bool begun = result == BTF_OK; /* asked before threads may write it */
 #pragma omp parallel num_threads(context->threads)
     {
-        enc_evaluated_texel *texel = result == BTF_OK ? enc_evaluated_texel_create(evaluator, 0) : NULL;
+        enc_evaluated_texel *texel = begun ? enc_evaluated_texel_create(evaluator, 0) : NULL;
 #pragma omp for schedule(dynamic, 8)
         for (size_t t = 0; t < texels; t++) {
             const bool cancelled = enc_cancelled(context);

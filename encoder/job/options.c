@@ -262,8 +262,8 @@ static const cli_option table[] = {
      .maximum = 0x1p62,
      .help = "memory that a process may use at most; default half of the machine's,\n"
              "divided by its ranks. Data beyond half of it go through a scratch\n"
-             "file in $TMPDIR, and then shift, gain and relief are not tried: only\n"
-             "so does the output depend on it. Less than the data need is refused"},
+             "file in $TMPDIR, and then shift, gain and relief are not tried, nor\n"
+             "without room for their tables. Less than the data need is refused"},
     {.short_name = 'q',
      .name = "quiet",
      .type = CLI_FLAG,

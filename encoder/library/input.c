@@ -8,6 +8,7 @@
 #include <openbtf/input.h>
 
 #include "decoder/toolkit/exr_image.h"
+#include "decoder/toolkit/output.h"
 #include "encoder/input/bonn_file.h"
 #include "encoder/input/grid.h"
 #include "encoder/input/radiance.h"
@@ -315,5 +316,6 @@ btf_result btf_input_write_image(const char *path, int width, int height, const 
     if (!path || !rgb || width < 1 || height < 1 || width > ENC_MAX_SIDE || height > ENC_MAX_SIDE) {
         return BTF_ERROR_USAGE;
     }
+    output_leave_signals(); /* they are the caller's */
     return exr_image_write(path, width, height, rgb, false, log ? *log : none);
 }

@@ -365,7 +365,9 @@ static btf_result decide(relief_job *j, enc_relief_choice *choice, enc_relief_st
         shown = shown == 0 || choice->candidate[k].gain > choice->candidate[shown].gain ? k : shown;
     }
     weigh(j, shown, choice->n_rings, choice->ring, &choice->candidate[shown]);
-    choice->reason = choice->chosen > 0 ? NULL : "it gains too little on every ring of views";
+    choice->reason = choice->chosen > 0                    ? NULL
+                     : choice->share >= ENC_RELIEF_SHARE ? "heights explain too little of what a plane leaves"
+                                                         : "it gains too little on every ring of views";
     if (choice->chosen == 0) {
         return BTF_OK;
     }

@@ -52,7 +52,7 @@ static void print_gloss(const enc_gloss_choice *gloss, FILE *out) {
     fprintf(out,
             "Gloss: PSNR of samples whose view and light are left out, in dB, linear / sRGB, by the share "
             "of the half\n"
-            "vector that is kept (the best is %.2f; half of it is taken)\n",
+            "vector that is kept (the best is %.2f; the largest share is taken up to which each step gains enough)\n",
             gloss->best);
     for (int q = 0; q < ENC_GLOSS_SHARES; q++) {
         fprintf(out, "%c %-22.2f %8.2f / %.2f\n", q == gloss->quarters ? '*' : ' ', q / 4.0,

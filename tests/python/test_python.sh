@@ -29,7 +29,7 @@ wheel() {
     cp -r "$root/decoder/python" package && cd package && cp -L ../lib/*.so.0.2 openbtf/ && mkdir openbtf/lib &&
         mv openbtf/*.so.0.2 openbtf/lib/ &&
         "$interpreter" -c 'from setuptools.build_meta import build_wheel; build_wheel("..")' && cd .. &&
-        "$interpreter" -m zipfile -e openbtf-0.2.0-py3-none-any.whl unpacked
+        "$interpreter" -m zipfile -e openbtf-0.2.0-*linux*.whl unpacked
 }
 expect_that 'a wheel' wheel
 from_wheel() {

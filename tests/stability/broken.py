@@ -19,9 +19,11 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 
 # Without optimisation loops of the encoder take longer to run than -O2 takes to compile; results are the same bits at each.
 OPTIONS = ['-Doptimization=1']
+LONGEST = 1800  # seconds of a test; a change may make it run for ever
 
 # The breaks: [(file, text, its replacement)], and the test that has to notice.
 CHANGES = [
@@ -356,6 +358,16 @@ def run_test(tree, test):
                            start_new_session=True,
                            env={**os.environ, 'BTF_SOURCE_ROOT': tree, 'BTF_BUILD_ROOT': f'{tree}/build'})
     lines = []
+    late = threading.Timer(LONGEST, os.killpg, (ran.pid, signal.SIGKILL))
+    late.start()
+    try:
+        return read_test(ran, lines)
+    finally:
+        late.cancel()
+
+
+def read_test(ran, lines):
+    """What run_test gives, of a test that runs."""
     for line in ran.stdout:
         lines.append(line)
         failed = FAILURE.match(line.rstrip('\n'))
@@ -364,7 +376,8 @@ def run_test(tree, test):
             ran.stdout.close()
             ran.wait()
             return 1, ''.join(lines), failed[1] or failed[2]
-    return ran.wait(), ''.join(lines), None
+    code = ran.wait()
+    return code, ''.join(lines), 'it does not end' if code == -signal.SIGKILL else None
 
 
 class Tree:

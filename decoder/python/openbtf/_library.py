@@ -1,6 +1,6 @@
 """The C library as ctypes sees it: where it lies, its structures, and its errors as exceptions.
 
-Structures are those of openbtf/*.h, member by member; tests/python/test_layout.py compares sizes and offsets with the
+Structures are those of openbtf/*.h, member by member; tests/python/layout.py compares sizes and offsets with the
 compiler's.
 
 SPDX-License-Identifier: MIT

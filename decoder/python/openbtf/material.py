@@ -4,6 +4,7 @@ SPDX-License-Identifier: MIT
 """
 import ctypes
 import os
+import threading
 from concurrent.futures import ThreadPoolExecutor
 from ctypes import byref, c_float, c_size_t, c_uint32, c_void_p, cast, sizeof
 
@@ -143,6 +144,7 @@ class Material:
         self._name = name
         self._info = c.Info(struct_size=sizeof(c.Info))
         c.Messages().check(c.library.btf_material_get_info(handle.pointer, byref(self._info)))
+        self._lock = threading.Lock() # of what is made when first needed
         self._evaluator = None
         self._sampling = None
         self._references = {}
@@ -314,10 +316,11 @@ class Material:
         return np.ascontiguousarray(_vectors(value, 3, name).reshape(3))
 
     def _evaluate_options(self, effects, components, interpolation, filter):
-        if not self._evaluator:
-            messages, evaluator = c.Messages(), c_void_p()
-            messages.check(c.library.btf_evaluator_create(self._handle.pointer, messages.pointer, byref(evaluator)))
-            self._evaluator = evaluator
+        with self._lock:
+            if not self._evaluator:
+                messages, evaluator = c.Messages(), c_void_p()
+                messages.check(c.library.btf_evaluator_create(self._handle.pointer, messages.pointer, byref(evaluator)))
+                self._evaluator = evaluator
         return c.EvaluateOptions(sizeof(c.EvaluateOptions), _leave_out(effects), _components(components),
                                  _choice(_INTERPOLATIONS, interpolation, "interpolation"), _choice(_FILTERS, filter, "filter"))
 
@@ -385,12 +388,13 @@ class Material:
         return np.array(pdf, np.float32).reshape(shape)
 
     def _tables(self):
-        if not self._sampling:
-            self._evaluate_options(None, None, "linear", "texel")
-            messages, sampling = c.Messages(), ctypes.POINTER(c.LightSampling)()
-            messages.check(c.library.btf_light_sampling_create(self._handle.pointer, self._evaluator, messages.pointer,
-                                                               byref(sampling)))
-            self._sampling = sampling
+        self._evaluate_options(None, None, "linear", "texel") # makes the evaluator
+        with self._lock:
+            if not self._sampling:
+                messages, sampling = c.Messages(), ctypes.POINTER(c.LightSampling)()
+                messages.check(c.library.btf_light_sampling_create(self._handle.pointer, self._evaluator, messages.pointer,
+                                                                   byref(sampling)))
+                self._sampling = sampling
         tables = self._sampling.contents
         return c.RefSampling(tables.n_triangles, cast(tables.triangles, c_void_p), cast(tables.densities, c_void_p))
 

@@ -15,7 +15,7 @@ if [ -f "$folder/openexr/LICENSE.md" ] && [ -f "$folder/zlib/zlib.h" ]; then
 fi
 command -v dpkg-source >/dev/null || { echo "dpkg-source is missing: apt-get install dpkg-dev" >&2; exit 2; }
 apt=$folder/apt
-rm -rf "$folder"
+rm -rf "$apt" "$folder/files" "$folder/openexr" "$folder/zlib" # what an earlier try left
 mkdir -p "$apt/lists/partial" "$apt/cache/archives/partial" "$folder/files"
 # The release of Debian whose headers the build uses too. Its keys are those that the machine trusts.
 cat >"$apt/sources.list" <<EOF

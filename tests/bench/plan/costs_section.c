@@ -246,9 +246,16 @@ btf_result bench_section_costs(const bench_run *run) {
     static fitting f; /* large */
     char why[300], path[4096];
     const context_device *device = &context_devices[0];
+    bool known = false;
     f = (fitting){.run = run, .rounds = run->quick ? 1 : ROUNDS};
     for (const context_device *d = context_devices; run->device && d->name; d++) {
-        device = strcmp(d->name, run->device) == 0 ? d : device;
+        if (strcmp(d->name, run->device) == 0) {
+            device = d;
+            known = true;
+        }
+    }
+    if (run->device && !known) {
+        return enc_fail(run->context, BTF_ERROR_USAGE, "option --device: '%s' is no device", run->device);
     }
     if (rig_create(device, 1, &run->context->log, why, sizeof why, &f.rig) != BTF_OK) {
         fprintf(run->summary, "No OpenGL context on this machine.\n\n");

@@ -1,7 +1,7 @@
 /* OpenBTF: data sets of BTFs as images in linear light, whatever they are stored in.
  *
  * Reads what btf-encode reads: folders and archives of images whose names say the directions (UBO2003, UTIA and
- * others) or of which a table does, and Bonn's binary .btf files; share/openbtf has the list. A library of its own,
+ * others) or of which a table does, and Bonn's binary .btf files (encoder/INPUTS.md of the source). A library of its own,
  * libopenbtf_input, since it needs what image files and archives need; it takes no MPI and makes no material.
  *
  * Directions are unit vectors of the tangent frame (x along +u, y along +v, z the normal), to the viewer and to the
@@ -9,8 +9,8 @@
  * (normal-incidence irradiance / pi), cosine included: a white Lambertian surface gives l.z. They are never below 0.
  *
  * Thread rule: any number of threads may read images of one btf_input at the same time; calls for an archive or a Bonn
- * file wait for one another. Messages come on the thread that called, but for those that btf_input_image gives, which
- * go to the log of that call.
+ * file wait for one another. Messages
+ * go to the log of the call, one at a time, and may come from threads that the call made. No handler of signals is installed.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -62,7 +62,7 @@ typedef struct btf_input_options {
     const char *layer;       /**< of OpenEXR files: the layer, part or channel to read; NULL: the plain choice */
     const char *names;       /**< table of the images' directions (btf-encode --names); NULL: names say them */
     int strict;              /**< 1: refuse values below 0 in place of setting them to 0 */
-    size_t memory;           /**< bytes for samples of archives and Bonn files, beyond which archives go to a scratch file
+    size_t memory;           /**< bytes allowed: samples beyond half of them, of archives, go to a scratch file
                                   in $TMPDIR, and those of Bonn files are made when asked for; 0: 1 GiB */
 } btf_input_options;
 
