@@ -129,6 +129,11 @@ P
 }
 part_viewer() { "$pictures/make.sh" "$build" "$work/levels-$(commit)" viewer; }
 part_between() { # of BRICKS64 where it is there, else of the built-in sample
+    if [ -z "${BTF_V1:-}" ]; then
+        echo "between: left as it is: BTF_V1 names no material of version 1, the second row of the picture"
+        passed_over=1
+        return 0
+    fi
     local caption=$work/headline-$(commit).md
     if [ -e "$shared/BRICKS64.zip" ] && [ -e "$shared/BRICKS64_between.zip" ]; then
         export BTF_DATA=$shared/BRICKS64.zip BTF_PAIRS=$shared/BRICKS64_between.zip

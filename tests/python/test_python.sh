@@ -6,6 +6,10 @@
 # SPDX-License-Identifier: MIT
 . "$(dirname "$0")/../tools/common.sh"
 interpreter=$1
+"$interpreter" -c 'import numpy, setuptools, wheel' 2>/dev/null || {
+    echo "skipped: $interpreter has no numpy, setuptools or wheel"
+    exit 77
+}
 unset LD_LIBRARY_PATH # with which meson lets programs find the libraries of the build folder
 root=$BTF_SOURCE_ROOT
 mkdir lib

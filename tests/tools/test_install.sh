@@ -153,6 +153,9 @@ prints_shader c++ ./with_cpp "LD_LIBRARY_PATH=$libdir"
 # The reference alone, under its name and its first one; no other header of OpenBTF is found without its folder.
 printf '#include <openbtf/reference.h>\nint main(void) { return !btf_ref_self_test(); }\n' >reference.c
 printf '#include <btf_reference.h>\nint main(void) { return !btf_ref_self_test(); }\n' >first_name.c
+printf '#include <openbtf/input.h>\nint main(void) { return btf_input_open(0, 0, 0, 0) != BTF_ERROR_USAGE; }\n' >input.c
+expect_that 'input.c' build_with cc input.c input openbtf-input
+expect 'input: runs' 0 env "LD_LIBRARY_PATH=$libdir" ./input
 printf '#include <material.h>\n' >material.c
 for name in reference first_name; do
     expect_that "$name.c" build_with cc $name.c $name openbtf-reference

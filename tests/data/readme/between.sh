@@ -32,7 +32,7 @@ if [ -n "${BTF_DATA:-}" ]; then
     data=$BTF_DATA pairs=${BTF_PAIRS:?expected images between the samples of BTF_DATA}
     label=$(basename "$data" .zip)
     mkdir -p truth
-    unzip -qo "$pairs" -d truth
+    python3 -m zipfile -e "$pairs" truth
     pairs=truth
 else
     # Far from the rings of samples, 0 to 75 degrees in steps of 15: the view's theta and phi, the light's.
