@@ -74,6 +74,7 @@ expect "no OpenGL 3.3" 5 env MESA_GL_VERSION_OVERRIDE=2.1 btf-view m.btf.exr
 expect_text "is told" 'no OpenGL 3.3' err
 
 with=() # what the viewer has in its environment
+told=   # what it says on stderr before the first picture of `rests`
 start() { # OPTIONS...: in the background, until the window is ready
     : >log
     env "${with[@]}" btf-view "$@" --size 320x240 --verbose --quiet --screenshots shot >log 2>view.err &
@@ -328,6 +329,7 @@ rests() { # NAME, PATTERN OF WHAT IS FOLDED (none: nothing), OPTIONS: pictures N
     start still.btf.exr "$@"
     press i '^panel off'
     [ "$line" = none ] || logged "$name: the light rests" 1 "$line"
+    [ -z "$told" ] || until_it grep -q "$told" view.err # else the picture comes before the light rests
     shoot $name-0
     drag 3 '^light [1-9]'
     [ "$line" = none ] || logged "$name: the light moved, and rests again" 2 "$line"
@@ -343,9 +345,9 @@ fi
 rests folded '^the light rests: folded into [0-9]+ bytes' --mesh quad.obj
 rests plan '^plan .*light folded into a texture.*fold [0-9.]+' --mesh quad.obj --plan auto --tolerance 0
 if [ -z "$light" ]; then # test_render.sh shows the sanitizers a refusal
-    with=("$short_gpu")
+    with=("$short_gpu") told=refuses
     rests refused none --mesh quad.obj --plan auto --tolerance 0
-    with=()
+    with=() told=
     expect_text "no memory for a fold is told" 'refuses [0-9]+ bytes for a fold of the light: nothing is folded' view.err
     expect_that "once" test "$(wc -l <view.err)" = 1
     expect_that "no plan folds" test "$(grep -c 'folded into a texture' log)" = 0
