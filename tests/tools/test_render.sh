@@ -369,7 +369,7 @@ for turn in view light; do
     done
 done
 render -o g.png --device osmesa --fov 0 $turn --stats >out
-expect_text "lights that turn are not folded, the view is" 'level 0, fixed view$' out
+unless_light expect_text "lights that turn are not folded, the view is" 'level 0, fixed view$' out # of fewer data each frame has a plan
 expect "no plan for figure 13" 1 btf-render m.btf.exr -o x.png --figure13 --original data --plan auto
 costs=$BTF_SOURCE_ROOT/tests/fuzz/corpus/costs
 expect "a plan by prices of a device" 0 render -o x.png --device reference --plan auto --costs "$costs/llvmpipe.json"

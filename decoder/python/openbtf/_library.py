@@ -164,7 +164,8 @@ def _find(name):
     here = pathlib.Path(__file__).resolve().parent
     places += [here / "lib"]
     for parent in here.parents:
-        places += sorted(parent.glob("lib/*-linux-gnu*")) + [parent / "lib"] if parent.name != "lib" else []
+        if parent.name != "lib": # Debian's folder of an architecture, meson's where it does not know Debian, anybody's
+            places += sorted(parent.glob("lib/*-linux-gnu*")) + [parent / "lib64", parent / "lib"]
         if len(places) > 24:
             break
     for place in places:
