@@ -225,7 +225,7 @@ import re
 psnr = {l.split(":")[0]: float(re.search("linear ([0-9.]+)", l).group(1)) for l in open("out")}
 assert psnr["SBRDF"] < psnr["full"], psnr
 P
-btf-sample -o other --relief bumps --size 16 --directions 0:1,45:4 --quiet
+btf-sample -o other --relief bumps --size $side --directions 0:1,45:4 --quiet
 expect "figure 13 with other data" 1 btf-render m.btf.exr -o x.png --figure13 --original other
 expect_text "names both counts" 'original: the images have 5 views, but the material has 7' err
 expect "figure 13 with a baseline" 0 btf-render m.btf.exr -o f13b.png --size 60 --figure13 --original data --baseline m.btf.exr --mesh plane --view 40,0 --quiet
