@@ -157,21 +157,14 @@ static btf_result check_distinct(const enc_context *context, const enc_pairs *pa
 
 static btf_result report(const enc_context *context, const enc_pairs *pairs, size_t i, btf_result result,
                          const char *message) {
-    return enc_fail(context, result, "%s: %s: %s", pairs->source->source->location, pairs->pair[i].name,
-                    message[0] ? message : btf_result_text(result));
+    return enc_source_fail(context, pairs->source->source, pairs->source->index[i], result, message);
 }
 
 /* Reads the first image, whose size all others must have. */
 static btf_result settle_size(const enc_context *context, enc_pairs *pairs) {
     enc_pairs_source *s = pairs->source;
-    char message[MESSAGE_SIZE] = "";
-    btf_result result =
-        s->source->read(s->source, s->index[0], &s->first_file, &s->first_size, message, sizeof message);
-    if (result != BTF_OK) {
-        return report(context, pairs, 0, result, message);
-    }
-    result = enc_radiance_settle(context, &s->options, s->source->location, pairs->pair[0].name,
-                                 s->first_file, s->first_size, &s->radiance);
+    const btf_result result = enc_radiance_settle_first(context, &s->options, s->source, s->index[0],
+                                                        &s->first_file, &s->first_size, &s->radiance);
     pairs->width = s->radiance.width;
     pairs->height = s->radiance.height;
     return result;

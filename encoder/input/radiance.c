@@ -61,6 +61,17 @@ btf_result enc_radiance_settle(const enc_context *context, const enc_read_option
     return out->decoder ? settle_area(context, location, out) : BTF_ERROR_MEMORY;
 }
 
+btf_result enc_radiance_settle_first(const enc_context *context, const enc_read_options *options,
+                                     enc_source *source, size_t index, void **out_file, size_t *out_size,
+                                     enc_radiance *out) {
+    char message[480] = ""; /* the channels of an OpenEXR file among them */
+    *out_file = NULL;
+    const btf_result result = source->read(source, index, out_file, out_size, message, sizeof message);
+    return result == BTF_OK ? enc_radiance_settle(context, options, source->location, source->paths[index],
+                                                  *out_file, *out_size, out)
+                            : enc_source_fail(context, source, index, result, message);
+}
+
 void enc_radiance_clear(enc_radiance *radiance) {
     enc_decoder_destroy(&radiance->decoder);
 }

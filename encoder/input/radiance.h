@@ -8,6 +8,7 @@
 #include "encoder/base/context.h"
 #include "image.h"
 #include "read_options.h"
+#include "source.h"
 
 enum { ENC_MAX_SIDE = 16384 }; /* texels */
 
@@ -26,6 +27,11 @@ typedef struct enc_radiance {
 btf_result enc_radiance_settle(const enc_context *context, const enc_read_options *options,
                                const char *location, const char *name, const void *file, size_t size,
                                enc_radiance *out);
+/* The same, of an image of a source that is read for it: *out_file is malloc'ed, the caller frees, also where its
+ * contents are refused; NULL where it cannot be read. Errors: those of reading, too. */
+btf_result enc_radiance_settle_first(const enc_context *context, const enc_read_options *options,
+                                     enc_source *source, size_t index, void **out_file, size_t *out_size,
+                                     enc_radiance *out);
 void enc_radiance_clear(enc_radiance *radiance);
 
 /* One file to out[row][column][3] of width x height, linear Rec. 709: transfer, colour, crop, flip and

@@ -68,8 +68,7 @@ static const char *path_of(const reader *r, size_t item) {
 
 /* Reports a failed file from the main thread. */
 static btf_result report(const reader *r, size_t item, btf_result result, const char *message) {
-    return enc_fail(r->context, result, "%s: %s: %s", r->source->location, path_of(r, item),
-                    message[0] ? message : btf_result_text(result));
+    return enc_source_fail(r->context, r->source, r->grid->items[item].source, result, message);
 }
 
 btf_result enc_read_check(const enc_context *context, const enc_read_options *o) {
@@ -94,14 +93,8 @@ btf_result enc_read_check(const enc_context *context, const enc_read_options *o)
 
 /* Reads the first image, whose size all others must have. */
 static btf_result settle_size(reader *r) {
-    char message[MESSAGE_SIZE] = "";
-    const btf_result result = r->source->read(r->source, r->grid->items[0].source, &r->first_file,
-                                              &r->first_size, message, sizeof message);
-    if (result != BTF_OK) {
-        return report(r, 0, result, message);
-    }
-    return enc_radiance_settle(r->context, r->options, r->source->location, path_of(r, 0), r->first_file,
-                               r->first_size, &r->radiance);
+    return enc_radiance_settle_first(r->context, r->options, r->source, r->grid->items[0].source,
+                                     &r->first_file, &r->first_size, &r->radiance);
 }
 
 /* Interleaved linear pixels times `factor` to three planes, negative samples clamped and counted. */

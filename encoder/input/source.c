@@ -17,6 +17,12 @@ void enc_source_close(enc_source **source) {
     *source = NULL;
 }
 
+btf_result enc_source_fail(const enc_context *context, const enc_source *source, size_t index,
+                           btf_result result, const char *message) {
+    return enc_fail(context, result, "%s: %s: %s", source->location, source->paths[index],
+                    message[0] ? message : btf_result_text(result));
+}
+
 btf_result enc_source_add(enc_source *source, const char *path, size_t *n_allocated, bool *out_is_image) {
     *out_is_image = enc_names_is_image(path);
     if (source->count + source->n_others >= ENC_SOURCE_MAX_ENTRIES) {

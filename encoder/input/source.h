@@ -35,6 +35,11 @@ struct enc_source {
 
 void enc_source_close(enc_source **source);
 
+/* Tells of an image that failed, by the source's location, its path and `message`, or where that is empty the result's
+ * text; returns `result`. */
+btf_result enc_source_fail(const enc_context *context, const enc_source *source, size_t index,
+                           btf_result result, const char *message);
+
 /* For the kinds of source (source_folder.h, source_archive.h): keeps a copy of a path if it names an image,
  * counts it otherwise. n_allocated is the length of source->paths. Errors: BTF_ERROR_UNSUPPORTED (too
  * many), BTF_ERROR_MEMORY. */

@@ -78,18 +78,6 @@ static btf_result take_directions(btf_input *input, const enc_direction *views, 
                             : result;
 }
 
-/* Reads the file of an image; *out_bytes is malloc'ed. Failures go to the log with the file's name. */
-static btf_result read_file(const enc_context *context, const image_set *set, size_t item, void **out_bytes,
-                            size_t *out_size) {
-    char message[MESSAGE_SIZE] = "";
-    const btf_result result =
-        set->source->read(set->source, item, out_bytes, out_size, message, sizeof message);
-    return result == BTF_OK
-               ? result
-               : enc_fail(context, result, "%s: %s: %s", set->source->location, set->source->paths[item],
-                          message[0] ? message : btf_result_text(result));
-}
-
 /* The names of a folder, and the size of its first image. */
 static btf_result open_set(const enc_context *context, btf_input *input) {
     image_set *set = &input->set;
@@ -97,12 +85,8 @@ static btf_result open_set(const enc_context *context, btf_input *input) {
     size_t size = 0;
     btf_result result = enc_grid_create(context, set->source, &input->options, &set->grid);
     if (result == BTF_OK) {
-        result = read_file(context, set, set->grid->items[0].source, &file, &size);
-    }
-    if (result == BTF_OK) {
-        result =
-            enc_radiance_settle(context, &input->options, set->source->location,
-                                set->source->paths[set->grid->items[0].source], file, size, &set->radiance);
+        result = enc_radiance_settle_first(context, &input->options, set->source, set->grid->items[0].source,
+                                           &file, &size, &set->radiance);
     }
     free(file);
     if (result != BTF_OK) {
@@ -237,15 +221,13 @@ static btf_result read_image(const enc_context *context, const btf_input *input,
     size_t size = 0;
     char message[MESSAGE_SIZE] = "";
     image_notes notes = {0};
-    btf_result result = read_file(context, set, item, &file, &size);
-    if (result != BTF_OK) {
-        return result;
+    btf_result result = set->source->read(set->source, item, &file, &size, message, sizeof message);
+    if (result == BTF_OK) {
+        result = enc_radiance_convert(&set->radiance, file, size, out_rgb, &notes, message, sizeof message);
     }
-    result = enc_radiance_convert(&set->radiance, file, size, out_rgb, &notes, message, sizeof message);
     free(file);
     if (result != BTF_OK) {
-        return enc_fail(context, result, "%s: %s: %s", set->source->location, set->source->paths[item],
-                        message[0] ? message : btf_result_text(result));
+        return enc_source_fail(context, set->source, item, result, message);
     }
     for (size_t i = 0; i < values; i++) {
         const float value = out_rgb[i] * factor;
